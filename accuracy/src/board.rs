@@ -44,15 +44,15 @@ impl Board {
         (2..=rows).flat_map(|row| (2..=columns).map(move |column| self.corner(column, row))).collect()
     }
 
-    /// Corner by its column and row, counted with the border.
+    /// Corner at `column` and `row`, counted with the border.
     fn corner(&self, column: u32, row: u32) -> DVec3 {
         let [columns, rows] = self.squares.map(|count| 0.5 * f64::from(count) + 1.0);
         self.side * DVec3::new(f64::from(column) - columns, f64::from(row) - rows, 0.0)
     }
 }
 
-/// Crossings in a picture at which two dark and two light fields meet diagonally, with sub-pixel accuracy: columns to the right,
-/// rows downwards, the centre of the first pixel at (0.5, 0.5).
+/// Crossings in a picture at which two dark and two light squares meet diagonally, with sub-pixel accuracy: columns to the right, rows
+/// downwards, the centre of the first pixel at (0.5, 0.5).
 ///
 /// Finds saddle points of the brightness, blurred by a Gaussian of 2.5 pixels: candidates at every other pixel, refined to zeros
 /// of the gradient by Newton's method. The four fields are symmetric under a half turn about their crossing, so the crossing
@@ -84,14 +84,14 @@ pub fn crossings(picture: &Picture<[u8; 3]>) -> Vec<DVec2> {
     found
 }
 
-/// Standard deviation of the Gaussian, in pixels. The error from pixels that average over their area falls with the square of the
+/// Standard deviation of the Gaussian, in pixels. The error due to pixels that average over their area falls with the square of the
 /// deviation (0.01 pixel at 2.5); the board's squares should therefore be at least 15 pixels wide.
 const BLUR: f64 = 2.5;
 /// Radius at which the Gaussian is truncated, in pixels.
 const REACH: isize = 11;
 /// Distance between the starting points of the search for saddles, in pixels.
 const STEP: usize = 2;
-/// Width of the picture's border in which no crossing is searched, in pixels.
+/// Width of the picture's border that the search excludes, in pixels.
 const MARGIN: usize = 13;
 
 struct Brightness<'p>(&'p Picture<[u8; 3]>);

@@ -1,9 +1,8 @@
-//! Fair comparisons of methods: the same search for the parameters of each, held-out cases, and intervals of paired differences.
+//! Fair comparisons of methods: the same parameter search for each method, held-out cases, and intervals of paired differences.
 //!
-//! [`tune`] searches the parameters of one method on training cases, with a budget that is the same for all methods. Its result has
-//! been tried with each parameter one step lower and one step higher, so no optimum lies at the edge of a range: a range has no edge
-//! but that of the parameter's meaning. [`Difference`] compares two methods on cases that no search has seen. The protocol is
-//! described in `docs/accuracy.md`.
+//! [`tune`] searches the parameters of one method on training cases, with a budget that is the same for all methods. It tries its result
+//! with each parameter one step lower and one step higher, so no optimum lies at the edge of a range; only the parameter's meaning limits
+//! its range. [`Difference`] compares two methods on cases that no search has used. The protocol is described in `docs/accuracy.md`.
 
 use std::collections::HashMap;
 
@@ -19,15 +18,15 @@ pub struct Parameter {
     pub start: f64,
     /// Factor of one step, above 1.
     pub ratio: f64,
-    /// Maximum value that has a meaning (1 for a share); infinite if all have. An optimum may lie there.
+    /// Maximum meaningful value (1 for a share), at which an optimum may lie; infinite without a limit.
     pub most: f64,
-    /// A step is an improvement if it lowers the mean error by more than this share; a coarse step counts as two. The same for all
-    /// methods that have the parameter; greater for one whose steps multiply the work.
+    /// A step is an improvement if it lowers the mean error by more than this share; a coarse step counts as two. The same for all methods
+    /// that have the parameter; larger for a parameter whose steps multiply the work.
     pub gain: f64,
 }
 
 impl Parameter {
-    /// The value `step` steps from the start, `None` beyond the maximum with a meaning.
+    /// The value `step` steps from the start, `None` beyond the maximum.
     fn value(&self, step: i32) -> Option<f64> {
         let value = self.start * self.ratio.powi(step);
         (value <= self.most).then_some(value)
@@ -39,11 +38,11 @@ impl Parameter {
 pub struct Search {
     /// Number of training cases.
     pub cases: usize,
-    /// Number of cases, the first ones, on which coarse steps are tried; fine steps are tried on all.
+    /// Number of initial cases on which coarse steps are tried; fine steps are tried on all cases.
     pub few: usize,
     /// Maximum number of evaluations; one evaluation is one case with one setting.
     pub budget: usize,
-    /// Number of cases after which a setting is dropped if it is clearly no improvement: by two standard errors.
+    /// Number of cases after which a setting is dropped if it is clearly worse, by two standard errors.
     pub first: usize,
 }
 
@@ -81,17 +80,17 @@ pub enum TuneError {
     },
 }
 
-/// Searches the setting of a method with the minimum mean error over the training cases.
+/// Searches for the setting of a method with the minimum mean error over the training cases.
 ///
-/// A compass search: each parameter is moved two steps up and down on a few cases, then one step on all cases, as long as this lowers the
-/// error; it ends when no single step along any parameter does. The last parameter comes first: it should be the resolution, without
-/// which the others have no sharp optimum. `error` has the error of a setting in a case.
+/// The method is a compass search: it moves each parameter two steps up and down on a few cases, then one step on all cases, as long as
+/// this lowers the error; it ends when no single step along any parameter does. The last parameter comes first: it should be the
+/// resolution, without which the others have no sharp optimum. `error` returns the error of a setting in a case.
 ///
 /// # Errors
 /// [`TuneError`].
 ///
 /// # Panics
-/// Without cases, with more few cases than cases, or if the start of a parameter has no meaning.
+/// Without cases, with more `few` cases than cases, or if the start of a parameter is meaningless.
 pub fn tune(
     parameters: &[Parameter],
     search: Search,
@@ -115,7 +114,7 @@ struct Trial<'a, E> {
     parameters: &'a [Parameter],
     search: Search,
     error: E,
-    /// Errors of the first cases of each setting.
+    /// Known errors of each setting, for its first cases.
     known: HashMap<Vec<i32>, Vec<f64>>,
     evaluations: usize,
 }
@@ -144,7 +143,7 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
         Ok(())
     }
 
-    /// On the first `cases`, moves `best` by `stride` steps along one parameter after the other, each as far as that is an improvement, until none is.
+    /// On the first `cases`, moves `best` by `stride` steps along one parameter after the other, as long as this is an improvement.
     fn descend(&mut self, best: &mut Vec<i32>, stride: i32, cases: usize) -> Result<(), TuneError> {
         let ways: Vec<(usize, i32)> =
             (0..self.parameters.len()).rev().flat_map(|index| [(index, stride), (index, -stride)]).collect();
@@ -166,8 +165,8 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
         Ok(())
     }
 
-    /// Returns true if the mean error of a setting is less than a share of that of the best. Compares one case after the other, and stops
-    /// when it is clearly not.
+    /// Returns true if the mean error of a setting is less than a share of the best setting's. Compares case by case, and stops when it
+    /// clearly is not.
     fn is_better(&mut self, steps: &[i32], best: &[i32], share: f64, cases: usize) -> Result<bool, TuneError> {
         let mut losses = Vec::with_capacity(cases);
         for case in 0..cases {
@@ -191,14 +190,14 @@ fn mean_and_standard_error(sample: &[f64]) -> (f64, f64) {
     (mean, if count > 1.0 { (square / (count - 1.0) / count).sqrt() } else { f64::INFINITY })
 }
 
-/// Minimum number of pairs for an interval: the bootstrap of fewer is a matter of luck.
+/// Minimum number of pairs for an interval: the bootstrap of fewer pairs is unreliable.
 const LEAST_PAIRS: usize = 10;
 /// Number of resamples of the bootstrap.
 const RESAMPLES: usize = 10_000;
 /// Share of the resamples outside the interval, at each end.
 const TAIL: f64 = 0.025;
 
-/// Mean of a sample with a bound on each side.
+/// Mean of a sample with a lower and an upper bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// The mean.
@@ -216,13 +215,13 @@ pub struct Interval {
 pub enum Ends {
     /// Bootstrap interval of the mean at 95 %.
     Bootstrap,
-    /// Minimum and maximum value: there are too few values for an interval.
+    /// Minimum and maximum value, if there are too few values for a bootstrap interval.
     Range,
 }
 
 impl Interval {
-    /// Interval of the mean of independent values: by the percentile bootstrap (Efron 1979; 10,000 resamples, always the same ones) at
-    /// 95 %, or the range of fewer than ten values. Values of one cluster (rooms, robots) count as one value: their mean.
+    /// Interval of the mean of independent values: the 95 % percentile bootstrap (Efron 1979; 10,000 resamples, always the same), or the
+    /// range of fewer than ten values. The values of one cluster (room, robot) must be passed as one value, their mean.
     ///
     /// # Panics
     /// Without values.
@@ -248,9 +247,9 @@ impl Interval {
 /// Comparison of two methods on the same cases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
-    /// Error of the first method less that of the second, case by case.
+    /// Error of the first method minus the error of the second, case by case.
     pub interval: Interval,
-    /// Number of cases in which the first has the smaller error.
+    /// Number of cases in which the first method has the smaller error.
     pub wins: usize,
     /// Number of cases.
     pub cases: usize,
@@ -263,7 +262,7 @@ pub enum Verdict {
     First,
     /// The second method has the smaller error.
     Second,
-    /// The cases do not tell.
+    /// The cases do not decide.
     Open,
 }
 
@@ -279,7 +278,7 @@ impl Difference {
         Self { interval: Interval::of(&differences), wins, cases: differences.len() }
     }
 
-    /// The rule of decision: a method has the smaller error if the whole interval is on its side of 0.
+    /// The verdict: a method has the smaller error if the whole interval is on its side of 0.
     pub fn verdict(&self) -> Verdict {
         match self.interval {
             Interval { high, .. } if high < 0.0 => Verdict::First,
@@ -317,7 +316,7 @@ mod tests {
         }
     }
 
-    /// The fault of a list of partitions that ends where the error still falls.
+    /// The mistake of a list of partitions that ends where the error still falls.
     #[test]
     fn an_error_that_falls_for_ever_is_no_optimum() {
         let error = tune(&[parameter(1.0)], SEARCH, |setting, _| 1.0 / setting[0]).expect_err("no optimum");

@@ -1,4 +1,4 @@
-//! A long drive, by the core and by the integrators of other simulators, compared with its end pose to 30 digits.
+//! A long drive, computed by the core and by the integrators of other simulators, and its end pose to 30 digits.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -69,7 +69,7 @@ impl Course {
         self.0.iter().map(|drive| drive.seconds).sum()
     }
 
-    /// End pose of the course: the closed form of each drive, in numbers of 30 digits.
+    /// End pose of the course: the closed form of each drive, computed with 30 digits.
     pub fn end(&self) -> End {
         let mut end = End::default();
         for Drive { displacement: Twist { vx, vy, omega }, .. } in &self.0 {
@@ -89,7 +89,7 @@ impl Course {
     }
 }
 
-/// Pose in numbers of 30 digits.
+/// Pose with 30 digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct End {
     /// Position, m.
@@ -119,7 +119,7 @@ const LEAST_ASKED: Time = Time(100);
 
 /// True pose at the end of the course as the core drives it in slots of length `slot`, in a world without walls.
 ///
-/// Each drive is commanded when the one before has ended. The pose is queried after each slot; if slots are shorter
+/// Each drive is commanded when the previous one has ended. The pose is queried after each slot; if slots are shorter
 /// than 100 us, after every 100 us.
 ///
 /// # Panics
@@ -245,7 +245,7 @@ mod tests {
         assert_eq!(course.seconds(), 600);
         let end = course.end();
         let expected = core(&course, Time(1_000_000));
-        // A picometre and a picoradian after 130 drives.
+        // Within a picometre and a picoradian after 130 drives.
         assert!(end.distance(&expected) < 1e-12 && end.angle(&expected) < 1e-12, "{} m", end.distance(&expected));
         for slot in [1_000, 7_919, 50_000, 200_000] {
             assert_eq!(core(&course, Time(slot)), expected, "slots of {slot} us");

@@ -1,4 +1,4 @@
-//! Charts: curves over a pair of axes, rendered by whoever shows them.
+//! Charts: curves over a pair of axes, rendered by the caller.
 
 #[cfg(feature = "studies")]
 use crate::study::Row;
@@ -57,8 +57,8 @@ pub struct Series {
 
 #[cfg(feature = "studies")]
 impl Figure {
-    /// Error against time of these rows, both on logarithmic axes: one curve per method, its points in the order of the rows. A
-    /// method whose settings do not trade error for time gets dots only.
+    /// Error against time of these rows, both on logarithmic axes: one curve per method, with points in the order of the rows. A method
+    /// whose settings do not trade error for time gets only dots.
     ///
     /// `None` without rows. All rows must belong to one study.
     pub fn of_rows(title: &str, rows: &[Row]) -> Option<Self> {

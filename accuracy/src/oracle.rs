@@ -1,4 +1,4 @@
-//! Brute force: no index, no closed form for contacts, formulas other than those of the core.
+//! Brute-force solutions: no index, no closed form for contacts, formulas other than the core's.
 
 use glam::{DVec2, DVec3};
 use sim_core::math;
@@ -25,7 +25,7 @@ pub fn nearest_wall(
     nearest(distances, range)
 }
 
-/// Smallest of these distances up to `range`, and its index; the first of equal ones.
+/// Smallest of these distances up to `range`, and its index; the first of equal distances.
 fn nearest(distances: impl Iterator<Item = Option<f64>>, range: f64) -> Option<(f64, usize)> {
     distances
         .enumerate()
@@ -117,16 +117,16 @@ fn distance_to_point(segment: &Segment, point: DVec2) -> f64 {
 /// Number of samples into which the horizon is divided while the disc is close to a wall.
 const SAMPLES: f64 = 1e5;
 
-/// First instant, in seconds from 0 to `horizon`, at which a disc touches one of `segments`; 0 if the disc overlaps one at the
-/// start, even if it moves away. `None` if it touches none, and if an argument is not finite.
+/// First instant, in seconds from 0 to `horizon`, at which a disc touches one of `segments`; 0 if the disc overlaps a segment at the start,
+/// even if it moves away. `None` if it touches no segment, and if an argument is not finite.
 ///
 /// The disc of `radius` metres has its centre in the origin of a frame that starts at `start` and moves with the constant
 /// `twist` (in that frame; see [`Twist::at_offset`] for a centre elsewhere).
 ///
-/// The clearance is sampled and its first change of sign is bisected. The next sample is as far ahead as the disc takes to travel
-/// the clearance, at least 10^-5 of the horizon. A contact is missed only if the disc overlaps for less time than that, and by
-/// less than it travels in that time. A contact found is exact within rounding: about 10^-15 m divided by the speed of approach,
-/// which is 10^-9 s unless the disc grazes the wall.
+/// The clearance is sampled and its first change of sign is bisected. The next sample is as far ahead as the disc takes to travel the
+/// clearance, at least 10^-5 of the horizon. A contact is missed only if the disc overlaps for less time than that, and by less than it
+/// travels in that time. A contact is exact within rounding: about 10^-15 m divided by the speed of approach, which is 10^-9 s unless the
+/// disc grazes the wall.
 pub fn first_contact(segments: &[Segment], start: Pose, twist: Twist, radius: f64, horizon: f64) -> Option<f64> {
     if !(twist.is_finite() && start.position.is_finite() && radius.is_finite() && horizon.is_finite()) {
         return None;
@@ -177,8 +177,8 @@ fn centre_at(start: &Pose, twist: Twist, t: f64) -> DVec2 {
     start.position + forward.rotate(mean * t)
 }
 
-/// Bisects the interval from `low`, where `holds` is false, to `high`, where it is true, down to adjacent doubles and returns
-/// the upper one.
+/// Bisects the interval from `low`, where `holds` is false, to `high`, where it is true, down to adjacent `f64` numbers and returns the
+/// upper one.
 fn bisected(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = low + 0.5 * (high - low);
@@ -249,8 +249,8 @@ impl Body {
 
 /// Nearest of `bodies` along a ray, as in [`nearest_wall`]: distance in metres from `origin`, and index in the list.
 ///
-/// Sphere tracing: each step along the ray is as long as the distance to the nearest body, so no step enters a body, and the march
-/// ends within `close` metres of the first. A ray that passes a body that closely without hitting it counts as a hit.
+/// Sphere tracing: each step along the ray is as long as the distance to the nearest body, so no step enters a body, and the march ends
+/// within `close` metres of the first body. A ray that passes a body within this distance counts as a hit.
 pub fn nearest_body(bodies: &[Body], origin: DVec3, direction: DVec3, range: f64, close: f64) -> Option<(f64, usize)> {
     let mut travelled = 0.0;
     while travelled <= range {

@@ -1,4 +1,4 @@
-//! A furnished room, the common test scene of all renderers.
+//! A furnished room: the common test scene of all renderers.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -69,7 +69,7 @@ pub fn room() -> Mesh {
     mesh
 }
 
-/// The room under the sky, and nothing else.
+/// Scenery that consists only of the room, under the sky.
 pub fn scenery(light: Light) -> Scenery {
     let part = Part { mesh: Arc::new(room()), label: Label::Fixed(0), attachment: Attachment::Fixed(Pose3::IDENTITY) };
     Scenery::new(vec![part], None, light, Sky { horizon: [200, 210, 230], zenith: [90, 140, 220] })

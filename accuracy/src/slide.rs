@@ -29,8 +29,8 @@ pub struct Case {
 /// Maximum number of sweeps in the search for the forces of one step.
 const ROUNDS: usize = 400;
 
-/// Gap that counts as closed, m: larger than the gap that opens in a step around a corner, too small for a step of its
-/// own.
+/// Gap that counts as closed, m: larger than the gap that opens in a step around a corner, too small for a separate
+/// step.
 const CLOSED: f64 = 1e-7;
 
 impl Case {
@@ -58,7 +58,7 @@ impl Case {
     }
 
     /// Position of the centre after `seconds`, by Richardson extrapolation from `steps` steps and twice as many steps,
-    /// and its distance from the position by twice as many steps.
+    /// and its distance from the position with twice as many steps.
     pub fn extrapolated(&self, seconds: f64, steps: u64) -> (DVec2, f64) {
         let (coarse, fine) = (self.by_steps(seconds, steps), self.by_steps(seconds, 2 * steps));
         // The method is of second order except at the instants at which contacts end.

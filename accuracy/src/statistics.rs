@@ -75,11 +75,11 @@ pub fn kolmogorov(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     (1..100).map(term).sum::<f64>().clamp(0.0, 1.0)
 }
 
-/// Pearson's chi-squared test: p-value of `counts` under the hypothesis that their expected values are `expected`, which has the same
-/// sum. Adjacent classes are merged until each has an expected count of at least 10. By Wilson's and Hilferty's approximation.
+/// Pearson's chi-squared test by Wilson's and Hilferty's approximation: p-value of `counts` under the hypothesis that their expected values
+/// are `expected`, which has the same sum. Adjacent classes are merged until each has an expected count of at least 10.
 ///
 /// # Panics
-/// If there are fewer than two classes left, or not as many counts as expectations.
+/// If fewer than two classes remain, or the numbers of counts and expectations differ.
 pub fn chi_squared(counts: &[f64], expected: &[f64]) -> f64 {
     assert_eq!(counts.len(), expected.len(), "a count for each expectation");
     let mut classes: Vec<(f64, f64)> = Vec::new();
@@ -106,7 +106,7 @@ pub fn binomial(count: u64, trials: u64, probability: f64) -> f64 {
         let certain = if probability <= 0.0 { 0 } else { trials };
         return f64::from(u8::from(count == certain));
     }
-    // Sums the probabilities outwards from the mode, relative to that of the mode, until they underflow to 0.
+    // Sums the probabilities outwards from the mode, relative to the mode's probability, until they underflow to 0.
     let mode = ((trials + 1) as f64 * probability).floor().min(trials as f64) as u64;
     let odds = probability / (1.0 - probability);
     let (mut all, mut below, mut above) = (0.0, 0.0, 0.0);
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn binomial_tails_are_exact() {
-        // 10 throws of a fair coin: at most 2 heads with (1 + 10 + 45) / 1024.
+        // 10 throws of a fair coin: at most 2 heads with probability (1 + 10 + 45) / 1024.
         assert!((binomial(2, 10, 0.5) - 2.0 * 56.0 / 1024.0).abs() < 1e-15);
         assert!((binomial(8, 10, 0.5) - 2.0 * 56.0 / 1024.0).abs() < 1e-15);
         assert_eq!(binomial(5, 10, 0.5), 1.0);

@@ -1,4 +1,4 @@
-//! Contacts of a disc with walls at instants given by a formula, as found by the core and by a simulator that works in
+//! Contacts of a disc with walls at instants given by a formula, found by the core and by a simulator that works in
 //! steps.
 
 use std::f64::consts::PI;
@@ -54,10 +54,10 @@ pub struct Case {
 }
 
 impl Case {
-    /// Draws a case at random: a contact within some seconds, with coordinates of the start of at most 5 m.
+    /// Draws a case at random: a contact within several seconds, with start coordinates of at most 5 m.
     ///
-    /// The instant is chosen first. The wall is then put where the disc is at that instant, so that no formula need be
-    /// inverted. Cases in which the disc touches the wall earlier are drawn again.
+    /// The instant is chosen first; the wall is then placed where the disc is at that instant, so that no formula must
+    /// be inverted. Cases in which the disc touches the wall earlier are drawn again.
     pub fn draw(random: &mut Random, approach: Approach) -> Self {
         loop {
             let case = Self::draw_any(random, approach);

@@ -5,23 +5,23 @@
 use std::f64::consts::FRAC_PI_2;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Number as the sum of two doubles, the second at most half a unit in the last place of the first.
+/// Number as the sum of two `f64`, the second at most half a unit in the last place of the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wide {
     high: f64,
     low: f64,
 }
 
-/// Half of pi, to the precision of two doubles.
+/// Half of pi, in double-double precision.
 const HALF_PI: Wide = Wide { high: FRAC_PI_2, low: 6.123_233_995_736_766e-17 };
 
 impl Wide {
-    /// Nearest double.
+    /// The nearest `f64`.
     pub fn rounded(self) -> f64 {
         self.high
     }
 
-    /// Sum of two doubles without loss of its rounding error.
+    /// Sum of two `f64` including its rounding error.
     fn of_sum(a: f64, b: f64) -> Self {
         let high = a + b;
         let part = high - a;

@@ -1,4 +1,4 @@
-//! Random scenes and rays for comparing the core with the oracles, the same at every call.
+//! Random scenes and rays for comparing the core with the oracles; the same seed gives the same scene.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ impl Random {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// Uniform in [`low`, `high`).
+    /// Uniform number in [`low`, `high`).
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         let unit = (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
         low + unit * (high - low)
@@ -31,7 +31,7 @@ impl Random {
         (self.0.next_u64() % count as u64) as usize
     }
 
-    /// True with this `probability`.
+    /// Returns true with this `probability`.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.between(0.0, 1.0) < probability
     }

@@ -52,10 +52,10 @@ pub struct Contact {
     pub point: DVec2,
 }
 
-/// A stretch of a robot's published motion: constant twist, then rest.
+/// A segment of a robot's published motion: constant twist, then rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Start of the stretch.
+    /// Start of the segment.
     pub start: Time,
     /// Pose of the robot's centre at the start.
     pub from: Pose,
@@ -67,8 +67,8 @@ pub struct Stretch {
 
 /// The static walls and the published motion of all robots, for the present slot and the 100 ms before.
 ///
-/// A clone continues with the same bits as the original, and the two are independent. They share the immutable parts:
-/// walls, shapes, surfaces.
+/// A clone is independent of the original and evolves bit-identically. Both share the immutable parts: walls, shapes,
+/// surfaces.
 #[derive(Clone, Debug)]
 pub struct World {
     walls: Arc<Walls>,
@@ -81,7 +81,7 @@ pub struct World {
     moving: BoundsIndex<RobotId>,
     /// Index over the bodies at rest.
     resting: BoundsIndex<RobotId>,
-    /// By robot, true if its body is in `resting` and nothing has changed its [track](Track::is_resting) since.
+    /// For each robot, true if its body is in `resting` and its [track](Track::is_resting) has not changed since.
     are_resting: Vec<bool>,
     /// Number of robots that were removed longer ago than the history reaches.
     forgotten: usize,
@@ -163,7 +163,7 @@ impl World {
         self
     }
 
-    /// Sets the geometry that only rays in space distinguish: shapes, heights and surfaces.
+    /// Sets the geometry that only rays in space see: shapes, heights and surfaces.
     pub fn with_space(mut self, space: Space) -> Self {
         self.indexed_space = Arc::new(IndexedSpace::new(space, &self.walls));
         self
@@ -186,8 +186,8 @@ impl World {
     }
 
     /// Robots that cannot receive a message sent by `robot` from `position` at `at`, each with the reason, in the order
-    /// of their ids. They are beyond the channel's range or, if the channel needs a line of sight, behind a wall of any
-    /// height. Bodies do not block messages: our choice.
+    /// of their ids. These robots are out of the channel's range or, if the channel needs a line of sight, behind a
+    /// wall of any height. Bodies do not block messages: our choice.
     pub fn unreachable_robots(&self, robot: RobotId, position: DVec2, at: Time) -> Vec<(RobotId, Loss)> {
         let RadioModel { range, line_of_sight, .. } = *self.radio.model();
         if range.is_none() && !line_of_sight {
@@ -252,7 +252,7 @@ impl World {
     /// Places a movable object at `world_from_object`, at rest and awake, at the end of the present slot. Must be
     /// called before [`World::advance`]. Of several calls for one object, the last one counts.
     ///
-    /// Any place is allowed: an object inside a wall or a body is pushed out. A removed object stays removed.
+    /// Any pose is allowed: an object inside a wall or a body is pushed out. A removed object stays removed.
     ///
     /// # Errors
     /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.
@@ -265,8 +265,8 @@ impl World {
         Ok(())
     }
 
-    /// Places a movable object at `world_from_object` now, at the start of the slot, at rest and awake; the pose is
-    /// published at once.
+    /// Places a movable object at `world_from_object` now, at the start of the slot, at rest and awake; publishes the
+    /// pose immediately.
     ///
     /// Any place is allowed: an object inside a wall or a body is pushed out.
     ///
@@ -284,7 +284,7 @@ impl World {
         Ok(())
     }
 
-    /// Lets the steps of movable objects be kept for [`World::take_object_steps`] from now on.
+    /// Keeps the steps of movable objects for [`World::take_object_steps`] from now on.
     pub fn keep_object_steps(&mut self) {
         if let Some(objects) = &mut self.objects {
             objects.keep_steps();
@@ -344,7 +344,7 @@ impl World {
         self.tracks[robot.index()].pose(at)
     }
 
-    /// Published motion of a robot in the present slot: at least one stretch, in the order of time; the first one
+    /// Published motion of a robot in the present slot: at least one segment, in the order of time; the first one
     /// covers the slot's start.
     pub fn stretches(&self, robot: RobotId) -> impl Iterator<Item = Stretch> {
         let passages = self.tracks[robot.index()].passages();
@@ -408,7 +408,7 @@ impl World {
     /// is as for [`World::advance`], in the order of ids; `observe` gets each motion once its contacts are resolved, while the whole
     /// slot can still be queried.
     ///
-    /// Returns false if the world has advanced already, because nothing can have changed. Else the caller has to publish all
+    /// Returns false if the world has already advanced because nothing can have changed. Otherwise the caller has to publish all
     /// [publications](World::publications) and call [`World::conclude`].
     pub(crate) fn settle(
         &mut self,
@@ -437,7 +437,7 @@ impl World {
         true
     }
 
-    /// Second part of the end of a slot: what each active robot publishes, in the order of ids.
+    /// Second part of the end of a slot: the publication of each active robot, in the order of ids.
     pub(crate) fn publications(&mut self) -> impl Iterator<Item = Publication<'_>> {
         let is_alone = self.has_single_robot();
         let mut tracks = self.tracks.iter_mut().enumerate();
@@ -450,7 +450,7 @@ impl World {
         })
     }
 
-    /// Last part of the end of a slot, after what all robots of `active` publish has been published: advances to the next slot.
+    /// Last part of the end of a slot, after all robots of `active` have published: advances to the next slot.
     pub(crate) fn conclude(&mut self, active: &mut [&mut Motion]) {
         let end = self.slot_end();
         self.now = end;
@@ -501,8 +501,8 @@ impl World {
         self.stances.insert(motion.id(), PublishedStance { stance, parts });
     }
 
-    /// Pose of a robot's body in space at `at`. Its height is that of the published stance at the start of the present
-    /// slot.
+    /// Pose of a robot's body in space at `at`. Its height is taken from the published stance at the start of the
+    /// present slot.
     pub fn robot_pose_in_space(&self, robot: RobotId, at: Time) -> Pose3 {
         Pose3::from_planar(&self.robot_pose(robot, at), self.stance(robot).map_or(0.0, |stance| stance.lift))
     }
@@ -568,7 +568,7 @@ impl World {
         self.refresh_index_after(None);
     }
 
-    /// As [`World::refresh_index`], where the active robots of `published` have just published their motion.
+    /// Like [`World::refresh_index`], after the active robots of `published` have published their motion.
     fn refresh_index_after(&mut self, published: Option<&TrueMotions>) {
         let (from, to) = (self.now - HISTORY, self.slot_end().max(self.quiescence.until));
         let mut has_rest_changed = false;
@@ -621,7 +621,7 @@ impl World {
     }
 }
 
-/// What an active robot publishes at the end of a slot.
+/// Publication of an active robot at the end of a slot.
 pub(crate) struct Publication<'a> {
     course: &'a mut Course,
     track: &'a mut Track,
@@ -657,7 +657,7 @@ impl Publication<'_> {
     }
 }
 
-/// The passage in force at `at`: the last passage started by then, else the first.
+/// The passage in force at `at`: the last passage started by then, otherwise the first.
 fn passage_at(passages: &[Passage], at: Time) -> &Passage {
     let started = passages.iter().rposition(|passage| passage.since() <= at);
     &passages[started.unwrap_or(0)]

@@ -1,7 +1,7 @@
-//! The window in which users watch a simulation and take part in it: a server, the page that it serves, and the protocol between
-//! the two.
+//! The window in which users watch a simulation and intervene in it: a server, the page that it serves, and the protocol between both.
 //!
-//! Knows nothing of the simulator, which fills the types of [`protocol`] and carries out the pages' commands.
+//! The crate does not depend on the simulator, which fills the types of [`protocol`] and carries out the pages'
+//! commands.
 #![forbid(unsafe_code)]
 
 pub mod page;

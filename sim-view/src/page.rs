@@ -1,4 +1,4 @@
-//! The page as served: files built by Vite, embedded in release builds, built on demand in others.
+//! The page as served: files built by Vite, embedded in release builds and built on demand in other builds.
 
 mod build;
 
@@ -7,7 +7,7 @@ use std::path::Path;
 
 use axum::body::Bytes;
 
-/// Files of the page embedded in release builds; empty in others.
+/// Files of the page embedded in release builds; empty in other builds.
 static EMBEDDED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/embedded.rs"));
 
 /// Files of the page, or the reason why there are none.
@@ -22,8 +22,8 @@ pub struct Page {
 pub struct NoPage(String);
 
 impl Page {
-    /// Loads the page: the embedded one or, in a checkout, the one built there. Calls `say` if the page has to be built
-    /// first, which takes some seconds to a minute.
+    /// Loads the embedded page or, in a checkout, the page built there. Calls `say` if the page has to be built first,
+    /// which takes several seconds to a minute.
     #[must_use]
     pub fn load(mut say: impl FnMut(&str)) -> Page {
         if !EMBEDDED.is_empty() {
@@ -40,19 +40,19 @@ impl Page {
         }
     }
 
-    /// Page of these files, by path; browsers request `index.html` first.
+    /// The page that consists of these files, by path; browsers request `index.html` first.
     #[must_use]
     pub fn of(files: impl IntoIterator<Item = (String, Vec<u8>)>) -> Page {
         Page { files: Ok(files.into_iter().map(|(name, content)| (name, content.into())).collect()) }
     }
 
-    /// A missing page: requests for it are answered with `why`.
+    /// A missing page: requests are answered with `why`.
     #[must_use]
     pub fn missing(why: &str) -> Page {
         Page { files: Err(why.into()) }
     }
 
-    /// Reason why there is no page; none if there is one.
+    /// Reason why there is no page; `None` if there is one.
     #[must_use]
     pub fn why_missing(&self) -> Option<&str> {
         self.files.as_ref().err().map(String::as_str)

@@ -1,6 +1,6 @@
 //! The server: shows a run to pages and delivers their commands.
 //!
-//! It runs on its own thread. The simulation never waits for it: not for a page, the network or serialisation.
+//! The server runs on its own thread. The simulation never waits for it: not for a page, the network or serialisation.
 
 mod access;
 mod hub;
@@ -40,7 +40,7 @@ pub enum OpenError {
     /// Another program listens at this address.
     #[error("`{0}` is taken by another program: choose another port, or 0 for any free one")]
     Taken(SocketAddr),
-    /// This machine has no such address.
+    /// The address does not belong to this machine.
     #[error("`{0}` is not an address of this machine")]
     NoAddress(SocketAddr),
     /// The token of a class is empty.
@@ -51,14 +51,14 @@ pub enum OpenError {
     Other(SocketAddr, io::Error),
 }
 
-/// Details of a robot that pages request.
+/// Request of pages for details of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
     /// Number of the robot.
     pub robot: u32,
-    /// Include pictures of its camera.
+    /// True to include pictures of its camera.
     pub camera: bool,
-    /// Include its RoBIOS calls in the events.
+    /// True to include its RoBIOS calls in the events.
     pub calls: bool,
 }
 
@@ -69,7 +69,8 @@ pub struct Window {
     hub: Arc<Hub>,
     commands: Commands,
     server: Arc<Server>,
-    /// Signals that the thread is about to end. In a mutex because several threads of the simulator share a window.
+    /// Signals that the thread is about to end. The mutex is needed because several threads of the simulator share a
+    /// window.
     done: Mutex<mpsc::Receiver<()>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -117,7 +118,7 @@ impl Window {
         self.address
     }
 
-    /// URL for the user who started the window: with the token, if there is one, in the fragment, which is sent to no server.
+    /// URL for the user who started the window, with the token, if any, in the fragment, which browsers never send to a server.
     #[must_use]
     pub fn url(&self) -> String {
         match &self.access {
@@ -132,13 +133,14 @@ impl Window {
         format!("http://{}/", SocketAddr::new(reachable(self.address.ip()), self.address.port()))
     }
 
-    /// Shows the scene: at first, when a run starts, and when its bodies have changed. A new run number empties the list of events.
+    /// Shows the scene; must be called first, when a run starts, and when its bodies have changed. A new run number empties the list of
+    /// events.
     pub fn show_scene(&self, scene: Scene) {
         self.hub.show_scene(scene);
     }
 
-    /// Shows the current state, with details of the robots that [`looks`](Self::looks) names. Slow pages skip intermediate states. A
-    /// detail without a display keeps the display of the detail before.
+    /// Shows the current state, with details of the robots that [`looks`](Self::looks) names. Slow pages skip intermediate states. A detail
+    /// without a display keeps the display of the previous detail.
     pub fn show(&self, snapshot: Snapshot, details: Vec<Detail>) {
         self.hub.show(snapshot, details);
     }
@@ -154,7 +156,7 @@ impl Window {
         self.hub.build(build);
     }
 
-    /// Robots that pages look at, each with all details that any page requests, in order of their numbers.
+    /// Robots selected by pages, each with all details that any page requests, in order of their numbers.
     #[must_use]
     pub fn looks(&self) -> Vec<Look> {
         self.hub.looks()
@@ -178,7 +180,7 @@ impl Window {
         &self.commands
     }
 
-    /// Offers a download as `/files/NAME`, replacing one of that name. `recording.json` is also served as `/recording.json`.
+    /// Offers a download as `/files/NAME`; replaces an earlier download of that name. `recording.json` is also served as `/recording.json`.
     pub fn offer(&self, name: &str, download: Download) {
         self.server.offer(name, download);
     }
@@ -196,8 +198,8 @@ impl Drop for Window {
     }
 }
 
-/// Address at which other machines reach this one. An unspecified address is replaced by that of the route to the outside,
-/// which is looked up without sending anything.
+/// Address at which other machines reach this one. An unspecified address is replaced by the address of the route to the outside, which is
+/// looked up without sending anything.
 fn reachable(ip: IpAddr) -> IpAddr {
     if !ip.is_unspecified() {
         return ip;

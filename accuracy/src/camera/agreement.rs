@@ -6,7 +6,7 @@ use sim_core::{RobotId, camera::PosedScenery};
 
 use super::{Reference, Sight};
 
-/// A camera's pictures of one view.
+/// A camera's colour, depth and label pictures of one view.
 #[derive(Clone, Debug)]
 pub struct Shot {
     /// Red, green and blue, one sample per pixel.
@@ -33,7 +33,7 @@ impl Shot {
 pub struct Agreement {
     /// Number of pixels compared.
     pub pixels: usize,
-    /// Pixels that differ from the reference at the pixel's centre: another label, a depth error above [`DEPTH`], or a colour
+    /// Number of pixels that differ from the reference at the pixel's centre: another label, a depth error above [`DEPTH`], or a colour
     /// error of more than one grey level.
     pub differing: usize,
     /// Differing pixels that the reference cannot explain: their values lie outside the range of the reference's values
@@ -41,7 +41,7 @@ pub struct Agreement {
     pub wrong: Vec<Wrong>,
 }
 
-/// A pixel that is wrong.
+/// A wrong pixel.
 #[derive(Clone, Debug)]
 pub struct Wrong {
     /// Column and row.

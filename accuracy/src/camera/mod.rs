@@ -1,7 +1,7 @@
-//! Slow reference for cameras: one ray per image point, each face tested in doubles, with formulas other than the
+//! Slow reference renderer: one ray per image point, tested against each face in `f64`, with formulas other than the
 //! core's.
 //!
-//! Written from the documentation of [`sim_core::camera`] on pictures, colours and filters; shares only the scenery with the
+//! It was written from the documentation of [`sim_core::camera`] on pictures, colours and filters, and shares only the scenery with the
 //! core.
 
 mod agreement;
@@ -30,7 +30,7 @@ pub struct Sight {
     pub depth: f64,
     /// Red, green, blue, 0 to 255.
     pub colour: [f64; 3],
-    /// The sun reaches this point.
+    /// True if the sun reaches this point.
     pub is_sunlit: bool,
 }
 
@@ -68,7 +68,7 @@ struct Body<'s> {
 struct Face<'s> {
     number: usize,
     corners: [DVec3; 3],
-    /// Unit normal; the corners are counter-clockwise around it.
+    /// Unit normal on the side from which the corners are counter-clockwise.
     normal: DVec3,
     normals: Option<[DVec3; 3]>,
     uv: Option<[DVec2; 3]>,
@@ -117,7 +117,7 @@ impl<'s> Reference<'s> {
         Self { posed, bodies, images }.by(by)
     }
 
-    /// This reference for the camera of another robot, or of none.
+    /// This reference for the camera of another robot, or of no robot.
     pub fn by(mut self, by: Option<RobotId>) -> Self {
         for body in &mut self.bodies {
             body.is_own = by.is_some_and(|by| body.label == Label::Robot(by));
@@ -300,7 +300,7 @@ impl<'s> Reference<'s> {
 
 /// Distance by which faces are widened, m, so that no ray slips between two faces that share an edge.
 const FACE_MARGIN: f64 = 1e-9;
-/// Distance of a camera from a face's plane, m, below which the face is seen edge-on, i.e. not at all.
+/// Distance of a camera from a face's plane, m, below which the face is edge-on and so invisible.
 const EDGE_ON: f64 = 1e-9;
 /// Number of consecutive faces of a mesh that share a bounding sphere.
 const FACES_PER_SPHERE: usize = 12;
@@ -389,7 +389,7 @@ impl Face<'_> {
 }
 
 impl Image {
-    /// Mipmap pyramid of a texture: each image half as wide and high as the one before, down to a single texel.
+    /// Mip map of a texture: each image half as wide and high as the previous one, down to a single texel.
     fn all(texture: &Texture) -> Vec<Self> {
         let (width, height) = texture.size();
         let texels = (0..width * height).map(|place| texture.pixel(place % width, place / width).map(f64::from));
@@ -401,7 +401,8 @@ impl Image {
         all
     }
 
-    /// Image of half the size: means of two by two texels, rounded. An odd last row or column is dropped, a single one is used twice.
+    /// Image of half the size: means of two by two texels, rounded. An odd last row or column is dropped; a single row or column is used
+    /// twice.
     fn half(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let texels = (0..width * height).map(|place| {

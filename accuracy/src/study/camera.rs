@@ -41,8 +41,8 @@ fn views(size: [u32; 2]) -> Vec<View> {
     room::stands(VIEWS).into_iter().filter_map(|stand| view(stand).ok()).collect()
 }
 
-/// Columns and rows of the compared pixels, spread over the image: rows at equal intervals, and from each to the next a step along the
-/// columns that is coprime to the width and about the golden section of it, so that no column is compared twice.
+/// Columns and rows of the compared pixels, spread over the image: rows at equal intervals; from each row to the next, a step along the
+/// columns that is coprime to the width and near its golden section, so that no column is compared twice.
 fn places([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
     let coprime = |step: &u32| {
         let (mut a, mut b) = (width, *step);
@@ -130,7 +130,7 @@ mod tests {
         for (size @ [width, height], _) in SETTINGS {
             let places: Vec<[u32; 2]> = places(size).collect();
             assert_eq!(places.len(), PIXELS);
-            // Each ninth of the image has its share, but for one or two.
+            // Each ninth of the image has its share, up to one or two.
             for (left, top) in (0..9).map(|ninth| (ninth % 3, ninth / 3)) {
                 let is_in = |[x, y]: &&[u32; 2]| x * 3 / width == left && y * 3 / height == top;
                 let count = places.iter().filter(is_in).count();

@@ -1,4 +1,4 @@
-//! `contact`: error of the instant at which a robot hits a wall: by the core's closed form, and by testing for overlap after each step.
+//! `contact`: error of the instant at which a robot hits a wall, by the core's closed form and by testing for overlap after each step.
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::touch::{Approach, Case};
@@ -24,7 +24,7 @@ fn run(effort: Effort) -> Outcome {
     }
     for step in STEPS {
         let mut random = Random::new(5);
-        // Short steps mean many steps, hence fewer cases.
+        // Short steps take longer, so there are fewer cases.
         let count = ((effort.of(1_000) as f64 * step.sqrt()) as usize).clamp(8, 400);
         let cases: Vec<Case> = (0..count).map(|_| Case::draw(&mut random, Approach::Oblique)).collect();
         let lateness = |case: &Case| {
@@ -51,7 +51,7 @@ mod tests {
     fn the_closed_form_knows_the_instant_and_steps_find_it_late() {
         let rows = run(Effort::Quick).rows;
         let of = |method: &str| rows.iter().filter(|row| row.method == method).map(|row| row.error).collect::<Vec<_>>();
-        // A nanosecond: at 1 m/s a nanometre.
+        // Within a nanosecond: a nanometre at 1 m/s.
         assert!(of("closed form").iter().all(|error| *error < 1e-9), "{:?}", of("closed form"));
         for (error, step) in of("overlap after each step").into_iter().zip(STEPS) {
             assert!(error > 0.5 * step && error <= HORIZON, "{error} s late with steps of {step} s");

@@ -19,8 +19,8 @@ pub const ODOMETRY: Study = Study {
     run: odometry,
 };
 
-/// Lengths of slots and steps, us; each divides a second. Runge-Kutta starts with the second length: at the first, rounding alone
-/// dominates its error, and it takes longest.
+/// Lengths of slots and steps, us; each divides a second. Runge-Kutta starts with the second length: at the first, rounding dominates its
+/// error, and it takes longest.
 const SLOTS: [i64; 10] = [1, 10, 100, 1_000, 5_000, 10_000, 50_000, 100_000, 200_000, 1_000_000];
 
 fn drive(effort: Effort) -> Outcome {
@@ -107,7 +107,7 @@ fn against_length(name: &str, title: &str, x_label: &str, series: Vec<Series>) -
     }
 }
 
-/// `5 us`, `50 ms`, `1 s`.
+/// Formats a duration as `5 us`, `50 ms` or `1 s`.
 fn duration(micros: i64) -> String {
     match micros {
         us if us % 1_000_000 == 0 => format!("{} s", us / 1_000_000),

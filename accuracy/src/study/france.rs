@@ -25,7 +25,7 @@ pub struct Sample {
     pub exact: f64,
     /// Incidence angle: between the ray and the surface normal, rad.
     pub incidence: f64,
-    /// The ray hits the step, not the floor.
+    /// True if the ray hits the step, false for the floor.
     pub is_on_step: bool,
     /// Reading of the laser range finder, m.
     pub laser: f64,
@@ -48,9 +48,9 @@ const STEP_HEIGHT: f64 = 0.25;
 
 /// Samples of the walk, `period` seconds apart.
 ///
-/// The shin hangs from the knee, 0.45 m above the floor, and swings about it; the sensor sits 0.15 m down the shin and
-/// looks ahead. The shin swings so that the ray hits the floor at incidence angles from 33 to 78 degrees, as in the paper, while
-/// the robot approaches a step. There is no noise.
+/// The shin hangs from the knee, 0.45 m above the floor, and swings about it; the sensor sits 0.15 m down the shin and looks ahead. The
+/// shin swings so that the ray hits the floor at incidence angles from 33 to 78 degrees, as in the paper, while the robot approaches a
+/// step. The readings have no noise.
 ///
 /// Source: France et al. 1999, section 6.3 (three sensors, the range of incidence angles); dimensions of robot, gait and step: our
 /// choice.
@@ -92,7 +92,7 @@ pub fn walk(period: f64) -> Vec<Sample> {
 
 const ROBOT: RobotId = RobotId(1);
 
-/// World of a floor with a step across the way.
+/// World of a floor with a step across the robot's path.
 fn stairs() -> World {
     let half = DVec2::new(0.5, 2.0);
     let solid = Solid::Prism {

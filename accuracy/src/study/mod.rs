@@ -1,7 +1,7 @@
-//! Studies: error and time of several methods for one task at several settings, measured on the spot.
+//! Studies: measure error and time of several methods for one task at several settings.
 //!
-//! Errors are functions of the code alone, the same at every call; times are those of this machine at this moment. The caller makes
-//! tables, files and pictures from the [`Outcome`]s.
+//! Errors depend only on the code and are the same in every run; times depend on the machine. The caller makes tables, files and pictures
+//! from the [`Outcome`]s.
 
 mod camera;
 mod contact;
@@ -27,7 +27,7 @@ pub use stopwatch::nanoseconds;
 /// Number of repetitions of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// As for the published figures.
+    /// As many repetitions as for the published figures.
     Full,
     /// The same settings with a tenth of the repetitions, but at least one.
     Quick,
@@ -56,7 +56,7 @@ pub struct Row {
     pub error: f64,
     /// Unit of the error.
     pub unit: &'static str,
-    /// Real time of one operation, nanoseconds; `per` names the operation.
+    /// Wall-clock time of one operation, nanoseconds; `per` names the operation.
     pub time_ns: f64,
     /// Operation that was timed: `ray`.
     pub per: &'static str,
@@ -80,7 +80,7 @@ impl From<Vec<Row>> for Outcome {
 /// A study and the function that runs it.
 #[derive(Clone, Copy)]
 pub struct Study {
-    /// Name, in its rows and as the name of its picture's file.
+    /// Name of the study, in its rows and in its picture's file name.
     pub name: &'static str,
     /// Subject of the measurement, in one line.
     pub title: &'static str,

@@ -1,9 +1,9 @@
 //! `moving-target`: a sensor at rest measures the distance to a robot whose program changes its speed.
 //!
-//! The sensor sees the motion published at the start of the slot, so a command shows only at the slot's end. The error
-//! is at most the change of speed times the slot's length, and zero in a slot without a command. The other method is
-//! that of a simulator that freezes other robots at their poses of the slot's start: its error grows with the speed
-//! itself, in every slot. Errors are root mean squares.
+//! The sensor sees the motion published at the start of the slot, so a command becomes visible only at the slot's end.
+//! The error is at most the change of speed times the slot's length, and zero in a slot without a command. The other
+//! method is a simulator that freezes other robots at their poses of the slot's start: its error grows with the speed,
+//! in every slot. Errors are root mean squares.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ pub const STUDY: Study = Study {
 
 /// Slot lengths, ms.
 const SLOTS_MS: [i64; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
-/// Interval between commands of the target; no multiple of a slot, so that commands fall anywhere within one.
+/// Interval between commands of the target; not a multiple of a slot, so that commands fall anywhere within a slot.
 const COMMAND: Time = Time(137_731);
 /// Interval between readings.
 const READING: Time = Time(1_003);

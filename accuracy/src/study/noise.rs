@@ -1,9 +1,9 @@
 //! `noise`: convergence of random numbers to their distribution, and the cost of one number.
 //!
 //! The error is the Kolmogorov-Smirnov distance between the sample and its distribution. For numbers drawn from the distribution the
-//! distance falls as about 0.87 / sqrt(n); if it stops falling, the numbers follow another distribution. Normal numbers by the
-//! inverse distribution function, the simulator's method, are compared with those of Box and Muller (1958) and with the sum of
-//! twelve uniform numbers, which is only approximately normal.
+//! distance falls approximately as 0.87 / sqrt(n); if it stops falling, the numbers follow another distribution. Normal numbers by the
+//! inverse distribution function, the simulator's method, are compared with those of Box and Muller (1958) and with the sum of twelve
+//! uniform numbers, which is only approximately normal.
 
 use std::f64::consts::PI;
 
@@ -106,7 +106,7 @@ fn readings(count: usize) -> Vec<f64> {
     (0..count as u64).filter_map(read).collect()
 }
 
-/// One of the two normal numbers made from two uniform ones.
+/// One of the two normal numbers that the method makes from two uniform numbers.
 fn box_muller(stream: &mut Stream) -> f64 {
     let (radius, angle) = (1.0 - stream.unit(), stream.unit());
     (-2.0 * ln(radius)).sqrt() * cos(2.0 * PI * angle)
@@ -128,7 +128,7 @@ mod tests {
         let last =
             |method: &str| rows.iter().rfind(|row| row.method == method).unwrap_or_else(|| panic!("`{method}`")).error;
         for Method { name, .. } in &METHODS[..5] {
-            // Exceeds 1.63 / sqrt(n) with probability 0.01.
+            // The distance exceeds 1.63 / sqrt(n) with probability 0.01.
             assert!(last(name) < 1.63e-3, "{name}: {}", last(name));
         }
         // The distribution of the sum differs from the normal one by 0.0023.

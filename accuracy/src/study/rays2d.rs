@@ -1,4 +1,4 @@
-//! `rays-2d`: rays among walls, by the spatial index, by brute force in doubles, and by brute force in single precision.
+//! `rays-2d`: rays among walls, by the spatial index, by brute force in double precision, and by brute force in single precision.
 
 use glam::{DVec2, Vec2};
 use sim_core::scene::{Bounds, Segment, Walls};
@@ -75,7 +75,7 @@ fn cases(walls: &[Segment], side: f64, count: usize) -> Vec<Case> {
     (0..count.max(10)).map(|_| case()).collect()
 }
 
-/// Distance along the ray to a wall by Cramer's rule, as in the oracle but in f32; `None` if the ray misses the wall.
+/// Distance along the ray to a wall by Cramer's rule, as in the oracle but in `f32`; `None` if the ray misses the wall.
 fn cast_f32(&[a, b]: &[Vec2; 2], origin: Vec2, direction: Vec2) -> Option<f32> {
     let (to_wall, along) = (a - origin, b - a);
     let determinant = direction.perp_dot(along);
@@ -84,8 +84,8 @@ fn cast_f32(&[a, b]: &[Vec2; 2], origin: Vec2, direction: Vec2) -> Option<f32> {
     (t >= 0.0 && (0.0..=1.0).contains(&u)).then_some(t)
 }
 
-/// Distance along the ray to a wall, in double-double arithmetic (32 digits). Walls that the ray misses by more than a micrometre, in
-/// doubles, are skipped.
+/// Distance along the ray to a wall, in double-double arithmetic (32 digits). Skips walls that the ray misses by more than a micrometre in
+/// double precision.
 fn exact(wall: &Segment, origin: DVec2, direction: DVec2) -> Option<f64> {
     oracle::nearest_wall(std::slice::from_ref(wall), origin, direction, RANGE, 1e-6)?;
     let wide = |point: DVec2| [point.x, point.y].map(Wide::from);

@@ -59,7 +59,7 @@ fn in_room(effort: Effort, squares: u32) -> [Row; 2] {
     [by_index, by_all]
 }
 
-/// Rotates a point of the room's own frame about all axes; the only rounding is that of a division by 3.
+/// Rotates a point of the room's own frame about all axes; only a division by 3 rounds.
 fn turned(local: DVec3) -> DVec3 {
     let DVec3 { x, y, z } = local;
     DVec3::new(2.0 * x - y + 2.0 * z, 2.0 * x + 2.0 * y - z, -x + 2.0 * y + 2.0 * z) / 3.0
@@ -106,7 +106,7 @@ fn wall_cases(walls: &[Segment], count: usize) -> Vec<Case> {
     (0..count).map(|_| case()).collect()
 }
 
-/// Rows of the pairs, sorted by method: all first ones, then all second ones.
+/// Rows of the pairs, sorted by method: first the first row of each pair, then the second rows.
 fn by_method(pairs: impl Iterator<Item = [Row; 2]>) -> impl Iterator<Item = Row> {
     let (first, second): (Vec<_>, Vec<_>) = pairs.map(|[first, second]| (first, second)).unzip();
     first.into_iter().chain(second)
@@ -120,7 +120,7 @@ mod tests {
     fn every_method_is_exact_within_rounding() {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), 16);
-        // A nanometre: a ray that grazes its wall may amplify rounding a thousandfold.
+        // Within a nanometre: a ray that grazes its wall may amplify rounding a thousandfold.
         assert!(rows.iter().all(|row| row.error < 1e-9 && row.time_ns > 0.0), "{rows:?}");
     }
 

@@ -1,5 +1,5 @@
-//! `reflectance`: distance recovered from the signal of a reflectance sensor, by the root as printed in the paper and by the
-//! numerically stable one.
+//! `reflectance`: distance recovered from the signal of a reflectance sensor, by the root as printed in the paper and by the numerically
+//! stable root.
 //!
 //! Both invert s = (max - d) / d^2 for a surface at zero incidence (France et al. 1999, Eq. 1 and section 5). The printed root
 //! subtracts two numbers that become equal as the signal vanishes.
@@ -19,7 +19,7 @@ pub const STUDY: Study = Study {
 const MAX: f64 = 1.0;
 /// Signals as exponents of ten, 1/m.
 const EXPONENTS: [i32; 9] = [3, 1, -1, -3, -5, -7, -9, -12, -16];
-/// Number of signals at each setting: from the setting to ten times as much.
+/// Number of signals at each setting, from the setting to ten times the setting.
 const SIGNALS: usize = 1_000;
 
 /// Distance (m) from a signal (1/m) and a maximum distance (m).

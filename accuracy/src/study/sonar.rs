@@ -1,9 +1,9 @@
 //! `sonar`: error of a sonar's readings as a function of its number of rays.
 //!
-//! For infinite rough walls at a slant, the reference is the nearest point whose echo reaches the threshold: one equation in one
-//! unknown, solved by bisection. In rooms of rough and smooth walls it is brute force: tens of thousands of rays, and the nearest point
-//! of each wall, by formulas other than the core's. The study also measures a sensor with the same beam that samples
-//! rays only and ignores the nearest points of the walls.
+//! For infinite rough walls at a slant, the reference is the nearest point whose echo reaches the threshold: one equation in one unknown,
+//! solved by bisection. In rooms of rough and smooth walls it is brute force: tens of thousands of rays, and the nearest point of each
+//! wall, by formulas other than the core's. The study also measures a sensor with the same beam that only samples rays and ignores the
+//! nearest points of the walls.
 
 use std::f64::consts::{FRAC_PI_2, LN_2};
 use std::sync::Arc;
@@ -27,9 +27,9 @@ pub const STUDY: Study =
 
 /// Numbers of rays.
 const RAYS: [u32; 7] = [4, 16, 64, 256, 1_024, 4_096, 16_384];
-/// Number of rays of the reference for rooms, about a ten thousandth of a radian apart.
+/// Number of rays of the reference for rooms; they are about 1e-4 rad apart.
 const REFERENCE_RAYS: u32 = 30_000;
-/// Half of the angle over which the reference's rays are spread, rad: echoes from farther aside are inaudible.
+/// Half of the angle over which the reference's rays are spread, rad: echoes from larger angles are inaudible.
 const REFERENCE_HALF_ANGLE: f64 = 1.5;
 /// Height of the sensor above the floor, m, large enough that a pitched sensor does not hear the floor.
 const HEIGHT: f64 = 40.0;
@@ -213,7 +213,7 @@ fn rooms(count: usize) -> Vec<Case> {
 
 /// Nearest echo in a room of upright walls, by brute force.
 ///
-/// A corner belongs to two walls, one of which may be hidden; with `include_hidden` the hidden wall returns an echo, too.
+/// A corner belongs to two walls, one of which may be hidden; with `include_hidden` the hidden wall returns an echo as well.
 fn heard_in_room(
     segments: &[Segment],
     surfaces: &[Surface],

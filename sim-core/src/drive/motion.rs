@@ -30,7 +30,7 @@ use crate::{
 /// Number of impacts that a motion keeps from before the present slot.
 const IMPACTS: usize = 32;
 
-/// Greatest number of ticks that [`Motion::drive_end`] looks ahead while ticks still change the motion: 1,000 s.
+/// Maximum number of ticks that [`Motion::drive_end`] looks ahead while ticks still change the motion: 1,000 s.
 const LOOK_AHEAD: usize = 100_000;
 
 /// A body's contact with an obstacle.
@@ -39,7 +39,7 @@ pub struct Impact {
     /// Instant of the contact, rounded up to a microsecond.
     pub time: Time,
     /// Instant from which the robot's program can know of the impact: `time` for a wall; for a robot or object the end
-    /// of the slot, where such an impact is found.
+    /// of the slot, where such an impact is detected.
     pub known: Time,
     /// The touched obstacle.
     pub thing: Thing,
@@ -229,7 +229,7 @@ impl Motion {
         Ok(self)
     }
 
-    /// This motion, not yet commanded, with this behaviour at walls; a robot with legs stalls whatever the rule says.
+    /// This motion, not yet commanded, with this behaviour at walls; a robot with legs always stalls.
     ///
     /// # Errors
     /// A friction that is negative or not finite.
@@ -374,8 +374,8 @@ impl Motion {
     /// its command ends, and the sums of its controllers are 0. Odometry, wheel angles, path length, steering and the
     /// choice of controllers stay.
     ///
-    /// Any place is accepted. In a wall or another body the robot is in contact, and may leave. Nothing between the old
-    /// and the new place is touched. Other robots see the new place from the next slot on. A placement by anyone but
+    /// Any pose is accepted. In a wall or another body the robot is in contact, and may leave. Nothing between the old
+    /// and the new position is touched. Other robots see the new pose from the next slot on. A placement by anyone but
     /// the robot's own program happens at the end of the slot, before [`World::advance`](crate::world::World::advance).
     ///
     /// # Errors

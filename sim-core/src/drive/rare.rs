@@ -1,8 +1,8 @@
-//! A part of a value that is seldom other than its default, and takes one word until then.
+//! A part of a value that rarely differs from its default, and takes one word until then.
 
 use std::ops::{Deref, DerefMut};
 
-/// What a [`Rare`] part is until something is written to it.
+/// Default value of a [`Rare`] part, which holds until something is written to it.
 pub(super) trait Usual: Clone + PartialEq + 'static {
     /// The usual value.
     const USUAL: &'static Self;

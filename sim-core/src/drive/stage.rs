@@ -37,13 +37,13 @@ pub(super) struct Stage {
     pub grip: Grip,
     /// Seconds after the start up to which walls have been searched.
     pub explored: f64,
-    /// The stage begins with a placement of the robot, which ends all earlier contacts.
+    /// True if the stage begins with a placement of the robot, which ends all earlier contacts.
     pub is_placed: bool,
-    /// The errors include random ones, which hold for this tick only.
+    /// True if the errors include random ones, which hold for this tick only.
     is_drawn: bool,
     /// Instant until which the robot moves without errors, because its errors would press it against a contact.
     error_free_until: Option<Time>,
-    /// The coming ticks change nothing.
+    /// True if the coming ticks change nothing.
     steady: bool,
     /// Motion of the body from its first contact with a wall, in order of time, if contacts make it slide.
     pub segments: Vec<SlideSegment>,
@@ -289,7 +289,7 @@ impl Stage {
         }
     }
 
-    /// Returns true if the true motion differs from that of error-free wheels.
+    /// Returns true if the true motion differs from the motion of error-free wheels.
     fn is_erring(&self) -> bool {
         self.piece.rates.truth != self.piece.rates.belief
     }
@@ -511,8 +511,7 @@ impl Stage {
         lift - self.during.rates[3] * (self.next_tick() - at).seconds().max(0.0)
     }
 
-    /// The change of a hull's velocity by what it is pressed against at `at`, in its frame, m/s: it loses that part of its
-    /// speed that the contact takes.
+    /// The change of a hull's velocity by a contact at `at`, in its frame, m/s: the part of its speed that the contact takes away.
     fn impulse(&self, model: &Model, at: Time) -> DVec2 {
         let seconds = self.seconds_at(at);
         let Some(segment) = self.segment_at(seconds).filter(|segment| segment.against.is_some()) else {
@@ -697,7 +696,7 @@ fn motion_of(
     during: &Actuation,
     share: f64,
 ) -> (Rates, f64, Cause) {
-    // A factor of 1 changes no bit.
+    // A factor of 1 keeps the result bit-identical.
     let belief = ordered.scaled(share);
     let rates = Rates {
         truth: erring.truth.scaled(share),

@@ -35,7 +35,7 @@ impl Mesh {
     /// The corners of a face, in metres.
     ///
     /// # Panics
-    /// If the face is not one of this mesh.
+    /// If the face does not belong to this mesh.
     pub fn corners(&self, triangle: &Triangle) -> [DVec3; 3] {
         triangle.corners.map(|corner| self.positions[corner as usize])
     }
@@ -43,7 +43,7 @@ impl Mesh {
     /// The material of a face.
     ///
     /// # Panics
-    /// If the face is not one of this mesh.
+    /// If the face does not belong to this mesh.
     pub fn material(&self, triangle: &Triangle) -> &Material {
         &self.materials[triangle.material as usize]
     }

@@ -75,7 +75,7 @@ pub struct ObjectStep {
     pub from: DVec2,
     /// Position at the end, m.
     pub to: DVec2,
-    /// The object was placed there, without a way in between.
+    /// True if the object was placed at `to` without passing points in between.
     pub is_jump: bool,
 }
 
@@ -134,7 +134,7 @@ impl Objects {
         self.tracks[object.index()].lifetime
     }
 
-    /// The first present object whose footprint is nearer than `radius` to `centre` at the start of the slot.
+    /// The first present object whose footprint is nearer to `centre` than `radius` at the start of the slot.
     pub fn first_within(&self, centre: DVec2, radius: f64) -> Option<ObjectId> {
         let ids = (0..self.len()).map(ObjectId::from_index);
         ids.filter(|object| !self.bodies.is_removed(*object)).find(|object| {
@@ -194,12 +194,12 @@ impl Objects {
         &self.moved
     }
 
-    /// Returns true while an object moves, or may still be pushed out of an overlap at its new place.
+    /// Returns true while an object moves, or may still be pushed out of an overlap at its new position.
     pub fn is_moving(&self) -> bool {
         !self.unsettled.is_empty() || self.bodies.awake().any(|object| !self.bodies.state(object).is_resting())
     }
 
-    /// Visits each object present at `at` whose published bounds meet a ray, once. `visit` returns the distance up to
+    /// Visits once each object present at `at` whose published bounds meet a ray. `visit` returns the distance up to
     /// which objects are still of interest.
     pub fn along_ray(
         &self,
@@ -214,7 +214,7 @@ impl Objects {
         });
     }
 
-    /// Visits each object present at `at` whose published bounds meet `bounds`, once, in ascending order.
+    /// Visits once each object present at `at` whose published bounds meet `bounds`, in ascending order.
     pub fn for_each_in(&self, bounds: Bounds, at: Time, mut visit: impl FnMut(ObjectId)) {
         self.index.for_each_in(bounds, |object| self.visit_if_present(object, at, &mut visit));
     }
@@ -317,7 +317,7 @@ impl Objects {
             let (_, last) = track.publications[track.publications.len() - 1];
             let trajectory = ObjectTrajectory::new(self.stepped, state, properties);
             if last.state.is_resting() && state == last.state {
-                // The object rests as already published.
+                // The object is at rest as already published.
             } else {
                 self.moved.push(object);
                 track.publications.push_back((now, trajectory));

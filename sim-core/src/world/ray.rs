@@ -101,7 +101,7 @@ impl Ray {
     pub fn new(origin: DVec3, direction: DVec3, range: f64) -> Self {
         let is_ray = (direction.length_squared() - 1.0).abs() < 1e-6 && origin.is_finite();
         let across = direction.truncate();
-        // A level ray is its own trace, to the bit.
+        // A level ray is bit-identical to its trace.
         let level = if direction.z == 0.0 { 1.0 } else { across.length() };
         let trace = if level > 0.0 { across / level } else { DVec2::X };
         // A vertical ray has no trace along which to gain height.

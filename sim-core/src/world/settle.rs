@@ -1,7 +1,7 @@
 //! Contacts between bodies within a slot, resolved in the order in which they happen.
 //!
 //! This is an event simulation over the true motions of the slot. When two discs touch and approach, each disc whose
-//! own velocity points towards the contact rests from that instant on; it then obeys again its commands from later in
+//! own velocity points towards the contact is at rest from that instant on, and then repeats its commands from later in
 //! the slot. Each event stops a moving body or repeats one command, and time never goes back, so the simulation ends.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,13 +26,13 @@ const PASSIVE: u32 = u32::MAX;
 /// True motions in a slot. The next slot reuses the memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TrueMotions {
-    /// By robot, its index in the list of active motions, or [`PASSIVE`].
+    /// For each robot, its index in the list of active motions, or [`PASSIVE`].
     places: Vec<u32>,
     /// Number of active motions.
     count: usize,
     /// The active motions, in the order of ids; further entries are spare.
     courses: Vec<Course>,
-    /// By active motion, its first contacts with bodies of higher ids and with passive ones.
+    /// For each active motion, its first contacts with passive bodies and with active bodies of higher ids.
     found: Vec<Vec<(RobotId, Instant)>>,
     /// Bounds of the active robots' bodies in the slot, for the index.
     bounds: Vec<(RobotId, Bounds)>,
@@ -40,24 +40,25 @@ pub(super) struct TrueMotions {
     index: BoundsIndex<RobotId>,
     /// Robots that may leave their bounds in the index, because their motion has changed.
     strays: BTreeSet<RobotId>,
-    /// Memory for references.
+    /// Reused memory for vectors of references.
     spare: Vec<[usize; 2]>,
 }
 
-/// True motion of an active robot in a slot, and how it ends.
+/// True motion of an active robot in a slot, and its state at the end.
 #[derive(Clone, Debug)]
 pub(super) struct Course {
     pub robot: RobotId,
     passages: Vec<Passage>,
     /// Bounds of the body before any contact was resolved.
     bounds: Bounds,
-    /// The body moves.
+    /// True if the body moves.
     is_moving: bool,
-    /// A robot blocks the body.
+    /// True if a robot blocks the body.
     is_blocked: bool,
     /// The impacts of the slot, if they have been taken from the motion already.
     pub impacts: Option<Vec<Impact>>,
-    /// Bounds of the motion published at the slot's end, and true if the body rests; `None` if it rested before.
+    /// Bounds of the motion published at the slot's end, and true if the body is at rest; `None` if it was at rest
+    /// before.
     pub published: Option<(Bounds, bool)>,
 }
 
@@ -106,11 +107,11 @@ impl Course {
     }
 }
 
-/// An event. At equal instants commands come before contacts and steps of the objects last; events of one kind are
+/// An event. At equal instants commands come first, then contacts, then steps of the objects; events of one kind are
 /// ordered by ids.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Event {
-    /// The robot obeys this entry of its journal again.
+    /// The robot repeats this entry of its journal.
     Input(RobotId, usize),
     /// Two bodies touch.
     Contact(RobotId, RobotId),
@@ -124,7 +125,7 @@ struct Instant(u64);
 
 impl Instant {
     fn new(seconds: f64) -> Self {
-        // For doubles of 0 or more, the order of the bits is the order of the numbers.
+        // For an `f64` of 0 or more, the order of the bits is the order of the numbers.
         Self(seconds.max(0.0).to_bits())
     }
 
@@ -209,7 +210,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             if event == Event::Step {
                 self.step(objects, instant);
             }
-            // A body that was stopped or slowed may now come near other objects than planned.
+            // A stopped or slowed body may come near objects that were not on its planned path.
             let changed = std::mem::take(&mut self.changed);
             self.find_near(objects, &changed);
             let now = self.start + Time::from_seconds_ceil(instant.seconds());
@@ -221,7 +222,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         }
     }
 
-    /// Adds those of the active robots `of` that may come near a movable object to `near`.
+    /// Adds the active robots among `of` that may come near a movable object to `near`.
     fn find_near(&mut self, objects: &Objects, of: &[RobotId]) {
         for &robot in of {
             if objects.is_near(self.view().bounds_of(robot)) {
@@ -292,8 +293,8 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         (place != PASSIVE).then(|| self.active[place as usize].drive_state(at))
     }
 
-    /// A robot as the objects meet it in a step, and the share of the ordered twist that its traction can reach by the
-    /// end of the step.
+    /// A robot as the solver of the objects sees it in a step, and the share of the ordered twist that its traction can
+    /// reach by the end of the step.
     fn pusher(&self, robot: RobotId, state: Option<&DriveState>, at: Time) -> (Pusher, f64) {
         let radius = self.view().radius(robot);
         let Some(state) = state else {
@@ -343,8 +344,8 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         if after * model.speed(state.ordered) < 1e-4 { 0.0 } else { after }
     }
 
-    /// Ends the slot for the bodies that a robot blocks, after [`ContactResolution::run`]: takes their impacts, and releases those whose
-    /// way has become free.
+    /// Ends the slot for the bodies that a robot blocks, after [`ContactResolution::run`]: takes their impacts, and releases bodies whose
+    /// path has become free.
     pub fn resume(&mut self) {
         for place in 0..self.active.len() {
             if self.truth.courses[place].is_blocked {
@@ -392,12 +393,12 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         self.truth.found = found;
     }
 
-    /// The true motions and the world, to read.
+    /// A read-only view of the true motions and the world.
     fn view(&self) -> View<'_> {
         View { truth: &*self.truth, world: self.world, start: self.start, end: self.end }
     }
 
-    /// Queues the first contact of a pair from `from` seconds on, and removes the contact queued for this pair before.
+    /// Queues the first contact of a pair from `from` seconds on; replaces a contact already queued for this pair.
     fn queue_contact(&mut self, a: RobotId, b: RobotId, from: f64) {
         let (a, b) = (a.min(b), a.max(b));
         if let Some(instant) = self.contacts.remove(&(a, b)) {
@@ -465,7 +466,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         }
     }
 
-    /// Obeys again an entry of a stopped body's journal.
+    /// Repeats an entry of a stopped body's journal.
     fn obey(&mut self, robot: RobotId, entry: usize, instant: Instant) {
         let place = self.truth.places[robot.index()] as usize;
         let (at, input) = self.active[place].journal()[entry];
@@ -534,7 +535,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     }
 }
 
-/// The true motions of a slot as they are known so far.
+/// The true motions of a slot as far as they are known.
 #[derive(Clone, Copy)]
 struct View<'a> {
     truth: &'a TrueMotions,
@@ -544,7 +545,7 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// Finds the first contacts of an active body with the active ones of higher ids and with the passive ones.
+    /// Finds the first contacts of an active body with passive bodies and with active bodies of higher ids.
     fn find_contacts(&self, course: &Course, found: &mut Vec<(RobotId, Instant)>) {
         let robot = course.robot;
         let mut find = |other| {
@@ -614,7 +615,7 @@ impl<'a> View<'a> {
     fn moving_disc(&self, robot: RobotId, t: f64) -> (MovingDisc, f64) {
         let passages = self.passages(robot);
         // Computed as seconds since the start of the passage's stage, so that a stage stopped at an instant has ended
-        // at it, bit for bit.
+        // at exactly this instant.
         let seconds = |passage: &Passage| t - (passage.start - self.start).seconds();
         let place = passages.iter().rposition(|passage| seconds(passage) >= passage.begin).unwrap_or(0);
         let passage = &passages[place];

@@ -1,4 +1,4 @@
-//! Geometry that only rays in space distinguish: shapes of bodies, upper faces of walls, and surfaces.
+//! Geometry that only rays in space see: shapes of bodies, upper faces of walls, and surfaces.
 
 use std::sync::Arc;
 
@@ -13,14 +13,15 @@ use crate::{
 
 /// Geometry for rays in space, in addition to the planar walls and bodies; by default only a smooth floor.
 ///
-/// Walls beyond the end of `walls` are rough; bodies beyond the end of a list are rough and unlimited in height.
+/// Walls beyond the end of the list `walls` are rough; bodies beyond the end of a list are rough and unlimited in
+/// height.
 #[derive(Clone, Debug)]
 pub struct Space {
     /// Surface of the floor, the unbounded plane z = 0; `None` if the first of the fixed bodies is the ground.
     pub floor: Option<Surface>,
     /// Surfaces of the walls, in the order of their ids.
     pub walls: Vec<Surface>,
-    /// First wall that is an outline of a fixed body. Such walls serve contacts; rays in space meet the bodies instead.
+    /// First wall that is an outline of a fixed body. Such walls serve contacts; rays in space hit the bodies instead.
     pub outlines: Option<WallId>,
     /// Walls with a thickness; they add the upper faces.
     pub thick_walls: Vec<ThickWall>,
@@ -83,7 +84,7 @@ pub(super) struct IndexedSpace {
     pub thick_walls: BoundsIndex<u32>,
     /// Height in metres up to which all walls and bodies are prisms on the floor.
     pub plain_below: f64,
-    /// At least one body has a mesh.
+    /// True if at least one body has a mesh.
     pub has_meshes: bool,
     /// Objects with a mesh, which may extend beyond the footprint in the index.
     pub mesh_objects: Vec<ObjectId>,
@@ -132,7 +133,7 @@ impl IndexedSpace {
         self.space.walls.get(wall.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Returns true if rays in space meet this wall itself; false if the wall is the outline of a body, which they meet
+    /// Returns true if rays in space hit this wall itself; false if the wall is the outline of a body, which they hit
     /// instead.
     pub fn is_wall(&self, wall: WallId) -> bool {
         self.space.outlines.is_none_or(|first| wall < first)

@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Number of rounds of the ternary search for the point of a segment nearest to a convex body. Each round keeps two
-/// thirds of the interval, so less than 10^-12 m is left of a segment of some metres.
+/// thirds of the interval, which leaves less than 10^-12 m of a segment of several metres.
 const ROUNDS: u32 = 70;
 
 /// A part of a legged robot in contact with an obstacle.
@@ -38,12 +38,12 @@ pub struct LegClearance {
 
 impl World {
     /// Contacts of thighs, shanks and body of a legged robot at `at`, and their clearance from the ground up to
-    /// `within` metres; `None` for a robot without legs. If `within` is 0, only contacts are searched for, which is
+    /// `within` metres; `None` for a robot without legs. If `within` is 0, searches only for contacts, which is
     /// fastest.
     ///
     /// Contact with the ground counts for thighs, for the body, and for shanks without their lowest part of three
     /// radii, so that a leg may lean by up to 70 degrees and the foot may touch the ground. Feet do not count. Contact
-    /// with other obstacles counts for the whole of thighs and shanks; contacts of the body with them are ordinary
+    /// with other obstacles counts on the whole length of thighs and shanks; the body's contacts with them are ordinary
     /// contacts. Our choice.
     ///
     /// For the ground, the body is a disc at the height of its underside, and cells crossed by the disc's edge count as
@@ -86,7 +86,7 @@ impl World {
 
     /// Obstacles in contact at `at` with a capsule that is a part of robot `by`: walls up to their heights, fixed
     /// bodies, the bodies of other robots and movable objects, by their published motion. Each appears once, with a
-    /// point of contact, in the order of [`Thing`]. The ground is left out.
+    /// point of contact, in the order of [`Thing`]; the ground is excluded.
     ///
     /// Exact to 10^-9 m for walls, boxes, cylinders, spheres and capsules; a mesh counts if the capsule's axis crosses
     /// its surface.
@@ -107,9 +107,9 @@ impl World {
     }
 }
 
-/// A point of the geometry within the capsule's radius of its axis; `None` if there is no such point.
+/// A point of the geometry within the capsule's radius of its axis; `None` if no point is near enough.
 fn geometry_contact(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3> {
-    // The parts are visited in the same order in every call.
+    // The parts are visited in the same order at every call.
     let mut count = 0;
     geometry.for_each_nearest(capsule.ends[0], |_| count += 1);
     let touch_part = |part: usize| {
@@ -133,8 +133,8 @@ fn geometry_contact(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3>
     })
 }
 
-/// A point of a convex body within the capsule's radius of its axis; `None` if there is no such point. `nearest` maps a
-/// point to the nearest point of the body. The distance from a convex body is convex along a segment, so a ternary
+/// A point of a convex body within the capsule's radius of its axis; `None` if no point is near enough. `nearest` maps
+/// a point to the nearest point of the body. The distance from a convex body is convex along a segment, so a ternary
 /// search finds its minimum.
 fn convex_contact(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> Option<DVec3> {
     let Capsule { ends: [from, to], radius } = *capsule;

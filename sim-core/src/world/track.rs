@@ -16,7 +16,7 @@ use crate::{
 #[derive(Clone, Debug)]
 struct Publication {
     since: Time,
-    /// Never empty; in the order of time. Computed from `plan` for whoever asks first, if it is not known yet.
+    /// Never empty; in the order of time. Computed lazily from `plan`, at the first query.
     passages: OnceLock<Vec<Passage>>,
     /// The plan and the end of its slot, for passages that may not be known.
     plan: Option<(Box<Motion>, Time)>,
@@ -40,7 +40,7 @@ impl Publication {
     }
 }
 
-/// The publications of one robot, and its disc.
+/// The publications of one robot and its disc.
 #[derive(Clone, Debug)]
 pub(super) struct Track {
     pub lifetime: Lifetime,
@@ -53,7 +53,7 @@ pub(super) struct Track {
     revision: u64,
     /// Bounds of the body over the published history and the present slot.
     bounds: Bounds,
-    /// The body has been at rest throughout the published history.
+    /// True if the body has been at rest throughout the published history.
     is_resting: bool,
     /// Spare buffers for the next publications.
     spares: Vec<Vec<Passage>>,

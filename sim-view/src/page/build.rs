@@ -1,4 +1,4 @@
-// Builds the page with Node.js. Shared by `build.rs`, which embeds it, and the crate, which builds it when it is needed.
+// Builds the page with Node.js. Shared by `build.rs`, which embeds the page, and the crate, which builds it on demand.
 
 use std::fs::{self, File};
 use std::io;
@@ -9,7 +9,7 @@ use std::time::SystemTime;
 /// Sources of the page, relative to its folder.
 pub(crate) const SOURCES: [&str; 6] =
     ["index.html", "package-lock.json", "package.json", "src", "tsconfig.json", "vite.config.ts"];
-/// Minimum major version of Node.js, as Vite 6 requires it.
+/// Minimum major version of Node.js, required by Vite 6.
 const NODE: u32 = 18;
 
 /// Files of the page: path and content of each.
@@ -18,7 +18,7 @@ pub(crate) type Files = Vec<(String, Vec<u8>)>;
 /// Returns the page built in `folder`. If its sources have changed since the last build, calls `say` and builds it
 /// first. Only one process at a time reads or builds.
 ///
-/// If the build fails, calls `say` and uses an older page if there is one.
+/// If the build fails, calls `say` and uses an older page if one exists.
 pub(crate) fn built(folder: &Path, say: &mut dyn FnMut(&str)) -> Result<Files, String> {
     let io = |error: io::Error| format!("cannot build the page in `{}`: {error}", folder.display());
     let lock = File::create(folder.join(".lock")).map_err(io)?;

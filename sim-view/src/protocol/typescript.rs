@@ -1,4 +1,4 @@
-//! Types of the page, generated from those of the protocol.
+//! TypeScript types of the page, generated from the types of the protocol.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,7 +7,7 @@ use ts_rs::{TS, TypeVisitor};
 
 use super::{Message, PROTOCOL, Recording, Request};
 
-/// Declarations by their names.
+/// Declarations by name.
 #[derive(Default)]
 struct Types(BTreeMap<String, String>);
 
@@ -38,7 +38,7 @@ fn declarations() -> String {
     )
 }
 
-/// Puts comments of one line on one line and indents fields.
+/// Joins the comment marks of a one-line comment with its text, and indents fields.
 fn tidy(types: &str) -> String {
     let mut tidied = String::new();
     let mut lines = types.lines().map(str::trim_end).peekable();

@@ -16,10 +16,10 @@ pub enum Access {
     },
 }
 
-/// Token that cannot be guessed: 128 random bits in 32 hexadecimal digits.
+/// An unguessable token: 128 random bits as 32 hexadecimal digits.
 ///
 /// # Errors
-/// If the system has no random numbers.
+/// If the system provides no random numbers.
 pub fn random_token() -> std::io::Result<String> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes)
@@ -28,7 +28,7 @@ pub fn random_token() -> std::io::Result<String> {
 }
 
 impl Access {
-    /// Returns true if a page with this token may act; none if its token is wrong.
+    /// Returns true if a page with this token may act; `None` if its token is wrong.
     pub(super) fn may_act(&self, given: Option<&str>) -> Option<bool> {
         match (self, given) {
             (Access::Local, _) => Some(true),
@@ -38,7 +38,7 @@ impl Access {
     }
 }
 
-/// Compares in a time that depends neither on the contents nor on the length of `secret`.
+/// Compares in constant time: the time depends neither on the contents nor on the length of `secret`.
 fn is_same(secret: &str, given: &str) -> bool {
     let secret = secret.as_bytes();
     let mut difference = u8::from(secret.len() != given.len() || secret.is_empty());
@@ -49,11 +49,11 @@ fn is_same(secret: &str, given: &str) -> bool {
     difference == 0
 }
 
-/// Reason for refusing a request before it is processed; none if it is allowed.
+/// Reason for refusing a request before it is processed; `None` if it is allowed.
 ///
-/// `Host` must be one of the served addresses or `localhost`: an attacker can point another name here (DNS rebinding), but not
-/// an address. A request made by a page of another origin is refused. A WebSocket request (`is_socket`) must name its
-/// origin, since only pages make such a request.
+/// `Host` must be one of the served addresses or `localhost`: an attacker can make another name resolve to this server (DNS rebinding), but
+/// not an address. A request made by a page of another origin is refused. A WebSocket request (`is_socket`) must name its origin, since
+/// only pages make such a request.
 pub(super) fn refusal(headers: &HeaderMap, served: SocketAddr, is_socket: bool) -> Option<String> {
     let Some(host) = text(headers, header::HOST) else {
         return Some("the request has no `Host`".into());

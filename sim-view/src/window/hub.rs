@@ -14,11 +14,11 @@ use tokio::sync::{mpsc, watch};
 use super::Look;
 use crate::protocol::{Answer, Build, Command, Detail, Event, Message, Picture, Scene, Snapshot};
 
-/// Events kept for pages that connect later or are slow.
+/// Number of events kept for pages that connect later or are slow.
 pub(super) const EVENTS: usize = 20_000;
-/// Most events in one message.
+/// Maximum number of events in one message.
 const BATCH: usize = 1_000;
-/// Most commands that wait for the simulation.
+/// Maximum number of commands that wait for the simulation.
 pub(super) const COMMANDS: usize = 256;
 
 /// Locks, ignoring poisoning: the guarded data is consistent after each statement.
@@ -26,7 +26,7 @@ pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A value and its serialised text, which is made once.
+/// A value and its serialised text, which is computed once.
 struct CachedText<T> {
     value: T,
     text: OnceLock<Utf8Bytes>,
@@ -47,7 +47,7 @@ pub(super) fn text_of(message: &impl Serialize) -> Utf8Bytes {
     serde_json::to_string(message).unwrap_or_default().into()
 }
 
-/// A detail without its display, and the display apart, since some pages have the display already.
+/// A detail without its display, and the display separately, since some pages already have the display.
 struct CachedDetail {
     detail: Detail,
     lcd: Option<Arc<Picture>>,
@@ -72,7 +72,7 @@ impl CachedDetail {
 
 #[derive(Default)]
 struct State {
-    /// Counts all changes.
+    /// Number of changes.
     version: u64,
     run: u32,
     scene: Option<(u64, Arc<CachedText<Message>>)>,

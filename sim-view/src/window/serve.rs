@@ -28,22 +28,24 @@ use super::hub::{Hub, lock};
 use super::{Access, Options};
 use crate::page::Page;
 
-/// Most pages served at a time.
+/// Maximum number of pages served at a time.
 const MAX_PAGES: usize = 64;
-/// Most pages of one address: no machine takes all places. A class behind one router shares these; this machine has no such limit.
+/// Maximum number of pages of one address, so that no machine occupies the whole server. A class behind one router shares this limit; it
+/// does not apply to this machine.
 const MAX_PAGES_OF_ADDRESS: usize = 48;
-/// Most pages beyond [`MAX_PAGES`] that are refused by a close frame with the reason; any further page gets an HTTP error.
+/// Maximum number of pages beyond [`MAX_PAGES`] that are refused by a close frame with the reason; any further page gets an HTTP error.
 const MAX_REFUSED: usize = 32;
-/// Most connections that are not pages yet; a new one replaces the oldest of the address that has most.
+/// Maximum number of connections that are not pages yet; a new connection replaces the oldest one of the address with
+/// the most connections.
 const MAX_CONNECTIONS: usize = 128;
-/// Most connections accepted in each tenth of a second.
+/// Maximum number of connections accepted in each tenth of a second.
 const ACCEPTS: u32 = 100;
 /// Time limit for the head of a request.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time limit for a connection that is not a page, with all its requests.
 const REQUESTS_TIMEOUT: Duration = Duration::from_secs(300);
 
-/// Download for pages. Its content is made on request, on a blocking thread.
+/// Download for pages. Its content is generated on request, on a blocking thread.
 #[derive(Clone)]
 pub struct Download {
     media_type: &'static str,
@@ -81,7 +83,7 @@ pub(super) struct Server {
     sockets: AtomicUsize,
     /// Number of open sockets of each address.
     addresses: Mutex<BTreeMap<IpAddr, usize>>,
-    /// Permits for downloads that are made at the same time.
+    /// Permits for concurrently generated downloads.
     making: Arc<Semaphore>,
     closing: watch::Sender<bool>,
 }
@@ -143,7 +145,7 @@ async fn accept(listener: TcpListener, routes: Router) {
     let mut window = Instant::now();
     loop {
         let Ok((stream, peer)) = listener.accept().await else {
-            // Out of file descriptors, or the client has disconnected already.
+            // The process is out of file descriptors, or the client has already disconnected.
             sleep(Duration::from_millis(50)).await;
             continue;
         };
@@ -165,7 +167,7 @@ async fn accept(listener: TcpListener, routes: Router) {
     }
 }
 
-/// Index of the oldest connection of the address that has most of them, among connections from the oldest to the newest.
+/// Index of the oldest connection of the address with the most connections; `addresses` go from the oldest to the newest connection.
 fn to_replace(addresses: impl Iterator<Item = IpAddr> + Clone) -> usize {
     let mut counts: BTreeMap<IpAddr, usize> = BTreeMap::new();
     addresses.clone().for_each(|address| *counts.entry(address).or_default() += 1);
@@ -176,7 +178,7 @@ fn to_replace(addresses: impl Iterator<Item = IpAddr> + Clone) -> usize {
 /// Serves the requests of one connection. A connection that becomes a socket continues in a separate task.
 async fn talk(stream: TcpStream, routes: Router) {
     let _ = stream.set_nodelay(true);
-    // An error is the client's: it has disconnected, or has sent invalid HTTP and been told so.
+    // Errors are caused by the client, which has disconnected or has sent invalid HTTP and got an error response.
     let _ = hyper::server::conn::http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_TIMEOUT)
@@ -242,7 +244,7 @@ async fn download(server: &Server, name: &str, is_saved: bool) -> Response {
     let Some(Download { media_type, content }) = found else {
         return (StatusCode::NOT_FOUND, "there is no such file").into_response();
     };
-    // Some downloads are large: only a few are made at a time, and the permit is held even if the client has disconnected.
+    // Some downloads are large: only a few are generated at a time, and the permit is held even if the client has disconnected.
     let Ok(permit) = Arc::clone(&server.making).try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "others are being made: try again in a moment").into_response();
     };
@@ -294,7 +296,7 @@ async fn open_socket(
         })
 }
 
-/// Reason why a page has no place, of `open` pages of which `of_address` have its address, itself included.
+/// Reason for refusing a page if `open` pages are open, `of_address` of them from its address, itself included.
 fn why_full(open: usize, of_address: usize, is_own_machine: bool) -> Option<String> {
     match () {
         () if open > MAX_PAGES => Some(format!("{MAX_PAGES} pages are open already")),
@@ -309,7 +311,7 @@ fn why_full(open: usize, of_address: usize, is_own_machine: bool) -> Option<Stri
 struct SocketGuard {
     server: Arc<Server>,
     address: IpAddr,
-    /// Open sockets of the address, this one included.
+    /// Number of open sockets of the address, this one included.
     of_address: usize,
 }
 

@@ -11,7 +11,7 @@ use super::*;
 
 const SLOT: Time = Time::from_millis(50);
 const COUNT: usize = 50_000;
-/// Messages per batch: neighbouring messages are correlated, batches hardly.
+/// Messages per batch: neighbouring messages are correlated, batches hardly at all.
 const BATCH: usize = 1_000;
 const OFFERED: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5];
 const STATIONS: [u32; 4] = [2, 5, 10, 20];
@@ -46,7 +46,7 @@ pub fn aloha(effort: Effort) -> Part {
 
 /// Waiting time of messages for the token.
 ///
-/// Source of the formula: Takagi 1986, "Analysis of Polling Systems": symmetric stations, one message a visit, Poisson arrivals.
+/// Source of the formula: Takagi 1986, "Analysis of Polling Systems": symmetric stations, one message per visit, Poisson arrivals.
 pub fn token_ring(effort: Effort) -> Part {
     let air = air_time(BYTES, BAUD);
     let (mut rows, mut points, mut curves) = (Vec::new(), Vec::new(), Vec::new());
@@ -76,7 +76,7 @@ pub fn token_ring(effort: Effort) -> Part {
 }
 
 /// Mean wait in a ring of `stations`, s. The service time of a message is the time by which it exceeds a token frame,
-/// since a token frame goes from each station to the next in any case.
+/// since a token frame always goes from each station to the next.
 fn expected_wait(stations: u32, load: f64) -> f64 {
     let frame = air_time(0, BAUD).seconds();
     let service = air_time(BYTES, BAUD).seconds() - frame;
@@ -86,8 +86,8 @@ fn expected_wait(stations: u32, load: f64) -> f64 {
 }
 
 /// Messages at random instants with offered load `load`: the mean number of messages in the air time of one. In a token
-/// ring each goes from a random one of the `stations` to the next one. On other media the robots from 2 on send in
-/// turn, all to robot 1.
+/// ring each goes from a random station to the next one. On other media the robots from 2 on send in turn, all to robot
+/// 1.
 pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<SentMessage> {
     let mut stream = stream(stations, load.to_bits());
     let mean = air_time(BYTES, BAUD).seconds() / load;

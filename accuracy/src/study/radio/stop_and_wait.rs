@@ -73,8 +73,8 @@ fn measure(
     Part { rows, picture: Comparison { name, title, labels, x_scale, curves, points } }
 }
 
-/// Time from sending a message until its acknowledgement is visible, if neither is lost: each takes its air time, and is visible
-/// at a slot's end at the earliest.
+/// Time from sending a message until its acknowledgement is visible, if neither is lost: each takes its air time, and becomes visible at a
+/// slot's end at the earliest.
 fn round_trip(slot: Time) -> Time {
     let way = |bytes| air_time(bytes, BAUD).max(slot);
     way(BYTES) + way(ACK)
@@ -98,8 +98,8 @@ fn expected_share(errors: RadioNoise) -> (f64, f64) {
     (share, share * share * SIGMAS * deviation / (COUNT as f64).sqrt())
 }
 
-/// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the time that takes, s. Corrupted messages are discarded, as by
-/// a checksum that misses nothing.
+/// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the time that takes, s. Corrupted messages are discarded, as by a
+/// perfect checksum.
 fn transfer_seconds(errors: RadioNoise, slot: Time) -> f64 {
     let model = RadioModel { baud: BAUD, ..RadioModel::default() };
     let mut channel = Channel::new(model, SEED, vec![errors; 2]);

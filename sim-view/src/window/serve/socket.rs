@@ -19,15 +19,15 @@ const HELLO_TIMEOUT: Duration = Duration::from_secs(5);
 const WRONG_TOKEN: Duration = Duration::from_millis(500);
 /// Interval between two pings of a page.
 const PING: Duration = Duration::from_secs(5);
-/// A page that reads or sends nothing for this long is disconnected.
+/// Time after which a page that reads or sends nothing is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(15);
 /// Minimum time between two updates of a page: 60 a second.
 const NEWS: Duration = Duration::from_millis(16);
-/// Rate limit of a page's messages: on average one in each interval `READ_INTERVAL` (200 a second), and bursts that run ahead of
-/// this rate by up to `READ_BURST` (100 at once).
+/// Rate limit of a page's messages: on average one per `READ_INTERVAL` (200 a second), with bursts that exceed this rate by up to
+/// `READ_BURST` (100 messages).
 const READ_INTERVAL: Duration = Duration::from_millis(5);
 const READ_BURST: Duration = Duration::from_millis(500);
-/// Most unanswered commands of one page.
+/// Maximum number of unanswered commands of one page.
 const UNANSWERED: usize = 32;
 
 /// Close frame with which the server ends a connection.
@@ -37,7 +37,7 @@ struct CloseReason {
     why: String,
 }
 
-/// Close codes: those of RFC 6455, then those of the protocol.
+/// Close codes of RFC 6455 and of the protocol.
 mod code {
     pub(super) const GOING_AWAY: u16 = 1001;
     pub(super) const NOT_TEXT: u16 = 1003;
@@ -55,7 +55,7 @@ impl CloseReason {
     }
 }
 
-/// End of a connection: with a close frame, or none if the page is disconnected already.
+/// End of a connection: with a close frame, or `None` if the page is already disconnected.
 type End = Option<CloseReason>;
 
 /// Serves one page until it disconnects or is disconnected.
@@ -152,7 +152,7 @@ fn receive(frame: Option<Result<Frame, axum::Error>>) -> Result<Option<Utf8Bytes
         Some(Ok(Frame::Ping(_) | Frame::Pong(_))) => Ok(None),
         Some(Ok(Frame::Binary(_))) => Err(Some(CloseReason::new(code::NOT_TEXT, "messages are texts"))),
         Some(Ok(Frame::Close(_))) | None => Err(None),
-        // A lost connection is treated like a violation of the protocol: its close frame is just not delivered.
+        // A lost connection is treated like a violation of the protocol, except that its close frame is not delivered.
         Some(Err(error)) if error.to_string().contains("too long") => {
             Err(Some(CloseReason::new(code::TOO_BIG, format!("messages have at most {MAX_MESSAGE_BYTES} bytes"))))
         }
@@ -169,7 +169,7 @@ async fn send_frame(socket: &mut WebSocket, frame: Frame) -> Result<(), End> {
     timeout(STALL_TIMEOUT, socket.send(frame)).await.ok().and_then(Result::ok).ok_or(None)
 }
 
-/// A page after its `hello`.
+/// A connection to a page after its `hello`.
 struct PageConnection<'a> {
     id: u64,
     server: &'a Server,
@@ -187,7 +187,7 @@ impl Drop for PageConnection<'_> {
 }
 
 impl PageConnection<'_> {
-    /// Does not read while it writes, so that a page that reads nothing cannot fill any queue here.
+    /// Serves the page. It never reads while it writes, so that a page that reads nothing cannot fill a queue here.
     async fn run(&mut self, socket: &mut WebSocket, mut answered: mpsc::UnboundedReceiver<Answer>) -> End {
         match self.talk(socket, &mut answered).await {
             Ok(never) => match never {},
