@@ -52,10 +52,10 @@ pub struct Contact {
     pub point: DVec2,
 }
 
-/// A segment of a robot's published motion: constant twist, then rest.
+/// A stretch of a robot's published motion: constant twist, then rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Start of the segment.
+    /// Start of the stretch.
     pub start: Time,
     /// Pose of the robot's centre at the start.
     pub from: Pose,
@@ -344,7 +344,7 @@ impl World {
         self.tracks[robot.index()].pose(at)
     }
 
-    /// Published motion of a robot in the present slot: at least one segment, in the order of time; the first one
+    /// Published motion of a robot in the present slot: at least one stretch, in the order of time; the first one
     /// covers the slot's start.
     pub fn stretches(&self, robot: RobotId) -> impl Iterator<Item = Stretch> {
         let passages = self.tracks[robot.index()].passages();

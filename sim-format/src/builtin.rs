@@ -1,7 +1,7 @@
-//! Built-in types: the robots and objects that EyeSim VR has without any file.
+//! Built-in types: the robots and objects that EyeSim VR provides without a file.
 //!
-//! Their texts are files of the usual formats, compiled in, and read once in a process. Sizes and devices are those of the published robots; values without a
-//! source (masses, friction, colours, the sensor at the back) are our choice, documented in docs/formats.
+//! Their texts are files of the usual formats, compiled in and read once per process. Sizes and devices follow the published robots; values
+//! without a source (masses, friction, colours, the sensor at the back) are our choice, documented in docs/formats.
 
 use std::sync::{Arc, OnceLock};
 
@@ -14,14 +14,14 @@ pub const ROBOTS: [&str; 3] = ["LabBot", "S4", "Mako"];
 
 pub use sim_core::spec::BUILT_IN_OBJECTS as OBJECTS;
 
-/// Built-in robot type `name`, case-insensitive.
+/// Built-in robot type called `name`, case-insensitive.
 pub fn robot(name: &str) -> Option<Arc<RobiSpec>> {
     static KNOWN: [OnceLock<Option<Arc<RobiSpec>>>; ROBOTS.len()] = [const { OnceLock::new() }; ROBOTS.len()];
     let place = place(&ROBOTS, name)?;
     KNOWN[place].get_or_init(|| read_robot(ROBOTS[place]).map(|(robi, _)| Arc::new(robi))).clone()
 }
 
-/// Built-in object type `name`, case-insensitive.
+/// Built-in object type called `name`, case-insensitive.
 pub fn object(name: &str) -> Option<Arc<ObjectType>> {
     static KNOWN: [OnceLock<Option<Arc<ObjectType>>>; OBJECTS.len()] = [const { OnceLock::new() }; OBJECTS.len()];
     let place = place(&OBJECTS, name)?;

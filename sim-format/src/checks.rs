@@ -1,4 +1,4 @@
-//! Validation of a scene's checks: bodies that exist, unique names, areas of a size that can be counted.
+//! Validation of a scene's checks: existing bodies, unique names, areas of a limited size.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use super::spec::{BodyRef, CheckKind, CheckSpec, SceneSpec};
 /// Maximum number of squares of an area. Our choice.
 const MAX_SQUARES: f64 = 1e6;
 
-/// Tells the programs of checks the folder of the file that states them.
+/// Stores in the programs of checks the folder of the file that states them.
 pub(super) fn set_folder(checks: &mut [CheckSpec], of_file: &str) {
     for check in checks {
         if let CheckKind::Script { folder, .. } = &mut check.kind {
@@ -64,7 +64,7 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
     sink.finish()
 }
 
-/// `a number from 1 to 3: the scene has 3 robots`.
+/// Text such as `a number from 1 to 3: the scene has 3 robots`.
 fn count(count: usize, noun: &str) -> String {
     match count {
         0 => format!("the scene has no {noun}"),

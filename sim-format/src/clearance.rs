@@ -13,11 +13,11 @@ use sim_core::scene::{Bounds, Segment, Walls};
 /// Depth up to which an overlap counts as rounding, in metres: the skin of the contact rule.
 const SKIN: f64 = 1e-6;
 
-/// Robot or object, represented by a disc within its body, so that no false overlap is reported.
+/// Robot or object, represented by a disc within its body, so that false overlaps are never reported.
 struct Body {
     what: String,
     is_robot: bool,
-    /// The body is fixed; it may overlap a wall.
+    /// True for a fixed body, which may overlap a wall.
     is_fixed: bool,
     centre: DVec2,
     radius: f64,
@@ -26,8 +26,8 @@ struct Body {
     is_of_sim: bool,
 }
 
-/// Warns about each robot and object of `scene` that starts off the floor, in a wall, or in a body that is listed before it. The
-/// first `of_world` objects come from the world's file.
+/// Warns about each robot and object of `scene` that starts off the floor, in a wall, or in a body listed before it. The first `of_world`
+/// objects come from the world's file.
 pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
     let mut sinks = [Sink::new(&scene.world.file), Sink::new(&scene.file)];
     let bodies = bodies(scene, of_world);
@@ -63,7 +63,7 @@ pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
     sinks.into_iter().flat_map(Sink::finish).collect()
 }
 
-/// Robots and objects: first those of the world, then those of the sim file in the order of their lines.
+/// Robots and objects: first the world's, then the sim file's in the order of their lines.
 fn bodies(scene: &SceneSpec, of_world: usize) -> Vec<Body> {
     let object = |(place, object): (usize, &ObjectSpec)| {
         let (offset, radius) = inner_disc(&object.kind)?;
@@ -140,9 +140,10 @@ fn overlaps(bodies: &[Body]) -> Vec<Option<usize>> {
     bodies.iter().enumerate().map(first).collect()
 }
 
-/// Earlier bodies by the cells of their centres. Bodies of similar size have a grid, whose cells are about as large as they are.
+/// Earlier bodies by the cells of their centres. Bodies of similar size share a grid, whose cells are about as large as the bodies.
 ///
-/// The search stops at the first overlap: also where all bodies stand at one place, a body costs the same however many there are.
+/// The search stops at the first overlap, so the cost of a body does not depend on the number of bodies, even if all are at the same
+/// position.
 #[derive(Default)]
 struct Grids(BTreeMap<i32, BTreeMap<[i64; 2], Vec<usize>>>);
 

@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 /// Defines the enum of all codes from lines `Variant = "name": "meaning",`.
 macro_rules! codes {
     ($($variant:ident = $name:literal: $meaning:literal,)+) => {
-        /// Stable short name of a kind of mistake, such as `wld-wall-arity`; displayed and serialised as that text.
+        /// Stable short name of a kind of mistake, such as `wld-wall-arity`; displayed and serialised as this text.
         ///
         /// Its page docs/formats/codes/CODE.md explains the meaning and the consequences and gives an example.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -216,7 +216,7 @@ impl Serialize for Code {
     }
 }
 
-/// Error: no code has this name.
+/// Error for a name that no code has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no code `{name}`{}", .nearest.map(|code| format!(", but there is `{code}`")).unwrap_or_default())]
 pub struct UnknownCode {

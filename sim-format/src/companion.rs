@@ -1,4 +1,4 @@
-//! Companion of a robi: a TOML file beside it, for settings that the classic format lacks.
+//! Companion of a robi: a TOML file beside the robi, for settings that the classic format lacks.
 
 use std::collections::BTreeMap;
 
@@ -70,7 +70,7 @@ impl Reader {
         let psds = robi.psds.iter().map(|device| ("PSD", &*device.name, device.id, device.span));
         let ranges =
             robi.ranges.iter().map(|device| (model_name(&device.model), &*device.name, device.id, device.span));
-        // Noise profiles refer to the scanner, which has no name, by this one.
+        // Noise profiles refer to the scanner, which has no name of its own, by this name.
         let lidar = robi.lidar.iter().map(|lidar| ("lidar", LIDAR, None, lidar.span));
         self.doubles_of(lidar.chain(psds).chain(ranges));
         let infrareds = robi.infrareds.iter();

@@ -1,4 +1,4 @@
-//! Specs without source positions, for comparing the content of two texts.
+//! Removes source positions from specs, to compare the content of two texts.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         robot.noise.iter_mut().for_each(forget_noise);
         robot.span = Span::default();
         robot.line.clear();
-        // A hint at the generation of a program; formats give it in different ways, so it is not compared.
+        // A hint at the generation of a program; it is not compared, because formats state it in different ways.
         robot.dialect = None;
     }
     for placed in &mut scene.objects {
@@ -37,7 +37,7 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         None => {}
     }
     scene.run.noise.iter_mut().for_each(forget_noise);
-    // Of the others only that hint remains.
+    // The other dialects remain only as this hint.
     scene.run.dialect = scene.run.dialect.filter(|dialect| *dialect == Dialect::Vr2018);
     scene
 }

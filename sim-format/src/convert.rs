@@ -24,12 +24,12 @@ use sim_core::unit;
 pub struct Output {
     /// Path of the file.
     pub path: String,
-    /// Content of the file: text, but for the images of maps.
+    /// Content of the file: text, except for the images of maps.
     pub bytes: Vec<u8>,
 }
 
 impl Output {
-    /// The content as text; other bytes than UTF-8 are replaced.
+    /// The content as text; bytes that are not UTF-8 are replaced.
     pub fn text(&self) -> String {
         decode(&self.bytes).0
     }
@@ -38,22 +38,22 @@ impl Output {
 /// Result of a conversion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Converted {
-    /// The requested file, then the files that it needs beside it. Empty if there are errors.
+    /// The requested file, then the files that it refers to. Empty if there are errors.
     pub outputs: Vec<Output>,
     /// Mistakes in the source, and a warning for each property that the target format cannot represent.
     pub diagnostics: Vec<Diagnostic>,
     /// The source and all files that it refers to.
     pub inputs: Vec<super::InputFile>,
-    /// What was understood of maps and mazes of other programs, a line each.
+    /// Notes on the interpretation of maps and mazes of other programs, a line each.
     pub notes: Vec<String>,
 }
 
 /// Values that a conversion takes from its caller.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConvertOptions {
-    /// Seed with which random values of a scene are drawn, in place of its own.
+    /// Seed with which random values of a scene are drawn, instead of its own seed.
     pub seed: Option<u64>,
-    /// Side of the cells of a source that is a maze, a map of MovingAI or an image, in metres, in place of what the file says.
+    /// Side of the cells of a source that is a maze, a map of MovingAI or an image, in metres, which overrides the file.
     pub maze_cell: Option<f64>,
     /// Side of the cells of a map that is made from walls, in metres.
     pub map_cell: Option<f64>,
@@ -72,8 +72,8 @@ pub struct LiveEntity {
 
 /// Text of the scene `from` in our own form, with the state of a run.
 ///
-/// Robots and movable objects stand at their current poses; spawned ones are included, removed ones left out. A spawned
-/// robot has no program. Robots are renumbered without gaps.
+/// Robots and movable objects are placed at their current poses, including spawned ones and without removed ones. A
+/// spawned robot has no program. Robots are renumbered without gaps.
 ///
 /// References are relative to the scene's own folder. Objects placed by the world's file stay at their original poses.
 ///
@@ -114,7 +114,7 @@ fn line_of_robot(robot: &LiveEntity, sim: &SimSpec, scene: &SceneSpec) -> RobotL
     RobotLine { start: StartRef::Pose(robot.pose), ..line }
 }
 
-/// Moves the movable objects of a scene's lines to their current poses.
+/// Moves the movable objects in a scene's lines to their current poses.
 fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[LiveEntity]) {
     let mut number = scene.objects.iter().filter(|object| !object.kind.is_fixed).count() as u32;
     let of_scene = number;
@@ -188,14 +188,13 @@ pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
     convert_with(from, to, ConvertOptions::default(), files, &|_, _| None)
 }
 
-/// Function that returns the generation of the RoBIOS API, 6 or 7, of a robot's program, if the program leaves no doubt of it.
+/// Function that returns the generation of the RoBIOS API, 6 or 7, of a robot's program, if the program determines it.
 pub type ToldGeneration<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Option<u32> + 'a;
 
-/// Converts as [`convert`]. Our own form states the generations that `told` returns; for all other programs it states the dialect
-/// of the sim file, which decides only where a program does not.
+/// Converts like [`convert`]. Our own form states the generations that `told` returns; for all other programs it states the dialect of the
+/// sim file, which applies only if a program does not decide.
 ///
-/// Random values and places of a scene are drawn: with the seed of the `options`, which the result states, otherwise with that of the
-/// scene.
+/// Random values and places of a scene are drawn with the seed of the `options`, which the result states, otherwise with the scene's seed.
 pub fn convert_with(
     from: &str,
     to: &str,
@@ -346,7 +345,7 @@ impl Conversion<'_> {
         if target == FileFormat::Map
             && let Some((grid, loaded)) = self.grid()
         {
-            // From grid to grid nothing is guessed.
+            // A conversion from grid to grid needs no guess.
             grid.iter().for_each(|grid| self.write_grid(grid));
             return loaded;
         }
@@ -362,7 +361,7 @@ impl Conversion<'_> {
         loaded
     }
 
-    /// The grid of a source that is one; `None` if it is not.
+    /// The grid of the source; `None` if the source is not a grid.
     fn grid(&self) -> Option<(Option<Grid>, Loaded)> {
         let bytes = self.files.read(self.from).ok()?;
         let format = WorldFormat::of(self.from, &bytes, WorldKind::World);
@@ -374,12 +373,12 @@ impl Conversion<'_> {
         Some((grid, loader.finish(SceneSpec::default())))
     }
 
-    /// Returns true if the source is a whole scene, not only a part of one.
+    /// Returns true if the source is a whole scene, not only a part of a scene.
     fn is_scene(&self) -> bool {
         self.files.read(self.from).is_ok_and(|bytes| scene::is_scene(self.from, &decode(&bytes).0))
     }
 
-    /// The map of a scene: free is what its robots can reach.
+    /// The map of a scene, in which everything that its robots can reach is free.
     fn map_of_scene(&mut self) -> Loaded {
         let overrides =
             Overrides { seed: self.options.seed, maze_cell: self.options.maze_cell, ..Overrides::default() };
@@ -414,7 +413,7 @@ impl Conversion<'_> {
         self.write_grid(&grid);
     }
 
-    /// Writes a grid as a `map.yaml` with its image, or as an image alone.
+    /// Writes a grid as a `map.yaml` with its image, or as only an image.
     fn write_grid(&mut self, grid: &Grid) {
         let extension = path::extension(self.to);
         let is_bitmap = extension == "pbm";
@@ -536,7 +535,7 @@ impl Conversion<'_> {
             }
         };
         let (mut sim, diagnostics) = read_scene(self.from, &text);
-        // A file with types only is no complete scene, but sufficient here.
+        // A file with only types is not a complete scene, but sufficient here.
         let is_whole = scene::has_marks(&text);
         loaded.diagnostics.extend(diagnostics.into_iter().filter(|it| is_whole || it.code != Code::TomlMissing));
         loaded.inputs.push(super::InputFile { path: self.from.to_owned(), bytes: text.into_bytes() });
@@ -607,8 +606,8 @@ impl Conversion<'_> {
         }
     }
 
-    /// Rewrites a reference for the target's folder: a relative one to a file beside the source, and an absolute one that leads nowhere
-    /// and whose file is found near the source. All other references keep their target.
+    /// Rewrites a reference for the target's folder if it is relative and leads to a file beside the source, or absolute without a file
+    /// there but with one near the source. All other references keep their target.
     fn rewrite_path(&self, reference: &mut PathRef) {
         let (old, new) = (path::folder_of(self.from), path::folder_of(self.to));
         if old == new {
@@ -630,8 +629,8 @@ impl Conversion<'_> {
     }
 }
 
-/// States in a scene read from a sim file what its lines tell of the programs: the generation of those that `told` knows, and the
-/// dialect. Returns what cannot be stated.
+/// States in a scene read from a sim file the generations of the programs that `told` knows, and the dialect. Returns what the scene cannot
+/// state.
 fn state_generations(sim: &mut SimSpec, scene: &SceneSpec, told: &ToldGeneration<'_>) -> Vec<String> {
     let is_vr = scene.robots.iter().any(|robot| robot.dialect == Some(7));
     let by_lines = if is_vr { Dialect::Vr2023 } else { Dialect::Classic };
@@ -658,7 +657,7 @@ fn state_generations(sim: &mut SimSpec, scene: &SceneSpec, told: &ToldGeneration
     lost
 }
 
-/// Replaces random layouts by the places that were drawn.
+/// Replaces random layouts with the positions that were drawn.
 fn settle_random(sim: &mut SimSpec, scene: &SceneSpec) {
     if let Some(world) = &mut sim.inline.world {
         world.walls.clone_from(&scene.world.walls);
@@ -690,7 +689,7 @@ fn settle_random(sim: &mut SimSpec, scene: &SceneSpec) {
     name_by_path("object.", sim.objects.iter_mut().map(|line| (&line.path, &mut line.name)));
 }
 
-/// Names lines whose number in their list is not that of their paths.
+/// Names lines whose number in their list differs from the number in their paths.
 fn name_by_path<'l>(list: &str, lines: impl Iterator<Item = (&'l String, &'l mut Option<String>)>) {
     for ((path, name), number) in lines.zip(1..) {
         let own = path.strip_prefix(list).unwrap_or_default();

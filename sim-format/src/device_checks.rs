@@ -12,10 +12,10 @@ use sim_core::build;
 /// Maximum number of names listed in a message.
 const MAX_LISTED: usize = 32;
 
-/// Checks after all devices of a robot type are read.
+/// Checks that run after all devices of a robot type are read.
 impl Reader {
-    /// Reports devices that a program could not tell apart, and references to missing links and servos; sensors on a missing
-    /// link are moved to the body.
+    /// Reports devices that a program could not tell apart, and references to missing links and servos; moves sensors on a missing link to
+    /// the body.
     pub(super) fn settle_devices(&mut self, robi: &mut RobiSpec) {
         self.doubles(robi);
         self.buses(robi);

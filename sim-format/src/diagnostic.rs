@@ -46,7 +46,7 @@ pub struct Diagnostic {
 }
 
 impl std::fmt::Display for Diagnostic {
-    /// One line: `file:line:column: severity[code]: message`.
+    /// Formats one line: `file:line:column: severity[code]: message`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.file)?;
         if self.span.line > 0 {
@@ -56,7 +56,7 @@ impl std::fmt::Display for Diagnostic {
     }
 }
 
-/// Returns true if one of the `diagnostics` is an error.
+/// Returns true if at least one of the `diagnostics` is an error.
 pub fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
 }
@@ -70,7 +70,7 @@ pub(super) struct Sink {
     file: String,
     diagnostics: Vec<Diagnostic>,
     left_out: usize,
-    /// The last diagnostic that was left out, with the worst severity of all of them.
+    /// The last omitted diagnostic, with the worst severity of all omitted ones.
     last_left_out: Option<Diagnostic>,
 }
 

@@ -58,7 +58,7 @@ struct Reader {
     sink: Sink,
     /// The object under construction. Until `finish`, its lengths are in units of the file, in the object's axes.
     object: ObjectType,
-    /// Spans of the colliders.
+    /// Spans of the colliders' lines.
     places: Vec<Span>,
     /// Factor on all lengths: millimetres per unit of the file, metres per unit of the mesh file.
     scale: f64,
@@ -129,7 +129,7 @@ impl Reader {
         }
     }
 
-    /// The first `count` values of a line; reports missing or extra ones.
+    /// The first `count` values of a line; reports missing or extra values.
     fn words<'w, 't>(
         &mut self,
         keyword: &Word<'_>,
@@ -283,7 +283,7 @@ fn from_graphics(right: f64, up: f64, forward: f64) -> DVec3 {
     DVec3::new(forward, 0.0 - right, up)
 }
 
-/// The collider with all lengths times `factor`.
+/// The collider with all lengths multiplied by `factor`.
 fn scaled(collider: Collider, factor: f64) -> Collider {
     match collider {
         Collider::Box { centre, size } => Collider::Box { centre: centre * factor, size: size * factor },
@@ -297,7 +297,7 @@ fn scaled(collider: Collider, factor: f64) -> Collider {
     }
 }
 
-/// Returns true if a collider's sizes and position, in metres, are within sensible limits.
+/// Returns true if a collider's sizes and position, in metres, are within reasonable limits.
 fn is_sane(collider: &Collider) -> bool {
     let (centre, smallest, largest) = match *collider {
         Collider::Box { centre, size } => (centre, size.min_element(), size.max_element()),

@@ -1,4 +1,4 @@
-//! Validation of a scene's faults: robots, sensors and noise parameters that exist, unique names.
+//! Validation of a scene's faults: existing robots, sensors and noise parameters, unique names.
 
 use std::collections::BTreeMap;
 
@@ -53,7 +53,7 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
     sink.finish()
 }
 
-/// Message, expectation and most similar name if the robot has no such sensor.
+/// Message, expectation and most similar name if the robot does not have the sensor.
 fn unknown_sensor(
     robi: &RobiSpec,
     name: &str,

@@ -25,11 +25,11 @@ const MAX_WORDS: usize = 1000;
 pub(super) struct Word<'a> {
     pub(super) text: &'a str,
     pub(super) span: Span,
-    /// The word opens with a quotation mark that is never closed.
+    /// True if the word opens with a quotation mark that is never closed.
     pub(super) is_unclosed: bool,
 }
 
-/// The lines of a text: ended by LF, CR LF or CR; a byte order mark is skipped.
+/// The lines of a text, ended by LF, CR LF or CR; skips a byte order mark.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let bytes = text.as_bytes();
     let mut start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
@@ -125,7 +125,7 @@ impl<'a> Word<'a> {
     }
 }
 
-/// Returns true if a word is meant as a number.
+/// Returns true if a word is probably meant as a number.
 pub(super) fn looks_numeric(word: &str) -> bool {
     let unsigned = word.trim_start_matches(['+', '-']);
     unsigned.starts_with(|c: char| c.is_ascii_digit() || c == '.') || word.parse::<f64>().is_ok()
@@ -158,7 +158,8 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     checked
 }
 
-/// Guess of the intended number: a comma for the point or behind the number, letters for digits, or an attached unit.
+/// Guess of the intended number: corrects a comma instead of the point or after the number, letters instead of digits,
+/// or an attached unit.
 pub(super) fn number_within(word: &str) -> Option<String> {
     let word = word.trim_end_matches([',', ';']);
     let digits = |c: char| match c {

@@ -30,18 +30,19 @@ pub trait Files {
     /// Content of a file.
     ///
     /// # Errors
-    /// [`FileError::Missing`] if there is no such file, [`FileError::Unreadable`] if it cannot be read.
+    /// [`FileError::Missing`] if the file does not exist, [`FileError::Unreadable`] if it cannot be read.
     fn read(&self, path: &str) -> Result<Vec<u8>, FileError>;
 
-    /// Names of the files and folders in a folder, in any order; empty if there is no such folder. `""` is the working
-    /// folder.
+    /// Names of the files and folders in a folder, in any order; empty if the folder does not exist. `""` is the
+    /// working folder.
     fn list(&self, folder: &str) -> Vec<String>;
 
     /// Folder of the installation, for `%sim%`; `None` if there is none.
     fn home(&self) -> Option<&str>;
 }
 
-/// In-memory file system, indexed by path: for a scene as a text, and the files that it refers to. Has no installation.
+/// In-memory file system, indexed by path, for a scene in a string and the files that it refers to. It has no
+/// installation.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryFiles {
     files: BTreeMap<String, Vec<u8>>,
@@ -84,7 +85,7 @@ impl Files for MemoryFiles {
 /// Reason why a file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FileError {
-    /// There is no file of this name.
+    /// The file does not exist.
     #[error("no such file")]
     Missing,
     /// The file exists but cannot be read.
@@ -108,7 +109,7 @@ pub struct Loaded {
     pub scene: SceneSpec,
     /// Mistakes, in the order in which the files were read.
     pub diagnostics: Vec<Diagnostic>,
-    /// Files that were read, in that order, each once.
+    /// Files that were read, in this order, without duplicates.
     pub inputs: Vec<InputFile>,
     /// What was understood of maps and mazes of other programs, a line each.
     pub notes: Vec<String>,
@@ -121,11 +122,11 @@ impl Loaded {
     }
 }
 
-/// Loads a scene, in our own form if its name ends in `.toml`, otherwise a sim file, and all worlds, robis and object files that it refers
-/// to. Does not look for programs and meshes.
+/// Loads a scene (in our own form if its name ends in `.toml`, otherwise a sim file) and all worlds, robis and object files that it refers
+/// to. Does not search for programs and meshes.
 ///
-/// Robots without a pose take the starts of the world in order, or the start of their letter. A type is read once, however many
-/// robots or objects use it. Robots and objects that start inside something else give a warning.
+/// Robots without a pose take the starts of the world in order, or the start of their letter. A type is read once for all robots or objects
+/// that use it. Robots and objects that start inside other bodies cause a warning.
 pub fn load_scene(path: &str, files: &dyn Files) -> Loaded {
     load_scene_with(path, Overrides::default(), files)
 }
@@ -135,11 +136,11 @@ pub fn load_scene(path: &str, files: &dyn Files) -> Loaded {
 pub struct Overrides<'a> {
     /// Seed of the run, on which random layouts depend.
     pub seed: Option<u64>,
-    /// EyeSim whose conventions the scene follows.
+    /// EyeSim version whose conventions the scene follows.
     pub dialect: Option<Dialect>,
     /// Side of the cells of the scene's maze file, in metres; positive.
     pub maze_cell: Option<f64>,
-    /// Values of a scene in TOML, in place of those in its text.
+    /// Values of a scene in TOML, which override the values in its text.
     pub settings: &'a [Setting],
 }
 
@@ -147,17 +148,18 @@ pub struct Overrides<'a> {
 const ATTEMPTS: u32 = 100;
 /// Maximum number of attempts that fail because there is no room.
 const FULL_ATTEMPTS: u32 = 5;
-/// Seeds with which a check of a scene with random values tries them.
+/// Number of seeds with which a check of a scene tries its random values.
 const CHECKED_SEEDS: u64 = 10;
 
-/// Loads a scene as [`load_scene`], with values that override the scene's own.
+/// Loads a scene like [`load_scene`], with values that override the scene's own.
 ///
-/// Random values are drawn from the seed. If a demand of the scene on its places is not met, all are drawn again, up to 100 times.
+/// Random values are drawn from the seed. If a demand of the scene on its positions is not met, all values are drawn again, up to 100
+/// times.
 pub fn load_scene_with(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
     load_drawn(path, overrides, files).0
 }
 
-/// Loads a scene as [`load_scene_with`], and looks for mistakes that other seeds would show: the minimum and the maximum values of random
+/// Loads a scene like [`load_scene_with`], and searches for mistakes that other seeds would reveal: tries minimum and maximum of random
 /// ranges, all choices, and ten seeds.
 pub fn check_scene(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
     let (mut loaded, sim) = load_drawn(path, overrides, files);
@@ -191,7 +193,7 @@ pub fn check_scene(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> L
     loaded
 }
 
-/// Loads a scene, and returns its own text as a spec, too, with the random values of the attempt that succeeded.
+/// Loads a scene; also returns the spec of its own text, with the random values of the attempt that succeeded.
 pub(super) fn load_drawn(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> (Loaded, SimSpec) {
     let mut full = 0;
     for attempt in 0.. {
@@ -259,12 +261,12 @@ fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt
     (loader.finish(scene), own, placed.may_retry)
 }
 
-/// Reads a world file of any kind alone; the scene has no robots.
+/// Reads only a world file of any kind; the scene of the result has no robots.
 pub fn load_world(path: &str, files: &dyn Files) -> Loaded {
     load_world_with(path, CellRules::default(), files)
 }
 
-/// Reads a world file of any kind alone, with these rules for the size of its cells; the scene has no robots.
+/// Reads only a world file of any kind, with `rules` for the size of its cells; the scene of the result has no robots.
 pub fn load_world_with(path: &str, rules: CellRules, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let mut scene = SceneSpec { file: path.to_owned(), ..SceneSpec::default() };
@@ -274,14 +276,14 @@ pub fn load_world_with(path: &str, rules: CellRules, files: &dyn Files) -> Loade
     loader.finish(scene)
 }
 
-/// Reads a robi and its companion alone; `None` if there is no such file. The scene of the result is empty.
+/// Reads only a robi and its companion; `None` if the file does not exist. The scene of the result is empty.
 pub fn load_robi(path: &str, files: &dyn Files) -> (Option<RobiSpec>, Loaded) {
     let mut loader = Loader::new(files);
     let robi = loader.root(path).map(|text| loader.robi_text(path, &text));
     (robi, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
 }
 
-/// Reads an object file alone; `None` if there is no such file. The scene of the result is empty.
+/// Reads only an object file; `None` if the file does not exist. The scene of the result is empty.
 pub fn load_object(path: &str, files: &dyn Files) -> (Option<ObjectType>, Loaded) {
     let mut loader = Loader::new(files);
     let object = loader.root(path).map(|text| {
@@ -292,7 +294,7 @@ pub fn load_object(path: &str, files: &dyn Files) -> (Option<ObjectType>, Loaded
     (object, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
 }
 
-/// Reads a noise profile alone; `None` if there is no such file. The scene of the result is empty.
+/// Reads only a noise profile; `None` if the file does not exist. The scene of the result is empty.
 pub fn load_noise(path: &str, files: &dyn Files) -> (Option<NoiseRef>, Loaded) {
     let mut loader = Loader::new(files);
     let noise = loader.root(path).map(|text| loader.profile(path, &text));
@@ -307,7 +309,7 @@ pub fn decode(bytes: &[u8]) -> (String, Option<usize>) {
     }
 }
 
-/// Finds and reads files, each once, and collects the diagnostics.
+/// Finds files, reads each of them once, and collects the diagnostics.
 pub(super) struct Loader<'a> {
     pub(super) files: &'a dyn Files,
     pub(super) diagnostics: Vec<Diagnostic>,
@@ -319,9 +321,9 @@ pub(super) struct Loader<'a> {
 
 /// Cache of types that were read.
 struct TypeCache<T> {
-    /// By the text of the reference; `None` for a file that does not exist.
+    /// Types by the text of the reference; `None` for a file that does not exist.
     referenced: BTreeMap<String, Option<Arc<T>>>,
-    /// By the path of the file.
+    /// Types by the path of the file.
     found: BTreeMap<String, Arc<T>>,
 }
 
@@ -460,7 +462,7 @@ impl<'a> Loader<'a> {
         found
     }
 
-    /// File whose path differs from `place` only in upper and lower case.
+    /// File whose path differs from `place` only in letter case.
     fn in_other_case(&self, place: &str) -> Option<(String, Vec<u8>)> {
         let root = if place.starts_with('/') { "/" } else { "" };
         let mut path = root.to_owned();

@@ -1,4 +1,4 @@
-//! Mazes: EyeSim's drawings, `.maz`, and the forms of micro-mouse contests.
+//! Mazes: EyeSim's drawings (`.maz`) and the formats of micro-mouse contests.
 
 mod binary;
 mod cells;
@@ -23,9 +23,9 @@ use sim_core::unit;
 /// Rules for the size of a maze's cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellRules {
-    /// EyeSim for which the maze was drawn; `None` if nobody says it: then a size that not every EyeSim reads is a warning.
+    /// EyeSim version for which the maze was drawn; if it is `None`, a size that not every EyeSim reads causes a warning.
     pub dialect: Option<Dialect>,
-    /// Side of the cells in metres, in place of what the file says.
+    /// Side of the cells in metres, which overrides the file.
     pub cell: Option<f64>,
 }
 
@@ -62,11 +62,11 @@ struct MazeRead {
     drawing: Drawing,
     /// Rows of cells; at least 1.
     rows: usize,
-    /// What is to be told of it.
+    /// Note on its interpretation.
     note: Option<String>,
 }
 
-/// Reads a maze in bytes. Also returns what was understood.
+/// Reads a maze from bytes. Also returns a note on its interpretation.
 pub(crate) fn read_maze_bytes(
     file: &str,
     bytes: &[u8],
@@ -77,7 +77,7 @@ pub(crate) fn read_maze_bytes(
     maze.world(sink, file, rules)
 }
 
-/// Reads a maze of posts or of numbers. Also returns what was understood.
+/// Reads a maze of posts or of numbers. Also returns a note on its interpretation.
 pub(crate) fn read_maze_text(
     file: &str,
     text: &str,
@@ -99,15 +99,15 @@ impl MazeRead {
     }
 }
 
-/// Reads a maze file; the size of its cells stands alone on the last or the first line.
+/// Reads a maze file, in which the last or the first line contains only the size of its cells.
 ///
-/// `file` is its name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper border.
-/// Adjacent wall pieces on one line are merged, so that walls have no joints that the maze does not have.
+/// `file` is its name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper border. Adjacent wall
+/// pieces on one line are merged, so that walls have no joints inside.
 pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     read_maze_with(file, text, CellRules::default())
 }
 
-/// Reads a maze file as [`read_maze`], with these rules for the size of its cells.
+/// Reads a maze file like [`read_maze`], with `rules` for the size of its cells.
 pub fn read_maze_with(file: &str, text: &str, rules: CellRules) -> (WorldSpec, Vec<Diagnostic>) {
     let mut sink = Sink::new(file);
     let (rows, sizes) = rows_and_sizes(&mut sink, text);
@@ -121,18 +121,18 @@ pub fn read_maze_with(file: &str, text: &str, rules: CellRules) -> (WorldSpec, V
     (world, sink.finish())
 }
 
-/// A line with a number alone.
+/// A line that contains only a number.
 struct SizeLine<'a> {
     word: Word<'a>,
     /// The number in metres; `None` for an invalid one, which is already reported.
     size: Option<f64>,
     /// Rows drawn above the line.
     rows_above: usize,
-    /// No row is drawn below the line.
+    /// True if no row is drawn below the line.
     is_last: bool,
 }
 
-/// The cell size in metres that the lines `sizes` and the `rules` give.
+/// The cell size in metres according to the lines `sizes` and the `rules`.
 fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
     if let Some(cell) = rules.cell {
         return cell;
@@ -248,14 +248,14 @@ enum ColumnRole {
 }
 
 impl Grid {
-    /// EyeSim's layout: walls in the columns 1, 3, 5, ...
+    /// EyeSim's layout, with walls in the columns 1, 3, 5, ...
     const USUAL: Grid = Grid { pitch: 2, indent: 0 };
-    /// Indented by one character.
+    /// EyeSim's layout, indented by one character.
     const SHIFTED: Grid = Grid { pitch: 2, indent: 1 };
-    /// Cells two characters wide.
+    /// A layout with cells two characters wide.
     const WIDE: Grid = Grid { pitch: 3, indent: 0 };
 
-    /// Layout with all `|` of the `rows` in wall columns; the usual one if there is none.
+    /// Layout with all `|` of the `rows` in wall columns; the usual layout if none fits.
     fn of(sink: &mut Sink, rows: &[Line<'_>]) -> Grid {
         let fits = |grid: &Grid| {
             rows.iter().all(|row| {
@@ -301,11 +301,11 @@ fn is_comment(character: char) -> bool {
 /// Content of the drawing, by cells and rows; rows are counted from the upper border, which is row 0.
 struct Drawing {
     grid: Grid,
-    /// (grid line to the left of this cell column, row, span).
+    /// Vertical wall pieces: (grid line to the left of this cell column, row, span).
     vertical: Vec<(u32, u32, Span)>,
-    /// (row above the wall, cell column, span).
+    /// Horizontal wall pieces: (row above the wall, cell column, span).
     horizontal: Vec<(u32, u32, Span)>,
-    /// (lower-case letter, column, row, span).
+    /// Letters in cells: (lower-case letter, column, row, span).
     letters: Vec<(char, u32, u32, Span)>,
     columns: u32,
 }
@@ -338,7 +338,7 @@ impl Drawing {
                     self.vertical.push((column + 1, row, span));
                 }
                 ('_', ColumnRole::Cell(column)) => self.floor_line(row, column, span),
-                // In a wall column it counts for the cell on the left.
+                // An underscore in a wall column counts for the cell on the left.
                 ('_', ColumnRole::Wall(0)) => {}
                 ('_', ColumnRole::Wall(column)) => self.floor_line(row, column - 1, span),
                 (comment, _) if is_comment(comment) => break,
@@ -409,7 +409,7 @@ impl Drawing {
         let corner = |column: u32, row: u32| DVec2::new(f64::from(column) * cell, f64::from(last - row) * cell);
         self.vertical.sort_unstable();
         self.horizontal.sort_unstable();
-        // The upper border is row 0; a vertical piece stands on the lower edge of its row.
+        // The upper border is row 0; a vertical piece begins at the lower edge of its row.
         let upright = runs(&self.vertical).map(|(column, first, end, span)| {
             let top = first.saturating_sub(1);
             (corner(column, end - 1), corner(column, top), span)

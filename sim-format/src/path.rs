@@ -12,9 +12,9 @@ const INSTALLATION: &str = "%sim%";
 /// Folders of the installation that are searched last.
 const INSTALLED: [&str; 3] = ["", "worlds", "robis"];
 
-/// Paths at which the file named `text` is searched, in order.
+/// Paths at which the file named `text` is searched for, in order.
 ///
-/// `folder` is that of the referring file, `home` the installation's folder. Back slashes are read as slashes.
+/// `folder` is the folder of the referring file, `home` the installation's folder. Backslashes are read as slashes.
 /// - A path that begins with `%sim%` is searched only in the installation.
 /// - Any other relative path is searched in `folder`, in the working folder, in the installation and in its folders
 ///   `worlds` and `robis`.
@@ -49,7 +49,7 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
 /// Candidates for an absolute path `text` from another machine; empty for a relative path.
 ///
 /// Each suffix of the path, the longest first, is searched below `folder`, below the two folders above `folder`, and
-/// below the installation. The file name alone is not searched in the folders above.
+/// below the installation. The bare file name is not searched for in the folders above.
 pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     if !is_absolute(&text) {
@@ -89,7 +89,8 @@ pub(super) fn with_extension(path: &str, extension: &str) -> String {
     format!("{}{}.{extension}", &path[..path.len() - file_name(path).len()], stem(path))
 }
 
-/// The `path` relative to `folder`, if both are relative or both absolute: `../worlds/a.wld`. Else the path unchanged.
+/// The `path` relative to `folder`, if both are relative or both absolute: `../worlds/a.wld`. Otherwise the path
+/// unchanged.
 pub(super) fn relative(folder: &str, path: &str) -> String {
     if is_absolute(folder) != is_absolute(path) {
         return path.to_owned();

@@ -24,20 +24,20 @@ use sim_core::pose::Pose;
 pub(super) struct PlacedEntities {
     /// Robots in the order of their ids.
     pub(super) robots: Vec<RobotSpec>,
-    /// Objects, those of the world first.
+    /// Objects, the world's objects first.
     pub(super) objects: Vec<ObjectSpec>,
     /// Number of objects that come from the world.
     pub(super) of_world: usize,
-    /// Walls of the world, with the places that were drawn.
+    /// Walls of the world, with the positions that were drawn.
     pub(super) walls: Vec<WallSpec>,
     /// Poses that were drawn.
     pub(super) drawn: Vec<Drawn>,
-    /// Random places, or demands on them, are not as they must be, which is reported: another attempt may succeed.
+    /// True if random places, or demands on them, failed, which is reported; another attempt may succeed.
     pub(super) may_retry: bool,
 }
 
-/// Places all entities of `sim`, in `folder`, and of its world. `None` for a missing world, which is already reported.
-/// Random places are those of this attempt.
+/// Places all entities of `sim`, in `folder`, and of its world. `world` is `None` for a missing world, which is already
+/// reported. Random positions belong to `attempt`.
 pub(super) fn place(
     loader: &mut Loader<'_>,
     sim: &SimSpec,
@@ -88,7 +88,7 @@ pub(super) fn place(
     PlacedEntities { robots: placer.robots, objects: placer.objects, of_world, walls, drawn, may_retry }
 }
 
-/// Raises the objects that float in water of this depth, in metres; those of one type still share it.
+/// Raises the objects that float in water of this depth, in metres; objects of one type still share it.
 fn float(objects: &mut [ObjectSpec], depth: f64) {
     // The keys are addresses, so the map must never be iterated; its values keep the types alive.
     let mut types = BTreeMap::new();
@@ -112,9 +112,9 @@ struct Placer<'a> {
     shapes: BTreeMap<String, Arc<ObjectType>>,
     robots: Vec<RobotSpec>,
     objects: Vec<ObjectSpec>,
-    /// The scene names robots, even if none of them is usable.
+    /// True if the scene names robots, even if none of them is usable.
     has_robots: bool,
-    /// Robots and objects whose place is random, in the order in which they are placed.
+    /// Robots and objects with random positions, in the order in which they are placed.
     scattered: Vec<(Entity, Scatter)>,
     /// Paths of robots and objects.
     paths: BTreeMap<Entity, String>,
@@ -138,7 +138,7 @@ struct Group<'a> {
     count: u32,
     /// Layout of the group; `None` for a single robot.
     layout: Option<Layout>,
-    /// No place is left for the remaining robots of the group, which is already reported.
+    /// True if there is no room for the remaining robots of the group, which is already reported.
     is_full: bool,
 }
 
@@ -212,7 +212,7 @@ impl Placer<'_> {
         }
     }
 
-    /// Type of a classic `object` line: an object file, or a mesh with the shape of the built-in type of its name, otherwise a cylinder.
+    /// Type of a classic `object` line: an object file, or a mesh with the shape of the built-in type of that name, otherwise a cylinder.
     fn object_of_file(&mut self, loader: &mut Loader<'_>, path: &PathRef) -> Option<Arc<ObjectType>> {
         if path::extension(&path.text) == "esobj" {
             return loader.object_type(&self.sim.file, self.folder, path);
@@ -291,7 +291,7 @@ impl Placer<'_> {
         }
     }
 
-    /// Places a robot as its line demands, if a place is left.
+    /// Places a robot as its line demands, if there is room.
     fn stand(&mut self, group: &mut Group<'_>, member: &Member) {
         if group.is_full {
             return;
@@ -336,8 +336,8 @@ impl Placer<'_> {
         });
     }
 
-    /// Gives random places to walls, then to robots, then to objects; each keeps clear of all that are placed before it and of all
-    /// that have a stated place. Returns the walls.
+    /// Draws random positions for walls, then for robots, then for objects; each avoids everything placed before it and everything with a
+    /// stated position. Returns the walls.
     fn scatter(&mut self, world: Option<&WorldSpec>) -> Vec<WallSpec> {
         let Some(world) = world else { return Vec::new() };
         let mut walls = world.walls.clone();
@@ -390,7 +390,7 @@ impl Placer<'_> {
         walls
     }
 
-    /// Drops the random bodies that have found no place.
+    /// Drops the random bodies for which there was no room.
     fn drop_unplaced(&mut self, random: &BTreeSet<Entity>, placed: &BTreeSet<Entity>) {
         let is_lost = |entity: Entity| random.contains(&entity) && !placed.contains(&entity);
         let mut index = 0..;
@@ -399,7 +399,7 @@ impl Placer<'_> {
         self.objects.retain(|_| !is_lost(Entity::Object(index.next().unwrap_or_default())));
     }
 
-    /// Gives random places to the walls without a stated one; walls without room keep the layout.
+    /// Draws random positions for the walls without a stated position; walls without room keep the layout.
     fn scatter_walls(&mut self, space: &FreeSpace, walls: &mut [WallSpec]) {
         let mut added: Vec<WallSpec> = Vec::new();
         let mut full = None;
@@ -464,14 +464,14 @@ impl Placer<'_> {
         }
     }
 
-    /// Number of the bodies of one line before `entity`, and of all of them.
+    /// Number of bodies of the same line before `entity`, and of all bodies of that line.
     fn siblings(&self, entity: Entity) -> (usize, usize) {
         let span = self.span(entity);
         let own = || self.scattered.iter().filter(|(other, _)| self.span(*other) == span);
         (own().filter(|(other, _)| *other < entity).count(), own().count())
     }
 
-    /// Checks the demands on ways from one place to another.
+    /// Checks the demands on routes between positions.
     fn demand(&mut self, world: Option<&WorldSpec>, walls: &[WallSpec]) {
         let Some(world) = world.filter(|_| !self.may_retry) else { return };
         for demand in &self.sim.reachable {
@@ -505,7 +505,7 @@ impl Placer<'_> {
         }
     }
 
-    /// Position and radius of what a demand names, in metres.
+    /// Position and radius of the point or entity that a demand names, in metres.
     fn place_of(&mut self, place: &Whereabouts) -> Option<(DVec2, f64, Option<Entity>)> {
         let path = match place {
             Whereabouts::Point(point) => return Some((*point, 0.0, None)),
@@ -612,7 +612,7 @@ impl<'a> Starts<'a> {
         Some(self.world?.starts[place].pose)
     }
 
-    /// The start of a maze in EyeSim VR of 2018, whatever the letter: that of the last letter, and the robot faces along x.
+    /// The start of a maze in EyeSim VR of 2018: the cell of the last letter, regardless of the letter; the robot faces along x.
     fn of_2018(&mut self) -> Option<Pose> {
         let starts = &self.world?.starts;
         let place = (0..starts.len()).rfind(|place| starts[*place].letter.is_some())?;
@@ -621,7 +621,7 @@ impl<'a> Starts<'a> {
         Some(Pose::new(at.x, at.y, 0.0))
     }
 
-    /// Takes the first free start with this letter; if all are taken, returns the first: two robots of one letter share a cell.
+    /// Takes the first free start with this letter; if all are taken, returns the first, so that two robots of one letter share a cell.
     fn of_letter(&mut self, letter: char) -> Option<Pose> {
         let starts = &self.world?.starts;
         let mut places = (0..starts.len()).filter(|place| starts[*place].letter == Some(letter));
@@ -632,7 +632,7 @@ impl<'a> Starts<'a> {
     }
 }
 
-/// A place of a demand for messages.
+/// A position of a demand, worded for messages.
 fn written(place: &Whereabouts) -> String {
     match place {
         Whereabouts::Thing(path) => format!("`{}`", path.text),

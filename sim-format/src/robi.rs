@@ -1,4 +1,4 @@
-//! Robot types: `.robi`, of EyeSim 5 and 6 and of EyeSim VR.
+//! Robot types: `.robi` files of EyeSim 5 and 6 and of EyeSim VR.
 
 mod body;
 mod device;
@@ -25,9 +25,9 @@ const RESERVED: [&str; 2] = ["LabBot", "S4"];
 
 /// Reads a robi file of any dialect, without its companion ([`super::read_companion`]).
 ///
-/// All lines together determine the dialect: any line that only EyeSim VR knows makes it a file of EyeSim VR. Missing values get
-/// the defaults of docs/formats/robi.md; a missing `wheel` or `drive` line gives a warning. The wheelbase is the distance between
-/// the two `axel` lines; without them it is estimated from the geometry: 0.6 of the diameter for Ackermann, the track otherwise.
+/// All lines together determine the dialect: a line that only EyeSim VR knows makes the file one of EyeSim VR. Missing values get the
+/// defaults of docs/formats/robi.md; a missing `wheel` or `drive` line gives a warning. The wheelbase is the distance between the two
+/// `axel` lines; without them it is estimated from the geometry: 0.6 of the diameter for Ackermann, the track otherwise.
 pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
     let lines: Vec<(Line<'_>, Vec<Word<'_>>)> = line::lines(text).map(|line| (line, line.words())).collect();
     let mut reader = Reader::new(file, Dialect::of(lines.iter().map(|(_, words)| words.as_slice())));
@@ -183,7 +183,7 @@ impl Reader {
         }
     }
 
-    /// Determines whether a line concerns the driven (0) or the steered (1) axle, and returns its remaining words.
+    /// Returns the index of the axle that a line concerns, driven (0) or steered (1), and the remaining words.
     fn which_axle<'r, 'a>(
         &mut self,
         keyword: &Word<'_>,
@@ -212,7 +212,7 @@ impl Reader {
             },
             false => (0, rest),
         };
-        // Steered wheels roll freely: only the driven ones are simulated.
+        // Steered wheels roll freely: only driven wheels are simulated.
         if which == 0 {
             self.wheel = Some(span);
         }

@@ -1,6 +1,6 @@
-//! Settings: values of a scene in TOML that replace those of its text, by the path of their keys.
+//! Settings: values that override values in the text of a scene in TOML, by the path of their keys.
 //!
-//! A path such as `robot[0].x_mm` names keys with dots between them, and entries of arrays from 0.
+//! A path such as `robot[0].x_mm` consists of keys separated by dots, and indices of array entries from 0.
 
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
@@ -10,17 +10,17 @@ use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity};
 use super::table::{Reader, SET};
 
-/// A value of a scene in TOML in place of the one in its text.
+/// A value that overrides one in the text of a scene in TOML.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Setting {
     path: String,
     value: String,
 }
 
-/// Text that is no setting.
+/// Error for a text that is not a setting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SettingError {
-    /// It is not of the form `PATH=VALUE`.
+    /// The text does not have the form `PATH=VALUE`.
     #[error("`{0}` is no setting: expected `PATH=VALUE`, such as `robot[0].x_mm=500`")]
     Form(String),
     /// The path cannot be read.
@@ -31,13 +31,13 @@ pub enum SettingError {
     Value {
         /// The value.
         value: String,
-        /// What is wrong with it.
+        /// The mistake in the value.
         error: String,
     },
 }
 
 impl Setting {
-    /// The setting of `path`, as `robot[0].x_mm`, to `value`, as in TOML.
+    /// The setting of `path`, such as `robot[0].x_mm`, to `value`, in TOML syntax.
     ///
     /// # Errors
     /// Path or value cannot be read.
@@ -59,7 +59,7 @@ impl Setting {
 }
 
 impl std::fmt::Display for Setting {
-    /// In the syntax of the command line.
+    /// Formats the setting in the syntax of the command line.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}={}", self.path, self.value)
     }
@@ -93,7 +93,7 @@ impl Reader {
         for setting in settings {
             let value = DeValue::parse(&setting.value).map(Spanned::into_inner).ok();
             let steps = steps(&setting.path);
-            // Settings have been parsed when they were made.
+            // Settings were already parsed when they were created.
             let (Some(value), Some(steps)) = (value, steps) else { continue };
             if let Some((Step::Key(first), rest)) = steps.split_first()
                 && let Err(message) = set_in(root, first, rest, value)
@@ -147,7 +147,7 @@ fn set_at<'t>(
     }
 }
 
-/// The value, whose parts have no places in the file.
+/// Copy of a value whose parts have no location in the file.
 fn unplaced(value: DeValue<'_>) -> DeValue<'_> {
     match value {
         DeValue::Array(items) => {
@@ -166,7 +166,7 @@ fn unplaced(value: DeValue<'_>) -> DeValue<'_> {
     }
 }
 
-/// Settings for a scene that is no TOML.
+/// Diagnostic for settings of a scene that is not in TOML.
 pub(super) fn not_toml(file: &str) -> Diagnostic {
     let message = "settings by path are for scenes in TOML".to_owned();
     Diagnostic {

@@ -1,6 +1,6 @@
 //! Scenes: `.sim`, with the world, the robots and their programs, the objects and the markers.
 //!
-//! One reader for all dialects, distinguished by the number and the kind of a line's values. A line that starts with the name of a
+//! One reader reads all dialects, which it distinguishes by number and kind of a line's values. A line that starts with the name of a
 //! loaded type may place a robot or an object; [`super::load_scene`] decides when it has read the type's file.
 
 use super::code::Code;
@@ -48,9 +48,9 @@ pub fn read_sim(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
 struct Reader {
     sink: Sink,
     sim: SimSpec,
-    /// A line has a form that EyeSim VR of 2018 has and newer ones do not.
+    /// True if a line has a form that EyeSim VR of 2018 has and newer versions do not have.
     is_of_2018: bool,
-    /// A line has a form that EyeSim VR of 2018 does not have.
+    /// True if a line has a form that EyeSim VR of 2018 does not have.
     is_newer: bool,
 }
 
@@ -119,7 +119,8 @@ impl Reader {
         self.sim.object_types.extend(path);
     }
 
-    /// Notes the EyeSim VR to whose form the keyword of a line that loads a type belongs; `old` is that of 2018.
+    /// Records the version of EyeSim VR to which the keyword of a line that loads a type belongs; `old` is the keyword
+    /// of 2018.
     fn mark(&mut self, keyword: &Word<'_>, old: &str) {
         let is_old = keyword.text.eq_ignore_ascii_case(old);
         self.is_of_2018 |= is_old;
@@ -217,7 +218,7 @@ impl Reader {
         }
     }
 
-    /// Reads a line without a keyword: a robot or an object of a loaded type if it has that form, otherwise a mistake.
+    /// Reads a line without a keyword: a robot or an object of a loaded type if it has this form, otherwise a mistake.
     fn named(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
         let is_pose = count_numbers(rest) >= 3;
         let is_letter = rest.first().and_then(letter).is_some_and(|letter| START_LETTERS.contains(&letter));

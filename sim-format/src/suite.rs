@@ -34,27 +34,28 @@ pub struct SuiteSpec {
     pub scene: Option<PathRef>,
     /// Programs of robots, as options `--program` of the command line.
     pub programs: Vec<PathRef>,
-    /// Functions of RoBIOS that fail for all programs, besides those of the scene.
+    /// RoBIOS functions that fail for all programs, in addition to the scene's.
     pub forbid: Vec<PathRef>,
     /// Files of a submission that become programs of robots.
     pub submit: Vec<SubmitSpec>,
     /// End of each case.
     pub until: Option<Time>,
-    /// Time that a case goes on after its last program has ended.
+    /// Time for which a case continues after its last program has ended.
     pub linger: Time,
     /// Keys and touches, as options `--keys` of the command line.
     pub keys: Vec<String>,
-    /// Arguments of programs, as options `--args` of the command line; `{NAME}` stands for a parameter of the matrix.
+    /// Arguments of programs, as options `--args` of the command line; `{NAME}` is replaced with a parameter of the
+    /// matrix.
     pub arguments: Vec<String>,
     /// File with the standard input of the programs.
     pub stdin: Option<PathRef>,
     /// Share of seeds that must pass, 0 to 1.
     pub pass_rate: f64,
-    /// Values that tell the cases apart.
+    /// Values in which the cases differ.
     pub matrix: Matrix,
     /// Limits of each case.
     pub limits: LimitSpec,
-    /// Checks besides those of the scene.
+    /// Checks in addition to the scene's.
     pub checks: Vec<CheckSpec>,
 }
 
@@ -85,9 +86,9 @@ impl Default for SuiteSpec {
 pub struct SubmitSpec {
     /// The robots, in the words before `=` of an option `--program`: a number, or the name of a program or type.
     pub robots: String,
-    /// Patterns for names of files, `*.c`; with a slash for the end of their paths, `src/*.c`.
+    /// Patterns for names of files, `*.c`; with a slash, patterns for the end of their paths, `src/*.c`.
     pub patterns: Vec<String>,
-    /// Its place in the file.
+    /// Its location in the file.
     pub span: Span,
 }
 
@@ -98,7 +99,7 @@ pub struct LimitSpec {
     pub slot_processor: f64,
     /// Processor time of a whole case, s.
     pub processor: f64,
-    /// Memory of the process in which a case runs, in bytes; none if unlimited.
+    /// Memory of the process in which a case runs, in bytes; `None` if unlimited.
     pub memory: Option<u64>,
     /// Bytes that each program may print.
     pub output: u64,
@@ -113,11 +114,11 @@ impl Default for LimitSpec {
 /// Lists of values; the cases are their combinations.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Matrix {
-    /// Scenes, in place of that of the suite.
+    /// Scenes, which replace the suite's scene.
     pub scene: Vec<String>,
-    /// Files of worlds, in place of the scene's.
+    /// Files of worlds, which replace the scene's world.
     pub world: Vec<String>,
-    /// Values of the scene by the path of their keys.
+    /// Values of the scene, by the path of their keys.
     pub set: Vec<Values>,
     /// Values for `{NAME}` in the arguments of programs.
     pub parameter: Vec<Values>,
@@ -129,9 +130,9 @@ pub struct Matrix {
     pub seed: Vec<u64>,
     /// Axes that advance together.
     pub zip: Vec<Vec<String>>,
-    /// Combinations that are left out, each with labels of axes by their names.
+    /// Excluded combinations, each with labels by the names of axes.
     pub exclude: Vec<BTreeMap<String, String>>,
-    /// Its place in the file.
+    /// Its location in the file.
     pub span: Span,
 }
 
@@ -142,7 +143,7 @@ pub struct Values {
     pub name: String,
     /// The values.
     pub values: Vec<String>,
-    /// Its place in the file.
+    /// Its location in the file.
     pub span: Span,
 }
 
@@ -168,16 +169,16 @@ pub enum AxisKind {
 /// Axis of the matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What it changes.
+    /// Quantity that the axis changes.
     pub kind: AxisKind,
-    /// Its name: that of the key; the path or name of a value of the scene or a parameter.
+    /// Its name: the name of the key, or the path or name of a value of the scene or of a parameter.
     pub name: String,
-    /// Its values, as the command line expects them.
+    /// Its values, in the syntax of the command line.
     pub values: Vec<String>,
 }
 
 impl Axis {
-    /// The value `index` as names of cases show it: without quotes.
+    /// Label of the value `index` in names of cases: the value without quotes.
     pub fn label(&self, index: usize) -> &str {
         label(&self.values[index])
     }
@@ -190,7 +191,7 @@ fn label(value: &str) -> &str {
 }
 
 impl Matrix {
-    /// The axes with values, from the one that changes least often to the one that changes most often, seeds.
+    /// The axes with values, ordered from the slowest to the fastest, the seeds.
     pub fn axes(&self) -> Vec<Axis> {
         let axis =
             |kind, name: &str, values: &[String]| Axis { kind, name: name.to_owned(), values: values.to_owned() };
@@ -213,7 +214,7 @@ impl Matrix {
         lengths.fold(1, u64::saturating_mul)
     }
 
-    /// Groups of axes that advance together, by their indices, with their lengths.
+    /// Groups of axes that advance together, as indices, with their lengths.
     fn wheels(&self, axes: &[Axis]) -> Vec<(Vec<usize>, usize)> {
         let mut wheels: Vec<(Vec<usize>, usize)> = Vec::new();
         for (index, axis) in axes.iter().enumerate() {
@@ -260,7 +261,7 @@ impl SuiteSpec {
         let setting = |(axis, &index): (&Axis, &usize)| {
             let value = &axis.values[index];
             match axis.kind {
-                // The reader has refused paths and values that are invalid.
+                // The reader has already refused invalid paths and values.
                 AxisKind::Set => Setting::new(&axis.name, value).ok(),
                 AxisKind::World => {
                     let file = toml::Value::from(value.as_str());
@@ -322,7 +323,7 @@ pub fn suite_schema() -> String {
 pub struct LoadedSuite {
     /// The suite; complete if there are no errors.
     pub suite: SuiteSpec,
-    /// The scene of its first case, with all mistakes and files, those of the suite first.
+    /// The scene of its first case, with all mistakes and files, the suite's first.
     pub loaded: Loaded,
 }
 
@@ -402,7 +403,7 @@ impl Reader {
         }
     }
 
-    /// Reports parameters that no argument uses, and places for unknown ones.
+    /// Reports parameters that no argument uses, and placeholders of unknown parameters.
     fn settle_parameters(&mut self, suite: &SuiteSpec) {
         let parameters = &suite.matrix.parameter;
         for parameter in parameters {

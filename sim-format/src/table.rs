@@ -12,7 +12,7 @@ use super::line::{self, Quantity};
 use super::spec::PathRef;
 use super::{builtin, path, sim};
 
-/// Place of keys that the text does not have: settings have added them ([`super::set`]).
+/// Byte range of keys that settings have added and the text does not contain ([`super::set`]).
 pub(super) const SET: Range<usize> = usize::MAX..usize::MAX;
 
 /// Reader of a TOML text, with its diagnostics.
@@ -82,7 +82,7 @@ impl Reader {
     }
 }
 
-/// The first word of `text`, if that begins as a sim file does.
+/// The first word of `text`, if the text begins like a sim file.
 fn first_of_sim(text: &str) -> Option<Span> {
     let line = line::lines(text).find(|line| !line.words().is_empty())?;
     let words = line.words();
@@ -93,7 +93,7 @@ fn first_of_sim(text: &str) -> Option<Span> {
 }
 
 impl Reader {
-    /// Span of the bytes `range` in the file; that of the whole file for [`SET`].
+    /// Span of the bytes `range` in the file; the span of the whole file for [`SET`].
     pub(super) fn span(&self, range: Range<usize>) -> Span {
         if range == SET {
             return Span::default();
@@ -216,7 +216,7 @@ impl Reader {
         Some(PathRef { text, span })
     }
 
-    /// Array of strings, each of which may be empty, and of numbers, which count as the strings that write them.
+    /// Array of strings, each of which may be empty, and of numbers, which count as strings.
     pub(super) fn words(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Vec<String> {
         let Some(items) = self.array(section, key, "an array of texts and numbers") else {
             return Vec::new();
@@ -326,8 +326,7 @@ impl Reader {
         Some(items)
     }
 
-    /// Reports those of `keys` that a table has although `other` excludes them; returns true if the table has none of
-    /// them.
+    /// Reports the `keys` that a table has although `other` excludes them; returns true if it has none.
     pub(super) fn exclude(&mut self, section: &mut Section<'_, '_>, other: &str, keys: &[&'static str]) -> bool {
         let mut is_clean = true;
         for key in keys {
@@ -341,13 +340,13 @@ impl Reader {
         is_clean
     }
 
-    /// Span of a key; that of the table if the key is missing.
+    /// Span of a key; the span of the table if the key is missing.
     pub(super) fn key_span(&self, section: &Section<'_, '_>, key: &str) -> Span {
         let written = section.table.iter().find(|(name, _)| name.get_ref() == key);
         written.map_or(section.span, |(name, _)| self.span(name.span()))
     }
 
-    /// Span of a key's value; that of the table if the key is missing.
+    /// Span of a key's value; the span of the table if the key is missing.
     pub(super) fn value_span(&self, section: &Section<'_, '_>, key: &str) -> Span {
         let written = section.table.iter().find(|(name, _)| name.get_ref() == key);
         written.map_or(section.span, |(_, value)| self.span(value.span()))
@@ -416,7 +415,7 @@ impl Reader {
         }
     }
 
-    /// Tables of an array `[[key]]`; a single `[key]` counts as one.
+    /// Tables of an array `[[key]]`; a single `[key]` counts as an array.
     pub(super) fn sections<'a, 'i>(&mut self, parent: &mut Section<'a, 'i>, key: &'static str) -> Vec<Section<'a, 'i>> {
         let Some(value) = parent.get(key) else {
             return Vec::new();
@@ -442,11 +441,11 @@ impl Reader {
             let message = format!("unknown key `{name}`{place}");
             let expected = format!("one of {}", section.known.join(", "));
             let known = || section.known.iter().copied();
-            // A key that lacks only its unit counts as similar, too.
+            // A key that lacks only its unit counts as similar as well.
             let whole = known().find(|key| key.strip_prefix(name).is_some_and(|unit| unit.starts_with('_')));
             let nearest = line::nearest(name, known()).or(whole);
             let suggestion = nearest.map(|key| format!("write `{key}`"));
-            // Nobody sets a key for the future, or for another program.
+            // A setting is never meant for a future version or for another program.
             let severity = if key.span() == SET { Severity::Error } else { Severity::Warning };
             let span = self.span(key.span());
             self.sink.report(severity, Code::TomlKey, span, message, expected).suggestion = suggestion;

@@ -1,4 +1,4 @@
-//! Registry of robot and object types by name: built-in types and those that a sim file loads.
+//! Registry of robot and object types by name: built-in types and types that a sim file loads.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -50,7 +50,8 @@ struct Known {
 }
 
 impl Types {
-    /// Registers the built-in types and those that `sim` loads. Built-in names are reserved; of two types of one name the first counts.
+    /// Registers the built-in types and the types that `sim` loads. Built-in names are reserved; of two types with the same name the first
+    /// counts.
     pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
         let mut types = Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None, form: sim.form };
         let robots = builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(LoadedType::Robot);
@@ -95,7 +96,7 @@ impl Types {
         let known = self.by_name.get(name);
         let message = match known.map(|known| (known.kind.file(), known.loaded)) {
             _ if is_reserved => format!("`{}` is a type named `{name}`, but that name is built in", kind.file()),
-            // The same file a second time.
+            // The line loads the same file a second time.
             Some((file, _)) if file == kind.file() => return,
             Some((file, _)) => format!("`{}` is a type named `{name}`, but so is `{file}` above", kind.file()),
             None => return self.add(kind, Some(span)),
@@ -180,11 +181,11 @@ impl Types {
 }
 
 /// Folders of an EyeSim tree, above the folder of the sim file, that are searched for types. Other folders are not
-/// searched, since they may hold anything, such as a million files.
+/// searched, since they may contain anything, such as a million files.
 const TREE: [&str; 7] = ["worlds", "objects", "robots", "robis", "Worlds", "Objects", "Robots"];
 /// Number of folder levels above the sim file's folder at which the search begins.
 const ABOVE: usize = 2;
-/// Depth of the search below the sim file's folder, and below those of the tree.
+/// Depth of the search below the sim file's folder, and below the folders of the tree.
 const BELOW: usize = 2;
 /// Maximum numbers of folder entries, and of files, that the search reads.
 const MAX_ENTRIES: usize = 2000;

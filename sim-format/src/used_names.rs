@@ -10,7 +10,7 @@ pub(super) struct UsedNames {
 }
 
 impl UsedNames {
-    /// Line that used this name or this number before.
+    /// Line of an earlier device with this name or this number.
     pub(super) fn line_of(&self, name: &str, id: Option<i32>) -> Option<u32> {
         let by_name = self.names.get(name);
         let by_id = id.and_then(|id| self.ids.get(&id));

@@ -17,8 +17,7 @@ pub(crate) const WATER: Quantity = Quantity::size("depth of the water");
 
 /// Reads a world file.
 ///
-/// `file` is its name for the diagnostics. The spec has only finite numbers for any text: a line with a mistake is left out and
-/// reported.
+/// `file` is its name for the diagnostics. The spec has only finite numbers for any text: a line with a mistake is reported and skipped.
 pub fn read_world(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     let mut reader = Reader {
         sink: Sink::new(file),
@@ -61,7 +60,8 @@ impl Reader {
         }
     }
 
-    /// Values of a keyword's line; too few are a mistake, extra ones give a warning (EyeSim ignores them silently).
+    /// Values of a keyword's line; too few values are a mistake, extra values cause a warning (EyeSim ignores them
+    /// silently).
     fn arguments<const N: usize>(
         &mut self,
         keyword: &Word<'_>,
@@ -100,7 +100,7 @@ impl Reader {
     fn texture(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`floor_texture IMAGE`: a png, bmp or jpg file";
         self.world.texture = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
-        // Only with the image turned do the walls of worlds saved by EyeSim VR lie on the lines of the image.
+        // The walls of worlds saved by EyeSim VR lie on the lines of the image only if the image is turned.
         self.world.texture_is_turned = self.world.texture.is_some();
     }
 
@@ -121,9 +121,9 @@ impl Reader {
     fn push(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`push X Y PHI` in mm and degrees clockwise";
         let frame = match self.arguments(keyword, rest, &POSE, Code::WldPushArity, form) {
-            // Clockwise, unlike all other angles: only with this sign are the data files consistent.
+            // Clockwise, unlike all other angles: the data files are consistent only with this sign.
             Some([x, y, phi]) => self.frame().compose(&Pose::new(x, y, -phi)),
-            // Opens a frame nevertheless, so that the matching `pop` does not close another one.
+            // Still opens a frame, so that the matching `pop` does not close another frame.
             None => self.frame(),
         };
         let is_near = frame.position.abs().max_element() <= MAX_LENGTH;

@@ -31,7 +31,7 @@ const WITHIN: Quantity = Quantity::length("distance");
 const SHARE: Bounded = Bounded(Quantity::percent("share", 0.0, 100.0));
 const ANY: Quantity = Quantity::number("number", -1e300, 1e300);
 const DURATION: Quantity = Quantity::seconds("time");
-/// Side of the squares by which an area is counted, m, if the scene does not say it.
+/// Default side of the squares by which an area is measured, m.
 const CELL: f64 = 0.05;
 
 impl Form for CheckSpec {
@@ -181,7 +181,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
     }
 }
 
-/// Numbers that describe robots together.
+/// Metrics of a swarm of robots.
 #[derive(Clone, Copy, PartialEq)]
 enum SwarmWord {
     Spread,
@@ -260,7 +260,7 @@ fn swarm_keys(
     }
 }
 
-/// Reports that a table that is read has no such key.
+/// Reports that the table that is being read lacks the key.
 fn refuse_missing(keys: &mut Keys<'_>, key: &'static str) {
     if let Some((reader, section)) = keys.reading()
         && !section.has(key)
@@ -515,7 +515,7 @@ const AREA: Custom<Vec<DVec2>> = Custom {
     describe: CORNERS.describe,
 };
 
-/// Rows of numbers; a single row may stand alone.
+/// Rows of numbers; a single row needs no outer array.
 const ROWS: Custom<Vec<Vec<f64>>> = Custom {
     read: |At { reader, section, key }| {
         let span = reader.value_span(section, key);
@@ -577,7 +577,7 @@ const EVENT: Custom<EventKind> = Custom {
     },
 };
 
-/// Kinds of events that a check can count: calls have a check of their own.
+/// Kinds of events that a check can count; calls have a separate check.
 fn event_kinds() -> impl Iterator<Item = EventKind> {
     EventKind::ALL.iter().copied().filter(|kind| *kind != EventKind::Call)
 }

@@ -67,7 +67,7 @@ impl Form for BumperSpec {
 
 const BUMPER_END: Bounded = Bounded(Quantity::angle("end of the bumper").within(-360.0, 360.0));
 
-/// Kind for the end of an arc that begins at this angle and goes counter-clockwise, by at most a full turn.
+/// Kind of value for the end of an arc that begins at this angle and runs counter-clockwise, by at most a full turn.
 struct ArcEnd(f64);
 
 impl ArcEnd {
@@ -87,7 +87,7 @@ impl Kind<f64> for ArcEnd {
         BUMPER_END.read(at, old).map(|to| self.settled(to))
     }
 
-    /// Prints an angle within -360 to 360 degrees that reads back as the same end.
+    /// Prints an angle from -360 to 360 degrees that reads back as the same end.
     fn print(&self, end: &f64) -> Value {
         let reads_back = |degrees: f64| self.settled(radians_from_degrees(degrees)) == *end;
         let near = degrees_from_radians(*end);

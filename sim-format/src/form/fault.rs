@@ -1,4 +1,4 @@
-//! Faults on purpose.
+//! Injected faults.
 
 use super::check::NUMBER;
 use super::kind::{Bounded, TEXT, Word, Words};

@@ -30,7 +30,7 @@ pub(crate) trait Kind<T> {
     fn describe(&self, definitions: &mut Definitions) -> Json;
 }
 
-/// Kind given by three functions.
+/// Kind of value defined by three functions.
 pub(crate) struct Custom<T> {
     pub(crate) read: fn(At<'_, '_>) -> Option<T>,
     pub(crate) print: fn(&T) -> Value,
@@ -248,7 +248,7 @@ impl<const N: usize> Kind<[u8; N]> for Shades {
     }
 }
 
-/// Enumeration whose values are written as words.
+/// Enumeration whose values are written as words in files.
 pub(crate) trait Words: Copy + PartialEq + 'static {
     /// Name of the enumeration in the JSON schema.
     const NAME: &'static str;
@@ -281,7 +281,7 @@ impl<W: Words> Kind<W> for Word {
     }
 }
 
-/// Table; the field is an example of its content for messages, empty for none.
+/// Table; the field is an example of its content for messages, or empty.
 pub(crate) struct Part(pub(crate) &'static str);
 
 pub(crate) const PART: Part = Part("");

@@ -1,7 +1,7 @@
 //! Forms: schemas of the tables in our own TOML files.
 //!
-//! Each key is declared once, with its name, its meaning, the kind of its values and its default. Three passes use the
-//! declarations: one reads a table, one prints it, one describes it in the JSON schema. [`kind`] has the kinds of values.
+//! Each key is declared once, with its name, its meaning, the kind of its values and its default. Three passes use the declarations: they
+//! read a table, print it, and describe it in the JSON schema. [`kind`] defines the kinds of values.
 
 pub(crate) mod check;
 pub(crate) mod device;
@@ -62,9 +62,9 @@ pub(crate) type Variant<F> = (&'static str, &'static str, fn() -> F);
 /// One pass over the keys of a table.
 pub(crate) struct Keys<'k> {
     pass: Pass<'k>,
-    /// No required key is missing so far.
+    /// True if no required key is missing so far.
     is_complete: bool,
-    /// The table cannot be interpreted, so the validity of its other keys is unknown.
+    /// True if the table cannot be interpreted, so that the validity of its other keys is unknown.
     is_abandoned: bool,
 }
 
@@ -74,7 +74,7 @@ enum Pass<'k> {
     Read(&'k mut Reader, Section<'k, 'k>),
     /// Prints the key into the first table unless it equals the default in the second.
     Print(Table, Option<Table>),
-    /// Adds the key's description to that of the form.
+    /// Adds the key's description to the form's description.
     Describe(&'k mut Definitions, Description),
 }
 
@@ -113,7 +113,7 @@ impl Description {
     }
 }
 
-/// Key under declaration. The last method of the chain gives the kind of its values and the variable that holds them.
+/// Key under declaration. The last method of the chain states the kind of its values and the variable that holds them.
 pub(crate) struct Key<'w, 'k> {
     keys: &'w mut Keys<'k>,
     name: &'static str,
@@ -180,7 +180,7 @@ impl<'k> Keys<'k> {
         !self.is_abandoned
     }
 
-    /// Makes messages list these keys before those declared later.
+    /// Makes messages list these keys before keys declared later.
     pub(crate) fn mention(&mut self, names: &[&'static str]) {
         if let Some((_, section)) = self.reading() {
             names.iter().for_each(|name| _ = section.get(name));
@@ -238,7 +238,7 @@ impl Key<'_, '_> {
         self.tell(&kind, Some(value), Need::Usual);
     }
 
-    /// Optional value, printed unless it is the default; an invalid one makes the whole table unusable.
+    /// Optional value, printed unless it is the default; an invalid value makes the whole table unusable.
     pub(crate) fn strictly<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         let name = self.name;
         let is_given = self.keys.reading().is_some_and(|(_, section)| section.has(name));
@@ -256,13 +256,13 @@ impl Key<'_, '_> {
         self.tell(&kind, value.as_ref(), Need::Nullable);
     }
 
-    /// Values appended to the existing ones; not printed if empty.
+    /// Values appended to the existing values; not printed if empty.
     pub(crate) fn list<T>(mut self, kind: impl Kind<Vec<T>>, values: &mut Vec<T>) {
         values.extend(self.read(&kind, None).into_iter().flatten());
         self.tell(&kind, Some(values), Need::Optional);
     }
 
-    /// Values that replace the existing ones; not printed if empty.
+    /// Values that replace the existing values; not printed if empty.
     pub(crate) fn items<T>(mut self, kind: impl Kind<Vec<T>>, values: &mut Vec<T>) {
         let read = self.read(&kind, None).filter(|read| !read.is_empty());
         read.into_iter().for_each(|read| *values = read);
@@ -370,7 +370,7 @@ pub(crate) fn print<F: Form>(form: &F) -> Table {
     print_beside(|keys| form.clone().keys(keys), |keys| form.bare().keys(keys))
 }
 
-/// Table of the keys that `declare` declares, without those that have the same value in the `bare` form.
+/// Table of the keys that `declare` declares, without keys that have the same value in the `bare` form.
 pub(crate) fn print_beside(declare: impl FnOnce(&mut Keys<'_>), bare: impl FnOnce(&mut Keys<'_>)) -> Table {
     let usual = print_table(None, bare);
     print_table(Some(usual), declare)
@@ -445,7 +445,7 @@ impl Reader {
         self.table(section, |keys| form.keys(keys)).then_some(form)
     }
 
-    /// Reads the keys that `declare` declares and reports all others; returns false if a required key is missing.
+    /// Reads the keys that `declare` declares and reports all other keys; returns false if a required key is missing.
     pub(crate) fn table(&mut self, section: Section<'_, '_>, declare: impl FnOnce(&mut Keys<'_>)) -> bool {
         let mut keys = Keys::new(Pass::Read(self, section));
         declare(&mut keys);

@@ -1,4 +1,4 @@
-//! Noise profiles: a preset, and the differences from it.
+//! Noise profiles: a preset and the differences from it.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ use crate::table::{Reader, Section};
 use sim_core::noise::RangeKind;
 use sim_core::noise::keys::{CAMERA, COMPASS, DRIVE, Keys as NoiseKeys, ODOMETRY, OWN, RADIO, RANGE};
 
-/// `noise = "mild"`, `noise = "FILE.toml"` or a profile in place.
+/// Noise of a scene or robot: `noise = "mild"`, `noise = "FILE.toml"` or an inline profile.
 pub(crate) const NOISE: Custom<NoiseRef> = Custom {
     read: |at| {
         let At { reader, section, key } = at;

@@ -1,4 +1,4 @@
-//! Entities of a scene: robots, alone and in groups, objects, starts and markers.
+//! Entities of a scene: single robots and groups of robots, objects, starts and markers.
 
 use glam::DVec2;
 use serde_json::{Value as Json, json};
@@ -200,7 +200,7 @@ impl Reader {
     }
 }
 
-/// Layout: a table, or the word `random` for one without any other key.
+/// Layout: a table, or the word `random` for a random layout without other keys.
 const LAYOUT: Custom<Layout> = Custom {
     read: |at| {
         let At { reader, section, key } = at;
@@ -220,7 +220,7 @@ const LAYOUT: Custom<Layout> = Custom {
     },
 };
 
-/// Layout of a single thing, which can only be random.
+/// Layout of a single entity, which can only be random.
 pub(crate) const SCATTER: Custom<Scatter> = Custom {
     read: |at| {
         let At { reader, section, key } = at;
@@ -290,7 +290,7 @@ impl Form for Layout {
     }
 }
 
-/// Declares two corners of a rectangle; returns false, after reporting it, if only one of them is given.
+/// Declares two corners of a rectangle; reports a missing corner and returns false if only one is given.
 fn area_keys(keys: &mut Keys<'_>, area: &mut Option<[DVec2; 2]>) -> bool {
     let [mut from, mut to] = [area.map(|[from, _]| from), area.map(|[_, to]| to)];
     let mut is_given = false;
@@ -373,7 +373,7 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut DVec2) {
 /// Maximum number of repetitions of an entry.
 pub(crate) const MOST_REPEATED: i64 = 100_000;
 
-/// Declares `layout`, which replaces the keys `others`; returns true if the place is random.
+/// Declares `layout`, which replaces the keys `others`; returns true if the position is random.
 pub(crate) fn scatter_keys(keys: &mut Keys<'_>, scatter: &mut Option<Scatter>, others: &[&'static str]) -> bool {
     let is_said = keys.reading().is_some_and(|(_, section)| section.has("layout"));
     keys.key("layout", "Random place, in place of a stated one.").maybe(SCATTER, scatter);

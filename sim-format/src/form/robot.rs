@@ -54,7 +54,7 @@ impl Form for RobiSpec {
     }
 }
 
-/// Reads a robot type from the text of its table alone.
+/// Reads a robot type from a text that consists of its table.
 pub(crate) fn read_robot_type(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
     let mut robi = RobiSpec::with_defaults(file);
     let (mut reader, root) = Reader::parse(file, text);

@@ -294,7 +294,7 @@ impl Reader {
         self.form(section, F::usual()).map(|form| TypeEntry::Inline(form, span, name))
     }
 
-    /// Reports other keys beside `file` in an entry.
+    /// Reports keys other than `file` in an entry.
     fn alone(&mut self, section: &Section<'_, '_>) {
         for (key, _) in section.table {
             if key.get_ref() != "file" {
@@ -305,7 +305,8 @@ impl Reader {
         }
     }
 
-    /// Splits the types of a scene into files and inline types; drops and reports a type whose name an earlier one has.
+    /// Splits the types of a scene into files and inline types; reports and drops a type whose name an earlier type
+    /// has.
     fn split<F>(
         &mut self,
         types: Vec<TypeEntry<F>>,

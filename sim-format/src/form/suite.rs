@@ -1,4 +1,4 @@
-//! Suites: what their cases have in common, the matrix, limits.
+//! Suites: common settings of the cases, the matrix, limits.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ use sim_core::time::Time;
 
 /// Longest processor time of a limit: a day, in seconds.
 const MAX_PROCESSOR_S: f64 = 86_400.0;
-/// Maximum limit of memory and output, megabytes.
+/// Upper bound of the limits of memory and output, megabytes.
 const MAX_MEGABYTES: f64 = 1e6;
 const LINGER: Bounded = Bounded(Quantity::seconds("time").within(0.0, 1e9));
 
@@ -111,7 +111,7 @@ impl Form for Matrix {
     }
 }
 
-/// Array of texts that are not empty; a single one counts as an array.
+/// Array of non-empty texts; a single text counts as an array.
 pub(super) const TEXTS: Custom<Vec<String>> = Custom {
     read: |At { reader, section, key }| {
         let value = section.get(key)?;
@@ -121,7 +121,7 @@ pub(super) const TEXTS: Custom<Vec<String>> = Custom {
     describe: |_| list_of(json!({ "type": "string" })),
 };
 
-/// Array of texts with their places in the file; a single one counts as an array.
+/// Array of texts with their locations in the file; a single text counts as an array.
 pub(super) const REFERENCES: Custom<Vec<PathRef>> = Custom {
     read: |At { reader, section, key }| {
         let value = section.get(key)?;
@@ -135,7 +135,7 @@ pub(super) const REFERENCES: Custom<Vec<PathRef>> = Custom {
     describe: TEXTS.describe,
 };
 
-/// Table of patterns of files by robots.
+/// Table of file patterns by robot.
 const SUBMIT: Custom<Vec<SubmitSpec>> = Custom {
     read: |At { reader, section, key }| {
         let table = reader.section(section, key)?;
@@ -345,7 +345,7 @@ fn list_of(item: serde_json::Value) -> serde_json::Value {
 }
 
 impl Reader {
-    /// Text that is not empty.
+    /// Non-empty text.
     fn plain_text(&mut self, key: &str, item: &Spanned<DeValue<'_>>) -> Option<String> {
         let text = item.get_ref().as_str().filter(|text| !text.trim().is_empty());
         if text.is_none() {
@@ -354,7 +354,7 @@ impl Reader {
         text.map(str::to_owned)
     }
 
-    /// A value as the text has it.
+    /// A value as written in the text.
     fn source(&self, item: &Spanned<DeValue<'_>>) -> String {
         self.text.get(item.span()).unwrap_or_default().trim().to_owned()
     }

@@ -1,4 +1,4 @@
-//! World of a scene: a file, or inline by walls or by the drawing of a maze.
+//! World of a scene: a file, or an inline description by walls or by the drawing of a maze.
 
 use glam::DVec2;
 
@@ -35,7 +35,7 @@ pub(crate) struct WorldTable {
 }
 
 impl WorldTable {
-    /// The world of `sim`: as a drawing if it is a maze that a drawing reproduces, otherwise by its walls.
+    /// The world of `sim`: a drawing if it is a maze that a drawing reproduces, otherwise its walls.
     pub(crate) fn of(sim: &SimSpec) -> Self {
         match (&sim.inline.world, &sim.world) {
             (Some(spec), _) => match spec.cell.and_then(|_| print_maze(spec).ok()) {
@@ -74,7 +74,7 @@ impl WorldTable {
     }
 }
 
-/// Kind of a world's file: that of its extension, otherwise the stated one.
+/// Kind of a world's file: determined by its extension, otherwise the stated kind.
 fn kind_of_file(path: &PathRef, stated: Option<WorldKind>) -> WorldKind {
     match path::extension(&path.text).as_str() {
         "maz" | "maze" => WorldKind::Maze,
@@ -259,7 +259,8 @@ impl Form for WallSpec {
     }
 }
 
-/// Declares the keys of a wall with a random place, its length and its layout; returns true if the wall has one.
+/// Declares the keys of a wall with a random position: length and layout; returns true if the wall has a random
+/// position.
 fn random_keys(keys: &mut Keys<'_>, random: &mut Option<(f64, Scatter)>) -> bool {
     let (mut length, mut scatter) = random.unzip();
     let is_said = keys.reading().is_some_and(|(_, section)| section.has("layout"));

@@ -16,14 +16,14 @@ pub(crate) const MAX_WALLS: usize = 1_000_000;
 /// Distance in sides of a cell within which a wall lies on the border of a cell.
 const ON_BORDER: f64 = 1e-6;
 
-/// What a cell holds.
+/// State of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cell {
-    /// Nothing: robots drive here.
+    /// Free: robots can drive here.
     Free,
-    /// An obstacle.
+    /// Occupied by an obstacle.
     Occupied,
-    /// Nobody has looked.
+    /// Unknown: not observed.
     Unknown,
 }
 
@@ -54,9 +54,9 @@ impl Grid {
 
     /// The world between the walls around all free cells: a cell that is not free cannot be entered, and the border is closed.
     ///
-    /// Walls have no thickness and are as long as possible; free cells lie on the left of a wall, seen from its first end. The world has its
-    /// origin at the lower left corner of the rectangle around the grid, whose axes may be turned. Also returns the position of the
-    /// origin of the grid's frame in the world. `None` if there would be more than [`MAX_WALLS`] walls.
+    /// Walls have thickness 0 and are as long as possible; free cells lie on the left of a wall, seen from its first end. The world has its
+    /// origin at the lower left corner of the rectangle around the grid, whose axes may be turned. Also returns the position of the origin
+    /// of the grid's frame in the world. `None` if there would be more than [`MAX_WALLS`] walls.
     pub(crate) fn world(&self, file: &str) -> Option<(WorldSpec, DVec2)> {
         let [columns, rows] = self.size.map(|side| side as f64 * self.cell);
         let turned = Pose { position: DVec2::ZERO, heading: self.origin.heading };
@@ -86,7 +86,7 @@ impl Grid {
         Some((world, -low - self.origin.position))
     }
 
-    /// Borders between free cells and others, as corners of the grid: upright ones from left to right, then level ones upwards.
+    /// Borders between free and other cells, as corners of the grid: vertical borders from left to right, then horizontal ones upwards.
     fn outlines(&self) -> impl Iterator<Item = ([usize; 2], [usize; 2])> {
         let [columns, rows] = self.size;
         let is_free = move |column: usize, row: usize| self.at(column, row) == Cell::Free;
@@ -101,11 +101,11 @@ impl Grid {
         upright.chain(level)
     }
 
-    /// The grid of a world with cells of this side, on the floor and, where walls stand on its edge, one cell beyond.
+    /// The grid of a world with cells of this side, on the floor and, where walls are on its edge, one cell beyond.
     ///
     /// A cell is occupied where a wall passes through it. A wall without thickness between two cells fills the one that cannot be reached,
-    /// otherwise the one on its right, seen from its first end. Free is what can be reached from the starts of the world, and without
-    /// starts all that is not occupied; the rest is unknown. `None` if there are too many cells.
+    /// otherwise the one on its right, seen from its first end. Cells that can be reached from the starts of the world are free, or without
+    /// starts all cells that are not occupied; the rest is unknown. `None` if there are too many cells.
     pub fn of_world(world: &WorldSpec, cell: f64) -> Option<Self> {
         let mut raster = Raster::new(world, cell)?;
         world.walls.iter().for_each(|wall| raster.wall(wall));
@@ -114,7 +114,7 @@ impl Grid {
     }
 }
 
-/// Which side of a border is free: that on the left, that on the right, or both or none (`None`).
+/// Free side of a border: true for the left side, false for the right one; `None` if both sides are free or none is.
 fn side(left: bool, right: bool) -> Option<bool> {
     (left != right).then_some(left)
 }
@@ -142,7 +142,7 @@ struct Raster {
     size: [usize; 2],
     cell: f64,
     is_filled: Vec<bool>,
-    /// A wall closes the border to the cell on the right, and above.
+    /// True if a wall closes the border to the right neighbour; `above` likewise.
     right: Vec<bool>,
     above: Vec<bool>,
     borders: Vec<Border>,
@@ -176,7 +176,7 @@ impl Raster {
         self.fill(&[from + half, to + half, to - half, from - half]);
     }
 
-    /// Numbers of the cells that an interval covers more than at its ends.
+    /// Indices of the cells that an interval covers by more than an end point.
     fn covered(from: f64, to: f64, count: usize) -> std::ops::Range<usize> {
         let (low, high) = (from.min(to) + ON_BORDER, from.max(to) - ON_BORDER);
         let middle = 0.5 * (from + to);
@@ -185,7 +185,7 @@ impl Raster {
         first..((high.floor() + 1.0).clamp(0.0, count as f64) as usize).max(first)
     }
 
-    /// A wall along the border to the left of the column `x`.
+    /// Adds a wall along the border to the left of the column `x`.
     fn upright(&mut self, x: f64, from: f64, to: f64) {
         let [columns, rows] = self.size;
         if !(1.0..columns as f64).contains(&x) {
@@ -198,7 +198,7 @@ impl Raster {
         }
     }
 
-    /// A wall along the border below the row `y`.
+    /// Adds a wall along the border below the row `y`.
     fn level(&mut self, y: f64, from: f64, to: f64) {
         let [columns, rows] = self.size;
         if !(1.0..rows as f64).contains(&y) {
@@ -211,7 +211,7 @@ impl Raster {
         }
     }
 
-    /// Fills the cells that a convex polygon meets with their inside.
+    /// Fills the cells whose interior a convex polygon overlaps.
     fn fill(&mut self, corners: &[DVec2; 4]) {
         let [columns, rows] = self.size;
         let (low, high) = corners
@@ -238,7 +238,7 @@ impl Raster {
         }
     }
 
-    /// Cells that can be reached from those in `open`, where no wall lies between.
+    /// Cells that can be reached from the cells in `open` without passing walls.
     fn reached(&self, mut open: VecDeque<usize>) -> Vec<bool> {
         let [columns, rows] = self.size;
         let mut is_reached = vec![false; columns * rows];
@@ -292,7 +292,7 @@ impl Raster {
             (false, true) => Cell::Free,
             (false, false) => Cell::Unknown,
         };
-        // The margin remains where something stands in it.
+        // The margin remains where it contains an obstacle.
         let stands = |mut cells: Box<dyn Iterator<Item = usize>>| cells.any(|at| self.is_filled[at]);
         let left = stands(Box::new((0..rows).map(|row| row * columns)));
         let below = stands(Box::new(0..columns));

@@ -1,6 +1,7 @@
-//! World files of every kind: which kind a file is, by its extension and its content, and maps of other programs as worlds.
+//! World files of every kind: detects the kind of a file by extension and content, and reads maps of other programs as worlds.
 //!
-//! Occupancy grids of ROS, images, maps of MovingAI, worlds of Gazebo. Mazes are read in `maze`, EyeSim's own worlds in `world`.
+//! The foreign kinds are occupancy grids of ROS, images, maps of MovingAI and worlds of Gazebo. `maze` reads mazes, `world` EyeSim's own
+//! worlds.
 
 mod grid;
 mod movingai;
@@ -24,7 +25,7 @@ use crate::{FileError, Span, line, path, read_maze_with, read_world};
 use netpbm::{Image, is_netpbm, read_netpbm};
 use yaml::MapSpec;
 
-/// Default side of the pixels of an image without a `map.yaml`, in metres: what map servers write.
+/// Default side of the pixels of an image without a `map.yaml`, in metres: the value that map servers write.
 pub const DEFAULT_RESOLUTION: f64 = 0.05;
 
 /// Extensions of files that are worlds, in lower case.
@@ -40,7 +41,7 @@ pub(crate) enum WorldFormat {
     Maze(maze::MazeForm),
     /// A `map.yaml` with its image.
     RosMap,
-    /// The image of a map alone.
+    /// The image of a map without a `map.yaml`.
     Image,
     /// A map of the MovingAI benchmarks.
     MovingAi,
@@ -49,7 +50,7 @@ pub(crate) enum WorldFormat {
 }
 
 impl WorldFormat {
-    /// Kind of the file `path` with these `bytes`; `stated` decides where neither tells.
+    /// Kind of the file `path` with these `bytes`; `stated` applies if neither determines the kind.
     pub(crate) fn of(path: &str, bytes: &[u8], stated: WorldKind) -> Self {
         let text = || String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]).into_owned();
         let is_xml = || text().trim_start_matches('\u{feff}').trim_start().starts_with('<');
@@ -70,13 +71,13 @@ impl WorldFormat {
         }
     }
 
-    /// Returns true if the size of the cells of files with this extension can be said by a scene.
+    /// Returns true if a scene can state the size of the cells of files with this extension.
     pub(crate) fn may_have_cells(path: &str) -> bool {
         matches!(path::extension(path).as_str(), "maz" | "maze" | "num" | "map" | "txt" | "pgm" | "pbm")
     }
 }
 
-/// Reads the world file `path` with all that it names.
+/// Reads the world file `path` with all files that it names.
 pub(crate) fn read_world_file(
     loader: &mut Loader<'_>,
     path: &str,
@@ -127,7 +128,7 @@ pub(crate) fn read_world_file(
     world
 }
 
-/// The world of a grid, and what was understood.
+/// The world of a grid, and a note on its interpretation.
 fn world_of(loader: &mut Loader<'_>, path: &str, grid: &Grid) -> (WorldSpec, Option<String>) {
     let Some((world, offset)) = grid.world(path) else {
         let mut sink = Sink::new(path);
@@ -150,7 +151,7 @@ fn world_of(loader: &mut Loader<'_>, path: &str, grid: &Grid) -> (WorldSpec, Opt
     (world, Some(note))
 }
 
-/// Where the origin of a file's frame lies in the world, in words; empty if they are the same.
+/// Position of the origin of a file's frame in the world, in words; empty if it is the world's origin.
 pub(crate) fn moved(offset: glam::DVec2) -> String {
     let [x, y] = offset.to_array().map(rounded);
     if x == 0.0 && y == 0.0 {
@@ -164,7 +165,7 @@ pub(crate) fn rounded(metres: f64) -> f64 {
     (mm_from_metres(metres) * 1e3).round() / 1e3 + 0.0
 }
 
-/// Reads the grid of the file `path`, which is of a `format` that has one; `None`, with an error, if it cannot be read.
+/// Reads the grid of the file `path`, whose `format` must have a grid; `None`, with an error, if it cannot be read.
 pub(crate) fn read_grid(
     loader: &mut Loader<'_>,
     path: &str,
@@ -207,7 +208,7 @@ fn read_image(sink: &mut Sink, bytes: &[u8], spec: &MapSpec) -> Option<Image> {
     if !is_other {
         return read_netpbm(sink, bytes);
     }
-    // map_server averages the opacity with the colours in this mode alone.
+    // map_server averages the opacity with the colours only in this mode.
     match read_grey(bytes, spec.mode == yaml::Mode::Trinary) {
         Ok((size, levels, white, greatest, is_clear)) => Some(Image { size, levels, white, greatest, is_clear }),
         Err(message) => {
@@ -217,7 +218,7 @@ fn read_image(sink: &mut Sink, bytes: &[u8], spec: &MapSpec) -> Option<Image> {
     }
 }
 
-/// Reads the scenarios of a `.scen`, and compares their lengths with those of shortest paths on their maps. The scene of the result is empty.
+/// Reads the scenarios of a `.scen` and compares their lengths with the shortest paths on their maps. The scene of the result is empty.
 pub fn load_scenarios(file: &str, files: &dyn Files) -> (Vec<Scenario>, Loaded) {
     let mut loader = Loader::new(files);
     let scene = SceneSpec { file: file.to_owned(), ..SceneSpec::default() };
@@ -242,7 +243,7 @@ pub fn load_scenarios(file: &str, files: &dyn Files) -> (Vec<Scenario>, Loaded) 
     (scenarios, loader.finish(scene))
 }
 
-/// The map of a scenario: as named, otherwise the file of its name beside the scenarios.
+/// The map of a scenario: the named file, otherwise the file of that name beside the scenarios.
 pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Span) -> Option<(String, Vec<u8>)> {
     let folder = path::folder_of(file);
     let beside = path::join(folder, path::file_name(map));
@@ -257,7 +258,7 @@ pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Spa
     loader.find(file, folder, &PathRef { text: map.to_owned(), span })
 }
 
-/// Place in a file that may not be text: its line and column if all before it is UTF-8, otherwise none.
+/// Location in a file that may not be text: line and column if all bytes before it are UTF-8, otherwise none.
 fn place_of_byte(bytes: &[u8], at: usize, length: usize) -> Span {
     let end = (at + length).min(bytes.len());
     let Ok(text) = std::str::from_utf8(&bytes[..end]) else { return Span::default() };
@@ -270,7 +271,7 @@ fn place_of_byte(bytes: &[u8], at: usize, length: usize) -> Span {
     Span { start: at, end, line: number as u32, column: before.chars().count() as u32 + 1 }
 }
 
-/// ` at byte N`, for places that have no line.
+/// Text ` at byte N`, for locations without a line.
 fn place_in_bytes(bytes: &[u8], at: usize) -> String {
     if place_of_byte(bytes, at, 0).line > 0 { String::new() } else { format!(" at byte {at}") }
 }

@@ -16,7 +16,7 @@ use sim_core::pose::Pose;
 const HEAD_FORM: &str = "`type octile`, `height ROWS`, `width COLUMNS`, `map`, then the rows";
 const ROW_FORM: &str = "one of `.` `G` `S` (free), `@` `O` `T` `W` (not free) for each cell";
 
-/// Returns true if the text begins as a map does.
+/// Returns true if the text begins like a map.
 pub(crate) fn is_map(text: &str) -> bool {
     let first = line::lines(text).flat_map(|line| line.words()).next();
     first.is_some_and(|word| ["type", "height", "width", "map"].contains(&word.text))
@@ -52,7 +52,7 @@ pub(crate) fn read_map(sink: &mut Sink, text: &str, cell: f64) -> Option<Grid> {
         sink.warn(Code::MapSize, span, message, expected);
     }
     let (columns, count) = (columns as usize, count as usize);
-    // A map of few bytes may state many cells.
+    // A map with few bytes may state many cells.
     let mut cells = vec![Cell::Occupied; columns * count];
     let mut unknown = 0;
     for (row, line) in rows.iter().take(count).enumerate() {
@@ -225,7 +225,8 @@ fn scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
     Some(scenario)
 }
 
-/// The values of a line: between tabs if there are as many, since names may have blanks, otherwise between blanks.
+/// The values of a line: separated by tabs if this gives the right number, since names may contain blanks, otherwise by
+/// blanks.
 fn fields<'t>(line: &Line<'t>) -> Vec<Word<'t>> {
     let mut start = 0;
     let mut words = Vec::new();
@@ -241,8 +242,8 @@ fn fields<'t>(line: &Line<'t>) -> Vec<Word<'t>> {
     if words.len() == 9 { words } else { line.words() }
 }
 
-/// Compares the lengths of scenarios with those of shortest paths on their map, and reports those that differ. Returns the number of those
-/// that agree.
+/// Compares the lengths of scenarios with the shortest paths on their map, reports differences, and returns the number of scenarios that
+/// agree.
 pub(crate) fn check_lengths(sink: &mut Sink, grid: &Grid, scenarios: &[Scenario]) -> usize {
     let mut search = Search::new(grid);
     let mut agree = 0;
@@ -273,7 +274,8 @@ pub(crate) fn check_lengths(sink: &mut Sink, grid: &Grid, scenarios: &[Scenario]
     agree
 }
 
-/// Searches for shortest paths on one map, by A*. Lengths are a + b sqrt(2) with whole a and b, so no rounding adds up.
+/// Searches for shortest paths on one map, by A*. Lengths are a + b sqrt(2) with whole a and b, so rounding does not
+/// accumulate.
 struct Search<'g> {
     grid: &'g Grid,
     /// Straight and diagonal steps to each cell, and the search in which they were found.
@@ -307,7 +309,7 @@ impl<'g> Search<'g> {
             let up = (cell / columns).abs_diff(goal / columns) as u32;
             length_of(across.abs_diff(up), across.min(up))
         };
-        // Positive doubles are ordered as their bits.
+        // Positive `f64` numbers have the order of their bits.
         let key = |straight, diagonal, cell| Reverse((length_of(straight, diagonal) + estimate(cell)).to_bits());
         let mut open = BinaryHeap::from([(key(0, 0, start), 0, 0, start)]);
         self.best[start] = (0, 0, number);

@@ -16,7 +16,7 @@ pub(crate) struct Image {
     pub(crate) white: u32,
     /// Grey value of white in the file, 255 for 8 bits.
     pub(crate) greatest: u32,
-    /// Pixels that are not opaque; empty if all are.
+    /// For each pixel, true if it is not opaque; empty if all are opaque.
     pub(crate) is_clear: Vec<bool>,
 }
 
@@ -28,7 +28,7 @@ pub(crate) fn is_netpbm(bytes: &[u8]) -> bool {
     matches!(bytes, [b'P', b'1' | b'2' | b'4' | b'5', next, ..] if next.is_ascii_whitespace() || *next == b'#')
 }
 
-/// Reads a PGM or PBM; `None`, with an error, if it cannot be read. Missing pixels are an error, bytes that are left over a warning.
+/// Reads a PGM or PBM; `None`, with an error, if it cannot be read. Missing pixels are an error, extra bytes a warning.
 pub(crate) fn read_netpbm(sink: &mut Sink, bytes: &[u8]) -> Option<Image> {
     let mut words = Words { bytes, at: 2 };
     let kind = match bytes {
@@ -69,7 +69,7 @@ pub(crate) fn read_netpbm(sink: &mut Sink, bytes: &[u8]) -> Option<Image> {
     Some(Image { size, levels, white: greatest as u32, greatest: greatest as u32, is_clear: Vec::new() })
 }
 
-/// The words of a header or of pixels in text, with comments from `#` to the end of their line left out.
+/// The words of a header or of pixels in text, without comments from `#` to the end of the line.
 struct Words<'b> {
     bytes: &'b [u8],
     at: usize,
@@ -90,7 +90,7 @@ impl<'b> Words<'b> {
         }
     }
 
-    /// The next word and its place; `None` at the end of the file.
+    /// The next word and its position; `None` at the end of the file.
     fn word(&mut self) -> Option<(usize, &'b [u8])> {
         self.skip();
         let start = self.at;
@@ -100,7 +100,7 @@ impl<'b> Words<'b> {
         Some((start, &rest[..length]))
     }
 
-    /// The next word as a number up to `most`; reports a word that is none.
+    /// The next word as a number up to `max`; reports any other word.
     fn number(&mut self, sink: &mut Sink, what: &str, most: u64) -> Option<u64> {
         let Some((start, word)) = self.word() else {
             let message = format!("the file ends after {} bytes, before {what}", self.bytes.len());
@@ -130,7 +130,7 @@ impl<'b> Words<'b> {
     }
 }
 
-/// The bytes of the pixels, after the one blank that ends the header; reports too few and too many.
+/// The bytes of the pixels, after the single blank that ends the header; reports too few and too many bytes.
 fn raw<'b>(sink: &mut Sink, words: &Words<'b>, wanted: usize) -> Option<&'b [u8]> {
     let pixels = words.bytes.get(words.at + 1..).unwrap_or_default();
     if pixels.len() < wanted {
@@ -168,7 +168,7 @@ fn raw_levels(sink: &mut Sink, words: &Words<'_>, [columns, rows]: [usize; 2], g
     Some(pixels.as_chunks().0.iter().map(|pair| level(u16::from_be_bytes(*pair))).collect())
 }
 
-/// Bits in text, which need no blanks between them.
+/// Pixels as bits in text, which may follow each other without blanks.
 fn text_bits(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2]) -> Option<Vec<u32>> {
     if words.bytes.len() < columns * rows {
         return too_few(sink, words.bytes, words.bytes.len(), columns * rows);
@@ -192,7 +192,7 @@ fn text_bits(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2])
 }
 
 fn text_levels(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2], greatest: u64) -> Option<Vec<u32>> {
-    // A pixel takes two bytes at least, but for the last one.
+    // A pixel takes at least two bytes, except the last one.
     if words.bytes.len().div_ceil(2) < columns * rows {
         return too_few(sink, words.bytes, words.bytes.len() / 2, columns * rows);
     }

@@ -8,7 +8,7 @@ use super::rounded;
 use super::yaml::{FREE_THRESHOLD, OCCUPIED_THRESHOLD};
 use crate::print::number::{written, written_mm};
 
-/// Grey values of map_saver of ROS.
+/// Grey value of free cells, as in map_saver of ROS.
 const FREE: u8 = 254;
 const UNKNOWN: u8 = 205;
 const OCCUPIED: u8 = 0;
@@ -27,7 +27,7 @@ pub(crate) fn map_yaml(grid: &Grid, image: &str) -> String {
     )
 }
 
-/// The image of a grid: a bitmap (`P4`), in which what is not free is black, or a PGM (`P5`).
+/// The image of a grid: a bitmap (`P4`), in which cells that are not free are black, or a PGM (`P5`).
 pub(crate) fn image_file(grid: &Grid, is_bitmap: bool) -> Vec<u8> {
     let [columns, rows] = grid.size;
     let head = if is_bitmap { format!("P4\n{columns} {rows}\n") } else { format!("P5\n{columns} {rows}\n255\n") };

@@ -19,7 +19,7 @@ use crate::{Severity, Span};
 use sim_core::math;
 use sim_core::pose::Pose;
 
-/// Distance in metres that the sides of a polygon may be from the circle that it stands for. Source: our choice.
+/// Maximum distance in metres of a polygon's sides from the circle that the polygon replaces. Source: our choice.
 const ROUND: f64 = 5e-4;
 
 /// Minimum and maximum number of sides of such a polygon.
@@ -31,7 +31,8 @@ const MAX_DEPTH: usize = 64;
 const FORM: &str = "an SDF world: `<sdf><world>` with a `<model>` for each obstacle";
 const SHAPE_FORM: &str = "a `<cylinder>`, `<box>` or `<sphere>` within a `<collision>`";
 
-/// Reads an SDF world. Its lowest left obstacle lies at the edge of the floor. Also returns what was understood.
+/// Reads an SDF world. Its lowest left obstacle lies at the edge of the floor. Also returns a note on the
+/// interpretation.
 pub(crate) fn read_sdf(sink: &mut Sink, file: &str, text: &str) -> (WorldSpec, String) {
     let starts = line_starts(text);
     let mut scan = Scan { sink, text, starts, open: Vec::new(), obstacles: Vec::new(), states: BTreeMap::new() };
@@ -104,8 +105,8 @@ impl Shape {
 
     /// The corners of its outline, and the maximum distance between outline and shape.
     ///
-    /// A circle becomes a regular polygon whose corners are as far outside of it as the middles of its sides are inside:
-    /// r tan²(π/2n) each for n sides.
+    /// A circle becomes a regular polygon whose corners are as far outside the circle as the middles of its sides are inside: r tan²(π/2n)
+    /// each for n sides.
     fn corners(self) -> (Vec<DVec2>, f64) {
         let radius = match self {
             Shape::Box(x, y) => {
@@ -133,7 +134,7 @@ struct Obstacle {
     /// Pose in the model's frame.
     pose: Pose,
     shape: Shape,
-    /// Of its upper edge above the floor.
+    /// Height of its upper edge above the floor.
     height: f64,
     span: Span,
 }
@@ -158,7 +159,7 @@ struct Scan<'t, 's> {
     starts: Vec<usize>,
     open: Vec<Element>,
     obstacles: Vec<Obstacle>,
-    /// Poses of models that the saved state of a simulation gives.
+    /// Poses of models in the saved state of a simulation.
     states: BTreeMap<String, Pose>,
 }
 
@@ -171,7 +172,7 @@ impl Scan<'_, '_> {
         Span { start: from, end: to.max(from), line: number as u32, column: before.chars().count() as u32 + 1 }
     }
 
-    /// Reads the whole text; returns false, with an error, if it is no SDF.
+    /// Reads the whole text; returns false, with an error, if it is not SDF.
     fn read(&mut self) -> bool {
         let text = self.text;
         let skipped = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
@@ -279,7 +280,7 @@ impl Scan<'_, '_> {
         }
     }
 
-    /// The numbers between the tags of an element; reports words that are none.
+    /// The numbers between the tags of an element; reports words that are not numbers.
     fn numbers(&mut self, element: &Element, expected: &str) -> Vec<f64> {
         let mut numbers = Vec::new();
         for word in element.text.split_whitespace() {

@@ -1,4 +1,4 @@
-//! `map.yaml`: what an image means as an occupancy grid, in the subset of YAML that map servers write.
+//! `map.yaml`: the interpretation of an image as an occupancy grid, in the subset of YAML that map servers write.
 
 use std::collections::BTreeMap;
 
@@ -11,12 +11,12 @@ use crate::spec::PathRef;
 use crate::{Severity, Span};
 use sim_core::pose::Pose;
 
-/// How pixels become cells.
+/// Conversion of pixels to cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
-    /// Occupied above one threshold, free below the other, otherwise unknown.
+    /// A cell is occupied above one threshold, free below the other, otherwise unknown.
     Trinary,
-    /// The same, where pixels that are not opaque are unknown.
+    /// Like `Trinary`, but pixels that are not opaque are unknown.
     Scale,
     /// The grey value is the probability in percent; above 100 the cell is unknown.
     Raw,
@@ -67,7 +67,7 @@ pub(crate) fn read_map_yaml(sink: &mut Sink, text: &str) -> Option<MapSpec> {
 }
 
 impl MapSpec {
-    /// The grid of an `image` that has no `map.yaml`.
+    /// The interpretation of an image without a `map.yaml`.
     pub(crate) fn of_image(resolution: f64) -> Self {
         Self {
             image: PathRef { text: String::new(), span: Span::default() },
@@ -112,16 +112,16 @@ impl MapSpec {
     }
 }
 
-/// A key with its values: one, or those of a list.
+/// A key with its values: a single value, or the values of a list.
 struct Entry<'t> {
     key: Word<'t>,
     values: Vec<Word<'t>>,
 }
 
-/// The keys of a text in order, later ones in place of earlier ones of the same name.
+/// The keys of a text in order; a later key replaces an earlier one of the same name.
 fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
     let mut entries: BTreeMap<&str, Entry<'_>> = BTreeMap::new();
-    // The key whose values may follow on further lines, and whether they stand between brackets.
+    // The key whose values may follow on further lines, and true if they are between brackets.
     let mut open: Option<(&str, bool)> = None;
     for line in line::lines(text) {
         let content = without_comment(&line);
@@ -168,7 +168,7 @@ fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
     entries
 }
 
-/// The line up to a comment: `#` at its start or after a blank, outside of quotes.
+/// The line up to a comment, which begins with `#` at its start or after a blank, outside quotes.
 fn without_comment<'t>(line: &Line<'t>) -> &'t str {
     let text = line.text;
     let mut quote = None;
@@ -187,7 +187,7 @@ fn without_comment<'t>(line: &Line<'t>) -> &'t str {
     text
 }
 
-/// Place of the colon after a key: one with a blank or the end of the line behind it.
+/// Position of the colon after a key: it is followed by a blank or the end of the line.
 fn colon_of(content: &str) -> Option<usize> {
     content.match_indices(':').map(|(at, _)| at).find(|at| {
         content[at + 1..].chars().next().is_none_or(|next| next.is_whitespace() || matches!(next, '[' | '"' | '\''))
@@ -207,7 +207,7 @@ fn unquoted(word: Word<'_>) -> Word<'_> {
     Word { text: inner.unwrap_or(word.text), ..word }
 }
 
-/// The values of a line from the byte `from` on: one, or those of a list between brackets.
+/// The values of a line from the byte `from` on: a single value, or the values of a list between brackets.
 fn scalars<'t>(line: &Line<'t>, content: &'t str, from: usize) -> Vec<Word<'t>> {
     let rest = &content[from..];
     let is_list = rest.contains(['[', ']', ',']) && !rest.trim_start().starts_with(['"', '\'']);
@@ -245,7 +245,7 @@ impl<'t> Values<'t, '_> {
         self.sink.report(severity, Code::MapKey, span, message, expected);
     }
 
-    /// The only value of a key; reports several values, and none of a key that is there.
+    /// The only value of a key; reports several values, and a key without a value.
     fn single(&mut self, key: &str, expected: &str) -> Option<Word<'t>> {
         let values = &self.entries.get(key)?.values;
         match values.as_slice() {
@@ -281,7 +281,7 @@ impl<'t> Values<'t, '_> {
         Some(PathRef { text: word.text.to_owned(), span: word.span })
     }
 
-    /// A number, with a warning and `default` where there is none; without a default that is an error.
+    /// The number of a key; if it is missing, `default` with a warning, or an error without a default.
     fn number(&mut self, key: &str, quantity: Quantity, default: Option<f64>) -> Option<f64> {
         let expected = quantity.expected();
         if !self.entries.contains_key(key) {

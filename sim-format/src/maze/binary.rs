@@ -11,7 +11,8 @@ use crate::diagnostic::Sink;
 
 const FORM: &str = "a byte for each cell: 256 for 16 x 16 cells, 1024 for 32 x 32";
 
-/// Returns true for bytes that are no text: fewer than half are printable, and there are control characters besides tabs and line ends.
+/// Returns true for bytes that are not text: fewer than half are printable, and they contain control characters other than tabs and line
+/// ends.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     let is_text_mark = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     let printable = bytes.iter().filter(|byte| matches!(byte, b' '..=b'~')).count();
@@ -19,7 +20,7 @@ pub(super) fn is_binary(bytes: &[u8]) -> bool {
     !is_text_mark && controls > 0 && 2 * printable < bytes.len()
 }
 
-/// Order of the cells of a file: the place of the byte of the cell (x, y) among `side` times `side`.
+/// Order of the cells of a file: the index of the byte of the cell (x, y) among `side` times `side`.
 type Order = fn(x: usize, y: usize, side: usize) -> usize;
 
 /// Orders that are tried, the usual one first.

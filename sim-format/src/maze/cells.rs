@@ -1,4 +1,4 @@
-//! Mazes whose files state the walls of each cell, and ways through mazes.
+//! Mazes whose files state the walls of each cell, and shortest paths through mazes.
 
 use std::collections::VecDeque;
 
@@ -11,7 +11,7 @@ use crate::diagnostic::Sink;
 pub(super) const SIDES: [(&str, [i32; 2]); 4] =
     [("north", [0, 1]), ("east", [1, 0]), ("south", [0, -1]), ("west", [-1, 0])];
 
-/// Columns and rows of a classic maze, whose goal is known: the four cells in the middle.
+/// Number of columns and rows of a classic maze, whose goal is the four cells in the middle.
 pub(super) const CLASSIC: usize = 16;
 
 /// The walls of each cell, in columns from the south-west corner: a bit for each of [`SIDES`].
@@ -55,7 +55,7 @@ impl CellWalls {
         self.cells().all(|cell| (0..4).all(|side| self.beyond(cell, side).is_some() || self.at(cell) >> side & 1 == 1))
     }
 
-    /// Tells walls that only one of their cells has; `place` is where a file states a cell.
+    /// Reports walls that only one of their cells has; `place` returns the location of a cell in the file.
     pub(super) fn check_shared(&self, sink: &mut Sink, place: impl Fn([usize; 2]) -> (Span, String)) {
         let count = self.one_sided().count();
         let Some((cell, side, next)) = self.one_sided().next() else { return };
@@ -68,7 +68,7 @@ impl CellWalls {
         sink.warn(Code::MazShared, span, message, "each inner wall in both of its cells; here it is a wall");
     }
 
-    /// The maze as a drawing; `span` is where a file states a cell.
+    /// The maze as a drawing; `span` returns the location of a cell in the file.
     pub(super) fn drawing(&self, span: impl Fn([usize; 2]) -> Span) -> Drawing {
         let [columns, rows] = self.size;
         let mut drawing = Drawing::empty(columns as u32);
@@ -88,14 +88,15 @@ impl CellWalls {
     }
 }
 
-/// Where a maze begins and ends, in columns and rows from the south-west corner.
+/// Start and goals of a maze, in columns and rows from the south-west corner.
 pub(super) struct Ends {
     pub(super) start: [usize; 2],
     pub(super) goals: Vec<[usize; 2]>,
 }
 
 impl Ends {
-    /// The customs of contests: from the south-west corner to the four cells in the middle of a classic maze.
+    /// Start and goals by the rules of contests: from the south-west corner to the four cells in the middle of a
+    /// classic maze.
     pub(super) fn usual([columns, rows]: [usize; 2]) -> Self {
         let middle = [CLASSIC / 2 - 1, CLASSIC / 2];
         let goals = middle.iter().flat_map(|x| middle.map(|y| [*x, y]));
@@ -104,8 +105,8 @@ impl Ends {
     }
 }
 
-/// Adds the start to a drawing of `rows` rows: its letter tells the heading, towards the only open side, otherwise north. Returns what is
-/// to be told of the maze.
+/// Adds the start to a drawing of `rows` rows: its letter states the heading, towards the only open side, otherwise north. Returns a note
+/// on the maze.
 pub(super) fn finish(drawing: &mut Drawing, rows: usize, ends: &Ends, span: Span) -> String {
     let columns = drawing.columns as usize;
     let passages = Passages::of(drawing, rows);
@@ -137,7 +138,8 @@ pub(super) fn finish(drawing: &mut Drawing, rows: usize, ends: &Ends, span: Span
 /// Open sides of the cells of a drawing.
 struct Passages {
     size: [usize; 2],
-    /// A wall to the left of a cell, and below it; one column and one row more than cells, in rows from the south.
+    /// True for a wall to the left of a cell (`below`: below it); one column and one row more than cells, in rows from
+    /// the south.
     left: Vec<bool>,
     below: Vec<bool>,
 }
@@ -168,7 +170,7 @@ impl Passages {
         (!is_closed && next[0] < columns && next[1] < rows).then_some(next)
     }
 
-    /// Steps from cell to cell on a shortest way to one of the `goals`, by breadth-first search.
+    /// Number of steps on a shortest path to one of the `goals`, by breadth-first search.
     fn steps(&self, start: [usize; 2], goals: &[[usize; 2]]) -> Option<u32> {
         let [columns, rows] = self.size;
         let mut is_seen = vec![false; columns * rows];

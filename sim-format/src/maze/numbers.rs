@@ -1,4 +1,4 @@
-//! Mazes by numbers, `.num`: a line `X Y N E S W` for each cell, as the simulator mms keeps them.
+//! Mazes as numbers, `.num`: a line `X Y N E S W` for each cell, the format of the simulator mms.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Mazes drawn with posts and walls, as the collections of micro-mouse contests keep them.
+//! Mazes drawn with posts and walls, the format of collections of micro-mouse contests.
 //!
 //! Source: the collections of micromouseonline.com (`o---o`) and the simulator mms (`+---+`).
 
@@ -11,10 +11,10 @@ use crate::line::{self, Line};
 
 const FORM: &str = "lines of posts, `o---o   o`, and of cells, `|   | S |`, in turn";
 
-/// Columns of a tab stop.
+/// Number of columns of a tab stop.
 const TAB: usize = 8;
 
-/// Places of the posts in the lines of a drawing.
+/// Positions of the posts in the lines of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Lattice {
     post: char,
@@ -25,7 +25,7 @@ struct Lattice {
     columns: usize,
 }
 
-/// A line without tabs: each character with its place.
+/// The characters of a line with their spans, tabs expanded.
 fn characters(line: &Line<'_>) -> Vec<(char, Span)> {
     let mut out = Vec::new();
     for ((byte, character), place) in line.text.trim_end().char_indices().zip(1..) {
@@ -54,7 +54,7 @@ impl Lattice {
         (pitch > 1 && is_post_line && characters.len() % pitch == 1).then_some(Self { post, indent, pitch, columns })
     }
 
-    /// Place of the post to the left of this column.
+    /// Position of the post to the left of this column.
     fn post_at(&self, column: usize) -> usize {
         self.indent + column * self.pitch
     }
@@ -145,7 +145,7 @@ impl Posts {
         first.is_some_and(|first| first == self.lattice.indent && content[first].0 == self.lattice.post)
     }
 
-    /// A line of posts, with the walls below row `row`.
+    /// Reads a line of posts, with the walls below row `row`.
     fn post_line(&mut self, sink: &mut Sink, line: &Line<'_>, row: usize) {
         let content = characters(line);
         let Lattice { post, pitch, columns, .. } = self.lattice;
@@ -171,7 +171,7 @@ impl Posts {
         }
     }
 
-    /// A line of cells, row `row` from the top, counted from 1.
+    /// Reads a line of cells, row `row` from the top, counted from 1.
     fn cell_line(&mut self, sink: &mut Sink, line: &Line<'_>, row: usize) {
         let content = characters(line);
         self.check_end(sink, &content);
@@ -196,7 +196,7 @@ impl Posts {
         }
     }
 
-    /// Tells characters beyond the last post.
+    /// Reports characters beyond the last post.
     fn check_end(&self, sink: &mut Sink, content: &[(char, Span)]) {
         let end = self.lattice.post_at(self.lattice.columns);
         if let Some((_, span)) = content.iter().skip(end + 1).find(|(character, _)| *character != ' ') {

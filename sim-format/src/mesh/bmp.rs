@@ -1,5 +1,5 @@
-//! Images in BMP files: 1 to 32 bits a pixel, with a palette, with bit masks or run-length encoded, with rows from the
-//! bottom or from the top.
+//! Images in BMP files: 1 to 32 bits per pixel, with a palette, with bit masks or run-length encoded, with rows from
+//! the bottom or from the top.
 //!
 //! Source: Microsoft's documentation of BITMAPFILEHEADER, BITMAPCOREHEADER and BITMAPINFOHEADER.
 
@@ -7,7 +7,7 @@
 pub(super) struct Bmp<'b> {
     /// Width and height.
     pub(super) size: [u32; 2],
-    /// Rows are stored from top to bottom.
+    /// True if rows are stored from top to bottom.
     is_top_down: bool,
     depth: u16,
     compression: u32,
@@ -28,7 +28,7 @@ impl<'b> Bmp<'b> {
     /// Reads the headers.
     ///
     /// # Errors
-    /// The reason, in words for users.
+    /// The reason, worded for the user.
     pub(super) fn open(bytes: &'b [u8]) -> Result<Self, &'static str> {
         const SHORT: &str = "it ends within its header";
         let u16_at = |at: usize| Some(u16::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
@@ -84,7 +84,7 @@ impl<'b> Bmp<'b> {
     /// Red, green, blue and opacity of each pixel, row by row from the top.
     ///
     /// # Errors
-    /// The reason, in words for users.
+    /// The reason, worded for the user.
     pub(super) fn decode(&self) -> Result<Vec<u8>, &'static str> {
         const SHORT: &str = "it ends before its last pixel";
         let [width, height] = self.size.map(|side| side as usize);
@@ -101,7 +101,7 @@ impl<'b> Bmp<'b> {
                 self.look_up(row.iter().map(|index| usize::from(*index)), out);
                 continue;
             }
-            // Some writers leave out the padding of the last row.
+            // Some writers omit the padding of the last row.
             let needed = (width * usize::from(self.depth)).div_ceil(8);
             let line = self.data.get(stored * stride..stored * stride + needed).ok_or(SHORT)?;
             match self.depth {

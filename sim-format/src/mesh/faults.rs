@@ -1,11 +1,11 @@
-//! Mistakes in a mesh or material file: one diagnostic per kind, however many lines have it.
+//! Mistakes in a mesh or material file: one diagnostic per kind of mistake, independent of the number of lines.
 
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::line::Line;
 use crate::{Code, Span};
 
-/// Mistakes in one file. A mesh of a hundred thousand faces repeats its mistake in each; only the first is reported, with the
-/// count of the others.
+/// Mistakes in one file. A mesh of a hundred thousand faces repeats its mistake in each; only the first is reported, with the number of
+/// further ones.
 pub(super) struct Faults {
     file: String,
     kinds: Vec<FaultKind>,

@@ -1,8 +1,8 @@
 //! Appearance of bodies: meshes with their materials and images.
 //!
-//! No mistake found here stops a scene: missing or broken files give a warning, and the body is shown in its own shape.
-//! `check`, pictures and cameras read meshes through [`MeshReader`]. A run without a camera reads only the meshes that
-//! range sensors see; without these the scene cannot be run ([`super::load`]).
+//! Mistakes found here never stop a scene: missing or broken files cause a warning, and the body is shown in its own
+//! shape. `check`, pictures and cameras read meshes through [`MeshReader`]. A run without a camera reads only the
+//! meshes that range sensors see; without these the scene cannot be run ([`super::load`]).
 //!
 //! # Frames
 //! Coordinates in an OBJ file are right-handed: x left, y up, z forward. EyeSim VR inverts x on reading, which gives
@@ -42,20 +42,20 @@ const SEEN: &str = "range sensors cannot do without it";
 const ROBOT_SCALE: f64 = 1.0;
 
 /// A grey image: columns and rows; brightness of each pixel, rows from the top; brightness of white; value of white in one channel; which
-/// pixels are not opaque, empty if all are.
+/// pixels are not opaque, empty if all are opaque.
 pub(crate) type Grey = ([usize; 2], Vec<u32>, u32, u32, Vec<bool>);
 
-/// Decodes a png, jpg or bmp image as a grey one, the mean of its channels, with opacity as one of them if `with_opacity`.
+/// Decodes a png, jpg or bmp image as a grey image: the mean of its channels, including opacity if `with_opacity`.
 ///
 /// # Errors
-/// The reason in words.
+/// The reason, worded for the user.
 pub(crate) fn read_grey(bytes: &[u8], with_opacity: bool) -> Result<Grey, String> {
     let pixels = texture::decode(bytes).map_err(|error| format!("the image cannot be read: {error}"))?;
     let (levels, white, greatest, is_clear) = pixels.sums(with_opacity);
     Ok((pixels.size.map(|side| side as usize), levels, white, greatest, is_clear))
 }
 
-/// Reads meshes and images, each once however many bodies use it.
+/// Reads meshes and images, each file once for all bodies that use it.
 pub struct MeshReader<'a> {
     loader: Loader<'a>,
     /// Meshes by the file that refers to them and the text of the reference.
@@ -215,7 +215,7 @@ impl MeshSource for MeshReader<'_> {
     }
 }
 
-/// Transform from the frame of a mesh file to that of the body.
+/// Transform from the frame of a mesh file to the frame of the body.
 struct Placement {
     rotation: DMat3,
     scale: f64,

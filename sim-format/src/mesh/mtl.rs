@@ -33,7 +33,7 @@ pub(super) struct Entry {
     pub(super) image: Option<PathRef>,
 }
 
-/// Reads all materials of a file, by name; of several with the same name, the first is used.
+/// Reads all materials of a file, by name; of materials with the same name, the first is used.
 pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, Entry>, Vec<Diagnostic>) {
     let mut entries = BTreeMap::new();
     let mut faults = Faults::new(file);

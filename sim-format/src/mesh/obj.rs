@@ -1,8 +1,8 @@
 //! Wavefront OBJ: lines `v`, `vt`, `vn`, `f`, `usemtl`, `mtllib`. Lines of other kinds do not concern triangles.
 //!
-//! Our own reader; the tests compare it with `tobj` 4 on valid files. `tobj` is not used for real files: `Kd` with one number
-//! makes it panic, out-of-range indices of `vt` overflow, mixing corners with and without `vt` in one object shifts the texture
-//! coordinates of all later corners, reading stops at the first mistake, and errors carry no line number.
+//! This is our own reader; the tests compare it with `tobj` 4 on valid files. `tobj` is not used for real files: `Kd` with one number makes
+//! it panic, out-of-range indices of `vt` overflow, mixing corners with and without `vt` in one object shifts the texture coordinates of
+//! all later corners, reading stops at the first mistake, and errors carry no line number.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use crate::spec::{MAX_LENGTH, PathRef};
 use crate::{Code, Diagnostic, Span};
 use sim_core::scene::Triangle;
 
-/// Maximum number of triangles, and of entries in each list: a hundred times that of typical robot models.
+/// Maximum number of triangles, and of entries in each list: a hundred times the number in typical robot models.
 const MAX_COUNT: usize = 2_000_000;
 
 const FACE: &str = "`f` and three or more corners of the form V, V/T, V//N or V/T/N";
@@ -28,7 +28,7 @@ pub(super) struct Obj {
     pub(super) materials: Vec<(String, Span)>,
     /// The material files.
     pub(super) libraries: Vec<PathRef>,
-    /// The file has more than [`MAX_COUNT`] of some element; the rest was not read.
+    /// True if the file has more than [`MAX_COUNT`] of some element; the rest was not read.
     pub(super) is_too_large: bool,
 }
 
@@ -75,7 +75,7 @@ pub(super) fn read_obj(
 
 struct Reader {
     faults: Faults,
-    /// `None` for lines that could not be read, so that later ones keep their numbers.
+    /// Positions; `None` for lines that could not be read, so that later positions keep their numbers.
     positions: Vec<Option<DVec3>>,
     uvs: Vec<Option<Vec2>>,
     normals: Vec<Option<Vec3>>,
@@ -111,7 +111,7 @@ impl Reader {
         counts.iter().any(|count| *count > MAX_COUNT)
     }
 
-    /// The first `N` numbers of a line; reports missing and non-finite ones.
+    /// The first `N` numbers of a line; reports missing and non-finite numbers.
     fn numbers<const N: usize>(&mut self, line: &Line<'_>, rest: &str) -> Option<[f64; N]> {
         let mut numbers = [0.0; N];
         let mut words = rest.split_whitespace();
@@ -184,7 +184,7 @@ impl Reader {
 
     fn triangle(&mut self, line: &Line<'_>, corners: [Corner; 3]) {
         let [a, b, c] = corners.map(|corner| self.positions[corner.position as usize].unwrap_or_default());
-        // Exporters leave invisible triangles of zero area behind.
+        // Exporters leave behind invisible triangles of zero area.
         if (b - a).cross(c - a).try_normalize().is_none() {
             return;
         }

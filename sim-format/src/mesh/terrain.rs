@@ -13,9 +13,9 @@ use sim_core::scene::{FieldError, HeightField, MAX_CELLS};
 /// Greyscale picture, 0 to 65535.
 struct Grey {
     size: [usize; 2],
-    /// Row by row from the top.
+    /// Shades row by row from the top.
     shades: Vec<u16>,
-    /// The file has colours, not only shades of grey.
+    /// True if the file has colours, not only shades of grey.
     has_colours: bool,
 }
 
@@ -96,7 +96,7 @@ impl Grey {
     /// Reads the shades of an image. Colours become their brightness, (2126 red + 7152 green + 722 blue) / 10000 of the stored
     /// values; opacity is ignored.
     ///
-    /// Source: the weights are those of Recommendation ITU-R BT.709.
+    /// Source of the weights: Recommendation ITU-R BT.709.
     fn read(bytes: &[u8]) -> Result<Self, TextureError> {
         let image = texture::decode(bytes)?;
         let mut has_colours = false;

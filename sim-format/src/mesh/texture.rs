@@ -13,7 +13,7 @@ use super::bmp::Bmp;
 /// Maximum number of pixels of an image: 4096 times 4096.
 const MAX_PIXELS: u64 = 1 << 24;
 
-/// Bytes that the png decoder may allocate besides the image itself.
+/// Bytes that the png decoder may allocate in addition to the image itself.
 const MAX_BYTES: usize = 16 << 24;
 
 /// Error of an image that cannot be shown.
@@ -27,7 +27,7 @@ pub(super) enum TextureError {
     Size(u64, u64),
 }
 
-/// A decoded image: rows from the top, the channels of a pixel side by side.
+/// A decoded image: rows from the top, with adjacent channels of a pixel.
 pub(super) struct Pixels {
     /// Width and height.
     pub(super) size: [u32; 2],
@@ -46,7 +46,7 @@ pub(super) fn read_texture(bytes: &[u8]) -> Result<Texture, TextureError> {
     let [width, height] = image.size;
     let pixels = match &image.samples {
         Samples::Bits8(samples) => rgba(samples, image.channels(samples), u8::MAX).collect(),
-        // To the nearest level of 8 bits.
+        // Rounds to the nearest 8-bit level.
         Samples::Bits16(samples) => rgba(samples, image.channels(samples), u16::MAX)
             .map(|pixel| pixel.map(|level| ((u32::from(level) + 128) / 257) as u8))
             .collect(),
@@ -107,7 +107,7 @@ fn unreadable(why: impl std::fmt::Display) -> TextureError {
     TextureError::Format(why.to_string())
 }
 
-/// The size of an image, refused above [`MAX_PIXELS`], before memory is taken for its pixels.
+/// The size of an image; refuses more than [`MAX_PIXELS`] before memory is allocated.
 fn checked(width: impl TryInto<u64>, height: impl TryInto<u64>) -> Result<[u32; 2], TextureError> {
     let [width, height] = [width.try_into().unwrap_or(u64::MAX), height.try_into().unwrap_or(u64::MAX)];
     match (u32::try_from(width), u32::try_from(height)) {
@@ -123,8 +123,8 @@ impl Pixels {
         (samples.len() / (width * height).max(1)).clamp(1, 4)
     }
 
-    /// Sum of the channels of each pixel, with opacity as one of them if `with_opacity`; the sum of a white pixel; the value of white in one
-    /// channel; and which pixels are not opaque, empty if all are.
+    /// Sum of the channels of each pixel, including opacity if `with_opacity`; the sum of a white pixel; the value of white in one channel;
+    /// and which pixels are not opaque, empty if all are opaque.
     pub(super) fn sums(&self, with_opacity: bool) -> (Vec<u32>, u32, u32, Vec<bool>) {
         match &self.samples {
             Samples::Bits8(samples) => sums(samples, self.channels(samples), u8::MAX, with_opacity),
@@ -144,7 +144,7 @@ impl Pixels {
     }
 }
 
-/// As [`Pixels::sums`], for samples of one kind.
+/// [`Pixels::sums`] for samples of one type.
 fn sums<T: Copy + Into<u32>>(
     samples: &[T],
     channels: usize,

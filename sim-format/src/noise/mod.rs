@@ -19,17 +19,18 @@ const MAX_LISTED: usize = 32;
 /// Suffix of file names that identifies a profile without reading its content.
 pub const NOISE_EXTENSION: &str = ".noise.toml";
 
-/// Names of the presets: first [`LEVELS`]; in `course` drives miss their targets within bounds, and nothing else errs.
+/// Names of the presets: first [`LEVELS`]; the only errors of `course` are bounded errors at the targets of drives.
 pub const PRESETS: [&str; 5] = ["none", "mild", "real", "harsh", "course"];
 
-/// Names of the presets that have all kinds of errors, from the smallest to the largest. `none` has no errors; `mild` stands for good,
-/// well-maintained devices; `real` follows data sheets and published measurements of devices of this class; `harsh`
-/// stands for bad light, a slippery floor and worn devices.
+/// Names of the presets with all kinds of errors, from the smallest to the largest. `none` has no errors; `mild` represents good,
+/// well-maintained devices; `real` follows data sheets and published measurements of devices of this class; `harsh` represents bad light, a
+/// slippery floor and worn devices.
 pub const LEVELS: [&str; 4] = ["none", "mild", "real", "harsh"];
 
 /// Preset named `name`.
 pub fn preset(name: &str) -> Option<Preset> {
-    // The text of every preset names this preset as its base. Its own text does, too: reading it would never end.
+    // The text of every preset names this preset as its base, including its own text, so reading that text would never
+    // end.
     if name == Preset::default().name {
         return Some(Preset::default());
     }

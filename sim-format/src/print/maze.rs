@@ -20,8 +20,8 @@ pub struct NotAMaze(Cow<'static, str>);
 /// Text of a maze file.
 ///
 /// # Errors
-/// [`NotAMaze`] for walls off the grid, with a thickness, a height or a colour, starts without a letter, objects that no character
-/// stands for.
+/// [`NotAMaze`] for walls off the grid, with a thickness, a height or a colour, starts without a letter, and objects that no character
+/// represents.
 pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
     let cell = world.cell.unwrap_or(DEFAULT_CELL);
     let size = (world.floor / cell).round();

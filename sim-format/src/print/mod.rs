@@ -1,7 +1,7 @@
-//! Printers: convert specs to the text of every kind of file. Reading that text gives the same spec again.
+//! Printers: convert specs to the text of every kind of file. Reading that text returns the same spec.
 //!
-//! Properties that a format cannot represent are listed, not dropped silently. Numbers are the shortest decimals that read back to
-//! the same double; if there is none (for coordinates that were computed in a local frame), the nearest is used.
+//! Properties that a format cannot represent are listed, not dropped silently. Numbers are the shortest decimals that read back to the same
+//! `f64`; if none exists (for coordinates computed in a local frame), the nearest is used.
 
 mod maze;
 mod noise;

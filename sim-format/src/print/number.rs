@@ -3,10 +3,10 @@
 use sim_core::pose::Heading;
 use sim_core::unit::{Quantity, degrees_from_radians, metres_from_mm, mm_from_metres, radians_from_degrees};
 
-/// Number of doubles tried on either side if no short decimal reads back to the same value.
+/// Number of neighbouring `f64` values tried on either side if no short decimal reads back to the same value.
 const NEIGHBOURS: u32 = 4;
 
-/// Number with the fewest digits near `near` for which `reads_back` holds; `near` if there is none.
+/// Number with the fewest digits near `near` for which `reads_back` returns true; `near` if none exists.
 pub(crate) fn shortest(near: f64, reads_back: impl Fn(f64) -> bool) -> f64 {
     if near == 0.0 && reads_back(0.0) {
         return 0.0;

@@ -16,10 +16,10 @@ use crate::spec::{Axis, Collider, JointSpec, Lens, PsdSpec, RobiSpec};
 use crate::{content, read_companion, read_robi};
 use sim_core::drive::DriveKind;
 
-/// Text of a robi, in the classic dialect unless that of EyeSim VR represents more properties.
+/// Text of a robi, in the classic dialect unless the dialect of EyeSim VR represents more properties.
 ///
-/// Properties that the robi cannot represent go to the companion ([`print_companion`]); those that the companion cannot
-/// represent either are lost.
+/// Properties that the robi cannot represent go to the companion ([`print_companion`]); properties that the companion
+/// cannot represent either are lost.
 pub fn print_robi(robi: &RobiSpec) -> Printed {
     let companion = print_companion(robi);
     let candidates = [classic(robi), vr(robi)].map(|text| {

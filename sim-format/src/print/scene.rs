@@ -28,7 +28,7 @@ pub fn noise_schema() -> String {
     schema("eyesim noise profile", |keys| NoiseSpec::default().keys(keys))
 }
 
-/// JSON schema of companions, but for `[psd]`, whose keys are the names of the robot's sensors.
+/// JSON schema of companions, except for `[psd]`, whose keys are the names of the robot's sensors.
 pub fn companion_schema() -> String {
     schema("eyesim companion", |keys| companion(keys, &mut RobiSpec::default()))
 }
@@ -51,7 +51,7 @@ fn text_of(schema: &Json) -> String {
     serde_json::to_string_pretty(schema).unwrap_or_default() + "\n"
 }
 
-/// Allows a draw in place of each value of the schema that is a number, a text or a list of them.
+/// Allows a draw instead of each value of the schema that is a number, a text or a list.
 fn allow_draws(schema: &mut Json) {
     let draw = || json!({ "$ref": "#/$defs/DrawForm" });
     match schema {
@@ -83,7 +83,7 @@ fn is_value(schema: &Json) -> bool {
     }
 }
 
-/// Schema of the tables that stand for random values.
+/// Schema of the tables that represent random values.
 fn draw_schema() -> Json {
     let pair = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
     let number = json!({ "type": "number" });

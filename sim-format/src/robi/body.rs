@@ -32,7 +32,7 @@ impl Reader {
                 |[radius, height, cx, cy, cz]| Collider::Capsule {
                     centre: from_unity([cx, cy, cz]),
                     radius,
-                    // A shorter one becomes a sphere, as in Unity.
+                    // A shorter capsule becomes a sphere, as in Unity.
                     height: height.max(2.0 * radius),
                     axis: Axis::Z,
                 },
@@ -70,7 +70,7 @@ impl Reader {
     }
 }
 
-/// Reads exactly `N` values after a keyword; too few give a warning and no result, extra ones a warning.
+/// Reads exactly `N` values after a keyword; too few values cause a warning and no result, extra values a warning.
 pub(super) fn values_of<const N: usize>(
     sink: &mut Sink,
     keyword: &str,

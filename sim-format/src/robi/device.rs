@@ -133,8 +133,8 @@ impl Reader {
 
     /// Interprets the last two numbers of a `camera` line: an image's size, or in files of EyeSim VR the largest pan and tilt.
     ///
-    /// In files of EyeSim VR both occur, since lines were copied from classic files. There the classic size, and numbers too
-    /// large for angles, are read as a size.
+    /// Files of EyeSim VR contain both, since lines were copied from classic files. There the classic size, and numbers too large for
+    /// angles, are read as a size.
     fn camera_last(&mut self, words: &[Word<'_>; 2]) -> Option<Last> {
         let values = [0, 1].map(|i| words[i].text.parse::<f64>().unwrap_or(f64::NAN));
         let is_classic_image = [0, 1].map(|i| words[i].text.parse().ok()) == CLASSIC_IMAGE.map(Some);

@@ -62,7 +62,7 @@ impl Reader {
         }
     }
 
-    /// Limits the speeds as EyeSim VR does, whatever the file says: 0.4 m/s at the rims of all wheels (0.5 m/s for a
+    /// Limits the speeds as EyeSim VR does, regardless of the file: 0.4 m/s at the rims of all wheels (0.5 m/s for a
     /// car), and 90 degrees/s. EyeSim VR has no omni robots; their wheels keep the rate of the file.
     fn settle_limits(&mut self) {
         let rim = if self.robi.drive.kind == DriveKind::Ackermann { 0.5 } else { 0.4 };
@@ -74,8 +74,8 @@ impl Reader {
         }
     }
 
-    /// Diameter of the body as far as the file determines it: `diameter`, otherwise the smallest disc around the robot's centre that
-    /// contains all colliders; in a classic file without either, the default.
+    /// Diameter of the body, if the file determines it: `diameter`, otherwise the smallest disc around the robot's centre that contains all
+    /// colliders; in a classic file without either, the default.
     fn body(&self) -> Option<f64> {
         if self.has_diameter {
             return Some(self.robi.diameter);

@@ -1,8 +1,8 @@
-//! Values of a scene that are drawn from the seed, in place of which the reader sees the drawn ones.
+//! Draws random values of a scene from the seed and replaces them before the scene is read.
 //!
-//! A draw is a table such as `{ uniform = [500, 3500] }` where a value may stand. Its random numbers come from a stream of its own, keyed
-//! by the seed and the path of the value (`robot.2.x_mm`), so they do not depend on anything else in the scene. Entries of lists with
-//! a `count` are repeated before, so that each gets draws of its own (`object.1.3.x_mm`).
+//! A draw is a table such as `{ uniform = [500, 3500] }` in the position of a value. Its random numbers come from a separate stream, keyed
+//! by the seed and the path of the value (`robot.2.x_mm`), so they do not depend on the rest of the scene. Entries of lists with a `count`
+//! are repeated first, so that each has its own draws (`object.1.3.x_mm`).
 
 use std::cell::{Cell, OnceCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,7 +20,7 @@ use crate::table::{Reader, Section};
 use sim_core::RobotId;
 use sim_core::noise::{Purpose, Stream, name_key};
 
-/// Keys each of which makes a table a draw.
+/// Keys that make a table a draw.
 const DRAWS: [&str; 5] = ["uniform", "choice", "normal", "same_as", "random_maze"];
 
 /// Lists of a scene whose entries have paths and may be repeated.
@@ -32,7 +32,7 @@ const MOST: i64 = 100_000;
 /// Maximum number of columns and of rows of a random maze.
 const MOST_CELLS: i64 = 200;
 
-/// Number of draws from a normal distribution before its limits count as out of reach.
+/// Number of draws from a normal distribution after which its limits count as out of reach.
 const TRIES: u32 = 1000;
 
 /// Any finite number.
@@ -41,7 +41,7 @@ const ANY: Quantity = Quantity::number("number", -1e300, 1e300);
 /// Origin of the drawn values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Draw {
-    /// The seed of the scene, or this one in place of it, and the number of an attempt.
+    /// Random values from the seed of the scene, or from this seed instead, and from the number of an attempt.
     Seed(Option<u64>, u32),
     /// Extreme values, to find mistakes: the minimum of all ranges for even numbers, the maximum for odd ones, and the choice with this
     /// number.
@@ -51,7 +51,7 @@ pub(crate) enum Draw {
 /// Texts of drawn numbers, to which the values of a document refer.
 #[derive(Default)]
 pub(crate) struct Texts {
-    /// Each block is twice as long as the one before.
+    /// Each block is twice as long as the previous one.
     blocks: [OnceCell<Vec<OnceCell<String>>>; 32],
     count: Cell<usize>,
 }
@@ -153,12 +153,12 @@ struct Artist<'r, 'i> {
     texts: &'i Texts,
     seed: u64,
     attempt: u32,
-    /// Extreme values in place of random ones.
+    /// Number of the extreme values to use instead of random ones.
     extreme: Option<usize>,
     drawn: Vec<Drawn>,
     /// Drawn values by their paths.
     values: BTreeMap<String, DeValue<'i>>,
-    /// `same_as` by the path of its own value: the other path, and the bytes of the text that state it.
+    /// References `same_as` by the path of their own value: the other path, and the bytes of the text that state it.
     references: BTreeMap<String, (String, Range<usize>)>,
     paths: BTreeMap<String, Vec<String>>,
 }
@@ -206,7 +206,7 @@ impl<'i> Artist<'_, 'i> {
                 let message = format!("a second `{path}` is named `{name}`");
                 self.reader.sink.error(Code::SceneName, span, message, "each name once");
             }
-            // The next free number is counted also by entries with a name.
+            // Entries with a name also use up the next free number.
             let number = id_of(item.get_ref()).or_else(|| free.next()).unwrap_or_default();
             let own = join(path, &name.map_or_else(|| number.to_string(), str::to_owned));
             match self.repetitions(&item, path, &own) {
@@ -236,7 +236,7 @@ impl<'i> Artist<'_, 'i> {
         let DeValue::Table(table) = item.get_ref() else { return None };
         let count = get(table, "count").filter(|_| LISTS.contains(&list))?;
         let rest = || table.iter().filter(|(key, _)| key.get_ref() != "count");
-        // Robots of one entry are a group, unless each is drawn for itself.
+        // Robots of one entry are a group, unless each is drawn separately.
         let is_drawn = || rest().any(|(_, value)| choices_of(value.get_ref()) > 0);
         if list == "robot" && (get(table, "layout").is_some() || !is_drawn()) {
             return None;
@@ -247,7 +247,7 @@ impl<'i> Artist<'_, 'i> {
         Some((Spanned::new(item.span(), DeValue::Table(single)), count as u32))
     }
 
-    /// The value of a draw; after a mistake, which is reported, one that could be its result.
+    /// The value of a draw; after a mistake, which is reported, a possible result.
     fn draw(&mut self, table: &DeTable<'i>, span: &Range<usize>, path: &str) -> DeValue<'i> {
         let mut section = Section::root(table);
         section.name = "draw";
@@ -300,7 +300,7 @@ impl<'i> Artist<'_, 'i> {
         self.reader.sink.error(Code::SceneDraw, section.span, message, expected);
     }
 
-    /// A number between both ends; a whole one, ends included, if both are whole.
+    /// A number between both ends; a whole number, ends included, if both ends are whole.
     fn uniform(&mut self, section: &mut Section<'_, '_>, stream: &mut Stream) -> Option<DeValue<'i>> {
         let [low, high] = self.reader.numbers(section, "uniform", &[ANY, ANY])?;
         if low > high {
@@ -327,7 +327,7 @@ impl<'i> Artist<'_, 'i> {
         })
     }
 
-    /// A number of a normal distribution, cut off at its limits.
+    /// A number of a normal distribution, truncated at its limits.
     fn normal(&mut self, section: &mut Section<'_, '_>, stream: &mut Stream) -> Option<DeValue<'i>> {
         let spread = Quantity::number("standard deviation", 0.0, 1e300);
         let [mean, sigma] = self.reader.numbers(section, "normal", &[ANY, spread])?;
@@ -383,7 +383,7 @@ impl<'i> Artist<'_, 'i> {
         Some(DeValue::String(text.into()))
     }
 
-    /// Puts the values of other draws in place of the references to them.
+    /// Replaces references with the values of the draws that they name.
     fn resolved(&mut self, table: DeTable<'i>, path: &str) -> DeTable<'i> {
         let mut result = DeTable::new();
         for (key, value) in table {
@@ -414,7 +414,7 @@ impl<'i> Artist<'_, 'i> {
         Spanned::new(span, new)
     }
 
-    /// Value of the draw to which the reference at `path` leads; `None` if there is no such reference, or it leads nowhere, which is
+    /// Value of the draw to which the reference at `path` leads; `None` if the reference does not exist or leads nowhere, which is
     /// reported.
     fn referred(&mut self, path: &str) -> Option<DeValue<'i>> {
         let (first, span) = self.references.get(path)?.clone();

@@ -14,7 +14,7 @@ impl Reader {
         let value = section.get(key);
         let drawing = self.text(section, key).unwrap_or_default();
         let Some(value) = value.filter(|_| !drawing.is_empty()) else { return WorldSpec::default() };
-        // No EyeSim reads a drawing in place, so no reading but ours is possible.
+        // No EyeSim reads an inline drawing, so our interpretation is the only one.
         let rules = CellRules { dialect: Some(Dialect::default()), cell: None };
         let (mut world, diagnostics) = read_maze_with(self.sink.file(), &drawing, rules);
         let place = self.place_of(value, &drawing);
@@ -52,7 +52,7 @@ impl Reader {
 enum TextPlace {
     /// The string starts at the beginning of a line of the file and contains no escapes.
     Written { start: usize, end: usize, line: u32 },
-    /// Any other notation: only the value as a whole has a span.
+    /// Any other notation: only the whole value has a span.
     Whole(Span),
 }
 

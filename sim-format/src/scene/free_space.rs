@@ -1,4 +1,4 @@
-//! Free positions for robots, objects and walls with a random place.
+//! Free positions for randomly placed robots, objects and walls.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ pub(crate) struct FreeSpace {
     thickness: Vec<f64>,
     thickest: f64,
     floor: DVec2,
-    /// Side of the cells, so large that no disc reaches beyond the cells next to its own.
+    /// Side of the cells, large enough that no disc reaches beyond the cells next to its own.
     cell: f64,
     discs: BTreeMap<(i64, i64), Vec<(DVec2, f64)>>,
 }
@@ -63,7 +63,7 @@ impl FreeSpace {
         None
     }
 
-    /// Finds a random place for a wall; `added` are walls that have come since.
+    /// Finds a random position for a wall; `added` are walls that were added since.
     pub(crate) fn place_wall(
         &self,
         stream: &mut Stream,
@@ -86,7 +86,7 @@ impl FreeSpace {
         None
     }
 
-    /// Returns true if a disc lies nowhere on walls and occupied discs.
+    /// Returns true if a disc overlaps neither walls nor occupied discs.
     pub(crate) fn is_free(&self, centre: DVec2, radius: f64) -> bool {
         let mut is_free = true;
         self.walls.for_each_in(Bounds::of_disc(centre, radius + 0.5 * self.thickest), |id, segment| {
@@ -101,7 +101,8 @@ impl FreeSpace {
                 .all(|(other, reach)| centre.distance(*other) >= radius + reach)
     }
 
-    /// A wall has this gap to all discs and, unless the gap is only its own half thickness, to other walls.
+    /// Returns true if a wall has this gap to all discs and, unless the gap is only its own half thickness, to other
+    /// walls.
     fn is_wall_free(&self, wall: &Segment, gap: f64) -> bool {
         let mut is_free = true;
         self.walls.for_each_in(wall.bounds().grown(gap + 0.5 * self.thickest), |id, other| {
@@ -119,7 +120,7 @@ impl FreeSpace {
     }
 }
 
-/// A random place and heading: whole micrometres and thousandths of a degree, which a text states exactly.
+/// A random position and heading in whole micrometres and thousandths of a degree, which a text states exactly.
 fn draw(stream: &mut Stream, low: DVec2, high: DVec2) -> (DVec2, f64) {
     let place = low + (high - low) * DVec2::new(stream.unit(), stream.unit());
     let turn = (360_000.0 * stream.unit()).floor() / 1000.0;

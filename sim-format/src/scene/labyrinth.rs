@@ -2,10 +2,10 @@
 
 use sim_core::noise::Stream;
 
-/// Drawing of a maze with a start `S` in its lower left corner, as in a `.maz` file; of its inner walls that are not needed to
-/// keep cells apart, a share `loops` is opened. `cell`: side of the cells in metres.
+/// Drawing of a maze with a start `S` in its lower left corner, as in a `.maz` file; a share `loops` of the inner walls that are not in the
+/// spanning tree is opened. `cell` is the side of the cells in metres.
 ///
-/// The passages form a random spanning tree, found by a search in depth (a recursive backtracker).
+/// The passages form a random spanning tree, found by depth-first search (recursive backtracker).
 pub(super) fn drawing(columns: usize, rows: usize, loops: f64, cell: Option<f64>, stream: &mut Stream) -> String {
     // Openings to the right of a cell and above it; row 0 is at the bottom.
     let mut right = vec![false; columns * rows];
@@ -33,7 +33,7 @@ pub(super) fn drawing(columns: usize, rows: usize, loops: f64, cell: Option<f64>
         path.push(next);
     }
     for at in 0..columns * rows {
-        // Both are drawn for every cell, so that one share opens a part of what a larger one opens.
+        // Both are drawn for every cell, so that a smaller share opens a subset of the walls that a larger one opens.
         let [to_right, to_above] = [stream.unit(), stream.unit()].map(|drawn| drawn < loops);
         right[at] |= to_right && at % columns + 1 < columns;
         above[at] |= to_above && at / columns + 1 < rows;
@@ -67,7 +67,7 @@ mod tests {
 
     use super::*;
 
-    /// Cells that can be reached from the lower left one, by the characters of the drawing alone.
+    /// Number of cells that can be reached from the lower left cell, using only the characters of the drawing.
     fn reached(text: &str, columns: usize, rows: usize) -> usize {
         let lines: Vec<Vec<char>> = text.lines().skip(1).map(|line| line.chars().collect()).collect();
         let is_open = |row: usize, column: usize| lines[row][2 * column + 1] == ' ';

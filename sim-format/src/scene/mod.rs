@@ -1,7 +1,7 @@
 //! Our own TOML form of a scene: represents all properties of the other formats together, and the settings of a run.
 //!
-//! This module reads its text into the same spec as a sim file; [`super::load_scene`] reads worlds, types and cost tables in
-//! files of their own.
+//! This module reads its text into the same spec as a sim file; [`super::load_scene`] reads worlds, types and cost tables in separate
+//! files.
 
 mod draw;
 mod drawing;
@@ -27,7 +27,7 @@ use sim_core::RobotId;
 /// Suffix of file names that identifies a scene without reading its content.
 pub const SCENE_EXTENSION: &str = ".scene.toml";
 
-/// Keys that mark a scene: a scene has at least one of them, a companion or a cost table has none.
+/// Keys that mark a scene: a scene has at least one of them, a companion or a cost table none.
 const MARKS: [&str; 3] = ["scene", "world", "robot"];
 
 /// Returns true for a TOML file that is a scene, not the companion of a robi or a cost table: its name ends in `.scene.toml`, or it
@@ -53,7 +53,7 @@ pub fn read_scene(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
     read_scene_with(file, text, &[], Draw::Seed(None, 0))
 }
 
-/// Reads a scene as [`read_scene`], with `settings` in place of values of its text, and random values of this origin.
+/// Reads a scene like [`read_scene`], with `settings` that override values of its text, and random values from `draw`.
 pub(super) fn read_scene_with(file: &str, text: &str, settings: &[Setting], draw: Draw) -> (SimSpec, Vec<Diagnostic>) {
     let (mut reader, mut root) = Reader::parse(file, text);
     reader.set(&mut root, settings);

@@ -1,4 +1,4 @@
-//! Reachability of places of a scene.
+//! Reachability of positions in a scene.
 
 use std::collections::VecDeque;
 
@@ -6,22 +6,22 @@ use glam::DVec2;
 
 use super::FreeSpace;
 
-/// Share of the disc's width that a step of the grid is long.
+/// Length of a step of the grid as a share of the disc's width.
 const STEP: f64 = 0.125;
 
 /// Maximum number of the grid's points along a side of the floor.
 const MOST: f64 = 2000.0;
 
 /// Returns true if a disc of this radius can move from the disc around `from` to the one around `to`, on a floor of this size, without
-/// touching anything else in `space`. `from` and `to` come with the distance at which they count as touched.
+/// touching anything else in `space`. `from` and `to` contain the distance at which they count as touched.
 ///
-/// The way is searched on a grid of an eighth of the disc's width, at most 2000 steps along each side of the floor. A way that is found
-/// is free of contacts all along; one through gaps that are hardly wider than the disc may be missed.
+/// The path is searched on a grid of an eighth of the disc's width, with at most 2000 steps along each side of the floor. A path that is
+/// found is free of contacts along its whole length; a path through gaps that are hardly wider than the disc may be missed.
 pub(crate) fn is_reachable(space: &FreeSpace, floor: DVec2, radius: f64, from: (DVec2, f64), to: (DVec2, f64)) -> bool {
     let step = (2.0 * radius * STEP).max(floor.max_element() / MOST).max(1e-3);
     let [columns, rows] = (floor / step).floor().to_array().map(|count| count as usize + 1);
-    // A disc that is free at both ends of a step with this radius is free with its own all along the step: of a convex obstacle, the
-    // point nearest to the step is at most half a step from one of the ends.
+    // A disc that is free with this radius at both ends of a step is free with its own radius along the whole step: the point of a convex
+    // obstacle nearest to the step is at most half a step from one of the ends.
     let wide = (radius * radius + 0.25 * step * step).sqrt();
     let near = std::f64::consts::SQRT_2 * step;
     let point = |node: usize| DVec2::new((node % columns) as f64, (node / columns) as f64) * step;

@@ -74,7 +74,7 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Removes a robot from the world; its program ends, its number is not used again.
+    /// Removes a robot from the world; its program ends and its number is not reused.
     RemoveRobot {
         /// Number of the robot.
         robot: u32,
@@ -90,7 +90,7 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Removes a movable object from the world; its number is not used again.
+    /// Removes a movable object from the world; its number is not reused.
     RemoveObject {
         /// Number of the object.
         object: u32,

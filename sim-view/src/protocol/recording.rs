@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Event, Scene, Standing};
 
-/// A recorded run: `GET /recording.json` of a replay, and the text of the element `recording` in a page that is one file.
+/// A recorded run: `GET /recording.json` of a replay, and the text of the element `recording` in a single-file page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Recording {
@@ -46,8 +46,8 @@ pub struct RobotHistory {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Track {
-    /// Times of the points, in order; two points at the same time where the body was placed elsewhere. Before the first point the
-    /// body is not in the world; after the last it stays there.
+    /// Times of the points, in order; two points have the same time where the body was placed elsewhere. Before the first point the body is
+    /// not in the world; after the last it stays there.
     pub t_s: Vec<f64>,
     /// World coordinates to the right, one for each time.
     pub x_m: Vec<f64>,
@@ -63,7 +63,7 @@ pub struct Track {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Postures {
-    /// Times, in order. Before the first the robot stands.
+    /// Times, in order. Before the first, the robot is at rest in its standing posture.
     pub t_s: Vec<f64>,
     /// Heights of the robot's frame above the floor's plane, one for each time.
     pub lift_m: Vec<f64>,

@@ -20,12 +20,12 @@ pub enum Request {
     Look {
         /// Number of the robot; none for no robot.
         robot: Option<u32>,
-        /// Include pictures of its camera.
+        /// True to include pictures of its camera.
         camera: bool,
-        /// Include its RoBIOS calls in the events.
+        /// True to include its RoBIOS calls in the events.
         calls: bool,
     },
-    /// A command; there is an [`Answer`](super::Answer) to each.
+    /// A command; the server sends an [`Answer`](super::Answer) to each.
     Act {
         /// Number of the command, chosen by the page.
         number: u32,
@@ -67,7 +67,7 @@ pub enum Command {
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Seed {
-    /// Seed of the run before.
+    /// Seed of the previous run.
     Same,
     /// New random seed.
     New,

@@ -64,7 +64,7 @@ pub struct Mesh {
 pub struct Material {
     /// Number of triangles that have it.
     pub triangles: u32,
-    /// Colour, by which that of the image is multiplied.
+    /// Colour by which the image's colour is multiplied.
     pub colour: [u8; 3],
     /// Index of its texture in [`Scene::images`].
     pub image: Option<u32>,
@@ -76,11 +76,11 @@ pub struct Material {
 pub struct Part {
     /// Index of its mesh in [`Scene::meshes`].
     pub mesh: u32,
-    /// Its place.
+    /// Where the mesh is attached.
     pub place: Place,
 }
 
-/// Place of a part.
+/// Where a part is attached.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "on", rename_all = "snake_case")]
@@ -167,7 +167,7 @@ pub struct Light {
     pub ambient: f64,
     /// Share of direct sunlight.
     pub diffuse: f64,
-    /// Bodies throw shadows.
+    /// True if bodies cast shadows.
     pub shadows: bool,
 }
 
@@ -193,7 +193,7 @@ pub struct Robot {
     pub kind: String,
     /// Its program; empty for none.
     pub program: String,
-    /// Colour that distinguishes the robot from others.
+    /// Colour that distinguishes the robot from other robots.
     pub colour: [u8; 3],
     /// Its extent.
     pub body: Body,
@@ -215,7 +215,7 @@ pub struct Robot {
 pub struct Link {
     /// Index of its parent in [`Robot::links`]; none for the body.
     pub parent: Option<u32>,
-    /// Pose of its frame in that of its parent at a joint angle of 0.
+    /// Pose of its frame in its parent's frame at a joint angle of 0.
     pub origin: Point,
     /// Axis of its joint through its origin, a unit vector of its frame; angles are right-handed about it.
     pub axis: [f64; 3],
@@ -237,7 +237,7 @@ pub struct Body {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Sensor {
-    /// Its name, unique among the robot's.
+    /// Its name, unique among the robot's sensors.
     pub name: String,
     /// Its kind.
     pub kind: SensorKind,

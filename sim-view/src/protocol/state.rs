@@ -32,7 +32,7 @@ pub struct Snapshot {
 pub struct CheckState {
     /// Its name.
     pub name: String,
-    /// Its verdict up to now.
+    /// Its verdict so far.
     pub verdict: CheckVerdict,
     /// The verdict in words.
     pub text: String,
@@ -40,16 +40,16 @@ pub struct CheckState {
     pub value: Option<f64>,
 }
 
-/// Verdict of a check up to now.
+/// Verdict of a check so far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum CheckVerdict {
-    /// The rest of the run decides.
+    /// The rest of the run decides the verdict.
     Open,
-    /// It is met for good.
+    /// The check is met for good.
     Met,
-    /// It can no longer be met.
+    /// The check can no longer be met.
     Failed,
 }
 
@@ -91,7 +91,7 @@ pub struct RobotState {
     pub now_s: f64,
     /// Reason why its program waits or has ended; empty if there is none.
     pub why: String,
-    /// The wheels are stalled.
+    /// True if the wheels are stalled.
     pub is_stalled: bool,
 }
 
@@ -122,7 +122,7 @@ pub struct MotionPiece {
     pub left_m_per_s: f64,
     /// Turning speed.
     pub omega_rad_per_s: f64,
-    /// Duration; the body rests afterwards.
+    /// Duration; the body is at rest afterwards.
     pub lasts_s: f64,
 }
 
@@ -160,7 +160,7 @@ pub struct Beam {
     pub from_m: [f64; 3],
     /// End of the beam: the measured point, or the end of the range if there is no hit.
     pub to_m: [f64; 3],
-    /// The beam hits something within its range.
+    /// True if the beam hits something within its range.
     pub is_hit: bool,
 }
 
@@ -178,7 +178,7 @@ pub struct Detail {
     pub pose: Pose,
     /// Pose according to its odometry.
     pub odometry: Pose,
-    /// Picture of the display; none if unchanged since the detail before.
+    /// Picture of the display; none if unchanged since the previous detail.
     pub lcd: Option<Picture>,
     /// The lines of text on the display, the menu last.
     pub lcd_text: Vec<String>,
@@ -224,7 +224,7 @@ pub struct Reading {
 pub struct SensorState {
     /// Its name.
     pub name: String,
-    /// The sensor is switched on.
+    /// True if the sensor is switched on.
     pub is_on: bool,
 }
 

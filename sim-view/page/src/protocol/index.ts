@@ -89,7 +89,7 @@ export type Beam = {
   from_m: [number, number, number],
   /** End of the beam: the measured point, or the end of the range if there is no hit. */
   to_m: [number, number, number],
-  /** The beam hits something within its range. */
+  /** True if the beam hits something within its range. */
   is_hit: boolean, };
 
 /** Cylinder around a body; its axis passes through the origin of the body's frame. */
@@ -117,14 +117,14 @@ export type Camera = {
 export type CheckState = {
   /** Its name. */
   name: string,
-  /** Its verdict up to now. */
+  /** Its verdict so far. */
   verdict: CheckVerdict,
   /** The verdict in words. */
   text: string,
   /** Present value of a metric that changes over time; none for another check. */
   value: number | null, };
 
-/** Verdict of a check up to now. */
+/** Verdict of a check so far. */
 export type CheckVerdict = "open" | "met" | "failed";
 
 /** Command of a page. */
@@ -148,7 +148,7 @@ export type Detail = {
   pose: Pose,
   /** Pose according to its odometry. */
   odometry: Pose,
-  /** Picture of the display; none if unchanged since the detail before. */
+  /** Picture of the display; none if unchanged since the previous detail. */
   lcd: Picture | null,
   /** The lines of text on the display, the menu last. */
   lcd_text: Array<string>,
@@ -230,14 +230,14 @@ export type Light = {
   ambient: number,
   /** Share of direct sunlight. */
   diffuse: number,
-  /** Bodies throw shadows. */
+  /** True if bodies cast shadows. */
   shadows: boolean, };
 
 /** A rigid part of a robot that turns about an axis. */
 export type Link = {
   /** Index of its parent in [`Robot::links`]; none for the body. */
   parent: number | null,
-  /** Pose of its frame in that of its parent at a joint angle of 0. */
+  /** Pose of its frame in its parent's frame at a joint angle of 0. */
   origin: Point,
   /** Axis of its joint through its origin, a unit vector of its frame; angles are right-handed about it. */
   axis: [number, number, number],
@@ -248,7 +248,7 @@ export type Link = {
 export type Material = {
   /** Number of triangles that have it. */
   triangles: number,
-  /** Colour, by which that of the image is multiplied. */
+  /** Colour by which the image's colour is multiplied. */
   colour: [number, number, number],
   /** Index of its texture in [`Scene::images`]. */
   image: number | null, };
@@ -279,7 +279,7 @@ export type MotionPiece = {
   left_m_per_s: number,
   /** Turning speed. */
   omega_rad_per_s: number,
-  /** Duration; the body rests afterwards. */
+  /** Duration; the body is at rest afterwards. */
   lasts_s: number, };
 
 /** Constant properties of a movable object. */
@@ -306,7 +306,7 @@ export type Parameter = {
   what: string,
   /** Its value. */
   value: number,
-  /** Least and greatest value. */
+  /** Minimum and maximum value. */
   range: [number, number],
   /** Unit of the value; empty for a ratio. */
   unit: string, };
@@ -315,7 +315,7 @@ export type Parameter = {
 export type Part = {
   /** Index of its mesh in [`Scene::meshes`]. */
   mesh: number,
-  /** Its place. */
+  /** Where the mesh is attached. */
   place: Place, };
 
 /** A picture. */
@@ -325,7 +325,7 @@ export type Picture = {
   /** Width and height. */
   size_px: [number, number], };
 
-/** Place of a part. */
+/** Where a part is attached. */
 export type Place = { "on": "world",
   /** Kind of the part: `wall`, `object` or `terrain`. */
   what: string,
@@ -358,7 +358,7 @@ export type Pose = {
 
 /** Postures of a robot over time, at most 50 a second. */
 export type Postures = {
-  /** Times, in order. Before the first the robot stands. */
+  /** Times, in order. Before the first, the robot is at rest in its standing posture. */
   t_s: Array<number>,
   /** Heights of the robot's frame above the floor's plane, one for each time. */
   lift_m: Array<number>,
@@ -376,7 +376,7 @@ export type Reading = {
   /** Virtual time of the reading. */
   at_s: number, };
 
-/** A recorded run: `GET /recording.json` of a replay, and the text of the element `recording` in a page that is one file. */
+/** A recorded run: `GET /recording.json` of a replay, and the text of the element `recording` in a single-file page. */
 export type Recording = {
   /** The world and all bodies that were in it at any time. */
   scene: Scene,
@@ -405,9 +405,9 @@ export type Request = { "type": "hello",
   token: string | null, } | { "type": "look",
   /** Number of the robot; none for no robot. */
   robot: number | null,
-  /** Include pictures of its camera. */
+  /** True to include pictures of its camera. */
   camera: boolean,
-  /** Include its RoBIOS calls in the events. */
+  /** True to include its RoBIOS calls in the events. */
   calls: boolean, } | { "type": "act",
   /** Number of the command, chosen by the page. */
   number: number,
@@ -424,7 +424,7 @@ export type Robot = {
   kind: string,
   /** Its program; empty for none. */
   program: string,
-  /** Colour that distinguishes the robot from others. */
+  /** Colour that distinguishes the robot from other robots. */
   colour: [number, number, number],
   /** Its extent. */
   body: Body,
@@ -466,7 +466,7 @@ export type RobotState = {
   now_s: number,
   /** Reason why its program waits or has ended; empty if there is none. */
   why: string,
-  /** The wheels are stalled. */
+  /** True if the wheels are stalled. */
   is_stalled: boolean, };
 
 /** State of a run. */
@@ -519,13 +519,13 @@ export type Seed = "same" | "new" | { "number": string };
 
 /** A sensor of a robot. */
 export type Sensor = {
-  /** Its name, unique among the robot's. */
+  /** Its name, unique among the robot's sensors. */
   name: string,
   /** Its kind. */
   kind: SensorKind,
   /** Pose in the robot's frame; the sensor looks along its own x axis. */
   mount: Point | null,
-  /** Least and greatest distance that it measures. */
+  /** Minimum and maximum distance that it measures. */
   range_m: [number, number] | null,
   /** Half the angle of its beam; 0 for a ray. */
   half_angle_rad: number, };
@@ -537,7 +537,7 @@ export type SensorKind = "psd" | "laser" | "ultrasonic" | "reflectance" | "sonar
 export type SensorState = {
   /** Its name. */
   name: string,
-  /** The sensor is switched on. */
+  /** True if the sensor is switched on. */
   is_on: boolean, };
 
 /** Colours of the sky. */
@@ -592,8 +592,8 @@ export type StandingChange = {
 /** Poses of a body over time, thinned: linear interpolation between two points is accurate to 2 mm and 1 degree. */
 export type Track = {
   /**
-   * Times of the points, in order; two points at the same time where the body was placed elsewhere. Before the first point the
-   * body is not in the world; after the last it stays there.
+   * Times of the points, in order; two points have the same time where the body was placed elsewhere. Before the first point the body is
+   * not in the world; after the last it stays there.
    */
   t_s: Array<number>,
   /** World coordinates to the right, one for each time. */
