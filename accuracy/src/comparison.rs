@@ -191,7 +191,7 @@ fn mean_and_standard_error(sample: &[f64]) -> (f64, f64) {
 }
 
 /// Minimum number of pairs for an interval: the bootstrap of fewer pairs is unreliable.
-const LEAST_PAIRS: usize = 10;
+const MIN_PAIRS: usize = 10;
 /// Number of resamples of the bootstrap.
 const RESAMPLES: usize = 10_000;
 /// Share of the resamples outside the interval, at each end.
@@ -229,7 +229,7 @@ impl Interval {
         assert!(!values.is_empty(), "values");
         let count = values.len();
         let mean = values.iter().sum::<f64>() / count as f64;
-        if count < LEAST_PAIRS {
+        if count < MIN_PAIRS {
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             return Self { mean, low, high, kind: Ends::Range };

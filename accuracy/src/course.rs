@@ -115,7 +115,7 @@ impl End {
 }
 
 /// Shortest interval between two queries of the pose.
-const LEAST_ASKED: Time = Time(100);
+const MIN_QUERY_INTERVAL: Time = Time(100);
 
 /// True pose at the end of the course as the core drives it in slots of length `slot`, in a world without walls.
 ///
@@ -135,7 +135,7 @@ pub fn core(course: &Course, slot: Time) -> Pose {
         now = motion.drive_end().expect("nothing is in the way");
         while world.slot_end() <= now {
             world.advance(&mut [&mut motion]);
-            if world.slot_start() - asked >= LEAST_ASKED {
+            if world.slot_start() - asked >= MIN_QUERY_INTERVAL {
                 asked = world.slot_start();
                 motion.pose(asked);
             }

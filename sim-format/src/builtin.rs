@@ -17,19 +17,19 @@ pub use sim_core::spec::BUILT_IN_OBJECTS as OBJECTS;
 /// Built-in robot type called `name`, case-insensitive.
 pub fn robot(name: &str) -> Option<Arc<RobiSpec>> {
     static KNOWN: [OnceLock<Option<Arc<RobiSpec>>>; ROBOTS.len()] = [const { OnceLock::new() }; ROBOTS.len()];
-    let place = place(&ROBOTS, name)?;
-    KNOWN[place].get_or_init(|| read_robot(ROBOTS[place]).map(|(robi, _)| Arc::new(robi))).clone()
+    let index = index_of(&ROBOTS, name)?;
+    KNOWN[index].get_or_init(|| read_robot(ROBOTS[index]).map(|(robi, _)| Arc::new(robi))).clone()
 }
 
 /// Built-in object type called `name`, case-insensitive.
 pub fn object(name: &str) -> Option<Arc<ObjectType>> {
     static KNOWN: [OnceLock<Option<Arc<ObjectType>>>; OBJECTS.len()] = [const { OnceLock::new() }; OBJECTS.len()];
-    let place = place(&OBJECTS, name)?;
-    KNOWN[place].get_or_init(|| read_object(OBJECTS[place]).map(|(object, _)| Arc::new(object))).clone()
+    let index = index_of(&OBJECTS, name)?;
+    KNOWN[index].get_or_init(|| read_object(OBJECTS[index]).map(|(object, _)| Arc::new(object))).clone()
 }
 
 fn read_robot(name: &str) -> Option<(RobiSpec, Vec<Diagnostic>)> {
-    let name = ROBOTS[place(&ROBOTS, name)?];
+    let name = ROBOTS[index_of(&ROBOTS, name)?];
     let (robi, companion) = match name {
         // A robi has neither a hull nor PSDs that look down.
         "Mako" => return Some(read_robot_type(name, include_str!("builtin/mako.toml"))),
@@ -42,7 +42,7 @@ fn read_robot(name: &str) -> Option<(RobiSpec, Vec<Diagnostic>)> {
 }
 
 fn read_object(name: &str) -> Option<(ObjectType, Vec<Diagnostic>)> {
-    let name = OBJECTS[place(&OBJECTS, name)?];
+    let name = OBJECTS[index_of(&OBJECTS, name)?];
     let text = match name {
         "Can" => include_str!("builtin/can.esObj"),
         "Soccer" => include_str!("builtin/soccer.esObj"),
@@ -52,7 +52,7 @@ fn read_object(name: &str) -> Option<(ObjectType, Vec<Diagnostic>)> {
     Some(read_esobj(name, text))
 }
 
-fn place(names: &[&str], name: &str) -> Option<usize> {
+fn index_of(names: &[&str], name: &str) -> Option<usize> {
     names.iter().position(|known| known.eq_ignore_ascii_case(name))
 }
 

@@ -321,11 +321,11 @@ const fn length(name: &'static str) -> Quantity {
 }
 
 /// Coordinate in units of the file.
-const fn place(name: &'static str) -> Quantity {
+const fn coordinate(name: &'static str) -> Quantity {
     Quantity::number(name, -1e15, 1e15).minor()
 }
 
-const PLACE: [Quantity; 3] = [place("x"), place("y"), place("z")];
+const PLACE: [Quantity; 3] = [coordinate("x"), coordinate("y"), coordinate("z")];
 const SIZE: [Quantity; 3] = [length("size along x"), length("size along y"), length("size along z")];
 const RADIUS: Quantity = length("radius");
 const HEIGHT: Quantity = length("height");

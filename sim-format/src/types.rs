@@ -184,9 +184,9 @@ impl Types {
 /// searched, since they may contain anything, such as a million files.
 const TREE: [&str; 7] = ["worlds", "objects", "robots", "robis", "Worlds", "Objects", "Robots"];
 /// Number of folder levels above the sim file's folder at which the search begins.
-const ABOVE: usize = 2;
+const LEVELS_ABOVE: usize = 2;
 /// Depth of the search below the sim file's folder, and below the folders of the tree.
-const BELOW: usize = 2;
+const DEPTH_BELOW: usize = 2;
 /// Maximum numbers of folder entries, and of files, that the search reads.
 const MAX_ENTRIES: usize = 2000;
 const MAX_FILES: usize = 200;
@@ -196,8 +196,8 @@ fn nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
     let mut lines = BTreeMap::new();
     let (mut entries, mut files) = (0, 0);
     // Folders as the sim file would write them, with a slash at the end; the last is searched first.
-    let tree = (1..=ABOVE).rev().flat_map(|up| TREE.map(|name| format!("{}{name}/", "../".repeat(up))));
-    let mut folders: Vec<(String, usize)> = tree.chain([String::new()]).map(|below| (below, BELOW)).collect();
+    let tree = (1..=LEVELS_ABOVE).rev().flat_map(|up| TREE.map(|name| format!("{}{name}/", "../".repeat(up))));
+    let mut folders: Vec<(String, usize)> = tree.chain([String::new()]).map(|below| (below, DEPTH_BELOW)).collect();
     while let Some((below, depth)) = folders.pop() {
         let mut names = loader.files.list(&path::join(folder, &below));
         names.sort_unstable();

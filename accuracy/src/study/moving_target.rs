@@ -75,14 +75,14 @@ enum TargetState {
 struct Errors {
     count: f64,
     squares: f64,
-    greatest: f64,
+    largest: f64,
 }
 
 impl Errors {
     fn add(&mut self, error: f64) {
         self.count += 1.0;
         self.squares += error * error;
-        self.greatest = self.greatest.max(error.abs());
+        self.largest = self.largest.max(error.abs());
     }
 
     fn root_mean_square(&self) -> f64 {
@@ -133,7 +133,7 @@ mod tests {
             let [plan, frozen] = [TargetState::Published, TargetState::Frozen].map(|state| errors(slot, span, state));
             let is_better = plan.root_mean_square() < 0.7 * frozen.root_mean_square();
             assert!(is_better || slot > COMMAND, "{plan:?} {frozen:?}");
-            let (plan, frozen) = (plan.greatest, frozen.greatest);
+            let (plan, frozen) = (plan.largest, frozen.largest);
             // A slot of 200 ms may hold two commands: from 0.5 to -0.6 m/s.
             assert!(plan > 0.0 && plan <= 1.1 * slot.seconds() + 1e-12, "{plan} with {slot_ms} ms");
             assert!(frozen <= 0.6 * slot.seconds() + 1e-12 && frozen > 0.4 * slot.seconds(), "{frozen}");

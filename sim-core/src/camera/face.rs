@@ -21,11 +21,11 @@ pub struct Face {
 }
 
 /// Limit of all coefficients of a face, which prevents overflow in `f32`.
-const GREATEST: f64 = 1e30;
+const MAX_COEFFICIENT: f64 = 1e30;
 
 /// Reciprocal of the minimum distance in metres between camera and plane. At a smaller distance rounding decides
 /// whether the camera sees the face, so the face counts as edge-on. Our choice.
-const NEAREST: f64 = 1e9;
+const MAX_RECIPROCAL_DISTANCE: f64 = 1e9;
 
 impl Face {
     /// The face with these corners. `None` if the camera sees it edge-on, if it has no area, or if the camera sees its
@@ -46,13 +46,13 @@ impl Face {
         let sign = if det < 0.0 { -1.0 } else { 1.0 };
         let edges = [b.cross(c) * sign, c.cross(a) * sign, a.cross(b) * sign];
         let (plane, per_det) = (normal / det, 1.0 / det.abs());
-        let greatest = edges[0].abs().max(edges[1].abs()).max(edges[2].abs()).max(plane.abs()).max_element();
+        let largest = edges[0].abs().max(edges[1].abs()).max(edges[2].abs()).max(plane.abs()).max_element();
         let per_distance = lens_from_camera.transpose() * plane;
         // A sum with a term that is not finite is not finite.
-        let is_sound = greatest <= GREATEST
-            && per_distance.length_squared() <= NEAREST * NEAREST
+        let is_usable = largest <= MAX_COEFFICIENT
+            && per_distance.length_squared() <= MAX_RECIPROCAL_DISTANCE * MAX_RECIPROCAL_DISTANCE
             && (per_det + plane.x + plane.y + plane.z).is_finite();
-        is_sound.then_some(Self { edges, plane, per_det, part, triangle, is_outside: det < 0.0 })
+        is_usable.then_some(Self { edges, plane, per_det, part, triangle, is_outside: det < 0.0 })
     }
 
     /// Linear form that interpolates corner values over the face. At a ray, the value is the first corner's plus the

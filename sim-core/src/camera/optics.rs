@@ -124,7 +124,7 @@ impl Optics {
         }
         if a.z > 0.0 && b.z > 0.0 && c.z > 0.0 {
             let (low, high) = (a.min(b).min(c).truncate(), a.max(b).max(c).truncate());
-            return self.within(low, high);
+            return self.rect_between(low, high);
         }
         // A face that crosses the camera's plane is out of sight only if all corners are beyond one border.
         let all = |is_beyond: fn(DVec3, DVec2) -> bool| {
@@ -144,7 +144,7 @@ impl Optics {
     }
 
     /// Pixels whose middles lie between these positions.
-    fn within(&self, low: DVec2, high: DVec2) -> Option<PixelRect> {
+    fn rect_between(&self, low: DVec2, high: DVec2) -> Option<PixelRect> {
         let low = (low - 0.5 - MARGIN).ceil().max(DVec2::ZERO);
         let high = (high - 0.5 + MARGIN).floor();
         let side = |low: f64, high: f64, size: u32| {
@@ -176,6 +176,6 @@ impl Optics {
         let reach = self.focal * width / math::sinc(farthest) + 1.0;
         let scale = if across > 0.0 { self.focal * off_axis / across } else { 0.0 };
         let at = 0.5 * DVec2::from(self.size.map(f64::from)) - scale * DVec2::new(middle.y, middle.z);
-        self.within(at - reach, at + reach)
+        self.rect_between(at - reach, at + reach)
     }
 }

@@ -69,13 +69,13 @@ impl RayTable {
         Cone { middle, radius: radius + 1e-6 }
     }
 
-    fn place(&self, [column, row]: [u32; 2]) -> usize {
+    fn index_of(&self, [column, row]: [u32; 2]) -> usize {
         (row as usize + 1) * self.stride + column as usize + 1
     }
 
     /// The ray of a pixel; 0 outside the lens's image.
     pub fn ray(&self, pixel: [u32; 2]) -> DVec3 {
-        let place = self.place(pixel);
+        let place = self.index_of(pixel);
         if !self.is_shown[place] {
             return DVec3::ZERO;
         }
@@ -154,7 +154,7 @@ impl Rays {
 
     /// Loads the rays of a fisheye's tile.
     pub fn curve(&mut self, table: &RayTable, tile: [u32; 2]) {
-        let start = table.place(tile.map(|place| place * TILE));
+        let start = table.index_of(tile.map(|place| place * TILE));
         let side = TILE as usize;
         for row in 0..side {
             let (at, to) = (start + row * table.stride, row * side..(row + 1) * side);

@@ -92,7 +92,7 @@ fn shade_at<S: Simd, const FLAT: bool>(
             Lighting::Smooth(..) => true,
         };
         let lit = match &context.sun {
-            Some(sun) if has_sun => sun.reaches(surface.plane, surface.name, same, ray_of),
+            Some(sun) if has_sun => sun.reaches(surface.plane, surface.face_id, same, ray_of),
             _ => same,
         };
         paint::<S, FLAT>(simd, context, (rays, window), &surface, (same, lit, ray_of(pixel)), colours);
@@ -132,7 +132,10 @@ fn paint<S: Simd, const FLAT: bool>(
 ) {
     let local = |attribute: &Attribute| Local::new::<FLAT>(attribute, surface.plane, ray, window);
     let plane = window.local::<FLAT>(surface.plane);
-    let image = surface.image.as_ref().map(|image| (image.mip_map, [local(&image.place[0]), local(&image.place[1])]));
+    let image = surface
+        .image
+        .as_ref()
+        .map(|image| (image.mip_map, [local(&image.coordinates[0]), local(&image.coordinates[1])]));
     let painted = surface.painted.as_ref().map(|painted| (painted, [local(&painted.at[0]), local(&painted.at[1])]));
     let one = S::f32s::splat(simd, 1.0);
     let mut first = 0;

@@ -27,7 +27,7 @@ pub struct ShadedSurface<'a> {
     pub image: Option<Image<'a>>,
     pub light: Lighting,
     /// Numbers of part and triangle; for the ground, numbers that no face has.
-    pub name: (u32, u32),
+    pub face_id: (u32, u32),
     pub painted: Option<Painted<'a>>,
 }
 
@@ -35,7 +35,7 @@ pub struct ShadedSurface<'a> {
 pub struct Image<'a> {
     pub mip_map: &'a MipMap,
     /// Image coordinates to the right and downwards from the upper left corner; 1 is the whole image.
-    pub place: [Attribute; 2],
+    pub coordinates: [Attribute; 2],
 }
 
 /// Light on a surface: indirect light and sunlight.
@@ -151,7 +151,7 @@ impl<'a> SurfaceContext<'a> {
             let [a, b, c] = uv.map(|uv| uv.as_dvec2());
             let u = Attribute { base: a.x, form: face.form([a.x, b.x, c.x]) };
             let v = Attribute { base: 1.0 - a.y, form: -face.form([a.y, b.y, c.y]) };
-            Image { mip_map, place: [u, v] }
+            Image { mip_map, coordinates: [u, v] }
         });
         let tint = material.colour.map(|channel| channel / 255.0);
         ShadedSurface {
@@ -160,7 +160,7 @@ impl<'a> SurfaceContext<'a> {
             tint,
             image,
             light,
-            name: (face.part, face.triangle),
+            face_id: (face.part, face.triangle),
             painted: None,
         }
     }
@@ -172,7 +172,7 @@ impl<'a> SurfaceContext<'a> {
         let image = self.scenery.floor().map(|mip_map| {
             let u = Attribute { base: x.base / size.x, form: x.form / size.x };
             let v = Attribute { base: 1.0 - y.base / size.y, form: -y.form / size.y };
-            Image { mip_map, place: [u, v] }
+            Image { mip_map, coordinates: [u, v] }
         });
         ShadedSurface {
             plane: self.ground,
@@ -180,7 +180,7 @@ impl<'a> SurfaceContext<'a> {
             tint: [1.0; 3],
             image,
             light: Lighting::Flat(shares(self.scenery.light(), DVec3::Z)),
-            name: (u32::MAX, u32::MAX),
+            face_id: (u32::MAX, u32::MAX),
             painted: Some(Painted { ground, at: [x, y] }),
         }
     }

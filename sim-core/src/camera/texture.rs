@@ -152,7 +152,7 @@ impl MipMap {
         let place = [self.wrapped(simd, place[0]), self.wrapped(simd, place[1])];
         let (zero, one) = (S::f32s::splat(simd, 0.0), S::f32s::splat(simd, 1.0));
         let whole = level.floor();
-        let blend = ((level - whole - 0.5) * (1.0 / BLENDED) + 0.5).max(zero).min(one);
+        let blend = ((level - whole - 0.5) * (1.0 / BLEND_WIDTH) + 0.5).max(zero).min(one);
         let is_upper = blend.simd_ge(one);
         let (lower, share) = (is_upper.select(whole + one, whole), is_upper.select(zero, blend));
         let last = self.levels.len() - 1;
@@ -271,7 +271,7 @@ impl MipMap {
 }
 
 /// Part of the interval between two levels in which both are blended.
-const BLENDED: f32 = 0.25;
+const BLEND_WIDTH: f32 = 0.25;
 
 /// Number of lanes of the widest vectors.
 const MAX_LANES: usize = 16;

@@ -165,7 +165,7 @@ pub(super) trait Smooth {
 }
 
 /// Half of the shortest interval, in seconds, that the search for zeros divides; closer zeros count as one.
-const SHORTEST: f64 = 5e-7;
+const MIN_HALF_INTERVAL: f64 = 5e-7;
 
 /// Appends the zeros of `function` between `from` and `to` to `zeros`, in ascending order.
 ///
@@ -187,7 +187,7 @@ pub(super) fn find_zeros(function: &impl Smooth, from: f64, to: f64, zeros: &mut
         if (first < 0.0) != (last < 0.0) {
             zeros.push(bisect(function, from, to, first < 0.0));
         }
-    } else if half < SHORTEST {
+    } else if half < MIN_HALF_INTERVAL {
         zeros.push(middle);
     } else {
         find_zeros(function, from, middle, zeros);
@@ -208,7 +208,7 @@ fn bisect(function: &impl Smooth, mut from: f64, mut to: f64, is_rising: bool) -
 
 /// Minimum value of `function` between `from` and `to` if it is below `best` by more than `tolerance`, with its
 /// instant.
-pub(super) fn find_least(function: &impl Smooth, (from, to): (f64, f64), best: &mut (f64, f64), tolerance: f64) {
+pub(super) fn find_minimum(function: &impl Smooth, (from, to): (f64, f64), best: &mut (f64, f64), tolerance: f64) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
     let (value, slope) = function.at(middle);
     for t in [from, middle, to] {
@@ -219,9 +219,9 @@ pub(super) fn find_least(function: &impl Smooth, (from, to): (f64, f64), best: &
     }
     let curvature = function.curvature(middle, half);
     let bound = value - slope.abs() * half - 0.5 * curvature * half * half;
-    if bound >= best.0 - tolerance || half < SHORTEST {
+    if bound >= best.0 - tolerance || half < MIN_HALF_INTERVAL {
         return;
     }
-    find_least(function, (from, middle), best, tolerance);
-    find_least(function, (middle, to), best, tolerance);
+    find_minimum(function, (from, middle), best, tolerance);
+    find_minimum(function, (middle, to), best, tolerance);
 }

@@ -11,7 +11,7 @@ use crate::spec::{BodyRef, SwarmMetric};
 use crate::time::Time;
 
 /// Minimum speed, m/s, at which a robot's direction counts.
-const MOVING: f64 = 1e-6;
+const MIN_MOVING_SPEED: f64 = 1e-6;
 
 /// A metric of a group of robots at the end of each cell, with the demands on it.
 #[derive(Clone, Debug)]
@@ -72,7 +72,7 @@ impl Swarm {
                 let directions: Vec<DVec2> = velocities
                     .filter_map(|velocity| {
                         let speed = math::hypot(velocity.x, velocity.y);
-                        (speed >= MOVING).then(|| velocity / speed)
+                        (speed >= MIN_MOVING_SPEED).then(|| velocity / speed)
                     })
                     .collect();
                 let sum = directions.iter().sum::<DVec2>();

@@ -1,7 +1,7 @@
 use glam::DVec2;
 
 use super::region::{Between, Negative, ToSegment, intervals_in};
-use super::section::{Section, Smooth, find_least, find_zeros, push, take_until};
+use super::section::{Section, Smooth, find_minimum, find_zeros, push, take_until};
 use crate::contact::{LengthLaw, Pace, Path};
 use crate::math;
 use crate::pose::{Pose, Twist};
@@ -115,8 +115,8 @@ fn the_least_distance_is_that_of_plane_geometry() {
     let point = Segment::new(DVec2::new(2.0, 0.0), DVec2::new(2.0, 0.0));
     let (mut least, mut greatest) = ((f64::INFINITY, 0.0), (0.0, 0.0));
     let distance = || ToSegment { section: &way, segment: point, less: 0.0 };
-    find_least(&distance(), (0.0, 20.0), &mut least, 1e-12);
-    find_least(&Negative(distance()), (0.0, 20.0), &mut greatest, 1e-12);
+    find_minimum(&distance(), (0.0, 20.0), &mut least, 1e-12);
+    find_minimum(&Negative(distance()), (0.0, 20.0), &mut greatest, 1e-12);
     assert!((least.0 - 0.09).abs() < 1e-9 && (least.1 - 10.0).abs() < 1e-3, "{least:?}");
     assert!((greatest.0 + 4.09).abs() < 1e-9, "{greatest:?}");
 }

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::Finding;
 use super::pending::Interval;
 use super::region::{Between, Negative, ROUNDING, ToLine, ToSegment, edges, intervals, intervals_in, is_within};
-use super::section::{Section, Smooth, find_least, find_zeros};
+use super::section::{Section, Smooth, find_minimum, find_zeros};
 use super::swarm::Swarm;
 use crate::RobotId;
 use crate::scene::{Bounds, Segment, Walls};
@@ -13,7 +13,7 @@ use crate::spec::{BodyRef, CheckKind, Neighbours, Place, SceneSpec, SwarmMetric}
 use crate::time::Time;
 
 /// Tolerance of the minima and maxima of squared distances that are only reported, m^2.
-const REPORTED: f64 = 1e-9;
+const REPORTED_TOLERANCE: f64 = 1e-9;
 
 /// Motion of all bodies in a cell, in the order of their ids; `None` for bodies that were not observed.
 pub(super) struct Surroundings<'a> {
@@ -62,7 +62,7 @@ impl Watch {
                 stay: stay.seconds(),
                 since: None,
                 done: None,
-                nearest: NOTHING,
+                nearest: NO_DISTANCE,
             }),
             CheckKind::Visits { body, places, within, by, any_order } => Self::Visits(Visits {
                 body: *body,
@@ -85,7 +85,7 @@ impl Watch {
                 done: None,
             }),
             CheckKind::Clearance { robot, min, to } => {
-                Self::Clearance(Clearance { robot: *robot, min: *min, to: *to, violated: None, least: None })
+                Self::Clearance(Clearance { robot: *robot, min: *min, to: *to, violated: None, min_gap: None })
             }
             CheckKind::FollowsWall { robot, gap, share } => {
                 Self::FollowsWall(FollowsWall { robot: *robot, gap: *gap, share: *share, followed: 0.0, path: 0.0 })
@@ -112,7 +112,7 @@ impl Watch {
                 max: *max,
                 at_end: *at_end,
                 violated: None,
-                greatest: (0.0, 0.0),
+                negated_max: (0.0, 0.0),
                 last: None,
             }),
             _ => return None,
@@ -191,7 +191,7 @@ impl Finding {
 }
 
 /// Initial value: no squared distance found yet.
-const NOTHING: (f64, f64, DVec2) = (f64::INFINITY, 0.0, DVec2::ZERO);
+const NO_DISTANCE: (f64, f64, DVec2) = (f64::INFINITY, 0.0, DVec2::ZERO);
 
 /// Condition: a body reaches a place.
 #[derive(Clone, Debug)]
@@ -234,7 +234,12 @@ impl Reach {
     fn approach(&mut self, section: &Section) {
         let mut approach = |segment: Segment| {
             let mut best = (self.nearest.0, self.nearest.1);
-            find_least(&ToSegment { section, segment, less: 0.0 }, (section.from, section.to), &mut best, REPORTED);
+            find_minimum(
+                &ToSegment { section, segment, less: 0.0 },
+                (section.from, section.to),
+                &mut best,
+                REPORTED_TOLERANCE,
+            );
             if best.0 < self.nearest.0 {
                 self.nearest = (best.0, best.1, section.position(best.1));
             }
@@ -374,7 +379,7 @@ pub(super) struct Clearance {
     to: Neighbours,
     violated: Option<(f64, DVec2)>,
     /// Smallest gap, and its instant.
-    least: Option<(f64, f64)>,
+    min_gap: Option<(f64, f64)>,
 }
 
 impl Clearance {
@@ -404,7 +409,7 @@ impl Clearance {
         let (middle, half_way) = section.surrounding_disc();
         // The nearest wall of the whole world is searched once; later only a nearer wall counts.
         let gap =
-            self.least.map_or_else(|| nearest_wall(walls, section.position(section.from)) - radius, |(gap, _)| gap);
+            self.min_gap.map_or_else(|| nearest_wall(walls, section.position(section.from)) - radius, |(gap, _)| gap);
         let reach = half_way + radius + gap.max(self.min) + 2.0 * ROUNDING;
         if reach.is_finite() {
             walls.for_each_in(Bounds::of_disc(middle, reach), |_, wall| {
@@ -431,17 +436,17 @@ impl Clearance {
                 intervals(section, breaks, |t| function.at(t).0 < 0.0).into_iter().find(|(.., is_near)| *is_near);
             violations.extend(near.map(|(at, ..)| (at, section.position(at))));
         }
-        let (gap, at) = self.least.unwrap_or((f64::INFINITY, section.from));
+        let (gap, at) = self.min_gap.unwrap_or((f64::INFINITY, section.from));
         let square = |gap: f64| (gap + radius) * (gap + radius);
         let mut best = (square(gap), at);
-        find_least(&function(0.0), times, &mut best, REPORTED);
+        find_minimum(&function(0.0), times, &mut best, REPORTED_TOLERANCE);
         if best.0 < square(gap) {
-            self.least = Some((best.0.max(0.0).sqrt() - radius, best.1));
+            self.min_gap = Some((best.0.max(0.0).sqrt() - radius, best.1));
         }
     }
 
     fn finding(&self) -> Finding {
-        let value = self.least.map(|(gap, _)| gap);
+        let value = self.min_gap.map(|(gap, _)| gap);
         Finding::violated(self.violated, value)
     }
 }
@@ -610,7 +615,7 @@ pub(super) struct OdometryError {
     at_end: bool,
     violated: Option<(f64, DVec2)>,
     /// Negated square of the maximum error, and its instant.
-    greatest: (f64, f64),
+    negated_max: (f64, f64),
     /// The last error, its instant and the true position.
     last: Option<(f64, f64, DVec2)>,
 }
@@ -631,7 +636,7 @@ impl OdometryError {
                 self.violated = beyond.map(|(at, ..)| (at, truth.position(at)));
             }
             let error = Negative(Between { sections, less: 0.0 });
-            find_least(&error, (truth.from, to), &mut self.greatest, REPORTED);
+            find_minimum(&error, (truth.from, to), &mut self.negated_max, REPORTED_TOLERANCE);
             let position = truth.position(to);
             self.last = Some(((belief.position(to) - position).length(), to, position));
         }
@@ -645,6 +650,6 @@ impl OdometryError {
                 self.last.map(|(error, ..)| error),
             );
         }
-        Finding::violated(self.violated, Some((-self.greatest.0).max(0.0).sqrt()))
+        Finding::violated(self.violated, Some((-self.negated_max.0).max(0.0).sqrt()))
     }
 }

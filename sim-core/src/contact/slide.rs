@@ -204,8 +204,8 @@ impl Push {
     /// Signed change of alpha, in the direction of `sense`, after which the regime or the direction of motion along the
     /// wall may change.
     fn next_angle(&self, contact: &Contact, sense: f64) -> Option<f64> {
-        let (most, edge) = self.edge();
-        let ratio = self.omega() * contact.distance / most;
+        let (max_speed, edge) = self.edge();
+        let ratio = self.omega() * contact.distance / max_speed;
         let mut critical_angles = [f64::NAN; 10];
         critical_angles[..2].copy_from_slice(&[FRAC_PI_2, -FRAC_PI_2]);
         for (index, edge) in [edge, -edge].into_iter().enumerate() {
@@ -437,26 +437,26 @@ fn wrapped(angle: f64) -> f64 {
     if angle > PI { angle - TAU } else { angle }
 }
 
-/// Seconds, at most `most`, after which a law has covered `length` metres; `most` if the law never covers them.
-fn seconds_of(law: &LengthLaw, length: f64, most: f64) -> f64 {
+/// Seconds, at most `max_seconds`, after which a law has covered `length` metres; `max_seconds` if the law never covers them.
+fn seconds_of(law: &LengthLaw, length: f64, max_seconds: f64) -> f64 {
     if let LengthLaw::Steady(speed) = law {
-        return (length / speed).min(most);
+        return (length / speed).min(max_seconds);
     }
     if length <= 0.0 {
         return 0.0;
     }
-    let mut high = most;
+    let mut high = max_seconds;
     if high == f64::INFINITY {
         high = 1e-3;
         while law.length(high) < length {
             high *= 2.0;
             // A length that is not covered within 1e9 s, about 30 years, counts as never covered.
             if high > 1e9 {
-                return most;
+                return max_seconds;
             }
         }
     } else if law.length(high) <= length {
-        return most;
+        return max_seconds;
     }
     let mut low = 0.0;
     loop {

@@ -72,12 +72,12 @@ impl FromStr for UserInput {
     fn from_str(text: &str) -> Result<Self, UnknownKey> {
         let keys = (1..=KEYS).map(Self::Key).chain((0..REMOTE_KEYS.len() as u8).map(Self::Remote));
         let key = keys.into_iter().find(|key| key.to_string().eq_ignore_ascii_case(text));
-        key.or_else(|| place(text).map(Self::Touch)).ok_or_else(|| UnknownKey(text.to_owned()))
+        key.or_else(|| parse_pixel(text).map(Self::Touch)).ok_or_else(|| UnknownKey(text.to_owned()))
     }
 }
 
 /// Parses the pixel of `TOUCH(120,40)`.
-fn place(text: &str) -> Option<[i32; 2]> {
+fn parse_pixel(text: &str) -> Option<[i32; 2]> {
     let (word, place) = text.strip_suffix(')')?.split_once('(')?;
     let (x, y) = place.split_once(',')?;
     let coordinate = |text: &str| text.trim().parse().ok().filter(|pixel| (0..=MAX_PIXEL).contains(pixel));

@@ -12,8 +12,8 @@ use crate::math;
 /// Neutral setting: the image is unchanged.
 pub const NEUTRAL: u8 = 128;
 
-/// Mean level that the automatic brightness aims at: the middle of the range.
-const MIDDLE: f64 = 128.0;
+/// Middle of the range of levels, and the mean level that the automatic brightness aims at.
+const MIDDLE_LEVEL: f64 = 128.0;
 
 /// Level settings of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,8 +54,8 @@ impl Levels {
         }
         let [brightness, offset, contrast] = self.shares();
         for [pixel] in pixels {
-            let bright = f64::from(*pixel) * brightness + MIDDLE * (offset - 1.0);
-            *pixel = level((bright - MIDDLE) * contrast + MIDDLE);
+            let bright = f64::from(*pixel) * brightness + MIDDLE_LEVEL * (offset - 1.0);
+            *pixel = level((bright - MIDDLE_LEVEL) * contrast + MIDDLE_LEVEL);
         }
     }
 
@@ -64,7 +64,7 @@ impl Levels {
     pub fn follow(&mut self, mean: f64) {
         if self.is_automatic {
             let brightness = f64::from(self.numbers[0]);
-            let wanted = brightness * MIDDLE / mean.max(1.0);
+            let wanted = brightness * MIDDLE_LEVEL / mean.max(1.0);
             self.numbers[0] = level(0.5 * (brightness + wanted)).max(1);
         }
     }

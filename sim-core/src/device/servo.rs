@@ -10,7 +10,7 @@ use crate::time::Time;
 /// The servos of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Servos {
-    /// Positions 0 to 255 by servo; [`MIDDLE`] if never set.
+    /// Positions 0 to 255 by servo; [`INITIAL_POSITION`] if never set.
     positions: Vec<u8>,
     /// The latest changes, in order.
     changes: VecDeque<Change>,
@@ -26,12 +26,12 @@ struct Change {
 }
 
 /// Position of a servo that was never set.
-const MIDDLE: u8 = 127;
+const INITIAL_POSITION: u8 = 127;
 
 impl Servos {
     /// Position of servo `index`, 0 to 255.
     pub fn position(&self, index: usize) -> u8 {
-        self.positions.get(index).copied().unwrap_or(MIDDLE)
+        self.positions.get(index).copied().unwrap_or(INITIAL_POSITION)
     }
 
     /// Angle of servo `index` just before `at`, rad; `swing` gives the angles at positions 0 and 255.
@@ -51,7 +51,7 @@ impl Servos {
             self.changes.pop_front();
         }
         self.changes.push_back(change);
-        self.positions.resize(self.positions.len().max(index + 1), MIDDLE);
+        self.positions.resize(self.positions.len().max(index + 1), INITIAL_POSITION);
         self.positions[index] = position;
     }
 }

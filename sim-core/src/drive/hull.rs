@@ -50,11 +50,11 @@ pub(super) struct Afloat {
 }
 
 /// Share of the maximum velocity below which a hull without thrust is at rest. Our choice.
-const REST: f64 = 1e-9;
+const REST_SHARE: f64 = 1e-9;
 
 /// Share of the maximum velocity below which a tick's change is ignored: after about ten time constants nothing changes
 /// any more, and no further pieces are opened. Our choice.
-const SETTLED: f64 = 1e-12;
+const SETTLED_SHARE: f64 = 1e-12;
 
 /// Maximum velocity, m/s or rad/s: above it, a tick is not a small step.
 const MAX_VELOCITY: f64 = 50.0;
@@ -79,7 +79,7 @@ impl Hull {
             check("linear drag", linear, "a number greater than 0", linear.is_finite() && linear > 0.0)?;
             check("quadratic drag", quadratic, "0 or more", quadratic.is_finite() && quadratic >= 0.0)?;
         }
-        self.greatest(model).into_iter().try_for_each(|most| {
+        self.terminal_velocities(model).into_iter().try_for_each(|most| {
             check("velocity at full thrust", most, "up to 50 m/s and 50 rad/s", most <= MAX_VELOCITY)
         })
     }
@@ -92,11 +92,11 @@ impl Hull {
     }
 
     /// The velocity that each axis reaches on its own at full thrust; for the sideways axis the velocity ahead.
-    fn greatest(&self, model: &Model) -> [f64; 4] {
+    fn terminal_velocities(&self, model: &Model) -> [f64; 4] {
         let forces = [[1.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]];
         let [ahead, turn, up] = forces.map(|shares| self.forces(model, shares));
-        let most = |axis: usize, force: f64| terminal(force, self.drag[axis].linear, self.drag[axis].quadratic);
-        [most(0, ahead[0]), most(0, ahead[0]), most(2, turn[2]), most(3, up[3])]
+        let reached = |axis: usize, force: f64| terminal(force, self.drag[axis].linear, self.drag[axis].quadratic);
+        [reached(0, ahead[0]), reached(0, ahead[0]), reached(2, turn[2]), reached(3, up[3])]
     }
 
     /// One tick: the mean velocities in the robot's frame that lead along an arc from its start to its end, and the state at its end.
@@ -122,13 +122,13 @@ impl Hull {
         let free = before.lift + climb;
         let lift = free.clamp(0.0, self.ceiling);
         let mut velocity = [ahead, aside, turn, if lift == free { up } else { 0.0 }];
-        let greatest = self.greatest(model);
+        let terminal = self.terminal_velocities(model);
         for axis in 0..4 {
-            if forces[axis] == 0.0 && velocity[axis].abs() <= REST * greatest[axis] {
+            if forces[axis] == 0.0 && velocity[axis].abs() <= REST_SHARE * terminal[axis] {
                 velocity[axis] = 0.0;
             }
         }
-        let is_settled = |axis: usize| (velocity[axis] - before.velocity[axis]).abs() <= SETTLED * greatest[axis];
+        let is_settled = |axis: usize| (velocity[axis] - before.velocity[axis]).abs() <= SETTLED_SHARE * terminal[axis];
         if (0..4).all(is_settled) {
             velocity = before.velocity;
         }
@@ -155,11 +155,11 @@ fn flow(f: f64, a: f64, b: f64, v: f64, t: f64) -> (f64, f64) {
     let discriminant = a * a + 4.0 * b * f;
     let until_rest = if f < 0.0 { seconds_to_rest(f, a, v, discriminant) } else { f64::INFINITY };
     if until_rest < t {
-        let (_, x) = ahead(f, a, b, v, discriminant, until_rest);
+        let (_, x) = flow_ahead(f, a, b, v, discriminant, until_rest);
         let (back, way_back) = flow(-f, a, b, 0.0, t - until_rest);
         return (-back, x - way_back);
     }
-    ahead(f, a, b, v, discriminant, t)
+    flow_ahead(f, a, b, v, discriminant, t)
 }
 
 /// Seconds after which a velocity of 0 or more against a force `f` < 0 is 0.
@@ -177,7 +177,7 @@ fn seconds_to_rest(f: f64, a: f64, v: f64, discriminant: f64) -> f64 {
 }
 
 /// [`flow`] of a velocity that stays 0 or more: the Riccati equation of this discriminant.
-fn ahead(f: f64, a: f64, b: f64, v: f64, discriminant: f64, t: f64) -> (f64, f64) {
+fn flow_ahead(f: f64, a: f64, b: f64, v: f64, discriminant: f64, t: f64) -> (f64, f64) {
     let root = discriminant.abs().sqrt();
     if discriminant < 0.0 {
         let (sin, cos) = math::sin_cos(0.5 * root * t);

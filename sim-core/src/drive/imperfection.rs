@@ -47,7 +47,7 @@ pub struct Imperfection {
 }
 
 /// Smallest true diameter of a wheel, as a fraction of the nominal one.
-const SMALLEST: f64 = 0.1;
+const MIN_DIAMETER: f64 = 0.1;
 
 impl noise::MotionNoise {
     /// The imperfection of the drive of `robot`, of this kind, in a run with `seed`.
@@ -64,7 +64,7 @@ impl noise::MotionNoise {
         };
         let mut made = Events::new(seed, robot, Purpose::Make, "").at(0);
         let diameters = sides.map(|side| {
-            side.map_or(0.0, |share| (share + self.diameter_sigma * made.normal()).clamp(SMALLEST - 1.0, 1.0))
+            side.map_or(0.0, |share| (share + self.diameter_sigma * made.normal()).clamp(MIN_DIAMETER - 1.0, 1.0))
         });
         Imperfection {
             diameters,
@@ -119,7 +119,7 @@ impl TwistNoise {
     }
 
     /// The noise on `twist`, computed from standard normal numbers.
-    fn on(&self, twist: Twist, kind: DriveKind, [ahead, aside, turn]: [f64; 3]) -> Twist {
+    fn noise_on(&self, twist: Twist, kind: DriveKind, [ahead, aside, turn]: [f64; 3]) -> Twist {
         let deviation = |absolute: f64, share: f64, value: f64| {
             let part = share * value;
             (absolute * absolute + part * part).sqrt()
@@ -266,11 +266,11 @@ impl MotionErrors {
         };
         if is_commanded && !command.is_none() {
             erring.is_drawn = true;
-            erring.truth = erring.truth.plus(command.on(belief, model.kind, normals(self.command.at(tick))));
+            erring.truth = erring.truth.plus(command.noise_on(belief, model.kind, normals(self.command.at(tick))));
         }
         if !odometry.is_none() {
             erring.is_drawn = true;
-            erring.odometry = belief.plus(odometry.on(belief, model.kind, normals(self.odometry.at(tick))));
+            erring.odometry = belief.plus(odometry.noise_on(belief, model.kind, normals(self.odometry.at(tick))));
         }
         erring
     }
@@ -315,7 +315,7 @@ mod tests {
         all.dedup();
         assert_eq!(all.len(), 10_000, "no two are alike");
         let far = MotionNoise { diameter_sigma: 10.0, ..MotionNoise::default() };
-        let range = SMALLEST - 1.0..=1.0;
+        let range = MIN_DIAMETER - 1.0..=1.0;
         assert!(
             (1..100)
                 .flat_map(|robot| far.imperfection(DriveKind::Omni, 7, RobotId(robot)).diameters)

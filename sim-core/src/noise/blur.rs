@@ -1,7 +1,7 @@
 //! Blur of a lens.
 
 /// Standard deviation below which no level changes, in pixels.
-const LEAST: f64 = 1e-3;
+const MIN_SIGMA: f64 = 1e-3;
 
 /// Filter weights of a row of pixels, from the middle to one side; both sides together sum to 1.
 ///
@@ -35,7 +35,7 @@ fn weights(sigma: f64) -> Vec<f32> {
 /// # Panics
 /// If the number of pixels is not a multiple of `width`.
 pub fn blur<const CHANNELS: usize>(sigma: f64, width: usize, pixels: &mut [[u8; CHANNELS]]) {
-    if sigma < LEAST || pixels.is_empty() {
+    if sigma < MIN_SIGMA || pixels.is_empty() {
         return;
     }
     assert!(width > 0 && pixels.len().is_multiple_of(width), "whole rows");

@@ -23,16 +23,16 @@ const fn key<M>(name: &'static str, about: &'static str, quantity: Quantity, pla
 }
 
 /// Maximum error of a distance, mm: more than the range of any sensor.
-const FAR: f64 = 1e6;
+const MAX_DISTANCE_ERROR: f64 = 1e6;
 /// Maximum error of a drive's speed, mm/s and degrees/s.
-const FAST: f64 = 1e5;
+const MAX_SPEED_ERROR: f64 = 1e5;
 
 const fn spread(name: &'static str) -> Quantity {
-    Quantity::length(name).within(0.0, FAR)
+    Quantity::length(name).within(0.0, MAX_DISTANCE_ERROR)
 }
 
 const fn offset(name: &'static str) -> Quantity {
-    Quantity::coordinate(name).within(-FAR, FAR)
+    Quantity::coordinate(name).within(-MAX_DISTANCE_ERROR, MAX_DISTANCE_ERROR)
 }
 
 const fn share(name: &'static str) -> Quantity {
@@ -243,5 +243,5 @@ pub const RADIO: Keys<RadioNoise> = &[
     ),
 ];
 
-const SPEED: Quantity = Quantity::speed("standard deviation of the speed").within(0.0, FAST);
+const SPEED: Quantity = Quantity::speed("standard deviation of the speed").within(0.0, MAX_SPEED_ERROR);
 const TURN: Quantity = Quantity::rate("standard deviation of the turning speed").within(0.0, 50_000.0);

@@ -6,7 +6,7 @@ use crate::math;
 const MIDDLE_HALF: f64 = 0.425;
 
 /// Boundary between the rational functions of the tail, in sqrt(-ln(tail probability)).
-const FAR: f64 = 5.0;
+const TAIL_BOUNDARY: f64 = 5.0;
 
 /// Numerator and denominator of a rational function, from the constant term upwards.
 type Rational = [[f64; 8]; 2];
@@ -100,7 +100,11 @@ pub fn normal_quantile(probability: f64) -> f64 {
         return f64::INFINITY.copysign(from_middle);
     }
     let depth = (-math::ln(tail)).sqrt();
-    let size = if depth <= FAR { rational(&NEAR_TAIL, depth - 1.6) } else { rational(&FAR_TAIL, depth - FAR) };
+    let size = if depth <= TAIL_BOUNDARY {
+        rational(&NEAR_TAIL, depth - 1.6)
+    } else {
+        rational(&FAR_TAIL, depth - TAIL_BOUNDARY)
+    };
     size.copysign(from_middle)
 }
 

@@ -68,12 +68,12 @@ impl Air {
 
     /// Returns true if another transmission is on the air at `receiver` during this one.
     pub fn disturbs(&self, transmission: &Transmission, receiver: RobotId) -> bool {
-        self.beside(transmission)
+        self.overlapping(transmission)
             .any(|other| other.sending.from != transmission.sending.from && other.is_heard_by(receiver))
     }
 
     /// Other transmissions that overlap with this one in time.
-    fn beside(&self, transmission: &Transmission) -> impl Iterator<Item = &Transmission> {
+    fn overlapping(&self, transmission: &Transmission) -> impl Iterator<Item = &Transmission> {
         let end = self.transmissions.partition_point(|(other, _)| other.begins < transmission.ends);
         let start =
             self.transmissions[..end].partition_point(|(other, _)| other.begins + self.longest <= transmission.begins);

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use glam::DVec2;
 
 use super::Bounds;
-use super::grid::{Cells, FARTHEST, Grid, is_ray, rounding_error, rounding_margin};
+use super::grid::{Cells, Grid, MAX_COORDINATE, is_ray, rounding_error, rounding_margin};
 
 /// A uniform grid over the bounds of moving bodies during a slot.
 ///
@@ -38,7 +38,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
     /// # Panics
     /// If there are 2^32 bodies or more.
     pub fn rebuild(&mut self, bodies: &[(K, Bounds)]) {
-        let limits = Bounds { min: DVec2::splat(-FARTHEST), max: DVec2::splat(FARTHEST) };
+        let limits = Bounds { min: DVec2::splat(-MAX_COORDINATE), max: DVec2::splat(MAX_COORDINATE) };
         self.bodies.clear();
         self.bodies.extend(
             bodies

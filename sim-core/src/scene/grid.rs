@@ -7,12 +7,12 @@ use glam::DVec2;
 use super::bounds::{Bounds, PARALLEL};
 
 /// Limit of coordinates, in metres; larger ones would overflow in products.
-pub(super) const FARTHEST: f64 = 1e100;
+pub(super) const MAX_COORDINATE: f64 = 1e100;
 
 /// Returns true if products with the point's coordinates stay finite; false for NaN.
 #[inline]
 pub(super) fn is_usable(point: DVec2) -> bool {
-    point.abs().cmple(DVec2::splat(FARTHEST)).all()
+    point.abs().cmple(DVec2::splat(MAX_COORDINATE)).all()
 }
 
 /// Returns true if the arguments describe a valid ray: finite origin, range not negative, direction of length 1 within

@@ -16,13 +16,13 @@ pub const MAX_BOULDERS: u32 = 100_000;
 const OCTAVES: u32 = 4;
 
 /// Minimum wavelength of an octave in cells; the grid cannot resolve shorter octaves, which are left out.
-const LEAST_CELLS: f64 = 4.0;
+const MIN_WAVELENGTH_CELLS: f64 = 4.0;
 
 /// Number of random positions tried for a boulder before it is left out.
 const TRIES: u32 = 64;
 
 /// Minimum ratio of a boulder's width to its length.
-const SLIMMEST: f64 = 0.6;
+const MIN_ASPECT: f64 = 0.6;
 
 /// Parameters of random terrain; in metres, world frame.
 ///
@@ -113,7 +113,9 @@ impl Relief {
             return heights;
         }
         let octaves = (0..OCTAVES).map(|octave| (octave, self.length / f64::from(1 << octave)));
-        for (octave, length) in octaves.filter(|(octave, length)| *octave == 0 || *length >= LEAST_CELLS * self.cell) {
+        for (octave, length) in
+            octaves.filter(|(octave, length)| *octave == 0 || *length >= MIN_WAVELENGTH_CELLS * self.cell)
+        {
             let amplitude = 1.0 / f64::from(1 << octave);
             let lattice = Lattice::new(self.seed, octave, self.size / length);
             let places = ys.iter().flat_map(|y| xs.iter().map(move |x| DVec2::new(*x, *y)));
@@ -171,7 +173,7 @@ impl Relief {
         let mut between = |low: f64, high: f64| low + (high - low) * stream.unit();
         let radius = between(boulders.radius[0], boulders.radius[1]);
         let height = between(boulders.height[0], boulders.height[1]);
-        let aspect = between(SLIMMEST, 1.0);
+        let aspect = between(MIN_ASPECT, 1.0);
         let (sin, cos) = math::sin_cos(between(0.0, TAU));
         let (low, high) = (self.origin, self.origin + self.size);
         (0..TRIES).find_map(|_| {

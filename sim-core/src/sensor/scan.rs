@@ -47,7 +47,7 @@ pub struct Fan {
 }
 
 /// Steepest tilt, rad.
-const STEEPEST: f64 = 89.0 / 360.0 * TAU;
+const MAX_TILT: f64 = 89.0 / 360.0 * TAU;
 
 impl Scan {
     /// A scanner at `mount`; the middle of its fan points along the mount's line of sight.
@@ -58,7 +58,7 @@ impl Scan {
         let is_closed = sweep >= TAU - 1e-9;
         let spacings = if is_closed || points.is_multiple_of(2) { points } else { points - 1 };
         let spacing = if spacings > 0 { sweep / f64::from(spacings) } else { 0.0 };
-        let tilt = Tilt::new(tilt.clamp(-STEEPEST, STEEPEST));
+        let tilt = Tilt::new(tilt.clamp(-MAX_TILT, MAX_TILT));
         let bearing = |ray| bearing(points, spacing, ray);
         let rays = (0..points).map(|ray| Pose::new(0.0, 0.0, bearing(ray)).heading.direction()).collect();
         Self { mount, spacing, range, height: height.max(0.0), tilt, rays }

@@ -10,7 +10,7 @@ use crate::spec::{FaultKind, FaultSpec, FaultTime, SlippingWheels};
 use crate::time::Time;
 
 /// Maximum number of times that a random fault begins.
-const MOST: usize = 10_000;
+const MAX_OCCURRENCES: usize = 10_000;
 
 /// Pending faults of a run, as interventions in order of time.
 #[derive(Clone, Debug, Default)]
@@ -67,7 +67,7 @@ fn instants(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
         FaultTime::Random { per_minute } => {
             let mut instants = Vec::new();
             let mut at = 0.0;
-            while instants.len() < MOST {
+            while instants.len() < MAX_OCCURRENCES {
                 at -= math::ln(1.0 - stream.unit()) * 60.0 / per_minute;
                 if at >= until {
                     break;

@@ -16,7 +16,7 @@ use crate::world::World;
 use crate::{ObjectId, RobotId};
 
 /// Maximum coordinate of a placement, m; larger than any world.
-const FAR: f64 = 1e6;
+const MAX_COORDINATE: f64 = 1e6;
 
 /// Maximum heading of a placement, rad.
 const MAX_HEADING: f64 = 1e6;
@@ -341,7 +341,7 @@ fn object_of(number: u32, world: &World) -> Result<ObjectId, Refusal> {
 /// Checks the range of a placement and returns its pose.
 pub(super) fn pose_of([x_m, y_m, phi_rad]: [f64; 3]) -> Result<Pose, Refusal> {
     // NaN fails these comparisons.
-    let is_place = x_m.abs() <= FAR && y_m.abs() <= FAR && phi_rad.abs() <= MAX_HEADING;
+    let is_place = x_m.abs() <= MAX_COORDINATE && y_m.abs() <= MAX_COORDINATE && phi_rad.abs() <= MAX_HEADING;
     if is_place { Ok(Pose::new(x_m, y_m, phi_rad)) } else { Err(Refusal::Place { x_m, y_m, phi_rad }) }
 }
 

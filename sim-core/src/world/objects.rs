@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Distance in metres within which an object counts as near a robot, in addition to its travel in a few steps.
-const NEAR: f64 = 5e-3;
+const NEAR_DISTANCE: f64 = 5e-3;
 
 /// Published motion of one object.
 #[derive(Clone, Debug)]
@@ -228,7 +228,7 @@ impl Objects {
     /// Returns true if an object that has not been removed, asleep or awake, may come near `bounds`.
     pub fn is_near(&self, bounds: Bounds) -> bool {
         let mut is_near = false;
-        self.index.for_each_in(bounds.grown(NEAR), |object| is_near |= !self.bodies.is_removed(object));
+        self.index.for_each_in(bounds.grown(NEAR_DISTANCE), |object| is_near |= !self.bodies.is_removed(object));
         is_near
     }
 
@@ -238,7 +238,7 @@ impl Objects {
             let state = self.bodies.state(object);
             let properties = self.bodies.properties(object);
             let speed = state.velocity.length() + state.omega.abs() * properties.reach();
-            properties.bounds(&state.world_from_object).grown(NEAR + 4.0 * speed * STEP.seconds())
+            properties.bounds(&state.world_from_object).grown(NEAR_DISTANCE + 4.0 * speed * STEP.seconds())
         };
         self.bodies.awake().map(bounds).collect()
     }

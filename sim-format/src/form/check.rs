@@ -29,14 +29,14 @@ const MAX_COUNT: i64 = 1_000_000_000;
 const POINTS: Bounded = Bounded(Quantity::number("points", 0.0, 1e6));
 const WITHIN: Quantity = Quantity::length("distance");
 const SHARE: Bounded = Bounded(Quantity::percent("share", 0.0, 100.0));
-const ANY: Quantity = Quantity::number("number", -1e300, 1e300);
+const ANY_NUMBER: Quantity = Quantity::number("number", -1e300, 1e300);
 const DURATION: Quantity = Quantity::seconds("time");
 /// Default side of the squares by which an area is measured, m.
 const CELL: f64 = 0.05;
 
 impl Form for CheckSpec {
     fn bare(&self) -> Self {
-        Self::KINDS[self.place()].2()
+        Self::KINDS[self.kind_index()].2()
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
@@ -237,8 +237,8 @@ fn swarm_keys(
     }
     let is_length = word == SwarmWord::Spread;
     let mut limits = [*min, *max].map(|limit| limit.map(|limit| if is_length { number::mm(limit) } else { limit }));
-    keys.key("min", "Least value, of `spread` in mm.").maybe(ANY, &mut limits[0]);
-    keys.key("max", "Greatest value, of `spread` in mm.").maybe(ANY, &mut limits[1]);
+    keys.key("min", "Least value, of `spread` in mm.").maybe(ANY_NUMBER, &mut limits[0]);
+    keys.key("max", "Greatest value, of `spread` in mm.").maybe(ANY_NUMBER, &mut limits[1]);
     let mut from = since.seconds();
     keys.key("from_s", "Simulated seconds before which the limits do not count; 0 if left out.")
         .optional(Bounded(DURATION), &mut from);
@@ -370,10 +370,10 @@ fn count_keys(keys: &mut Keys<'_>, count: &mut Counts) {
 
 fn metric_keys(keys: &mut Keys<'_>, path: &mut String, [min, max, full, zero]: [&mut Option<f64>; 4]) {
     keys.key("path", "Path into the report, as `robots[0].path_m`.").required(TEXT, path);
-    keys.key("min", "Least value.").maybe(ANY, min);
-    keys.key("max", "Greatest value.").maybe(ANY, max);
-    keys.key("full", "Value for all points.").maybe(ANY, full);
-    keys.key("zero", "Value for no points; between it and `full`, points are proportional.").maybe(ANY, zero);
+    keys.key("min", "Least value.").maybe(ANY_NUMBER, min);
+    keys.key("max", "Greatest value.").maybe(ANY_NUMBER, max);
+    keys.key("full", "Value for all points.").maybe(ANY_NUMBER, full);
+    keys.key("zero", "Value for no points; between it and `full`, points are proportional.").maybe(ANY_NUMBER, zero);
     let Some((reader, section)) = keys.reading() else { return };
     let (limits, partial) = (min.is_some() || max.is_some(), full.is_some() || zero.is_some());
     let problem = if limits && partial {
@@ -522,7 +522,7 @@ const ROWS: Custom<Vec<Vec<f64>>> = Custom {
         let items = reader.array(section, key, "an array of numbers, or of rows of numbers")?;
         let is_nested = items.iter().any(|item| matches!(item.get_ref(), DeValue::Array(_)));
         let row = |reader: &mut Reader, items: &[toml::Spanned<DeValue<'_>>]| -> Option<Vec<f64>> {
-            items.iter().map(|item| reader.as_number(key, item, &ANY)).collect()
+            items.iter().map(|item| reader.as_number(key, item, &ANY_NUMBER)).collect()
         };
         let rows: Vec<Vec<f64>> = if is_nested {
             let mut rows = Vec::new();
@@ -693,7 +693,7 @@ impl Variants for CheckSpec {
         }),
     ];
 
-    fn place(&self) -> usize {
+    fn kind_index(&self) -> usize {
         let word = self.kind.word();
         Self::KINDS.iter().position(|(known, ..)| *known == word).unwrap_or_default()
     }

@@ -11,7 +11,7 @@ const DURATION: Bounded = Bounded(Quantity::seconds("time").within(0.0, 1e9));
 
 impl Form for FaultSpec {
     fn bare(&self) -> Self {
-        Self::KINDS[self.place()].2()
+        Self::KINDS[self.kind_index()].2()
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
@@ -112,7 +112,7 @@ impl Variants for FaultSpec {
         }),
     ];
 
-    fn place(&self) -> usize {
+    fn kind_index(&self) -> usize {
         Self::KINDS.iter().position(|(word, ..)| *word == self.kind.word()).unwrap_or_default()
     }
 }

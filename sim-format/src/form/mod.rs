@@ -50,7 +50,7 @@ pub(crate) trait Variants: Form + 'static {
     const KINDS: &'static [Variant<Self>];
 
     /// Index of this variant in `KINDS`.
-    fn place(&self) -> usize {
+    fn kind_index(&self) -> usize {
         let is_same = |made: Self| discriminant(&made) == discriminant(self);
         Self::KINDS.iter().position(|(.., make)| is_same(make())).unwrap_or_default()
     }
@@ -151,7 +151,7 @@ impl<'k> Keys<'k> {
     /// Declares the key `kind`, which sets `form` to its variant. Returns false if the variant is unknown and no further keys can be
     /// declared.
     pub(crate) fn variant<F: Variants>(&mut self, form: &mut F) -> bool {
-        let word = |form: &F| F::KINDS[form.place()].0;
+        let word = |form: &F| F::KINDS[form.kind_index()].0;
         match &mut self.pass {
             Pass::Read(reader, section) => {
                 let words: Vec<&str> = F::KINDS.iter().map(|(word, ..)| *word).collect();

@@ -240,7 +240,7 @@ pub(crate) const SCATTER: Custom<Scatter> = Custom {
 
 impl Form for Layout {
     fn bare(&self) -> Self {
-        Self::KINDS[self.place()].2()
+        Self::KINDS[self.kind_index()].2()
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
@@ -351,7 +351,7 @@ impl Form for ObjectLine {
         if keys.reading().is_none() {
             // A list repeats its entries before they are read.
             keys.key("count", "How many of them; 1 if left out. Each is drawn for itself.")
-                .maybe(0..=MOST_REPEATED, &mut None::<u32>);
+                .maybe(0..=MAX_REPETITIONS, &mut None::<u32>);
         }
         if !scatter_keys(keys, &mut self.scatter, &["x_mm", "y_mm", "heading_deg"]) {
             let place = &mut self.pose.position;
@@ -371,7 +371,7 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut DVec2) {
 }
 
 /// Maximum number of repetitions of an entry.
-pub(crate) const MOST_REPEATED: i64 = 100_000;
+pub(crate) const MAX_REPETITIONS: i64 = 100_000;
 
 /// Declares `layout`, which replaces the keys `others`; returns true if the position is random.
 pub(crate) fn scatter_keys(keys: &mut Keys<'_>, scatter: &mut Option<Scatter>, others: &[&'static str]) -> bool {

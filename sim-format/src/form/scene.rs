@@ -287,7 +287,7 @@ impl Reader {
     fn scene_type<F: Form>(&mut self, mut section: Section<'_, '_>) -> Option<TypeEntry<F>> {
         if section.has("file") {
             let path = self.reference(&mut section, "file");
-            self.alone(&section);
+            self.refuse_others(&section);
             return path.map(TypeEntry::File);
         }
         let (span, name) = (section.span, self.value_span(&section, "name"));
@@ -295,7 +295,7 @@ impl Reader {
     }
 
     /// Reports keys other than `file` in an entry.
-    fn alone(&mut self, section: &Section<'_, '_>) {
+    fn refuse_others(&mut self, section: &Section<'_, '_>) {
         for (key, _) in section.table {
             if key.get_ref() != "file" {
                 let span = self.span(key.span());

@@ -28,7 +28,7 @@ pub(crate) fn turns(keys: &mut Keys<'_>, turns: &mut DVec3) {
 
 impl Form for Collider {
     fn bare(&self) -> Self {
-        Self::KINDS[self.place()].2()
+        Self::KINDS[self.kind_index()].2()
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {

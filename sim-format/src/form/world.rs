@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::kind::{Bounded, Flag, IMAGE, PART, PARTS, Part, Shades, TEXT, Word, Words};
-use super::place::{MOST_REPEATED, POINT, SCATTER};
+use super::place::{MAX_REPETITIONS, POINT, SCATTER};
 use super::terrain::TerrainTable;
 use super::{Form, Keys};
 use crate::code::Code;
@@ -268,7 +268,7 @@ fn random_keys(keys: &mut Keys<'_>, random: &mut Option<(f64, Scatter)>) -> bool
     if keys.reading().is_none() {
         // A list repeats its entries before they are read.
         keys.key("count", "How many of them; 1 if left out. Each is drawn for itself.")
-            .maybe(0..=MOST_REPEATED, &mut None::<u32>);
+            .maybe(0..=MAX_REPETITIONS, &mut None::<u32>);
     }
     if is_said || keys.reading().is_none() {
         keys.key("length_mm", "Length in mm of a wall with a random place.")

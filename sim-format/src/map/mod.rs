@@ -210,7 +210,7 @@ fn read_image(sink: &mut Sink, bytes: &[u8], spec: &MapSpec) -> Option<Image> {
     }
     // map_server averages the opacity with the colours only in this mode.
     match read_grey(bytes, spec.mode == yaml::Mode::Trinary) {
-        Ok((size, levels, white, greatest, is_clear)) => Some(Image { size, levels, white, greatest, is_clear }),
+        Ok((size, levels, white, max_grey, is_clear)) => Some(Image { size, levels, white, max_grey, is_clear }),
         Err(message) => {
             sink.error(Code::MapImage, Span::default(), message, "a pgm, pbm, png, bmp or jpg image");
             None

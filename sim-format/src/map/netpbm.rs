@@ -15,7 +15,7 @@ pub(crate) struct Image {
     /// Brightness of white pixels.
     pub(crate) white: u32,
     /// Grey value of white in the file, 255 for 8 bits.
-    pub(crate) greatest: u32,
+    pub(crate) max_grey: u32,
     /// For each pixel, true if it is not opaque; empty if all are opaque.
     pub(crate) is_clear: Vec<bool>,
 }
@@ -48,13 +48,13 @@ pub(crate) fn read_netpbm(sink: &mut Sink, bytes: &[u8]) -> Option<Image> {
     let is_raw = matches!(kind, b'4' | b'5');
     let columns = words.number(sink, "the width", MAX_CELLS)?;
     let rows = words.number(sink, "the height", MAX_CELLS)?;
-    let greatest = if is_bitmap { 1 } else { words.number(sink, "the greatest grey value", 65535)? };
+    let max_grey = if is_bitmap { 1 } else { words.number(sink, "the greatest grey value", 65535)? };
     if columns == 0 || rows == 0 || columns * rows > MAX_CELLS {
         let message = format!("the image has {columns} x {rows} pixels");
         sink.error(Code::MapSize, Default::default(), message, "1 to 67,108,864 pixels, such as 8192 x 8192");
         return None;
     }
-    if greatest == 0 {
+    if max_grey == 0 {
         let message = "the greatest grey value is 0";
         sink.error(Code::MapImage, place_of_byte(bytes, words.at - 1, 1), message, "1 to 65535");
         return None;
@@ -62,11 +62,11 @@ pub(crate) fn read_netpbm(sink: &mut Sink, bytes: &[u8]) -> Option<Image> {
     let size = [columns as usize, rows as usize];
     let levels = match (is_raw, is_bitmap) {
         (true, true) => raw_bits(sink, &words, size)?,
-        (true, false) => raw_levels(sink, &words, size, greatest)?,
+        (true, false) => raw_levels(sink, &words, size, max_grey)?,
         (false, true) => text_bits(sink, words, size)?,
-        (false, false) => text_levels(sink, words, size, greatest)?,
+        (false, false) => text_levels(sink, words, size, max_grey)?,
     };
-    Some(Image { size, levels, white: greatest as u32, greatest: greatest as u32, is_clear: Vec::new() })
+    Some(Image { size, levels, white: max_grey as u32, max_grey: max_grey as u32, is_clear: Vec::new() })
 }
 
 /// The words of a header or of pixels in text, without comments from `#` to the end of the line.
@@ -101,7 +101,7 @@ impl<'b> Words<'b> {
     }
 
     /// The next word as a number up to `max`; reports any other word.
-    fn number(&mut self, sink: &mut Sink, what: &str, most: u64) -> Option<u64> {
+    fn number(&mut self, sink: &mut Sink, what: &str, max: u64) -> Option<u64> {
         let Some((start, word)) = self.word() else {
             let message = format!("the file ends after {} bytes, before {what}", self.bytes.len());
             sink.error(Code::MapImage, Default::default(), message, FORM);
@@ -109,15 +109,10 @@ impl<'b> Words<'b> {
         };
         let value = std::str::from_utf8(word).ok().filter(|word| word.bytes().all(|byte| byte.is_ascii_digit()));
         match value.and_then(|word| word.parse::<u64>().ok()) {
-            Some(value) if value <= most => Some(value),
+            Some(value) if value <= max => Some(value),
             Some(value) => {
                 let message = format!("{what} is {value}{}", place_in_bytes(self.bytes, start));
-                sink.error(
-                    Code::MapSize,
-                    place_of_byte(self.bytes, start, word.len()),
-                    message,
-                    format!("0 to {most}"),
-                );
+                sink.error(Code::MapSize, place_of_byte(self.bytes, start, word.len()), message, format!("0 to {max}"));
                 None
             }
             None => {
@@ -158,9 +153,9 @@ fn raw_bits(sink: &mut Sink, words: &Words<'_>, [columns, rows]: [usize; 2]) -> 
     Some(bits.map(|bit| u32::from(bit == 0)).collect())
 }
 
-fn raw_levels(sink: &mut Sink, words: &Words<'_>, [columns, rows]: [usize; 2], greatest: u64) -> Option<Vec<u32>> {
-    let level = |value: u16| u32::from(value).min(greatest as u32);
-    if greatest < 256 {
+fn raw_levels(sink: &mut Sink, words: &Words<'_>, [columns, rows]: [usize; 2], max_grey: u64) -> Option<Vec<u32>> {
+    let level = |value: u16| u32::from(value).min(max_grey as u32);
+    if max_grey < 256 {
         let pixels = raw(sink, words, columns * rows)?;
         return Some(pixels.iter().map(|byte| level(u16::from(*byte))).collect());
     }
@@ -191,7 +186,7 @@ fn text_bits(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2])
     Some(levels)
 }
 
-fn text_levels(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2], greatest: u64) -> Option<Vec<u32>> {
+fn text_levels(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2], max_grey: u64) -> Option<Vec<u32>> {
     // A pixel takes at least two bytes, except the last one.
     if words.bytes.len().div_ceil(2) < columns * rows {
         return too_few(sink, words.bytes, words.bytes.len() / 2, columns * rows);
@@ -202,7 +197,7 @@ fn text_levels(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2
         if words.at >= words.bytes.len() {
             return too_few(sink, words.bytes, levels.len(), columns * rows);
         }
-        levels.push(words.number(sink, "a pixel", greatest)? as u32);
+        levels.push(words.number(sink, "a pixel", max_grey)? as u32);
     }
     left_over(sink, words);
     Some(levels)

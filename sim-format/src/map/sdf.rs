@@ -20,7 +20,7 @@ use sim_core::math;
 use sim_core::pose::Pose;
 
 /// Maximum distance in metres of a polygon's sides from the circle that the polygon replaces. Source: our choice.
-const ROUND: f64 = 5e-4;
+const MAX_DEVIATION: f64 = 5e-4;
 
 /// Minimum and maximum number of sides of such a polygon.
 const SIDES: [f64; 2] = [8.0, 256.0];
@@ -115,7 +115,7 @@ impl Shape {
             }
             Shape::Cylinder(radius) | Shape::Sphere(radius) => radius,
         };
-        let sides = (0.5 * PI / math::atan((ROUND / radius).sqrt())).ceil().clamp(SIDES[0], SIDES[1]);
+        let sides = (0.5 * PI / math::atan((MAX_DEVIATION / radius).sqrt())).ceil().clamp(SIDES[0], SIDES[1]);
         let cosine = math::cos(PI / sides);
         let corner = 2.0 * radius / (1.0 + cosine);
         let angle = |number: usize| 2.0 * PI * number as f64 / sides;

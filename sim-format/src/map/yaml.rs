@@ -92,7 +92,7 @@ impl MapSpec {
                 Mode::Scale if image.is_clear.get(at) == Some(&true) => return Cell::Unknown,
                 Mode::Trinary | Mode::Scale => (white - level) / white,
                 Mode::Raw => {
-                    let percent = (level / white * f64::from(image.greatest)).round();
+                    let percent = (level / white * f64::from(image.max_grey)).round();
                     if percent > 100.0 {
                         return Cell::Unknown;
                     }

@@ -27,16 +27,16 @@ const DRAWS: [&str; 5] = ["uniform", "choice", "normal", "same_as", "random_maze
 const LISTS: [&str; 6] = ["robot", "object", "marker", "world.wall", "world.object", "world.start"];
 
 /// Maximum number of repetitions of an entry.
-const MOST: i64 = 100_000;
+const MAX_REPETITIONS: i64 = 100_000;
 
 /// Maximum number of columns and of rows of a random maze.
-const MOST_CELLS: i64 = 200;
+const MAX_MAZE_SIDE: i64 = 200;
 
 /// Number of draws from a normal distribution after which its limits count as out of reach.
 const TRIES: u32 = 1000;
 
 /// Any finite number.
-const ANY: Quantity = Quantity::number("number", -1e300, 1e300);
+const ANY_NUMBER: Quantity = Quantity::number("number", -1e300, 1e300);
 
 /// Origin of the drawn values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -242,7 +242,7 @@ impl<'i> Artist<'_, 'i> {
             return None;
         }
         let count = self.value(count.clone(), &join(path, "count"));
-        let count = self.reader.as_integer("count", &count, 0, MOST).unwrap_or(1);
+        let count = self.reader.as_integer("count", &count, 0, MAX_REPETITIONS).unwrap_or(1);
         let single: DeTable<'i> = rest().map(|(key, value)| (key.clone(), value.clone())).collect();
         Some((Spanned::new(item.span(), DeValue::Table(single)), count as u32))
     }
@@ -302,7 +302,7 @@ impl<'i> Artist<'_, 'i> {
 
     /// A number between both ends; a whole number, ends included, if both ends are whole.
     fn uniform(&mut self, section: &mut Section<'_, '_>, stream: &mut Stream) -> Option<DeValue<'i>> {
-        let [low, high] = self.reader.numbers(section, "uniform", &[ANY, ANY])?;
+        let [low, high] = self.reader.numbers(section, "uniform", &[ANY_NUMBER, ANY_NUMBER])?;
         if low > high {
             let message = format!("`uniform` begins at {low} and ends at {high}");
             self.mistake(section, message, "the least number first");
@@ -330,8 +330,8 @@ impl<'i> Artist<'_, 'i> {
     /// A number of a normal distribution, truncated at its limits.
     fn normal(&mut self, section: &mut Section<'_, '_>, stream: &mut Stream) -> Option<DeValue<'i>> {
         let spread = Quantity::number("standard deviation", 0.0, 1e300);
-        let [mean, sigma] = self.reader.numbers(section, "normal", &[ANY, spread])?;
-        let [min, max] = ["min", "max"].map(|key| (section.has(key), self.reader.number(section, key, &ANY)));
+        let [mean, sigma] = self.reader.numbers(section, "normal", &[ANY_NUMBER, spread])?;
+        let [min, max] = ["min", "max"].map(|key| (section.has(key), self.reader.number(section, key, &ANY_NUMBER)));
         if [min, max].iter().any(|(is_said, value)| *is_said && value.is_none()) {
             return None;
         }
@@ -374,8 +374,8 @@ impl<'i> Artist<'_, 'i> {
             self.mistake(section, message, "an array of 2 integers: columns and rows");
             return None;
         };
-        let columns = self.reader.as_integer("columns", columns, 1, MOST_CELLS)?;
-        let rows = self.reader.as_integer("rows", rows, 1, MOST_CELLS)?;
+        let columns = self.reader.as_integer("columns", columns, 1, MAX_MAZE_SIDE)?;
+        let rows = self.reader.as_integer("rows", rows, 1, MAX_MAZE_SIDE)?;
         let loops = Quantity::percent("share of opened walls", 0.0, 100.0);
         let loops = self.reader.number(section, "loops_percent", &loops).unwrap_or_default();
         let cell = self.reader.number(section, "cell_mm", &Quantity::size("cell size"));

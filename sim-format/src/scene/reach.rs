@@ -10,7 +10,7 @@ use super::FreeSpace;
 const STEP: f64 = 0.125;
 
 /// Maximum number of the grid's points along a side of the floor.
-const MOST: f64 = 2000.0;
+const MAX_STEPS: f64 = 2000.0;
 
 /// Returns true if a disc of this radius can move from the disc around `from` to the one around `to`, on a floor of this size, without
 /// touching anything else in `space`. `from` and `to` contain the distance at which they count as touched.
@@ -18,7 +18,7 @@ const MOST: f64 = 2000.0;
 /// The path is searched on a grid of an eighth of the disc's width, with at most 2000 steps along each side of the floor. A path that is
 /// found is free of contacts along its whole length; a path through gaps that are hardly wider than the disc may be missed.
 pub(crate) fn is_reachable(space: &FreeSpace, floor: DVec2, radius: f64, from: (DVec2, f64), to: (DVec2, f64)) -> bool {
-    let step = (2.0 * radius * STEP).max(floor.max_element() / MOST).max(1e-3);
+    let step = (2.0 * radius * STEP).max(floor.max_element() / MAX_STEPS).max(1e-3);
     let [columns, rows] = (floor / step).floor().to_array().map(|count| count as usize + 1);
     // A disc that is free with this radius at both ends of a step is free with its own radius along the whole step: the point of a convex
     // obstacle nearest to the step is at most half a step from one of the ends.

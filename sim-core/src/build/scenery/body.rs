@@ -47,7 +47,7 @@ const HULL_SIDES: u32 = 36;
 const ROUND_HEIGHT: f64 = 0.4;
 const BOX_HEIGHT: f64 = 0.26;
 /// Minimum ratio of the hull's height to the robot's diameter, for a hull under a low camera.
-const LEAST_HEIGHT: f64 = 0.15;
+const MIN_HEIGHT_RATIO: f64 = 0.15;
 /// Scale of the hull within its outline, so that lamps protrude.
 const INSET: f64 = 0.98;
 
@@ -129,7 +129,7 @@ impl Hull {
         let bottom = if robi.drive.kind == DriveKind::Legged { bottom } else { bottom.min(0.5 * diameter) };
         let usual = bottom + height * diameter;
         let below_camera = robi.camera.as_ref().map_or(usual, |camera| camera.position.z - 0.06 * diameter);
-        let top = usual.min(below_camera).max(bottom + LEAST_HEIGHT * diameter);
+        let top = usual.min(below_camera).max(bottom + MIN_HEIGHT_RATIO * diameter);
         Self { outline, bottom, top, centre: DVec2::ZERO, half, lamp: 0.15 * (top - bottom) }
     }
 

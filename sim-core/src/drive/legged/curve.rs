@@ -14,14 +14,14 @@ use crate::math;
 const SAMPLES: usize = 50;
 /// Phase of toe-off, as a fraction of the cycle since heel strike.
 pub(super) const TOE_OFF: f64 = 0.6;
-/// The foot is flat from the phase `FLAT`, the end of heel strike, to `HEEL_OFF`. In the source its pitch is below 1.5
+/// The foot is flat from the phase `FOOT_FLAT`, the end of heel strike, to `HEEL_OFF`. In the source its pitch is below 1.5
 /// degrees in between. Our choice.
-const FLAT: f64 = 0.12;
+const FOOT_FLAT: f64 = 0.12;
 pub(super) const HEEL_OFF: f64 = 0.26;
 /// Phase from which the foot's pitch is the source's.
-const RISEN: f64 = 0.42;
+const SOURCE_PITCH: f64 = 0.42;
 /// Phase from which the hip sinks to the height at which the other leg, almost straight, takes over. Our choice.
-const SINKING: f64 = 0.4;
+const HIP_SINKING: f64 = 0.4;
 /// Number of intervals of the tabulated swing path.
 const INTERVALS: usize = 40;
 
@@ -58,8 +58,11 @@ pub fn natural_angles(phase: f64) -> [f64; 3] {
 /// Pitch of the foot, toes up, rad, at `phase`: the source's pitch, but exactly 0 while the foot is flat.
 pub(super) fn natural_pitch(phase: f64) -> f64 {
     let phase = phase - phase.floor();
-    let weight =
-        if phase < HEEL_OFF { 1.0 - smooth(phase / FLAT) } else { smooth((phase - HEEL_OFF) / (RISEN - HEEL_OFF)) };
+    let weight = if phase < HEEL_OFF {
+        1.0 - smooth(phase / FOOT_FLAT)
+    } else {
+        smooth((phase - HEEL_OFF) / (SOURCE_PITCH - HEEL_OFF))
+    };
     if weight == 0.0 {
         return 0.0;
     }
@@ -86,21 +89,21 @@ impl NaturalGait {
         let foot = leg.foot?;
         let lowest = |index: usize| {
             let phase = index as f64 / SAMPLES as f64;
-            -met(leg, foot, phase, -foot.heel).y.min(met(leg, foot, phase, foot.toe).y)
+            -sole_point(leg, foot, phase, -foot.heel).y.min(sole_point(leg, foot, phase, foot.toe).y)
         };
         let heights: [f64; SAMPLES / 2] = std::array::from_fn(|index| {
-            let sunk = smooth((index as f64 / SAMPLES as f64 - SINKING) / (0.5 - SINKING));
+            let sunk = smooth((index as f64 / SAMPLES as f64 - HIP_SINKING) / (0.5 - HIP_SINKING));
             lowest(index) + (lowest(0) - lowest(index)) * sunk
         });
-        let first = met(leg, foot, 0.0, -foot.heel).x + foot.heel;
-        let last = met(leg, foot, TOE_OFF, foot.toe).x - foot.toe;
+        let first = sole_point(leg, foot, 0.0, -foot.heel).x + foot.heel;
+        let last = sole_point(leg, foot, TOE_OFF, foot.toe).x - foot.toe;
         let stride = (first - last) / TOE_OFF;
         let mut natural = Self { stride, ahead: 0.5 * (first + last), heights, way: [DVec2::ZERO; INTERVALS + 1] };
         let at = |index: usize| {
             let share = index as f64 / INTERVALS as f64;
             let phase = TOE_OFF + (1.0 - TOE_OFF) * share;
             let ahead = foot.toe - (foot.heel + foot.toe) * smooth(share);
-            met(leg, foot, phase, ahead) + DVec2::new(stride * phase, natural.height(phase))
+            sole_point(leg, foot, phase, ahead) + DVec2::new(stride * phase, natural.height(phase))
         };
         let (start, end) = (at(0), at(INTERVALS));
         let way = std::array::from_fn(|index| {
@@ -127,7 +130,7 @@ impl NaturalGait {
 }
 
 /// Position relative to the hip, in the plane of the leg (ahead, up), m, of the point `ahead` on the sole at `phase`.
-fn met(leg: &Leg, foot: Foot, phase: f64, ahead: f64) -> DVec2 {
+fn sole_point(leg: &Leg, foot: Foot, phase: f64, ahead: f64) -> DVec2 {
     let [thigh, knee, _] = natural_angles(phase);
     let ((sin_thigh, cos_thigh), (sin_shank, cos_shank)) = (math::sin_cos(thigh), math::sin_cos(thigh - knee));
     let (sin, cos) = math::sin_cos(natural_pitch(phase));

@@ -11,7 +11,7 @@ use crate::{
 
 /// Limit of a leg's extension, as a fraction of thigh plus shank: the knee stays bent by 7.2 degrees, because near a
 /// straight knee a millimetre of height may need an arbitrarily large change of its angle. Our choice.
-const STRETCH: f64 = 0.998;
+const MAX_EXTENSION: f64 = 0.998;
 
 /// Minimum height of the hip while walking, as a fraction of its height while standing. Our choice.
 pub(super) const LOWEST_HIP: f64 = 5.0 / 6.0;
@@ -123,16 +123,16 @@ impl Leg {
     /// Minimum and maximum height of the hip at which the leg can stand with its foot below the hip, m.
     pub fn standing_heights(&self) -> (f64, f64) {
         let height = self.ankle_above(Sole::default()).y;
-        (height + self.least_reach(), height + self.reach())
+        (height + self.min_reach(), height + self.reach())
     }
 
     /// The maximum distance from hip to ankle, m.
     pub fn reach(&self) -> f64 {
-        STRETCH * (self.thigh + self.shank)
+        MAX_EXTENSION * (self.thigh + self.shank)
     }
 
     /// The minimum distance from hip to ankle, m.
-    fn least_reach(&self) -> f64 {
+    fn min_reach(&self) -> f64 {
         let (thigh, shank) = (self.thigh, self.shank);
         (thigh * thigh + shank * shank + 2.0 * thigh * shank * math::cos(MAX_KNEE)).max(0.0).sqrt()
     }
@@ -167,7 +167,7 @@ impl Leg {
         let roll = math::atan2(left, -hip_to_point.z);
         let depth = math::hypot(left, hip_to_point.z);
         let ankle = DVec2::new(ahead, -depth) + self.ankle_above(sole);
-        let distance = math::hypot(ankle.x, ankle.y).clamp(self.least_reach(), self.reach());
+        let distance = math::hypot(ankle.x, ankle.y).clamp(self.min_reach(), self.reach());
         let (thigh, shank) = (self.thigh, self.shank);
         let cos_knee = ((distance * distance - thigh * thigh - shank * shank) / (2.0 * thigh * shank)).clamp(-1.0, 1.0);
         let sin_knee = (1.0 - cos_knee * cos_knee).max(0.0).sqrt();

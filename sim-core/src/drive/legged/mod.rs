@@ -22,7 +22,7 @@ pub use limb::{BodyPart, Limb};
 pub(in crate::drive) use walk::{Course, Plan, Walk};
 
 /// Maximum speed of a natural gait, as a multiple of the source's speed. Our choice.
-const FASTEST: f64 = 1.2;
+const MAX_NATURAL_SPEED: f64 = 1.2;
 
 /// The legs of a robot and their gaits.
 #[derive(Clone, Debug, PartialEq)]
@@ -163,7 +163,7 @@ impl Legs {
     /// a natural gait is limited to 1.2 times the speed of its source. Our choice.
     pub fn greatest_speed(&self, gait: &Gait) -> f64 {
         if let Some(speed) = self.natural_speed(gait) {
-            return FASTEST * speed;
+            return MAX_NATURAL_SPEED * speed;
         }
         2.0 * 0.8 * self.excursion() / (gait.duty * gait.period.seconds())
     }

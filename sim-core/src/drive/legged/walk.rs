@@ -26,11 +26,11 @@ use crate::{
 
 /// Tolerance (m, and rad) within which a foot of a standing robot counts as in its neutral position and is not lifted.
 /// Our choice.
-const AT_PLACE: f64 = 5e-3;
+const NEUTRAL_TOLERANCE: f64 = 5e-3;
 /// Minimum change of its goal (m, and rad) that redirects a foot in the air. Our choice.
 const SAME_GOAL: f64 = 1e-3;
 /// Last fraction of the swing in which a foot keeps its goal. Our choice.
-const KEPT: f64 = 0.25;
+const GOAL_KEPT_SHARE: f64 = 0.25;
 /// Angle between body and standing foot beyond which the foot is lifted before its turn, rad: 60 degrees. Our choice.
 const MAX_TWISTED: f64 = std::f64::consts::FRAC_PI_3;
 /// Maximum change of the goal of a foot in the air, as a multiple of the excursion times the remaining fraction of the
@@ -313,7 +313,7 @@ impl Steps {
             let first = [opening.map(Course::start), order.map(|(since, _)| *since), tick.map(|(_, instant)| instant)];
             let Some(at) = first.into_iter().flatten().min() else { break };
             if let Some((index, _)) = tick.filter(|(_, instant)| *instant == at) {
-                self.tick(inputs, &present(courses, at), index);
+                self.tick(inputs, &state_before(courses, at), index);
             }
             if order.is_some_and(|(since, _)| *since == at) {
                 self.change_gait(inputs, at);
@@ -432,7 +432,7 @@ impl Steps {
         }
         if at < last.touch_down {
             let (left, whole) = ((last.touch_down - at).seconds(), (last.touch_down - last.lift_off).seconds());
-            if left > KEPT * whole {
+            if left > GOAL_KEPT_SHARE * whole {
                 let goal = self.goal(inputs, present, number, clock, last.touch_down);
                 let goal = last.limited_goal(goal, MAX_TURNED * inputs.legs.excursion() * left / whole, inputs.ground);
                 let apex = apex(inputs, at, number, &last.from, &goal);
@@ -441,7 +441,7 @@ impl Steps {
             return false;
         }
         let from = last.standing();
-        let is_displaced = is_away(&from, leg, &present.pose, AT_PLACE);
+        let is_displaced = is_away(&from, leg, &present.pose, NEUTRAL_TOLERANCE);
         let slot = gait.slot(number);
         let until_slot = (slot - index).rem_euclid(GRID);
         let level = self.level(inputs, present, gait, number);
@@ -671,13 +671,13 @@ impl Step {
     }
 
     /// The foothold nearest to `goal` that is at most `max_shift` metres from the last goal.
-    fn limited_goal(&self, goal: Foothold, most: f64, ground: &Ground) -> Foothold {
+    fn limited_goal(&self, goal: Foothold, max_shift: f64, ground: &Ground) -> Foothold {
         let last = self.standing();
         let turn = (goal.point - last.point).truncate();
-        if turn.length() <= most {
+        if turn.length() <= max_shift {
             return goal;
         }
-        let place = last.point.truncate() + turn.clamp_length_max(most);
+        let place = last.point.truncate() + turn.clamp_length_max(max_shift);
         let tallest = (last.point.z - goal.point.z).abs();
         let height = ground.height(place).clamp(last.point.z - tallest, last.point.z + tallest);
         Foothold { point: place.extend(height), heading: goal.heading }
@@ -769,7 +769,7 @@ fn step_at(steps: &VecDeque<Step>, at: Time) -> &Step {
 }
 
 /// State of the robot just before `at`.
-fn present(courses: &[Course], at: Time) -> BodyState {
+fn state_before(courses: &[Course], at: Time) -> BodyState {
     let before = courses.iter().rev().find(|course| course.start() < at).or(courses.first());
     let course = before.expect("a motion has a piece");
     BodyState { at, pose: course.pose(at), twist: course.twist(at - Time(1)) }

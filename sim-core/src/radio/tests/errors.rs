@@ -100,17 +100,17 @@ fn verdicts(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
 }
 
 /// Significance level: one in a thousand good samples has a lower p-value.
-const LEAST: f64 = 0.001;
+const MIN_P_VALUE: f64 = 0.001;
 
 #[test]
 fn a_million_messages_have_the_rates_that_are_set() {
     for (bit_error_rate, packet_loss) in [(0.0, 0.2), (1e-4, 0.01), (1e-3, 0.001), (0.02, 0.5), (0.5, 0.9)] {
         let Sample { messages, lost } = sample(RadioNoise { bit_error_rate, packet_loss }, MILLION);
         let p = binomial(lost, MILLION as u64, packet_loss);
-        assert!(p > LEAST, "{lost} lost at {packet_loss}: {p}");
+        assert!(p > MIN_P_VALUE, "{lost} lost at {packet_loss}: {p}");
         let wrong = messages.iter().map(|wrong| wrong.len() as u64).sum();
         let p = binomial(wrong, (messages.len() * BITS) as u64, bit_error_rate);
-        assert!(p > LEAST, "{wrong} bits wrong at {bit_error_rate}: {p}");
+        assert!(p > MIN_P_VALUE, "{wrong} bits wrong at {bit_error_rate}: {p}");
     }
 }
 
@@ -119,7 +119,7 @@ fn errors_are_uniform_and_independent() {
     for (p, count) in [(0.001, MILLION), (0.01, 200_000), (0.3, 10_000)] {
         let Sample { messages, .. } = sample(RadioNoise { bit_error_rate: p, packet_loss: 0.1 }, count);
         for (what, value) in verdicts(&messages, p) {
-            assert!(value > LEAST, "{what} at {p}: {value}");
+            assert!(value > MIN_P_VALUE, "{what} at {p}: {value}");
         }
     }
 }
@@ -182,7 +182,7 @@ fn the_same_tests_catch_biased_generators() {
     catches(&regular, "gaps");
     // Errors that are drawn bit by bit pass all tests.
     for (what, value) in verdicts(&make(&mut |_, _, _| P), P) {
-        assert!(value > LEAST, "{what}: {value}");
+        assert!(value > MIN_P_VALUE, "{what}: {value}");
     }
 }
 
@@ -212,10 +212,10 @@ fn receivers_senders_and_messages_draw_independently() {
     let is_lost = |fate: Option<u32>| f64::from(u8::from(fate.is_none()));
     for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
         let p = uncorrelated(&column(a, is_lost), &column(b, is_lost));
-        assert!(p > LEAST, "losses of {a} and {b}: {p}");
+        assert!(p > MIN_P_VALUE, "losses of {a} and {b}: {p}");
         let both = heard.iter().filter_map(|fates| Some((fates[a]??, fates[b]??)));
         let (of_a, of_b): (Vec<f64>, Vec<f64>) = both.map(|(a, b)| (f64::from(a), f64::from(b))).unzip();
         let p = uncorrelated(&of_a, &of_b);
-        assert!(of_a.len() > 9_000 && p > LEAST, "errors of {a} and {b}: {p}");
+        assert!(of_a.len() > 9_000 && p > MIN_P_VALUE, "errors of {a} and {b}: {p}");
     }
 }

@@ -12,7 +12,7 @@ pub(super) const WIDTH: usize = 8;
 /// most 8.3 u: 1 u for the bound, 1 u for the origin, 2.1 u for the reciprocal, and 4.2 u for the difference (at most
 /// 2.1) and the products in it (two, or one if multiplication and subtraction are fused). Hits are off by at most 4 u
 /// (see `ray`). An origin that counts as on a surface is off by at most 4 u, too. The rest of the margin is for
-/// reciprocals clamped to [`STEEPEST`](super::walk::STEEPEST), and for `f64`.
+/// reciprocals clamped to [`MAX_RECIPROCAL`](super::walk::MAX_RECIPROCAL), and for `f64`.
 pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;
 
 /// The tree over a mesh's triangles.

@@ -33,10 +33,10 @@ pub(super) struct Nearest {
 }
 
 /// Distance behind the origin, in tree units, within which a hit may mean that the origin lies on the surface.
-const BEHIND: f64 = 1.0 / (1 << 20) as f64;
+const ORIGIN_DEPTH: f64 = 1.0 / (1 << 20) as f64;
 
-/// Part of the boxes' margin, in tree units, reserved for the rounding of the origin.
-const FINEST: f64 = 1.0 / (1 << 22) as f64;
+/// Part of the boxes' margin that is reserved for the rounding of the origin, in tree units.
+const ORIGIN_ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
 const NO_TRIANGLE: u32 = u32::MAX;
 
@@ -153,8 +153,8 @@ impl Ray {
     #[cold]
     fn starts_on(&self, corners: &[DVec3; 3], distance: f64) -> bool {
         let normal = super::normal(corners, self.direction);
-        let touch = (4.0 * f64::EPSILON * self.greatest_coordinate).min(FINEST / self.scale);
-        distance >= -BEHIND / self.scale && normal.dot(corners[0] - self.origin).abs() <= touch
+        let touch = (4.0 * f64::EPSILON * self.greatest_coordinate).min(ORIGIN_ROUNDING / self.scale);
+        distance >= -ORIGIN_DEPTH / self.scale && normal.dot(corners[0] - self.origin).abs() <= touch
     }
 
     /// Distance to a triangle that projects almost to a line. `ahead` is an estimate of the distance, anywhere within

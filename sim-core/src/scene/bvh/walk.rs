@@ -9,20 +9,20 @@ use fearless_simd::{Level, Simd, dispatch, f32x8};
 
 /// Limit to which reciprocals of a direction's components are clamped, so that all are finite. Over the whole mesh the
 /// clamping shifts the ray sideways by less than 2^-38 tree units.
-pub(super) const STEEPEST: f64 = (1_u64 << 40) as f64;
+pub(super) const MAX_RECIPROCAL: f64 = (1_u64 << 40) as f64;
 
 /// Stack sizes of the traversal, 7 entries per level: for trees of the usual depth, and for any tree.
-const FEW: usize = 7 * 9;
+const USUAL_STACK: usize = 7 * 9;
 const MANY: usize = 7 * MAX_DEPTH;
 
 /// Upper bound of the length of any path through the tree's coordinates.
-const FARTHEST: f64 = 8.0;
+const MAX_PATH: f64 = 8.0;
 
 /// Tests `ray` against every triangle that it may hit before its nearest hit.
 pub(super) fn nearest(level: Level, tree: &Tree, frame: &Frame, ray: &mut Ray) {
     if let Some(root) = tree.root {
-        if 7 * tree.depth <= FEW {
-            dispatch!(level, simd => walk::<_, FEW>(simd, tree, root, frame, ray));
+        if 7 * tree.depth <= USUAL_STACK {
+            dispatch!(level, simd => walk::<_, USUAL_STACK>(simd, tree, root, frame, ray));
         } else {
             dispatch!(level, simd => walk::<_, MANY>(simd, tree, root, frame, ray));
         }
@@ -55,7 +55,7 @@ struct Slab<S: Simd> {
 impl<S: Simd> Slab<S> {
     #[inline(always)]
     fn new(simd: S, origin: f32, reciprocal: f64) -> Self {
-        let reciprocal = reciprocal.clamp(-STEEPEST, STEEPEST) as f32;
+        let reciprocal = reciprocal.clamp(-MAX_RECIPROCAL, MAX_RECIPROCAL) as f32;
         Self {
             reciprocal: f32x8::splat(simd, reciprocal),
             moved: f32x8::splat(simd, reciprocal * origin),
@@ -144,7 +144,7 @@ impl<S: Simd> Probe<S> {
 /// A distance in tree units, rounded up.
 #[inline(always)]
 fn bound(distance: f64, frame: &Frame) -> f32 {
-    ((distance * frame.scale).min(FARTHEST) * (1.0 + 1e-6)) as f32
+    ((distance * frame.scale).min(MAX_PATH) * (1.0 + 1e-6)) as f32
 }
 
 /// A child with the entry distance of its box in the upper bits, which sort as numbers because they are not negative.

@@ -50,7 +50,7 @@ struct WallBatch {
 const OUTSIDE: u32 = 0;
 
 /// Index of the shared batch of all cells without walls.
-const NOTHING: u32 = 1;
+const EMPTY_CELL: u32 = 1;
 
 const NO_WALL: u32 = u32::MAX;
 
@@ -61,7 +61,7 @@ const EMPTY: WallBatch =
 const ROUNDING_BIAS: f64 = (1_u64 << 52) as f64;
 
 /// Keeps 0 times infinity from becoming NaN; too small to change any result.
-const ANY: f64 = 1e-300;
+const TINY: f64 = 1e-300;
 
 impl WallBatches {
     /// The batches of the walls that `cells` lists for each cell of `grid`.
@@ -75,7 +75,7 @@ impl WallBatches {
             for column in 0..grid.columns() {
                 let place = &mut first[(row + 1) * columns + column + 1];
                 let walls = cells.of(grid.index(column, row));
-                *place = if walls.is_empty() { NOTHING } else { batches.len() as u32 };
+                *place = if walls.is_empty() { EMPTY_CELL } else { batches.len() as u32 };
                 batches.extend(walls.chunks(WIDTH).map(|few| WallBatch::new(few, segments, corner, per_cell)));
                 let count = walls.len().div_ceil(WIDTH);
                 let start = batches.len() - count;
@@ -113,7 +113,7 @@ impl WallBatches {
         let from_middle = place - (biased - DVec2::splat(ROUNDING_BIAS));
         let per = DVec2::ONE / direction.abs();
         let ahead = DVec2::new(along(from_middle.x, direction.x), along(from_middle.y, direction.y));
-        let mut exits = (DVec2::splat(0.5) - ahead + DVec2::splat(ANY)) * per;
+        let mut exits = (DVec2::splat(0.5) - ahead + DVec2::splat(TINY)) * per;
         let (by_column, by_row) = (step(1, direction.x), step(self.columns, direction.y));
 
         let probe = Probe::new(direction, place, self.slack);
