@@ -84,7 +84,7 @@ pub enum TuneError {
 ///
 /// The method is a compass search: it moves each parameter two steps up and down on a few cases, then one step on all cases, as long as
 /// this lowers the error; it ends when no single step along any parameter does. The last parameter comes first: it should be the
-/// resolution, without which the others have no sharp optimum. `error` returns the error of a setting in a case.
+/// resolution, without which the other parameters have no sharp optimum. `error` returns the error of a setting in a case.
 ///
 /// # Errors
 /// [`TuneError`].

@@ -388,8 +388,8 @@ impl World {
     /// Ends the present slot: resolves the contacts between bodies within it, releases bodies whose path has become
     /// free, publishes the changes, and advances to the next slot.
     ///
-    /// `active` holds the motions of all [active](Motion::is_active) robots, in any order; others may be omitted.
-    /// Returns the contacts that began in the slot, in the order of (time, robot).
+    /// `active` holds the motions of all [active](Motion::is_active) robots, in any order; passive robots may be
+    /// omitted. Returns the contacts that began in the slot, in the order of (time, robot).
     pub fn advance(&mut self, active: &mut [&mut Motion]) -> Vec<Contact> {
         active.sort_by_key(|motion| motion.id());
         let mut contacts = Vec::new();
@@ -650,7 +650,7 @@ impl Publication<'_> {
         }
     }
 
-    /// Computes the bounds of what was published from `from` to `to`.
+    /// Computes the bounds of the motion published from `from` to `to`.
     fn refresh(self, from: Time, to: Time) {
         self.track.refresh(from, to);
         self.course.published = Some((self.track.bounds(), self.track.is_resting()));

@@ -300,7 +300,7 @@ impl Placer<'_> {
         let start = match group.layout {
             None => self.start(line),
             Some(Layout::Starts) => self.next(line.span),
-            // Provisional: `scatter` finds a free pose when all others are placed.
+            // Provisional: `scatter` finds a free pose when all other bodies are placed.
             Some(Layout::Random(_)) => Some(Pose::default()),
             Some(layout) => layout.pose(member.index, group.count),
         };

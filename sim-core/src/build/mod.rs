@@ -234,8 +234,8 @@ fn part(collider: &Collider) -> Part {
     Part { shape, object_from_part: Pose::new(centre.x, centre.y, phi) }
 }
 
-/// The links of a robot type, parents before children: those of its legs, leg by leg, then those of the file. Their
-/// joint angles are those of the servos, then those of the legs.
+/// The links of a robot type, parents before children: the links of its legs, leg by leg, then the file's links. Their
+/// joint indices refer to a list of the servos' angles followed by the legs' angles.
 pub fn links(robi: &RobiSpec) -> Vec<Link> {
     let legs = legs(robi);
     let order = link_order(robi);
@@ -378,8 +378,8 @@ fn gait(spec: &GaitSpec, legs: usize) -> Gait {
     }
 }
 
-/// Drive and body model of a robot type. For a legged robot, the limits of speed and turn are lowered to those of its
-/// gaits.
+/// Drive and body model of a robot type. For a legged robot, the limits of speed and turn are lowered to the limits of
+/// its gaits.
 pub fn model(robi: &RobiSpec) -> Model {
     let mut model = model_of_file(robi);
     if let Some(legs) = legs(robi).filter(|_| robi.drive.kind == DriveKind::Legged) {

@@ -56,7 +56,7 @@ impl Face {
     }
 
     /// Linear form that interpolates corner values over the face. At a ray, the value is the first corner's plus the
-    /// form's dot product with the ray, divided by that of [`plane`](Self::plane).
+    /// form's dot product with the ray divided by the dot product of [`plane`](Self::plane).
     #[inline(always)]
     pub fn form(&self, [a, b, c]: [f64; 3]) -> DVec3 {
         (self.edges[1] * (b - a) + self.edges[2] * (c - a)) * self.per_det

@@ -155,7 +155,7 @@ pub(super) fn take_until(sections: &mut Vec<Section>, until: f64) -> Vec<Section
     taken
 }
 
-/// Function of time with a bounded second derivative, for [`find_zeros`] and [`find_least`].
+/// Function of time with a bounded second derivative, for [`find_zeros`] and [`find_minimum`].
 pub(super) trait Smooth {
     /// Value and derivative at `t`.
     fn at(&self, t: f64) -> (f64, f64);

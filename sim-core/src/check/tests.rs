@@ -16,7 +16,7 @@ fn disc(x: f64, y: f64, radius: f64) -> Place {
     Place::Disc { centre: DVec2::new(x, y), radius }
 }
 
-/// The intervals inside, as pairs of instants.
+/// The intervals inside a place, as pairs of instants.
 fn inside(section: &Section, place: &Place) -> Vec<(f64, f64)> {
     intervals_in(section, place).into_iter().filter(|(.., inside)| *inside).map(|(from, to, _)| (from, to)).collect()
 }

@@ -219,7 +219,7 @@ impl Motion {
         self
     }
 
-    /// This motion, not yet commanded, with an imperfection whose random numbers are those of a run with `seed`.
+    /// This motion, not yet commanded, with an imperfection that draws its random numbers as in a run with `seed`.
     ///
     /// # Errors
     /// The first number of the imperfection that is out of range.
@@ -269,7 +269,7 @@ impl Motion {
         self.vehicle.contact
     }
 
-    /// Replaces the imperfection from `at` on, the start of the present slot. The random numbers are those of a run
+    /// Replaces the imperfection from `at` on, the start of the present slot. The random numbers are drawn as in a run
     /// with `seed`.
     ///
     /// # Errors

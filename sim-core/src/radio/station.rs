@@ -46,7 +46,7 @@ pub struct Station {
     outgoing: VecDeque<Outgoing>,
     /// Messages not yet passed to the channel.
     sent: Vec<SentMessage>,
-    /// Messages on their way, in order of (visible, arrives, sender, sequence).
+    /// Messages in transit, in order of (visible, arrives, sender, sequence).
     coming: VecDeque<Delivery>,
     /// Messages that wait to be read, in order of (arrived, sender, sequence).
     inbox: VecDeque<Message>,
@@ -84,9 +84,9 @@ impl Station {
         self.has_changed = true;
     }
 
-    /// Switches the station off. Unread messages are dropped and messages on their way are lost. Messages whose
+    /// Switches the station off. Unread messages are dropped and messages in transit are lost. Messages whose
     /// transmission has not begun are never sent, unless the channel has already taken them (a free medium takes
-    /// messages at the end of each slot). Returns the outcomes of the messages on their way; the channel reports unsent
+    /// messages at the end of each slot). Returns the outcomes of the messages in transit; the channel reports unsent
     /// messages. Does nothing if the station is off.
     pub fn switch_off(&mut self, now: Time) -> Vec<Delivery> {
         self.switch_off_after(now)
@@ -193,14 +193,14 @@ impl Station {
         self.outgoing.retain(|it| it.sequence != sequence);
     }
 
-    /// Queues a message that is on its way to this station.
+    /// Queues a message in transit to this station.
     pub fn deliver(&mut self, delivery: Delivery) {
         let key = |it: &Delivery| (it.visible, it.arrives, it.from, it.sequence);
         let place = self.coming.partition_point(|it| key(it) <= key(&delivery));
         self.coming.insert(place, delivery);
     }
 
-    /// Time when the next message on its way becomes visible; [`Time::NEVER`] if there is none.
+    /// Time when the next message in transit becomes visible; [`Time::NEVER`] if there is none.
     pub fn next_visible(&self) -> Time {
         self.coming.front().map_or(Time::NEVER, |delivery| delivery.visible)
     }
@@ -239,7 +239,7 @@ impl Station {
         settled
     }
 
-    /// Ends the run: returns the outcomes of the messages on their way, in order.
+    /// Ends the run: returns the outcomes of the messages in transit, in order.
     pub fn finish(&mut self) -> Vec<Delivery> {
         let fate = |it: Delivery| Delivery { outcome: it.outcome.and(Err(Loss::End)), ..it };
         self.coming.drain(..).map(fate).collect()

@@ -79,7 +79,8 @@ pub enum CheckKind {
     Laps {
         /// The body whose centre passes.
         body: BodyRef,
-        /// Ends of the gate. Passages from its right to its left, seen from the first end to the second, count; others count back.
+        /// Ends of the gate. Passages from its right to its left, seen from the first end to the second, count up; opposite passages count
+        /// down.
         gate: [DVec2; 2],
         /// Smallest number of passages.
         min: u64,

@@ -221,7 +221,8 @@ impl Key<'_, '_> {
         self.needed(&kind, value, Need::Required);
     }
 
-    /// Value of a key that is required unless the table has the one key that replaces all others, such as `file`.
+    /// Value of a key that is required unless the table has the single key that replaces all other keys, such as
+    /// `file`.
     pub(crate) fn expected<T>(self, kind: impl Kind<T>, value: &mut T) {
         self.needed(&kind, value, Need::Nullable);
     }

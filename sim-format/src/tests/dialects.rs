@@ -28,7 +28,7 @@ fn load(text: &str) -> Loaded {
     load_scene("sims/a.sim", &files)
 }
 
-/// Loads the scene `text`, which must give no diagnostics.
+/// Loads the scene `text`, which must not cause diagnostics.
 fn scene(text: &str) -> SceneSpec {
     let loaded = load(text);
     assert_eq!(loaded.diagnostics, [], "{text}");

@@ -12,7 +12,7 @@ use crate::{Diagnostic, FileError, Files, MeshReader, ModelSpec, ObjectType, Pat
 use sim_core::build::MeshSource;
 use sim_core::scene::Mesh;
 
-/// Square of side 1 standing at z = 3 of the file, with one edge in the plane x = 0.
+/// Upright square of side 1 at z = 3 of the file, with one edge in the plane x = 0.
 const QUAD: &str = "mtllib a.mtl\nv 0 0 3\nv 1 0 3\nv 1 1 3\nv 0 1 3\nusemtl red\nf 1 2 3 4\n";
 
 fn model(turns: DVec3, offset: DVec3) -> ModelSpec {
@@ -278,7 +278,7 @@ fn by_us(text: &str) -> Vec<Corners> {
 }
 
 proptest! {
-    /// Valid files give the triangles that tobj finds, except those of zero area.
+    /// Valid files result in the triangles that tobj finds, except triangles of zero area.
     #[test]
     fn good_files_are_read_as_tobj_reads_them(
         points in prop::collection::vec([-50i32..50, -50i32..50, -50i32..50], 3..12),
@@ -306,7 +306,7 @@ proptest! {
         prop_assert_eq!(by_us(&text), expected);
     }
 
-    /// Any words give a mesh of finite numbers or a diagnostic.
+    /// Any words result in a mesh of finite numbers or a diagnostic.
     #[test]
     fn no_text_is_too_wild(
         words in prop::collection::vec(

@@ -193,7 +193,7 @@ const SCENES: &[(Code, &str)] = &[
 fn diagnostics(file: &str, text: &str) -> Vec<Diagnostic> {
     match path::extension(file).as_str() {
         "wld" => {
-            // U+FFFD stands for a byte that is not UTF-8.
+            // U+FFFD replaces a byte that is not UTF-8.
             let bytes: Vec<u8> = text.chars().map(|c| if c == '\u{fffd}' { 0xff } else { c as u8 }).collect();
             let mut files = Memory::new(&[]);
             files.files.insert(file.to_owned(), bytes);

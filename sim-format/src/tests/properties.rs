@@ -82,7 +82,7 @@ fn read_all(text: &str) {
         };
         assert!(0.0 <= min && min < max && max <= MAX_LENGTH && range.sigma.is_finite(), "{range:?}");
     }
-    // Links can be ordered with parents first, and sensors sit on existing links.
+    // Links can be ordered with parents first, and sensors are on existing links.
     assert_eq!(sim_core::build::links(&robi).len(), robi.links.len());
     assert_eq!(sim_core::build::range_sensors(&robi).len(), robi.psds.len() + robi.ranges.len());
     assert!(sim.robots.iter().all(|robot| !matches!(robot.start, StartRef::Pose(pose) if !pose.position.is_finite())));
@@ -111,7 +111,7 @@ fn mutated() -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
-/// Numbers as users write them, sensible and not.
+/// Numbers as users write them, valid and invalid.
 fn word() -> impl Strategy<Value = String> {
     prop_oneof![
         any::<f64>().prop_map(|number| number.to_string()),
@@ -285,7 +285,7 @@ proptest! {
                     _ => ' ',
                 });
             }
-            // A row of blanks only would not count.
+            // A row of only blanks would not count.
             if row > 0 {
                 text.replace_range(text.len() - 2 * columns - 1..text.len() - 2 * columns, "|");
                 drawn.insert((0, (rows - row) as i64, false));

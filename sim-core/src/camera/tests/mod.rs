@@ -45,7 +45,7 @@ fn image(random: &mut Random, width: u32, height: u32, is_opaque: bool) -> Arc<T
     Arc::new(Texture::new(width, height, pixels.collect()).expect("as many pixels"))
 }
 
-/// A box with images on its faces; if it `is_round`, its normals at the corners are those of a ball.
+/// A box with images on its faces; if it `is_round`, with the corner normals of a ball.
 fn cuboid(random: &mut Random, half: DVec3, is_round: bool, materials: Vec<Material>) -> Arc<Mesh> {
     let sign = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
     let corner = |corner: usize| DVec3::new(sign(corner, 0), sign(corner, 1), sign(corner, 2));

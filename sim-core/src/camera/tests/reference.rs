@@ -32,7 +32,8 @@ struct Meeting {
     shares: [f64; 3],
 }
 
-/// Relative margin by which a face must be nearer to cover an earlier one, so that the first of coplanar faces is seen.
+/// Relative margin by which a face must be nearer to cover an earlier one, so that the first of several coplanar faces
+/// is visible.
 const COPLANAR: f64 = 1e-7;
 
 pub fn render(posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Reference {
@@ -183,7 +184,7 @@ fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: 
     }
 }
 
-/// Returns true if no face but `own` lies between the sun and a place.
+/// Returns true if no face except `own` lies between the sun and a point.
 fn is_in_sun(posed: &PosedScenery, place: DVec3, own: Shown) -> bool {
     let light = posed.scenery().light();
     let covers = |number: usize, triangle: usize| {

@@ -180,7 +180,7 @@ fn the_same_tests_catch_biased_generators() {
     catches(&echo, "bits 8 apart");
     catches(&fading, "one message after another");
     catches(&regular, "gaps");
-    // Errors that are drawn bit by bit pass all tests.
+    // Errors drawn bit by bit pass all tests.
     for (what, value) in verdicts(&make(&mut |_, _, _| P), P) {
         assert!(value > MIN_P_VALUE, "{what}: {value}");
     }

@@ -1,4 +1,5 @@
-//! Channel and stations: statistics of errors and collisions, random schedules against an oracle, the ring, hard cases.
+//! Tests of channel and stations: statistics of errors and collisions, random schedules against an oracle, the ring,
+//! hard cases.
 
 mod aloha;
 mod cases;

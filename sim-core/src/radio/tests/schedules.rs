@@ -103,7 +103,7 @@ fn schedule(seed: u64) -> Schedule {
         let mut at = if is_steady { 0 } else { random.below(end as usize / 2) as i64 };
         deeds.push((Time(at), id, on(robot, &mut random)));
         loop {
-            // Operations often coincide with others, or with a slot's end.
+            // Operations often coincide with other operations, or with a slot's end.
             at += 1 + random.below(busy) as i64;
             if random.chance(0.2) {
                 at = Time(at + slot.0 - 1).floor_to(slot).0;
@@ -137,7 +137,7 @@ fn ten_thousand_schedules_are_as_the_oracle_tells() {
         let mut truth = tell(&schedule);
         let manner = Manner { is_every_slot_run: seed % 3 == 0, ..PLAIN };
         let mut found = run(&schedule, manner);
-        // The last slot may reach beyond the schedule's end.
+        // The last slot may extend beyond the schedule's end.
         truth.fates.retain(|fate| fate.visible < schedule.end);
         found.fates.retain(|fate| fate.visible < schedule.end);
         let differ = found.fates.iter().zip(&truth.fates).find(|(found, truth)| found != truth);

@@ -108,7 +108,7 @@ fn without_tree(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) ->
     ray.nearest().map(|nearest| ((entry.distance + nearest.distance).min(range).to_bits(), nearest.triangle))
 }
 
-/// Result of all levels; checks that it has the bits of the exact test of every triangle.
+/// Result of all levels; checks that it is bit-identical to the exact test of every triangle.
 fn cast(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) -> Option<MeshHit> {
     let expected = without_tree(levels, origin, direction, range);
     for index in &levels.indices {
@@ -118,7 +118,7 @@ fn cast(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) -> Option<
     levels.indices[0].cast(origin, direction, range)
 }
 
-/// As [`cast`]; also checks the oracle's answer within `tolerance` metres.
+/// Like [`cast`]; also compares the oracle's answer within `tolerance` metres.
 fn check(levels: &Levels, origin: DVec3, direction: DVec3, range: f64, tolerance: f64) {
     let hit = cast(levels, origin, direction, range);
     let nearest = |range, wider| oracle::nearest_triangle(&levels.triangles, origin, direction, range, wider);
@@ -379,7 +379,7 @@ fn slivers_are_met_within_themselves() {
 #[test]
 fn many_triangles_in_one_place_make_no_deep_tree() {
     let mut triangles = vec![[DVec3::ZERO, DVec3::X, DVec3::Y]; 500];
-    // Nested triangles, each half as large as the one before.
+    // Nested triangles, each half as large as the previous one.
     triangles.extend((0..300).map(|step| {
         let size = f64::from_bits((1023 - step) << 52);
         [DVec3::ZERO, DVec3::X * size, DVec3::new(0.0, size, size)]

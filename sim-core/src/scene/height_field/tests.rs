@@ -41,7 +41,7 @@ fn height_and_normal_are_what_a_vertical_ray_meets() {
         for _ in 0..4000 {
             let [x, y] = [min.x + (max.x - min.x) * stream.unit(), min.y + (max.y - min.y) * stream.unit()];
             let hit = rays.cast(DVec3::new(x, y, 5.0), DVec3::NEG_Z, 20.0).expect("no gap");
-            // 1 nm on a field of some metres.
+            // 1 nm on a field of several metres.
             assert!((5.0 - hit.distance - field.height(x, y)).abs() < 1e-9, "seed {seed} at {x}, {y}");
             let [a, b, c] = mesh.corners(&mesh.triangles[hit.triangle as usize]);
             let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -69,7 +69,7 @@ fn rays_at_shared_edges_and_corners_slip_through_nowhere() {
                 let right = field.corner(column + 1, row);
                 let across = field.corner(column + 1, row + 1);
                 for place in [corner, 0.5 * (corner + right), 0.5 * (corner + across)] {
-                    // Vertical edges of several heights on one line are no shared edges.
+                    // Vertical edges of different heights on one line are not shared edges.
                     if is_double(&field.xs, place.x) && is_double(&field.ys, place.y) {
                         continue;
                     }
@@ -78,7 +78,7 @@ fn rays_at_shared_edges_and_corners_slip_through_nowhere() {
                     // At a step, the ray hits its upper edge, or passes the edge within rounding.
                     let height = 3.0 - hit.distance;
                     assert!(height <= field.height(place.x, place.y) + 1e-9, "seed {seed} at {place}");
-                    // A steep ray may pass over a ridge within rounding; it then hits the ground behind the ridge, at
+                    // A steep ray may pass over a ridge within rounding; it then hits the ground beyond the ridge, at
                     // most 0.8 m lower.
                     let Bounds { min, max } = field.bounds();
                     let inner = Bounds { min: min + 0.15, max: max - 0.15 };

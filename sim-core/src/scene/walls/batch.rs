@@ -170,7 +170,7 @@ impl WallBatches {
     }
 }
 
-/// Distance from the cell's middle on an axis, counted in the direction of motion, whose sign is that of `direction`.
+/// Distance from the cell's middle on an axis, positive in the direction of motion (the sign of `direction`).
 #[inline(always)]
 fn along(from_middle: f64, direction: f64) -> f64 {
     f64::from_bits(from_middle.to_bits() ^ direction.to_bits() & (1 << 63))

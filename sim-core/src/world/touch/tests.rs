@@ -172,7 +172,7 @@ fn block(from: [f64; 2], to: [f64; 2], height: f64) -> Ground {
 fn legs_that_stand_on_the_floor_touch_nothing() {
     let standing = leg_clearance([8.0, -8.0], Ground::Flat);
     assert_eq!(standing.contacts, []);
-    // The shanks count down to 90 mm above their tips, are 30 mm thick, and stand nearly upright.
+    // The shanks count down to 90 mm above their tips, are 30 mm thick, and are nearly upright.
     assert!((0.05..=0.06).contains(&standing.clearance), "{standing:?}");
     let mut gliding = Motion::new(RobotId(1), Arc::new(model(DriveKind::Differential)), walls(), Pose::default());
     assert_eq!(world().leg_clearance(&mut gliding, Time::ZERO, 0.5), None);
@@ -183,7 +183,7 @@ fn parts_touch_the_ground_and_what_stands_on_it() {
     let parts = |position, ground| -> Vec<(BodyPart, Thing)> {
         leg_clearance(position, ground).contacts.iter().map(|touch| (touch.part, touch.thing)).collect()
     };
-    // The knees lie ahead of the hips, by less than 0.2 m. A block 0.3 m high stands between knees and shanks of the left leg.
+    // The knees lie ahead of the hips, by less than 0.2 m. A block 0.3 m high is between knees and shanks of the left leg.
     let beside = |from: f64, to: f64, height| block([8.0 + from, -7.85], [8.0 + to, -7.75], height);
     assert_eq!(parts([8.0, -8.0], beside(0.25, 0.4, 0.6)), []);
     assert_eq!(parts([8.0, -8.0], beside(0.11, 0.4, 0.3)), [(BodyPart::Shank(0), Thing::Floor)]);
