@@ -223,7 +223,7 @@ impl Reader {
                 return None;
             }
         };
-        // As in EyeSim VR's graphics library, a height below the diameter leaves only the two half spheres.
+        // A height below the diameter leaves only the two half spheres, as in EyeSim VR's graphics library.
         let height = height.max(2.0 * radius);
         Some(Collider::Capsule { centre: from_graphics(x, y, z), radius, height, axis })
     }

@@ -111,7 +111,7 @@ pub struct Loaded {
     pub diagnostics: Vec<Diagnostic>,
     /// Files that were read, in this order, without duplicates.
     pub inputs: Vec<InputFile>,
-    /// What was understood of maps and mazes of other programs, a line each.
+    /// Notes on the interpretation of maps and mazes of other programs, a line each.
     pub notes: Vec<String>,
 }
 

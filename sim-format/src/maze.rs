@@ -241,9 +241,9 @@ struct Grid {
 
 /// Role of a character position in a row.
 enum ColumnRole {
-    /// On the grid line to the left of the cell column with this number.
+    /// A position on the grid line to the left of the cell column with this number.
     Wall(u32),
-    /// In this cell column.
+    /// A position in this cell column.
     Cell(u32),
 }
 

@@ -16,7 +16,7 @@ pub struct Face {
     pub part: u32,
     /// Number of the triangle in the part's mesh.
     pub triangle: u32,
-    /// The camera sees the outside of the face: the corners are counter-clockwise.
+    /// True if the camera sees the outside of the face: the corners are counter-clockwise.
     pub is_outside: bool,
 }
 

@@ -18,7 +18,7 @@ pub const TILE: u32 = 8;
 /// Lens space and field of view of a view.
 #[derive(Clone, Debug)]
 pub struct Optics {
-    /// The lens is a pinhole: straight lines are straight in the image.
+    /// True for a pinhole lens: straight lines are straight in the image.
     pub is_flat: bool,
     pub lens_from_camera: DMat3,
     pub camera_from_lens: DMat3,

@@ -83,7 +83,7 @@ impl RenderMesh {
             let corners = triangle.corners.map(|corner| {
                 *places.entry(corner).or_insert_with(|| {
                     self.corners.push(mesh.positions[corner as usize]);
-                    // At most three corners per face.
+                    // A face adds at most three corners.
                     (self.corners.len() - 1 - first_corner) as u8
                 })
             });

@@ -373,7 +373,7 @@ impl Contact {
     /// (-1), until it is perpendicular to the wall; infinite for a wall without length.
     fn angle_to_face(&self, sense: f64) -> f64 {
         let Segment { a, b } = self.segment;
-        // By rounding, the point may differ from the wall's end.
+        // Because of rounding, the point may differ from the wall's end.
         let is_at_a = self.point.distance_squared(a) <= self.point.distance_squared(b);
         let other = if is_at_a { b } else { a };
         let along = other - self.point;

@@ -70,7 +70,7 @@ pub struct Exposure {
     pub view: View,
     pub(crate) scenery: Arc<Scenery>,
     pub(crate) poses: Vec<Option<Pose3>>,
-    /// The camera was switched off by an intervention: the image is black, depths are infinite and labels are sky.
+    /// True if an intervention had switched the camera off: the image is black, depths are infinite and labels are sky.
     pub(crate) is_dark: bool,
 }
 

@@ -58,9 +58,9 @@ pub struct SensorView {
 /// A laser scanner of a robot.
 #[derive(Clone, Debug)]
 pub enum Scanner {
-    /// On the body, level except for its tilt.
+    /// A scanner on the body, level except for its tilt.
     Level(Scan),
-    /// At any pose, on the body or on a link.
+    /// A scanner at any pose, on the body or on a link.
     InSpace {
         /// Its rays.
         scan: Scan,

@@ -62,7 +62,7 @@ pub(super) struct SlideSegment {
     pub covered: f64,
     /// Wall against which the body is pressed, and the touched point.
     pub against: Option<(WallId, DVec2)>,
-    /// The body did not touch the wall before this segment.
+    /// True if the body did not touch the wall before this segment.
     pub is_fresh: bool,
     /// Wall at which the segment ends, if the body did not touch that wall before.
     pub meets: Option<WallId>,

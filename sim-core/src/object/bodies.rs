@@ -38,7 +38,7 @@ struct ObjectBody {
 /// Objects and walls of a scene as rigid bodies.
 pub struct Bodies {
     world: PhysicsWorld,
-    /// In the order of the ids.
+    /// Objects in the order of their ids.
     objects: Vec<ObjectBody>,
     robots: BTreeMap<RobotId, RigidBodyHandle>,
     /// Robots that are enabled in the world, in ascending order.

@@ -38,7 +38,7 @@ impl Transmission {
 /// All transmissions that can still arrive or collide.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Air {
-    /// In order of (begins, sender, sequence); the flag is true once the outcome is decided.
+    /// Transmissions in order of (begins, sender, sequence); the flag is true once the outcome is decided.
     transmissions: Vec<(Transmission, bool)>,
     /// Duration of the longest transmission so far.
     longest: Time,

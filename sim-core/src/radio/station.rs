@@ -42,7 +42,7 @@ pub struct Station {
     has_changed: bool,
     switched_off: Vec<SwitchedOff>,
     last_sequence: u64,
-    /// In the order of their numbers.
+    /// Messages in the sender's buffer, in the order of their numbers.
     outgoing: VecDeque<Outgoing>,
     /// Messages not yet passed to the channel.
     sent: Vec<SentMessage>,

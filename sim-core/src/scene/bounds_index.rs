@@ -13,7 +13,7 @@ use super::grid::{Cells, Grid, MAX_COORDINATE, is_ray, rounding_error, rounding_
 /// independent of their size. It contains only keys and bounds; the caller tests the bodies themselves.
 #[derive(Clone, Debug)]
 pub struct BoundsIndex<K> {
-    /// In ascending order of the keys.
+    /// Bodies in ascending order of their keys.
     bodies: Vec<(K, Bounds)>,
     /// `None` without bodies.
     grid: Option<Grid>,

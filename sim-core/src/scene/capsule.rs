@@ -5,6 +5,6 @@ use glam::DVec3;
 pub struct Capsule {
     /// Ends of the segment, in metres.
     pub ends: [DVec3; 2],
-    /// In metres; not negative.
+    /// Radius in metres; not negative.
     pub radius: f64,
 }

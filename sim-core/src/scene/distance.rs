@@ -11,7 +11,7 @@ pub(crate) fn segment_to_segment(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
     let (on_a, on_b, mixed) = (along_a.dot(between), along_b.dot(between), along_a.dot(along_b));
     let share = |way: f64, square: f64| if square > 0.0 { (way / square).clamp(0.0, 1.0) } else { 0.0 };
     let determinant = square_a * square_b - mixed * mixed;
-    // For segments that are parallel within rounding, the ends decide.
+    // For segments that are parallel within rounding, the ends determine the distance.
     let mut least = f64::INFINITY;
     let mut try_shares = |s: f64, t: f64| least = least.min((between + s * along_a - t * along_b).length_squared());
     if determinant > 1e-14 * square_a * square_b {

@@ -28,7 +28,7 @@ use crate::world::World;
 #[derive(Clone, Debug)]
 pub struct Simulation {
     environment: Environment,
-    /// In the order of their ids.
+    /// Robots in the order of their ids.
     robots: Vec<Robot>,
     /// Robots that may have acted in the present slot.
     acted: Vec<RobotId>,

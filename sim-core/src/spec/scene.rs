@@ -399,9 +399,9 @@ pub struct RobotLine {
 /// Display options of the window, from EyeSim VR's `settings` line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Settings {
-    /// The beams of distance sensors (`VIS`).
+    /// True to show the beams of distance sensors (`VIS`).
     pub shows_beams: bool,
-    /// The paths of the robots (`TRACE`).
+    /// True to show the paths of the robots (`TRACE`).
     pub shows_trace: bool,
 }
 

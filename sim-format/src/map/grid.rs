@@ -161,7 +161,7 @@ impl Raster {
     }
 
     fn wall(&mut self, wall: &WallSpec) {
-        // In sides of a cell, from the corner of the margin.
+        // Ends in sides of a cell, from the corner of the margin.
         let [from, to] = [wall.from, wall.to].map(|end| end / self.cell + 1.0);
         let thickness = wall.thickness / self.cell;
         let lies_on = |a: f64, b: f64| (a - a.round()).abs() < ON_BORDER && (a - b).abs() < ON_BORDER;

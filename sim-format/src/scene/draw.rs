@@ -153,7 +153,7 @@ struct Artist<'r, 'i> {
     texts: &'i Texts,
     seed: u64,
     attempt: u32,
-    /// Number of the extreme values to use instead of random ones.
+    /// Number of the extreme case to use instead of random values; see [`Draw::Extreme`].
     extreme: Option<usize>,
     drawn: Vec<Drawn>,
     /// Drawn values by their paths.

@@ -76,11 +76,11 @@ pub struct Material {
 pub struct Part {
     /// Index of its mesh in [`Scene::meshes`].
     pub mesh: u32,
-    /// Where the mesh is attached.
+    /// Attachment of the mesh.
     pub place: Place,
 }
 
-/// Where a part is attached.
+/// Attachment of a part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "on", rename_all = "snake_case")]

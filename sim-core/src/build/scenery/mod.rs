@@ -50,7 +50,7 @@ pub trait MeshSource {
 #[derive(Clone, Debug, Default)]
 struct MeshCache {
     of_objects: BTreeMap<usize, (Arc<ObjectType>, Arc<Mesh>)>,
-    /// By robot type, the mesh that its file names, if any.
+    /// For each robot type, the mesh that its file names, if any.
     of_robots: BTreeMap<usize, (Arc<RobiSpec>, Option<Arc<Mesh>>)>,
     /// Default bodies of robot types without a mesh, by type and colour.
     bodies: BTreeMap<(usize, usize), Arc<Mesh>>,

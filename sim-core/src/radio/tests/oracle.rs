@@ -33,7 +33,7 @@ pub struct Schedule {
     pub errors: Vec<RadioNoise>,
     /// Robots that each robot cannot reach.
     pub out_of_reach: Vec<Vec<(RobotId, Loss)>>,
-    /// In order of time; operations of one robot are at different instants.
+    /// Operations in order of time; operations of one robot are at different instants.
     pub deeds: Vec<(Time, RobotId, Deed)>,
     pub end: Time,
 }
@@ -41,7 +41,7 @@ pub struct Schedule {
 /// Outcomes of the messages, and the messages read: (time, reader, sender, number).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Story {
-    /// In order of (visible, receiver, arrives, sender, sequence).
+    /// Deliveries in order of (visible, receiver, arrives, sender, sequence).
     pub fates: Vec<Delivery>,
     pub read: Vec<(Time, RobotId, RobotId, u64)>,
 }

@@ -8,9 +8,9 @@ use super::*;
 /// Variation of the slots and of the order in which messages are handed in.
 #[derive(Clone, Copy, Debug)]
 struct Manner {
-    /// Runs every slot, not only those that are due.
+    /// True to run every slot, not only due slots.
     is_every_slot_run: bool,
-    /// Hands in sent messages from the last robot to the first.
+    /// True to hand in sent messages from the last robot to the first.
     is_backwards: bool,
 }
 

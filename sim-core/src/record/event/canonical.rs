@@ -18,7 +18,7 @@ fn write_varint(mut value: u64, bytes: &mut Vec<u8>) {
         return;
     }
     if value < 1 << 28 {
-        // Up to four bytes at once, without a loop.
+        // Writes up to four bytes at once, without a loop.
         let spread = (value & 0x7f) | (value & 0x3f80) << 1 | (value & 0x1f_c000) << 2 | (value & 0xfe0_0000) << 3;
         let more = (64 - (value | 1).leading_zeros() as usize).div_ceil(7) - 1;
         let marks = 0x80_8080 & ((1 << (8 * more)) - 1);

@@ -145,7 +145,7 @@ mod tests {
         (gap, least.fold(f64::INFINITY, f64::min))
     }
 
-    /// By projection: onto the plane if the foot lies inside the triangle, otherwise onto the sides.
+    /// Nearest point by projection: onto the plane if the foot lies inside the triangle, otherwise onto the sides.
     fn nearest_on_triangle(point: DVec3, corners: [DVec3; 3]) -> DVec3 {
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a);

@@ -315,7 +315,7 @@ export type Parameter = {
 export type Part = {
   /** Index of its mesh in [`Scene::meshes`]. */
   mesh: number,
-  /** Where the mesh is attached. */
+  /** Attachment of the mesh. */
   place: Place, };
 
 /** A picture. */
@@ -325,7 +325,7 @@ export type Picture = {
   /** Width and height. */
   size_px: [number, number], };
 
-/** Where a part is attached. */
+/** Attachment of a part. */
 export type Place = { "on": "world",
   /** Kind of the part: `wall`, `object` or `terrain`. */
   what: string,
