@@ -9,7 +9,7 @@ use super::node::{Box3, Child, Node, PADDING, Tree, TriangleBatch, WIDTH};
 /// Maximum depth of a tree.
 pub(super) const MAX_DEPTH: usize = 24;
 
-/// Depth below which subtrees are split by count, so that 2^28 triangles fit into the remaining levels.
+/// Depth from which subtrees are split by count, so that 2^28 triangles fit into the remaining levels.
 const BALANCED_FROM: usize = 14;
 
 /// Cost of testing a batch relative to a node.
