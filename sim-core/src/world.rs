@@ -439,11 +439,12 @@ impl World {
 
     /// Second part of the end of a slot: what each active robot publishes, in the order of ids.
     pub(crate) fn publications(&mut self) -> impl Iterator<Item = Publication<'_>> {
+        let is_alone = self.has_single_robot();
         let mut tracks = self.tracks.iter_mut().enumerate();
         self.truth.active_mut().iter_mut().map(move |course| {
             let index = course.robot.index();
             let track = tracks.find(|(other, _)| *other == index);
-            Publication { course, track: track.map(|(_, track)| track).expect("each robot has a track") }
+            Publication { course, track: track.map(|(_, track)| track).expect("each robot has a track"), is_alone }
         })
     }
 
@@ -457,6 +458,11 @@ impl World {
         }
         if self.has_stances() {
             active.iter_mut().for_each(|motion| self.publish_stance(motion, end));
+        }
+        if self.has_plan_alone() {
+            self.quiescence = Quiescence::default();
+            self.are_resting.fill(false);
+            return;
         }
         if let [motion] = active
             && self.has_single_robot()
@@ -519,6 +525,11 @@ impl World {
     /// Returns true if there is only one robot and no movable object.
     fn has_single_robot(&self) -> bool {
         self.tracks.len() == 1 && self.objects.is_none()
+    }
+
+    /// Returns true if the only robot has published a plan without its passages; the indices do not know it then.
+    fn has_plan_alone(&self) -> bool {
+        self.has_single_robot() && self.tracks[0].has_plan()
     }
 
     /// Returns true if nothing needs to be resolved or published before `until`, the usual case for a single robot.
@@ -600,6 +611,9 @@ impl World {
                 visit(robot);
             }
         };
+        if self.has_plan_alone() {
+            return visit(RobotId::from_index(0));
+        }
         self.resting.for_each_in(bounds, &mut visit);
         self.moving.for_each_in(bounds, &mut visit);
     }
@@ -609,6 +623,8 @@ impl World {
 pub(crate) struct Publication<'a> {
     course: &'a mut Course,
     track: &'a mut Track,
+    /// The robot is alone in the world.
+    is_alone: bool,
 }
 
 impl Publication<'_> {
@@ -624,6 +640,9 @@ impl Publication<'_> {
         for impact in impacts.into_iter().filter(|impact| impact.fresh) {
             let Impact { time, thing: with, point, .. } = impact;
             show(Contact { time, robot: self.course.robot, with, point });
+        }
+        if self.is_alone && self.track.publish_plan(motion, end, following) {
+            return;
         }
         self.track.publish(motion, end, following);
         if !self.track.is_resting() {

@@ -188,6 +188,11 @@ impl Motion {
         let orders = Orders { pending: Pending::Idle, steering: 0.0, controllers: Rare::USUAL };
         let vehicle = Vehicle { model, errors: None, contact: ContactRule::Stall, hull: None };
         let stage = Stage::open(&vehicle, Time::ZERO, state, orders, Actuation::REST, &[], Grip::FREE);
+        Self::from_stage(id, vehicle, walls, stage)
+    }
+
+    /// Motion on a plan that begins with `stage`, without a past.
+    fn from_stage(id: RobotId, vehicle: Vehicle, walls: Arc<Walls>, stage: Stage) -> Self {
         Self {
             id,
             vehicle,
@@ -569,6 +574,15 @@ impl Motion {
     }
 
     // Functions for the world.
+
+    /// The plan from `at` on, without the past; `None` if no tick changes it, or if legs decide.
+    pub(crate) fn plan_at(&mut self, at: Time) -> Option<Self> {
+        if self.walk.is_some() || self.last().has_no_ticks(&self.vehicle) {
+            return None;
+        }
+        let stage = self.stage_at(at).clone();
+        Some(Self::from_stage(self.id, self.vehicle.clone(), Arc::clone(&self.walls), stage))
+    }
 
     /// Addresses of the heap memory that commands and queries touch.
     pub(crate) fn hot_memory(&self) -> [Range<*const u8>; 2] {

@@ -287,6 +287,10 @@ impl RayCast<'_> {
     #[inline(never)]
     fn cast_robots(&mut self) {
         let (world, origin, trace) = (self.world, self.ray.origin.truncate(), self.ray.trace);
+        if world.has_plan_alone() {
+            _ = self.cast_robot(RobotId::from_index(0));
+            return;
+        }
         world.resting.along_ray(origin, trace, self.reach(), |robot| self.cast_robot(robot));
         world.moving.along_ray(origin, trace, self.reach(), |robot| self.cast_robot(robot));
     }

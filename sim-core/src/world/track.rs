@@ -1,6 +1,6 @@
 //! Published motion of one robot, with its versions of the last 100 ms.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, sync::OnceLock};
 
 use glam::DVec2;
 
@@ -16,10 +16,28 @@ use crate::{
 #[derive(Clone, Debug)]
 struct Publication {
     since: Time,
-    /// Never empty; in the order of time.
-    passages: Vec<Passage>,
+    /// Never empty; in the order of time. Computed from `plan` for whoever asks first, if it is not known yet.
+    passages: OnceLock<Vec<Passage>>,
+    /// The plan and the end of its slot, for passages that may not be known.
+    plan: Option<(Box<Motion>, Time)>,
     /// Bounds of the centre while it was in force, within the history, once another publication is.
     past: Bounds,
+}
+
+impl Publication {
+    fn new(since: Time, passages: Vec<Passage>) -> Self {
+        Self { since, passages: OnceLock::from(passages), plan: None, past: Bounds::EMPTY }
+    }
+
+    fn passages(&self) -> &[Passage] {
+        self.passages.get_or_init(|| {
+            let mut passages = Vec::new();
+            if let Some((plan, until)) = &self.plan {
+                Motion::clone(plan).passages(self.since, *until, &mut passages);
+            }
+            passages
+        })
+    }
 }
 
 /// The publications of one robot, and its disc.
@@ -44,7 +62,7 @@ impl Track {
     pub fn new(motion: &mut Motion, lifetime: Lifetime, (from, until): (Time, Time)) -> Self {
         let mut passages = Vec::new();
         motion.passages(from, until, &mut passages);
-        let publications = VecDeque::from([Publication { since: Time(i64::MIN), passages, past: Bounds::EMPTY }]);
+        let publications = VecDeque::from([Publication::new(Time(i64::MIN), passages)]);
         Self {
             lifetime,
             radius: motion.radius(),
@@ -74,12 +92,37 @@ impl Track {
     fn passage(&self, at: Time) -> &Passage {
         let at = at.min(self.lifetime.until);
         let in_force = self.publications.iter().rposition(|publication| publication.since <= at);
-        passage_at(&self.publications[in_force.unwrap_or(0)].passages, at)
+        passage_at(self.publications[in_force.unwrap_or(0)].passages(), at)
     }
 
     /// The passages published last.
     pub fn passages(&self) -> &[Passage] {
-        &self.publications.back().expect("a track has a publication").passages
+        self.publications.back().expect("a track has a publication").passages()
+    }
+
+    /// Returns true if the passages published last may not be known.
+    pub fn has_plan(&self) -> bool {
+        self.publications.back().is_some_and(|last| last.plan.is_some())
+    }
+
+    /// Publishes the plan of `motion`, a robot alone in the world, for the slot from `since` to `until`, without computing its passages:
+    /// a command at the start of the slot, the usual one, discards the ticks of this plan. Returns false for a plan without ticks.
+    pub fn publish_plan(&mut self, motion: &mut Motion, since: Time, until: Time) -> bool {
+        let Some(plan) = motion.plan_at(since) else { return false };
+        self.drop_until(since - HISTORY);
+        self.is_resting = false;
+        self.revision = motion.revision();
+        let plan = Some((Box::new(plan), until));
+        self.publications.push_back(Publication { since, passages: OnceLock::new(), plan, past: Bounds::EMPTY });
+        true
+    }
+
+    /// Drops publications that are no longer in force at `from`.
+    fn drop_until(&mut self, from: Time) {
+        while self.publications.len() > 1 && self.publications[1].since <= from {
+            let dropped = self.publications.pop_front().expect("more than one publication");
+            self.spares.extend(dropped.passages.into_inner());
+        }
     }
 
     /// Publishes the plan of `motion` for the slot from `since` to `until`.
@@ -93,16 +136,16 @@ impl Track {
         self.is_resting = false;
         let last = self.publications.back_mut().expect("a track has a publication");
         if self.revision == motion.revision()
-            && passages.len() == 1
-            && last.passages.len() == 1
-            && passages[0].since() == last.passages[0].since()
+            && let ([next], [present]) = (&passages[..], last.passages())
+            && next.since() == present.since()
         {
             // The plan is the same with a later end, so its past is unchanged.
-            self.spares.push(std::mem::replace(&mut last.passages, passages));
+            last.plan = None;
+            self.spares.extend(std::mem::replace(&mut last.passages, OnceLock::from(passages)).into_inner());
         } else {
             self.revision = motion.revision();
-            last.past = passages_bounds(&last.passages, last.since.max(since - HISTORY), since);
-            self.publications.push_back(Publication { since, passages, past: Bounds::EMPTY });
+            last.past = passages_bounds(last.passages(), last.since.max(since - HISTORY), since);
+            self.publications.push_back(Publication::new(since, passages));
         }
     }
 
@@ -130,19 +173,18 @@ impl Track {
             self.is_resting = true;
             return;
         }
-        while self.publications.len() > 1 && self.publications[1].since <= from {
-            self.spares.push(self.publications.pop_front().expect("more than one publication").passages);
-        }
+        self.drop_until(from);
         let last = self.publications.back().expect("a track has a publication");
         let in_force = from.max(last.since);
-        let mut bounds = if in_force <= to { passages_bounds(&last.passages, in_force, to) } else { Bounds::EMPTY };
-        for earlier in self.publications.iter().rev().skip(1) {
-            bounds = bounds.union(earlier.past);
+        let mut bounds = if in_force <= to { passages_bounds(last.passages(), in_force, to) } else { Bounds::EMPTY };
+        for (earlier, next) in self.publications.iter().zip(self.publications.iter().skip(1)) {
+            let unseen = |_: &_| passages_bounds(earlier.passages(), earlier.since.max(from), next.since);
+            bounds = bounds.union(earlier.plan.as_ref().map_or(earlier.past, unseen));
         }
         self.bounds = bounds.grown(self.radius);
         let rests = |passage: &Passage| passage.path.is_resting() || passage.has_ended(in_force);
         self.is_resting =
-            self.publications.len() == 1 && self.lifetime.until == Time::NEVER && last.passages.iter().all(rests);
+            self.publications.len() == 1 && self.lifetime.until == Time::NEVER && last.passages().iter().all(rests);
     }
 }
 
