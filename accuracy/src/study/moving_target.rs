@@ -56,7 +56,7 @@ fn run(effort: Effort) -> Outcome {
         });
         rows.to_vec()
     };
-    [measure("published plan", TargetState::Published), measure("frozen at the slot's start", TargetState::Frozen)]
+    [measure("published motion", TargetState::Published), measure("frozen at the slot's start", TargetState::Frozen)]
         .concat()
         .into()
 }

@@ -36,7 +36,7 @@ struct Method {
 const METHODS: [Method; 6] = [
     Method { name: "uniform", cdf: |x| x.clamp(0.0, 1.0), draw: |count| in_turn(1, count, Stream::unit) },
     Method { name: "normal by the quantile", cdf: normal_cdf, draw: |count| in_turn(2, count, Stream::normal) },
-    Method { name: "normal, an event each", cdf: normal_cdf, draw: of_events },
+    Method { name: "normal, stream per event", cdf: normal_cdf, draw: of_events },
     Method { name: "reading of a sensor", cdf: |x| normal_cdf((x - DISTANCE) / SIGMA), draw: readings },
     Method { name: "normal of Box and Muller", cdf: normal_cdf, draw: |count| in_turn(3, count, box_muller) },
     Method { name: "sum of twelve uniform", cdf: normal_cdf, draw: |count| in_turn(4, count, sum_of_twelve) },
@@ -75,7 +75,7 @@ fn run(effort: Effort) -> Outcome {
         name: "noise-distance".to_owned(),
         title: "Distance of a sample from its distribution".to_owned(),
         x_label: "numbers in the sample".to_owned(),
-        y_label: "greatest difference of probability".to_owned(),
+        y_label: "maximum difference of probability".to_owned(),
         x_scale: Scale::Logarithmic,
         y_scale: Scale::Logarithmic,
         series,

@@ -44,7 +44,7 @@ fn run(effort: Effort) -> Outcome {
         ("level, slanting wall", &level, listen),
         ("pitched, slanting wall", &pitched, listen),
         ("level, room", &rooms, listen),
-        ("rays alone, room", &rooms, rays_alone),
+        ("rays only, room", &rooms, rays_alone),
     ];
     let mut rows = Vec::new();
     let mut series = Vec::new();

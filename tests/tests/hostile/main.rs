@@ -276,11 +276,12 @@ fn the_page_lists_every_case() {
 fn page(cases: &[Case], told: &[Vec<String>]) -> String {
     let mut page = String::from(
         "# Hostile programs\n\n\
-         Each of these robot programs runs as robot 2 between two good ones (`--timeout 0.5`), in a process of its own, on a thread and\n\
-         on a fiber of `eyesim` (in C; on a thread where the program is not fit for a fiber). None hangs, none ends with exit code 0 without a whole record, and none changes the record of another robot.\n\
-         The cells say the exit code of `eyesim`, then the outcome of robot 2 and its reason. `--exec auto`, the default, chooses a process\n\
-         for programs whose imports show that they could end or stop `eyesim`; on a thread or fiber, as `--exec thread` or `fiber` asks for, such a\n\
-         program may end it by a signal, and programs that stop their process (`raise(SIGSTOP)`) are not run there.\n\n\
+         Each of these robot programs runs as robot 2 between two good ones (`--timeout 0.5`), in a process of its own, on a\n\
+         thread and on a fiber of `eyesim` (in C; on a thread if the program cannot run on a fiber). No run hangs, none ends\n\
+         with exit code 0 without a complete record, and none changes the record of another robot. The cells give the exit code\n\
+         of `eyesim`, then the outcome of robot 2 and its reason. `--exec auto`, the default, chooses a process for programs\n\
+         whose imports show that they could end or stop `eyesim`; on a thread or fiber (`--exec thread` or `fiber`) such a\n\
+         program may end `eyesim` with a signal, and programs that stop their process (`raise(SIGSTOP)`) are not run there.\n\n\
          The table is written by `EYESIM_HOSTILE=all INSTA_UPDATE=always cargo test --workspace --test hostile`; the programs are in\n\
          `tests/tests/hostile/cases.rs`.\n\n\
          | class | program | in a process | on a thread | on a fiber |\n|---|---|---|---|---|\n",

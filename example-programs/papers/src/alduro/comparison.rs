@@ -227,7 +227,7 @@ fn compared() -> Vec<(usize, usize)> {
 }
 
 fn pairs_table(results: &[Results]) -> Table {
-    let caption = "Paired differences on the held-out terrains as assumed: error of the first method less that of the second, and its 95 % interval, cm; \
+    let caption = "Paired differences on the held-out terrains as assumed: error of the first method minus error of the second, and its 95 % interval, cm; \
                    terrains on which the first is closer; which is closer by the rule of decision, in each condition";
     let mut head = vec!["first", "second", "readings", "difference, cm", "first is closer on"];
     head.extend(Condition::ALL.map(Condition::name));
@@ -288,7 +288,7 @@ fn claims(results: &[Results]) -> Vec<Claim> {
                 "4",
                 "at the best partition of both, TSK is closer to the terrain than the occupancy grid",
                 format!(
-                    "{} less {} ({which}), {} readings; closer on {} of {} terrains",
+                    "{} minus {} ({which}), {} readings; closer on {} of {} terrains",
                     METHODS[printed].name, METHODS[grid].name, result.readings, difference.wins, difference.cases
                 ),
                 format!("{} cm", centimetres(&difference.interval)),
@@ -303,7 +303,7 @@ fn claims(results: &[Results]) -> Vec<Claim> {
         "4",
         "with few samples planes are better than constants",
         format!(
-            "{} less {}, {} readings; closer on {} of {} terrains",
+            "{} minus {}, {} readings; closer on {} of {} terrains",
             METHODS[planes].name, METHODS[constants].name, few.readings, of_planes.wins, of_planes.cases
         ),
         format!("{} cm", centimetres(&of_planes.interval)),
@@ -321,7 +321,7 @@ fn claims(results: &[Results]) -> Vec<Claim> {
         "4",
         "the lead of TSK over the grid is greater if just a few samples are available",
         format!(
-            "lead of TSK over the grid's best projection as a share of the grid's error, with {} readings less with {}",
+            "lead of TSK over the grid's best projection as a share of the grid's error, with {} readings minus with {}",
             few.readings, many.readings
         ),
         format!("{:.1} % ({:.1} to {:.1})", -100.0 * mean, -100.0 * high, -100.0 * low),
