@@ -33,6 +33,14 @@ macro_rules! names {
                     other => Self::Other(other),
                 }
             }
+
+            /// The name in the program and that in the robi file: `` `PsdAt::Front` (`PSD_FRONT`) ``.
+            fn in_words(self) -> String {
+                match self {
+                    Self::Other(semantics) => format!("`{semantics}`"),
+                    at => format!("`{}::{at:?}` (`{at}`)", stringify!($Name)),
+                }
+            }
         }
 
         impl Display for $Name {
@@ -144,13 +152,12 @@ pub enum Device {
 impl Display for Device {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Psd(PsdAt::Other(semantics)) => write!(f, "PSD sensor `{semantics}`"),
-            Self::Psd(at) => write!(f, "PSD sensor `{at}` (`PsdAt::{at:?}`)"),
-            Self::Motor(at) => write!(f, "motor `{at}`"),
-            Self::Encoder(at) => write!(f, "encoder `{at}`"),
-            Self::Servo(at) => write!(f, "servo `{at}`"),
-            Self::Bumper(at) => write!(f, "bumper `{at}`"),
-            Self::Infrared(at) => write!(f, "infrared sensor `{at}`"),
+            Self::Psd(at) => write!(f, "PSD sensor {}", at.in_words()),
+            Self::Motor(at) => write!(f, "motor {}", at.in_words()),
+            Self::Encoder(at) => write!(f, "encoder {}", at.in_words()),
+            Self::Servo(at) => write!(f, "servo {}", at.in_words()),
+            Self::Bumper(at) => write!(f, "bumper {}", at.in_words()),
+            Self::Infrared(at) => write!(f, "infrared sensor {}", at.in_words()),
             Self::Drive => f.write_str("driving interface `VW_DRIVE`"),
             Self::Compass => f.write_str("compass `COMPASS`"),
             Self::TvRemote => f.write_str("receiver `IRTV`"),

@@ -15,7 +15,7 @@ fn errors_name_the_device_and_the_call() {
     let run = Fake::new().run(|robot| robot.psd(PsdAt::Back).map(|_| ()));
     assert_eq!(
         run.expect_failed(),
-        "the robot has no PSD sensor `PSD_BACK` (`PsdAt::Back`), or it is in use already (the robi file lists what there is)"
+        "the robot has no PSD sensor `PsdAt::Back` (`PSD_BACK`), or it is in use already (the robi file lists what there is)"
     );
     let run = Fake::new().run(|robot| {
         robot.drive()?.straight(1.metres(), 0.metres_per_second())?;
@@ -72,7 +72,7 @@ fn an_error_comes_with_its_sources() {
     #[error("cannot start")]
     struct Outer(#[source] Error);
     let run = Fake::new().run(|robot| robot.bumper(BumperAt::Left).map(|_| ()).map_err(Outer));
-    assert!(run.expect_failed().starts_with("cannot start: the robot has no bumper `BUMP_LEFT`"));
+    assert!(run.expect_failed().starts_with("cannot start: the robot has no bumper `BumperAt::Left` (`BUMP_LEFT`)"));
 }
 
 #[test]

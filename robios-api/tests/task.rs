@@ -118,7 +118,7 @@ fn a_panic_or_an_error_in_a_task_ends_the_program() {
     assert!(reason.contains("tests/task.rs:") && reason.ends_with(": out of cheese"), "{reason}");
     assert!((1.0..1.1).contains(&run.time().as_secs_f64()));
     let run = program(|robot| robot.psd(PsdAt::Front).map(drop));
-    assert!(run.expect_failed().contains("no PSD sensor `PSD_FRONT`"));
+    assert!(run.expect_failed().contains("no PSD sensor `PsdAt::Front`"));
 }
 
 #[test]

@@ -1473,7 +1473,7 @@ def _similar_name(error, trace):
 def _advice(error, trace):
     """What to write instead; None where nothing is known."""
     if isinstance(error, RecursionError):
-        return "the function calls itself for ever: it needs an `if` that ends with `return` before that"
+        return "the function calls itself for ever: it needs an `if` with a `return` before the call"
     if isinstance(error, IndexError) and "index out of range" in str(error):
         return "the last index is one less than the length, len(...) - 1"
     if isinstance(error, SyntaxError) and any(words in str(error) for words in ("codec can't decode", "Non-UTF-8")):
@@ -1490,7 +1490,7 @@ def _advice(error, trace):
     if isinstance(error, TypeError) and "function' object is not subscriptable" in str(error):
         return "`[ ]` belongs to a list: a function is called with `( )`, as in `PSDGet(1)`"
     if isinstance(error, TypeError) and "can only concatenate str" in str(error):
-        return "`+` joins texts alone: write `str(...)` around the number"
+        return "`+` joins only texts: write `str(...)` around the number"
     return _missing_import(error, trace)
 
 
@@ -1517,14 +1517,14 @@ def _missing_import(error, trace):
     """What to write for a name of this module that the program has not imported, or of RoBIOS 6; None for other errors."""
     name = getattr(error, "name", None) or (str(error).split("'") + [None] * 2)[1]
     if isinstance(error, (NameError, AttributeError)) and name in _OF_ROBIOS6:
-        return "it is of RoBIOS 6, which C and C++ have; Python has RoBIOS-7, whose devices need no handle and no `...Init`"
+        return "it belongs to RoBIOS 6, which C and C++ have; Python has RoBIOS-7, whose devices need no handle and no `...Init`"
     if not isinstance(error, NameError) or name not in __all__ or name in _ELSE:
         return None
     while trace.tb_next:
         trace = trace.tb_next
     if trace.tb_frame.f_globals.get("eye") is _sys.modules["eye"]:
         return f"write eye.{name}"
-    return "it is of eye: write `from eye import *` as the first line"
+    return "it belongs to `eye`: write `from eye import *` as the first line"
 
 
 def _tell_error(path):

@@ -138,7 +138,7 @@ fn tasks_fail_and_end_as_they_should() {
     assert!(reason(panicked).starts_with("task `doomed`: panicked: "), "{panicked:#}");
     assert!(reason(panicked).contains(&place) && reason(panicked).ends_with("out of cheese"), "{panicked:#}");
     assert_eq!(panicked_lines, &["doomed let go", "main let go"]);
-    assert!(reason(error).contains("no PSD sensor `PSD_BACK`"), "{error:#}");
+    assert!(reason(error).contains("no PSD sensor `PsdAt::Back`"), "{error:#}");
     for told in ["deadlock", "left", "right", "semaphore 1", "semaphore 2"] {
         assert!(reason(deadlock).contains(told), "`{told}`: {deadlock:#}");
     }

@@ -47,7 +47,8 @@ pub(super) const ILLEGAL: &str =
 pub(super) const ILLEGAL_DIVISION: &str = "division by zero, which the compiler has seen (illegal instruction)";
 
 /// Usual causes of a fault at another address.
-const WILD: &str = "a pointer without a value, an index beyond its array, or a text in quotes that is written to";
+pub(super) const WILD: &str =
+    "a pointer without a value, an index beyond its array, or a text in quotes that is written to";
 
 /// Code of a fault whose address the kernel does not know, of <asm-generic/siginfo.h>.
 const SI_KERNEL: i32 = 0x80;

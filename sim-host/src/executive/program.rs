@@ -129,9 +129,15 @@ impl RobotProgram {
 
     /// The text of a line of the program's own sources; `None` if it cannot be read.
     pub fn text_of(&self, line: &SourceLine) -> Option<String> {
+        let place = usize::try_from(line.line).ok()?.checked_sub(1)?;
+        self.source_of(line)?.lines().nth(place).map(str::to_owned)
+    }
+
+    /// The text of the program's own source that contains `line`; `None` if it cannot be read.
+    pub fn source_of(&self, line: &SourceLine) -> Option<String> {
         match self {
-            Self::InHost { program, .. } => program.text_of(line),
-            Self::Process(program) => program.text_of(line),
+            Self::InHost { program, .. } => program.source_of(line),
+            Self::Process(program) => program.source_of(line),
             Self::Embedded(_) => None,
         }
     }

@@ -4,10 +4,11 @@ use parking_lot::MutexGuard;
 use sim_core::time::Time;
 
 use super::dispatcher::End;
-use super::fault::{Broken, ILLEGAL, ILLEGAL_DIVISION, NULL_POINTER, STACK_OVERFLOW};
+use super::fault::{Broken, ILLEGAL, ILLEGAL_DIVISION, NULL_POINTER, STACK_OVERFLOW, WILD};
 use super::process::ComputingPlace;
 use super::program::RobotProgram;
 use super::reason;
+use crate::program::code::{code_only, pointers_of, single_array};
 use crate::program::plain::is_empty_clause;
 use crate::robios::call::Call;
 use crate::robios::robot::{Ending, Robot, Wait, WaitReason};
@@ -279,12 +280,25 @@ fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
     FaultReport { what, location, last_call }
 }
 
+/// The pointers of the line at which the program itself broke, at most two: one of them was NULL. `None` if the line shows none.
+fn null_pointer(broken: &Broken, program: &RobotProgram) -> Option<String> {
+    let line = program.own_source_line(broken.addresses.get(..1)?)?;
+    let is_rust = line.file.extension().is_some_and(|extension| extension == "rs");
+    let pointers = pointers_of(&program.text_of(&line).filter(|_| !is_rust)?);
+    (1..=2).contains(&pointers.len()).then(|| format!("`{}`", pointers.join("` or `")))
+}
+
+/// Question about the only array that the line indexes at which the program broke.
+fn wild_index(broken: &Broken, program: &RobotProgram) -> Option<String> {
+    let line = program.own_source_line(&without_stale(&broken.addresses, program))?;
+    let (name, len) = single_array(&program.text_of(&line)?, &program.source_of(&line)?)?;
+    let len = len?;
+    Some(format!("; is an index of `{name}` outside of its {len} elements, 0 to {}?", len.checked_sub(1)?))
+}
+
 /// Returns true if the line at which the program broke divides, and uses no pointer.
 fn is_at_division(broken: &Broken, program: &RobotProgram) -> bool {
-    let text = code_of(broken, program, 0).unwrap_or_default();
-    let code = text.split("//").next().unwrap_or_default();
-    // What stands between quotes is no code.
-    let code: String = code.split('"').step_by(2).collect();
+    let code = code_only(&code_of(broken, program, 0).unwrap_or_default());
     code.contains(['/', '%']) && !code.contains(['*', '[']) && !code.contains("->")
 }
 
@@ -297,10 +311,7 @@ fn code_of(broken: &Broken, program: &RobotProgram, above: u32) -> Option<String
 
 /// Returns true if the program broke in a loop without a body, `while (...);`, and not at the end of a `do`.
 fn is_in_empty_loop(broken: &Broken, program: &RobotProgram) -> bool {
-    let code = |above: u32| {
-        let line = code_of(broken, program, above)?;
-        Some(line.split("//").next().unwrap_or_default().trim().to_owned())
-    };
+    let code = |above: u32| Some(code_only(&code_of(broken, program, above)?).trim().to_owned());
     let is_loop = |line: &String| !line.starts_with(['}', 'i']) && is_empty_clause(line);
     let above: Vec<String> = (1..=3).map_while(code).filter(|line| !line.is_empty()).collect();
     let begins_do = |line: &String| line == "do" || line.starts_with("do ") || line.starts_with("do{");
@@ -311,18 +322,23 @@ fn is_in_empty_loop(broken: &Broken, program: &RobotProgram) -> bool {
 
 /// What the user may do about a break, appended to its report.
 fn advice(report: &FaultReport, broken: &Broken, robot: &Robot, program: &RobotProgram) -> String {
-    let unopened = robot.robios.storage.unopened().filter(|_| report.what.starts_with(NULL_POINTER));
+    let is_null = report.what.starts_with(NULL_POINTER);
+    let unopened = robot.robios.storage.unopened().filter(|_| is_null);
     if broken.is_overdue && robot.robios.input.has_ended() {
         "; it has read its standard input, which has come to its end (`--stdin`)".to_owned()
     } else if broken.is_overdue {
-        let call = if report.location.contains(".rs:") { "robot.sleep(...)" } else { "OSWait(10)" };
+        let call = if report.location.contains(".rs:") { "robot.sleep(10.millis())" } else { "OSWait(10)" };
         let empty =
             if is_in_empty_loop(broken, program) { "the `;` ends the loop here: leave it out, or " } else { "" };
         format!("; {empty}put a call that waits into the loop, such as `{call}`")
     } else if report.what.starts_with(STACK_OVERFLOW) {
         "; a function calls itself without end, or a local array is too large, which `static` puts elsewhere".to_owned()
     } else {
-        unopened.map(|why| format!("; `fopen` has returned NULL before: {why}")).unwrap_or_default()
+        let null = null_pointer(broken, program).filter(|_| is_null).map(|pointer| format!("; {pointer} is NULL"));
+        let why = unopened.map(|why| format!("; `fopen` has returned NULL before: {why}"));
+        let is_wild = report.what.contains(WILD) || report.what.contains("an array overrun");
+        let index = wild_index(broken, program).filter(|_| is_wild);
+        [null, why, index].into_iter().flatten().collect()
     }
 }
 

@@ -15,6 +15,7 @@ use sim_format::builtin;
 use super::load::{ProgramLoadError, load_program};
 use super::process::Child;
 use super::program::{Exec, RobotProgram};
+use crate::program::find::ProgramSource;
 use crate::program::load::Loader;
 use crate::program::prepare::Prepared;
 use crate::program::sandbox::{Level, Sandbox};
@@ -204,6 +205,7 @@ impl Spawner {
             false => Storage::new(folder),
         };
         robios.dialect = self.scene.run.dialect.unwrap_or_default();
+        robios.is_rust = program.is_some_and(|program| matches!(program.source, ProgramSource::Cargo(_)));
         robios.os.may_execute = self.options.may_execute;
         robios.console = Console::new(self.options.output_limit);
         robios.input = Input::new(self.options.stdin.clone());

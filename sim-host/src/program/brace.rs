@@ -1,6 +1,6 @@
 //! Search for the `{` without `}` of a C or C++ source by its indentation.
 
-use super::plain::TYPES;
+use super::code::{begins_function, code_only};
 
 /// A `{` whose `}` is not met yet.
 struct Open<'a> {
@@ -19,20 +19,17 @@ pub fn unclosed_brace(text: &str) -> Option<usize> {
     }
     let mut open: Vec<Open<'_>> = Vec::new();
     let (mut parentheses, mut indent) = (0_i32, "");
-    let (mut is_comment, mut before) = (false, "");
-    for (index, line) in text.lines().enumerate() {
+    let (code, mut before) = (code_only(text), "");
+    for (index, line) in code.lines().enumerate() {
         let own_indent = &line[..line.len() - line.trim_start().len()];
         if parentheses == 0 && !line.trim().is_empty() {
             indent = own_indent;
         }
-        let is_function = own_indent.is_empty()
-            && TYPES.iter().any(|kind| line.strip_prefix(kind).is_some_and(|rest| rest.starts_with(' ')))
-            && line.contains('(')
-            && !line.contains([';', '=']);
-        if let Some(last) = open.last().filter(|last| is_function && !is_comment && !last.holds_functions) {
+        let is_function = begins_function(line);
+        if let Some(last) = open.last().filter(|last| is_function && !last.holds_functions) {
             return Some(last.line);
         }
-        for (place, mark) in marks(line, &mut is_comment) {
+        for (place, mark) in line.char_indices() {
             match mark {
                 '(' => parentheses += 1,
                 ')' => parentheses -= 1,
@@ -62,27 +59,6 @@ pub fn unclosed_brace(text: &str) -> Option<usize> {
     (indent > last.indent.len()).then_some(last.line)
 }
 
-/// Braces and parentheses of a line with their places, without those in texts and comments.
-fn marks(line: &str, is_comment: &mut bool) -> Vec<(usize, char)> {
-    let mut found = Vec::new();
-    let mut quote = None;
-    let mut letters = line.char_indices();
-    while let Some((place, letter)) = letters.next() {
-        let rest = &line[place..];
-        match (quote, letter) {
-            _ if *is_comment => *is_comment = !rest.starts_with("*/"),
-            (Some(_), '\\') => drop(letters.next()),
-            (Some(end), letter) => quote = Some(end).filter(|end| *end != letter),
-            (None, '"' | '\'') => quote = Some(letter),
-            _ if rest.starts_with("//") => break,
-            _ if rest.starts_with("/*") => *is_comment = true,
-            (None, '{' | '}' | '(' | ')') => found.push((place, letter)),
-            _ => {}
-        }
-    }
-    found
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,6 +70,16 @@ mod tests {
         assert_eq!(line("int main()\n{\n  if (1) {\n    f();\n  }\n  return 0;\n"), Some(2));
         assert_eq!(line("void f()\n{\n  g();\n\nint main()\n{\n  return 0;\n}\n"), Some(2));
         assert_eq!(line("void f() {\n  puts(\"}\"); // }\n  if (a &&\n      b) {\n  }\n\nint main() {\n}\n"), Some(1));
+    }
+
+    #[test]
+    fn functions_of_any_type_begin_at_the_margin() {
+        for head in ["static int g()", "Place g(int a, int b)", "std::string g()", "int *g()", "main()"] {
+            assert_eq!(unclosed_brace(&format!("void f()\n{{\nh();\n\n{head}\n{{\n}}\n")), Some(2), "{head}");
+        }
+        for line in ["h(3);", "else if (a)", "return (3)", "case A: g(3)"] {
+            assert_eq!(unclosed_brace(&format!("void f()\n{{\n{line}\n{{\n}}\n}}\n")), None, "{line}");
+        }
     }
 
     #[test]

@@ -20,6 +20,9 @@ use crate::files::read_regular;
 /// Version of the cache's layout; part of every key.
 const CACHE_VERSION: u32 = 2;
 
+/// Code that puts the compiler's words into plain ones: part of every key, as the cache keeps what it makes of warnings.
+const MESSAGES: [&str; 3] = [include_str!("plain.rs"), include_str!("compile.rs"), include_str!("code.rs")];
+
 /// Environment variables that change the output of a compiler.
 const ENVIRONMENT: [&str; 7] = [
     "CPATH",
@@ -421,6 +424,7 @@ impl Builder {
             hasher.update(bytes);
         };
         add(format!("eyesim {CACHE_VERSION}").as_bytes());
+        MESSAGES.iter().for_each(|text| add(text.as_bytes()));
         // What was built without restrictions may contain what a restricted program must not read.
         add(self.sandbox.as_ref().map_or("", |sandbox| sandbox.level().word()).as_bytes());
         add(self.kits.of(generation).digest().as_bytes());

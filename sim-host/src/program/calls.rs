@@ -3,6 +3,8 @@
 
 use std::collections::BTreeSet;
 
+use super::code::code_only;
+
 /// Names found in a source.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Calls {
@@ -25,7 +27,8 @@ pub struct Calls {
 /// Scans `text`. Comments and literals are skipped. Macros are not expanded, but calls in their definitions count.
 pub fn calls_of(text: &str) -> Calls {
     let includes = text.lines().filter_map(included_file).map(str::to_owned).collect();
-    let tokens = tokens_of(text);
+    let code = code_only(text);
+    let tokens = tokens_of(&code);
     let mut calls = Calls { includes, ..Calls::default() };
     let mut depth = 0_usize;
     let mut is_enum = false;
@@ -105,69 +108,21 @@ fn behind_parentheses<'a>(tokens: &[Token<'a>]) -> Option<Token<'a>> {
     None
 }
 
-/// Names and punctuation of `text`, without comments, literals, numbers and blanks.
-fn tokens_of(text: &str) -> Vec<Token<'_>> {
+/// Names and punctuation of `code`, without numbers and blanks.
+fn tokens_of(code: &str) -> Vec<Token<'_>> {
     let is_name = |c: char| c.is_alphanumeric() || c == '_';
     let mut tokens = Vec::new();
-    let mut rest = text;
+    let mut rest = code;
     while let Some(first) = rest.chars().next() {
-        let taken = match first {
-            '/' if rest.starts_with("//") => line_end(rest),
-            '/' if rest.starts_with("/*") => rest[2..].find("*/").map_or(rest.len(), |end| end + 4),
-            '"' | '\'' => literal_end(rest, first),
-            'R' if rest.starts_with("R\"") => raw_end(rest),
-            _ if is_name(first) => {
-                let end = rest.find(|c| !is_name(c)).unwrap_or(rest.len());
-                if !first.is_numeric() {
-                    tokens.push(Token::Name(&rest[..end]));
-                }
-                end
-            }
-            _ => {
-                if !first.is_whitespace() {
-                    tokens.push(Token::Mark(first));
-                }
-                first.len_utf8()
-            }
-        };
-        rest = &rest[taken..];
+        let end = if is_name(first) { rest.find(|c| !is_name(c)).unwrap_or(rest.len()) } else { first.len_utf8() };
+        match first {
+            _ if is_name(first) && !first.is_numeric() => tokens.push(Token::Name(&rest[..end])),
+            _ if is_name(first) || first.is_whitespace() => {}
+            _ => tokens.push(Token::Mark(first)),
+        }
+        rest = &rest[end..];
     }
     tokens
-}
-
-/// End of a `//` comment, as a byte offset; a back-slash at the end of a line continues the comment on the next line.
-fn line_end(text: &str) -> usize {
-    let mut at = 0;
-    while let Some(end) = text[at..].find('\n') {
-        at += end;
-        if !text[..at].trim_end_matches('\r').ends_with('\\') {
-            return at;
-        }
-        at += 1;
-    }
-    text.len()
-}
-
-/// End of a literal that begins with `quote`, as a byte offset: after its closing quote, or at the end of the line.
-fn literal_end(text: &str, quote: char) -> usize {
-    let mut is_escaped = false;
-    for (at, c) in text.char_indices().skip(1) {
-        match c {
-            _ if is_escaped => is_escaped = false,
-            '\\' => is_escaped = true,
-            '\n' => return at,
-            c if c == quote => return at + 1,
-            _ => {}
-        }
-    }
-    text.len()
-}
-
-/// End of a raw string literal `R"x(...)x"`, as a byte offset.
-fn raw_end(text: &str) -> usize {
-    let Some(open) = text.find('(') else { return text.len() };
-    let close = format!("){}\"", &text[2..open]);
-    text[open..].find(&close).map_or(text.len(), |end| open + end + close.len())
 }
 
 #[cfg(test)]

@@ -274,9 +274,11 @@ impl<'a> Compilation<'a> {
         for (index, source) in self.sources.iter().enumerate() {
             let (object, output) = self.compile_source(index, source, variant, &mut compiled)?;
             void_main |= returns_nothing_from_main(&output);
-            compiled.output.push_str(&remark_on_encoding(source, &fs::read(source)?));
+            let text = fs::read(source)?;
+            compiled.output.push_str(&remark_on_encoding(source, &text));
             let output = without_intended(&output);
-            compiled.output.push_str(&in_plain_words(&output, ("", "")));
+            let name = self.seen_from_folder(source).display().to_string();
+            compiled.output.push_str(&in_plain_words(&output, (&name, &String::from_utf8_lossy(&text))));
             compiled.output.push_str(&output);
             objects.push(object);
         }
@@ -567,7 +569,7 @@ fn remark_on_encoding(source: &Path, text: &[u8]) -> String {
     // Latin-1 has each of these bytes as the character of the same number; below 0xA0 it has none that are printed.
     let letter = if byte >= 0xA0 { format!(" (`{}` in Latin-1)", char::from(byte)) } else { String::new() };
     format!(
-        "{name}:{line}: the byte 0x{byte:X}{letter} is no UTF-8, and is lost where it is printed: save the file as UTF-8\n"
+        "{name}:{line}: the byte 0x{byte:X}{letter} is not UTF-8, and is lost where it is printed: save the file as UTF-8\n"
     )
 }
 
@@ -613,9 +615,9 @@ mod tests {
         assert_eq!(remark("int main(void) { return 0; } // größer".as_bytes()), "");
         assert_eq!(
             remark(b"int i;\n// gr\xF6\xDFer\n"),
-            "maze.c:2: the byte 0xF6 (`\u{F6}` in Latin-1) is no UTF-8, and is lost where it is printed: save the file as UTF-8\n"
+            "maze.c:2: the byte 0xF6 (`\u{F6}` in Latin-1) is not UTF-8, and is lost where it is printed: save the file as UTF-8\n"
         );
-        assert!(remark(b"\x80").starts_with("maze.c:1: the byte 0x80 is no UTF-8"));
+        assert!(remark(b"\x80").starts_with("maze.c:1: the byte 0x80 is not UTF-8"));
     }
 
     #[test]

@@ -9,6 +9,7 @@ use robios_sys::c;
 
 use super::cache::Cache;
 use super::command::{COMMAND_TIMEOUT, build_output};
+use super::hint;
 use super::language::Language;
 use super::words::split_words;
 use crate::host;
@@ -100,7 +101,7 @@ pub enum CompilerError {
     /// The language's variable is not set and none of the usual names is on the search path.
     #[error(
         "no {} compiler is found (tried {}): install one (Debian and Ubuntu: `apt install {}`{}), or set ${} to its name",
-        language.name(), quoted(language.commands()), language.packages(), of_host(), language.variable()
+        language.name(), hint::quoted(language.commands()), language.packages(), of_host(), language.variable()
     )]
     Missing {
         /// The language.
@@ -160,10 +161,6 @@ pub enum CompilerError {
 fn of_host() -> String {
     let installer = host::current().map(|host| &host.zig_installer).filter(|installer| !installer.is_empty());
     installer.map_or_else(String::new, |installer| format!("; without the system's packages: `{installer}`"))
-}
-
-fn quoted(names: &[&str]) -> String {
-    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
 impl Compiler {

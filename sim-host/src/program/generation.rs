@@ -9,6 +9,7 @@ use robios_sys::constant::Constant;
 use robios_sys::{Robios6Call, Robios7Call, robios6, robios7};
 
 use super::calls::calls_of;
+use super::code::{code_only, is_name};
 use crate::files::read_regular;
 
 /// A generation of the RoBIOS API.
@@ -244,8 +245,7 @@ const MAX_SHOWN: usize = 3;
 pub enum GenerationError {
     /// The sources call functions of both.
     #[error(
-        "`{}` mixes two generations: {} of RoBIOS 6, whose devices have handles, and {} of RoBIOS-7, whose devices have none; write all \
-         of it for one of them",
+        "`{}` mixes two generations: {} of RoBIOS 6, whose devices have handles, and {} of RoBIOS-7, whose devices have none; {advice}",
         source_file.display(), of_6.join(", "), of_7.join(", ")
     )]
     Both {
@@ -255,6 +255,8 @@ pub enum GenerationError {
         of_6: Vec<String>,
         /// Functions called that only RoBIOS-7 has, as above.
         of_7: Vec<String>,
+        /// What to change.
+        advice: String,
     },
     /// The sources include a pipe or a device, at which a compiler would hang.
     #[error("`{}`, which the program includes, is not a file", .0.display())]
@@ -291,8 +293,9 @@ pub fn choose(
     match (of_6.is_empty(), of_7.is_empty()) {
         (false, false) => {
             let source_file = sources.first().cloned().unwrap_or_default();
+            let advice = advice(&of_6, &of_7, sources);
             let [of_6, of_7] = [of_6, of_7].map(|names| names.iter().map(|name| with_line(name, sources)).collect());
-            Err(GenerationError::Both { source_file, of_6, of_7 })
+            Err(GenerationError::Both { source_file, of_6, of_7, advice })
         }
         (false, true) => choice(Generation::Robios6, ChoiceReason::Calls(of_6)),
         (true, false) => choice(Generation::Robios7, ChoiceReason::Calls(of_7)),
@@ -305,6 +308,115 @@ pub fn choose(
             (None, None) => choice(Generation::Robios6, ChoiceReason::Default),
         },
     }
+}
+
+/// What to write in place of functions that only the other generation has, for RoBIOS-7 and for RoBIOS 6.
+const INSTEAD: [&[(&str, &str)]; 2] = [
+    &[
+        ("VWDriveStraight", "VWStraight(mm, mm/s)"),
+        ("VWDriveTurn", "VWTurn(degrees, degrees/s)"),
+        ("VWDriveCurve", "VWCurve(mm, degrees, mm/s)"),
+        ("QUADRead", "ENCODERRead(number)"),
+        ("QUADReset", "ENCODERReset(number)"),
+        ("LCDPutString", "LCDPrintf(\"%s\", text)"),
+        ("LCDPutInt", "LCDPrintf(\"%d\", number)"),
+        ("LCDPutFloat", "LCDPrintf(\"%f\", number)"),
+        ("LCDPutChar", "LCDPrintf(\"%c\", letter)"),
+    ],
+    &[
+        ("VWStraight", "VWDriveStraight(vw, metres, metres/s)"),
+        ("VWTurn", "VWDriveTurn(vw, radians, radians/s)"),
+        ("VWCurve", "VWDriveCurve(vw, metres, radians, metres/s)"),
+        ("VWWait", "VWDriveWait(vw)"),
+        ("VWDone", "VWDriveDone(vw)"),
+        ("ENCODERRead", "QUADRead(handle)"),
+        ("ENCODERReset", "QUADReset(handle)"),
+    ],
+];
+
+/// Functions of RoBIOS 6 that RoBIOS-7 does without.
+const NEEDLESS_IN_7: &[&str] = &[
+    "VWInit",
+    "VWRelease",
+    "VWStartControl",
+    "VWStopControl",
+    "PSDInit",
+    "PSDRelease",
+    "PSDStart",
+    "PSDStop",
+    "MOTORInit",
+    "MOTORRelease",
+    "SERVOInit",
+    "SERVORelease",
+    "QUADInit",
+    "QUADRelease",
+];
+
+/// A call of a function in a source.
+struct CallSite<'a> {
+    name: &'a str,
+    /// `line 4`, or `map.c:4` in a program of several sources.
+    place: String,
+    /// The line without comments and literals.
+    code: String,
+}
+
+/// What to change in a program that calls functions of both generations: the calls of the generation that has fewer of them, among
+/// those for which the other one has a replacement.
+fn advice(of_6: &[String], of_7: &[String], sources: &[PathBuf]) -> String {
+    let [of_6, of_7] = [of_6, of_7].map(|names| call_sites(names, sources));
+    let (lines_6, lines_7) = (of_6.as_ref().map_or(0, Vec::len), of_7.as_ref().map_or(0, Vec::len));
+    let to_7 = of_6.and_then(|calls| changes(&calls, Generation::Robios7));
+    let to_6 = of_7.and_then(|calls| changes(&calls, Generation::Robios6));
+    let (first, second) = if lines_6 <= lines_7 { (to_7, to_6) } else { (to_6, to_7) };
+    first.or(second).unwrap_or_else(|| "write all of it for one of them".to_owned())
+}
+
+/// The changes that bring `calls` to `generation`; `None` if it has nothing like one of them.
+fn changes(calls: &[CallSite<'_>], generation: Generation) -> Option<String> {
+    let change = |CallSite { name, place, code }: &CallSite<'_>| {
+        let instead = INSTEAD[usize::from(generation == Generation::Robios6)];
+        if let Some((_, instead)) = instead.iter().find(|(other, _)| other == name) {
+            return Some(format!("in {place} write `{instead}` for `{name}`"));
+        }
+        let is_needless = generation == Generation::Robios7 && NEEDLESS_IN_7.contains(name);
+        let is_whole = code.trim_end().ends_with(';')
+            && code.matches(';').count() == 1
+            && !["if", "else", "while", "for", "return"].iter().any(|word| code.trim_start().starts_with(word));
+        let handle = code.split_once('=').and_then(|(left, _)| left.trim_end().rsplit(|c| !is_name(c)).next());
+        let handle = match handle.filter(|handle| !handle.is_empty()) {
+            Some(handle) if name.starts_with("VW") => format!(", and leave out `{handle}` wherever it is passed"),
+            Some(handle) => format!(", and pass the number of the device, such as 1, for `{handle}`"),
+            None => String::new(),
+        };
+        is_needless.then(|| match is_whole {
+            true => format!("delete {place}{handle}"),
+            false => format!("leave out `{name}` in {place}{handle}"),
+        })
+    };
+    let changes: Vec<String> = calls.iter().map(change).collect::<Option<_>>()?;
+    Some(format!("to write it for {}, {}", generation.name(), changes.join("; ")))
+}
+
+/// All calls of `names` in `sources`, line by line; `None` if one of them is called nowhere there.
+fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSite<'a>>> {
+    let calls = |code: &str, name: &str| {
+        code.match_indices(name)
+            .any(|(at, _)| !code[..at].ends_with(is_name) && code[at + name.len()..].trim_start().starts_with('('))
+    };
+    let mut sites = Vec::new();
+    for source in sources {
+        let code = code_only(&String::from_utf8_lossy(&read_regular(source).ok()?));
+        let file = source.file_name()?.display().to_string();
+        for (index, line) in code.lines().enumerate() {
+            sites.extend(names.iter().filter(|name| calls(line, name)).map(|name| {
+                let place =
+                    if sources.len() == 1 { format!("line {}", index + 1) } else { format!("{file}:{}", index + 1) };
+                CallSite { name, place, code: line.to_owned() }
+            }));
+        }
+    }
+    names.iter().all(|name| sites.iter().any(|site| site.name == name)).then_some(sites)
 }
 
 /// A function with the line of its first call, if it is in `sources`: `` `VWInit` (maze.c:4)``.
@@ -492,6 +604,32 @@ mod tests {
         let error = choice(&mixed, GenerationHint::default()).expect_err("two generations");
         assert!(error.contains("mixes two generations: `VWInit` (maze.c:1) of RoBIOS 6, "), "{error}");
         assert!(error.contains("`VWStraight` (map.cpp:2), `VWWait` (map.cpp:2) of RoBIOS-7, "), "{error}");
+        assert!(error.ends_with("; to write it for RoBIOS-7, leave out `VWInit` in maze.c:1"), "{error}");
+        let advice = |text: &str| {
+            let error = choice(&[("maze.c", text)], GenerationHint::default()).expect_err("two generations");
+            error.rsplit_once("have none; ").expect("an advice").1.to_owned()
+        };
+        assert_eq!(
+            advice("f() {\n  VWHandle vw = VWInit(1, 1); // VWRelease()\n  VWStraight(1, 2);\n}"),
+            "to write it for RoBIOS-7, delete line 2, and leave out `vw` wherever it is passed"
+        );
+        assert_eq!(
+            advice("f() {\n  vw = VWInit(1, 1);\n  VWDriveStraight(vw, 1, 2);\n  VWWait();\n}"),
+            "to write it for RoBIOS 6, in line 4 write `VWDriveWait(vw)` for `VWWait`"
+        );
+        assert_eq!(
+            advice(
+                "f() {\n  front = PSDInit(1);\n  if (!(vw = VWInit(1, 1))) return;\n  VWTurn(1, 2);\n  VWWait();\n}"
+            ),
+            "to write it for RoBIOS-7, delete line 2, and pass the number of the device, such as 1, for `front`; leave out \
+             `VWInit` in line 3, and leave out `vw` wherever it is passed"
+        );
+        assert_eq!(advice("f() {\n  BUMPCheck(1);\n  LCDPixel(1, 2);\n}"), "write all of it for one of them");
+        assert_eq!(
+            advice("f() {\n  BUMPCheck(1);\n  VWTurn(1, 2);\n  VWWait();\n}"),
+            "to write it for RoBIOS 6, in line 3 write `VWDriveTurn(vw, radians, radians/s)` for `VWTurn`; in line 4 write \
+             `VWDriveWait(vw)` for `VWWait`"
+        );
     }
 
     #[test]

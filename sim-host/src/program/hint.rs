@@ -20,7 +20,7 @@ const ABSENT: &[(&[&str], &str)] = &[
     ),
     (
         &["windows.h", "Windows.h"],
-        "it is of Windows: `OSWait(ms)` or `usleep` in place of `Sleep`, `OSGetCount` in place of `GetTickCount`, \
+        "it belongs to Windows: `OSWait(ms)` or `usleep` in place of `Sleep`, `OSGetCount` in place of `GetTickCount`, \
          pthreads in place of `CreateThread`",
     ),
 ];
@@ -410,7 +410,7 @@ mod tests {
         let gcc = of_source("a.c:2:10: fatal error: conio.h: No such file or directory\n", "a.c", b"");
         assert!(gcc.starts_with("a.c: `conio.h`: a robot has no terminal: `KEYRead`"), "{gcc}");
         let clang = of_source("a.c:1:10: fatal error: 'windows.h' file not found\n", "a.c", b"");
-        assert!(clang.starts_with("a.c: `windows.h`: it is of Windows: `OSWait(ms)`"), "{clang}");
+        assert!(clang.starts_with("a.c: `windows.h`: it belongs to Windows: `OSWait(ms)`"), "{clang}");
         for missing in ["../include/EyeBot.h", "eyebott.h", "eyebot"] {
             let output = format!("a.c:1:10: fatal error: {missing}: No such file or directory\n");
             let expected = format!("a.c: `{missing}`: write `#include \"eyebot.h\"`, which eyesim has\n");

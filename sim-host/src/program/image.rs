@@ -259,12 +259,10 @@ impl ProgramImage {
         first
     }
 
-    /// The text of a line of the program's own sources; `None` if it cannot be read.
-    pub fn text_of(&self, line: &SourceLine) -> Option<String> {
+    /// The text of the own source that contains `line`; `None` if it cannot be read.
+    pub fn source_of(&self, line: &SourceLine) -> Option<String> {
         let file = self.source_folder.as_ref().filter(|_| line.file.is_relative())?.join(&line.file);
-        let text = read_regular(&file).ok()?;
-        let place = usize::try_from(line.line).ok()?.checked_sub(1)?;
-        String::from_utf8_lossy(&text).lines().nth(place).map(str::to_owned)
+        Some(String::from_utf8_lossy(&read_regular(&file).ok()?).into_owned())
     }
 
     fn within_source_folder(&self, file: &Path) -> Option<PathBuf> {

@@ -233,8 +233,8 @@ impl LoadedProgram {
     }
 
     /// See [`ProgramImage::text_of`].
-    pub fn text_of(&self, line: &SourceLine) -> Option<String> {
-        self.image.text_of(line)
+    pub fn source_of(&self, line: &SourceLine) -> Option<String> {
+        self.image.source_of(line)
     }
 
     /// Address of the program's console streams, see [`Program::consoles`].

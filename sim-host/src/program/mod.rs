@@ -8,6 +8,7 @@ pub mod build;
 pub mod cache;
 mod calls;
 pub mod cargo;
+pub(crate) mod code;
 pub mod command;
 pub mod compile;
 pub mod compiler;

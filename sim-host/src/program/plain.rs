@@ -2,6 +2,7 @@
 //! compiler's own words yet. Those follow after them.
 
 use super::brace::unclosed_brace;
+use super::code::{TYPES, begins_function, code_only, single_array};
 
 /// Most lines that are put before the compiler's own words.
 const MAX_LINES: usize = 5;
@@ -15,16 +16,16 @@ struct Message<'a> {
     text: &'a str,
     /// Lines from this message to the next: excerpts and notes.
     more: &'a [&'a str],
-    /// gcc has said that the line is within a function.
-    is_in_function: bool,
-    /// The source that is compiled.
+    /// The function within which the line is, as gcc tells it: `int home(int)`; empty if it tells none.
+    function: &'a str,
+    /// The source that is compiled; empty for a message about another file.
     source: &'a str,
 }
 
 /// The known messages among the compiler's `output`, in plain words: one line each, that of the first error if there is an error.
 ///
-/// `source` is the name and the text of the source, in which a missing `}` is looked for.
-pub fn in_plain_words(output: &str, (name, source): (&str, &str)) -> String {
+/// `source` is the name and the text of the source, in which braces and declarations are looked for.
+pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
     let lines: Vec<&str> = output.lines().collect();
     let heads: Vec<usize> =
         (0..lines.len()).filter(|&index| parse(&lines, index, lines.len(), source).is_some()).collect();
@@ -35,7 +36,7 @@ pub fn in_plain_words(output: &str, (name, source): (&str, &str)) -> String {
     let mut told: Vec<String> = Vec::new();
     // An error is often the cause of all that follows.
     let chosen = messages.iter().filter(|message| first_error.is_none_or(|error| std::ptr::eq(error, *message)));
-    for line in chosen.filter_map(|message| message.in_plain_words(name)) {
+    for line in chosen.filter_map(Message::in_plain_words) {
         if told.len() < MAX_LINES && !told.contains(&line) {
             told.push(line);
         }
@@ -78,7 +79,7 @@ pub fn without_intended(output: &str) -> String {
 }
 
 /// The message that begins at line `index`, with the lines up to `end`; `None` if none about the program begins there.
-fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize, source: &'a str) -> Option<Message<'a>> {
+fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize, (name, source): (&str, &'a str)) -> Option<Message<'a>> {
     let mut parts = lines[index].splitn(4, ':');
     let (file, line, column, rest) = (parts.next()?, parts.next()?, parts.next()?, parts.next()?.trim_start());
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
@@ -90,8 +91,8 @@ fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize, source: &'a str) ->
         line.contains(": In ") || line.ends_with(": At top level:") || line.ends_with(": At global scope:")
     };
     is_own.then(|| Message {
-        is_in_function: lines[..index].iter().rev().find(is_scope).is_some_and(|line| line.contains(": In ")),
-        source,
+        function: lines[..index].iter().rev().find(is_scope).and_then(|line| quoted(line, 0)).unwrap_or_default(),
+        source: if file == name { source } else { "" },
         file,
         line,
         column: column.parse().unwrap_or(0),
@@ -102,14 +103,12 @@ fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize, source: &'a str) ->
 }
 
 impl Message<'_> {
-    /// `name` is that of the source.
-    fn in_plain_words(&self, name: &str) -> Option<String> {
-        let is_open = ["at end of input", "function-definition is not allowed"];
-        if self.file == name
-            && (self.text == "expected '}'" || is_open.iter().any(|phrase| self.text.contains(phrase)))
+    fn in_plain_words(&self) -> Option<String> {
+        let is_open = ["at end of input", "function-definition is not allowed", "invalid storage class for function"];
+        if (self.text == "expected '}'" || is_open.iter().any(|phrase| self.text.contains(phrase)))
             && let Some(line) = unclosed_brace(self.source)
         {
-            return Some(format!("{name}:{line}: this `{{` has no `}}`: write it where the block ends\n"));
+            return Some(format!("{}:{line}: this `{{` has no `}}`: write it where the block ends\n", self.file));
         }
         let words = self.words()?;
         Some(format!("{}:{}: {words}\n", self.file, self.line))
@@ -130,8 +129,8 @@ impl Message<'_> {
         if let Some(words) = quote_missing(line).filter(|_| self.is_error && self.may_lack_quote(line)) {
             return Some(words.to_owned());
         }
-        let code: String = line.split('"').step_by(2).collect();
-        let code = code.split("//").next().unwrap_or_default().trim();
+        let blanked = code_only(line);
+        let code = blanked.trim();
         let is_syntax = self.text.starts_with("expected ");
         let lacks_name =
             self.text.starts_with("expected identifier or") || self.text.starts_with("expected unqualified-id");
@@ -168,32 +167,34 @@ impl Message<'_> {
         }
         if is_syntax && self.before() == Some(":") && code.ends_with(':') {
             return Some(if starts_with_word(start, "case") {
-                "a value is missing behind `case`".to_owned()
+                "a value is missing after `case`".to_owned()
             } else if is_clause || is_declared && code.contains('(') {
                 "there must be no `:` here: a block stands between `{ }`".to_owned()
             } else {
-                "a line ends with `;`, and not with `:`".to_owned()
+                "a line ends with `;`, not with `:`".to_owned()
             });
         }
         let is_list = |values: &str| {
             values.split(',').map(str::trim).all(|value| !value.contains(' ') && !OF_CPP.contains(&value))
         };
         let call = start.strip_suffix(");").and_then(|call| call.split_once('('));
+        let values = line.get(blanked.find('(').map_or(0, |open| open + 1)..blanked.rfind(')').unwrap_or(0));
         if (self.text.contains("declared void") || self.text.starts_with("expected declaration specifiers or '...'"))
             && is_declared
-            && let Some((name, values)) = call.filter(|(_, values)| is_list(values))
+            && let (Some((name, _)), Some(values)) = (call.filter(|(_, values)| is_list(values)), values)
         {
             let name = name.trim().rsplit(' ').next().unwrap_or_default();
             return Some(format!("a call has no type in front of it: write `{name}({values});`"));
         }
-        if !is_declared && !self.is_in_function && self.text.starts_with("expected declaration specifiers or '...'") {
+        if !is_declared && self.function.is_empty() && self.text.starts_with("expected declaration specifiers or '...'")
+        {
             return Some(OUTSIDE.to_owned());
         }
         if self.text.contains("of unary '*'") {
             let is_operand =
                 |left: &str| left.trim_end().ends_with(|it: char| it.is_alphanumeric() || "_)]".contains(it));
             if !code.split_once("**").is_some_and(|(left, _)| is_operand(left)) {
-                return Some("`*` stands before a value that is no pointer: leave it out".to_owned());
+                return Some("`*` stands before a value that is not a pointer: leave it out".to_owned());
             }
             return Some("there is no `**`: multiply, or write `pow(a, b)` with `#include <math.h>`".to_owned());
         }
@@ -242,25 +243,15 @@ impl Message<'_> {
             ),
             ("expected '}' at end of input", "", "the program ends too early: a `}` is missing above"),
             ("", "at end of input", "the file ends here, and its last line is not complete"),
-            (
-                "",
-                "invokes undefined behavior",
-                "the loop uses an index outside of the array: the first one is 0, the last one is one less than the length",
-            ),
             ("comparisons like", "mathematical meaning", "two comparisons are joined by `&&`: `100 < d && d < 200`"),
             ("expected constructor, destructor", "before", OUTSIDE),
-            (
-                "expected declaration specifiers before",
-                "",
-                "a `{` is missing before this line, or a `;` at the end of the one before",
-            ),
             (
                 "initializer element is not",
                 "constant",
                 "outside of a function, a variable begins with a fixed number: set it within a function, such as `main`",
             ),
-            ("octal constant", "", "a number does not begin with 0: `90`, and not `090`"),
-            ("invalid operands", "^", "`^` is no power: multiply, or write `pow(a, b)` with `#include <math.h>`"),
+            ("octal constant", "", "a number does not begin with 0: write `90`, not `090`"),
+            ("invalid operands", "^", "`^` is not a power: multiply, or write `pow(a, b)` with `#include <math.h>`"),
             ("invalid operands", "%", "`%` is for whole numbers: write `fmod(a, b)` with `#include <math.h>`"),
             (
                 "invalid operands to binary +",
@@ -273,13 +264,13 @@ impl Message<'_> {
             ("no match for 'operator<<'", "istream", "`cin` is followed by `>>`: `cin >> d`"),
             ("", "from an initializer list", LIST_IS_SET),
             ("", "lvalue required as left operand", "the left side of `=` must be a variable"),
-            ("", "lvalue required as unary '&'", "`&` takes the address of a variable, and of no value"),
-            ("lvalue required as", "crement operand", "`++` and `--` change a variable, and no value"),
+            ("", "lvalue required as unary '&'", "`&` takes the address of a variable, not of a value"),
+            ("lvalue required as", "crement operand", "`++` and `--` change a variable, not a value"),
             ("", "expression is not assignable", "the left side of `=` must be a variable"),
             (
                 "",
                 "'else' without a previous 'if'",
-                "the `else` has no `if`: look for a `;` behind the `if (...)`, or a missing `{ }`",
+                "the `else` has no `if`: look for a `;` after the `if (...)`, or a missing `{ }`",
             ),
             ("", "unterminated comment", "a comment begins and has no end: write `*/`"),
             (
@@ -290,9 +281,9 @@ impl Message<'_> {
             (
                 "",
                 "break statement not within",
-                "`break` belongs into a loop or a `switch`: is there a `}` too many above?",
+                "`break` belongs in a loop or a `switch`: is there a `}` too many above?",
             ),
-            ("", "continue statement not within", "`continue` belongs into a loop: is there a `}` too many above?"),
+            ("", "continue statement not within", "`continue` belongs in a loop: is there a `}` too many above?"),
             ("", "subscripted value is neither", IS_CALLED),
             ("", "for array subscript", IS_CALLED),
             ("", "expression with array type", ARRAY_IS_SET),
@@ -304,7 +295,7 @@ impl Message<'_> {
                 "a `void` function gives no value: write the value's type in place of `void`, and `return`",
             ),
             ("", "#include expects", "write the name between quotes: `#include \"eyebot.h\"`"),
-            ("", "extra tokens at end of #include", "no `;` belongs behind `#include`"),
+            ("", "extra tokens at end of #include", "no `;` belongs after `#include`"),
             ("", "cannot declare '::main' to be a global variable", NO_FUNCTION),
         ];
         if let Some((.., words)) = fixed.iter().find(|(first, second, _)| has(first) && has(second)) {
@@ -315,8 +306,9 @@ impl Message<'_> {
                 || text.contains("-Warray-bounds")
                 || text.contains("-Wfortify-source") =>
             {
-                Some(overflow(text))
+                Some(self.overflow())
             }
+            text if text.contains("invokes undefined behavior") => Some(self.overrun_by_loop()),
             text if text.contains(" changes value from ") => {
                 let (_, values) = text.split_once(" changes value from ")?;
                 let (from, to) = values.split_once(" to ")?;
@@ -332,7 +324,7 @@ impl Message<'_> {
                     return Some(format!("the `;` ends the `{word}` here, so that it does nothing: leave the `;` out"));
                 }
                 Some(format!(
-                    "the `{word}` covers one statement alone: write `{{ }}` around what belongs to it"
+                    "the `{word}` covers only one statement: write `{{ }}` around all that belong to it"
                 ))
             }
             text if text.contains("used after 'free'") || text.contains("-Wuse-after-free") => {
@@ -359,7 +351,7 @@ impl Message<'_> {
                 Some(self.misspelt_start().unwrap_or_else(|| self.missing(";")))
             }
             text if text.starts_with("expected '=', ',', ';'") => Some(match self.before() {
-                Some("{") => NO_FUNCTION.to_owned(),
+                Some("{") => self.missing_between_heads().unwrap_or_else(|| NO_FUNCTION.to_owned()),
                 Some(word) if is_word(word) => self.two_words(word),
                 _ => "a `;` is missing; a `for` has two, as in `for (int i = 0; i < 4; i++)`".to_owned(),
             }),
@@ -371,18 +363,17 @@ impl Message<'_> {
                 Some(format!("a `(` is missing before `{word}`: a condition stands between `( )`"))
             }
             text if text.starts_with("expected expression before") || text.starts_with("expected primary-expression before") => {
-                // Every other part of the line is a text in quotes.
-                let code: String = self.code().unwrap_or_default().split('"').step_by(2).collect();
+                let code = code_only(self.code().unwrap_or_default());
                 let reversed = [("=>", ">="), ("=<", "<=")].into_iter().find(|(wrong, _)| code.contains(wrong));
                 let is_list = code.split_once('{').is_some_and(|(left, _)| left.trim_end().ends_with('='));
                 Some(match reversed {
                     None if self.before() == Some("{") && is_list => LIST_IS_SET.to_owned(),
                     None if self.before().is_some_and(|word| TYPES.contains(&word)) => format!(
-                        "`{}` does not belong here: a type stands where a name is declared, and not where it is used",
+                        "`{}` does not belong here: a type is written where a name is declared, not where it is used",
                         self.before()?
                     ),
                     Some((wrong, right)) => format!("`{wrong}` is not a comparison: write `{right}`"),
-                    None => format!("a value is missing before `{}`, or something is too much", self.before()?),
+                    None => format!("a value is missing before `{}`, or there is something too many", self.before()?),
                 })
             }
             text if text.starts_with("redefinition of") || text.starts_with("redeclaration of") => self.defined_twice(),
@@ -399,7 +390,7 @@ impl Message<'_> {
             text if text.contains("unknown type name") || text.contains("does not name a type") => self.unknown_type(),
             text if text.contains("is not a function or function pointer") || text.contains("cannot be used as a function") => {
                 let name = self.quoted(0)?;
-                Some(format!("`{name}` is a variable and no function: a function has another name, `*` multiplies"))
+                Some(format!("`{name}` is a variable, not a function: a function has another name, `*` multiplies"))
             }
             text if text.contains("has no member named") => {
                 let (whole, part) = (self.quoted(0)?, self.quoted(1)?);
@@ -409,9 +400,9 @@ impl Message<'_> {
                 })
             }
             text if text.starts_with("stray '") => Some(match self.quoted(0)? {
-                "\\" => "`\\` belongs into a text only: leave it out".to_owned(),
+                "\\" => "`\\` belongs in a text only: leave it out".to_owned(),
                 letter if letter.starts_with('\\') => {
-                    "this line has a letter that C does not know, such as a blank copied from a page: type the line anew".to_owned()
+                    "this line has a letter that C does not know, such as a blank copied from a page: type the line again".to_owned()
                 }
                 letter => format!("the letter `{letter}` does not belong here"),
             }),
@@ -424,22 +415,25 @@ impl Message<'_> {
                 Some(mismatch(variable, value))
             }
             text if text.starts_with("expected ':'") => Some(self.missing(":")),
+            text if text.starts_with("expected declaration specifiers before") || text.starts_with("parameter '") => {
+                Some(self.missing_above())
+            }
             text if text.starts_with("expected initializer before") && self.before().is_some_and(is_word) => {
                 Some(self.two_words(self.before()?))
             }
-            text if text.contains("function-definition is not allowed here") => {
-                Some("a function cannot be written within another one: is a `}` missing above?".to_owned())
+            text if text.contains("function-definition is not allowed here") || text.contains("function definition is not allowed here") || text.starts_with("invalid storage class for function") => {
+                Some(self.nested())
             }
             text if text.starts_with("expected identifier or '(' before numeric constant")
                 || text.starts_with("expected unqualified-id before numeric constant") =>
             {
-                Some("a name is missing: it begins with a letter, and is no `#define` of a number".to_owned())
+                Some("a name is missing: it begins with a letter, and is not a `#define` of a number".to_owned())
             }
             text if ["expected identifier or '('", "expected declaration before '}'", "expected unqualified-id before"]
                 .iter()
                 .any(|it| text.starts_with(it)) =>
             {
-                Some(if self.is_in_function { self.missing_name()? } else { OUTSIDE.to_owned() })
+                Some(if !self.function.is_empty() { self.missing_name()? } else { OUTSIDE.to_owned() })
             }
             text if text.contains("not call, to function") => {
                 let name = self.quoted(0)?;
@@ -450,7 +444,7 @@ impl Message<'_> {
                 Some(format!("`{name}` is a pointer: write `{name}->` in place of `{name}.`"))
             }
             text if text.contains("'->'") && (text.contains("non-pointer type") || text.contains("invalid type argument")) => {
-                Some("what stands before `->` is no pointer: write `.`".to_owned())
+                Some("what stands before `->` is not a pointer: write `.`".to_owned())
             }
             text if text.contains("statement with no effect") || text.contains("expression result unused") => {
                 Some("this line does nothing: a function is called with `()`, as in `VWWait()`, and a variable is set by `=`".to_owned())
@@ -583,7 +577,7 @@ impl Message<'_> {
             } else {
                 ""
             };
-            Some(format!("`{name}` is no type{near}{outside}"))
+            Some(format!("`{name}` is not a type{near}{outside}"))
         })
     }
 
@@ -681,7 +675,7 @@ impl Message<'_> {
         let left =
             self.code().and_then(|code| code.get(..self.column.saturating_sub(1))).unwrap_or_default().trim_end();
         if left.is_empty() {
-            return "a `;` is missing at the end of the line before this one, or a `{`".to_owned();
+            return self.missing_above();
         }
         let first = left.rsplit(|c: char| !is_word(&c.to_string())).next().unwrap_or_default();
         let missing = format!("a `,` or a `;` is missing before `{second}`");
@@ -689,6 +683,51 @@ impl Message<'_> {
             return missing;
         }
         format!("{missing}, or `{first} {second}` is one name: write `{first}_{second}`")
+    }
+
+    /// A `{` or a `;` that is missing above the line, the likelier one first.
+    fn missing_above(&self) -> String {
+        let code = code_only(self.source);
+        let place = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
+        let above = code.lines().take(place).enumerate().filter(|(_, line)| !line.trim().is_empty()).last();
+        match above {
+            // An unfinished declaration, with another one below it.
+            Some((index, _)) if code.lines().nth(place).is_some_and(begins_function) => {
+                format!("a `;` is missing at the end of line {}, or a block between `{{ }}` after it", index + 1)
+            }
+            Some((index, head)) if begins_function(head) => {
+                format!("a `{{` is missing after line {}, `{}`", index + 1, head.trim())
+            }
+            _ => "a `{` is missing before this line, or a `;` at the end of the one before".to_owned(),
+        }
+    }
+
+    /// A `;` that is missing after the first line of a function, with another function below it, at whose `{` the message is.
+    fn missing_between_heads(&self) -> Option<String> {
+        let code = code_only(self.source);
+        let place = self.line.parse::<usize>().ok()?.checked_sub(1)?;
+        let above = code.lines().take(place).enumerate().filter(|(_, line)| !line.trim().is_empty());
+        let above: Vec<(usize, &str)> = above.collect();
+        let [.., (first, head), (_, second)] = above.as_slice() else { return None };
+        (begins_function(head) && begins_function(second) && head.trim_end().ends_with(')'))
+            .then(|| format!("a `;` is missing at the end of line {}", first + 1))
+    }
+
+    /// A function within another one.
+    fn nested(&self) -> String {
+        let name = |head: &str| head.split('(').next()?.rsplit([' ', '*', '&']).next().map(str::to_owned);
+        let code = code_only(self.source);
+        let place = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
+        let head = code.lines().take(place + 1).filter(|line| line.contains('(')).last().and_then(name);
+        let (Some(inner), Some(outer)) = (head, name(self.function).filter(|name| !name.is_empty())) else {
+            return "a function cannot be written within another one: is a `}` missing above?".to_owned();
+        };
+        if code.matches('{').count() > code.matches('}').count() {
+            return format!(
+                "`{inner}` begins within `{outer}`: a `}}` is missing above `{inner}`, which ends `{outer}`"
+            );
+        }
+        format!("`{inner}` cannot be written within `{outer}`: move it out of `{outer}`, above its first line")
     }
 
     /// An unknown `name` with a word behind it, `my speed`, where it stands for no type.
@@ -716,6 +755,74 @@ impl Message<'_> {
         let is_declaration = |code: &String| code.ends_with(");") && code.contains(&begins) && !is_call(code);
         let declared = self.more.iter().filter_map(of_excerpt).find(is_declaration);
         declared.map_or_else(String::new, |code| format!(": `{}`", code.trim_end_matches(';')))
+    }
+
+    /// A text or an index beyond its array; gcc tells sizes in bytes, and in its notes the array.
+    fn overflow(&self) -> String {
+        let texts = || std::iter::once(self.text).chain(self.more.iter().copied());
+        let behind = |words: &str| texts().find_map(|text| quoted(text.split_once(words)?.1, 0));
+        let array = |name: Option<&str>| name.map_or_else(|| "an array".to_owned(), |name| format!("`{name}`"));
+        if let Some((_, rest)) = self.text.split_once("array subscript ") {
+            let index = rest.split([' ', ',']).next().unwrap_or_default();
+            // `int[3]`; of memory without a type `void[12]`, which counts bytes.
+            let size =
+                quoted(rest, 0).and_then(|kind| kind.split_once('[')).filter(|(base, _)| !base.starts_with("void"));
+            let len = size.and_then(|(_, size)| size.split(']').next()?.parse().ok());
+            // Memory of `malloc` has no name in the notes.
+            let single = self.code().and_then(|code| single_array(code, "")).map(|(name, _)| name);
+            let name = behind("referencing ").map(str::to_owned).or(single);
+            return format!("the index {index} is outside of {}{}", array(name.as_deref()), extent(len));
+        }
+        let call = |function: &str| self.code().and_then(|code| Some(code.split_once(function)?.1.trim_start()));
+        let first = |call: &'_ str| {
+            call.split([',', ')']).next().map(str::trim).filter(|name| is_word(name)).map(str::to_owned)
+        };
+        // `sprintf` is told with its whole destination, other functions with the object that they write to.
+        let of_object = behind("object ").map(str::to_owned);
+        let of_print = texts().find_map(|text| number_behind(text, "into a destination of size "));
+        let member = ["strcpy(", "strcat("]
+            .iter()
+            .find_map(|function| call(function)?.split(',').next())
+            .filter(|name| name.contains('.'));
+        let printed = || call("sprintf(").filter(|_| of_print.is_some()).and_then(first);
+        let name = member.map(str::to_owned).or(of_object).or_else(printed);
+        let of_type = texts().find_map(|text| {
+            quoted(text.split_once("with type ")?.1, 0)?.strip_prefix("char")?.trim_start().strip_prefix('[')
+        });
+        let of_notes =
+            texts().filter(|text| text.contains(" object ")).find_map(|text| number_behind(text, "' of size "));
+        let region = ["region of size ", "destination of size ", "has size "];
+        let room = of_type
+            .and_then(|size| size.trim_end_matches(']').parse().ok())
+            .or(of_notes)
+            .or(of_print)
+            .or_else(|| region.iter().find_map(|words| number_behind(self.text, words)));
+        let name = array(name.as_deref());
+        let count = number_behind(self.text, "writing ");
+        let is_appended = call("strcat(").is_some();
+        match (count, room) {
+            (_, Some(room)) if is_appended => format!(
+                "`strcat` appends to the text in {name}, and both together are too long for its {room} bytes: make the array larger"
+            ),
+            (Some(count), Some(room)) if !self.text.contains("directive") => {
+                format!("{count} bytes are written to {name}, which has room for {room}: make the array larger")
+            }
+            (_, Some(room)) => {
+                format!("the text is too long for {name}, which has room for {room} bytes: make the array larger")
+            }
+            _ => format!("more is written to {name} than it has room for: make the array larger"),
+        }
+    }
+
+    /// A loop whose index leaves an array, which the line names if it has a single one.
+    fn overrun_by_loop(&self) -> String {
+        let note = self.more.iter().find(|line| line.contains("note: within this loop"));
+        let line =
+            note.and_then(|note| note.split(':').nth(1)).map_or_else(String::new, |line| format!(" of line {line}"));
+        match single_array(self.code().unwrap_or_default(), self.source) {
+            Some((name, len)) => format!("the loop{line} uses an index outside of `{name}`{}", extent(len)),
+            None => format!("the loop{line} uses an index outside of an array{}", extent(None)),
+        }
     }
 
     /// A value of a wrong type for a function.
@@ -754,9 +861,6 @@ const KEYWORDS: [&str; 18] = [
     "void", "unsigned", "static", "struct", "printf",
 ];
 
-/// Types of C that a declaration begins with.
-pub const TYPES: [&str; 8] = ["void", "int", "double", "float", "char", "long", "unsigned", "bool"];
-
 /// Types of numbers.
 const NUMBERS: [&str; 5] = ["int", "double", "float", "long int", "unsigned int"];
 
@@ -780,7 +884,8 @@ fn is_wrong_define(code: &str) -> bool {
 
 /// Returns true for `while (...);`, `for (...);` and `if (...);`, also with blanks and a comment, and not at the end of a `do`.
 pub fn is_empty_clause(code: &str) -> bool {
-    let code = code.split("//").next().unwrap_or_default().trim();
+    let code = code_only(code);
+    let code = code.trim();
     let is_clause = ["while", "for", "if"].iter().any(|word| starts_with_word(code, word));
     let mut depth = 0_i32;
     let end = code.find(|letter| {
@@ -869,7 +974,7 @@ fn of_cpp(name: &str) -> String {
 fn no_type_of_c(name: &str) -> String {
     match name {
         "string" => "C has no type `string`: a text is a `const char *`".to_owned(),
-        name => format!("C has no type `{name}`: it is of C++"),
+        name => format!("C has no type `{name}`: it belongs to C++"),
     }
 }
 
@@ -893,37 +998,22 @@ const VOID_RETURNS: &str =
 
 const IS_CALLED: &str = "`[ ]` belongs to an array: a function is called with `( )`, as in `PSDGet(1)`";
 
-const NO_FUNCTION: &str = "this `{` belongs to no function: a function has `( )` behind its name, as in `int main(void)`, or a `;` is missing further up";
+const NO_FUNCTION: &str = "this `{` belongs to no function: a function has `( )` after its name, as in `int main(void)`, or a `;` is missing further up";
 
-pub const RECURSION: &str = "the function calls itself for ever: it needs an `if` that ends with `return` before that";
+pub const RECURSION: &str = "the function calls itself for ever: it needs an `if` with a `return` before the call";
 
-/// A text or an index beyond its array; `text` tells sizes in bytes.
-fn overflow(text: &str) -> String {
-    let number_behind = |words: &str| {
-        let (_, rest) = text.split_once(words)?;
-        rest.split(|c: char| !c.is_ascii_digit()).next().filter(|digits| !digits.is_empty())
-    };
-    let room = ["region of size ", "destination of size ", "has size "].iter().find_map(|words| number_behind(words));
-    if let Some((_, rest)) = text.split_once("array subscript ") {
-        let index = rest.split(' ').next().unwrap_or_default();
-        // `int[3]`; of memory without a type `void[12]`, which counts bytes.
-        let size = quoted(rest, 0).and_then(|kind| kind.split_once('[')).filter(|(base, _)| !base.starts_with("void"));
-        let len: Option<u64> = size.and_then(|(_, size)| size.split(']').next()?.parse().ok());
-        return match len.and_then(|len| Some((len, len.checked_sub(1)?))) {
-            Some((len, last)) => {
-                format!("the index {index} is outside of its array: an array of {len} has the indices 0 to {last}")
-            }
-            None => format!("the index {index} is outside of its array: the last index is one less than the length"),
-        };
-    }
-    match (number_behind("writing "), room) {
-        (Some(count), Some(room)) if !text.contains("directive") => {
-            format!("{count} bytes are written to an array that has room for {room}: make the array larger")
-        }
-        (_, Some(room)) => {
-            format!("the text is too long for its array, which has room for {room} bytes: make the array larger")
-        }
-        _ => "more is written to an array than it has room for: make the array larger".to_owned(),
+/// The number behind `words` in `text`.
+fn number_behind(text: &str, words: &str) -> Option<u64> {
+    let (_, rest) = text.split_once(words)?;
+    rest.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
+}
+
+/// What an array has, with its indices: ``, which has 4 elements with the indices 0 to 3``; empty if its length is not known.
+fn extent(len: Option<u64>) -> String {
+    match len.and_then(|len| Some((len, len.checked_sub(1)?))) {
+        Some((1, _)) => ", which has 1 element with the index 0".to_owned(),
+        Some((len, last)) => format!(", which has {len} elements with the indices 0 to {last}"),
+        None => ": the first one is 0, the last one is one less than the length".to_owned(),
     }
 }
 
@@ -949,19 +1039,19 @@ mod tests {
             ),
             (
                 "'__builtin_memcpy' writing 24 bytes into a region of size 4 [-Wstringop-overflow=]",
-                "24 bytes are written to an array that has room for 4: make the array larger",
+                "24 bytes are written to an array, which has room for 4: make the array larger",
             ),
             (
                 "'distance ' directive writing 9 bytes into a region of size 4 [-Wformat-overflow=]",
-                "the text is too long for its array, which has room for 4 bytes: make the array larger",
+                "the text is too long for an array, which has room for 4 bytes: make the array larger",
             ),
             (
                 "array subscript 3 is above array bounds of 'int[3]' [-Warray-bounds]",
-                "the index 3 is outside of its array: an array of 3 has the indices 0 to 2",
+                "the index 3 is outside of an array, which has 3 elements with the indices 0 to 2",
             ),
             (
                 "iteration 4 invokes undefined behavior [-Waggressive-loop-optimizations]",
-                "the loop uses an index outside of the array: the first one is 0, the last one is one less than the length",
+                "the loop uses an index outside of an array: the first one is 0, the last one is one less than the length",
             ),
             (
                 "pointer 'map' used after 'free' [-Wuse-after-free]",
@@ -981,7 +1071,7 @@ mod tests {
             ),
             (
                 "this 'if' clause does not guard... [-Wmisleading-indentation]",
-                "the `if` covers one statement alone: write `{ }` around what belongs to it",
+                "the `if` covers only one statement: write `{ }` around all that belong to it",
             ),
             ("infinite recursion detected [-Winfinite-recursion]", RECURSION),
             (
@@ -995,6 +1085,57 @@ mod tests {
                 &format!("mine.c:7: {words}\n"),
             );
         }
+    }
+
+    #[test]
+    fn arrays_that_are_overrun_are_named() {
+        let of_text = |output: &str, code: &str| in_plain_words(output, ("a.c", code));
+        let appended = "a.c:7:3: warning: '__builtin_memcpy' writing 24 bytes into a region of size 4 [-Wstringop-overflow=]\n    7 |   \
+                        strcat(name, \"a name\");\n      |   ^~~\na.c:5:8: note: at offset [0, 3] into destination object 'name' of size 4\n";
+        let words = "`strcat` appends to the text in `name`, and both together are too long for its 4 bytes: make the array larger";
+        assert_eq!(of_text(appended, ""), format!("a.c:7: {words}\n"));
+        let printed = "a.c:8:24: warning: '%d' directive writing 3 bytes into a region of size 1 [-Wformat-overflow=]\n    8 |   sprintf(t, \
+                       \"distance %d\", 100);\na.c:8:3: note: 'sprintf' output 13 bytes into a destination of size 10\n";
+        let words = "the text is too long for `t`, which has room for 10 bytes: make the array larger";
+        assert_eq!(of_text(printed, ""), format!("a.c:8: {words}\n"));
+        let copied = "a.c:9:3: warning: '__builtin_memcpy' forming offset [4, 23] is out of the bounds [0, 4] of object 'name' with type \
+                      'char [4]' [-Warray-bounds]\n    9 |   strcpy(name, \"a name\");\n";
+        let words = "the text is too long for `name`, which has room for 4 bytes: make the array larger";
+        assert_eq!(of_text(copied, ""), format!("a.c:9: {words}\n"));
+        let looped = "a.c:4:10: warning: iteration 4 invokes undefined behavior [-Waggressive-loop-optimizations]\n    4 |     d[i] = f(1);\n\
+                      a.c:3:21: note: within this loop\n";
+        let words = "the loop of line 3 uses an index outside of `d`";
+        let known = format!("a.c:4: {words}, which has 4 elements with the indices 0 to 3\n");
+        let unknown = format!("a.c:4: {words}: the first one is 0, the last one is one less than the length\n");
+        for code in ["int d[4];", "#define N 4\nstatic Place d[N];", "int a, d[4];\nint b = f(d[3]);"] {
+            assert_eq!(of_text(looped, code), known, "{code}");
+        }
+        for code in
+            ["", "int d[4][5];", "int d[4];\nvoid f() { int d[8]; }", "int *d = a;\nint x = f(1, d[3]);", "x = d[3];"]
+        {
+            assert_eq!(of_text(looped, code), unknown, "{code}");
+        }
+        let subscript = "a.c:4:10: warning: array subscript 3 is above array bounds of 'int[3]' [-Warray-bounds]\n    4 |   e[3] = 2;\n\
+                         a.c:3:7: note: while referencing 'e'\n";
+        let words = "the index 3 is outside of `e`, which has 3 elements with the indices 0 to 2";
+        assert_eq!(of_text(subscript, ""), format!("a.c:4: {words}\n"));
+    }
+
+    #[test]
+    fn braces_that_are_missing_between_functions_are_told() {
+        let check = |output: &str, code: &str, words: &str| {
+            assert_eq!(in_plain_words(output, ("a.cpp", code)), format!("{words}\n"), "{code}");
+        };
+        let first = "a.cpp:2:3: error: expected initializer before 'VWWait'\n    2 |   VWWait();\n";
+        check(first, "int main()\n  VWWait();\n}\n", "a.cpp:2: a `{` is missing after line 1, `int main()`");
+        let second = "a.cpp:2:1: error: expected initializer before 'int'\n    2 | int main()\n";
+        let words = "a.cpp:2: a `;` is missing at the end of line 1, or a block between `{ }` after it";
+        check(second, "void home()\nint main()\n{\n}\n", words);
+        let nested = "a.cpp: In function 'int main()':\na.cpp:4:3: error: a function-definition is not allowed here before '{' token\n    4 |   {\n";
+        let words = "a.cpp:4: `home` cannot be written within `main`: move it out of `main`, above its first line";
+        check(nested, "int main()\n{\n  void home()\n  {\n  }\n}\n", words);
+        let words = "a.cpp:4: `home` begins within `main`: a `}` is missing above `home`, which ends `main`";
+        check(nested, "int main()\n{\n  void home()\n  {\n  }\n", words);
     }
 
     #[test]
@@ -1068,7 +1209,7 @@ mod tests {
                 "4:9",
                 "expected expression before ')' token",
                 "  VWWait(,);",
-                "a value is missing before `)`, or something is too much",
+                "a value is missing before `)`, or there is something too many",
             ),
             (
                 "4:3",
@@ -1080,7 +1221,7 @@ mod tests {
                 "4:3",
                 "unknown type name 'boolean'; did you mean 'bool'?",
                 "  boolean n;",
-                "`boolean` is no type; did you mean `bool`?",
+                "`boolean` is not a type; did you mean `bool`?",
             ),
             ("4:4", "'place' has no member named 'y'", "  p.y = 3;", "`place` has no `y`: check the spelling"),
             ("4:7", "assignment to expression with array type", "  name = \"S4\";", ARRAY_IS_SET),

@@ -1,6 +1,13 @@
 //! Messages of the Rust compiler in plain words, for the few that need it: most say by themselves what to write.
 
+use std::fs;
+use std::path::Path;
+
+use super::hint::quoted;
 use super::plain::RECURSION;
+
+/// Most names that are proposed for one that does not exist.
+const MAX_NAMES: usize = 5;
 
 /// Parts of messages, each with what it means.
 const WORDS: &[(&str, &str)] = &[
@@ -17,7 +24,8 @@ const WORDS: &[(&str, &str)] = &[
 /// The first known message among cargo's `output`, in one line: `src/lib.rs:7: this divides by 0`; empty if there is none.
 pub fn in_plain_words(output: &str) -> String {
     let words = output.split("\n\n").find_map(|message| {
-        let words = WORDS.iter().find(|(phrase, _)| message.contains(phrase))?.1;
+        let known = WORDS.iter().find(|(phrase, _)| message.contains(phrase)).map(|(_, words)| (*words).to_owned());
+        let words = known.or_else(|| unknown_name(message))?;
         let place = message.lines().find_map(|line| line.trim_start().strip_prefix("--> "));
         // The column is left out.
         let place = place.and_then(|place| place.rsplit_once(':')).map_or("", |(place, _)| place);
@@ -26,9 +34,88 @@ pub fn in_plain_words(output: &str) -> String {
     words.unwrap_or_default()
 }
 
+/// A method, a variant or a function that does not exist: what the compiler proposes in its place, else the nearest methods of a type of
+/// the Rust library.
+fn unknown_name(message: &str) -> Option<String> {
+    let is_head =
+        |line: &&str| line.starts_with("error[E0599]: no ") || line.starts_with("error[E0425]: cannot find function ");
+    let head = message.lines().find(is_head)?;
+    let quotes = |number: usize| head.split('`').skip(1).step_by(2).nth(number);
+    let (name, owner) = (quotes(0)?, quotes(1).filter(|_| head.contains(" found for ")));
+    let path = owner.map(|owner| owner.trim_start_matches('&').split('<').next().unwrap_or_default());
+    let kind = path.and_then(|path| path.rsplit("::").next());
+    let subject = match kind.filter(|kind| kind.chars().all(char::is_alphanumeric) && !kind.is_empty()) {
+        Some(kind) => format!("`{kind}` has no `{name}`"),
+        None => format!("`{name}` is not defined"),
+    };
+    if let Some(near) = proposed(message) {
+        return Some(format!("{subject}; did you mean `{near}`?"));
+    }
+    let path = path.filter(|_| head.contains("no method"))?.strip_prefix("robios_api::")?;
+    let mut methods = methods_of(path);
+    methods.sort_by_key(|method| strsim::osa_distance(method, name));
+    methods.truncate(MAX_NAMES);
+    (!methods.is_empty()).then(|| format!("{subject}; among its methods are {}", quoted(&methods)))
+}
+
+/// The name that the compiler shows in a line of code in place of the one at the message's own place.
+fn proposed(message: &str) -> Option<&str> {
+    let place = message.lines().find_map(|line| line.trim_start().strip_prefix("--> "))?;
+    let column: usize = place.rsplit(':').next()?.parse().ok()?;
+    let (_, help) = message.split_once("similar name")?;
+    let is_code = |line: &&str| line.starts_with(|c: char| c.is_ascii_digit()) && !line.contains(" - ");
+    let code = help.lines().find(is_code)?.split_once(['|', '+'])?.1;
+    // A blank stands before the code.
+    let rest = code.get(column..)?;
+    rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().filter(|name| !name.is_empty())
+}
+
+/// The public methods of a type of the Rust library, from its source; empty if that is not here.
+fn methods_of(path: &str) -> Vec<String> {
+    let (folder, kind) = path.rsplit_once("::").unwrap_or(("", path));
+    let Some(root) = Path::new(env!("CARGO_MANIFEST_DIR")).parent() else { return Vec::new() };
+    let files = fs::read_dir(root.join("robios-api/src").join(folder)).into_iter().flatten().flatten();
+    let begins = |line: &&str| {
+        let of = line.strip_prefix("impl").and_then(|head| head.split(' ').nth(1));
+        !line.contains(" for ") && of.is_some_and(|of| of.split('<').next() == Some(kind))
+    };
+    let mut methods: Vec<String> = Vec::new();
+    for text in files.filter_map(|file| fs::read_to_string(file.path()).ok()) {
+        let mut lines = text.lines();
+        while lines.by_ref().any(|line| begins(&line)) {
+            let own = lines.by_ref().take_while(|line| *line != "}");
+            let names = own.filter_map(|line| line.strip_prefix("    pub fn ")?.split(['(', '<']).next());
+            methods.extend(names.map(str::to_owned));
+        }
+    }
+    methods
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_that_do_not_exist_are_told_with_others() {
+        let added = "error[E0599]: no method named `straigt` found for struct `robios_api::Drive` in the current scope\n --> src/lib.rs:7:11\n  \
+                     |\n7 |     drive.straigt(1)?;\n  |           ^^^^^^^\n  |\nhelp: there is a method `straight` with a similar name\n  \
+                     |\n7 |     drive.straight(1)?;\n  |                 +\n";
+        assert_eq!(in_plain_words(added), "src/lib.rs:7: `Drive` has no `straigt`; did you mean `straight`?\n");
+        let replaced = "error[E0599]: no variant or associated item named `Frontleft` found for enum `robios_api::PsdAt` in the current scope\n \
+                        --> src/lib.rs:7:22\n  |\n7 |     robot.psd(PsdAt::Frontleft)?;\n  |\nhelp: there is a variant with a similar \
+                        name\n  |\n7 -     robot.psd(PsdAt::Frontleft)?;\n7 +     robot.psd(PsdAt::FrontLeft)?;\n  |\n";
+        assert_eq!(in_plain_words(replaced), "src/lib.rs:7: `PsdAt` has no `Frontleft`; did you mean `FrontLeft`?\n");
+        let unknown = "error[E0599]: no method named `turn_left` found for struct `robios_api::Drive` in the current scope\n --> src/lib.rs:7:20\n";
+        let words = in_plain_words(unknown);
+        assert!(
+            words.starts_with("src/lib.rs:7: `Drive` has no `turn_left`; among its methods are `turn`, "),
+            "{words}"
+        );
+        assert_eq!(
+            in_plain_words("error[E0425]: cannot find function `strait` in this scope\n --> src/lib.rs:7:5\n"),
+            ""
+        );
+    }
 
     #[test]
     fn known_messages_are_told_with_their_line() {

@@ -140,6 +140,8 @@ pub struct Robios {
     pub entity_numbers: Arc<ground_truth::EntityNumbers>,
     /// Hints given for the program.
     pub hints: hint::Hints,
+    /// The program is in Rust, whose library has names of its own for devices.
+    pub is_rust: bool,
 }
 
 impl Robios {
@@ -233,10 +235,14 @@ impl Robot {
     fn has_no(&mut self, call: impl Into<Call>, answer: i32, kind: i32, semantics: i32) -> i32 {
         self.refused(call, answer, |robot| {
             let wanted = SEMANTICS.iter().find(|constant| constant.value == i64::from(semantics));
-            let wanted = wanted.map_or_else(|| semantics.to_string(), |constant| constant.name.to_owned());
+            let told = |name: &str| match robot.robios.is_rust {
+                true => table::name_in_rust(name).unwrap_or_else(|| name.to_owned()),
+                false => name.to_owned(),
+            };
+            let wanted = wanted.map_or_else(|| semantics.to_string(), |constant| told(constant.name));
             let name = |device: &table::Device| match device.number() {
                 0 => format!("{} (without a number)", device.name),
-                _ => device.name.clone(),
+                _ => told(&device.name),
             };
             let known: Vec<String> = robot.robios.table.of_kind(kind).map(name).collect();
             let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };

@@ -12,6 +12,44 @@ use sim_core::spec::RobiSpec;
 /// Greatest device number in RoBIOS-7: programs know 4 motors, 6 PSDs, 14 servos; 31 is our choice.
 pub const MAX_NUMBER: i32 = 31;
 
+/// The name that the Rust library gives to a device of `hdt_sem.h`: `PsdAt::FrontLeft` for `PSD_FRONTLEFT`.
+pub fn name_in_rust(name: &str) -> Option<String> {
+    const KINDS: [(&str, &str); 6] = [
+        ("PSD_", "PsdAt"),
+        ("MOTOR_", "MotorAt"),
+        ("QUAD_", "EncoderAt"),
+        ("BUMP_", "BumperAt"),
+        ("IR_", "InfraredAt"),
+        ("SERVO", "ServoAt"),
+    ];
+    const WORDS: [(&str, &str); 13] = [
+        ("FRONT", "Front"),
+        ("BACK", "Back"),
+        ("LEFT", "Left"),
+        ("RIGHT", "Right"),
+        ("DIAG", "Diagonal"),
+        ("DRIVE", "Drive"),
+        ("_STEER", "Steer"),
+        ("_CAMERA", "Camera"),
+        ("FL", "FrontLeft"),
+        ("FR", "FrontRight"),
+        ("BL", "BackLeft"),
+        ("BR", "BackRight"),
+        ("2", "2"),
+    ];
+    let (kind, mut rest) = KINDS.iter().find_map(|(kind, rust)| Some((rust, name.strip_prefix(kind)?)))?;
+    if rest.parse::<u32>().is_ok() {
+        return Some(format!("{kind}::Servo{rest}"));
+    }
+    let mut place = String::new();
+    while !rest.is_empty() {
+        let (word, left) = WORDS.iter().find_map(|(word, rust)| Some((rust, rest.strip_prefix(word)?)))?;
+        place.push_str(word);
+        rest = left;
+    }
+    Some(format!("{kind}::{place}"))
+}
+
 /// One device of a robot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Device {
@@ -139,6 +177,21 @@ mod tests {
         let table = Table::new(&spec);
         [0, 1, 2, 3, 4]
             .map(|number| table.numbered(HDT_PSD, number, &["PSD_FRONT", "PSD_LEFT"]).map(|device| device.name.clone()))
+    }
+
+    #[test]
+    fn devices_have_their_names_in_rust() {
+        let check = |name: &str, rust: Option<&str>| assert_eq!(name_in_rust(name).as_deref(), rust, "{name}");
+        check("PSD_FRONTLEFT", Some("PsdAt::FrontLeft"));
+        check("PSD_LEFTDIAG", Some("PsdAt::LeftDiagonal"));
+        check("PSD_FRONT2", Some("PsdAt::Front2"));
+        check("MOTOR_FL", Some("MotorAt::FrontLeft"));
+        check("QUAD_DRIVE", Some("EncoderAt::Drive"));
+        check("SERVO12", Some("ServoAt::Servo12"));
+        check("SERVO_STEER", Some("ServoAt::Steer"));
+        check("IR_RIGHTDIAG", Some("InfraredAt::RightDiagonal"));
+        check("PSD_TOP", None);
+        check("COMPASS", None);
     }
 
     #[test]

@@ -96,8 +96,8 @@ impl RemoteProgram {
     }
 
     /// As [`ProgramImage::text_of`](crate::program::image::ProgramImage::text_of).
-    pub fn text_of(&self, line: &SourceLine) -> Option<String> {
-        self.prepared.image()?.text_of(line)
+    pub fn source_of(&self, line: &SourceLine) -> Option<String> {
+        self.prepared.image()?.source_of(line)
     }
 
     /// As [`LoadedProgram::source_line`](crate::program::load::LoadedProgram::source_line).
