@@ -513,7 +513,8 @@ def _int(value, low, high, name):
     try:
         number = int(_pointee(value).value if isinstance(value, (_SIMPLE, _REFERENCE)) else value)
     except (TypeError, ValueError, OverflowError):
-        raise TypeError(f"{name}: expected a number, got {value!r}") from None
+        cause = ": check how it is calculated before this line" if isinstance(value, float) else ""
+        raise TypeError(f"{name}: expected a number, got {value!r}{cause}") from None
     if not low <= number <= high:
         raise OverflowError(f"{name}: {number} is not within {low} to {high}")
     return number
@@ -572,7 +573,7 @@ def _tell_cut(name, value):
     global _has_told_cut
     if not _has_told_cut:
         _has_told_cut = True
-        _call(_support_noticed, f"`{name}`: {value:g} becomes 0: RoBIOS-7 takes whole numbers, such as mm, degrees and ms".encode())
+        _call(_support_noticed, f"`{name}`: {value:g} becomes 0: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`".encode())
 
 
 def _request(row, values):

@@ -859,7 +859,7 @@ static void check_newest(void)
     if ((guard.mark == MARK_OF_BLOCK(newest.memory) && guard.len == newest.len) || !is_lost(newest.end + sizeof guard + sizeof(size_t)))
         return;
     newest.memory = NULL;
-    snprintf(text, sizeof text, "an index or a loop goes too far, in some line after the one told here: the program has written far beyond the end of the %zu bytes that it got from " ALLOCATES, newest.len);
+    snprintf(text, sizeof text, "a loop or an index in a later line goes far beyond the end of the %zu bytes that are reserved", newest.len);
     self.call_site.address = newest.caller;
     self.host->support->failed(self.robot, FAILED_HEAP, text_of(text), bytes_of(&newest.caller, sizeof newest.caller), &result);
     eyesim_trap_heap_lost();

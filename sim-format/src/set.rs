@@ -27,7 +27,7 @@ pub enum SettingError {
     #[error("`{0}` is no path: expected names of keys and indices of arrays, such as `robot[0].x_mm`")]
     Path(String),
     /// The value cannot be read.
-    #[error("`{value}` is no value of TOML: {error}; a text stands between quotes")]
+    #[error("`{value}` is no value of TOML: {error}; a text is written between quotes")]
     Value {
         /// The value.
         value: String,
@@ -197,7 +197,7 @@ mod tests {
         let error = |text: &str| Setting::parse(text).expect_err(text).to_string();
         assert!(error("robot").contains("expected `PATH=VALUE`"));
         assert!(error("robot[=1").contains("is no path"));
-        assert!(error("a=real").contains("a text stands between quotes"));
+        assert!(error("a=real").contains("a text is written between quotes"));
         assert_eq!(Setting::parse("a.b = [1, 2]").expect("a setting").to_string(), "a.b=[1, 2]");
     }
 

@@ -44,7 +44,7 @@ pub(super) const ILLEGAL: &str =
     "division by zero, null pointer or missing `return`, which the compiler has seen (illegal instruction)";
 
 /// As [`ILLEGAL`], at a line that can only have divided.
-pub(super) const ILLEGAL_DIVISION: &str = "division by zero, which the compiler has seen (illegal instruction)";
+pub(super) const ILLEGAL_DIVISION: &str = "division by zero, known to the compiler (illegal instruction)";
 
 /// Usual causes of a fault at another address.
 pub(super) const WILD: &str =

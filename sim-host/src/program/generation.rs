@@ -385,7 +385,7 @@ fn changes(calls: &[CallSite<'_>], generation: Generation) -> Option<String> {
             && !["if", "else", "while", "for", "return"].iter().any(|word| code.trim_start().starts_with(word));
         let handle = code.split_once('=').and_then(|(left, _)| left.trim_end().rsplit(|c| !is_name(c)).next());
         let handle = match handle.filter(|handle| !handle.is_empty()) {
-            Some(handle) if name.starts_with("VW") => format!(", and leave out `{handle}` wherever it is passed"),
+            Some(handle) if name.starts_with("VW") => format!(", and remove `{handle}` from every call"),
             Some(handle) => format!(", and pass the number of the device, such as 1, for `{handle}`"),
             None => String::new(),
         };
@@ -611,7 +611,7 @@ mod tests {
         };
         assert_eq!(
             advice("f() {\n  VWHandle vw = VWInit(1, 1); // VWRelease()\n  VWStraight(1, 2);\n}"),
-            "to write it for RoBIOS-7, delete line 2, and leave out `vw` wherever it is passed"
+            "to write it for RoBIOS-7, delete line 2, and remove `vw` from every call"
         );
         assert_eq!(
             advice("f() {\n  vw = VWInit(1, 1);\n  VWDriveStraight(vw, 1, 2);\n  VWWait();\n}"),
@@ -622,7 +622,7 @@ mod tests {
                 "f() {\n  front = PSDInit(1);\n  if (!(vw = VWInit(1, 1))) return;\n  VWTurn(1, 2);\n  VWWait();\n}"
             ),
             "to write it for RoBIOS-7, delete line 2, and pass the number of the device, such as 1, for `front`; leave out \
-             `VWInit` in line 3, and leave out `vw` wherever it is passed"
+             `VWInit` in line 3, and remove `vw` from every call"
         );
         assert_eq!(advice("f() {\n  BUMPCheck(1);\n  LCDPixel(1, 2);\n}"), "write all of it for one of them");
         assert_eq!(

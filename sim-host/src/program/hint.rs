@@ -56,7 +56,7 @@ fn of_missing(missing: &str, source: &Path) -> Option<String> {
     if let Some((_, instead)) = ABSENT.iter().find(|(headers, _)| headers.contains(&missing)) {
         Some(format!(": `{missing}`: {instead}"))
     } else if let Some(own) = own_header(name) {
-        Some(format!(": `{missing}`: write `#include \"{own}\"`, which eyesim has"))
+        Some(format!(": there is no `{missing}`: write `#include \"{own}\"`"))
     } else if Language::of(source) == Some(Language::C) && !missing.contains(['.', '/']) {
         // Headers of the C++ library have no extension.
         let cpp = source.with_extension("cpp");
@@ -413,7 +413,7 @@ mod tests {
         assert!(clang.starts_with("a.c: `windows.h`: it belongs to Windows: `OSWait(ms)`"), "{clang}");
         for missing in ["../include/EyeBot.h", "eyebott.h", "eyebot"] {
             let output = format!("a.c:1:10: fatal error: {missing}: No such file or directory\n");
-            let expected = format!("a.c: `{missing}`: write `#include \"eyebot.h\"`, which eyesim has\n");
+            let expected = format!("a.c: there is no `{missing}`: write `#include \"eyebot.h\"`\n");
             assert_eq!(of_source(&output, "a.c", b""), expected);
         }
         assert_eq!(of_source("a.c:1:10: fatal error: map.h: No such file or directory\n", "a.c", b""), "");

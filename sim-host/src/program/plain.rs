@@ -169,7 +169,7 @@ impl Message<'_> {
             return Some(if starts_with_word(start, "case") {
                 "a value is missing after `case`".to_owned()
             } else if is_clause || is_declared && code.contains('(') {
-                "there must be no `:` here: a block stands between `{ }`".to_owned()
+                "there must be no `:` here: a block is written between `{ }`".to_owned()
             } else {
                 "a line ends with `;`, not with `:`".to_owned()
             });
@@ -356,11 +356,11 @@ impl Message<'_> {
                 _ => "a `;` is missing; a `for` has two, as in `for (int i = 0; i < 4; i++)`".to_owned(),
             }),
             text if text.starts_with("expected identifier or '(' before '{'") || text.starts_with("expected unqualified-id before '{'") => {
-                Some("this `{` begins no function: is there an extra `;` at the end of the line above it?".to_owned())
+                Some("no function starts at this `{`: is there an extra `;` at the end of the line above it?".to_owned())
             }
             text if text.starts_with("expected '(' before") => {
                 let word = self.before()?;
-                Some(format!("a `(` is missing before `{word}`: a condition stands between `( )`"))
+                Some(format!("a `(` is missing before `{word}`: a condition is written between `( )`"))
             }
             text if text.starts_with("expected expression before") || text.starts_with("expected primary-expression before") => {
                 let code = code_only(self.code().unwrap_or_default());
@@ -540,7 +540,7 @@ impl Message<'_> {
             Some((line, code)) => {
                 format!("`{code}` of line {line} is gone when the function ends: write `static {code}` in line {line}")
             }
-            None => "a variable is gone when its function ends, and has no address then: write `static` before its declaration".to_owned(),
+            None => "a variable is gone when its function ends: write `static` before its declaration".to_owned(),
         }
     }
 
@@ -551,8 +551,9 @@ impl Message<'_> {
         let is_note = |line: &&&str| line.contains("note: ") && (line.contains("previous") || line.contains(name));
         let is_here = |line: &&&str| !line.starts_with('/');
         let first = self.more.iter().find(is_note).filter(is_here).and_then(|line| line.split(':').nth(1));
-        let place = first.map_or_else(String::new, |line| format!(", in line {line} before"));
-        Some(format!("`{name}` is defined twice{place}: leave one out, or give it another name"))
+        let is_defined =
+            first.map_or_else(|| "defined twice".to_owned(), |line| format!("already defined in line {line}"));
+        Some(format!("`{name}` is {is_defined}: leave one out, or give it another name"))
     }
 
     /// A name where a type belongs.
@@ -653,7 +654,7 @@ impl Message<'_> {
         if let Some(given) = self.code().and_then(printed).filter(|given| given.starts_with(name)) {
             let text = given.split([',', ')']).next()?;
             return Some(format!(
-                "`{name}` is not defined: a text stands between quotes, as in `LCDPrintf(\"{text}\")`"
+                "`{name}` is not defined: a text is written between quotes, as in `LCDPrintf(\"{text}\")`"
             ));
         }
         if let Some(words) = self.one_name(name) {
@@ -948,7 +949,8 @@ fn misspelt(word: &str) -> Option<String> {
 
 fn mismatch(expected: &str, given: &str) -> String {
     if expected == "char" && ["char *", "char*", "const char *", "const char*"].contains(&given) {
-        return "a single letter stands between `'`, as in `'a'`; a text between `\"` is a `const char *`".to_owned();
+        return "a single letter is written between `'`, as in `'a'`; a text between `\"` is a `const char *`"
+            .to_owned();
     }
     if NUMBERS.contains(&expected) && ["char *", "char*", "const char *", "const char*"].contains(&given) {
         return format!("a text stands where a number (`{expected}`) belongs: write a number, without quotes");
@@ -958,7 +960,7 @@ fn mismatch(expected: &str, given: &str) -> String {
 
 fn unknown_function(name: &str) -> String {
     format!(
-        "`{name}` is not known up to this line: check the spelling, or write the function, or its first line with `;`, further up"
+        "`{name}` is not known yet in this line: check the spelling, or move the function above this line, or write its first line, with a `;`, above it"
     )
 }
 
@@ -986,12 +988,12 @@ fn is_word(text: &str) -> bool {
     text.chars().all(|letter| letter.is_alphanumeric() || letter == '_')
 }
 
-const ARRAY_IS_SET: &str = "an array is not set by `=`: `strcpy(array, \"text\")` copies a text, a loop copies numbers";
+const ARRAY_IS_SET: &str = "an array cannot be set with `=`: `strcpy(array, \"text\")`, with `#include <string.h>`, copies a text, a loop copies numbers";
 
 const LIST_IS_SET: &str = "`{ }` sets an array only where it is declared, as in `int d[] = {1, 2, 3};`: set its elements one by one, as in `d[0] = 1;`";
 
-const OUTSIDE: &str = "this line is outside of every function: there is a `}` too many above, or a `{` is missing, or it belongs between the \
-                       `{` and `}` of one, such as `main`";
+const OUTSIDE: &str = "this line is outside of every function: there is a `}` too many above, or a `{` is missing, or it should be within a \
+                       function, such as `main`";
 
 const VOID_RETURNS: &str =
     "a `void` function returns no value: write the value's type in place of `void`, such as `int`";
@@ -1047,7 +1049,7 @@ mod tests {
             ),
             (
                 "array subscript 3 is above array bounds of 'int[3]' [-Warray-bounds]",
-                "the index 3 is outside of an array, which has 3 elements with the indices 0 to 2",
+                "the index 3 is outside of the array, which has 3 elements with the indices 0 to 2",
             ),
             (
                 "iteration 4 invokes undefined behavior [-Waggressive-loop-optimizations]",
@@ -1184,7 +1186,7 @@ mod tests {
                 "4:9",
                 "expected '(' before 'PSDGet'",
                 "  while PSDGet(1) {",
-                "a `(` is missing before `PSDGet`: a condition stands between `( )`",
+                "a `(` is missing before `PSDGet`: a condition is written between `( )`",
             ),
             (
                 "4:9",
@@ -1197,7 +1199,7 @@ mod tests {
                 "4:1",
                 "expected identifier or '(' before '{' token",
                 "{",
-                "this `{` begins no function: is there an extra `;` at the end of the line above it?",
+                "no function starts at this `{`: is there an extra `;` at the end of the line above it?",
             ),
             (
                 "4:18",
@@ -1246,7 +1248,7 @@ mod tests {
         }
         let twice = "mine.cpp:3:5: error: redefinition of 'int home()'\n    3 | int home() { return 2; }\n      |     ^~~~\n\
                      mine.cpp:2:5: note: 'int home()' previously defined here\n";
-        check(twice, "mine.cpp:3: `home` is defined twice, in line 2 before: leave one out, or give it another name\n");
+        check(twice, "mine.cpp:3: `home` is already defined in line 2: leave one out, or give it another name\n");
     }
 
     #[test]

@@ -107,8 +107,8 @@ impl Mistake {
                 "a drive of 0 mm goes nowhere: RoBIOS-7 takes whole millimetres, such as 300; 0.3 becomes 0, and so does 1/2"
             }
             Self::NoNumber => {
-                "a speed, length or angle is not a number, or too large: C turns 0.0/0.0, 1/0.0 and the root of a negative number into \
-                 -2147483648"
+                "a speed, length or angle is not a number, or too large: it comes from a division by 0.0, or from the root of a negative \
+                 number: check how it is calculated"
             }
             Self::Unopened => "a file cannot be opened",
             Self::MissingWait => "a drive replaces the one before, which has just begun",

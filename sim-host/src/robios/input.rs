@@ -55,7 +55,7 @@ pub const LOOP: &str =
     "it reads its standard input in a loop, which has come to its end: `--stdin in.txt` gives it the text of a file";
 
 /// Hint to a program that reads at the end of an input that is empty.
-pub const EMPTY: &str = "the program reads a text that is typed, its standard input, and there is none: write it into a file `in.txt` and run with \
+pub const EMPTY: &str = "the program waits for typed input (standard input), but there is none: write the input into a file `in.txt` and run with \
                          `--stdin in.txt`";
 
 impl Input {
