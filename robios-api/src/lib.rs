@@ -30,12 +30,12 @@
 //! # }
 //! ```
 //!
-//! This is the API of RoBIOS 6; [`robios7`] is that of RoBIOS-7. Both share quantities, errors, console, random numbers and
-//! time. The type of the robot that the program's function takes selects the generation.
+//! This is the API of RoBIOS 6; [`robios7`] is the API of RoBIOS-7. The two share quantities, errors, console, random
+//! numbers and time. The parameter of the program's function, [`Robot`] or [`robios7::Robot`], selects the generation.
 //!
 //! [`fake`] runs a program in a unit test without a simulator.
 //!
-//! # Outside the guarantee
+//! # Sources of nondeterminism
 //! A run is reproducible from its files and its seed only if its programs are deterministic. Parts of `std` are not:
 //!
 //! | instead of | use |

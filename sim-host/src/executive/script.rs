@@ -1,4 +1,4 @@
-//! Advances a run to its end at a pace, with recorded interventions.
+//! Advances a run to its end at a given pace and replays its recorded interventions.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -14,7 +14,7 @@ use super::scheduler::{Progress, Scheduler};
 /// Timed interventions and the pace of a run; by default no interventions, and as fast as possible.
 #[derive(Default)]
 pub struct Script {
-    /// In order of time.
+    /// Actions in order of time.
     actions: VecDeque<(Time, Action)>,
     /// Time at which the user interrupted the recorded run.
     interrupted: Option<Time>,
@@ -23,8 +23,8 @@ pub struct Script {
 }
 
 impl Script {
-    /// Creates a script of these actions, each carried out at the start of the slot that contains its time. Faults are left out: they
-    /// belong to the scene, and happen again by themselves.
+    /// Creates a script of these actions; each is carried out at the start of the slot that contains its time. Faults
+    /// are left out: they belong to the scene and recur on their own.
     pub fn new(actions: impl IntoIterator<Item = (Time, Action)>) -> Self {
         let is_own = |(_, action): &(Time, Action)| !matches!(action, Action::Fault { .. });
         let mut actions: Vec<_> = actions.into_iter().filter(is_own).collect();
@@ -42,13 +42,13 @@ impl Script {
         Self { pace, ..self }
     }
 
-    /// Actions refused so far: the run differs from the one in which the script was recorded.
+    /// Actions that this run has refused so far. If there are any, the run has diverged from the recorded one.
     pub fn refused(&self) -> &[(Time, Refusal)] {
         &self.refused
     }
 
-    /// Advances the run to its next actions or, with a pace, to its next slot, but not for much longer than the real time `real`.
-    /// Returns [`Progress::Over`] once nothing is left to do.
+    /// Advances the run to its next actions or, with a pace, to its next slot, and returns after little more than
+    /// `budget` of wall-clock time. Returns [`Progress::Over`] once nothing is left to do.
     pub fn advance(&mut self, run: &mut Scheduler, real: Duration) -> Progress {
         let boundary = run.boundary();
         let start = self.actions.front().map(|(at, _)| slot_start(*at, &boundary));
@@ -83,7 +83,7 @@ impl Script {
     }
 }
 
-/// Start of the slot that contains `at`, or of the following one if that is past.
+/// Start of the slot that contains `at`, but not before `boundary.following`, the first slot that has not begun.
 fn slot_start(at: Time, boundary: &Boundary) -> Time {
     at.floor_to(boundary.slot).max(boundary.following)
 }

@@ -1,5 +1,5 @@
-//! Pictures from above, to scale: of files (`eyesim plot`) and of finished runs (`eyesim run --plot`); and charts of figures
-//! (`eyesim accuracy --plots`).
+//! Pictures from above, to scale: of files (`eyesim plot`) and of finished runs (`eyesim run --plot`); and charts of
+//! measurements (`eyesim accuracy --plots`).
 //!
 //! `scene` and `run` describe a picture as a [`Drawing`] in metres; `render` renders it. Nothing here changes the simulation or
 //! depends on fonts or libraries of the machine.
@@ -31,7 +31,7 @@ pub use scene::{draw_ground, draw_object_type, draw_robi, draw_scene};
 /// Error when making a picture.
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
-    /// The file's extension is no known kind of picture.
+    /// The file's extension is not that of a supported picture format.
     #[error("`{0}` is no kind of picture: expected a name that ends in .svg or .png")]
     Kind(String),
     /// Error of the drawing library.
@@ -47,7 +47,7 @@ pub enum PlotError {
     },
 }
 
-/// A kind of picture.
+/// Format of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureKind {
     /// Scalable Vector Graphics.
@@ -57,7 +57,7 @@ pub enum PictureKind {
 }
 
 impl PictureKind {
-    /// Kind of the extension of a file's name; a device gets SVG, which is text.
+    /// Format selected by the extension of the file name; SVG for a file in `/dev`, since it is text.
     ///
     /// # Errors
     /// [`PlotError::Kind`] for another extension, or none.
@@ -71,7 +71,7 @@ impl PictureKind {
         }
     }
 
-    /// Renders a picture of this kind, of `size` pixels in all or of a suitable size.
+    /// Renders a picture in this format, with a total size of `size` pixels, or a suitable size if it is `None`.
     ///
     /// # Errors
     /// [`PlotError::Draw`] if the drawing library fails.
@@ -83,11 +83,11 @@ impl PictureKind {
     }
 }
 
-/// Writes a picture to `path`, completely or not at all, in the kind of its extension. `size` in pixels as for
+/// Writes a picture to `path`, completely or not at all, in the format of its extension. `size` is in pixels, as for
 /// [`PictureKind::render`].
 ///
 /// # Errors
-/// [`PlotError`] for another kind of file, or one that cannot be drawn or written.
+/// [`PlotError`] for an unsupported format, or a picture that cannot be drawn or written.
 pub fn write(drawing: &Drawing, path: &Path, size: Option<(u32, u32)>) -> Result<(), PlotError> {
     let bytes = PictureKind::of(path)?.render(drawing, size)?;
     write_atomically(path, &bytes).map_err(|source| PlotError::Write { path: path.to_owned(), source })

@@ -45,14 +45,14 @@ pub struct RunObject {
     pub start: Pose,
     /// Pose at the end.
     pub end: Pose,
-    /// Its path, in lines as that of a robot; empty for an object that does not move.
+    /// Its path, as polylines like a robot's; empty for an object that does not move.
     pub trails: Vec<Vec<DVec2>>,
 }
 
-/// A finished run.
+/// Data for the picture of a finished run.
 #[derive(Clone, Debug)]
 pub struct RunPicture<'a> {
-    /// The line above the picture.
+    /// Title, shown above the picture.
     pub title: &'a str,
     /// The world.
     pub world: &'a WorldSpec,
@@ -114,7 +114,8 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
     drawing
 }
 
-/// Draws the world of a scene, `floor` the image on its floor, with the paths of several runs, each in a colour, and the places that matter in them.
+/// Draws the world of a scene (`floor` is the image on its floor), the paths of several runs, each in its own colour,
+/// and a cross at the point of interest of each run.
 pub fn draw_trials(
     scene: &SceneSpec,
     floor: Option<Arc<Texture>>,
@@ -138,7 +139,8 @@ pub fn draw_trials(
     drawing
 }
 
-/// Draws the paths of the robots of two runs, by their numbers: those of the first in colour, those of the second in black above them.
+/// Draws the paths of the robots of two runs, keyed by robot number: the first run in colour, the second on top in
+/// black.
 pub fn draw_paths(mut drawing: Drawing, paths: &BTreeMap<u32, PathPair>) -> Drawing {
     for (index, (robot, paths)) in paths.iter().enumerate() {
         let lines = [Line::solid(colour::robot(index), 4.0), Line::solid(INK, 1.2)];

@@ -1,13 +1,14 @@
-//! The floating-point environment of a thread: the host computes in the default one, independent of the program's settings.
+//! The floating-point environment of a thread: the host always computes in the default environment, whatever the
+//! program has set.
 //!
-//! A rounding mode, flushed subnormals (`-ffast-math` sets them when a library is loaded) or exception traps would otherwise change the
-//! results of the host on the program's thread, or stop it there.
+//! Otherwise a changed rounding mode or flush-to-zero (set when a library built with `-ffast-math` is loaded) would
+//! change the host's results on the program's thread, and an unmasked exception would stop the host with SIGFPE.
 
-/// Control bits of the default environment: round to nearest, all traps masked, subnormals kept.
+/// MXCSR of the default environment: round to nearest, all exceptions masked, subnormals kept.
 #[cfg(target_arch = "x86_64")]
 const DEFAULT: u32 = 0x1f80;
 
-/// Mask of the register's control bits; the other bits are status flags.
+/// Mask of MXCSR's control bits; the other bits are status flags.
 #[cfg(target_arch = "x86_64")]
 const CONTROL: u32 = 0xffc0;
 
@@ -32,7 +33,8 @@ pub fn restore(environment: u32) {
     unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const environment, options(nostack, preserves_flags)) };
 }
 
-/// Does nothing: on other processors the host runs in the program's environment, outside the guarantee of equal results.
+/// Does nothing: on other processors the host runs in the program's environment, so bit-identical results are not
+/// guaranteed there.
 #[cfg(not(target_arch = "x86_64"))]
 pub fn set_default() -> Option<u32> {
     None
@@ -42,7 +44,8 @@ pub fn set_default() -> Option<u32> {
 #[cfg(not(target_arch = "x86_64"))]
 pub fn restore(_: u32) {}
 
-/// The floating-point environment of a flow that shares its thread with others: modes and sticky exception flags of both units.
+/// The floating-point environment of a flow that shares its thread with others: control bits and sticky exception flags
+/// of SSE and of the x87.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Environment {
@@ -62,7 +65,7 @@ impl Environment {
     /// Exception flags in the x87's status word, stack fault included.
     const FLAGS: u16 = 0x7f;
 
-    /// The calling thread's present environment.
+    /// The calling thread's current environment.
     pub fn present() -> Self {
         let (mut sse, mut control, mut status) = (0_u32, 0_u16, 0_u16);
         // SAFETY: each instruction stores a register in a valid variable of its size, and changes nothing else.
@@ -93,17 +96,17 @@ impl Environment {
         unsafe { std::arch::asm!("fnstenv [{}]", in(reg) image.as_mut_ptr(), options(nostack, preserves_flags)) };
         image[0] = image[0] & !0xffff | u32::from(self.control);
         image[1] = image[1] & !u32::from(Self::FLAGS) | u32::from(self.flags);
-        // SAFETY: loads what was stored above, with control bits and flags that were the x87's before. The register stack stays empty,
-        // as calls require.
+        // SAFETY: loads what was stored above, whose control word and flags were themselves read from an x87. The
+        // register stack stays empty, as the calling convention requires.
         unsafe { std::arch::asm!("fldenv [{}]", in(reg) image.as_ptr(), options(nostack, preserves_flags)) };
     }
 }
 
-/// Gives the calling thread the environment with which it started, and empties the x87's register stack: code was left within an
-/// expression.
+/// Gives the calling thread the environment with which it started, and empties the x87's register stack: the thread may
+/// have jumped out of the middle of an expression.
 pub fn reset() {
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: the x87's registers hold nothing at a call.
+    // SAFETY: by the ABI the x87 register stack is empty at a call.
     unsafe {
         std::arch::asm!("fninit", out("st(0)") _, out("st(1)") _, out("st(2)") _, out("st(3)") _,
             out("st(4)") _, out("st(5)") _, out("st(6)") _, out("st(7)") _, options(nomem, nostack));

@@ -1,4 +1,5 @@
-//! Services for the program's language: console, random numbers, virtual time, reason of a failure, tasks.
+//! Services that the language runtimes of programs (Rust, Python, shim) call: console, random numbers, virtual time,
+//! reason of a failure, tasks.
 
 use std::collections::BTreeMap;
 
@@ -48,7 +49,7 @@ impl Generators {
 impl<F: Flow> Support for Caller<F> {
     fn console(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
-        // The output of a program that must stop is still recorded; it costs no more virtual time.
+        // The output of a program that must stop is still recorded; but costs no virtual time.
         let result = if self.flow().is_exiting() { Ok(()) } else { self.spend_on_console() };
         self.at_once(SupportCall::console, |robot| print_lines(robot, stream, &text));
         result.map(|()| 0)

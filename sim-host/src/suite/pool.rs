@@ -1,4 +1,5 @@
-//! Pool of workers that run cases: copies of this process, many cases in each where no program can harm its process, else one.
+//! Pool of worker processes, forked from this one, that run cases: many cases in each if no program can corrupt its
+//! process, otherwise one.
 
 use std::collections::VecDeque;
 use std::io::{self, Read as _, Write as _};
@@ -23,15 +24,15 @@ pub struct PoolOptions {
 /// Reasons why cases cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum PoolError {
-    /// The system gives no process.
+    /// The system cannot start a process.
     #[error("cannot start a process for cases: {0}")]
     Start(io::Error),
-    /// The system does not tell which workers have answered.
+    /// `poll` on the workers' sockets failed.
     #[error("cannot wait for cases: {0}")]
     Wait(io::Error),
 }
 
-/// Runs cases in copies of this process, which must have one thread.
+/// Runs cases in forks of this process, which must be single-threaded.
 pub struct Pool<'s> {
     suite: &'s Suite,
     cases: &'s [Case],
@@ -39,41 +40,41 @@ pub struct Pool<'s> {
     options: PoolOptions,
 }
 
-/// A worker with the cases that it has been given.
+/// A worker process with the cases that it has been given.
 struct Worker {
     process: ForkedWorker,
     /// The part of its next answer that has arrived.
     received: Vec<u8>,
-    /// Start of that answer.
+    /// Time at which that answer began to arrive.
     answers_since: Instant,
-    /// Indices of cases, the one that runs first.
+    /// Indices of its cases; the front one is running.
     given: VecDeque<usize>,
     /// The worker ends after its first case.
     is_single: bool,
-    /// Start of the case that runs.
+    /// Start of the running case.
     since: Instant,
 }
 
-/// Cases given to a worker that runs many: one runs, one waits, so that the worker never does.
+/// Cases queued at a worker that runs many: one runs and one waits, so that the worker is never idle.
 const AHEAD: usize = 2;
 
-/// Interval at which interrupts are noticed at the latest.
+/// Longest delay until an interrupt is noticed.
 const POLL: Duration = Duration::from_millis(100);
 
-/// Time in which workers must end after an interrupt.
+/// Time within which workers must end after an interrupt.
 const END_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Time in which a worker must end that has nothing left to do or does not obey.
+/// Time within which a worker that is idle or misbehaves must end.
 const WORKER_END_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Time in which an answer must arrive once it has begun.
+/// Time within which the rest of an answer must arrive.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Longest answer of a worker, in bytes; paths of many robots and what programs printed are much shorter.
 const MAX_ANSWER: usize = 256 << 20;
 
-/// Real seconds of a case for each second of processor time that it may use, after which its worker is killed: a last resort, far beyond
-/// what a loaded machine needs.
+/// Wall-clock seconds that a case gets per second of its processor-time limit; then its worker is killed. A last
+/// resort, far beyond what a loaded machine needs.
 const PATIENCE: f64 = 20.0;
 
 impl<'s> Pool<'s> {
@@ -82,15 +83,16 @@ impl<'s> Pool<'s> {
         Self { suite, cases, preparation, options }
     }
 
-    /// Key of the row of a case.
+    /// Cache key of the case's result row.
     ///
     /// # Errors
-    /// As [`Session::key`].
+    /// See [`Session::key`].
     pub fn key(&mut self, index: usize) -> Result<String, Box<CaseResult>> {
         self.preparation.session.key(self.suite, &self.cases[index])
     }
 
-    /// Runs the cases with these indices; `done` gets each result, in the order in which they end, and may stop the pool.
+    /// Runs the cases with these indices and calls `done` with each result as soon as its case ends; `done` may stop
+    /// the pool.
     ///
     /// # Errors
     /// [`PoolError`].
@@ -122,7 +124,7 @@ impl<'s> Pool<'s> {
             may_share
         });
         let mut workers: Vec<Worker> = Vec::new();
-        // Cases that have ended a worker that ran others as well.
+        // Cases during which a shared worker died; they are run again in a worker of their own.
         let mut suspects: Vec<usize> = Vec::new();
         while !self.preparation.session.interrupt.is_set() {
             self.employ(&mut workers, &mut waiting, &mut alone)?;
@@ -176,14 +178,14 @@ impl<'s> Pool<'s> {
         Ok(())
     }
 
-    /// Starts workers as far as there are cases and places for them, and gives cases to those that have too few.
+    /// Tops up the queues of the workers, and starts workers while there are cases and free places.
     fn employ(
         &mut self,
         workers: &mut Vec<Worker>,
         waiting: &mut VecDeque<usize>,
         alone: &mut VecDeque<usize>,
     ) -> Result<(), PoolError> {
-        // A worker that has none goes first, so that the last cases are spread over all workers.
+        // A worker without a case is served first, so that the last cases are spread over all workers.
         for ahead in 1..=AHEAD {
             for worker in workers.iter_mut().filter(|worker| !worker.is_single && worker.given.len() < ahead) {
                 give(worker, waiting);
@@ -245,7 +247,7 @@ impl<'s> Pool<'s> {
         ControlFlow::Continue(())
     }
 
-    /// Result of a case whose process ended without one, for this reason.
+    /// Result of a case whose process ended without one, with `message` as the reason.
     fn lost(&mut self, index: usize, message: &str) -> CaseResult {
         let mut result = lost_case(self.suite, &self.cases[index], message);
         result.row.key = self.key(index).unwrap_or_default();
@@ -265,7 +267,7 @@ fn give(worker: &mut Worker, queue: &mut VecDeque<usize>) -> bool {
     true
 }
 
-/// Lets workers end after an interrupt, which they have got as well.
+/// Waits for the workers to end after an interrupt; the signal has reached them too.
 fn dismiss(mut workers: Vec<Worker>) {
     let start = Instant::now();
     workers.iter().for_each(|worker| _ = worker.process.stream.shutdown(std::net::Shutdown::Write));
@@ -281,11 +283,12 @@ fn dismiss(mut workers: Vec<Worker>) {
 }
 
 impl Worker {
-    /// Reads what has arrived: a result with the mark of the worker's last one, once it is whole. It must be that of the case `asked`, if one
-    /// is given. A program shares the worker's process and may write anything into the connection.
+    /// Reads the bytes that have arrived. Once a result is complete, returns it, and true if it is the worker's last.
+    /// If `expected` is given, the result must belong to that case. A program shares the worker's process and may write
+    /// anything into the connection.
     ///
     /// # Errors
-    /// What the process did in place of giving a result, in words.
+    /// Verb phrase for the message, such as "ended without a result".
     fn receive(&mut self, asked: Option<&Case>) -> Result<Option<(CaseResult, bool)>, &'static str> {
         const HEAD: usize = 5;
         const ENDED: &str = "ended without a result";

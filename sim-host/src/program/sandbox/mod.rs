@@ -1,9 +1,9 @@
-//! Sandbox: restrictions of the kernel on the processes that compile and run programs of strangers.
+//! Sandbox: kernel-enforced restrictions on the processes that compile and run untrusted programs.
 //!
-//! A [`Level`] says which [areas](Area) are closed to such a process, [`Kernel`] by which means this kernel closes each. [`Sandbox::new`]
-//! refuses a level that the kernel does not reach. [`Sandbox::apply`] restricts a command before it is started: [`files`] with Landlock,
-//! [`calls`] with seccomp, [`limits`] with resource limits, and `process` applies them between fork and exec. `docs/sandbox.md` says what
-//! is not protected.
+//! A [`Level`] says which [areas](Area) are closed to such a process, and [`Kernel`] how this kernel closes each of
+//! them. [`Sandbox::new`] refuses a level that the kernel does not support. [`Sandbox::apply`] restricts a command
+//! before it is started: [`files`] with Landlock, [`calls`] with seccomp, [`limits`] with resource limits, and
+//! `process` applies them between fork and exec. `docs/sandbox.md` says what is not protected.
 
 pub mod calls;
 pub mod files;
@@ -25,14 +25,14 @@ pub use kernel::Kernel;
 pub use limits::Limits;
 use process::{Restriction, User};
 
-/// Area of the system that a sandbox closes to a process.
+/// Kind of access that a sandbox denies to a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Area {
-    /// Files and folders besides those of the system's libraries, its own and its scratch folder.
+    /// Files and folders other than the system libraries', the program's own and the scratch folder.
     Files,
     /// All sockets.
     Network,
-    /// Signals to processes besides its own.
+    /// Signals to any other process.
     Signals,
     /// Memory of other processes, by tracing or by any other call.
     Memory,
@@ -44,7 +44,7 @@ impl Area {
     /// All areas.
     pub const ALL: [Self; 5] = [Self::Files, Self::Network, Self::Signals, Self::Memory, Self::Resources];
 
-    /// Its word in reports.
+    /// Its name in reports.
     pub fn word(self) -> &'static str {
         match self {
             Self::Files => "files",
@@ -56,10 +56,10 @@ impl Area {
     }
 }
 
-/// Set of areas that a sandbox closes; each level closes what those before it do.
+/// Set of areas that a sandbox closes; each level closes all that the weaker ones close.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// Resources alone.
+    /// Only resources.
     Limits,
     /// All but files: for kernels without Landlock.
     Calls,
@@ -72,7 +72,7 @@ impl Level {
     /// All levels, weakest first.
     pub const ALL: [Self; 3] = [Self::Limits, Self::Calls, Self::Full];
 
-    /// Its word on the command line and in reports.
+    /// Its name on the command line and in reports.
     pub fn word(self) -> &'static str {
         match self {
             Self::Limits => "limits",
@@ -100,7 +100,7 @@ impl Level {
     }
 }
 
-/// A level that the kernel does not reach.
+/// A level that the kernel does not support.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "this kernel cannot close {} to programs ({missing}), as the sandbox `{}` must: `--sandbox={}` is the most that it reaches",
@@ -116,9 +116,9 @@ pub struct Unreachable {
 /// Kind of process that is restricted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// A robot's program: it starts threads, and no processes.
+    /// A robot's program: it may start threads but not processes.
     Program,
-    /// A compiler or build tool: it starts processes.
+    /// A compiler or build tool: it may start processes.
     Build,
 }
 
@@ -127,13 +127,13 @@ pub enum Role {
 pub struct Grant<'a> {
     /// Kind of process.
     pub role: Role,
-    /// Files and folders that it may read besides the system's; those that do not exist are skipped.
+    /// Files and folders that it may read in addition to the system's; those that do not exist are skipped.
     pub reads: Vec<PathBuf>,
-    /// Folder that it may write to, which must exist: its home and its temporary folder.
+    /// Folder that it may write to, which must exist. It becomes `HOME` and `TMPDIR`.
     pub scratch: &'a Path,
 }
 
-/// Restrictions for processes of strangers' programs.
+/// Restrictions for processes that run untrusted programs.
 #[derive(Clone, Debug)]
 pub struct Sandbox {
     level: Level,
@@ -142,22 +142,23 @@ pub struct Sandbox {
     pub of_programs: Limits,
     /// Limits of a compiler.
     pub of_builds: Limits,
-    /// Folder from which programs are built, if their sources lie in several folders; the folder of a program's first source is open in any
-    /// case.
+    /// Folder from which programs are built, if their sources lie in several folders; the folder of a program's first
+    /// source is always readable.
     pub root: Option<PathBuf>,
 }
 
 /// Record of a sandbox in a report.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SandboxReport {
-    /// Word of the level.
+    /// Name of the level.
     pub level: String,
     /// Closed areas, each with the means that close it.
     pub closed: BTreeMap<String, String>,
 }
 
 impl Sandbox {
-    /// A sandbox of `level` on this kernel, with the default limits. This process can no longer be traced or read by others of its user.
+    /// A sandbox of `level` on this kernel, with the default limits. From [`Level::Calls`] on, no other process of the
+    /// same user can trace this process or read its memory afterwards.
     ///
     /// # Errors
     /// [`Unreachable`] if the kernel lacks what the level needs.
@@ -175,7 +176,8 @@ impl Sandbox {
         self.level
     }
 
-    /// Folders from which a program with these sources is built, without links: that of the first source, and the [root](Self::root).
+    /// Folders from which a program with these sources is built, with symbolic links resolved: the folder of the first
+    /// source, and the [root](Self::root).
     pub fn source_folders(&self, sources: &[PathBuf]) -> Vec<PathBuf> {
         let folder = sources.first().and_then(|path| path.parent());
         let folder = folder.map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
@@ -188,11 +190,12 @@ impl Sandbox {
         SandboxReport { level: self.level.word().to_owned(), closed: self.level.areas().filter_map(means).collect() }
     }
 
-    /// Restricts `command`: its process, and all that this starts, get no more than `grant` allows. The environment is replaced by a short
-    /// list of variables and those that were set on the command; descriptors besides the standard streams are closed. These must be pipes or of
-    /// its own: what it does to a file that it shares is done to all who share it.
+    /// Restricts `command`: its process and all descendants get no more than `grant` allows. The environment is
+    /// replaced by a short list of variables and those that were set on the command; descriptors other than the
+    /// standard streams are closed. The standard streams must be pipes or files that no other process has open, because
+    /// changes to a shared file affect all its users.
     ///
-    /// As root the process gets a user id of its own.
+    /// If this process is root's, the command runs under a user id of its own.
     ///
     /// # Errors
     /// The kernel refuses the rules.
@@ -217,7 +220,7 @@ impl Sandbox {
     }
 }
 
-/// Variables that a restricted process gets from this one's environment.
+/// Environment variables that a restricted process inherits.
 const VARIABLES: [&str; 6] = ["PATH", "LANG", "LC_ALL", "LC_CTYPE", "TZ", "TERM"];
 
 /// Leaves only the variables that were set on the command, the [common ones](VARIABLES), and the scratch folder as home.
