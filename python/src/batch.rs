@@ -1,4 +1,4 @@
-//! Many simulations of one scene, which one call steps on all cores.
+//! Batch of simulations of one scene; one call steps all of them on all cores.
 
 use std::sync::Arc;
 use std::thread;
@@ -19,16 +19,16 @@ use sim_core::time::Time;
 use super::error::error;
 use super::simulation::{self as python, length, range, range_count, reach};
 
-/// Simulations that a thread takes at a time.
+/// Number of simulations that a thread takes from the queue at a time.
 const ROWS_AT_ONCE: usize = 4;
 
-/// A simulation in a step: its part, and the speed and turning speed of each robot.
+/// One simulation in a step, its part, and the speed and turning speed of each robot.
 type Row<'a> = (&'a mut Member, Part, &'a [f64]);
 
-/// Numbers of a robot behind its ranges: x, y, heading, speed ahead, turning speed.
+/// Count of the numbers that follow a robot's ranges: x, y, heading, forward speed, turning speed.
 const STATE: usize = 5;
 
-/// Flags of a robot: a contact has begun in this step, and it is stalled.
+/// Count of a robot's flags: a contact has begun in this step; the robot is stalled.
 const FLAGS: usize = 2;
 
 /// Simulations of one scene, side by side. Entry i of a buffer belongs to simulation i.
@@ -40,7 +40,7 @@ pub struct Batch {
     workers: Workers,
 }
 
-/// Robots of each simulation, and range sensors of the robot that has most.
+/// Number of robots in each simulation, and of range sensors of the robot with the most.
 #[derive(Clone, Copy)]
 struct Size {
     robots: usize,
@@ -48,25 +48,25 @@ struct Size {
 }
 
 impl Size {
-    /// Numbers of a robot that are observed.
+    /// Count of the numbers observed of a robot.
     fn numbers(self) -> usize {
         self.sensors + STATE
     }
 }
 
-/// Beginnings of episodes.
+/// Initial states of episodes.
 struct Beginnings {
-    /// Copies of the scene that nobody uses: the starts of its robots are overwritten.
+    /// Unused copies of the scene; the start poses of its robots are overwritten.
     scenes: Mutex<Vec<SceneSpec>>,
     scene: Arc<SceneSpec>,
     slot: Option<Time>,
-    /// Poses at which robots begin; empty: those of the scene.
+    /// Start poses of the robots; if empty, the scene's poses apply.
     starts: Vec<[f64; 3]>,
-    /// Greatest deviation from these poses.
+    /// Maximum deviation from these poses.
     jitter: [f64; 3],
 }
 
-/// A simulation, its episodes, and what was observed of it last.
+/// A simulation with its episode counters and its last observation.
 #[derive(Clone)]
 struct Member {
     simulation: simulation::Simulation,
@@ -76,15 +76,15 @@ struct Member {
     episodes: u64,
     /// Number of steps of the episode.
     steps: i64,
-    /// Of each robot: ranges and state.
+    /// Ranges and state of each robot.
     numbers: Vec<f64>,
-    /// Of each robot.
+    /// Flags of each robot.
     flags: Vec<u8>,
-    /// Of each robot: contacts of the episode.
+    /// Number of contacts of each robot in the episode.
     contacts: Vec<u32>,
 }
 
-/// Part of a member in a step.
+/// What a member does in a step.
 #[derive(Clone, Copy)]
 enum Part {
     /// Its robots drive.
@@ -107,11 +107,11 @@ impl Part {
     }
 }
 
-/// Threads that step members beside the caller's; they wait between steps.
+/// Threads that step members together with the caller's thread; they wait between steps.
 struct Workers {
-    /// Number of threads with the caller's.
+    /// Number of threads, the caller's included.
     threads: usize,
-    /// The pool, and the process that has made it: a child process has none of its threads.
+    /// The pool and the process that created it: a child process has none of its threads.
     pool: Option<(u32, ThreadPool)>,
 }
 
@@ -130,7 +130,8 @@ impl Workers {
         Ok(self.pool.as_ref().map(|(_, pool)| pool))
     }
 
-    /// Forgets a pool of another process without ending it: its locks may have been held when this process was forked.
+    /// Forgets a pool that the parent process created, without dropping it: its locks may have been held when this
+    /// process was forked.
     fn forget_strangers(&mut self) {
         std::mem::forget(self.pool.take_if(|(maker, _)| *maker != std::process::id()));
     }
@@ -199,17 +200,17 @@ impl Batch {
         (1..=self.size.robots as u32).map(reach_of).collect()
     }
 
-    /// The next episode of simulation `index` is the first one of the seed `root`.
+    /// Seeds simulation `index`: its next episode is the first one of the seed `root`.
     fn seed(&mut self, py: Python<'_>, index: usize, root: u64) -> PyResult<()> {
         let member = self.members.get_mut(index).ok_or_else(|| missing(py, index))?;
         (member.root, member.episodes) = (root, 0);
         Ok(())
     }
 
-    /// Steps the simulations by `seconds`, each with its part: 0 drives every robot as its two numbers of `actions` say, 1 begins its next
-    /// episode instead, 2 leaves it as it is. Then fills, for each robot, `numbers` (its ranges, m; x and y, m; heading, rad; speed ahead,
-    /// m/s; turning speed, rad/s) and `flags` (1 if a contact has begun in this step, 1 if it is stalled), and for each simulation
-    /// `steps`, those of its episode.
+    /// Steps the simulations by `seconds`, each with its part: 0 drives every robot at its speed and turning speed in
+    /// `actions`, 1 begins its next episode instead, 2 leaves it as it is. Then fills, for each robot, `numbers` (its
+    /// ranges, m; x and y, m; heading, rad; forward speed, m/s; turning speed, rad/s) and `flags` (1 if a contact has
+    /// begun in this step, 1 if it is stalled), and, for each simulation, `steps` (the steps of its episode).
     #[expect(clippy::too_many_arguments, reason = "one buffer for each kind of number")]
     fn step(
         &mut self,
@@ -268,9 +269,10 @@ impl Batch {
         fill_from(py, &steps, self.members.iter().map(|member| std::slice::from_ref(&member.steps)))
     }
 
-    /// Steps copies of the first simulation by `seconds` on so many threads, without Python, for the real time `real`: each step reads the
-    /// range sensors; the robots drive small circles, by one command, or by the same one in each step if `is_commanded`. Returns the
-    /// number of steps and the real time that they took, s.
+    /// Steps copies of the first simulation by `seconds` on the given number of threads, without Python, for the
+    /// wall-clock time `real`: each step reads the range sensors; the robots drive small circles, by one command, or by
+    /// the same one in each step if `is_commanded`. Returns the number of steps and the wall-clock time that they took,
+    /// s.
     fn bench(
         &self,
         py: Python<'_>,
@@ -314,7 +316,7 @@ impl Batch {
         Ok(member.simulation.digest().to_string())
     }
 
-    /// Simulation `index` as a value of its own.
+    /// Independent copy of simulation `index`.
     fn simulation(
         &self,
         py: Python<'_>,
@@ -346,7 +348,8 @@ pub fn episode_seed(seed: u64, episode: u64) -> u64 {
 }
 
 impl Member {
-    /// Does its part of a step and observes; `actions` are the speed and turning speed of each robot, none for those that keep theirs.
+    /// Does its part of a step and observes. `actions` has the speed and turning speed of each robot; robots without an
+    /// action keep their speeds.
     fn step(
         &mut self,
         beginnings: &Beginnings,
@@ -377,7 +380,7 @@ impl Member {
         Ok(())
     }
 
-    /// Fills what is observed of each robot.
+    /// Fills the observations of each robot.
     fn observe(&mut self, size: Size) {
         let now = self.simulation.now();
         for (index, numbers) in self.numbers.chunks_mut(size.numbers()).enumerate() {
@@ -401,7 +404,7 @@ impl Member {
 }
 
 impl Beginnings {
-    /// The episode of `seed`, after another one.
+    /// Creates the initial state of the episode of `seed` from the previous simulation.
     fn begin(&self, before: &simulation::Simulation, seed: u64) -> Result<simulation::Simulation, String> {
         let spare = self.scenes.lock().pop();
         let mut scene = spare.unwrap_or_else(|| SceneSpec::clone(&self.scene));
@@ -413,7 +416,7 @@ impl Beginnings {
                 count => self.starts[((first % count as u64) as usize + index) % count],
             };
             let drawn = hash("eyesim: start of a robot", [seed, index as u64]);
-            // 53 bits make a number from -1 to 1.
+            // Maps 53 bits to a number from -1 to 1.
             let unit = |word: u64| (word >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
             let [dx, dy, dphi] = self.jitter;
             robot.start = Pose::new(x + dx * unit(drawn[0]), y + dy * unit(drawn[1]), phi + dphi * unit(drawn[2]));

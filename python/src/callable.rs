@@ -1,4 +1,4 @@
-//! Functions of Python as robot programs: `eyesim._callable` runs them.
+//! Python functions as robot programs; `eyesim._callable` runs them.
 
 use std::sync::Arc;
 
@@ -56,7 +56,8 @@ impl EmbeddedCode for Callable {
 }
 
 impl Callable {
-    /// The value, or nothing after Python has been told of the exception: nobody is there who could catch it.
+    /// Returns the value. On an error reports the exception to Python as unraisable, since no caller could catch it,
+    /// and returns `None`.
     fn told<T>(&self, py: Python<'_>, result: PyResult<T>) -> Option<T> {
         result.map_err(|failed| failed.write_unraisable(py, Some(self.0.bind(py)))).ok()
     }

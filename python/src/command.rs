@@ -26,13 +26,13 @@ pub fn eye_source() -> String {
     robios_sys::python::eye()
 }
 
-/// Runs the command `eyesim` with these words, of which the first is its name; returns the exit code.
+/// Runs the command `eyesim` with these arguments, the first of which is its name; returns the exit code.
 #[pyfunction]
 pub fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
     let code = py.detach(|| {
         sim_host::executive::save_memory();
         sim_host::cli::run_words(words)
     });
-    // The standard library shows no number of an exit code, but compares them.
+    // The standard library does not expose the number of an exit code, but compares exit codes.
     (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(sim_host::cli::EXIT_INTERNAL)
 }

@@ -1,4 +1,4 @@
-//! Errors of the library as exceptions of `eyesim._errors`.
+//! Conversion of the library's errors to the exceptions of `eyesim._errors`.
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -10,7 +10,8 @@ pub fn error(py: Python<'_>, message: impl std::fmt::Display) -> PyErr {
     new(py, "Error", (message.to_string(),))
 }
 
-/// The exception of an error of the launch: `eyesim.SceneError` with the places of all mistakes in its files, else `eyesim.Error`.
+/// The exception of an error of the launch: `eyesim.SceneError` with the positions of all mistakes in the scene's
+/// files, otherwise `eyesim.Error`.
 pub fn of_launch(py: Python<'_>, failed: launch::Error) -> PyErr {
     match failed {
         launch::Error::Rejected(rejected) => scene_error(py, &rejected.diagnostics),

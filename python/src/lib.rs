@@ -1,4 +1,4 @@
-//! The extension module `eyesim._native`: what the Python package calls.
+//! The extension module `eyesim._native`, which the Python package calls.
 //!
 //! The rooms translate: numbers, buffers and exceptions of Python on one side, the library's values on the other. The package's own
 //! files in `python/eyesim` give them names, types and shapes. While the library works, other threads of Python run.
@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Functions and classes that the package `eyesim` stands on; their types are in `_native.pyi`.
+/// Functions and classes on which the package `eyesim` is built; their types are in `_native.pyi`.
 #[pymodule]
 mod _native {
     #[pymodule_export]

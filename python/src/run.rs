@@ -24,13 +24,13 @@ use super::callable::Callable;
 use super::error::{error, of_launch};
 use super::simulation::{duration, length, parse_settings};
 
-/// Interval at which a run looks whether the user interrupts.
+/// Interval at which a run checks for an interrupt by the user.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Stack of a run's thread, in bytes: that of a main thread.
+/// Stack size of a run's thread, in bytes; the usual size of a main thread's stack.
 const STACK: usize = 8 << 20;
 
-/// Reasons why a run gives no result.
+/// Reasons why a run has no result.
 enum Failed {
     Launch(launch::Error),
     Record(RecordError),
@@ -71,7 +71,7 @@ pub struct RunOptions {
     exec: String,
     workers: Option<usize>,
     timeout: Option<f64>,
-    /// Reference, name and program of each.
+    /// Reference, name and program of each Python function.
     functions: Vec<(String, String, Py<PyAny>)>,
 }
 
@@ -141,8 +141,8 @@ pub fn run<'py>(
     }
 }
 
-/// Runs `run` on a thread of its own, while the calling one, which is the only one that gets signals of Python, looks for Ctrl-C and then
-/// interrupts. Returns the exception of that, too.
+/// Runs `run` on a thread of its own, while the calling thread, the only one that receives Python's signals, checks for
+/// Ctrl-C and then interrupts the run. Returns the exception of the interrupt, too.
 fn on_own_thread<T: Send>(
     run: impl FnOnce() -> Result<T, Failed> + Send,
     interrupt: &Interrupt,

@@ -24,13 +24,13 @@ use sim_host::plot::{PictureKind, draw_scene};
 
 use super::error::{error, of_launch, scene_error};
 
-/// Simulated seconds after which a step looks whether the user interrupts.
+/// Simulated time after which a step checks for an interrupt by the user.
 const SIGNAL_INTERVAL: Time = Time::from_millis(10_000);
 
-/// Greatest simulated time of an argument, s.
+/// Maximum simulated time that an argument may give, s.
 const MAX_SECONDS: f64 = 1e9;
 
-/// A simulation, with the scene that it began with.
+/// A simulation and the scene from which it started.
 #[pyclass(module = "eyesim._native")]
 pub struct Simulation {
     pub(crate) value: simulation::Simulation,
@@ -67,7 +67,7 @@ impl Simulation {
         Ok(Self { value, scene: Arc::new(scene.spec().clone()), options, has_visuals: false })
     }
 
-    /// Present time, s.
+    /// Current time, s.
     #[getter]
     fn now(&self) -> f64 {
         self.value.now().seconds()
@@ -124,7 +124,7 @@ impl Simulation {
         Ok(self.value.robot(id).spec.name.clone())
     }
 
-    /// Greatest speed (m/s) and turning speed (rad/s) of a robot.
+    /// Maximum speed (m/s) and turning speed (rad/s) of a robot.
     fn limits(&self, robot: u32) -> PyResult<(f64, f64)> {
         let id = self.id(robot)?;
         let spec = &self.value.robot(id).spec;
@@ -150,7 +150,7 @@ impl Simulation {
         Ok(planar(&self.value.odometry(id)))
     }
 
-    /// Speed ahead and to the left (m/s), turning speed (rad/s), by the wheels.
+    /// Speed forward and to the left (m/s) and turning speed (rad/s), derived from the wheels.
     fn speed(&mut self, robot: u32) -> PyResult<(f64, f64, f64)> {
         let (id, now) = (self.id(robot)?, self.value.now());
         let Twist { vx, vy, omega } = self.value.with_robot(id, |robot, _| robot.motion.speed(now));
@@ -218,25 +218,26 @@ impl Simulation {
         fill(py, &numbers, &number)
     }
 
-    /// Width and height of the last image.
+    /// Width and height of the last image, in pixels.
     fn image_size(&self, robot: u32) -> PyResult<Option<(u32, u32)>> {
         let id = self.id(robot)?;
         let setting = self.value.robot(id).camera_setting();
         Ok(setting.ok().map(|Setting { size: [width, height], .. }| (width, height)))
     }
 
-    /// Speed (m/s) and turning speed (rad/s) until the next command.
+    /// Drives at a speed (m/s) and turning speed (rad/s) until the next command.
     fn drive(&mut self, py: Python<'_>, robot: u32, v: f64, omega: f64) -> PyResult<()> {
         self.command(py, robot, Command::Twist(Twist::new(v, omega)))
     }
 
-    /// A straight line, an arc or a turn of this length (m) and angle (rad), in `seconds` or as fast as possible.
+    /// Drives a straight line, an arc or a turn of this length (m) and angle (rad), in `seconds` or as fast as
+    /// possible.
     fn go(&mut self, py: Python<'_>, robot: u32, length: f64, angle: f64, seconds: f64) -> PyResult<()> {
         let displacement = Twist::new(length, angle);
         self.command(py, robot, Command::Drive { displacement, duration: seconds })
     }
 
-    /// Rates of the motors, rad/s.
+    /// Sets the rates of the motors, rad/s.
     fn wheels(&mut self, py: Python<'_>, robot: u32, rates: Vec<f64>) -> PyResult<()> {
         let id = self.id(robot)?;
         let count = self.value.robot(id).motion.model().wheel_count();
@@ -258,7 +259,7 @@ impl Simulation {
         Ok(self.value.with_robot(id, |robot, _| robot.motion.is_drive_done(now)))
     }
 
-    /// The scene from above as SVG, with robots at their present places.
+    /// The scene from above as SVG, with the robots at their current poses.
     fn svg(&mut self, py: Python<'_>) -> PyResult<String> {
         let mut scene = SceneSpec::clone(&self.scene);
         let now = self.value.now();
@@ -295,7 +296,7 @@ impl Simulation {
         Self { value, scene: Arc::clone(&self.scene), options: self.options, has_visuals: false }
     }
 
-    /// Gives the cameras their scenery, at the first image.
+    /// Builds the cameras' scenery, at the first image.
     fn show(&mut self, py: Python<'_>) {
         if !self.has_visuals {
             let scene = &self.scene;

@@ -114,7 +114,7 @@ impl Camera {
     /// Takes a grey image and waits for it.
     ///
     /// # Errors
-    /// [`Error::Refused`] if there is no image, also for the functions below.
+    /// [`Error::Refused`] if there is no image; the same applies to the functions below.
     #[track_caller]
     pub fn gray(&self) -> Result<GrayImage> {
         let mut frame = [0; 4800];

@@ -1,4 +1,4 @@
-//! The VW driving interface. Its frame is that of the robot at the start: x forward, y left, angles counter-clockwise.
+//! The VW driving interface. Its frame is the robot's frame at the start: x forward, y left, angles counter-clockwise.
 
 use std::cell::Cell;
 
@@ -171,7 +171,7 @@ impl Drive {
         checked("VWStopControl", Device::Drive, robios!(&self.robot, VWStopControl(self.handle)))
     }
 
-    /// Starts to drive straight ahead, and does not wait; replaces a drive in progress.
+    /// Starts to drive straight ahead and does not wait; replaces a drive in progress.
     ///
     /// `distance` is negative for backwards, `speed` above 0.
     ///

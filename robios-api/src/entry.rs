@@ -57,7 +57,7 @@ macro_rules! program {
                 argc: ::core::ffi::c_int,
                 argv: *const *const ::core::ffi::c_char,
             ) -> ::core::ffi::c_int {
-                // SAFETY: the host upholds the contract of `robios_sys::Run`, and this function is one.
+                // SAFETY: the host upholds the contract of `robios_sys::Run`, and this function has that type.
                 unsafe { $crate::entry::run(host, robot, argc, argv, $main) }
             }
 
@@ -160,7 +160,7 @@ pub const fn program<M: Machine, O: Outcome>(_main: fn(&M) -> O, run: robios_sys
 /// Runs a program's `main` for the host and returns its exit code.
 ///
 /// # Safety
-/// The arguments are those of [`robios_sys::Run`], for a host of the robot's generation.
+/// The arguments must meet the contract of [`robios_sys::Run`], for a host of the robot's generation.
 pub unsafe fn run<M: Machine, O: Outcome>(
     host: *const Host,
     context: *mut c_void,
@@ -172,10 +172,10 @@ pub unsafe fn run<M: Machine, O: Outcome>(
     unsafe { run_for(call_site::Recorder::Host, host, context, argc, argv, main) }
 }
 
-/// As [`run`], with a given recorder of call sites.
+/// Like [`run`], with a given recorder of call sites.
 ///
 /// # Safety
-/// As for [`run`].
+/// See [`run`].
 pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
     recorder: call_site::Recorder,
     host: *const Host,
@@ -268,7 +268,7 @@ unsafe fn arguments(argc: c_int, argv: *const *const c_char) -> Vec<String> {
 }
 
 thread_local! {
-    /// Number of programs that run on this thread: more than one only in a test of this crate.
+    /// Number of programs that run on this thread; more than one only in tests of this crate.
     static INSIDE: Cell<u32> = const { Cell::new(0) };
     /// Location and text of the program's last panic on this thread.
     static LAST_PANIC: RefCell<Option<String>> = const { RefCell::new(None) };

@@ -48,7 +48,7 @@ impl Robot {
             if let Some(key) = Key::from_code(robios!(self, KEYGet())) {
                 return key;
             }
-            // A host without keys fails at once: the sleep lets virtual time pass.
+            // On a host without keys the call fails immediately; the sleep lets virtual time pass.
             self.sleep(Duration::from_millis(10));
         }
     }

@@ -87,7 +87,7 @@ impl Robot {
         let _: i32 = robios!(self, OSError(ByteSlice::from(message), number, 0));
     }
 
-    /// Shows an error and stops the robot here for ever.
+    /// Shows an error and blocks the robot forever.
     #[track_caller]
     pub fn halt(&self, message: &str, number: i32) -> ! {
         let _: i32 = robios!(self, OSError(ByteSlice::from(message), number, 1));

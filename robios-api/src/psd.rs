@@ -38,7 +38,7 @@ pub struct Psd {
     handle: PSDHandle,
 }
 
-/// Polls every 10 ms, for a second at most. A macro, since the place of a closure's calls would be this file.
+/// Polls every 10 ms, for a second at most. A macro, since calls in a closure would be located in this file.
 macro_rules! poll {
     ($robot:expr, $device:expr, $is_ready:expr) => {
         'poll: {
@@ -92,7 +92,7 @@ impl Robot {
     pub fn psds<const N: usize>(&self, at: [PsdAt; N]) -> Result<[Psd; N]> {
         let mut psds = at.map(|at| Psd { robot: self.clone(), at, handle: 0 });
         let mut missing = None;
-        // No closure: the place of its calls would be this file.
+        // No closure: its calls would be located in this file.
         for psd in &mut psds {
             psd.handle = robios!(self, PSDInit(psd.at.semantics()));
             if psd.handle == 0 {

@@ -31,7 +31,7 @@ pub struct Radio {
 /// Settings of the radio, applied before it is switched on; `None` leaves a setting unchanged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RadioSettings {
-    /// Bit rate of sending and receiving; a receiver with another rate receives nothing. Initially that of the scene.
+    /// Bit rate of sending and receiving; a receiver with another rate receives nothing. Initially the scene's rate.
     pub speed: Option<Baud>,
     /// Address of the radio. Initially the robot's number.
     pub id: Option<RobotNumber>,
@@ -169,7 +169,7 @@ impl Radio {
     /// Sends a message to all robots; does not wait.
     ///
     /// # Errors
-    /// As for [`send`](Self::send).
+    /// See [`send`](Self::send).
     #[track_caller]
     pub fn broadcast(&self, bytes: &[u8]) -> Result {
         self.send(RobotNumber::ALL, bytes)
@@ -188,10 +188,10 @@ impl Radio {
         Ok(Message { from: RobotNumber(from), bytes: room[..len].to_vec() })
     }
 
-    /// The next message that waits, if any.
+    /// Returns the next waiting message, if any.
     ///
     /// # Errors
-    /// As for [`receive`](Self::receive).
+    /// See [`receive`](Self::receive).
     #[track_caller]
     pub fn try_receive(&self) -> Result<Option<Message>> {
         if self.waiting() == 0 { Ok(None) } else { self.receive().map(Some) }
@@ -200,7 +200,7 @@ impl Radio {
     /// Waits for a message for at most `span`; `None` at the timeout. Polls every millisecond.
     ///
     /// # Errors
-    /// As for [`receive`](Self::receive).
+    /// See [`receive`](Self::receive).
     #[track_caller]
     pub fn receive_within(&self, span: Duration) -> Result<Option<Message>> {
         let end = self.robot.now() + span;
@@ -276,7 +276,7 @@ impl Radio {
     /// ```
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if the value takes more than [`MAX_MESSAGE`] bytes or cannot be encoded; otherwise as for
+    /// [`Error::OutOfRange`] if the value takes more than [`MAX_MESSAGE`] bytes or cannot be encoded; otherwise see
     /// [`send`](Self::send).
     #[track_caller]
     pub fn send_as<T: serde::Serialize>(&self, to: RobotNumber, value: &T) -> Result {
@@ -287,8 +287,7 @@ impl Radio {
     ///
     /// # Errors
     /// [`Error::Garbled`] if the bytes of the message are not exactly one encoded value. Inverted bits cause this error
-    /// or a wrong value; only a checksum in the value detects a wrong value. Otherwise as for
-    /// [`receive`](Self::receive).
+    /// or a wrong value; only a checksum in the value detects a wrong value. Otherwise see [`receive`](Self::receive).
     #[track_caller]
     pub fn receive_as<T: serde::de::DeserializeOwned>(&self) -> Result<(RobotNumber, T)> {
         let message = self.receive()?;
@@ -298,7 +297,7 @@ impl Radio {
     /// Decodes the value of a message.
     ///
     /// # Errors
-    /// [`Error::Garbled`], as for [`receive_as`](Self::receive_as).
+    /// [`Error::Garbled`], see [`receive_as`](Self::receive_as).
     pub fn decode<T: serde::de::DeserializeOwned>(&self, message: &Message) -> Result<T> {
         encoding::decoded(message)
     }

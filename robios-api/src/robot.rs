@@ -163,7 +163,7 @@ impl Robot {
 
     /// The next line of standard input (`--stdin`) without its end; `None` at the end of the input.
     ///
-    /// In place of `std::io::stdin`, which would read the host's own input. Invalid UTF-8 is replaced.
+    /// To be used instead of `std::io::stdin`, which would read the host's own input. Invalid UTF-8 is replaced.
     ///
     /// ```
     /// # use robios_api::prelude::*;

@@ -1,4 +1,5 @@
-//! The robot's virtual time, in place of `std::time::Instant` and `std::thread::sleep`, which use the time of the host.
+//! The robot's virtual time, to be used instead of `std::time::Instant` and `std::thread::sleep`, which use the host's
+//! time.
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -83,8 +84,8 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if the period is no multiple of 10 ms or 0; [`Error::Unavailable`] if there are too many
-    /// timers already; [`Error::Unsuitable`] with [multi-tasking](Self::multi_tasking): see
+    /// [`Error::OutOfRange`] if the period is 0 or not a multiple of 10 ms; [`Error::Unavailable`] if there are too
+    /// many timers already; [`Error::Unsuitable`] with [multi-tasking](Self::multi_tasking): see
     /// [`Tasks::every`](crate::Tasks::every).
     #[track_caller]
     pub fn every(&self, period: Duration, function: impl FnMut(&Robot) + 'static) -> Result<Timer> {
@@ -168,8 +169,8 @@ pub struct Timer {
 }
 
 impl Timer {
-    /// The timer whose job the host has registered and answered with `handle`; 0: there are too many. `detach` unregisters it and returns
-    /// true if the host carried the call out.
+    /// Creates the timer whose job the host has registered under `handle`; a handle of 0 means that there are too many
+    /// timers. `detach` unregisters it and returns true if the host carried the call out.
     pub(crate) fn attached(
         job: Rc<TimerJob>,
         handle: TimerHandle,
@@ -238,7 +239,7 @@ impl TimerJob {
         Ok(Rc::new(Self { robot: robot.clone(), function: RefCell::new(function) }))
     }
 
-    /// What the host calls as long as there is the job.
+    /// The callback that the host calls as long as the job exists.
     pub(crate) fn callback(job: &Rc<Self>) -> Callback {
         Callback { code: Some(call_job), data: Rc::as_ptr(job).cast_mut().cast() }
     }
@@ -265,7 +266,7 @@ pub(crate) type SendTimerFunction = dyn FnMut(&Robot) + Send;
 
 impl SendTimerJob {
     fn run(&self, robot: &Robot) {
-        // As `TimerJob::run`.
+        // See `TimerJob::run`.
         match self.function.try_lock() {
             Ok(mut function) => function(robot),
             Err(TryLockError::Poisoned(function)) => function.into_inner()(robot),

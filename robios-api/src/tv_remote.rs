@@ -114,7 +114,7 @@ impl TvRemote {
         code_of(robios!(&self.robot, IRTVRead()))
     }
 
-    /// Waits for the next code; `None` at once if the receiver is off.
+    /// Waits for the next code; `None` immediately if the receiver is off.
     #[track_caller]
     pub fn wait(&self) -> Option<TvCode> {
         code_of(robios!(&self.robot, IRTVGet()))

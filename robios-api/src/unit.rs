@@ -201,7 +201,7 @@ impl Angle {
         self.0.to_degrees()
     }
 
-    /// Sine. Like all functions here it gives the same bits on every platform, unlike those of `std`.
+    /// Sine. Like all functions here its results are bit-identical on every platform, unlike those of `std`.
     pub fn sin(self) -> f64 {
         libm::sin(self.0)
     }

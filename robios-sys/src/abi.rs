@@ -1,4 +1,4 @@
-//! Interface between the host and a program's library besides the calls: the status of a call, the root of the
+//! Interface between the host and a program's library, apart from the calls: the status of a call, the root of the
 //! tables, and the program's one exported symbol.
 
 use std::ffi::{c_char, c_int, c_void};
@@ -65,7 +65,7 @@ pub struct Host {
     pub size: u32,
     /// [`ABI_VERSION`] of the host.
     pub abi: u32,
-    /// Services for the program's language; never null.
+    /// Services for the program's language runtime; never null.
     pub support: *const SupportTable,
     /// RoBIOS 6; null for a program of another generation.
     pub robios6: *const Robios6Table,
@@ -79,12 +79,12 @@ unsafe impl Sync for Host {}
 unsafe impl Send for Host {}
 
 impl Host {
-    /// The root for a program of RoBIOS 6, over tables that live for ever.
+    /// The root for a program of RoBIOS 6, over static tables.
     pub const fn of_robios6(support: &'static SupportTable, robios6: &'static Robios6Table) -> Self {
         Self { robios6, ..Self::without_robios(support) }
     }
 
-    /// The root for a program of RoBIOS-7, over tables that live for ever.
+    /// The root for a program of RoBIOS-7, over static tables.
     pub const fn of_robios7(support: &'static SupportTable, robios7: &'static Robios7Table) -> Self {
         Self { robios7, ..Self::without_robios(support) }
     }
@@ -250,14 +250,14 @@ impl Program {
 /// Reason why a host refuses a program, see [`Program::check`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Incompatibility {
-    /// Built against another ABI version.
+    /// The program was built against another ABI version.
     Abi {
         /// ABI version of the program.
         program: u32,
     },
-    /// Of a RoBIOS generation that the host does not know.
+    /// The program's RoBIOS generation is unknown to the host.
     Generation(u32),
-    /// Built against tables with functions that the host does not have.
+    /// The program was built against tables with functions that the host does not have.
     Newer,
 }
 

@@ -39,7 +39,7 @@ pub trait Param {
     /// Formats the argument for a log of calls.
     ///
     /// # Errors
-    /// Those of the formatter.
+    /// Errors of the formatter.
     fn show(held: &Self::Held, f: &mut Formatter<'_>) -> fmt::Result;
 
     /// In the program's process: appends to a request the part of the argument that the method needs.
@@ -48,7 +48,7 @@ pub trait Param {
     /// In the host: reads an argument written by [`write_request`](Self::write_request).
     ///
     /// # Errors
-    /// [`Malformed`] if the bytes are no such argument.
+    /// [`Malformed`] if the bytes do not encode such an argument.
     fn read_request(request: &mut Request<'_>) -> Result<Self::Held, Malformed>;
 
     /// In the host: appends to a reply the outputs set by the method.
@@ -59,7 +59,7 @@ pub trait Param {
     /// In the program's process: reads outputs written by [`write_reply`](Self::write_reply).
     ///
     /// # Errors
-    /// [`Malformed`] if the bytes are no such outputs.
+    /// [`Malformed`] if the bytes do not encode such outputs.
     fn read_reply(held: &mut Self::Held, reply: &mut Reader<'_>) -> Result<(), Malformed> {
         let _ = (held, reply);
         Ok(())
@@ -80,7 +80,7 @@ pub trait Return: Copy {
     /// Formats the result for a log of calls; nothing for `()`.
     ///
     /// # Errors
-    /// Those of the formatter.
+    /// Errors of the formatter.
     fn show(&self, f: &mut Formatter<'_>) -> fmt::Result;
 }
 
@@ -335,7 +335,8 @@ impl<T: Plain> Param for InOut<T> {
 
 /// A pointer to exactly one `T` that is written: the host gets `&mut Out<T>` and [sets](Self::set) the value.
 ///
-/// The thunk writes it after the method has returned without [`Stop`]; what was not set stays as it was.
+/// The thunk writes it after the method has returned without [`Stop`]; a value that was not set leaves the program's
+/// variable unchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Out<T> {
     is_null: bool,
@@ -416,7 +417,7 @@ pub trait ShowOut {
     /// Writes the value.
     ///
     /// # Errors
-    /// Those of the formatter.
+    /// Errors of the formatter.
     fn show_out(&self, f: &mut Formatter<'_>) -> fmt::Result;
 }
 

@@ -39,7 +39,7 @@ pub fn eye() -> String {
 pub struct Form {
     /// The call, such as `PSDGet(psd)`.
     pub signature: String,
-    /// What differs from C, such as the result; `None` if nothing does.
+    /// Difference from C, such as the result; `None` if there is none.
     pub note: Option<String>,
 }
 

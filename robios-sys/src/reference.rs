@@ -18,7 +18,7 @@ pub type Page = (&'static str, String);
 /// The reference pages. `example` reads the text of a file below `docs/examples`, such as `robios7/vw.py`.
 ///
 /// # Errors
-/// Those of `example`.
+/// Errors of `example`.
 pub fn pages<E>(mut example: impl FnMut(&str) -> Result<String, E>) -> Result<[Page; 2], E> {
     let six: Vec<_> = Robios6Call::ALL.iter().map(|call| call.function()).collect();
     let seven: Vec<_> = Robios7Call::ALL.iter().map(|call| call.function()).collect();
@@ -49,7 +49,7 @@ pub fn pages<E>(mut example: impl FnMut(&str) -> Result<String, E>) -> Result<[P
 /// The parts of a function's doc.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Description {
-    /// Sentences that say what the function does; the first one stands alone in lists.
+    /// Sentences that say what the function does; the first one is used alone in lists.
     pub text: Vec<String>,
     /// The parameters of the C prototype in its order: name, and text without the final full stop.
     pub parameters: Vec<(String, Option<String>)>,
@@ -199,7 +199,7 @@ fn constants(lists: &[(&str, &[Constant])]) -> String {
     page
 }
 
-/// The declarations of `variants.h`, which are no entries of the list.
+/// The declarations of `variants.h`, which are not in the list.
 fn variants(header: &str) -> String {
     let (_, declarations) = header.split_once("extern \"C\" {\n#endif\n").expect("the header's declarations");
     let end = declarations.find("#ifdef __cplusplus").expect("their end");

@@ -168,7 +168,7 @@ impl Fake {
         self
     }
 
-    /// Sets the script of a distance sensor's signal; by default it is 1 for a distance in range, else 0.
+    /// Sets the script of a distance sensor's signal; by default it is 1 for a distance in range, otherwise 0.
     pub fn signal(mut self, at: impl Into<PsdName>, signal: impl Fn(&Moment) -> Signal + Send + 'static) -> Self {
         self.signals.push((at.into(), Box::new(signal)));
         self

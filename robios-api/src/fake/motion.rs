@@ -110,7 +110,7 @@ impl Motion {
         self.push(now_us, [v, 0.0, w], None);
     }
 
-    /// As [`set_speed`](Self::set_speed), with a speed to the left.
+    /// Like [`set_speed`](Self::set_speed), with a speed to the left.
     pub fn set_twist(&mut self, now_us: u64, v: f64, left: f64, w: f64) {
         self.push(now_us, [v, left, w], None);
     }

@@ -1,4 +1,5 @@
-//! The fake robot behind the tables: its state, its virtual time, and the services for its program's language.
+//! The fake robot that the function tables call: its state, its virtual time, and the services for its program's
+//! language runtime.
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -41,7 +42,7 @@ pub(super) struct State {
     pub is_over: bool,
     pub failure: Option<String>,
     pub motion: Motion,
-    /// True pose and pose set by the program, at the last `VWSetPosition` or `VWInit`.
+    /// True pose, and the pose that the program set, at the last `VWSetPosition` or `VWInit`.
     pub origin: (Pose, Pose),
     pub has_drive: bool,
     pub power: [f64; 2],
@@ -169,7 +170,7 @@ impl FakeRobot {
         Ok(act(&mut self.state.borrow_mut()))
     }
 
-    /// Waits until a time; `None` waits for ever. Fails inside a timer's function.
+    /// Waits until a time; `None` waits forever. Fails inside a timer's function.
     pub(super) fn wait(&self, name: &str, until_us: Option<u64>) -> Result<(), Stop> {
         if self.state.borrow().is_in_callback {
             return Err(self.state.borrow_mut().blocked(name));

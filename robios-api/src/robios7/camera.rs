@@ -46,7 +46,7 @@ impl Camera<'_> {
     /// Takes a colour image.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if there is no image, also for the functions below.
+    /// [`Error::Refused`](crate::Error::Refused) if there is no image; the same applies to the functions below.
     #[track_caller]
     pub fn color(&self) -> Result<ColorImage> {
         let mut image = ColorImage::new(self.size);

@@ -1,4 +1,4 @@
-//! The VW driving interface. Its frame is that of the robot at the start: x forward, y left, angles counter-clockwise.
+//! The VW driving interface. Its frame is the robot's frame at the start: x forward, y left, angles counter-clockwise.
 
 use super::Robot;
 use crate::Result;

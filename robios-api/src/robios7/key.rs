@@ -15,7 +15,7 @@ impl Robot {
             if let Some(key) = Key::from_code(robios7!(self, KEYGet())) {
                 return key;
             }
-            // A host without keys fails at once: the sleep lets virtual time pass.
+            // On a host without keys the call fails immediately; the sleep lets virtual time pass.
             self.sleep(Duration::from_millis(10));
         }
     }
@@ -34,7 +34,7 @@ impl Robot {
         Key::from_code(robios7!(self, KEYRead()))
     }
 
-    /// Waits for a touch of the display and returns its place.
+    /// Waits for a touch of the display and returns its position.
     #[track_caller]
     pub fn wait_for_touch(&self) -> Pixel {
         let mut pixel = Pixel { x: 0, y: 0 };
@@ -44,7 +44,7 @@ impl Robot {
         pixel
     }
 
-    /// The place of a touch of the display that has not been read yet, without waiting.
+    /// Position of a touch of the display that has not been read yet, without waiting.
     #[track_caller]
     pub fn touch(&self) -> Option<Pixel> {
         let mut pixel = Pixel { x: 0, y: 0 };

@@ -131,11 +131,11 @@ pub enum Fill {
 /// Modes of the display. [`Lcd::set_mode`] sets one mode and leaves modes of other kinds unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LcdMode {
-    /// Text that leaves the last line moves all lines up.
+    /// Text that overflows the last line moves all lines up.
     Scrolling,
-    /// Text that leaves the last line starts again in the first.
+    /// Text that overflows the last line continues in the first.
     Wrapping,
-    /// Each call is shown at once.
+    /// Each call is shown immediately.
     AutoRefresh,
     /// Drawings are shown by [`Lcd::refresh`].
     ManualRefresh,

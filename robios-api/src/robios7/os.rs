@@ -38,7 +38,7 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if the period is no multiple of 1 ms or 0; [`Error::Unavailable`] if there are too many
+    /// [`Error::OutOfRange`] if the period is 0 or not a multiple of 1 ms; [`Error::Unavailable`] if there are too many
     /// timers already.
     #[track_caller]
     pub fn every(&self, period: Duration, mut function: impl FnMut(&Robot) + 'static) -> Result<Timer> {
@@ -127,7 +127,7 @@ impl Robot {
         let _: i32 = robios7!(self, OSError(ByteSlice::from(message), number, 0));
     }
 
-    /// Shows an error and stops the robot here for ever.
+    /// Shows an error and blocks the robot forever.
     #[track_caller]
     pub fn halt(&self, message: &str, number: i32) -> ! {
         let _: i32 = robios7!(self, OSError(ByteSlice::from(message), number, 1));

@@ -85,7 +85,7 @@ impl Ports<'_> {
     /// Makes an output high or low.
     ///
     /// # Errors
-    /// [`Error::Refused`] if there is no such line, or it is no output.
+    /// [`Error::Refused`] if there is no such line, or it is not an output.
     #[track_caller]
     pub fn set(&self, number: u8, is_high: bool) -> Result {
         checked("DIGITALWrite", line(number), robios7!(self.0, DIGITALWrite(number.into(), is_high.into())))

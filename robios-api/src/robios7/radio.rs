@@ -86,7 +86,7 @@ impl Radio {
     /// Sends bytes to all robots; does not wait.
     ///
     /// # Errors
-    /// As for [`send`](Self::send).
+    /// See [`send`](Self::send).
     #[track_caller]
     pub fn broadcast(&self, bytes: &[u8]) -> Result {
         self.send(RobotNumber::ALL, bytes)
@@ -105,10 +105,10 @@ impl Radio {
         Ok(Message { from: RobotNumber(from.clamp(0, 255) as u8), bytes: room[..len].to_vec() })
     }
 
-    /// The next message that waits, if any.
+    /// Returns the next waiting message, if any.
     ///
     /// # Errors
-    /// As for [`receive`](Self::receive).
+    /// See [`receive`](Self::receive).
     #[track_caller]
     pub fn try_receive(&self) -> Result<Option<Message>> {
         if self.waiting() == 0 { Ok(None) } else { self.receive().map(Some) }
@@ -117,7 +117,7 @@ impl Radio {
     /// Waits for a message for at most `span`; `None` at the timeout. Polls every millisecond.
     ///
     /// # Errors
-    /// As for [`receive`](Self::receive).
+    /// See [`receive`](Self::receive).
     #[track_caller]
     pub fn receive_within(&self, span: Duration) -> Result<Option<Message>> {
         let end = self.robot.now() + span;
@@ -161,7 +161,7 @@ impl Radio {
     /// Sends a value to one robot; does not wait.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if the value takes more than [`MAX_MESSAGE`] bytes or cannot be encoded; otherwise as for
+    /// [`Error::OutOfRange`] if the value takes more than [`MAX_MESSAGE`] bytes or cannot be encoded; otherwise see
     /// [`send`](Self::send).
     #[track_caller]
     pub fn send_as<T: serde::Serialize>(&self, to: RobotNumber, value: &T) -> Result {
@@ -172,8 +172,7 @@ impl Radio {
     ///
     /// # Errors
     /// [`Error::Garbled`] if the bytes of the message are not exactly one encoded value. Inverted bits cause this error
-    /// or a wrong value; only a checksum in the value detects a wrong value. Otherwise as for
-    /// [`receive`](Self::receive).
+    /// or a wrong value; only a checksum in the value detects a wrong value. Otherwise see [`receive`](Self::receive).
     #[track_caller]
     pub fn receive_as<T: serde::de::DeserializeOwned>(&self) -> Result<(RobotNumber, T)> {
         let message = self.receive()?;
@@ -183,7 +182,7 @@ impl Radio {
     /// Decodes the value of a message.
     ///
     /// # Errors
-    /// [`Error::Garbled`], as for [`receive_as`](Self::receive_as).
+    /// [`Error::Garbled`], see [`receive_as`](Self::receive_as).
     pub fn decode<T: serde::de::DeserializeOwned>(&self, message: &Message) -> Result<T> {
         encoding::decoded_without_zero(message)
     }

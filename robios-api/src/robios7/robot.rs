@@ -82,7 +82,8 @@ impl Robot {
         self.0.console_error()
     }
 
-    /// The next line of standard input (`--stdin`) without its end; `None` at the end of the input. In place of `std::io::stdin`.
+    /// The next line of standard input (`--stdin`) without its end; `None` at the end of the input. To be used instead
+    /// of `std::io::stdin`.
     #[track_caller]
     pub fn read_line(&self) -> Option<String> {
         self.0.read_line()

@@ -23,7 +23,7 @@ impl TvRemote<'_> {
         (code != 0).then_some(TvCode(code))
     }
 
-    /// Waits for the next code; `None` at once if the receiver is off.
+    /// Waits for the next code; `None` immediately if the receiver is off.
     #[track_caller]
     pub fn wait(&self) -> Option<TvCode> {
         let code: i32 = robios7!(self.0, IRTVGet());

@@ -1,4 +1,4 @@
-//! Multi-tasking: several tasks of one program, of which one runs at a time.
+//! Multi-tasking: several tasks of one program, one of which runs at a time.
 //!
 //! Memory safety does not depend on the schedule: a task's function and the values that it shares are `Send`, each task has its own
 //! [`Robot`], which no other task can reach, and shared values are locked.
@@ -210,10 +210,10 @@ impl<'a> Tasks<'a> {
         self.spawn_with(TaskSettings::new(name, priority), function)
     }
 
-    /// As [`spawn`](Self::spawn), with all settings.
+    /// Like [`spawn`](Self::spawn), with all settings.
     ///
     /// # Errors
-    /// As for [`spawn`](Self::spawn).
+    /// See [`spawn`](Self::spawn).
     #[track_caller]
     pub fn spawn_with<O: Outcome>(
         self,
@@ -255,7 +255,7 @@ impl<'a> Tasks<'a> {
     /// Creates a value shared between tasks; one task at a time can lock it.
     ///
     /// # Errors
-    /// As for [`semaphore`](Self::semaphore), which this function calls.
+    /// See [`semaphore`](Self::semaphore), which this function calls.
     #[track_caller]
     pub fn shared<T>(self, value: T) -> Result<Shared<T>> {
         Shared::new(self.0, value)
@@ -323,7 +323,7 @@ impl<'a> Tasks<'a> {
     /// it obtains its devices from the robot that it gets. It may make tasks ready and signal semaphores, but must not wait.
     ///
     /// # Errors
-    /// As for [`Robot::every`].
+    /// See [`Robot::every`].
     #[track_caller]
     pub fn every(self, period: Duration, function: impl FnMut(&Robot) + Send + 'static) -> Result<Timer> {
         Timer::of_any_task(self.0, period, Box::new(function))

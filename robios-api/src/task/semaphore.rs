@@ -51,7 +51,7 @@ impl Semaphore {
     /// Takes a permit as [`wait`](Self::wait) does; dropping the guard returns the permit.
     ///
     /// # Panics
-    /// As for [`wait`](Self::wait).
+    /// See [`wait`](Self::wait).
     #[track_caller]
     pub fn acquire<'a>(&self, robot: &'a Robot) -> Permit<'a> {
         self.wait(robot);

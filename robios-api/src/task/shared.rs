@@ -49,7 +49,7 @@ impl<T: Clone> Shared<T> {
     /// Copies the value, which is locked only for the copy.
     ///
     /// # Panics
-    /// As for [`lock`](Self::lock).
+    /// See [`lock`](Self::lock).
     #[track_caller]
     pub fn get(&self, robot: &Robot) -> T {
         self.lock(robot).clone()

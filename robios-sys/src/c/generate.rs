@@ -16,7 +16,7 @@ struct Generation {
     families: &'static [Family],
     functions: Vec<&'static Function>,
     constants: &'static [Constant],
-    /// Headers that `eyebot.h` includes, before its functions and behind them.
+    /// Headers that `eyebot.h` includes: those before its functions, and those after them.
     includes: &'static [&'static str],
     includes_behind: &'static [&'static str],
 }
@@ -128,7 +128,7 @@ impl CType {
     }
 }
 
-/// `type name`, without a blank behind a star.
+/// `type name`, without a blank after a star.
 fn declared(kind: &str, name: &str) -> String {
     let blank = if kind.ends_with(['*', ' ']) { "" } else { " " };
     format!("{kind}{blank}{name}")

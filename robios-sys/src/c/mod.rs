@@ -87,7 +87,7 @@ pub const SHIM: &[SourceFile] = files![
     "shim" / "pthread.c",
 ];
 
-/// The file of [`SHIM`] that is compiled; it includes the others but [`CPP_SHIM_SOURCE`].
+/// The file of [`SHIM`] that is compiled; it includes all others except [`CPP_SHIM_SOURCE`].
 pub const SHIM_SOURCE: &str = "shim.c";
 
 /// The file of [`SHIM`] that is compiled by the C++ compiler for programs with parts in C++.
@@ -95,7 +95,7 @@ pub const CPP_SHIM_SOURCE: &str = "cpp.cpp";
 
 /// Flags for compiling a program's files. Source: design, section 8.
 ///
-/// `-fcommon`: old programs define one variable in several files. `-ffp-contract=off`: the same bits on every
+/// `-fcommon`: old programs define one variable in several files. `-ffp-contract=off`: bit-identical results on every
 /// processor. `-fno-strict-aliasing`: old programs read images through other types. `-pipe`: the assembler's messages
 /// name no temporary file, whose name differs each time.
 ///
@@ -153,8 +153,8 @@ pub const VOID_MAIN_FLAG: &str = "-DEYESIM_VOID_MAIN";
 
 /// Flags for linking a program's library.
 ///
-/// `-Bsymbolic` binds a program's references to its own functions and to those of the shim instead of libc's;
-/// `-z defs` reports a misspelled function when linking and not when loading.
+/// `-Bsymbolic` binds a program's references to its own and the shim's functions instead of libc's; `-z defs` reports a
+/// misspelled function when linking and not when loading.
 pub const LINK_FLAGS: &[&str] = &["-shared", "-Wl,-Bsymbolic", "-Wl,-z,defs"];
 
 /// Flags for linking a library with parts in C++: its copies share neither the C++ library nor symbols that C++ makes unique in
