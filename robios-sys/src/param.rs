@@ -519,7 +519,7 @@ impl Param for OutBytes {
     }
 }
 
-/// Appends a capacity, or the mark of a null pointer.
+/// Appends a capacity, or the marker of a null pointer.
 fn put_capacity(capacity: Option<usize>, to: &mut Vec<u8>) {
     capacity.map_or(NULL, |capacity| u32::try_from(capacity).unwrap_or(NULL - 1).min(NULL - 1)).put(to);
 }

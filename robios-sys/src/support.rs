@@ -39,9 +39,9 @@ pub mod failure {
     pub const ERROR: i32 = 5;
     /// A C++ program threw an exception that it does not catch.
     pub const EXCEPTION: i32 = 6;
-    /// A C program gave an image less room on its stack than the image takes.
+    /// A C program reserved less space on its stack for an image than the image takes.
     pub const IMAGE: i32 = 7;
-    /// A C program lost the heap: it wrote beyond the end of a block, or gave back what is none.
+    /// A C program corrupted the heap: it wrote beyond the end of a block, or freed a pointer that is not a block.
     pub const HEAP: i32 = 8;
 }
 

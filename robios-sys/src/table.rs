@@ -8,7 +8,7 @@ use std::fmt::{self, Display, Formatter};
 use crate::abi::Stop;
 use crate::param::{Return, ShownResult};
 
-/// Interface of the thunks to the implementor of a table's trait: one robot of a host.
+/// Interface between the thunks and the implementor of a table's trait: one robot of a host.
 ///
 /// The `robot` pointer that a program passes back in each call points to an implementor. It is shared, not exclusive:
 /// a timer callback makes calls while the interrupted call is still in progress.
@@ -57,7 +57,7 @@ pub trait CallContext: Sized {
     }
 }
 
-/// Record of a call, displayed as `VWDriveStraight(1, 0.5, 0.2) = 0`; nothing is formatted before that.
+/// Record of a call, displayed as `VWDriveStraight(1, 0.5, 0.2) = 0`; it is formatted only when displayed.
 pub struct CallRecord<'a> {
     /// The function.
     pub name: &'static str,

@@ -28,7 +28,7 @@ impl std::error::Error for Malformed {}
 
 /// The program's end of a connection to its host, used by the entries of a remote table.
 pub trait HostConnection {
-    /// The line of the calling thread; `None` answers the call with [`Status::STOP`].
+    /// The connection of the calling thread; `None` answers the call with [`Status::STOP`].
     ///
     /// # Safety
     /// `context` is what was passed to the program's `run`, which has not returned.
@@ -121,7 +121,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Appends length-prefixed bytes, or the mark of a null pointer.
+/// Appends length-prefixed bytes, or the marker of a null pointer.
 ///
 /// # Panics
 /// If there are 4 GiB or more of them, which no robot program passes.

@@ -58,7 +58,7 @@ pub const IMAGE_COLUMNS: usize = 82;
 pub const IMAGE_ROWS: usize = 62;
 /// `image`: 80 x 60 grey values of 0 to 255, row 0 on top, with a border of 1 pixel that is undefined.
 pub type Image = [[u8; IMAGE_COLUMNS]; IMAGE_ROWS];
-/// `colimage`: as [`Image`], each pixel red, green, blue.
+/// `colimage`: like [`Image`], each pixel red, green, blue.
 pub type ColImage = [[[u8; 3]; IMAGE_COLUMNS]; IMAGE_ROWS];
 /// The whole LCD, 1 bit a pixel: 64 rows of 16 bytes, the left pixel in the highest bit, 1 is black.
 pub type BitImage = [u8; 1024];
@@ -136,7 +136,7 @@ impl ShowOut for RadioIOParameters {
     }
 }
 
-/// State of the radio: our choice, the original's fields are not known.
+/// State of the radio. The fields are our choice; those of the original are not known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct RadioStatus {

@@ -1,10 +1,11 @@
-//! Numbers of the report by their path, such as `robots[0].path_m`.
+//! Lookup of the report's numbers by path, such as `robots[0].path_m`.
 
 use serde_json::Value;
 
 use super::Verdict;
 
-/// Judges the number at `path` of `report`: within limits, or for partial points between the values for all and for none.
+/// Judges the number at `path` of `report`: whether it lies within limits or, for partial points, where it lies between
+/// the values that earn all points and none.
 pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partial: Option<(f64, f64)>) -> Verdict {
     let number = match find(report, path).and_then(|value| number(value, path)) {
         Ok(number) => number,
@@ -27,11 +28,11 @@ pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partia
     Verdict { share, value: Some(number), ..Verdict::new(share >= 1.0, message) }
 }
 
-/// The value at a path: names of fields with dots between them, indices from 0 in brackets.
+/// The value at a path, which consists of names of fields separated by dots, and indices from 0 in brackets.
 fn find<'v>(report: &'v Value, path: &str) -> Result<&'v Value, String> {
     let (mut value, mut known) = (report, String::new());
     for part in path.split('.') {
-        // What a program prints about itself is no ground for marks.
+        // A program could print any metrics about itself, so they do not count for marks.
         if part == "metrics" && known.starts_with("robots") {
             return Err(format!("`{path}`: the program prints its metrics itself: no check judges by them"));
         }
@@ -68,7 +69,7 @@ fn find<'v>(report: &'v Value, path: &str) -> Result<&'v Value, String> {
     Ok(value)
 }
 
-/// A number, or 1 and 0 for true and false.
+/// Returns a number; true and false become 1 and 0.
 fn number(value: &Value, path: &str) -> Result<f64, String> {
     match value {
         Value::Number(number) => number.as_f64().ok_or_else(|| format!("`{path}` is too large")),

@@ -1,5 +1,5 @@
-//! Verdicts on the checks of a scene: those on motion from [`sim_core::check`], those on events from a [`Tally`], the others from the
-//! report, and from programs of the user.
+//! Verdicts on the checks of a scene: checks on motion are judged by [`sim_core::check`], checks on events by a
+//! [`Tally`], all others by the report and by the user's programs.
 
 mod metric;
 mod prints;
@@ -19,12 +19,12 @@ pub use script::Evidence;
 use tally::Count;
 pub use tally::Tally;
 
-/// Result of one check before it is put into words.
+/// Result of one check, from which its message is composed.
 struct Verdict {
     is_met: bool,
     /// Share of the points, 0 to 1.
     share: f64,
-    /// Instant, s, and place, m.
+    /// Instant in s, and point in m.
     at: Option<f64>,
     place: Option<[f64; 2]>,
     value: Option<f64>,
@@ -37,8 +37,9 @@ impl Verdict {
     }
 }
 
-/// Results of all checks of a scene, in its order; without points if a required one is not met. `findings` are those on motion, `tally` has
-/// seen the events of the run that `report` describes, and which left `evidence` for programs.
+/// Results of all checks of a scene, in its order; without points if a required one is not met. `findings` are the
+/// findings on motion, `tally` has counted the events of the run, `report` describes the run, and `evidence` is what
+/// programs may read of it.
 pub fn results(
     checks: &[CheckSpec],
     findings: impl Iterator<Item = (usize, Finding)>,
@@ -111,7 +112,7 @@ pub fn results(
 /// Verdict of a check during a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// The rest of the run decides.
+    /// The rest of the run decides the check.
     Open,
     /// It is met for good.
     Met,
@@ -126,7 +127,7 @@ pub struct Standing {
     pub progress: Progress,
     /// The verdict in words.
     pub message: String,
-    /// Present value of the metric of a swarm.
+    /// Current value of a swarm metric.
     pub value: Option<f64>,
 }
 

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use sim_core::RobotId;
 use sim_core::spec::Printed;
 
-/// Search for what a program must print, line by line.
+/// Search, line by line, for the text or numbers that a program must print.
 #[derive(Clone, Debug)]
 pub(super) struct Search {
     what: Printed,
@@ -13,7 +13,7 @@ pub(super) struct Search {
     lines: u64,
     /// Numbers of the last lines that have any, at most as many as there are rows.
     numbers: VecDeque<Vec<f64>>,
-    /// Longest beginning of the rows that was found, and the numbers that followed in place of the next row.
+    /// Longest beginning of the rows that was found, and the numbers that followed instead of the next row.
     nearest: Option<(usize, Vec<f64>)>,
 }
 
@@ -26,7 +26,7 @@ impl Search {
         self.is_found
     }
 
-    /// Takes a further line; returns true if it completes what is searched.
+    /// Takes the next line; returns true if it completes the search.
     pub fn take(&mut self, line: &str) -> bool {
         if self.is_found {
             return false;
@@ -52,7 +52,7 @@ impl Search {
             self.numbers.pop_front();
         }
         self.numbers.push_back(numbers);
-        // Rows may begin at any of the last lines; the last line decides how far each beginning comes.
+        // Rows may begin at any of the last lines; the last line decides how many rows match from each beginning.
         for start in 0..self.numbers.len() {
             let lines = self.numbers.iter().skip(start);
             let matched = lines.clone().zip(rows).take_while(|(line, row)| has_row(line, row, tolerance)).count();
@@ -68,7 +68,7 @@ impl Search {
         false
     }
 
-    /// What was found, or how near it came. `verb` is what the robot does with lines.
+    /// Describes what was found, or the nearest match. `verb` is what the robot does with lines.
     pub fn explain(&self, robot: RobotId, verb: &str) -> String {
         let what = match &self.what {
             Printed::Text(text) => format!("`{text}`"),
@@ -126,7 +126,7 @@ fn matches(pattern: &str, line: &str) -> bool {
     let mut parts: Vec<&str> = parts.collect();
     let Some(last) = parts.pop() else { return rest.is_empty() };
     for part in parts {
-        // The earliest place leaves the most for the parts that follow.
+        // The earliest match leaves the most text for the following parts.
         let Some(place) = rest.find(part) else { return false };
         rest = &rest[place + part.len()..];
     }

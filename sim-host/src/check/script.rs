@@ -1,4 +1,4 @@
-//! Programs of the user that judge a run: the report and the trace go in, a verdict in JSON comes out.
+//! The user's programs that judge a run: they read the report and the trace, and print a verdict in JSON.
 
 use std::fs::{self, File};
 use std::io::{self, Read as _};
@@ -18,12 +18,12 @@ use crate::program::Tools;
 use crate::program::command::{CommandLimits, output_within};
 use crate::record::EventStore;
 
-/// Most bytes that a program may print.
+/// Maximum number of bytes that a program may print.
 const MOST_OUTPUT: usize = 1 << 20;
-/// Most characters of its message, and of what is quoted of its output.
+/// Maximum number of characters of its message, and of quotations from its output.
 const MOST_MESSAGE: usize = 400;
 
-/// What programs may read of a run that is over.
+/// Data of a finished run that programs may read.
 #[derive(Clone, Copy)]
 pub struct Evidence<'r> {
     /// Events of the run.
@@ -47,7 +47,7 @@ struct Answer {
 /// Path of a check's program.
 ///
 /// # Errors
-/// It cannot be started.
+/// The program cannot be started.
 pub fn path_of(folder: &str, program: &str) -> Result<PathBuf, String> {
     let path = Path::new(folder).join(program);
     command(&path).map(|_| path).map_err(|why| format!("`{program}` {why}"))
@@ -70,11 +70,11 @@ fn command(path: &Path) -> Result<Command, String> {
     let first = first.lines().next().and_then(|line| line.strip_prefix("#!")).unwrap_or_default().trim();
     let mut command = if path.extension().is_some_and(|extension| extension == "py") {
         let mut command = Command::new(Tools::of_environment().python.unwrap_or_else(|| "python3".into()));
-        // Nothing is written beside the program.
+        // Keeps Python from writing bytecode files beside the program.
         command.arg("-B").arg(&path);
         command
     } else if !first.is_empty() {
-        // The kernel would refuse it without the right to execute it, which archives do not keep.
+        // Without the executable bit, which archives do not keep, the kernel would refuse the program.
         let (interpreter, argument) = first.split_once(char::is_whitespace).unwrap_or((first, ""));
         let mut command = Command::new(interpreter);
         command.args(Some(argument.trim()).filter(|argument| !argument.is_empty())).arg(&path);
@@ -88,10 +88,10 @@ fn command(path: &Path) -> Result<Command, String> {
     Ok(command)
 }
 
-/// Runs the program of a check of this kind and takes its verdict; `report` is that of the run.
+/// Runs the program of a check of this kind and reads its verdict; `report` is the report of the run.
 ///
 /// # Errors
-/// The program gives none.
+/// The program does not print a verdict.
 pub(super) fn judge(
     kind: &CheckKind,
     max_points: f64,

@@ -1,4 +1,4 @@
-//! Counts of events for checks: contacts, lines, events, calls, messages.
+//! Counters of events for checks: contacts, lines, events, calls, messages.
 
 use sim_core::RobotId;
 use sim_core::record::{Digest, Event, Kind, KindSet, Obstacle, Record, WORLD};
@@ -18,22 +18,22 @@ pub struct Tally {
 /// Events that concern one check.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Count {
-    /// Their number.
+    /// Number of events.
     pub number: u64,
-    /// Instant that decided, s: of the event that was one too many or the last that was needed.
+    /// Instant in s of the deciding event: the first one too many, or the last one needed.
     pub at: Option<f64>,
-    /// Place of that event, m.
+    /// Point of that event, m.
     pub place: Option<[f64; 2]>,
     /// Robot of that event.
     pub robot: Option<RobotId>,
-    /// What a contact was with.
+    /// Obstacle of a contact.
     pub with: Option<Obstacle>,
     /// Search in the lines of a program.
     pub search: Option<Search>,
 }
 
 impl Tally {
-    /// Tally for the checks of `scene`; `None` if none is about events.
+    /// Tally for the checks of `scene`; `None` if no check is on events.
     pub fn new(scene: &SceneSpec) -> Option<Self> {
         let counted = |(index, check): (usize, &CheckSpec)| {
             let interest = interest(&check.kind)?;
@@ -147,7 +147,7 @@ impl Count {
         }
     }
 
-    /// Returns true if there are more than the greatest number of this kind.
+    /// Returns true if there are more events than the maximum of this kind.
     pub fn is_too_many(&self, kind: &CheckKind) -> bool {
         let most = match kind {
             CheckKind::Contacts { max, .. } => Some(*max),
@@ -159,7 +159,7 @@ impl Count {
         most.is_some_and(|most| self.number > most)
     }
 
-    /// Returns true if the least number was reached only after `by`.
+    /// Returns true if the minimum was reached only after `by`.
     pub fn is_late(&self, count: Counts, by: Option<Time>) -> bool {
         let is_enough = count.min > 0 && self.number >= count.min;
         is_enough && by.zip(self.at).is_some_and(|(by, at)| at > by.seconds())

@@ -1,4 +1,4 @@
-//! Results of checks in words: what happened, when, where, and what was wanted.
+//! Messages of the results of checks: what happened, when and where, and what was expected.
 
 use glam::DVec2;
 use sim_core::check::Finding;
@@ -9,7 +9,7 @@ use sim_core::unit;
 
 use super::tally::Count;
 
-/// A name of the report with blanks: `no program`.
+/// A name of the report with blanks between its words: `no program`.
 pub(super) fn words(name: &str) -> String {
     name.replace('_', " ")
 }
@@ -55,7 +55,7 @@ fn place_text(place: &Place) -> String {
     }
 }
 
-/// Returns true for a distance, as the judge measures it, of a body that is in the place.
+/// Returns true if `distance`, as the judge measures it, means that the body is in the place.
 fn is_inside(place: &Place, distance: f64) -> bool {
     match place {
         Place::Disc { radius, .. } => distance <= *radius,
@@ -63,7 +63,7 @@ fn is_inside(place: &Place, distance: f64) -> bool {
     }
 }
 
-/// Result of a check on motion in words.
+/// Message of the result of a check on motion.
 pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
     let (value, is_met) = (finding.value.unwrap_or_default(), finding.is_met);
     let when = finding.at.map(seconds).unwrap_or_default();
@@ -171,7 +171,7 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
     }
 }
 
-/// Result of a check on events in words.
+/// Message of the result of a check on events.
 pub(super) fn of_count(kind: &CheckKind, count: &Count) -> String {
     let number = count.number;
     match kind {

@@ -10,7 +10,7 @@ pub struct AbsentArgs {
     _any: Vec<OsString>,
 }
 
-/// Error of a request that needs `feature`, in a build without it.
+/// Returns the error for a request that needs `feature`, in a build without it.
 pub fn error(feature: &str) -> anyhow::Error {
     anyhow::anyhow!(
         "this eyesim is built without {feature}: build it with all features by `cargo build --release`, \

@@ -41,7 +41,7 @@ pub struct AccuracyArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// If a study does not exist, a page lacks the places for the tables, or a file cannot be written.
+/// If a study does not exist, a page lacks the markers for the tables, or a file cannot be written.
 pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
     let studies = chosen(&args.studies)?;
     let is_json_printed = args.json.as_deref() == Some(Path::new("-"));
@@ -107,7 +107,7 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<Study>> {
     names.iter().map(find).collect()
 }
 
-/// Writes the plot of the rows and the study's other figures.
+/// Writes the plot of the rows and the study's other plots.
 fn write_figures(folder: &Path, study: &Study, outcome: &Outcome) -> anyhow::Result<()> {
     let plot = Figure::of_rows(study.title, &outcome.rows);
     for figure in plot.iter().chain(&outcome.figures) {
@@ -161,13 +161,13 @@ fn markdown_table(rows: &[Row]) -> String {
     text
 }
 
-/// Page with marked places for tables.
+/// Page with markers between which tables are inserted.
 struct MarkdownPage {
     path: PathBuf,
     text: String,
 }
 
-/// End mark of a place.
+/// Marker after a table.
 const END: &str = "<!-- end -->";
 
 impl MarkdownPage {
@@ -176,14 +176,14 @@ impl MarkdownPage {
         Ok(Self { path: path.to_owned(), text })
     }
 
-    /// Puts the table of a study into its place.
+    /// Inserts the table of a study between its markers.
     fn set(&mut self, study: &str, table: &str) -> anyhow::Result<()> {
         let place = self.place(study)?;
         self.text.replace_range(place, &format!("\n{table}"));
         Ok(())
     }
 
-    /// Byte range of a study's table, between its two marks.
+    /// Byte range of a study's table, between its two markers.
     fn place(&self, study: &str) -> anyhow::Result<Range<usize>> {
         let begin = format!("<!-- accuracy: {study} -->");
         let shown = self.path.display();

@@ -1,4 +1,4 @@
-//! `eyesim cc`: builds the library of a robot program from C and C++ sources by hand.
+//! `eyesim cc`: builds the library of a robot program from C and C++ sources, without a scene.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

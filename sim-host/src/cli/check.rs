@@ -1,4 +1,4 @@
-//! `eyesim check`: reads files with all that they name, and prints their mistakes.
+//! `eyesim check`: reads files and everything that they refer to, and prints their mistakes.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -84,7 +84,7 @@ pub struct Checked {
     pub diagnostics: Vec<Diagnostic>,
     /// The files that were read, each once.
     pub inputs: Vec<InputFile>,
-    /// What was understood of maps and mazes of other programs, a line each.
+    /// Notes on how maps and mazes of other programs were read, one line each.
     pub notes: Vec<String>,
 }
 
@@ -104,7 +104,7 @@ impl Checked {
     }
 }
 
-/// Checks the files `names` with all that they name.
+/// Checks the files `names` and everything that they refer to.
 pub fn check(names: &[String], overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Checked {
     let mut checked = Checked::default();
     // Several files may name one file, which may also be one of `names` itself.
@@ -175,7 +175,8 @@ pub(super) fn is_noise(name: &str, files: &dyn Files) -> bool {
     sim_format::is_noise(name, &text)
 }
 
-/// Extensions of files checked in a folder, besides `.scene.toml` and `.noise.toml`. A companion is read with its robi.
+/// Extensions of files checked in a folder, in addition to `.scene.toml` and `.noise.toml`. A companion is read with
+/// its robi.
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
@@ -196,7 +197,7 @@ fn check_robi(name: &str, files: &dyn Files) -> Loaded {
     with_looks(loaded, files, |reader| robi.iter().for_each(|robi| drop(reader.robot(robi))))
 }
 
-/// Adds the diagnostics of the meshes and images of a scene, and of those that `others` reads.
+/// Adds the diagnostics of the meshes and images of a scene, and of the diagnostics that `others` reads.
 pub(super) fn with_looks(mut loaded: Loaded, files: &dyn Files, others: impl FnOnce(&mut MeshReader<'_>)) -> Loaded {
     let mut reader = MeshReader::new(files);
     let SceneSpec { world, robots, objects, .. } = &loaded.scene;
@@ -234,8 +235,8 @@ fn unknown_kind(name: &str) -> Diagnostic {
     on_file(Code::FileKind, name, message, expected)
 }
 
-/// Names, as the readers use them, of the files in `paths`; a folder stands for all files of known kinds below it. Folders without
-/// such files, or that cannot be read, are reported.
+/// Names, as the readers use them, of the files in `paths`; a folder is replaced by all files of known kinds below it.
+/// Folders without such files, or that cannot be read, are reported.
 fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnostic>) {
     let mut names = Vec::new();
     let mut diagnostics = Vec::new();
@@ -267,8 +268,8 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
     (names, diagnostics)
 }
 
-/// Visits all files below `folder`, in the order of their names. Hidden folders, and folders behind links (which may form
-/// cycles), are left out.
+/// Visits all files below `folder`, in the order of their names. Hidden folders, and folders that are symbolic links
+/// (which may form cycles), are left out.
 pub(super) fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&Path, &std::io::Error)) {
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {

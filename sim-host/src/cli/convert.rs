@@ -47,7 +47,7 @@ pub struct ConvertArgs {
 /// If an output exists and may not be replaced, is also an input, or cannot be written.
 pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     let mut files = DiskFiles::of_environment();
-    // References are rewritten from one folder to the other, so both paths must have the same root.
+    // References are rewritten relative to the other folder, so both paths must have the same root.
     let same_root = args.file.is_absolute() == args.output.is_absolute();
     let rooted = |path: &Path| if same_root { Ok(path.to_owned()) } else { std::path::absolute(path) };
     let from = rooted(&args.file).context("no working folder")?;

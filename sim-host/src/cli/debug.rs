@@ -17,7 +17,7 @@ use crate::executive::process::Debugger;
 use crate::files::DiskFiles;
 use crate::launch::settings::{ProgramOption, assign_programs, index_of};
 
-/// Limit of processor time within a slot that no program reaches, in seconds.
+/// Limit of processor time within a slot, in seconds; so high that no program reaches it.
 const NO_TIMEOUT: f64 = 1e9;
 
 /// Arguments of `eyesim debug`.
@@ -61,7 +61,7 @@ pub struct DebugArgs {
 /// Runs the scene with gdb around one program.
 ///
 /// # Errors
-/// As for a run; also if gdb is missing, or there is no such robot with a program.
+/// See [`run`](super::run::run); also if gdb is missing, or there is no such robot with a program.
 pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
     ensure!(Debugger::is_there(), "`gdb` is not installed: on Debian and Ubuntu it is the package `gdb`");
     let mut run = RunArgs {

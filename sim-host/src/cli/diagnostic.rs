@@ -12,13 +12,13 @@ use sim_format::{Diagnostic, InputFile, Severity};
 
 use super::excerpt::{Excerpt, printable};
 
-/// Most diagnostics of one file in the human form; the other forms have all.
+/// Maximum number of diagnostics of one file in the human-readable form; the other forms list all.
 const MAX_SHOWN: usize = 20;
 /// Width in columns if there is no terminal.
 const DEFAULT_WIDTH: usize = 100;
-/// Least readable width, in columns.
+/// Minimum readable width, in columns.
 const MIN_WIDTH: usize = 30;
-/// Greatest width of prose, in columns: longer lines are hard to read.
+/// Maximum width of prose, in columns: longer lines are hard to read.
 const MAX_PROSE: usize = 120;
 
 /// How diagnostics are printed.
@@ -36,7 +36,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns true if `screen` gets the human form.
+    /// Returns true if `screen` gets the human-readable form.
     pub fn is_human(self, screen: Screen) -> bool {
         self == Format::Human || self == Format::Auto && screen.is_terminal
     }
@@ -54,14 +54,14 @@ pub enum Colour {
     Never,
 }
 
-/// Output stream for diagnostics, and its abilities.
+/// Output stream for diagnostics, and its capabilities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Screen {
     /// The stream is a terminal.
     pub is_terminal: bool,
-    /// Columns.
+    /// Width in columns.
     pub width: usize,
-    /// Colours may be used; they are never the only sign of anything.
+    /// Colours may be used; nothing is shown by colour alone.
     pub has_colour: bool,
 }
 
@@ -131,7 +131,7 @@ pub fn render(
     }
 }
 
-/// Prints to standard output; a closed pipe (`eyesim check | head`) is no error.
+/// Prints to standard output; a closed pipe (`eyesim check | head`) is not an error.
 ///
 /// # Errors
 /// If standard output cannot be written to.
@@ -146,7 +146,7 @@ pub fn print(text: &str) -> std::io::Result<()> {
 /// One line for editors.
 fn short(diagnostic: &Diagnostic) -> String {
     let mut text = diagnostic.to_string();
-    // Messages on numbers and on TOML say what there is, and not what should be there.
+    // Messages on numbers and on TOML name what was found, not what was expected.
     let code = diagnostic.code.name();
     match &diagnostic.suggestion {
         Some(suggestion) => text.push_str(&format!("; {suggestion}")),
@@ -159,7 +159,7 @@ fn short(diagnostic: &Diagnostic) -> String {
     printable(&lines.join("; "))
 }
 
-/// Human form of the diagnostics, at most [`MAX_SHOWN`] of each file.
+/// Human-readable form of the diagnostics, at most [`MAX_SHOWN`] of each file.
 fn human(diagnostics: &[Diagnostic], inputs: &[InputFile], screen: Screen) -> String {
     let mut out = String::new();
     let mut texts: BTreeMap<&str, Option<String>> = BTreeMap::new();

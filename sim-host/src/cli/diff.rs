@@ -18,10 +18,10 @@ use crate::record::TraceReader;
 use crate::record::diff::{Difference, TraceDiff};
 use crate::record::read::RecordedEvent;
 
-/// Most differences between two reports, and most robots of two traces, that are printed.
+/// Maximum number of differences between two reports, and of robots of two traces, that are printed.
 const MAX_LINES: usize = 20;
 
-/// Entries of a report that differ between equal runs: real time, and the way in which it was started.
+/// Entries of a report that may differ between equal runs: the wall-clock time, and how the run was started.
 const NOT_OF_THE_RUN: [&str; 3] = ["argv", "real_time_s", "eyesim_version"];
 
 /// Arguments of `eyesim diff`.
@@ -114,7 +114,7 @@ fn diff_values(path: &str, a: &Value, b: &Value, lines: &mut Vec<String>) {
     }
 }
 
-/// Prints where two traces part; returns true if the runs are equal.
+/// Prints where two traces diverge; returns true if the runs are equal.
 fn diff_traces(args: &DiffArgs) -> anyhow::Result<bool> {
     if let Some(picture) = &args.plot {
         PictureKind::of(picture)?;
@@ -151,7 +151,7 @@ fn diff_traces(args: &DiffArgs) -> anyhow::Result<bool> {
     Ok(diff.is_equal())
 }
 
-/// The comparison in words.
+/// Describes the comparison as text.
 fn describe(diff: &TraceDiff) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     for header in &diff.headers {
@@ -204,12 +204,12 @@ fn describe_first(text: &mut String, first: &Difference) -> std::fmt::Result {
     Ok(())
 }
 
-/// The line of the trace, without what stands beside it.
+/// The event as one line, without the adjacent details.
 fn in_one_line(event: &RecordedEvent) -> String {
     event.fields.to_string()
 }
 
-/// A length that may be tiny: in metres from a tenth of a millimetre on, else as a power of ten.
+/// Formats a length that may be tiny: in metres from a tenth of a millimetre on, otherwise as a power of ten.
 fn length(metres: f64) -> String {
     if metres >= 1e-4 { format!("{metres:.4} m") } else { format!("{metres:.1e} m") }
 }

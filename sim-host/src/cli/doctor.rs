@@ -1,4 +1,5 @@
-//! `eyesim doctor`: tools and limits of this system, each with its purpose and the command that gets what is missing.
+//! `eyesim doctor`: lists tools and limits of this system, each with its purpose and the command that installs a
+//! missing one.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -42,12 +43,12 @@ struct Finding {
     remedy: String,
 }
 
-/// What became of the look for a tool or a limit.
+/// Result of the search for a tool or a limit.
 enum Answer {
-    /// Description of what was found.
+    /// It was found; with its description.
     Found(String),
     Missing,
-    /// It is there, and did not answer in this time.
+    /// It exists, but did not answer within this time.
     Silent(Duration),
 }
 
@@ -58,7 +59,7 @@ impl From<Option<String>> for Answer {
 }
 
 impl Answer {
-    /// Of a tool that had `timeout` to answer, and got this error.
+    /// Answer of a tool that failed with this error within `timeout`.
     fn of_error(error: &io::Error, timeout: Duration) -> Self {
         if error.kind() == io::ErrorKind::TimedOut { Self::Silent(timeout) } else { Self::Missing }
     }
@@ -186,7 +187,7 @@ fn sandbox() -> Finding {
     Finding::new("sandbox", "programs of strangers: `eyesim run --sandbox`", Some(found), "")
 }
 
-/// Limits and surroundings of this process.
+/// Limits and environment of this process.
 fn limits() -> Vec<Finding> {
     let number = |path: &str| fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let enough = |value: Option<u64>, least: u64| value.filter(|value| *value >= least).map(|value| value.to_string());
@@ -228,7 +229,7 @@ fn limits() -> Vec<Finding> {
     ]
 }
 
-/// Memory that is left, of the machine and of this process's control group, MiB.
+/// Available memory, the minimum of the machine's and this process's control group's, MiB.
 fn memory_mebibytes() -> Option<u64> {
     let information = fs::read_to_string("/proc/meminfo").ok()?;
     let line = information.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
@@ -269,7 +270,7 @@ fn on_path(command: &str) -> Option<String> {
     Some(found.display().to_string())
 }
 
-/// First line of what a command says of its version within `timeout`.
+/// First line of the version that a command prints within `timeout`.
 fn version(command: &str, timeout: Duration) -> Answer {
     match build_output(Command::new(command).arg("--version"), timeout) {
         Ok(output) if output.status.success() => {
@@ -306,7 +307,7 @@ impl Installer {
         }
     }
 
-    /// Command that installs the packages, which are those of Debian, Fedora and Arch.
+    /// Command that installs the packages, given by their names in Debian, Fedora and Arch.
     fn command(self, [debian, fedora, arch]: [&str; 3]) -> Option<String> {
         match self {
             Self::Apt => Some(format!("sudo apt install {debian}")),
@@ -316,7 +317,7 @@ impl Installer {
         }
     }
 
-    /// As [`Installer::command`]; on another system the packages to look for.
+    /// The text of [`Installer::command`]; on another system, the packages to look for.
     fn text(self, packages: [&str; 3]) -> String {
         self.command(packages).unwrap_or_else(|| format!("install the package `{}`, or one like it", packages[0]))
     }

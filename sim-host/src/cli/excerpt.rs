@@ -11,11 +11,11 @@ use crate::record::log::is_terminal_control;
 
 /// Columns from one tab stop to the next.
 const TAB: usize = 4;
-/// Mark of a cut.
+/// Marker where text was cut off.
 const CUT: char = '…';
-/// Least number of columns of source, even on a narrower terminal.
+/// Minimum number of columns of source, even on a narrower terminal.
 const MIN_COLUMNS: usize = 16;
-/// Greatest length of the line above the mistake, in bytes: a longer one is not shown, since it would be no help.
+/// Maximum length of the line above the mistake, in bytes; a longer line is not shown, since it would not help.
 const MAX_NEIGHBOUR: usize = 1 << 16;
 
 /// Line of a mistake, with its neighbouring lines unless the beginning of the line is cut off.
@@ -37,7 +37,7 @@ impl Excerpt {
     /// The lines around `span` in `text`, for a terminal of `width` columns.
     pub fn new(file: &str, text: &str, span: Span, width: usize) -> Self {
         let last_number = span.line as usize + 1;
-        // Leaves room for ` 12 │ ` before the line, and for a mark after its end.
+        // Leaves room for ` 12 │ ` before the line, and for a marker after its end.
         let columns = width.saturating_sub(last_number.to_string().len() + 5).max(MIN_COLUMNS);
         let start = text.floor_char_boundary(span.start);
         let end = text.floor_char_boundary(span.end).max(start);
@@ -70,9 +70,9 @@ impl Excerpt {
 }
 
 impl SourceCode for Excerpt {
-    /// Returns the whole text for any span. If no context lines are requested, its position is that of the mistake: by
-    /// such a request `miette` asks which line and column to print above the text. Otherwise it is that of the first
-    /// line of the text.
+    /// Returns the whole text for any span. If no context lines are requested, `miette` asks for the line and column to
+    /// print above the text: the returned position is then the position of the mistake. Otherwise it is the position of
+    /// the first line of the text.
     fn read_span<'a>(
         &'a self,
         _: &SourceSpan,
@@ -95,7 +95,7 @@ struct LineWindow {
 }
 
 impl LineWindow {
-    /// Reads no more of the line than can be shown, since lines may be of any length.
+    /// Reads only as much of the line as can be shown, since lines may be of any length.
     fn around(text: &str, span: Range<usize>, columns: usize) -> Self {
         let before_span = text[..span.start].char_indices().rev();
         let mut before = span.start;
@@ -185,7 +185,7 @@ fn head(line: &str, columns: usize) -> String {
     LineWindow::around(line, 0..0, columns).text
 }
 
-/// Line above that of byte `place`; none if it is too long to be of help.
+/// The line above the line of byte `place`; none if it is too long to help.
 fn line_above(text: &str, place: usize) -> Option<&str> {
     let start = text[..place].rfind(is_break)?;
     // CR LF is one break.
@@ -198,7 +198,7 @@ fn line_above(text: &str, place: usize) -> Option<&str> {
     }
 }
 
-/// The line below that of byte `place`.
+/// The line below the line of byte `place`.
 fn line_below(text: &str, place: usize) -> Option<&str> {
     let end = place + text[place..].find(is_break)?;
     let next = end + if text[end..].starts_with("\r\n") { 2 } else { 1 };

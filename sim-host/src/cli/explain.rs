@@ -9,7 +9,7 @@ use sim_format::{Code, Severity, UnknownCode};
 use super::EXIT_USAGE;
 use super::diagnostic::{Colour, Screen, print};
 
-/// Greatest width of prose, in columns.
+/// Maximum width of prose, in columns.
 const MAX_WIDTH: usize = 100;
 /// Indentation of an example.
 const INDENT: &str = "    ";
@@ -51,7 +51,8 @@ fn named(text: &str) -> Result<Code, UnknownCode> {
     inner.trim().to_lowercase().parse()
 }
 
-/// Prefix of the codes most similar to `name`: the first part of `name` if any code begins with that part, else empty.
+/// Prefix of the codes most similar to `name`: the first part of `name` if any code begins with that part, otherwise
+/// empty.
 fn family(name: &str) -> &str {
     let family = name.split('-').next().unwrap_or_default();
     if Code::ALL.iter().any(|code| code.name().split('-').next() == Some(family)) { family } else { "" }
@@ -107,7 +108,7 @@ fn filled(paragraph: &str, width: usize, screen: Screen) -> String {
     lines + "\n"
 }
 
-/// A word without its asterisks, and its style: that of a severity, or bold.
+/// A word without its asterisks, and its style: the style of a severity, or bold.
 fn emphasis(word: &str, screen: Screen) -> (String, Style) {
     if !word.contains("**") {
         return (word.to_owned(), Style::new());

@@ -1,4 +1,4 @@
-//! `eyesim grade`: grades submissions by a suite; pages, tables and the files of grading services.
+//! `eyesim grade`: grades submissions with a suite, and writes pages, tables and files for grading services.
 
 mod autograder;
 mod class;
@@ -75,7 +75,7 @@ pub struct GradeArgs {
 const AFTER_HELP: &str = "Exit codes: 0 graded, whatever the points, 2 usage or file errors, 130 interrupted: the same command \
                           continues.";
 
-/// Folder of results that are used again, in the output folder.
+/// Folder of cached results, in the output folder.
 const KEPT: &str = "graded";
 
 /// A submission with its result.
@@ -98,7 +98,7 @@ impl Student {
         self.graded.results.iter().filter(|result| result.row.outcome == RowOutcome::Passed).count()
     }
 
-    /// All variants pass, some do not, or nothing could be run.
+    /// Verdict in words: all variants pass, some do not, or nothing could be run.
     fn verdict(&self) -> &'static str {
         if self.variants.iter().all(|variant| variant.passed) {
             "passed"
@@ -198,7 +198,7 @@ fn read(args: &GradeArgs, folder: &Path, grader: &Grader) -> anyhow::Result<(Vec
     Ok((read.list, read.ignored))
 }
 
-/// Makes the output folder; returns the folder of results that are used again.
+/// Creates the output folder; returns the folder of cached results.
 fn prepare(output: &Path) -> anyhow::Result<PathBuf> {
     let kept = output.join(KEPT);
     let is_in_use = fs::read_dir(output).is_ok_and(|mut entries| entries.next().is_some());
@@ -209,7 +209,7 @@ fn prepare(output: &Path) -> anyhow::Result<PathBuf> {
     Ok(kept)
 }
 
-/// Grades those submissions whose results are not kept; none if the user has interrupted it.
+/// Grades the submissions whose results are not cached; `None` if the user has interrupted it.
 fn grade(
     args: &GradeArgs,
     grader: &mut Grader,
@@ -224,7 +224,7 @@ fn grade(
         let known = file(key).and_then(|file| Graded::parse(&read_regular(&file).ok()?));
         match known {
             Some(graded) => _ = results.insert(key.clone(), graded),
-            // Submissions with equal files have one result.
+            // Submissions with equal files share one result.
             None if missing.iter().any(|&other| keys[other] == *key) => {}
             None => missing.push(index),
         }
@@ -301,7 +301,7 @@ fn write_all(output: &Path, grader: &Grader, students: &[Student], start: Instan
     write(&output.join("junit.xml"), junit::document(suites, start.elapsed())?.as_bytes())
 }
 
-/// Writes the files of a submission's programs into a folder of its own without folders in it, as checkers of similarity read them.
+/// Writes the files of a submission's programs into a flat folder of its own, the layout that similarity checkers read.
 fn export_sources(sources: &Path, grader: &Grader, submission: &Submission) -> anyhow::Result<()> {
     let own = sources.join(&submission.folder);
     let Some(choice) = grader.choice(submission) else { return Ok(()) };

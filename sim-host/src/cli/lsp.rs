@@ -1,7 +1,7 @@
 //! `eyesim lsp`: the checks of `eyesim check` as a language server, for editors.
 //!
-//! The server answers on standard output what an editor asks on standard input, by the
-//! [Language Server Protocol](https://microsoft.github.io/language-server-protocol/) 3.17. It knows the texts as they are typed and
+//! The server reads an editor's requests from standard input and answers on standard output, by the [Language Server
+//! Protocol](https://microsoft.github.io/language-server-protocol/) 3.17. It holds the texts as they are typed and
 //! reads all other files from the disk. It runs no programs.
 
 mod documents;
@@ -65,7 +65,7 @@ pub fn run(args: &LspArgs) -> anyhow::Result<ExitCode> {
     Ok(if is_shut_down { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// UTF-8 if the editor knows it, else UTF-16, which every editor knows.
+/// UTF-8 if the editor supports it, otherwise UTF-16, which every editor supports.
 fn encoding_of(params: &InitializeParams) -> Encoding {
     let general = params.capabilities.general.as_ref();
     let known = general.and_then(|general| general.position_encodings.as_deref()).unwrap_or_default();
@@ -99,7 +99,7 @@ struct Server {
 impl Server {
     /// Serves until `exit` or the end of the input; returns true if the editor has asked for the shutdown before.
     fn serve(&mut self, connection: &Connection) -> anyhow::Result<bool> {
-        // Checks once for all changes that have arrived.
+        // Checks once after all changes that have arrived.
         while let Ok(first) = connection.receiver.recv() {
             let mut is_changed = false;
             for message in std::iter::once(first).chain(connection.receiver.try_iter()) {
@@ -127,7 +127,8 @@ impl Server {
         Ok(false)
     }
 
-    /// Follows the editor's documents; returns true if a text has changed. An editor is not told of wrong notifications.
+    /// Applies a notification to the open documents; returns true if a text has changed. Wrong notifications are
+    /// ignored.
     fn take(&mut self, notification: Notification) -> bool {
         let Notification { method, params } = notification;
         match method.as_str() {
@@ -151,7 +152,8 @@ impl Server {
         }
     }
 
-    /// Diagnostics of all open documents and of the files that they name, and empty lists for files without any more.
+    /// Diagnostics of all open documents and of the files that they name, and empty lists for files that have none any
+    /// more.
     fn diagnostics(&mut self) -> Vec<PublishDiagnosticsParams> {
         let checked =
             check(&self.documents.checkable(), Overrides::default(), self.documents.files(), &*self.find_program);
@@ -205,7 +207,8 @@ impl Server {
         })
     }
 
-    /// The file that the word at a place names: by its path, or as the type of a line that places a robot or an object.
+    /// The file that the word at a position names: by its path, or as the type of a line that places a robot or an
+    /// object.
     fn definition(&self, params: &GotoDefinitionParams) -> Option<Location> {
         let place = &params.text_document_position_params;
         let document = self.documents.open_document(&place.text_document.uri)?;

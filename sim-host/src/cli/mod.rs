@@ -49,12 +49,12 @@ mod view;
 pub const EXIT_PROGRAM: u8 = 1;
 /// The command line or a file is wrong.
 pub const EXIT_USAGE: u8 = 2;
-/// Something went wrong inside eyesim.
+/// An internal error of eyesim.
 pub const EXIT_INTERNAL: u8 = 3;
 /// The user interrupted the run.
 pub const EXIT_INTERRUPTED: u8 = 130;
 
-/// Time in which this process must end once its command is done.
+/// Time within which this process must end once its command is done.
 const END_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Simulates mobile robots in the manner of EyeSim: robot programs written against RoBIOS, run in lockstep.
@@ -136,7 +136,7 @@ pub fn main() -> ExitCode {
     run_words(std::env::args_os())
 }
 
-/// Runs a command line: the name of the command, then its arguments. Messages about them, and help, end the process.
+/// Runs a command line: the name of the command, then its arguments. Usage errors and help end the process.
 pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let words: Vec<OsString> = words.into_iter().collect();
     if let Some(command) = run_of_scene(&words) {
@@ -188,7 +188,7 @@ fn whole_number(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_invalid| "expected a whole number from 0".to_owned())
 }
 
-/// Command line with `run` before the scene, if it names a scene in place of a subcommand.
+/// Command line with `run` before the scene, if it names a scene instead of a subcommand.
 fn run_of_scene(words: &[OsString]) -> Option<String> {
     let scene = Path::new(words.get(1)?);
     let is_scene = scene.is_file() && scene.extension().is_some_and(|it| it == "sim" || it == "toml");

@@ -1,4 +1,5 @@
-//! `eyesim new`: writes a folder with a program, a robot, a world and a sim file that run at once, or with a lab of the course.
+//! `eyesim new`: writes a folder with a program, a robot, a world and a sim file that can be run immediately, or with a
+//! lab of the course.
 
 mod lab;
 
@@ -92,7 +93,7 @@ impl NewArgs {
     }
 }
 
-/// Names that cargo refuses for a package, or that would hide a crate the program uses.
+/// Names that cargo refuses for a package, or that would shadow a crate that the program uses.
 const RESERVED: &[&str] = &[
     "abstract",
     "alloc",
@@ -157,7 +158,7 @@ const RESERVED: &[&str] = &[
     "yield",
 ];
 
-/// What to write for a name that is a path.
+/// The command to use for a name that is a path.
 fn split_path(path: &str) -> Option<String> {
     let path = path.trim_end_matches('/');
     let (folder, name) = path.rsplit_once('/')?;
@@ -185,7 +186,7 @@ fn robios_api_folder() -> Option<PathBuf> {
     folder.join("Cargo.toml").is_file().then_some(folder)
 }
 
-/// RoBIOS generation of a program in `lang`: `asked`, else the one that most programs in `lang` use.
+/// RoBIOS generation of a program in `lang`: `asked`, or the generation that most programs in `lang` use.
 fn generation(lang: Language, asked: Option<u32>) -> anyhow::Result<Generation> {
     match (asked, lang) {
         (Some(6), Language::Python) => bail!("there is no RoBIOS 6 in Python: `--api 7`, or C, C++ or Rust"),
@@ -217,7 +218,7 @@ impl Project<'_> {
             (format!("{}.wld", self.name), fill(include_str!("new/world.wld"))),
             (".vscode/tasks.json".into(), fill(include_str!("new/tasks.json"))),
         ];
-        // gdb knows nothing of Python.
+        // gdb does not support Python.
         if self.lang != Language::Python {
             files.push((".vscode/launch.json".into(), fill(include_str!("new/launch.json"))));
         }
@@ -258,7 +259,7 @@ impl Project<'_> {
         files
     }
 
-    /// Template of a program in C or C++; that for RoBIOS 6 is valid in both.
+    /// Template of a program in C or C++; the template for RoBIOS 6 is valid in both.
     fn c_template(&self) -> &'static str {
         match (self.generation, self.lang) {
             (Generation::Robios6, _) => include_str!("new/robios6.c"),
@@ -296,7 +297,7 @@ impl Project<'_> {
     }
 }
 
-/// What editors need to complete and check calls of RoBIOS: path in the folder of the program, and text.
+/// Files with which editors complete and check RoBIOS calls: path in the folder of the program, and text.
 fn editor_files(lang: Language, generation: Generation) -> Vec<(String, String)> {
     let standard = match lang {
         Language::C => "-std=gnu17",

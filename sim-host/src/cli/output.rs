@@ -7,8 +7,8 @@ use anyhow::{Context, bail};
 
 use crate::record::log::Printable;
 
-/// Prints lines on standard error. They may quote programs and foreign files: control characters, which a terminal would obey, are
-/// shown as escapes.
+/// Prints lines on standard error. They may quote programs and foreign files: control characters, which a terminal
+/// would interpret, are shown as escapes.
 pub fn say(text: impl std::fmt::Display) {
     for line in text.to_string().lines() {
         eprintln!("{}", Printable(line));
@@ -20,7 +20,7 @@ pub fn say(text: impl std::fmt::Display) {
 pub struct StandardStreams([Option<[u64; 3]>; 2]);
 
 impl StandardStreams {
-    /// The present ones.
+    /// The current standard streams.
     pub fn now() -> Self {
         Self([1, 2].map(|descriptor| {
             let metadata = std::fs::metadata(format!("/proc/self/fd/{descriptor}")).ok()?;
@@ -28,7 +28,7 @@ impl StandardStreams {
         }))
     }
 
-    /// Checks that they are still the present ones.
+    /// Checks that they are still the current ones.
     ///
     /// # Errors
     /// A program has closed or replaced one.

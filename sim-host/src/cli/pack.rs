@@ -22,7 +22,7 @@ use crate::program::find::ProgramSource;
 use crate::record::report::write_atomically;
 use crate::suite::{Case, Suite};
 
-/// Most variants of a suite whose files are looked up.
+/// Maximum number of variants of a suite whose files are collected.
 const MOST_VARIANTS: usize = 2000;
 
 /// Arguments of `eyesim pack`.
@@ -45,7 +45,7 @@ pub struct PackArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// If a file cannot be read, built or written, or lies where an archive cannot keep it.
+/// If a file cannot be read, built or written, or lies at a path that an archive cannot contain.
 pub fn run(args: &PackArgs) -> anyhow::Result<ExitCode> {
     ensure!(is_archive(&args.output), "-o `{}`: expected a name that ends in .zip", args.output.display());
     let text = read_regular(&args.file).with_context(|| format!("`{}`", args.file.display()))?;
@@ -109,7 +109,7 @@ impl Collected {
         check::scripts(&of_suite).try_for_each(|script| self.add_program(&script))
     }
 
-    /// Adds a scene with all that it names: worlds, types, meshes, images, programs.
+    /// Adds a scene with everything that it refers to: worlds, types, meshes, images, programs.
     pub(super) fn add_scene(&mut self, scene: Scene) -> anyhow::Result<()> {
         let mut files = DiskFiles::of_environment();
         let loaded = load_scene_with(&files.name(Path::new(&scene.spec().file)), scene.options().overrides(), &files);
@@ -165,7 +165,8 @@ impl Collected {
         Ok(())
     }
 
-    /// The archive of these files, in which `main` is the scene or suite; `options` are files among them that options name, by these names.
+    /// The archive of these files. `main` is the scene or suite; `options` maps options to those of the files that they
+    /// name.
     pub(super) fn into_pack(self, main: &Path, options: &BTreeMap<String, PathBuf>) -> anyhow::Result<Pack> {
         let root = self.root();
         let mut manifest = Manifest::new(slashed(normal(main)?.strip_prefix(&root)?));
@@ -219,7 +220,7 @@ fn normal(path: &Path) -> anyhow::Result<PathBuf> {
     Ok(normal)
 }
 
-/// Checks that the files of an archive name no others.
+/// Checks that the files of an archive refer to no files outside it.
 pub(super) fn check_alone(pack: &Pack) -> anyhow::Result<()> {
     let unpacked = pack.clone().unpack()?;
     let home =
@@ -243,7 +244,7 @@ pub(super) fn check_alone(pack: &Pack) -> anyhow::Result<()> {
     report_diagnostics(&loaded.diagnostics, &loaded.inputs, false).context("the archive would not be complete")
 }
 
-/// Unpacks an archive, whose folder of the installation is that of this process from now on.
+/// Unpacks an archive and makes its installation folder the one of this process.
 ///
 /// # Errors
 /// The archive is refused, or cannot be unpacked.
@@ -261,7 +262,7 @@ pub(super) fn unpack(path: &Path) -> anyhow::Result<Unpacked> {
 pub(super) fn programs(unpacked: &Unpacked, given: &[ProgramOption]) -> anyhow::Result<Vec<ProgramOption>> {
     let mut programs = Vec::new();
     for (selector, path) in &unpacked.manifest().programs {
-        // A name with a comma is that of one file, or those of several sources.
+        // A name with a comma is the name of one file, or a list of several sources.
         let several: Vec<&str> = if unpacked.place(path).exists() { vec![path] } else { path.split(',').collect() };
         let places: Vec<String> = several.into_iter().map(|path| slashed(&unpacked.place(path))).collect();
         let option = ProgramOption::parse(&format!("{selector}{}", places.join(",")));
@@ -292,7 +293,7 @@ fn example(name: &Path) -> anyhow::Result<PathBuf> {
 /// Lets `args` run the scene of an example or of an archive if they name one; the files are removed when the result is dropped.
 ///
 /// # Errors
-/// As [`unpack`].
+/// See [`unpack`].
 pub(super) fn open_for_run(args: &mut RunArgs) -> anyhow::Result<Option<Unpacked>> {
     if args.example {
         args.sim = example(&args.sim)?;

@@ -15,7 +15,7 @@ use super::output::check_outputs;
 use crate::files::DiskFiles;
 use crate::plot::{self, Drawing, PictureKind};
 
-/// Least and greatest width and height of a picture in pixels.
+/// Minimum and maximum width and height of a picture in pixels.
 const SIZES: std::ops::RangeInclusive<u32> = 480..=4000;
 
 /// Arguments of `eyesim plot`.

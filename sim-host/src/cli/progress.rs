@@ -1,5 +1,5 @@
-//! Progress on standard error if that is a terminal: the programs being built, then a bar with simulated time and the states of
-//! the robots.
+//! Progress display on standard error if it is a terminal: the programs being built, then a bar with simulated time and
+//! the states of the robots.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -12,7 +12,7 @@ use sim_core::time::Time;
 use crate::program::build::BuildObserver;
 use crate::program::find::ProgramSource;
 
-/// Least time between two updates of the bar.
+/// Minimum time between two updates of the bar.
 const PERIOD: Duration = Duration::from_millis(100);
 
 /// Line with the programs that are being built; it disappears when dropped.
@@ -23,7 +23,7 @@ pub struct Building {
 }
 
 impl Building {
-    /// The line on standard error; hidden if that is no terminal.
+    /// Creates the line on standard error, hidden if standard error is not a terminal.
     pub fn on_stderr() -> Self {
         Self::drawn_on(ProgressDrawTarget::stderr_with_hz(10))
     }
@@ -55,7 +55,7 @@ impl BuildObserver for Building {
         if let Some(place) = names.iter().position(|other| *other == name) {
             names.remove(place);
         }
-        // The last name stays until something else is shown.
+        // The last name stays visible until something else is shown.
         if !names.is_empty() {
             self.show(&names);
         }
@@ -93,7 +93,8 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Bar of a run that ends at `until` at the latest ([`Time::NEVER`] if unknown); hidden if standard error is no terminal.
+    /// Creates the bar of a run that ends at `until` at the latest ([`Time::NEVER`] if unknown), hidden if standard
+    /// error is not a terminal.
     pub fn new(until: Time) -> Self {
         Self::drawn_on(until, ProgressDrawTarget::stderr_with_hz(10))
     }
@@ -135,7 +136,8 @@ impl Progress {
         bar.tick();
     }
 
-    /// Shows what programs compute within a slot, in place of the robots' states; `None` if the bar is hidden.
+    /// Returns a function that shows what programs compute within a slot, instead of the robots' states; `None` if the
+    /// bar is hidden.
     pub fn computing(&self) -> Option<impl FnMut(&str) + Send + use<>> {
         let bar = self.bar.clone()?;
         let (mut time, mut shown) = (String::new(), String::new());

@@ -163,7 +163,7 @@ fn subject_of_object((id, spec): (ObjectId, &ObjectSpec)) -> ObjectInput {
     ObjectInput { id, kind: Arc::clone(&spec.kind), position: spec.pose.position }
 }
 
-/// Files that determined the run, as they are now.
+/// Current versions of the files that determined the run.
 fn present_inputs(recorded: &Recorded) -> Vec<Input> {
     let input = |old: &Input| {
         let path = Path::new(&old.path);
@@ -218,7 +218,7 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// Arguments that run a recorded run again; a scene that is not found at its path is looked for beside the trace.
+/// Arguments that run a recorded run again; a scene that is not found at its path is searched for beside the trace.
 ///
 /// # Errors
 /// If the trace has no arguments, or its scene is missing.
@@ -282,7 +282,7 @@ pub fn remarks(recorded: &Recorded, inputs: &[Input]) -> Vec<String> {
     remarks
 }
 
-/// Comparison of a run's digests with those of a trace.
+/// Comparison of a run's digests with a trace's.
 struct Comparison {
     expected: VecDeque<(Time, Digest)>,
     end: Option<(Time, Digest)>,
@@ -370,7 +370,7 @@ impl Sink for Comparison {
     }
 }
 
-/// Longest time for which a run continues after the first difference.
+/// Maximum time for which a run continues after the first difference.
 const CHECK_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Advances the run, following `script`, to its end or to the first difference.

@@ -203,7 +203,7 @@ impl RunArgs {
         Ok(Self::from_arg_matches(&Self::augment_args(clap::Command::new("run")).try_get_matches_from(words)?)?)
     }
 
-    /// Returns true if the report goes to standard output, which holds nothing else then.
+    /// Returns true if the report goes to standard output; then nothing else is printed there.
     pub fn prints_report(&self) -> bool {
         self.report.as_deref() == Some(Path::new("-"))
     }
@@ -213,7 +213,7 @@ impl RunArgs {
         self.report.clone().filter(|_| !self.prints_report())
     }
 
-    /// Where programs run.
+    /// Whether programs run on threads or in processes.
     pub fn exec(&self) -> Exec {
         if self.sandbox.is_some() { Exec::Process } else { self.exec }
     }
@@ -280,7 +280,7 @@ impl clap::ValueEnum for Exec {
 pub enum Speed {
     /// As fast as possible.
     Max,
-    /// Simulated seconds for each second of real time.
+    /// Simulated seconds per second of wall-clock time.
     Factor(f64),
 }
 
@@ -339,7 +339,7 @@ pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Resul
     Ok(Some(ran))
 }
 
-/// Prints to standard output; a closed pipe (`| head`) is no error.
+/// Prints to standard output; a closed pipe (`| head`) is not an error.
 ///
 /// # Errors
 /// Any other error of writing.
@@ -365,7 +365,7 @@ pub fn explain(finished: &Finished) {
         End::Interrupted => say("interrupted"),
         _ => {}
     }
-    /// Most robots listed.
+    /// Maximum number of robots listed.
     const MAX_LISTED: usize = 20;
     let forbidden = report.robots.iter().filter(|robot| !robot.forbidden_calls.is_empty());
     for robot in forbidden.take(MAX_LISTED) {
@@ -392,8 +392,8 @@ pub fn forbidden_calls(calls: &BTreeMap<String, u64>) -> String {
     calls.iter().map(of_function).collect::<Vec<_>>().join(", ")
 }
 
-/// The command that shows in the window what led to the earliest failure of a check: the words of this run without its files of output, and the
-/// time a second before.
+/// The command that shows in the window what led to the earliest failure of a check: the arguments of this run without
+/// its output files, and the time one second before the failure.
 fn view_command(report: &Report) -> Option<String> {
     /// Options of a run that only write files or change what it prints, those with a value first.
     const OUTPUT: [&str; 10] = [
@@ -470,21 +470,21 @@ pub fn parse_maze_cell(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Sizes of cells that can be meant.
+/// Minimum plausible size of a cell; a smaller number is in another unit.
 const MIN_CELL_MM: f64 = 1.0;
 const MAX_CELL_MM: f64 = 1e6;
 
 fn parse_slot(text: &str) -> Result<Time, String> {
     let millis: f64 = text.parse().unwrap_or(f64::NAN);
     let slot = Time((millis * 1000.0).round() as i64);
-    // An hour is longer than any sensible slot; a longer one is surely a mistake.
+    // A slot of more than an hour is surely a mistake.
     if !millis.is_finite() || slot < Time(1) || slot > Time::from_millis(3_600_000) {
         return Err("expected 0.001 to 3600000 milliseconds".into());
     }
     Ok(slot)
 }
 
-/// Greatest simulated time of an option, in seconds.
+/// Maximum simulated time of an option, in seconds.
 const MAX_SECONDS: f64 = 1e9;
 
 /// Parses simulated seconds.
@@ -508,7 +508,7 @@ fn parse_megabytes(text: &str) -> Result<u64, String> {
     }
 }
 
-/// Parses the number of things that are done at one time.
+/// Parses the number of jobs that run at the same time.
 ///
 /// # Errors
 /// Message with what is expected.

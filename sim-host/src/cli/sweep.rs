@@ -1,4 +1,5 @@
-//! `eyesim sweep`: runs the cases of a suite into a folder of rows that it continues; tells and joins what is there.
+//! `eyesim sweep`: runs the cases of a suite and adds their rows to a folder, where a later call continues; also shows
+//! the status of a folder and merges its rows.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write as _};
@@ -106,7 +107,7 @@ enum Command {
 const AFTER_HELP: &str = "Exit codes: 0 all cases have rows, 1 some could not be run, 2 usage or file errors, 130 interrupted: the same \
                           command continues.";
 
-/// Most errors that are told one by one.
+/// Maximum number of errors that are listed one by one.
 const MOST_ERRORS: usize = 5;
 
 /// Runs the command.
@@ -213,7 +214,7 @@ fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
     Ok(if has_errors { ExitCode::from(EXIT_PROGRAM) } else { ExitCode::SUCCESS })
 }
 
-/// What `--keep` says, with the folder of traces made.
+/// Parses `--keep`, and creates the folder of traces.
 fn keep(args: &RunArgs) -> anyhow::Result<Keep> {
     let folder = || {
         let folder = args.output.join("traces");
@@ -227,7 +228,7 @@ fn keep(args: &RunArgs) -> anyhow::Result<Keep> {
     })
 }
 
-/// Bar on standard error if that is a terminal. It has no thread, so that this process can be copied.
+/// Bar on standard error if that is a terminal. It has no thread, so that this process can fork.
 fn progress(count: usize, done: usize) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr_with_hz(5));
     let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} {eta}");
@@ -254,7 +255,7 @@ fn tell_torn(files: &[Lines]) {
     }
 }
 
-/// Tells how many cases have rows, and which shards lack some.
+/// Prints how many cases have rows, and which shards lack rows.
 fn status(folder: &Path) -> anyhow::Result<ExitCode> {
     let files = read_all(folder)?;
     tell_torn(&files);
@@ -285,7 +286,7 @@ fn status(folder: &Path) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(EXIT_PROGRAM))
 }
 
-/// `1,3-5`: the form in which Slurm takes `--array`.
+/// Formats numbers as `1,3-5`, the form of Slurm's `--array`.
 fn ranges(numbers: &[usize]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
     let word = |run: &[usize]| match run {

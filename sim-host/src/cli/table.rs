@@ -1,4 +1,4 @@
-//! Table at the end of a run, for users; programs read the report.
+//! Table printed for users at the end of a run; programs read the report instead.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,7 +11,7 @@ use sim_core::record::Outcome;
 
 /// With more robots than this, only the first and the failed ones are shown.
 const MAX_ROWS: usize = 24;
-/// Number of first robots that are shown in that case, besides the failed ones.
+/// Number of first robots that are shown in that case, in addition to the failed ones.
 const FIRST_ROWS: usize = 10;
 /// Width in columns to which the paths of programs are cut before other columns move below the rows.
 const PROGRAM_WIDTH: usize = 20;
@@ -20,17 +20,17 @@ const GAP: &str = "  ";
 /// Indentation of the lines below a robot's row.
 const INDENT: &str = "    ";
 
-/// Abilities of the terminal.
+/// Capabilities of the terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TableScreen {
     /// Columns per line.
     pub width: usize,
-    /// Colours may be used; they are never the only sign of anything.
+    /// Colours may be used; nothing is shown by colour alone.
     pub has_colour: bool,
 }
 
 impl TableScreen {
-    /// The terminal behind standard output; without one, lines of any length and no colour.
+    /// The terminal on standard output; without one, lines of any length and no colour.
     pub fn of_stdout() -> Self {
         let width = Term::stdout().size_checked().map_or(usize::MAX, |(_, columns)| usize::from(columns).max(40));
         Self { width, has_colour: console::colors_enabled() }
@@ -116,7 +116,7 @@ fn counts(robots: &[RobotReport], shown: usize) -> String {
     line
 }
 
-/// Simulated and real time, their ratio, digest.
+/// Line with simulated and wall-clock time, their ratio and the digest.
 fn summary(report: &Report) -> String {
     let (simulated, real) = (report.sim_time_s, report.real_time_s);
     let factor = simulated / real;
@@ -222,7 +222,7 @@ impl Table {
         table
     }
 
-    /// Narrows `column` as far as the screen demands, not below `least`.
+    /// Narrows `column` as far as the screen demands, but not below `least` columns.
     fn cut(&mut self, column: Column, least: usize, screen: TableScreen) {
         let excess = self.width().saturating_sub(screen.width);
         if let Some((_, width)) = self.columns.iter_mut().find(|(other, _)| *other == column) {
@@ -276,7 +276,7 @@ impl Table {
     }
 }
 
-/// The last `width` columns of a path, with a mark at the cut.
+/// The last `width` columns of a path, with a marker at the cut.
 fn keep_end(path: &str, width: usize) -> String {
     if measure_text_width(path) <= width {
         return path.to_owned();

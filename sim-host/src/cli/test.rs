@@ -35,7 +35,7 @@ use crate::suite::{
 };
 use screen::Console;
 
-/// No case is selected.
+/// Exit code if no case is selected.
 const EXIT_NO_CASES: u8 = 5;
 
 /// Arguments of `eyesim test`.
@@ -129,7 +129,7 @@ impl SuiteRun {
         self.variants.iter().any(|variant| !variant.passed)
     }
 
-    /// Number of cases that were to run and did not, since the user has ended them or `-x` one that failed.
+    /// Number of selected cases that have not run, because of an interrupt or of a failure with `-x`.
     pub fn missing(&self) -> usize {
         let was_run =
             |index| self.results.get(index).is_some_and(|result| result.row.outcome != RowOutcome::Interrupted);
@@ -149,7 +149,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     let mut runs = Vec::new();
     for path in &paths {
         let mut suite = if is_archive(path) {
-            // Both would have an installation of their own.
+            // Each archive has an installation of its own.
             ensure!(paths.len() == 1, "an archive is run alone, not with other suites");
             let archive = unpacked.insert(pack::unpack(path)?);
             let mut suite = Suite::open(&archive.main(), pack::programs(archive, &args.programs)?);
@@ -233,12 +233,12 @@ pub(super) fn builder(is_quiet: bool, sandbox: Option<Sandbox>) -> anyhow::Resul
     Ok(if is_quiet { builder } else { builder.with_observer(Box::new(Building::on_stderr())) })
 }
 
-/// Number of cases or submissions that are worked on at one time: one for each processor if the user has given none.
+/// Number of cases or submissions that run at the same time: `jobs`, or one for each processor.
 pub(super) fn job_count(jobs: Option<NonZeroUsize>) -> usize {
     jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get), NonZeroUsize::get)
 }
 
-/// The suites among `paths`, and those in folders.
+/// The suites among `paths`, and the suites in folders.
 fn find_suites(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     for path in paths {
@@ -269,7 +269,7 @@ fn find_suites(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
 /// Checks that a file is a suite.
 ///
 /// # Errors
-/// It cannot be read, or is something else.
+/// It cannot be read, or is not a suite.
 pub(super) fn expect_suite(path: &Path) -> anyhow::Result<()> {
     let text = read_regular(path).with_context(|| format!("`{}`", path.display()))?;
     let text = sim_format::decode(&text).0;
@@ -317,7 +317,7 @@ impl LastFailed {
         read().unwrap_or_default()
     }
 
-    /// Keeps the failures of suites that were run. Without room for them the next `--lf` runs all cases.
+    /// Keeps the failures of suites that were run. If they cannot be written, the next `--lf` runs all cases.
     fn keep(&self, runs: &[SuiteRun]) {
         for run in runs.iter().filter(|run| !run.results.is_empty()) {
             let names: Vec<&str> = run.failures().map(|result| result.row.case.as_str()).collect();
@@ -335,7 +335,7 @@ struct Report<'r> {
     eyesim_version: &'static str,
     /// All suites passed, and all their cases have run.
     passed: bool,
-    /// Number of cases that were to run and did not.
+    /// Number of selected cases that have not run.
     missing: usize,
     suites: Vec<SuiteReport<'r>>,
 }

@@ -74,7 +74,7 @@ pub struct ViewArgs {
 const AFTER_HELP: &str = "The window stays open when the run is over, until Ctrl-C. `--listen 0.0.0.0` prints two addresses: the \
                           class's, which only watches, and the teacher's, which may act.";
 
-/// Address at which a class watches.
+/// Address at which other machines may watch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct ListenAddress {
     ip: IpAddr,
@@ -160,10 +160,10 @@ fn open(args: &ViewArgs, title: &str) -> anyhow::Result<Window> {
     open_window(page, access, ip, port.or(args.port), title)
 }
 
-/// Opens a window at `ip` and `port`; without a port at `PORT`, or at any free port if that is taken.
+/// Opens a window at `ip` and `port`; without a port at `PORT`, or at any free port if `PORT` is taken.
 ///
 /// # Errors
-/// If the port is taken, or the address is that of another machine.
+/// If the port is taken, or the address belongs to another machine.
 pub fn open_window(page: Page, access: Access, ip: IpAddr, port: Option<u16>, title: &str) -> anyhow::Result<Window> {
     let open = |port, page| {
         let (access, title, version) = (access.clone(), title.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
@@ -209,7 +209,7 @@ pub fn open_browser(url: &str) -> bool {
 struct Session {
     window: Arc<Window>,
     control: Arc<Control>,
-    /// Ends the current run, after which no other begins.
+    /// Ends the current run; no further run begins.
     interrupt: Interrupt,
     /// Arguments of the current run.
     args: Mutex<RunArgs>,
@@ -242,7 +242,7 @@ impl Session {
                 std::mem::take(&mut requests.actions)
             }));
             if matches!(ran.finished.ended.end, End::Broken) {
-                // The remains of the program in this process may hold locks of the C library.
+                // What is left of the program in this process may hold locks of the C library.
                 self.args.lock().exec = Exec::Process;
             }
             ran.write_files(&args)?;
@@ -281,7 +281,7 @@ impl Session {
         (Arc::new(Mutex::new(show)), feed)
     }
 
-    /// Offers the robots' trails of run `number` so far, for pages that come late.
+    /// Offers the robots' trails of run `number` so far, for pages that are opened later.
     fn offer_trails(&self, number: u32, trails: &Arc<Mutex<Trails>>) {
         let trails = Arc::clone(trails);
         let json = move || {
@@ -372,7 +372,7 @@ impl Session {
             match prepare(&args) {
                 Ok(ready) => {
                     {
-                        // Both under one lock, so that the current run is ended and not the next one.
+                        // Both happen under one lock, so that the current run is ended and not the next one.
                         let mut next = session.next.lock();
                         *next = Some((ready, args));
                         session.control.ask(|requests| requests.is_ending = true);
@@ -406,7 +406,7 @@ fn in_full(rejected: &Rejected) -> String {
     format!("{rejected}\n{}", text.unwrap_or_default())
 }
 
-/// Reason why a run has ended and the result of its checks, in words.
+/// Text for the page: why the run has ended, and the results of its checks.
 fn why(ran: &Ran) -> String {
     let checks = &ran.finished.report.checks;
     let failed: Vec<String> = checks
@@ -481,8 +481,8 @@ impl WatchedFiles {
         Self(ready.inputs().iter().map(|input| file(&input.path)).collect())
     }
 
-    /// Replaces the files by those of `ready`. Files known before keep their last state, so that a change during the build is not
-    /// missed.
+    /// Replaces the files by the inputs of `ready`. Files already watched keep their last state, so that a change
+    /// during the build is not missed.
     fn renew(&mut self, ready: &Ready) {
         let known = std::mem::take(&mut self.0);
         *self = Self::of(ready);
@@ -498,7 +498,7 @@ impl WatchedFiles {
         let mut is_changed = false;
         for (path, last) in &mut self.0 {
             let now = file_state(path);
-            // A file that is missing is in the middle of being saved.
+            // A missing file is just being saved.
             if now.is_some() && now != *last {
                 (*last, is_changed) = (now, true);
             }

@@ -1,4 +1,4 @@
-//! Answers to calls that come as messages: from a robot's process, or from code of the process that embeds the simulator.
+//! Answers calls that arrive as messages, from a robot's process or from code of the process that embeds the simulator.
 
 use parking_lot::Mutex;
 use robios_sys::wire::{Malformed, Reader, Request};
@@ -7,13 +7,14 @@ use robios_sys::{Callback, Robios6, Robios6Call, Robios7, Robios7Call, Status, S
 use crate::program::site::RemoteSite;
 use crate::robios::call::Call;
 
-/// Carries out the call in `body`, that of a CALL message, with the methods of `host`; appends the body of the answer to `reply`.
+/// Carries out the call in `body`, the body of a CALL message, with the methods of `host`; appends the body of the
+/// answer to `reply`.
 ///
-/// `site` gets the place of the call, `note` its number, if it is one of RoBIOS; `callback` makes a function of the host of one of the
-/// program's.
+/// `site` gets the location of the call, and `note` the number of a RoBIOS call; `callback` wraps a function of the
+/// program as a function of the host.
 ///
 /// # Errors
-/// [`Malformed`] for bytes that are no call.
+/// [`Malformed`] if the bytes do not encode a call.
 pub(super) fn answer<H: Support + Robios6 + Robios7>(
     host: &H,
     body: &[u8],

@@ -10,9 +10,9 @@ use crate::cli::test::screen::{number, percent};
 use crate::grade::Grader;
 use crate::suite::RowOutcome;
 
-/// Bars of the distribution.
+/// Number of bars of the distribution.
 const BARS: usize = 10;
-/// Most submissions in the list of the slowest.
+/// Maximum number of submissions in the list of the slowest.
 const MOST_SLOWEST: usize = 10;
 
 /// The page: points, distribution, checks of all students, the slowest, equal behaviour.
@@ -86,7 +86,7 @@ fn link(student: &Student) -> String {
     )
 }
 
-/// A name of a folder within a link.
+/// Escapes the name of a folder for a link.
 fn url(folder: &str) -> String {
     let byte = |byte: u8| match byte {
         b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' => char::from(byte).to_string(),
@@ -173,7 +173,7 @@ fn heat_map(html: &mut String, grader: &Grader, students: &[Student]) {
     html.push_str("</tr>\n</table></div>\n");
 }
 
-/// Submissions that behave the same in all cases, and those with equal files.
+/// Groups of submissions that behave the same in all cases, and of submissions with equal files.
 fn groups(html: &mut String, students: &[Student]) {
     let mut behaviours: BTreeMap<String, Vec<&Student>> = BTreeMap::new();
     for student in students {

@@ -11,7 +11,7 @@ use super::student::{View, forbidden_of, points_of_check};
 use crate::record::log::is_terminal_control;
 use crate::suite::{CaseResult, RowOutcome};
 
-/// Most failures of a test that are told.
+/// Maximum number of failures of a test that are listed.
 const MOST_FAILURES: usize = 20;
 
 /// The document `results.json`: a test for each check of each variant.
@@ -94,7 +94,7 @@ fn failures<'r>(results: impl Iterator<Item = &'r CaseResult>, check: Option<usi
     text
 }
 
-/// Points without the noise of the last bits.
+/// Rounds points to remove floating-point noise.
 fn rounded(points: f64) -> f64 {
     (points * 1e4).round() / 1e4
 }

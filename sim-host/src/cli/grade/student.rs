@@ -1,4 +1,4 @@
-//! What a student may see of a result, and the student's page.
+//! The part of a result that a student may see, and the student's page.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -12,13 +12,13 @@ use crate::grade::Grader;
 use crate::suite::summary::Variant;
 use crate::suite::{CaseResult, RowOutcome};
 
-/// Rules for the looks of the pages of grading.
+/// Style sheet of the grading pages.
 pub(super) const STYLE: &str = include_str!("page.css");
-/// Most failures with details.
+/// Maximum number of failures with details.
 const MOST_DETAILED: usize = 40;
 
-/// Results as the student may see them: cases with hidden seeds without anything that tells the seed, and commands that begin with the
-/// archive of the student's folder.
+/// Results as the student may see them: cases with hidden seeds show nothing that reveals the seed, and commands that
+/// begin with the archive of the student's folder.
 pub(super) struct View {
     /// Results, in the order of the cases.
     pub results: Vec<CaseResult>,
@@ -66,7 +66,7 @@ impl View {
     }
 }
 
-/// Takes everything from the result that tells its seed.
+/// Removes everything from the result that reveals its seed.
 fn hide(result: &mut CaseResult, seed: u64, place: usize) {
     let row = &mut result.row;
     row.case = row.case.replace(&format!("seed={seed}"), &format!("hidden {place}"));
@@ -144,7 +144,7 @@ pub(super) fn title(grader: &Grader) -> String {
     name.strip_suffix(sim_format::suite::SUITE_EXTENSION).unwrap_or(name).to_owned()
 }
 
-/// Mean points of a check over the cases of a variant, and its greatest points.
+/// Mean points of a check over the cases of a variant, and its maximum points.
 pub(super) fn points_of_check(results: &[CaseResult], variant: &Variant, index: usize) -> (f64, f64) {
     let of_variant = || results.iter().filter(|result| result.row.variant == variant.name);
     let check = |result: &CaseResult| Some((result.row.points, result.row.checks.get(index)?.clone()));
@@ -191,7 +191,7 @@ fn details(html: &mut String, failures: &[&CaseResult], view: &View) {
             names.join(", ")
         );
     }
-    // An error such as that of the compiler is told once.
+    // An error that all cases share, such as the compiler's, is shown once.
     let mut told: Vec<&CaseResult> = Vec::new();
     for result in failures {
         let is_same = |other: &&CaseResult| {

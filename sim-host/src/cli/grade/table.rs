@@ -1,10 +1,10 @@
-//! Tables as CSV, which spreadsheets open.
+//! Tables in CSV, for spreadsheets.
 
 use super::Student;
 use super::student::points_of_check;
 use crate::suite::table::{COLUMNS, cells, line, texts};
 
-/// A line for each submission.
+/// Table with a line for each submission.
 pub(super) fn grades(students: &[Student]) -> String {
     let mut names = Vec::new();
     for variant in students.iter().flat_map(|student| &student.variants) {
@@ -49,7 +49,7 @@ pub(super) fn grades(students: &[Student]) -> String {
     csv
 }
 
-/// A line for each case of each submission.
+/// Table with a line for each case of each submission.
 pub(super) fn rows(students: &[Student]) -> String {
     let head = ["student"].into_iter().chain(COLUMNS.map(|(name, _)| name)).map(str::to_owned);
     let mut csv = line(&head.collect::<Vec<_>>());

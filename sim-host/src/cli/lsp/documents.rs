@@ -16,7 +16,7 @@ use crate::files::DiskFiles;
 pub enum Encoding {
     /// Bytes.
     Utf8,
-    /// Two bytes.
+    /// Units of two bytes.
     Utf16,
 }
 
@@ -32,7 +32,7 @@ impl Encoding {
 /// The open documents, by their paths, over the files of the disk.
 pub struct Documents {
     disk: DiskFiles,
-    /// The disk with the open documents in place of the files.
+    /// The disk, on which the open documents replace their files.
     files: DiskFiles,
     texts: BTreeMap<String, String>,
     encoding: Encoding,
@@ -43,7 +43,7 @@ impl Documents {
         Self { files: disk.clone(), disk, texts: BTreeMap::new(), encoding }
     }
 
-    /// Opens a document or replaces its text; returns false if it is no file of the disk.
+    /// Opens a document or replaces its text; returns false if the address is not a file on the disk.
     pub fn open(&mut self, uri: &Uri, text: String) -> bool {
         let Some(name) = name_of(uri) else { return false };
         self.texts.insert(name, text);
@@ -73,8 +73,8 @@ impl Documents {
         self.texts.keys().map(String::as_str)
     }
 
-    /// Names of the open documents that `eyesim check` reads. Most TOML files of a computer are none of ours: a companion has a robi
-    /// beside it.
+    /// Names of the open documents that `eyesim check` reads. Most TOML files of a computer are not EyeSim's: a
+    /// companion is recognised by the robi beside it.
     pub fn checkable(&self) -> Vec<String> {
         let is_ours = |name: &&str| {
             let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));

@@ -1,4 +1,4 @@
-//! Help on our own TOML files, whose JSON schemas describe each key.
+//! Help on EyeSim's own TOML files, whose JSON schemas describe each key.
 
 use lsp_types::{CompletionItem, CompletionItemKind};
 use serde_json::Value as Json;
@@ -72,7 +72,7 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
             let Some(property) = forms.iter().find_map(|form| form["properties"].get(key)) else { return Vec::new() };
             let mut words = schema.words(property);
             if key == "kind" {
-                // Of all variants, not only of the one that is written.
+                // Properties of all variants, not only of the written one.
                 let all = [&table.path[..], before].concat();
                 words = schema.forms(&all).iter().flat_map(|form| variant_of(form)).collect();
             }
@@ -125,7 +125,7 @@ fn properties<'s>(forms: &[&'s Json]) -> impl Iterator<Item = (&'s String, &'s J
     all.into_iter()
 }
 
-/// The value of `kind` of a variant, and what the variant is.
+/// The value of `kind` of a variant, and the variant's description.
 fn variant_of(form: &Json) -> Option<(&str, &str)> {
     let kind = form["properties"]["kind"]["const"].as_str()?;
     Some((kind, form["description"].as_str().unwrap_or_default()))
@@ -185,7 +185,7 @@ impl Schema {
         self.forms_below(schema).iter().any(|form| !draws.iter().any(|draw| std::ptr::eq(*draw, *form)))
     }
 
-    /// Visits a schema's alternatives, behind references and in arrays.
+    /// Visits a schema's alternatives, following references and arrays.
     fn visit<'s>(&'s self, schema: &'s Json, look: &mut dyn FnMut(&'s Json)) {
         look(schema);
         if let Some(target) = self.target(schema) {

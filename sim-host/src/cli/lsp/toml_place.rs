@@ -1,4 +1,4 @@
-//! Places in a TOML text that may be unfinished: the table, the key or the value in which the cursor stands.
+//! Cursor positions in a TOML text that may be unfinished: in a table, a key or a value.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ pub struct Entry {
 pub enum Place<'t> {
     /// In a header `[a.b]`: the keys before the one at the cursor.
     Header(Vec<String>),
-    /// Where a key of the table stands or could stand: the parts of a dotted key before the one at the cursor.
+    /// At a key of the table, written or not: the parts of a dotted key before the one at the cursor.
     Key(&'t Table, Vec<String>),
     /// In the value of an entry of the table.
     Value(&'t Table, &'t Entry),
@@ -48,7 +48,7 @@ impl Outline {
         scanner.outline
     }
 
-    /// Place at the byte `offset`.
+    /// Cursor position at the byte `offset`.
     pub fn place(&self, offset: usize) -> Place<'_> {
         if let Some((bytes, keys)) = self.headers.iter().find(|(bytes, _)| bytes.start < offset && offset <= bytes.end)
         {
@@ -94,7 +94,7 @@ impl Scanner<'_> {
         self.at += rest.find(|character| !is_skipped(character)).unwrap_or(rest.len());
     }
 
-    /// Skips blanks, and comments up to their line's end; line ends as well if `over_lines`.
+    /// Skips blanks and comments; also line ends if `over_lines`.
     fn blanks(&mut self, over_lines: bool) {
         loop {
             self.skip(|character| character == ' ' || character == '\t' || over_lines && character.is_whitespace());
@@ -151,7 +151,7 @@ impl Scanner<'_> {
             self.blanks(false);
             self.value(path);
             if !is_inline && !self.begins_statement() {
-                // What follows the value on its line belongs to it.
+                // The rest of the line after the value belongs to it.
                 self.skip(|character| character != '\n' && character != '#');
             }
             entry.value = Some(from..self.at);
@@ -248,7 +248,7 @@ fn keys(text: &str) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Where the cursor `|` of a text stands, in words.
+    /// Describes where the cursor `|` of a text is.
     fn told(text: &str) -> String {
         let offset = text.find('|').expect("a cursor");
         let text = text.replacen('|', "", 1);

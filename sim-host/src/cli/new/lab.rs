@@ -14,7 +14,8 @@ use crate::program::Generation;
 /// Writes the folder of `lab` and prints how to run and test its program.
 ///
 /// # Errors
-/// There is no such lab, or none in that language; the folder exists already, or a file cannot be read or written.
+/// There is no such lab, or it has no program in that language; the folder exists already, or a file cannot be read or
+/// written.
 pub(super) fn run(lab: &str, args: &NewArgs) -> anyhow::Result<ExitCode> {
     let extension = match args.lang {
         Language::C => "c",

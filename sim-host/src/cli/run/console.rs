@@ -116,7 +116,7 @@ impl ConsoleRun {
     /// Starts `ready` with the output files that the arguments ask for; shows no progress if `is_quiet`.
     ///
     /// # Errors
-    /// If a file cannot be written, or the system has no room for the robots.
+    /// If a file cannot be written, or the system lacks resources for the robots.
     pub fn start(ready: Ready, args: &RunArgs, observers: Observers, is_quiet: bool) -> anyhow::Result<Self> {
         let is_hidden = args.verbose || args.quiet || is_quiet;
         let progress = if is_hidden { Progress::hidden() } else { Progress::new(ready.settings().until) };
@@ -191,11 +191,11 @@ impl Ran {
     /// Writes the report and the plot that the arguments ask for.
     ///
     /// # Errors
-    /// The first error; the other files are written nevertheless.
+    /// The first error; the remaining files are still written.
     pub fn write_files(&self, args: &RunArgs) -> anyhow::Result<()> {
         let Self { finished, trails } = self;
         if finished.scenery.built().is_some() {
-            // Images that cameras have loaded during the run are inputs, too.
+            // Images that cameras loaded during the run are inputs, too.
             let report = args.report_file();
             let outputs = [("--report", &report), ("--plot", &args.plot)];
             output::check_outputs(&given(&outputs), finished.report.inputs.iter().map(|input| input.path.as_str()))?;
@@ -215,11 +215,12 @@ impl Ran {
     }
 }
 
-/// Writes the metrics of swarms over time beside the plot at `path`, one chart for each check: of `run.svg` as `run-NAME.svg`.
+/// Writes the metrics of swarms over time beside the plot at `path`, one chart for each check: for `run.svg` named
+/// `run-NAME.svg`.
 fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Result<()> {
     for (check, spec) in report.checks.iter().zip(&scene.checks) {
         let (Some(series), CheckKind::Swarm { of, .. }) = (&check.series, &spec.kind) else { continue };
-        // The value stays until it changes.
+        // The value is constant until it changes.
         let ends = series.iter().skip(1).map(|[at, _]| *at).chain([report.sim_time_s]);
         let points = series.iter().zip(ends).flat_map(|([at, value], end)| [(*at, *value), (end, *value)]).collect();
         let label = match of {

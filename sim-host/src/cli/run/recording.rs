@@ -13,7 +13,7 @@ use crate::record::Mcap;
 use crate::record::mcap::InitialContents;
 use crate::window::scene::{ObjectInput, RobotInput, SceneInput};
 
-/// Creates the recording at `path` of a run that keeps its frames.
+/// Creates the recording of a run at `path`; the run must keep its frames.
 pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
     let (scene, settings) = (ready.scene(), ready.settings());
     let robot = |robot: &sim_core::spec::RobotSpec| RobotInput {

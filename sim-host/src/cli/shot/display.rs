@@ -5,7 +5,8 @@ use crate::robios::screen::canvas::{Canvas, Ink, Rgb};
 use crate::robios::screen::font::{Family, Font, Size, Variation};
 use crate::robios::screen::{menu, page};
 
-/// Picture of the display, enlarged by `scale` (`None`: 4 for a classic display, else 2), in its frame if there is a caption.
+/// Picture of the display, enlarged by `scale` (`None`: 4 for a classic display, otherwise 2), in its frame if there is
+/// a caption.
 pub fn picture(panel: &Panel, scale: Option<u8>, caption: Option<&Caption>) -> Canvas {
     let scale = scale.map_or(if matches!(panel, Panel::Classic(_)) { 4 } else { 2 }, usize::from);
     let display = enlarged(&panel.picture(), scale);

@@ -1,5 +1,5 @@
-//! `eyesim shot`: runs a scene up to a time and takes a picture of a robot's view, of the scene from anywhere, or of a robot's
-//! display.
+//! `eyesim shot`: runs a scene up to a time and takes a picture of a robot's view, of the scene from a free camera, or
+//! of a robot's display.
 
 mod display;
 mod view;

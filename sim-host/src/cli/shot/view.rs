@@ -15,10 +15,10 @@ use crate::launch::settings::index_of;
 use crate::record::frame::Pixels;
 use crate::robios::camera::{self, ImageUnavailable};
 
-/// Most pixels on either side of a picture.
+/// Maximum width and height of a picture in pixels.
 pub const MAX_SIDE: u32 = 4096;
 
-/// Widest field of view of a picture, in degrees.
+/// Maximum field of view of a picture, in degrees.
 pub const MAX_FOV_DEG: f64 = MAX_FIELD_OF_VIEW_DEG;
 
 /// Default size of a picture of a free camera.
@@ -27,7 +27,8 @@ const SIZE: [u32; 2] = [640, 480];
 /// Default number of samples of a free camera along each side of a pixel.
 const SAMPLES: u32 = 4;
 
-/// Size of what a picture from above shows, over that of the floor: walls at the floor's edge are seen from the side.
+/// Ratio of the area's size that a picture from above shows to the floor's: walls at the floor's edge are seen from the
+/// side.
 const MARGIN: f64 = 1.15;
 
 /// Camera of a picture.
@@ -89,10 +90,10 @@ impl ShotCamera {
     }
 }
 
-/// Pose of a camera with the default lens that looks straight down on the whole of a floor with a margin, its y to the top; the
-/// floor's size is in metres, that of the picture in pixels.
+/// Pose of a camera with the default lens that looks straight down on the whole of a floor with a margin, its y to the
+/// top; the floor's size is in metres, the picture's in pixels.
 fn above(floor: DVec2, [width, height]: [u32; 2]) -> anyhow::Result<Pose3> {
-    // Metres of the floor that a pixel covers, at the least.
+    // Metres of the floor that a pixel covers, at least.
     let metres = (floor.x / f64::from(width)).max(floor.y / f64::from(height)) * MARGIN;
     let up = 0.5 * f64::from(width) * metres / math::tan(0.5 * DEFAULT_FIELD_OF_VIEW);
     let middle = (0.5 * floor).extend(0.0);
@@ -108,7 +109,7 @@ impl Shot<'_> {
     pub fn take(&self, ran: &Ran) -> anyhow::Result<ShotPicture> {
         let run = &ran.finished.ended.run;
         let world = run.world();
-        // Nothing moves after the end. Motion before the end is stored for `HISTORY`.
+        // Nothing moves after the end. Motion before the end is kept for `HISTORY`.
         let time =
             self.at.unwrap_or(ran.finished.ended.time).min(ran.finished.ended.time).max(world.slot_start() - HISTORY);
         let (view, by) = match self.camera {

@@ -12,7 +12,7 @@ pub(in crate::cli) struct Cases<'r> {
     pub suite: &'r str,
     /// Results of the cases that have run.
     pub results: Vec<&'r CaseResult>,
-    /// Names of those that were to run and did not.
+    /// Names of the selected cases that have not run.
     pub missing: Vec<&'r str>,
 }
 

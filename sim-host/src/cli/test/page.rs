@@ -16,9 +16,9 @@ use crate::record::log::is_terminal_control;
 use crate::suite::summary::Variant;
 use crate::suite::{Case, CaseResult, Row, RowOutcome};
 
-/// Most failures with details.
+/// Maximum number of failures with details.
 const MOST_DETAILED: usize = 100;
-/// Most paths in a picture.
+/// Maximum number of paths in a picture.
 const MOST_PATHS: usize = 60;
 
 const STYLE: &str = include_str!("page.css");
@@ -46,7 +46,7 @@ pub(super) fn document(runs: &[SuiteRun], elapsed: Duration) -> String {
     html
 }
 
-/// Beginning of a page, with rules for its looks besides those of all pages.
+/// Beginning of a page, with style rules in addition to those of all pages.
 pub(in crate::cli) fn head(title: &str, style: &str) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -214,7 +214,7 @@ fn id(row: &Row) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect()
 }
 
-/// Text without characters that HTML would obey.
+/// Escapes characters that are special in HTML.
 pub(in crate::cli) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,16 +1,17 @@
-//! Small pictures of a failure on a terminal, in Braille characters: walls, the paths of the robots, the place.
+//! Small pictures of a failure on a terminal, in Braille characters: walls, the paths of the robots, the point of the
+//! failure.
 
 use glam::DVec2;
 
 use crate::launch::Scene;
 use crate::suite::{Case, CaseResult};
 
-/// Most characters across and down.
+/// Maximum numbers of characters across and down.
 const SIZE: [usize; 2] = [44, 13];
-/// Dots of a character across and down.
+/// Numbers of dots of a character across and down.
 const DOTS: [usize; 2] = [2, 4];
 
-/// Lines of the picture; none if the scene cannot be read or nothing was driven.
+/// Lines of the picture; none if the scene cannot be read or no robot moved.
 pub(super) fn lines(case: &Case, result: &CaseResult) -> Vec<String> {
     if result.traces.is_empty() {
         return Vec::new();
@@ -42,7 +43,7 @@ pub(super) fn lines(case: &Case, result: &CaseResult) -> Vec<String> {
 /// Dots, eight in each character.
 struct Canvas {
     low: DVec2,
-    /// Dots in a metre.
+    /// Dots per metre.
     scale: f64,
     columns: usize,
     rows: usize,
@@ -76,7 +77,7 @@ impl Canvas {
     fn draw(&mut self, from: DVec2, to: DVec2) {
         /// Bits of the dots of a Braille character, by row and column.
         const BITS: [[u8; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]];
-        // Two steps a dot, so that none is left out.
+        // Two steps per dot, so that no dot is left out.
         let steps = (2.0 * (to - from).abs().max_element() * self.scale).ceil().clamp(1.0, 1e4) as usize;
         for step in 0..=steps {
             let [x, y] = self.dot(from + (to - from) * (step as f64 / steps as f64));

@@ -1,4 +1,4 @@
-//! What `eyesim test` prints: progress, failures, a short summary, in the manner of pytest.
+//! Output of `eyesim test`: progress, failures and a short summary, like pytest's.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::path::PathBuf;
@@ -14,13 +14,13 @@ use crate::record::log::Printable;
 use crate::suite::summary::{Rate, Variant};
 use crate::suite::{Case, CaseResult, Row, RowOutcome};
 
-/// Most failures with details.
+/// Maximum number of failures with details.
 const MOST_DETAILED: usize = 10;
-/// Most lines of the short summary.
+/// Maximum number of lines of the short summary.
 const MOST_LISTED: usize = 60;
-/// Most variants in the table.
+/// Maximum number of variants in the table.
 const MOST_VARIANTS: usize = 40;
-/// Most lines of a compiler's output, and of what programs print.
+/// Maximum number of lines of a compiler's output, and of a program's.
 const MOST_OUTPUT: usize = 30;
 /// Width of lines, in columns.
 const WIDTH: usize = 80;
@@ -42,7 +42,7 @@ pub(super) struct Console {
 }
 
 impl Console {
-    /// Lines for each case if `is_verbose`; no progress if `is_quiet`.
+    /// Creates the console; it prints a line for each case if `is_verbose`, and no progress if `is_quiet`.
     pub fn new(is_verbose: bool, is_quiet: bool) -> Self {
         let is_terminal = std::io::stdout().is_terminal();
         let width = if is_terminal { usize::from(Term::stdout().size().1).clamp(40, 120) } else { WIDTH };
@@ -82,7 +82,7 @@ impl Console {
         self.styled(&format!("{} {title} {}", side(left / 2), side(left - left / 2)), style);
     }
 
-    /// Tells what has been found.
+    /// Prints the number of cases found.
     pub fn collected(&mut self, paths: &[PathBuf], count: usize, all: usize, jobs: usize) {
         if self.is_quiet {
             return;
@@ -151,12 +151,12 @@ impl Console {
     fn flush(&mut self) {
         self.last_flush = Instant::now();
         let mut out = std::io::stdout().lock();
-        // A closed pipe (`| head`) is no error.
+        // A closed pipe (`| head`) is not an error.
         _ = out.write_all(self.text.as_bytes()).and_then(|()| out.flush());
         self.text.clear();
     }
 
-    /// Tells the first failures in detail: what, where, how to see it.
+    /// Prints the first failures in detail: what failed, where, and how to view it.
     pub fn failures(&mut self, runs: &[SuiteRun]) {
         let failures = distinct(runs);
         if failures.is_empty() {
@@ -269,7 +269,7 @@ impl Console {
         self.rule(&format!("{parts}{tolerated}{points} in {:.2}s", elapsed.as_secs_f64()), '=', style);
     }
 
-    /// Prints, for suites with several cases in a variant, which share of them meets each check.
+    /// Prints, for suites with several cases per variant, the share of cases that meets each check.
     fn rates(&mut self, runs: &[SuiteRun]) {
         for run in runs.iter().filter(|run| run.variants.iter().any(|variant| variant.rate.count > 1)) {
             self.line("");
@@ -305,7 +305,7 @@ struct Failure<'r> {
 }
 
 impl Failure<'_> {
-    /// `a.suite.toml::seed=3`, with the number of others.
+    /// `a.suite.toml::seed=3`, with the number of further cases.
     fn name(&self) -> String {
         let others = match self.others {
             0 => String::new(),
@@ -349,7 +349,7 @@ fn distinct(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
     failures
 }
 
-/// The way in which a case failed: verdicts of its checks, ends of its programs.
+/// Key by which failures are grouped: the verdicts of the checks and the outcomes of the programs.
 fn way(row: &Row) -> impl Iterator<Item = (bool, Option<Outcome>)> {
     let checks = row.checks.iter().map(|check| (check.passed, None));
     checks.chain(row.robots.iter().map(|robot| (robot.outcome.is_failure(), Some(robot.outcome))))
@@ -358,7 +358,7 @@ fn way(row: &Row) -> impl Iterator<Item = (bool, Option<Outcome>)> {
 /// `9 of 10 (90 %, 95 % interval 60 to 98 %)`.
 pub(super) fn of_seeds(rate: &Rate) -> String {
     let Rate { passed, count, low, high } = rate;
-    // Near 0 and 100 % a rounded end would say that the rate is known.
+    // Near 0 and 100 % a rounded bound would suggest that the rate is exactly known.
     let end = |share: f64| {
         let digits = usize::from((0.0 < share && share < 0.01) || (0.99 < share && share < 1.0));
         format!("{:.digits$}", 100.0 * share)
