@@ -1,9 +1,10 @@
-//! System calls that a program must not make: on a thread of the host those that end, replace or trace the whole process, in a process
-//! of its own those that send signals to the host or trace it.
+//! Filter of the system calls that a program must not make: on a thread of the host, the calls that end, replace or
+//! trace the whole process; in a process of its own, the calls that send signals to the host or trace it.
 //!
-//! A filter of the kernel (seccomp) turns them into a fault of the thread (SIGSYS), which is reported like any other. All threads of
-//! programs get it, as imports do not show what a program does in assembly; the kernel remembers which calls it lets through, so that
-//! those cost next to nothing. The host ends the process by [`exit_at_once`] alone while programs are on its threads.
+//! A seccomp filter turns them into a fault of the thread (SIGSYS), which is reported like any other. All threads of
+//! programs get the filter, since imports do not show what a program does in assembly; the kernel caches which calls
+//! pass, so that these cost next to nothing. While programs are on its threads, the host ends the process only by
+//! [`exit_at_once`].
 
 use std::cell::Cell;
 
@@ -23,7 +24,7 @@ const ARCHITECTURE: u32 = 0xC000_003E;
 #[cfg(target_arch = "aarch64")]
 const ARCHITECTURE: u32 = 0xC000_00B7;
 
-/// The system calls that are refused in a program's own process if they are meant for the host, whose number is the first argument.
+/// The system calls that are refused in a program's own process if their first argument, a process id, is the host's.
 const OF_PROCESS: [libc::c_long; 7] = [
     libc::SYS_kill,
     libc::SYS_tgkill,
@@ -46,7 +47,7 @@ fn load(offset: u32) -> sock_filter {
     unsafe { BPF_STMT((BPF_LD | BPF_W | BPF_ABS) as u16, offset) }
 }
 
-/// Skips as many instructions as `equal` says if the loaded word is `value`, else as many as `other` says.
+/// Skips `equal` instructions if the loaded word is `value`, otherwise `other` instructions.
 fn jump(value: u32, equal: u8, other: u8) -> sock_filter {
     // SAFETY: the function only composes an instruction.
     unsafe { BPF_JUMP((BPF_JMP | BPF_JEQ | BPF_K) as u16, value, equal, other) }
@@ -57,7 +58,8 @@ fn give(action: u32) -> sock_filter {
     unsafe { BPF_STMT((BPF_RET | BPF_K) as u16, action) }
 }
 
-/// Installs a filter for the calling thread and all that it starts; does nothing where the kernel refuses. Async-signal-safe.
+/// Installs a filter for the calling thread and all threads that it starts; does nothing if the kernel refuses.
+/// Async-signal-safe.
 fn install(filter: &mut [sock_filter]) {
     let program = sock_fprog { len: filter.len() as u16, filter: filter.as_mut_ptr() };
     // SAFETY: the program is valid and is copied by the kernel; where it is refused, nothing changes.
@@ -68,12 +70,13 @@ fn install(filter: &mut [sock_filter]) {
     }
 }
 
-/// Refuses, with `EPERM`, signals of this process to the process `host`, to its group and to all processes, and traces of any: a stopped
-/// host could tell nothing. For a program's own process before it loads the program. Async-signal-safe.
+/// Makes the kernel refuse, with `EPERM`, signals of this process to the process `host`, to its group and to all
+/// processes, and any tracing: a stopped host could report nothing. For a program's own process before it loads the
+/// program. Async-signal-safe.
 pub fn protect_host(host: i32) {
-    /// Instructions besides those for [`OF_PROCESS`].
+    /// Number of instructions other than those for [`OF_PROCESS`].
     const OTHERS: usize = 12;
-    // SAFETY: getpgid takes no pointer. A group of another namespace is 0, which would stand for the caller's own.
+    // SAFETY: getpgid takes no pointer. A group of another namespace is 0, which would mean the caller's own.
     let group = unsafe { libc::getpgid(host) }.max(1);
     let calls = OF_PROCESS.len() as u8;
     let mut filter = [give(libc::SECCOMP_RET_ALLOW); OTHERS + OF_PROCESS.len()];
@@ -95,8 +98,8 @@ pub fn protect_host(host: i32) {
     install(&mut filter[..]);
 }
 
-/// Turns the system calls that end or replace the process into faults of the calling thread and of all threads that it starts. Does
-/// nothing where the kernel has no such filters.
+/// Turns the system calls that end or replace the process into faults of the calling thread and of all threads that it
+/// starts. Does nothing if the kernel does not support such filters.
 pub fn confine_thread() {
     thread_local! {
         /// A second filter would only cost time.
@@ -119,7 +122,7 @@ pub fn confine_thread() {
     install(&mut filter);
 }
 
-/// Ends the process at once with this exit code, on any thread; async-signal-safe.
+/// Ends the process immediately with this exit code, on any thread; async-signal-safe.
 #[unsafe(naked)]
 pub extern "C" fn exit_at_once(code: i32) -> ! {
     #[cfg(target_arch = "x86_64")]

@@ -1,4 +1,5 @@
-//! Permanent damage that broken robot programs have done to this process: threads that never end, and the heap of the C library.
+//! Permanent damage that broken robot programs have done to this process: threads that never end, and corruption of the
+//! C library's heap.
 
 use std::ffi::CStr;
 use std::ops::Range;
@@ -14,7 +15,7 @@ pub const MAX_LOST_FLOWS: usize = 200;
 static LOST: AtomicUsize = AtomicUsize::new(0);
 static IS_HEAP_LOST: AtomicBool = AtomicBool::new(false);
 
-/// Reasons why no more programs can run on threads of this process.
+/// Reasons why no further programs can run on threads of this process.
 #[derive(Debug, thiserror::Error)]
 pub enum Damage {
     /// Too many flows are lost.
@@ -23,7 +24,7 @@ pub enum Damage {
          run programs in processes of their own (`--exec process`), or start a new process"
     )]
     Flows(usize),
-    /// The heap of the C library is lost.
+    /// The heap of the C library is corrupted.
     #[error(
         "a robot program broke within the heap of the C library, which no other program in this process can use any more: run \
          programs in processes of their own (`--exec process`), or start a new process"
@@ -31,10 +32,10 @@ pub enum Damage {
     Heap,
 }
 
-/// Checks that more programs can run on threads of this process.
+/// Checks that further programs can run on threads of this process.
 ///
 /// # Errors
-/// [`Damage`] if earlier programs have lost the heap or too many flows.
+/// [`Damage`] if earlier programs have corrupted the heap or left too many lost flows.
 pub fn check() -> Result<(), Damage> {
     match lost_flows() {
         _ if is_heap_lost() => Err(Damage::Heap),
@@ -48,22 +49,23 @@ pub fn lost_flows() -> usize {
     LOST.load(Ordering::Acquire)
 }
 
-/// Returns true once a program of this process broke within the heap of the C library: it may hold a lock that others wait for.
+/// Returns true once a program of this process broke within the heap of the C library: it may hold a lock for which
+/// other threads wait.
 pub fn is_heap_lost() -> bool {
     IS_HEAP_LOST.load(Ordering::Acquire)
 }
 
-/// Counts one more flow that never ends.
+/// Counts a further flow that never ends.
 pub(super) fn lose_flow() {
     LOST.fetch_add(1, Ordering::AcqRel);
 }
 
-/// Marks the heap as lost: a program in this process has said that it wrote over what the heap keeps between its blocks.
+/// Marks the heap as lost: a program in this process has reported that it overwrote the heap's data between blocks.
 pub(super) fn lose_heap() {
     IS_HEAP_LOST.store(true, Ordering::Release);
 }
 
-/// Marks the heap as lost if `fault`, with these words on the stack of its thread, happened within it.
+/// Marks the heap as lost if `fault`, with these words on the stack of its thread, happened in a heap function.
 pub(super) fn assess(fault: &Fault, stack_words: &[usize]) {
     /// Stack depth in words between the heap's functions and the signal with which they abort the program.
     const REPORTING: usize = 512;
@@ -74,8 +76,8 @@ pub(super) fn assess(fault: &Fault, stack_words: &[usize]) {
     }
 }
 
-/// Address range of the C library's heap functions; empty if they are not found. Must be called first before anything breaks, since
-/// the dynamic linker has a lock, too; the result is cached.
+/// Address range of the C library's heap functions; empty if they are not found. The first call must be made before
+/// anything breaks, since it takes the dynamic linker's lock; the result is cached.
 pub(super) fn heap_functions() -> Range<usize> {
     /// Size of the unexported functions in front of `malloc`: 10 KiB in glibc 2.36.
     const HIDDEN: usize = 16 << 10;
@@ -84,7 +86,7 @@ pub(super) fn heap_functions() -> Range<usize> {
     FUNCTIONS.get_or_init(|| address_of(first).saturating_sub(HIDDEN)..address_of(last)).clone()
 }
 
-/// Address of a function in the C library itself, interposed or not; 0 if unknown.
+/// Address of a function in the C library itself, even if it is interposed; 0 if unknown.
 fn address_of(name: &CStr) -> usize {
     // SAFETY: names that end in 0; RTLD_NOLOAD loads nothing, and the library stays as this program needs it.
     unsafe {

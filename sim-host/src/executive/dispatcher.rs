@@ -1,11 +1,12 @@
 //! The dispatcher: the run queues and the scheduler step, which ends a slot and begins the next one.
 //!
-//! The dispatcher has no thread. The last flow that reaches the barrier at a slot's end runs the scheduler step: it advances the world
-//! and releases the next robots, slot after slot up to the horizon that the run's owner has set, so a single robot needs no hand-over
-//! at all. At the horizon the run pauses until its owner advances it again. At most `workers` robots run at one time, one on each worker;
-//! their order has no influence on results, since robots meet only at the slots' ends. A worker hands over among its own robots as long
-//! as it can, since waking a thread on another processor costs several times as much; it steals robots of another worker only when it
-//! would be idle otherwise.
+//! The dispatcher has no thread. The last flow that reaches the barrier at a slot's end runs the scheduler step: it
+//! advances the world and releases the next robots, slot after slot up to the horizon that the run's owner has set, so
+//! a single robot needs no hand-over at all. At the horizon the run pauses until its owner advances it again. At most
+//! `workers` robots run at the same time, one on each worker; their order does not influence results, since robots
+//! interact only at the slots' ends. A worker switches between its own robots as long as it can, since waking a thread
+//! on another processor costs several times as much; it steals robots of another worker only when it would be idle
+//! otherwise.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -34,11 +35,11 @@ pub struct Dispatcher {
     max_workers: usize,
     /// Affinity: for each robot the worker on which it ran last.
     affinity: Vec<u32>,
-    /// Robots that suspended themselves, ended or were changed by an intervention in the present slot.
+    /// Robots that suspended themselves, ended or were changed by an intervention in the current slot.
     touched: Vec<RobotId>,
-    /// Those of them that may request something from others, or have written files.
+    /// The touched robots that may have requests to other robots, or have written files.
     requesting: Vec<RobotId>,
-    /// Wake times before `soon_until`, the end of the next slot, in no order: those of most robots.
+    /// Wake times before `soon_until`, the end of the next slot, unordered: the wake times of most robots are here.
     soon: Vec<Wake>,
     soon_until: Time,
     /// The other wake times.
@@ -57,12 +58,12 @@ pub struct Dispatcher {
     limit: Time,
     /// Slots that start before it begin without the owner; `None` while the run is paused.
     horizon: Option<Time>,
-    /// An intervention is pending: the present slot is due.
+    /// An intervention is pending: the current slot is due.
     is_intervention_pending: bool,
     /// Sinks of the record.
     sinks: Sinks<'static>,
     end: Option<End>,
-    /// Memory for references.
+    /// Spare memory for lists of references.
     spare: Vec<[usize; 4]>,
     spare_states: Vec<usize>,
 }
@@ -70,17 +71,17 @@ pub struct Dispatcher {
 /// A worker: one robot runs on it at a time.
 #[derive(Default)]
 struct Worker {
-    /// Run queue: robots due in the present slot and not yet released, in order of their ids.
+    /// Run queue: robots due in the current slot and not yet released, in order of their ids.
     run_queue: VecDeque<RobotId>,
-    /// Robots that were released and of which the dispatcher does not know yet that they have come back to the barrier.
+    /// Robots that were released and whose return to the barrier the dispatcher has not yet seen.
     running: Vec<RobotId>,
 }
 
-/// Greatest number of robots that are released at once, one after the other on their worker: only the last one that comes back takes the
-/// dispatcher's lock, for all of them.
+/// Maximum number of robots that are released together, one after the other on their worker: only the last one that
+/// comes back takes the dispatcher's lock, for all of them.
 const MAX_RELEASE: usize = 16;
 
-/// The robots of one worker that come back to the barrier.
+/// Queue of the robots of one worker that come back to the barrier.
 #[derive(Default)]
 pub struct ReturnQueue {
     returns: Mutex<Vec<Return>>,
@@ -94,7 +95,7 @@ pub struct Return {
     pub robot: RobotId,
     /// Time until which it sleeps.
     pub wake: Time,
-    /// It may have requested something from others, or has written files.
+    /// It may have requests to other robots, or has written files.
     pub has_requests: bool,
     /// It waits for something that the scheduler step can bring, so that it may wake earlier.
     pub awaits_step: bool,
@@ -135,7 +136,7 @@ impl ReturnQueue {
 /// Smallest length of a worker's run queue from which another worker steals.
 const MIN_QUEUE_TO_STEAL: usize = 4;
 
-/// An entry of the wake queue; valid while `number` is the robot's present one.
+/// An entry of the wake queue; valid while `number` is the robot's current one.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Wake {
     at: Time,
@@ -143,18 +144,18 @@ struct Wake {
     number: u32,
 }
 
-/// Why a run ended.
+/// Reason for the end of a run.
 #[derive(Debug)]
 pub enum End {
     /// Every program has ended, or there is none.
     Finished,
-    /// The time limit that the user set is reached.
+    /// The run reached the time limit that the user set.
     Until,
     /// Deadlock: nothing moves, and every program that has not ended waits for something that cannot happen any more.
     Stuck,
     /// The user interrupted the run, or its owner finished it early.
     Interrupted,
-    /// A program broke in a way after which no program may run on.
+    /// A program broke in a way after which no program may continue.
     Broken,
     /// A program of another run in this process broke within the heap of the C library, which all programs of the process share.
     HeapLost,
@@ -207,7 +208,7 @@ pub struct Plan {
 }
 
 impl Dispatcher {
-    /// Greatest number of workers that a run of `plan` can have.
+    /// Maximum number of workers that a run of `plan` can have.
     pub fn max_workers(plan: &Plan) -> usize {
         let last_home = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
         plan.workers.max(last_home).max(1)
@@ -258,12 +259,14 @@ impl Dispatcher {
         dispatcher
     }
 
-    /// Ends the run after the present slot. An earlier reason for the end is kept; only a record that cannot be written overrides it.
+    /// Ends the run after the current slot. An earlier reason for the end is kept; only a record that cannot be written
+    /// overrides it.
     pub fn end_with(&mut self, end: End) {
         self.end.get_or_insert(end);
     }
 
-    /// Lets the robots that are due in the present slot, and have not run in it yet, sleep on: the run ends, and its user waits for it.
+    /// Lets the robots that are due in the current slot, and have not run in it yet, sleep on: the run ends, and its
+    /// user waits for it.
     pub fn skip_queue(&mut self) {
         self.workers.iter_mut().for_each(|worker| worker.run_queue.clear());
     }
@@ -288,8 +291,8 @@ impl Dispatcher {
         self.dispatch(run, None, deadline)
     }
 
-    /// Takes `robot` and those that were released with it back at the barrier: it is the last one that was [put](ReturnQueue::put)
-    /// there.
+    /// Takes back `robot` and the robots that were released with it: it is the last one that was
+    /// [put](ReturnQueue::put) back at the barrier.
     pub fn suspend(&mut self, run: &Run, robot: RobotId) -> BarrierOutcome {
         self.take_returns(run, self.affinity[robot.index()] as usize);
         self.dispatch(run, Some(robot), None)
@@ -309,10 +312,10 @@ impl Dispatcher {
         *run.returns(worker).returns.lock() = returns;
     }
 
-    /// Takes `robot` out of the schedule: its program has ended or broken; `deadline` as for [`Dispatcher::advance`].
+    /// Removes `robot` from the schedule: its program has ended or broken; for `deadline` see [`Dispatcher::advance`].
     pub fn depart(&mut self, run: &Run, robot: RobotId, deadline: Option<Instant>) -> BarrierOutcome {
         if std::mem::replace(&mut self.departed[robot.index()], true) {
-            // Its flow was abandoned, and has come back after all.
+            // The flow was abandoned, but has come back after all.
             return BarrierOutcome::default();
         }
         // From here on it cannot come back.
@@ -378,7 +381,7 @@ impl Dispatcher {
         self.end.take().unwrap_or(End::Finished)
     }
 
-    /// Takes `robot` from its worker; true if it was released there.
+    /// Removes `robot` from its worker; returns true if it was released there.
     fn vacate_worker(&mut self, robot: RobotId) -> bool {
         let running = &mut self.workers[self.affinity[robot.index()] as usize].running;
         let place = running.iter().position(|running| *running == robot);
@@ -392,8 +395,8 @@ impl Dispatcher {
         self.workers[self.affinity[robot.index()] as usize].run_queue.push_back(robot);
     }
 
-    /// The next robot for the idle `worker`: from its own run queue, or stolen from the worker with the longest one,
-    /// unless that robot is bound to its worker.
+    /// Returns the next robot for the idle `worker`: from its own run queue, or stolen from the worker with the longest
+    /// one, unless that robot is bound to its worker.
     fn next_for(&mut self, worker: usize, run: &Run) -> Option<RobotId> {
         if let Some(robot) = self.workers[worker].run_queue.pop_front() {
             return Some(robot);
@@ -434,7 +437,7 @@ impl Dispatcher {
         }
     }
 
-    /// Gives each idle worker a robot; runs scheduler steps until a robot is due or the run is at rest.
+    /// Releases a robot on each idle worker; runs scheduler steps until a robot is due or the run is at rest.
     fn dispatch(&mut self, run: &Run, returning: Option<RobotId>, deadline: Option<Instant>) -> BarrierOutcome {
         let mut outcome = BarrierOutcome::default();
         loop {
@@ -473,7 +476,8 @@ impl Dispatcher {
         self.end.is_some()
     }
 
-    /// Completes the present slot and, unless the run ends or pauses there, begins the next one in which anything happens.
+    /// Completes the current slot and, unless the run ends or pauses there, begins the next one in which anything
+    /// happens.
     fn finish_slot(&mut self, run: &Run, deadline: Option<Instant>) {
         let mut environment = run.environment.write();
         if let Err(error) = self.end_slot(run, &mut environment) {
@@ -567,7 +571,7 @@ impl Dispatcher {
         self.touched.push(robot);
     }
 
-    /// Ends the slot for all robots that it concerns, and passes the collected record to the sinks.
+    /// Ends the slot for all affected robots, and passes the collected record to the sinks.
     fn end_slot(&mut self, run: &Run, environment: &mut Environment) -> Result<(), RecordError> {
         let pool = WorkerPool(run.executor());
         self.requesting.sort_unstable();
@@ -609,13 +613,13 @@ impl Dispatcher {
     /// Start of the next slot in which a body moves or a robot is due; `None` if nothing happens any more.
     fn next_start(&mut self, environment: &Environment) -> Option<Time> {
         let world = &environment.world;
-        // The world already stands at the slot after the one that was finished.
+        // The world is already at the slot after the finished one.
         let following = world.slot_start();
         if self.is_intervention_pending || world.is_object_moving() {
             return Some(following);
         }
         if environment.is_robot_moving() {
-            // Once all programs have ended, a drive without an end may go on for ever: it is no reason to run on.
+            // Once all programs have ended, a drive without an end may go on forever: the run does not continue for it.
             return (self.alive > 0 || following < self.drives_end).then_some(following);
         }
         while let Some(Reverse(wake)) = self.wakes.peek()
@@ -626,7 +630,7 @@ impl Dispatcher {
         let soon = self.soon.iter().filter(|wake| self.wake_numbers[wake.robot.index()] == wake.number);
         let soon = soon.map(|wake| wake.at).min().unwrap_or(Time::NEVER);
         let wake = self.wakes.peek().map_or(Time::NEVER, |Reverse(wake)| wake.at).min(soon);
-        // A message is no reason to run on either once no program is alive.
+        // Nor does the run continue for a message once no program is alive.
         let message = if self.alive > 0 { environment.message_due() } else { Time::NEVER };
         let due = wake.min(message);
         (due < Time::NEVER).then(|| due.floor_to(world.slot()).max(following))

@@ -23,18 +23,19 @@ pub struct EmbeddedRobot {
     robot: RobotId,
     code: Arc<dyn EmbeddedCode>,
     arguments: Vec<String>,
-    /// Place of the program's present call.
+    /// Location of the program's current call.
     site: Arc<Mutex<RemoteSite>>,
 }
 
 impl EmbeddedRobot {
-    /// The program of `robot`, with the arguments that it gets.
+    /// Creates the program of `robot` with its arguments.
     pub fn new(robot: RobotId, program: &EmbeddedProgram, arguments: &[String]) -> Self {
         let code = Arc::clone(&program.code);
         Self { robot, code, arguments: arguments.to_vec(), site: Arc::default() }
     }
 
-    /// Runs the program on the calling thread, a flow's, whose calls `host` answers there; returns its exit code.
+    /// Runs the program on the calling thread, which belongs to a flow; `host` answers its calls there; returns its
+    /// exit code.
     ///
     /// # Errors
     /// [`Broken`] if the program was overdue.
@@ -48,7 +49,7 @@ impl EmbeddedRobot {
             site: Arc::clone(&self.site),
             functions: Mutex::default(),
         });
-        // From here on the program's calls end at once, wherever it has left `calls`; also if it unwinds.
+        // From here on the program's calls end immediately, wherever it has kept `calls`, even if it unwinds.
         let _revoke = Revoke(Arc::clone(&calls));
         match self.code.run(self.robot, &self.arguments, calls) {
             EmbeddedEnd::Exited(code) => Ok(code),
@@ -64,13 +65,13 @@ impl EmbeddedRobot {
         &self.code
     }
 
-    /// Place of the call in progress.
+    /// Location of the call in progress.
     pub fn call_site(&self) -> RemoteSite {
         self.site.lock().clone()
     }
 }
 
-/// Calls of a robot's program to `H`, as long as it runs.
+/// Calls of a robot's program to `H`, while the program runs.
 struct CallsOf<H> {
     /// Null once the program has returned.
     host: AtomicPtr<H>,

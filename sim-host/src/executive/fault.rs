@@ -1,14 +1,14 @@
-//! Reports of broken robot programs, in words.
+//! Descriptions of broken robot programs.
 
 use super::confine;
 use super::guard::is_in_guard;
 use super::signal::{self, DIVIDES_BY_ZERO, EXITS, Fault, GONE, OVERDUE_SIGNAL};
 use crate::robios::robot::Ending;
 
-/// A flow that will never run again, and why.
+/// A flow that will never run again, with the cause.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
-    /// Description of the break, without the place: `null pointer used (segmentation fault at address 0x0)`.
+    /// Description of the break, without the location: `null pointer used (segmentation fault at address 0x0)`.
     pub what: String,
     /// True if the watchdog stopped the flow, false if the program itself faulted.
     pub is_overdue: bool,
@@ -16,11 +16,11 @@ pub struct Broken {
     pub last_call: u16,
     /// The task that broke, if it is one of several.
     pub task: Option<u32>,
-    /// The place in words, if the program itself has reported it; else empty.
+    /// The location as text, if the program itself has reported it; otherwise empty.
     pub place: String,
     /// Program counter at the break, then words of the stack that may be return addresses, innermost first.
     pub addresses: Vec<usize>,
-    /// What the program has printed since the last end of a line, with its [`stream`](robios_sys::support::stream).
+    /// Unfinished lines that the program has printed, each with its [`stream`](robios_sys::support::stream).
     pub unfinished: Vec<(i32, String)>,
 }
 
@@ -30,20 +30,20 @@ pub(super) const SEARCH: usize = 4096;
 /// Distance from the low end of the stack, in bytes, within which a fault counts as a stack overflow (a guard page lies below the stack).
 const GUARD: usize = 64 << 10;
 
-/// Beginning of the description of a break by a null pointer.
+/// Beginning of the description of a null pointer dereference.
 pub(super) const NULL_POINTER: &str = "null pointer used";
 
-/// Description of a break by a stack that is full.
+/// Description of a stack overflow.
 pub(super) const STACK_OVERFLOW: &str = "stack overflow";
 
-/// Addresses below this one are those of members of what a null pointer leads to: nothing is ever mapped there.
+/// Accesses below this address are attributed to a null pointer: nothing is ever mapped there.
 const NULL_PAGE: usize = 4096;
 
-/// Description of a break at an instruction that the compiler puts where it sees that the program cannot go on.
+/// Description of a break at a trap instruction, which the compiler emits where the program's behaviour is undefined.
 pub(super) const ILLEGAL: &str =
     "division by zero, null pointer or missing `return`, which the compiler has seen (illegal instruction)";
 
-/// As [`ILLEGAL`], at a line that can only have divided.
+/// Like [`ILLEGAL`], at a line whose only possible fault is a division.
 pub(super) const ILLEGAL_DIVISION: &str = "division by zero, known to the compiler (illegal instruction)";
 
 /// Usual causes of a fault at another address.
@@ -53,7 +53,7 @@ pub(super) const WILD: &str =
 /// Code of a fault whose address the kernel does not know, of <asm-generic/siginfo.h>.
 const SI_KERNEL: i32 = 0x80;
 
-/// Words on a stack that cannot have overflowed.
+/// Number of words on a stack below which it cannot have overflowed.
 const SHALLOW: usize = 1024;
 
 impl Broken {
@@ -78,7 +78,7 @@ impl Broken {
             libc::SIGSEGV if is_in_guard(fault.address, high) => {
                 "the program wrote or read beyond the top of its stack (an array overrun)".into()
             }
-            // The kernel tells no address of a pointer that can lead nowhere, such as 0x4141414141414141.
+            // The kernel reports no address for a non-canonical pointer such as 0x4141414141414141.
             libc::SIGSEGV if fault.code == SI_KERNEL => format!("segmentation fault at no address ({WILD})"),
             libc::SIGSEGV if fault.address < NULL_PAGE => {
                 format!("{NULL_POINTER} (segmentation fault at address {:#x})", fault.address)
@@ -106,13 +106,13 @@ impl Broken {
         }
     }
 
-    /// Adds what the program has printed since the last end of a line.
+    /// Adds the unfinished lines that the program has printed.
     #[must_use]
     pub(super) fn with_unfinished(self, unfinished: Vec<(i32, String)>) -> Self {
         Self { unfinished, ..self }
     }
 
-    /// Adds what the program itself said of its end before it broke.
+    /// Adds the reason that the program itself reported before it broke.
     #[must_use]
     pub(super) fn with_reason(self, ending: Option<&Ending>) -> Self {
         match ending {
@@ -121,13 +121,13 @@ impl Broken {
         }
     }
 
-    /// Describes a program that was told to end after its last call because it was overdue, and did so at `place`.
+    /// Describes an overdue program that was told to end after its last call, and ended at `place`.
     pub(super) fn overdue(last_call: u16, place: String) -> Self {
         let fault = Fault { signal: OVERDUE_SIGNAL, ..Fault::default() };
         Self { place, ..Self::new(fault, [0; 2], last_call, Vec::new()) }
     }
 
-    /// Describes a flow that takes no signal and therefore cannot be stopped: it is abandoned as it is.
+    /// Describes a flow that receives no signals and therefore cannot be stopped: it is abandoned as it is.
     pub(super) fn unstoppable() -> Self {
         Self {
             what: "too long without a RoBIOS call, and the program blocks the signals by which it would be stopped"
@@ -155,7 +155,7 @@ impl Broken {
     }
 }
 
-/// Name of a signal that a fault raises; `None` for others.
+/// Name of a signal that a fault raises; `None` for any other signal.
 fn name_of_signal(signal: i32) -> Option<&'static str> {
     let names = [
         (libc::SIGSEGV, "SIGSEGV"),
@@ -183,7 +183,7 @@ fn cause_of_arithmetic_fault(code: i32) -> &'static str {
     }
 }
 
-/// Words on a parked thread's stack from `sp` on, at most [`SEARCH`] of them, as far as they are mapped.
+/// The mapped words on a parked thread's stack from `sp` on, at most [`SEARCH`] of them.
 pub(super) fn stack_words(sp: usize, [low, high]: [usize; 2]) -> Vec<usize> {
     let sp = sp.next_multiple_of(align_of::<usize>());
     if sp < low || sp >= high {

@@ -1,5 +1,5 @@
-//! Copies of this process that work through cases for it: what has been read, built and loaded is there at once, and what a program
-//! destroys is the copy's.
+//! Forks of this process that run cases for it: they inherit everything that was read, built and loaded, and a program
+//! can only corrupt the fork.
 
 use std::fs;
 use std::io;
@@ -12,26 +12,26 @@ use super::confine::exit_at_once;
 use super::watchdog::process_time;
 use crate::program::run_folder::RunFolder;
 
-/// A copy of this process, made by [`ForkedWorker::start`]. It is killed when this value is dropped.
+/// A fork of this process, made by [`ForkedWorker::start`]. It is killed when this value is dropped.
 #[derive(Debug)]
 pub struct ForkedWorker {
     pid: libc::pid_t,
-    /// Connection to the copy.
+    /// Connection to the child.
     pub stream: UnixStream,
     is_over: bool,
 }
 
 impl ForkedWorker {
-    /// Copies this process, which must have one thread; the copy calls `serve` with its end of the connection and then ends. It ends as
-    /// well when this process does.
+    /// Forks this process, which must be single-threaded; the child calls `serve` with its end of the connection and
+    /// then ends. It also ends when this process ends.
     ///
     /// # Errors
-    /// This process has several threads, of which only one would be in the copy, or the kernel refuses.
+    /// This process has several threads, of which only one would exist in the child, or the kernel refuses.
     pub fn start(serve: impl FnOnce(UnixStream)) -> io::Result<Self> {
         await_single_thread()?;
         let (own, other) = UnixStream::pair()?;
         let parent = std::process::id();
-        // SAFETY: the process has one thread, so that no lock is held and no state is half changed in the copy.
+        // SAFETY: the process has one thread, so that no lock is held and no state is half changed in the child.
         match unsafe { libc::fork() } {
             -1 => Err(io::Error::last_os_error()),
             0 => {
@@ -51,7 +51,7 @@ impl ForkedWorker {
         }
     }
 
-    /// Kills the copy.
+    /// Kills the child.
     pub fn kill(&mut self) {
         if !self.is_over {
             // SAFETY: the child has not been waited for, so that its number is still its own.
@@ -59,7 +59,7 @@ impl ForkedWorker {
         }
     }
 
-    /// Waits for the end of the copy, and kills it after `timeout`; returns how it ended, in words.
+    /// Waits for the end of the child, and kills it after `timeout`; returns a description of how it ended.
     pub fn end_within(&mut self, timeout: Duration) -> String {
         let start = Instant::now();
         while !self.has_ended() {
@@ -84,7 +84,8 @@ impl ForkedWorker {
         result || unsafe { info.si_pid() } != 0
     }
 
-    /// Waits for the end of the copy, and removes the run folders that it leaves if it is killed; returns how it ended, in words.
+    /// Waits for the end of the child, and removes the run folders that it leaves if it is killed; returns a
+    /// description of how it ended.
     pub fn wait(&mut self) -> String {
         let mut status = 0;
         if self.is_over {
@@ -127,7 +128,7 @@ fn name_of(signal: i32) -> &'static str {
     }
 }
 
-/// Waits for threads that are about to end, such as those of a progress bar.
+/// Waits for threads that are about to end, such as a progress bar's.
 fn await_single_thread() -> io::Result<()> {
     const ATTEMPTS: u32 = 500;
     for _ in 0..ATTEMPTS {
@@ -157,7 +158,8 @@ pub fn readable(streams: &[&UnixStream], timeout: Duration) -> io::Result<Vec<us
     Ok(polled.iter().enumerate().filter(|(_, polled)| polled.revents != 0).map(|(index, _)| index).collect())
 }
 
-/// Limits the memory that this process may have besides what it has now, in bytes; processes that it starts inherit the limit.
+/// Limits the memory that this process may allocate in addition to what it has now, in bytes; processes that it starts
+/// inherit the limit.
 ///
 /// # Errors
 /// The kernel refuses.
@@ -175,7 +177,8 @@ pub fn limit_memory(more: u64) -> io::Result<()> {
     }
 }
 
-/// Processor time that this process and its children have used, in seconds; of grandchildren only if they have ended.
+/// Processor time in seconds that this process and its children have used; grandchildren count only once they have
+/// ended.
 pub fn processor_seconds() -> f64 {
     // SAFETY: a struct of numbers, for which zeros are valid.
     let mut ended: libc::rusage = unsafe { std::mem::zeroed() };
@@ -187,7 +190,7 @@ pub fn processor_seconds() -> f64 {
     seconds(ended.ru_utime) + seconds(ended.ru_stime) + running.sum::<f64>()
 }
 
-/// Numbers of the children of this process; none where the kernel does not list them.
+/// Process ids of the children of this process; none if the kernel does not list them.
 fn children() -> impl Iterator<Item = libc::pid_t> {
     let tasks = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
     let lists = tasks.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());

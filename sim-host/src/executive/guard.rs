@@ -10,8 +10,8 @@ use super::signal;
 /// Size of a page on most machines; on others the kernel refuses the guard.
 const PAGE: usize = 4096;
 
-/// Runs `body`, in which the program of this thread runs, below a guard page on this thread's stack. Without a guard if the kernel has
-/// no room for more mappings.
+/// Runs `body`, in which the program of this thread runs, below a guard page on this thread's stack. Runs it without a
+/// guard if the kernel allows no further mappings.
 #[inline(never)]
 pub fn below_guard<R>(body: impl FnOnce() -> R) -> R {
     let mut room = MaybeUninit::<[u8; 2 * PAGE]>::uninit();

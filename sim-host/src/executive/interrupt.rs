@@ -1,4 +1,4 @@
-//! Interruption of runs by the user: a handle for their owner, which a binary connects with Ctrl-C.
+//! Interruption of runs by the user: a handle for the runs' owner, which a binary connects with Ctrl-C.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -14,7 +14,8 @@ use super::signal::{self, Handlers, action, change_action, default_action};
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Ends the runs with their present slots, from any thread; async-signal-safe. Returns true if it was set already.
+    /// Ends the runs with their current slots; may be called from any thread; async-signal-safe. Returns true if it was
+    /// set already.
     pub fn set(&self) -> bool {
         self.0.swap(true, Ordering::AcqRel)
     }
@@ -35,7 +36,7 @@ static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
 /// signal ends the process. A fault in a thread that a robot program started by itself ends the process with a message.
 ///
 /// # Errors
-/// The kernel refuses a handler, or a run has installed its own already, which these would cover.
+/// The kernel refuses a handler, or a run has already installed its own, which these would replace.
 pub fn of_process() -> io::Result<Interrupt> {
     static IS_INSTALLED: Mutex<bool> = Mutex::new(false);
     let interrupt = OF_PROCESS.get_or_init(Interrupt::default).clone();
@@ -81,13 +82,13 @@ pub(super) fn take_back(is_of_program: impl Fn(usize) -> bool) {
     }
 }
 
-/// Time in seconds without a sign of life of the supervisor after a program has broken on a thread of the host: the program has harmed
-/// the host then, and locks may be held for ever. Our choice.
+/// Time in seconds within which the supervisor must respond after a program has broken on a thread of the host;
+/// otherwise the program has damaged the host, and locks may be held forever. Our choice.
 const LAST_RESORT_TIMEOUT: libc::time_t = 10;
 
-/// The kernel's timer behind [`arm_last_resort`].
+/// The kernel's timer that [`arm_last_resort`] sets.
 struct LastResort {
-    /// Its number; meaningful once `is_installed`.
+    /// Id of the timer; meaningful once `is_installed`.
     timer: AtomicUsize,
     is_installed: AtomicBool,
 }
@@ -134,7 +135,7 @@ pub(super) fn arm_last_resort() {
     LAST_RESORT.set(LAST_RESORT_TIMEOUT);
 }
 
-/// The run has ended by itself.
+/// Stops the timer of [`arm_last_resort`]: the run has ended by itself.
 pub(super) fn disarm_last_resort() {
     LAST_RESORT.set(0);
 }
@@ -156,7 +157,7 @@ pub fn end_within(timeout: std::time::Duration) {
         unsafe { libc::write(2, WORDS.as_ptr().cast(), WORDS.len()) };
         exit_at_once(1)
     };
-    // Without room for a thread the process ends when its destructors do.
+    // If no thread can be started, the process ends when its destructors return.
     let _ = std::thread::Builder::new().name("end".to_owned()).spawn(end);
 }
 
@@ -170,7 +171,7 @@ extern "C" fn on_interrupt(signal: i32) {
         return;
     }
     if OF_PROCESS.get().is_some_and(Interrupt::set) {
-        // The second Ctrl-C: the user does not want to wait for files to be closed.
+        // At the second Ctrl-C the user does not want to wait for files to be closed.
         exit_at_once(130);
     }
 }

@@ -86,7 +86,7 @@ pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<V
     }
 }
 
-/// Carries out a validated action at the start of the slot at `at`, the world's present one.
+/// Carries out a validated action at the start of the slot at `at`, the world's current slot.
 pub fn carry_out(action: ValidatedAction, at: Time, run: &Run, environment: &mut Environment) -> RunEffect {
     match action {
         ValidatedAction::Intervention(intervention) => intervene(intervention, at, run, environment),

@@ -1,4 +1,4 @@
-//! Loads the programs of a scene: as private copies in this process, or in processes of their own.
+//! Loads the programs of a scene as private copies in this process, or in processes of their own.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -17,14 +17,14 @@ use crate::program::prepare::{Code, Prepared};
 use crate::program::python::restricted_host;
 use crate::program::scene::Programs;
 
-/// Memory mappings for each robot's thread: its stack with the guards below and above, its alternate stack, and the kernel's
-/// neighbouring ones.
+/// Memory mappings for each robot's thread: its stack with the guards below and above, its alternate stack, and the
+/// adjacent mappings that the kernel splits off.
 const MAPPINGS_PER_THREAD: usize = 6;
 
 /// Reasons why the programs of robots cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum ProgramLoadError {
-    /// There is no folder for the private copies of libraries.
+    /// The folder for the private copies of libraries cannot be created.
     #[error("no folder to load programs from: {0}")]
     Folder(std::io::Error),
     /// Earlier programs have damaged this process too much.
@@ -45,11 +45,12 @@ pub enum ProgramLoadError {
     },
 }
 
-/// Loads the program of each robot that has one, with the arguments of its `main`: as a private copy in this process, or in its
-/// own process. Robots on one of the `workers` may share a copy, those of runs one after the other with the same `loader`, too.
+/// Loads the program of each robot that has one, with the arguments of its `main`: as a private copy in this process,
+/// or in its own process. Robots on one of the `workers` may share a copy, as may robots of consecutive runs with the
+/// same `loader`.
 ///
 /// # Errors
-/// The first program that cannot be loaded, or all of them if the kernel has no room.
+/// The first program that cannot be loaded, or all of them if the kernel's limits are too low.
 pub fn load_programs(
     scene: &SceneSpec,
     programs: &Programs,
@@ -129,11 +130,11 @@ pub struct DebugTarget {
     pub debugger: Debugger,
 }
 
-/// Place in which a program runs if the user wants `exec`, and the reason if that is another one or `auto` chose the slower one: a line
-/// without its beginning, `` uses `fork`: ... ``.
+/// Place in which a program runs if the user asks for `exec`, and the reason if that is a different place or `auto`
+/// chose the slower one: a line without its beginning, `` uses `fork`: ... ``.
 ///
-/// A Python program always has its own process, and so has a library whose code runs while it is loaded: where that does not return, a
-/// process can be ended.
+/// A Python program always has its own process, and so does a library whose code runs while it is loaded: if that code
+/// does not return, the process can be killed.
 pub fn place_of(program: &Prepared, exec: Exec) -> (Place, Option<String>) {
     let image = match &program.code {
         Code::Python(_) => return (Place::Process, None),
@@ -233,13 +234,13 @@ impl Loading {
     }
 }
 
-/// Refusal to debug a program that is not of gdb's languages.
+/// Refusal to debug a program in a language that gdb does not support.
 fn not_debugged(program: &Prepared, what: &str) -> LoadError {
     let what = format!("gdb debugs programs in C, C++ and Rust, and this one {what}");
     LoadError::Incompatible { path: program.source.path().to_owned(), what }
 }
 
-/// Reason why the process of `program` has not begun: its interpreter's, else `what`.
+/// Reason why the process of `program` has not started: the interpreter's message, otherwise `what`.
 fn why_not(program: &Prepared, path: PathBuf, what: String) -> LoadError {
     match &program.code {
         Code::Python(python) => python.check().err().map_or(LoadError::Process { path, what }, LoadError::Python),

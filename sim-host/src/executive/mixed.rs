@@ -1,4 +1,5 @@
-//! Executor with a flow of its kind for each robot: fibers for the robots whose programs are fit for them, threads for the others.
+//! Executor that chooses the kind of flow for each robot: fibers for robots whose programs support them, threads for
+//! all other robots.
 
 use std::io;
 use std::sync::Arc;

@@ -1,10 +1,10 @@
 //! Execution of robot programs: scheduling, flows, faults and the watchdog.
 //!
-//! [`Executor`] abstracts over how a flow is run, suspended and resumed. [`thread`] implements it with one OS thread for each flow,
-//! which serves the robot's [`process`] if it has one; fibers would fit behind the same trait. Code above the trait is independent of
-//! the kind of flow: [`run`] is the state that flows share, [`dispatcher`] holds the run queues, and [`scheduler`] is the value by which
-//! the owner of a run advances it ([`script`] and the window are such owners). Below the trait, [`signal`] and [`watchdog`] catch
-//! programs that fault or never return.
+//! [`Executor`] abstracts over how a flow is run, suspended and resumed. [`thread`] implements it with one OS thread
+//! for each flow, which serves the robot's [`process`] if it has one; [`fiber`] implements it with fibers. Code above
+//! the trait is independent of the kind of flow: [`run`] is the state that flows share, [`dispatcher`] holds the run
+//! queues, and [`scheduler`] is the value by which the owner of a run advances it ([`script`] and the window are such
+//! owners). Below the trait, [`signal`] and [`watchdog`] catch programs that fault or never return.
 
 mod answer;
 pub mod confine;
@@ -45,20 +45,22 @@ use self::program::RobotProgram;
 
 /// Runs the flows of robots; implemented with threads, processes or fibers.
 ///
-/// A robot has one flow for each of its tasks, one of which holds the robot's run token: first that of `main`. A flow starts
-/// suspended. A robot runs from the time that the dispatcher resumes it until it suspends itself, on the flow with the run token.
+/// A robot has one flow for each of its tasks, one of which holds the robot's run token: initially the flow of `main`.
+/// A flow starts suspended. A robot runs from the time that the dispatcher resumes it until it suspends itself, on the
+/// flow with the run token.
 pub trait Executor: Send + Sync {
     /// Begins a run whose supervisor waits for `notifier`: flows that break notify it. Must be called before the first flow starts.
     fn begin(&self, notifier: &Arc<notifier::Notifier>);
 
-    /// Ends the run and releases the resources of its flows. Flows that have broken are lost with all that they hold, and so are
-    /// those of robots that have not `departed`. Returns true if no flow is lost.
+    /// Ends the run and releases the resources of its flows. Broken flows, and flows of robots that have not
+    /// `departed`, are lost with everything that they hold. Returns true if no flow is lost.
     fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool;
 
     /// Returns true if the run must end because a program of another run has corrupted the heap of this process.
     fn must_end(&self) -> bool;
 
-    /// Prepares for robots with ids up to this one, which runs `program`. A robot that is being spawned is no `member` yet.
+    /// Prepares for robots with ids up to this one, which runs `program`. A robot that is being spawned is not yet a
+    /// `member`.
     fn admit(&self, robot: RobotId, program: &RobotProgram, member: Option<&Arc<run::Member>>);
 
     /// Creates a flow of the robot, suspended, for its task of this number ([`MAIN`](crate::robios::task::MAIN) for `main`'s, which
@@ -66,23 +68,24 @@ pub trait Executor: Send + Sync {
     /// `main`'s.
     ///
     /// # Errors
-    /// The system has no room for another flow.
+    /// The system lacks the resources for another flow.
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> std::io::Result<()>;
 
     /// Lets the flow of the robot's first task serve this process, in which its program runs. Must be called before it is resumed.
     fn serve(&self, robot: RobotId, child: Arc<process::Child>);
 
-    /// Resumes the robot's flow with the run token on this `worker`. The flows of one worker run one after the other, so they
-    /// are best bound to one processor. Called once for each time that the robot was created or suspended itself.
+    /// Resumes the robot's flow with the run token on this `worker`. The flows of one worker run one after the other,
+    /// so they are best bound to one processor. Called once after each creation or suspension of the robot.
     fn resume(&self, robot: RobotId, worker: u32);
 
     /// Suspends the calling flow, which holds the run token of `robot`, until it is resumed.
     fn suspend(&self, robot: RobotId);
 
-    /// Continues the calling flow, which holds the run token of `robot`, where a suspension would be followed at once by its resumption.
+    /// Continues the calling flow, which holds the run token of `robot`, where a suspension would be immediately
+    /// followed by a resumption.
     fn continue_running(&self, robot: RobotId);
 
-    /// Hands the run token of `robot` from the calling flow to that of task `task`; returns when it is handed back.
+    /// Hands the run token of `robot` from the calling flow to the flow of task `task`; returns when it is handed back.
     fn switch(&self, robot: RobotId, task: u32);
 
     /// Number of threads on which [`Executor::run_loop`] runs a loop, the calling one included.
@@ -90,22 +93,22 @@ pub trait Executor: Send + Sync {
         1
     }
 
-    /// Runs a loop of the scheduler step on the calling thread, and on the workers that have nothing to run. Returns when no thread
-    /// uses the job any more.
+    /// Runs a loop of the scheduler step on the calling thread, and on idle workers. Returns when no thread uses the
+    /// job any more.
     fn run_loop(&self, job: &team::Job) {
         job.work();
     }
 
-    /// Flows that broke (by a fault, or stopped as overdue) and never run again, with the cause.
+    /// Flows that broke (by a fault, or because they were overdue) and never run again, with the cause.
     fn broken(&self) -> Vec<(RobotId, fault::Broken)>;
 
     /// Returns true if the robot's flow with the run token has used `timeout` seconds of processor time, or has been blocked in the
     /// kernel for as long, since it was last resumed or handed the run token. Called about twenty times a second.
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool;
 
-    /// Place at which the robot's flow with the run token computes: the program counter, then words of the stack that may be return
-    /// addresses, innermost first. Empty if it does not compute, if the host works for it, or if it is a process, which
-    /// [answers itself](process::Child::computing_place).
+    /// Location at which the robot's flow with the run token computes: the program counter, then words of the stack
+    /// that may be return addresses, innermost first. Empty if it does not compute, if it is inside a call, or if it
+    /// runs in a process, which [answers itself](process::Child::computing_place).
     fn place(&self, robot: RobotId) -> Vec<usize>;
 
     /// Stops the overdue flow with the run token where it is; [`Executor::broken`] reports it soon after.

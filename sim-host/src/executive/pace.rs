@@ -1,4 +1,4 @@
-//! Pacing of a run against real time.
+//! Pacing of a run relative to wall-clock time.
 
 use std::time::{Duration, Instant};
 
@@ -13,7 +13,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Longest sleep between two checks of the interrupt.
+    /// Maximum sleep between two checks of the interrupt.
     const NAP: Duration = Duration::from_millis(20);
 
     /// Creates a pace of `factor` virtual seconds for each second of real time; `factor` must be above 0.

@@ -1,4 +1,4 @@
-//! Prefetch of memory into the processor's caches, while a worker computes something else.
+//! Prefetch of memory into the processor's caches while a worker does other work.
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Length of a cache line in bytes.
 const LINE: usize = 64;
 
-/// Fetches the memory at these addresses into the second cache, on processors of x86-64. Any addresses are allowed.
+/// Prefetches the memory at these addresses into the second-level cache, on x86-64. Any addresses are allowed.
 #[inline]
 pub fn prefetch(addresses: Range<*const u8>) {
     let mut line = addresses.start;

@@ -17,12 +17,12 @@ use crate::program::load::LoadedProgram;
 use crate::program::shared::Variables;
 use crate::program::site::Site;
 
-/// What the user wants about the places of programs.
+/// The user's choice of the place in which programs run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Exec {
-    /// In a process of its own where its imports show that it could end or stop the host, else on a fiber, or a thread as below.
+    /// In a process of its own if its imports show that it could end or stop the host; otherwise as for `Fiber`.
     Auto,
-    /// On a fiber of the host; on a thread if it could end the host, or if something of it belongs to its thread
+    /// On a fiber of the host; on a thread if it could end the host, or if it is bound to its thread
     /// ([`why_thread_bound`](crate::program::prepare::Prepared::why_thread_bound)).
     #[default]
     Fiber,
@@ -59,7 +59,8 @@ pub enum RobotProgram {
 }
 
 impl RobotProgram {
-    /// Runs the program's `main`, whose calls `host` answers on this thread; returns its exit code. One run at a time.
+    /// Runs the program's `main`, answers its calls with `host` on this thread, and returns its exit code. Only one run
+    /// at a time.
     ///
     /// # Errors
     /// [`Broken`] if the process of the program broke. A program in this process breaks with its thread instead.
@@ -75,7 +76,7 @@ impl RobotProgram {
         }
     }
 
-    /// Lets the calling flow find what the program has printed without an end of a line, if the program breaks on it.
+    /// Lets the calling flow find the unfinished lines of the program, if the program breaks on it.
     pub fn collect_lines(&self) {
         if let Self::InHost { program, .. } = self {
             FlowBlock::current().set_consoles(program.consoles());
@@ -103,7 +104,7 @@ impl RobotProgram {
         }
     }
 
-    /// The code of the embedding process that is the program, if it is such code.
+    /// The code of the embedding process, if the program is such code.
     pub fn embedded(&self) -> Option<&Arc<dyn EmbeddedCode>> {
         match self {
             Self::Embedded(program) => Some(program.code()),
@@ -152,7 +153,7 @@ impl RobotProgram {
         line?.function
     }
 
-    /// Place of the program's call in progress. May be called only during a call, by the flow that serves it.
+    /// Location of the program's call in progress. May be called only during a call, by the flow that serves it.
     pub fn call_site(&self) -> Site {
         match self {
             Self::InHost { program, .. } => Site::InHost(program.call_site()),
@@ -161,7 +162,7 @@ impl RobotProgram {
         }
     }
 
-    /// A place in this program in words, such as `maze.c:88`.
+    /// A location in this program as text, such as `maze.c:88`.
     pub fn place_of(&self, site: &Site) -> Option<String> {
         match (self, site) {
             (Self::InHost { program, .. }, Site::InHost(site)) => program.place_of(site),

@@ -1,4 +1,4 @@
-//! State that the flows of a run share (robots, world, run queues), and the functions that flows execute.
+//! State that the flows of a run share (robots, world, run queues), and the functions that the flows execute.
 
 use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU32, Ordering};
@@ -43,7 +43,7 @@ pub struct Run {
     /// Creates spawned robots and objects.
     spawner: Mutex<Spawner>,
     pub(super) dispatcher: Mutex<Dispatcher>,
-    /// For each worker the robots that come back to the barrier.
+    /// For each worker, the robots that come back to the barrier.
     returns: Vec<ReturnQueue>,
     executor: Box<dyn Executor>,
     /// Robots whose processes broke, and how; the run goes on without them.
@@ -54,17 +54,17 @@ pub struct Run {
     pub(super) hint_places: HintPlaces,
     notifier: Arc<Notifier>,
     interrupt: Interrupt,
-    /// Bounds of the present slot in microseconds: a copy that calls read without the world's lock.
+    /// Bounds of the current slot in microseconds: a copy that calls read without the world's lock.
     slot_start: AtomicI64,
     slot_end: AtomicI64,
     /// All programs must exit.
     pub(super) is_stopping: AtomicBool,
-    /// The run must pause at the end of the present slot.
+    /// The run must pause at the end of the current slot.
     pub(super) is_pausing: AtomicBool,
     is_verbose: bool,
-    /// Time that the run goes on after its last program has ended.
+    /// Time for which the run continues after its last program has ended.
     linger: Time,
-    /// The user has asked for the calls of single robots at least once; the robots' journals say of which.
+    /// The user has asked for the calls of single robots at least once; the robots' journals say for which.
     has_verbose_robots: AtomicBool,
     /// Reference to this run for the flows of spawned robots.
     weak_self: Weak<Run>,
@@ -101,7 +101,7 @@ impl Member {
         self.robot.lock()
     }
 
-    /// Fetches what the robot's calls touch into the caches; nothing if somebody uses the robot.
+    /// Prefetches the data that the robot's calls touch; does nothing if the robot is locked.
     pub fn prefetch(&self) {
         let own = ptr::from_ref(self);
         prefetch(own.cast()..own.wrapping_add(1).cast());
@@ -117,7 +117,7 @@ impl Member {
     }
 }
 
-/// Time in which a stopped program must exit before its flow is abandoned.
+/// Time within which a stopped program must exit before its flow is abandoned.
 pub(super) const EXIT_TIMEOUT: Duration = Duration::from_secs(1);
 
 impl Run {
@@ -159,7 +159,7 @@ impl Run {
     /// Starts the first flow of each program, suspended.
     ///
     /// # Errors
-    /// The system has no room for all of them.
+    /// The system lacks the resources for all of them.
     pub(super) fn start_programs(&self) -> std::io::Result<()> {
         self.ids_with_program()
             .filter_map(|id| Some((id, self.program(id)?)))
@@ -169,10 +169,11 @@ impl Run {
     /// Starts the first flow of the program of robot `id`, suspended.
     ///
     /// # Errors
-    /// The system has no room for it.
+    /// The system lacks the resources for it.
     pub(super) fn start_program(&self, id: RobotId, program: &RobotProgram) -> std::io::Result<()> {
         if matches!(program, RobotProgram::InHost { .. }) {
-            // The processes that it starts inherit nothing of a thread of programs, and its own memory comes from no heap that these damage.
+            // The processes that the spawner starts inherit nothing from a program's thread, and its own memory is not
+            // on a heap that programs can damage.
             command::start_spawner()?;
         }
         let weak_self = Weak::clone(&self.weak_self);
@@ -204,12 +205,13 @@ impl Run {
         self.members[id.index()].robot()
     }
 
-    /// The world as published at the start of the present slot. The guard must not be held while the run goes on.
+    /// The world as published at the start of the current slot. The guard must not be held while the run continues.
     pub fn world(&self) -> MappedRwLockReadGuard<'_, World> {
         RwLockReadGuard::map(self.environment.read(), |environment| &environment.world)
     }
 
-    /// As [`Run::world`], for a robot's flow that runs: without the lock, whose count all workers would change with each call.
+    /// Like [`Run::world`], for a robot's running flow: without the lock, whose count all workers would change with
+    /// each call.
     #[inline]
     pub(super) fn world_in_slot(&self) -> &World {
         debug_assert!(!self.environment.is_locked_exclusive(), "nobody writes while a robot runs");
@@ -234,12 +236,12 @@ impl Run {
         self.members[id.index()].program.as_ref()
     }
 
-    /// The worker on which robot `id` has to run: that of the copy of its library; `None` for any.
+    /// The worker on which robot `id` has to run, the home of the copy of its library; `None` for any.
     pub(super) fn home(&self, id: RobotId) -> Option<u32> {
         self.program(id)?.variables().map(|variables| variables.worker())
     }
 
-    /// Returns true if robot `id` stays on its worker for ever.
+    /// Returns true if robot `id` is bound to its worker.
     pub(super) fn is_bound_to_worker(&self, id: RobotId) -> bool {
         self.program(id).is_some_and(RobotProgram::is_fiber)
     }
@@ -254,13 +256,13 @@ impl Run {
         self.members.iter().filter(|(_, member)| member.program.is_some()).map(|(index, _)| RobotId::from_index(index))
     }
 
-    /// Start of the present slot.
+    /// Start of the current slot.
     #[inline]
     pub fn slot_start(&self) -> Time {
         Time(self.slot_start.load(Ordering::Acquire))
     }
 
-    /// End of the present slot.
+    /// End of the current slot.
     #[inline]
     pub fn slot_end(&self) -> Time {
         Time(self.slot_end.load(Ordering::Acquire))
@@ -311,7 +313,7 @@ impl Run {
         self.is_stopping() || self.is_removed(id)
     }
 
-    /// Returns true if the run must pause at the end of the present slot.
+    /// Returns true if the run must pause at the end of the current slot.
     pub(super) fn is_pausing(&self) -> bool {
         self.is_pausing.load(Ordering::Relaxed)
     }
@@ -326,7 +328,7 @@ impl Run {
         &self.interrupt
     }
 
-    /// Publishes the bounds of the present slot to the robots' calls.
+    /// Publishes the bounds of the current slot to the robots' calls.
     pub(super) fn publish_slot(&self, world: &World) {
         self.slot_start.store(world.slot_start().0, Ordering::Release);
         self.slot_end.store(world.slot_end().0, Ordering::Release);
@@ -369,7 +371,7 @@ impl Run {
         self.members[id.index()].worker.store(worker, Ordering::Relaxed);
     }
 
-    /// True once robot `id` has departed: its program has ended or broken.
+    /// Flag that is true once robot `id` has departed: its program has ended or broken.
     pub(super) fn has_departed_flag(&self, id: RobotId) -> &AtomicBool {
         &self.members[id.index()].has_departed
     }
@@ -448,7 +450,7 @@ impl Run {
     /// Starts the flow of task `task` of robot `id`, which runs `code` when it gets the run token.
     ///
     /// # Errors
-    /// The system has no room for another flow.
+    /// The system lacks the resources for another flow.
     pub(crate) fn start_task(self: &Arc<Self>, id: RobotId, task: u32, code: Callback) -> std::io::Result<()> {
         let run = Arc::clone(self);
         self.executor.start(id, task, Box::new(move || Some(run.run_task_flow(id, code))))
@@ -484,8 +486,8 @@ impl Run {
         }
     }
 
-    /// Time up to which the run goes on after its last program has ended: the ends of the drives under way, and at least
-    /// [`Limits::linger`] from now.
+    /// Time until which the run continues after its last program has ended: the ends of the drives in progress, and at
+    /// least [`Limits::linger`] from now.
     pub(super) fn drives_end(&self) -> Time {
         let drive_end = |id| self.robot(id).motion.drive_end().filter(|_| !self.is_removed(id));
         let ends = (0..self.robot_count()).map(RobotId::from_index).filter_map(drive_end);
@@ -494,7 +496,7 @@ impl Run {
         ends.fold(lingered, Time::max)
     }
 
-    /// Place of the call in progress of robot `id`; called by a flow of the robot on behalf of the program.
+    /// Location of the call in progress of robot `id`; called by a flow of the robot on behalf of the program.
     pub(crate) fn call_site(&self, id: RobotId) -> Site {
         self.program(id).map(RobotProgram::call_site).unwrap_or_default()
     }
@@ -505,8 +507,8 @@ impl Run {
         self.program(robot.id).map(words).unwrap_or_default()
     }
 
-    /// Ends robot `id` in the run: stops its motors, ends its radio and takes it out of the schedule; the run goes on without it.
-    /// `deadline` as for [`Dispatcher::advance`].
+    /// Ends robot `id` in the run: stops its motors, ends its radio and takes it out of the schedule; the run goes on
+    /// without it. For `deadline` see [`Dispatcher::advance`].
     pub(super) fn end_robot(&self, id: RobotId, deadline: Option<Instant>) {
         {
             let mut robot = self.robot(id);

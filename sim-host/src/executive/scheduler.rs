@@ -43,23 +43,23 @@ pub struct Scheduler {
     broken: Vec<(RobotId, Broken)>,
     /// Robots whose programs did not exit although they were removed or stopped: their flows are abandoned.
     abandoned: Vec<RobotId>,
-    /// Robots whose programs have been told to stop, and since when.
+    /// Robots whose programs were requested to stop, each with the time of the request.
     stopping: Vec<(RobotId, Instant)>,
-    /// All programs have been told to exit.
+    /// All programs have been requested to exit.
     has_requested_exit: bool,
-    /// Faults of the scene that are still to come.
+    /// Pending faults of the scene.
     faults: Faults,
-    /// Hears which programs compute for long.
+    /// Is told which programs compute for long.
     listener: Option<Listener>,
 }
 
-/// Hears a line of text.
+/// Callback that receives a line of text.
 type Listener = Box<dyn FnMut(&str) + Send>;
 
 /// State of a run after it was advanced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// It is paused between two slots; [`Scheduler::boundary`] tells if anything is left to run.
+    /// It is paused between two slots; [`Scheduler::boundary`] shows whether anything is left to run.
     Paused,
     /// It has ended and must be [finished](Scheduler::finish).
     Over,
@@ -68,7 +68,7 @@ pub enum Progress {
 /// Reasons why a run cannot be copied.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SnapshotError {
-    /// These robots have programs.
+    /// The listed robots have programs.
     #[error("a run with programs cannot be copied, those of {}", names(.0))]
     Programs(Vec<RobotId>),
 }
@@ -110,7 +110,7 @@ pub struct RunParts {
 /// Limits of a run, set by its user.
 #[derive(Clone, Debug)]
 pub struct Limits {
-    /// Number of workers: robots that may run at one time.
+    /// Number of workers: robots that may run at the same time.
     pub workers: usize,
     /// Simulated time at which the run ends.
     pub until: Time,
@@ -118,7 +118,7 @@ pub struct Limits {
     pub timeout: f64,
     /// Every call is recorded.
     pub is_verbose: bool,
-    /// Time that the run goes on after its last program has ended, as long as anything moves.
+    /// Time for which the run continues after its last program has ended, while anything moves.
     pub linger: Time,
 }
 
@@ -128,9 +128,9 @@ pub struct Ended {
     pub end: End,
     /// Simulated time at the end.
     pub time: Time,
-    /// Real time that it took.
+    /// Wall-clock time that it took.
     pub real_time: Duration,
-    /// Digest of everything recorded.
+    /// Digest of all recorded events.
     pub digest: Digest,
     /// Final state of each robot, in the order of ids.
     pub robots: Vec<RobotEnd>,
@@ -148,7 +148,7 @@ pub struct RobotEnd {
     pub reason: Option<String>,
     /// The exit code of its program, if it gave one.
     pub exit_code: Option<i32>,
-    /// Its program has called a function of RoBIOS, as far as its tasks have ended.
+    /// Its program has called a function of RoBIOS; only tasks that have ended count.
     pub has_called: bool,
     /// Its virtual time.
     pub virtual_time: Time,
@@ -177,23 +177,23 @@ pub struct RobotEnd {
 /// Interval at which the supervisor checks the programs.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// The shortest wait for the notifier.
+/// Minimum wait for the notifier.
 const SHORTEST_WAIT: Duration = Duration::from_millis(1);
 
-/// Processor time without a call after which a program is said to compute, and the interval at which that is said.
+/// Processor time without a call after which a program is reported as computing, and the interval of these reports.
 const LONG: Duration = Duration::from_secs(1);
 
-/// Time in which a stopped program must react before its flow is abandoned.
+/// Time within which a stopped program must react before its flow is abandoned.
 const STOP_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Time in seconds, of the processor or real, that programs may still use after the user has interrupted the run.
+/// Processor or wall-clock time in seconds that programs may still use after the user has interrupted the run.
 const INTERRUPT_TIMEOUT: f64 = 0.5;
 
 impl Scheduler {
     /// Creates a run before its first slot, with the flows of its programs suspended.
     ///
     /// # Errors
-    /// The system has no room for the robots' flows.
+    /// The system lacks the resources for the robots' flows.
     pub fn start(mut parts: RunParts, limits: &Limits) -> std::io::Result<Self> {
         let start = Instant::now();
         let faults = std::mem::take(&mut parts.faults);
@@ -220,8 +220,8 @@ impl Scheduler {
         Ok(scheduler)
     }
 
-    /// Sets what hears once a second which programs compute for a second and longer without a call: `r1 computes at loop.c:5`. It is called
-    /// on the thread that advances the run, and does not change the run.
+    /// Sets the listener that is told, once a second, which programs have computed for a second or longer without a
+    /// call: `r1 computes at loop.c:5`. It is called on the thread that advances the run, and does not change the run.
     pub fn listen_to_computing(&mut self, listener: impl FnMut(&str) + Send + 'static) {
         self.listener = Some(Box::new(listener));
     }
@@ -236,8 +236,8 @@ impl Scheduler {
         self.advance_within(time, Duration::MAX)
     }
 
-    /// Like [`Scheduler::advance_to`], but pauses after the first slot that is complete after the real time `real`: after one slot
-    /// for [`Duration::ZERO`].
+    /// Like [`Scheduler::advance_to`], but pauses after the first slot that is completed after the wall-clock time
+    /// `real`; for [`Duration::ZERO`] after one slot.
     pub fn advance_within(&mut self, time: Time, real: Duration) -> Progress {
         let deadline = Instant::now().checked_add(real);
         loop {
@@ -263,9 +263,9 @@ impl Scheduler {
         }
     }
 
-    /// Carries out the faults of the slot with which the paused run goes on. Returns the start of the slot before `time` in which the next
-    /// fault happens. Faults do not keep a run going in which nothing else happens; one that cannot be carried out, such as of a removed
-    /// robot, is left out.
+    /// Carries out the faults of the slot with which the paused run continues. Returns the start of the slot before
+    /// `time` in which the next fault happens. Faults alone do not keep a run going; a fault that cannot be carried
+    /// out, such as one of a removed robot, is skipped.
     fn carry_out_faults(&mut self, time: Time) -> Option<Time> {
         while let Some(at) = self.faults.next() {
             let boundary = self.boundary();
@@ -291,7 +291,7 @@ impl Scheduler {
     }
 
     /// Carries out `action` in the paused run, at the start of the slot that contains `at`: at the earliest the
-    /// [following](Boundary::following) one, at the latest the [next](Boundary::next).
+    /// [following](Boundary::following) slot, at the latest the [next](Boundary::next).
     ///
     /// # Errors
     /// [`Refusal`] if the action is invalid or the run is over; nothing changes then.
@@ -348,7 +348,7 @@ impl Scheduler {
             if !self.broken.is_empty() {
                 interrupt::arm_last_resort();
             }
-            // The flows are many, and faults are few.
+            // Faults are rare, and checking all flows takes time.
             if self.run.notifier().take_fault() {
                 for (id, broken) in self.run.executor().broken() {
                     self.handle_broken(id, broken, deadline);
@@ -364,7 +364,7 @@ impl Scheduler {
                 dispatcher.end_with(End::Interrupted);
                 timeout = timeout.min(INTERRUPT_TIMEOUT);
                 if interrupted.get_or_insert_with(Instant::now).elapsed().as_secs_f64() > INTERRUPT_TIMEOUT {
-                    // The user waits: also where many programs compute, or the machine is loaded.
+                    // The user waits, possibly while many programs compute or the machine is loaded.
                     dispatcher.skip_queue();
                     timeout = 0.0;
                 }
@@ -442,7 +442,7 @@ impl Scheduler {
 
     /// Tells the listener which of the `running` programs have computed for [`LONG`], and where.
     fn tell_computing(&mut self, running: &[RobotId]) {
-        /// Most programs told.
+        /// Maximum number of programs that are reported.
         const MAX: usize = 3;
         let (run, Some(listener)) = (&self.run, &mut self.listener) else { return };
         let is_long = |id: &&RobotId| run.executor().is_overdue(**id, LONG.as_secs_f64()) && !run.is_removed(**id);
@@ -472,7 +472,8 @@ impl Scheduler {
         interrupt::take_back(is_of_program);
     }
 
-    /// Running programs that were told to stop and have not reacted within [`STOP_TIMEOUT`], half of it after an interrupt.
+    /// Running programs that were requested to stop and have not reacted within [`STOP_TIMEOUT`], or half of it after
+    /// an interrupt.
     fn unresponsive(&self, running: &[RobotId]) -> Vec<RobotId> {
         let timeout = if self.run.interrupt().is_set() { STOP_TIMEOUT / 2 } else { STOP_TIMEOUT };
         let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > timeout && running.contains(id);
@@ -488,7 +489,7 @@ impl Scheduler {
         self.has_requested_exit = true;
         let mut has_waited_in_vain = false;
         for id in self.run.ids_with_program() {
-            // Each program may take its time, but after an interrupt the user waits only once.
+            // Each program has its own timeout, but after an interrupt all share one, because the user waits.
             let timeout =
                 if has_waited_in_vain && self.run.interrupt().is_set() { Duration::ZERO } else { EXIT_TIMEOUT };
             has_waited_in_vain |= !self.exit_program(id, timeout);
@@ -572,7 +573,7 @@ impl Drop for Scheduler {
         let deadline = Instant::now() + EXIT_TIMEOUT;
         self.run.programs().for_each(|program| program.end(deadline));
         if is_at_rest && !self.has_requested_exit && !damage::is_heap_lost() {
-            // The remaining programs exit and release what they hold, up to the first that does not.
+            // The remaining programs exit and release what they hold, up to the first program that does not exit.
             self.run.ids_with_program().all(|id| self.exit_program(id, EXIT_TIMEOUT));
         }
         let has_departed = |id| self.run.dispatcher.lock().has_departed(id) && !self.abandoned.contains(&id);

@@ -4,8 +4,8 @@
 //! the thread's [`FlowBlock`], and the thread is parked for good: no code of the program runs again on it. The supervisor handles
 //! the rest. The handler calls only `write` and `pause`, and touches only memory allocated before.
 //!
-//! [`Handlers`] are installed while any flow of any run lives. A fault in a thread that is no robot's flow is passed to the previous
-//! handler.
+//! [`Handlers`] are installed while any flow of any run lives. A fault in a thread that is not a robot's flow is passed
+//! to the previous handler.
 
 use std::cell::Cell;
 use std::io;
@@ -29,21 +29,21 @@ pub struct FlowBlock {
     pub tid: AtomicI32,
     /// Lowest and highest address of the thread's stack.
     pub stack: [AtomicUsize; 2],
-    /// Number of the present release: counts how often the flow was resumed or handed the run token.
+    /// Number of the current release: counts how often the flow was resumed or handed the run token.
     pub releases: AtomicU64,
     /// Id of the RoBIOS call in progress or, in the program's own code, of the last one; `u16::MAX` before the first.
     pub last_call: AtomicU16,
-    /// The host works for the program: its locks may be held, so the thread must not be parked now.
+    /// The flow is inside a call to the host, whose locks may be held, so the thread must not be parked now.
     pub in_host: AtomicBool,
-    /// Faults of the thread are left to the handlers that the process had before the run.
+    /// Faults of the thread are passed to the handlers that the process had before the run.
     faults_are_of_process: AtomicBool,
     /// The program's floating-point environment while the host uses the default one; 0 if the program's is the default.
     float_environment: AtomicU32,
     /// The watchdog's signal came while `in_host`: the thread parks itself when it leaves the host.
     overdue: AtomicBool,
-    /// State of a request for the place, see [`place`].
+    /// State of a request for the location, see [`place`].
     place: AtomicU8,
-    /// Program counter and stack pointer of the place.
+    /// Program counter and stack pointer of the location.
     place_registers: [AtomicUsize; 2],
     fault_signal: AtomicI32,
     fault_code: AtomicI32,
@@ -52,13 +52,14 @@ pub struct FlowBlock {
     fault_sp: AtomicUsize,
     /// Address of the program's console streams; 0 if it has none.
     consoles: AtomicUsize,
-    /// For each of them the length and address of the text that it held at the fault.
+    /// For each stream, the length and address of the text that it held at the fault.
     unfinished: [[AtomicUsize; 2]; 2],
     faulted: AtomicBool,
     on_fault: OnFault,
     /// Address of the alternate stack of this block's threads, 0 before the first.
     alternate_stack: AtomicUsize,
-    /// [`MARK`] combined with the block's address, once a thread has the block: tells the block from other memory.
+    /// [`MARK`] combined with the block's address, once a thread has the block; it distinguishes the block from other
+    /// memory.
     mark: AtomicUsize,
 }
 
@@ -68,23 +69,23 @@ const WORDS_OF_CONSOLES: usize = 2 * size_of::<Console>() / size_of::<usize>();
 /// See [`FlowBlock::is_at`].
 const MARK: usize = 0x5AFE_B10C_0DDB_A115;
 
-/// No request for the place is open.
+/// No request for the location is open.
 const PLACE_KNOWN: u8 = 0;
 
-/// The signal that asks for the place is under way.
+/// The signal that asks for the location has been sent.
 const PLACE_ASKED: u8 = 1;
 
 /// Action at a fault.
 enum OnFault {
     /// Parks the thread and notifies the supervisor of its run.
     Park(Arc<Notifier>),
-    /// Leaves the fiber, whose worker publishes the fault then.
+    /// Leaves the fiber; its worker then publishes the fault.
     Leave { leave: Leave, notifier: Arc<Notifier> },
     /// Calls this async-signal-safe function.
     Report(FaultCallback),
 }
 
-/// How a fiber is left for good.
+/// Functions by which a broken fiber is left.
 #[derive(Clone, Copy)]
 pub struct Leave {
     /// Changes the context of a signal on the fiber so that its worker continues when the handler returns; async-signal-safe.
@@ -120,10 +121,10 @@ pub const DIVIDES_BY_ZERO: i32 = 1;
 /// Code of a SIGFPE: the quotient of integers may not have fitted (FPE_INTOVF).
 const DIVISION_OVERFLOWS: i32 = 2;
 
-/// In place of a signal: the program called `exit` of the C library on a thread of the host.
+/// Used instead of a signal number: the program called `exit` of the C library on a thread of the host.
 pub const EXITS: i32 = -2;
 
-/// In place of a signal: the thread has ended behind the executor's back.
+/// Used instead of a signal number: the thread has ended without the executor's knowledge.
 pub const GONE: i32 = -1;
 
 /// Size of a thread's alternate stack: the handler needs little, the kernel saves up to 12 KiB of registers there.
@@ -193,7 +194,7 @@ impl FlowBlock {
         copied == 1 && word[0] == address.addr() ^ MARK
     }
 
-    /// Leaves faults of the block's thread to the process from now on, as for code that holds locks of the process.
+    /// Passes faults of the block's thread to the process from now on, for code that may hold locks of the process.
     pub fn leave_faults_to_process(&self) {
         self.faults_are_of_process.store(true, Ordering::Relaxed);
     }
@@ -235,7 +236,7 @@ impl FlowBlock {
         }
     }
 
-    /// Stops the calling flow, the block's, for good; async-signal-safe for threads.
+    /// Stops the calling flow, to which the block belongs, permanently; async-signal-safe for threads.
     fn stop_faulted(&self, fault: Fault) -> ! {
         if let OnFault::Leave { leave, .. } = &self.on_fault {
             self.store(fault);
@@ -269,13 +270,14 @@ impl FlowBlock {
         self.store_unfinished();
     }
 
-    /// Sets where the program of this flow collects what it prints, see [`Program::consoles`](robios_sys::Program::consoles).
+    /// Sets the address at which the program of this flow collects its output, see
+    /// [`Program::consoles`](robios_sys::Program::consoles).
     pub fn set_consoles(&self, address: usize) {
         self.consoles.store(address, Ordering::Relaxed);
     }
 
-    /// Stores where the program's unfinished lines lie: robots that share a copy of their library overwrite the variables that tell it,
-    /// but not the lines. Async-signal-safe.
+    /// Stores where the program's unfinished lines lie: robots that share a copy of their library overwrite the
+    /// variables with these addresses, but not the lines. Async-signal-safe.
     pub fn store_unfinished(&self) {
         let address = self.consoles.load(Ordering::Relaxed);
         let mut consoles = [0; WORDS_OF_CONSOLES];

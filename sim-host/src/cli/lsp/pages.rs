@@ -18,7 +18,7 @@ pub fn hover(document: &Document, offset: usize) -> Option<String> {
     Some(section.text.to_owned())
 }
 
-/// Words that can stand at `offset`: keywords and types as the first word of a line, otherwise files.
+/// Completions at `offset`: keywords and types as the first word of a line, otherwise files.
 pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec<CompletionItem> {
     let before = &document.text[document.line(offset).start..offset];
     if !before.trim_start().contains(char::is_whitespace) {

@@ -39,7 +39,7 @@ pub fn hover(document: &Document, offset: usize) -> Option<String> {
     Some(text)
 }
 
-/// Keys, headers, words or files that can stand at `offset`.
+/// Completions at `offset`: keys, headers, words or files.
 pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec<CompletionItem> {
     let Some(schema) = Schema::of(document) else { return Vec::new() };
     let outline = Outline::of(&document.text);

@@ -1,11 +1,13 @@
-//! Executor with one fiber for each task of a robot, and one OS thread, the worker, for many robots: a hand-over is a switch of stacks.
+//! Executor with one fiber for each task of a robot, and one OS thread, the worker, for many robots: a hand-over is a
+//! stack switch.
 //!
-//! A robot stays on the worker on which it is resumed first: compilers keep addresses of thread-locals, such as that of `errno`, across
-//! calls. A switch saves what belongs to the thread and yet to the program: `errno` and the floating-point environment.
+//! A robot stays on the worker on which it is first resumed, because compilers keep addresses of thread-locals, such as
+//! `errno`, across calls. A switch saves the program's state that is stored per thread: `errno` and the floating-point
+//! environment.
 //!
-//! A fault leaves its fiber for good: the signal handler lets the worker continue as if the fiber had suspended itself. The fiber, its
-//! stack and its program are kept as they are until the process ends. The way back to the worker does not lie on the fiber's stack, so
-//! a program that has destroyed its stack comes back as well.
+//! After a fault the fiber never runs again: the signal handler lets the worker continue as if the fiber had suspended
+//! itself. The fiber, its stack and its program are kept as they are until the process ends. The return path to the
+//! worker does not use the fiber's stack, so this works even if the program has destroyed its stack.
 
 mod stack;
 mod switch;
@@ -50,14 +52,14 @@ pub struct FiberExecutor {
     /// The workers once they have started, and their threads until they are joined.
     workers: OnceLock<Vec<Arc<Worker>>>,
     threads: Mutex<Vec<RunningWorker>>,
-    /// The loop with which workers help that have nothing to run.
+    /// The loop in which idle workers help.
     team: Arc<Team>,
     stacks: Arc<Stacks>,
     /// Notifier that broken flows signal; unset before the run begins.
     notifier: OnceLock<Arc<Notifier>>,
 }
 
-/// The thread of a worker. It owns a reference count of the worker, which [`RunningWorker::join`] alone gives back.
+/// The thread of a worker. It owns a reference count of the worker, which only [`RunningWorker::join`] releases.
 struct RunningWorker {
     worker: Arc<Worker>,
     thread: JoinHandle<()>,
@@ -72,16 +74,16 @@ struct Worker {
     queued: AtomicUsize,
     /// Number of robots that have their home here.
     residents: AtomicUsize,
-    /// It waits in the kernel, which takes microseconds to wake it.
+    /// The worker waits in the kernel, which takes microseconds to wake it.
     is_parked: AtomicBool,
     thread: OnceLock<thread::Thread>,
     team: Arc<Team>,
     /// The fiber that runs; null for none.
     running: AtomicPtr<Fiber>,
-    /// Context of the worker while a fiber runs: where the fiber returns to. Used by the worker's thread only.
+    /// Context of the worker while a fiber runs, to which the fiber returns. Used only by the worker's thread.
     sp: UnsafeCell<usize>,
     is_ending: AtomicBool,
-    /// Keeps the signal handlers installed, for ever if the worker never ends.
+    /// Keeps the signal handlers installed, forever if the worker never ends.
     _handlers: Handlers,
 }
 
@@ -93,9 +95,9 @@ unsafe impl Sync for Worker {}
 struct RobotFibers {
     /// Its variables, if it shares a copy of its library with other robots.
     variables: Option<Arc<Variables>>,
-    /// The robot; `None` for one that was spawned, which is not prefetched.
+    /// The robot; `None` for a spawned robot, which is not prefetched.
     member: Option<Arc<Member>>,
-    /// The worker on which the robot's fibers run, set when it is resumed first.
+    /// The worker on which the robot's fibers run, set when the robot is first resumed.
     home: OnceLock<Arc<Worker>>,
     flows: Mutex<Flows>,
 }
@@ -115,11 +117,12 @@ struct Fiber {
     /// See [`Status`].
     status: AtomicU8,
     timer: Mutex<ReleaseTimer>,
-    /// Used by the fiber and its worker only, which run on the same thread.
+    /// Used only by the fiber and its worker, which run on the same thread.
     context: UnsafeCell<Context>,
 }
 
-// SAFETY: after its creation only the thread of its worker uses `context`. What the closure within captures may be sent to that thread.
+// SAFETY: after its creation only the thread of its worker uses `context`. The captures of the closure in it may be
+// sent to that thread.
 unsafe impl Send for Fiber {}
 // SAFETY: as above.
 unsafe impl Sync for Fiber {}
@@ -138,11 +141,11 @@ enum Status {
     Broken,
 }
 
-/// What a fiber that does not run is continued with.
+/// State from which a suspended fiber continues.
 struct Context {
     /// Stack pointer.
     sp: usize,
-    /// What it runs; `None` once it has begun.
+    /// Body of the fiber; `None` once it has begun.
     flow: Option<Box<dyn FnOnce() -> Option<u32> + Send>>,
     /// Once it has ended: the task that gets the run token next.
     next: Option<u32>,
@@ -153,7 +156,7 @@ struct Context {
 thread_local! {
     /// The worker of this thread; null on other threads.
     static WORKER: Cell<*const Worker> = const { Cell::new(ptr::null()) };
-    /// The fiber that runs on this thread, a worker's.
+    /// The fiber that runs on this worker's thread.
     static CURRENT: Cell<*const Fiber> = const { Cell::new(ptr::null()) };
 }
 
@@ -180,7 +183,7 @@ impl FiberExecutor {
         notifier
     }
 
-    /// The fiber of the robot that runs now: one that waits for its worker is neither late nor can it be stopped.
+    /// The robot's running fiber. A fiber that waits for its worker is not overdue and cannot be stopped.
     fn running_fiber(&self, robot: RobotId) -> Option<Arc<Fiber>> {
         let fibers = self.robot(robot);
         let fiber = fibers.token_holder()?;
@@ -227,11 +230,12 @@ impl RunningWorker {
             let is_adopted = result.is_ok();
             // SAFETY: no fiber runs.
             unsafe { signal::set_current(ptr::null()) };
-            // The receiver waits just below for this one message.
+            // The receiver below waits for this one message.
             let _ = adopted.send(result);
             if is_adopted {
                 own.run();
-                // SAFETY: no fiber runs any more. A break in what the C library does at the end of the thread is one of this thread.
+                // SAFETY: no fiber runs any more. A fault in the C library's work at the end of the thread is
+                // attributed to this thread.
                 unsafe { signal::set_current(&raw const own.block) };
             }
         };
@@ -248,7 +252,7 @@ impl RunningWorker {
         }
     }
 
-    /// Ends the worker; false if it runs a fiber that does not come back: it is lost.
+    /// Ends the worker; returns false if it runs a fiber that does not come back: the worker is lost.
     fn join(self) -> bool {
         const POLL_INTERVAL: Duration = Duration::from_micros(50);
         let Self { worker, thread } = self;
@@ -261,11 +265,12 @@ impl RunningWorker {
             }
             thread::sleep(POLL_INTERVAL);
         }
-        // The C library's own end of a thread gives memory back, for which it waits for ever if a program broke with the heap locked.
+        // At the end of a thread the C library frees memory; if a program broke with the heap locked, this would wait
+        // forever.
         if damage::is_heap_lost() {
             return false;
         }
-        // A program may have damaged the heap that it gives back.
+        // A program may have damaged the heap, to which the thread returns memory.
         let is_joined = threads::join(thread, &worker.block, JOIN_TIMEOUT);
         if is_joined {
             // SAFETY: the thread has ended, and with it the use of the count that it took.
@@ -284,7 +289,7 @@ impl Worker {
         }
     }
 
-    /// Lets `fiber` of `robot` run after those that wait already.
+    /// Appends `fiber` of `robot` to the worker's queue.
     fn enqueue(&self, robot: &Arc<RobotFibers>, fiber: Arc<Fiber>) {
         let mut queue = self.queue.lock();
         queue.push_back((Arc::clone(robot), fiber));
@@ -308,10 +313,11 @@ impl Worker {
         }
     }
 
-    /// Takes the first fiber from the queue. Lets the caches fetch what the following one touches, unless the robots are so few that they
-    /// fit in them.
+    /// Takes the first fiber from the queue. Prefetches the data of the following fiber, unless the robots are so few
+    /// that they fit in the caches.
     fn next(&self) -> Option<(Arc<RobotFibers>, Arc<Fiber>)> {
-        /// Number of robots that fit in the second cache: with a hundred, fetching neither gains nor costs (docs/performance.md).
+        /// Number of robots that fit in the second cache: with a hundred, prefetching neither gains nor costs
+        /// (docs/performance.md).
         const FEW: usize = 100;
         let mut queue = self.queue.lock();
         let first = queue.pop_front();
@@ -328,10 +334,11 @@ impl Worker {
         first
     }
 
-    /// Waits until a fiber is in the queue or the worker is to end, and helps with loops meanwhile: a short time awake, since the next
-    /// slot of a few robots begins sooner than the kernel could wake a thread, then in the kernel.
+    /// Waits until a fiber is in the queue or the worker is to end, and helps with loops meanwhile. It spins for a
+    /// short time, since the next slot of a few robots begins sooner than the kernel could wake a thread; then it waits
+    /// in the kernel.
     fn wait(&self) {
-        /// Turns of a wait, some tens of microseconds.
+        /// Number of spins before a wait in the kernel, some tens of microseconds.
         const SPINS: usize = 1000;
         let is_over = || self.queued.load(Ordering::SeqCst) > 0 || self.is_ending.load(Ordering::SeqCst);
         let (mut spins, mut seen) = (0, 0);
@@ -354,7 +361,7 @@ impl Worker {
         match fiber.status() {
             Status::New => fiber.block.adopt_fiber(&self.block, fiber.stack.bounds()),
             Status::Suspended => {}
-            // Resumed again as it ended, or given up.
+            // It was resumed as it ended, or was given up.
             Status::Running | Status::Ended | Status::Broken => return,
         }
         fiber.set_status(Status::Running);
@@ -362,9 +369,10 @@ impl Worker {
         let context = fiber.context.get();
         CURRENT.set(Arc::as_ptr(fiber));
         self.running.store(Arc::as_ptr(fiber).cast_mut(), Ordering::Relaxed);
-        // SAFETY: the caller's reference keeps the fiber alive until both are replaced below; it does not run, so that its context is this
-        // thread's alone, and has not been continued since it was stored; `errno` is this thread's variable. This is the home of all
-        // robots that share the copy of the variables, which are those of a run's programs and dropped after the run.
+        // SAFETY: the caller's reference keeps the fiber alive until both are replaced below; it does not run, so that
+        // its context belongs to this thread alone, and has not been continued since it was stored; `errno` is this
+        // thread's variable. This worker is the home of all robots that share the copy of the variables, which belong
+        // to a run's programs and are dropped after the run.
         unsafe {
             if let Some(variables) = &robot.variables {
                 variables.swap_in();
@@ -413,7 +421,7 @@ impl RobotFibers {
         }
     }
 
-    /// Fetches what a fiber of the robot touches besides its stack into the caches.
+    /// Prefetches the data, other than the stack, that a fiber of the robot touches.
     ///
     /// # Safety
     /// Called on the thread of the robot's worker.
@@ -436,7 +444,7 @@ impl RobotFibers {
 impl Fiber {
     /// Creates a fiber, which runs `flow` on `stack`.
     fn new(stack: Stack, notifier: &Arc<Notifier>, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> Self {
-        // SAFETY: nobody uses the new stack.
+        // SAFETY: no code uses the new stack.
         let sp = unsafe { switch::prepare(stack.bounds()[1], Self::begin) };
         Self {
             block: FlowBlock::leaving(
@@ -456,7 +464,7 @@ impl Fiber {
         }
     }
 
-    /// Fetches the fiber and the part of its stack that calls of RoBIOS use into the caches.
+    /// Prefetches the fiber and the part of its stack that RoBIOS calls use.
     ///
     /// # Safety
     /// Called on the thread of the fiber's worker, and not by the fiber.
@@ -465,7 +473,7 @@ impl Fiber {
         const REACH: [usize; 2] = [4096, 2048];
         let own = ptr::from_ref(self);
         prefetch(own.cast()..own.wrapping_add(1).cast());
-        // SAFETY: nobody changes the context meanwhile, by this function's contract.
+        // SAFETY: no code changes the context meanwhile, by this function's contract.
         let sp = unsafe { (*self.context.get()).sp };
         let [low, high] = self.stack.bounds();
         prefetch(ptr::without_provenance(low.max(sp - REACH[0]))..ptr::without_provenance(high.min(sp + REACH[1])));
@@ -501,7 +509,7 @@ impl Fiber {
         Self::leave_from_call()
     }
 
-    /// Begins a new release, for which the watchdog measures anew.
+    /// Begins a new release; the watchdog restarts its measurement.
     fn begin_release(&self) {
         self.block.releases.fetch_add(1, Ordering::Relaxed);
     }
@@ -513,7 +521,7 @@ impl Fiber {
         unsafe { switch::switch(&raw mut (*self.context.get()).sp, *(*worker).sp.get()) };
     }
 
-    /// Leaves the calling fiber for good: it has ended, or its fault is stored.
+    /// Leaves the calling fiber, never to return: it has ended, or its fault is stored.
     fn leave_from_call() -> ! {
         loop {
             Self::current().suspend();
@@ -523,13 +531,13 @@ impl Fiber {
     /// See [`Leave::from_signal`].
     ///
     /// # Safety
-    /// `context` is the kernel's, of a signal on the thread of a worker, which runs a fiber.
+    /// `context` is the kernel's context of a signal on the thread of a worker that runs a fiber.
     unsafe fn leave_from_signal(context: *mut libc::ucontext_t) {
         // SAFETY: as above, and the worker's context was stored when it switched to the fiber.
         unsafe { switch::divert(context, *(*WORKER.get()).sp.get()) };
     }
 
-    /// Returns true once the fiber holds nothing any more: it has never run, or it ends by this time.
+    /// Returns true once the fiber holds no resources: it has never run, or it ends by this time.
     fn gives_up(&self, deadline: Option<Instant>) -> bool {
         const POLL_INTERVAL: Duration = Duration::from_micros(100);
         while !matches!(self.status(), Status::New | Status::Ended) {
@@ -560,7 +568,8 @@ impl Executor for FiberExecutor {
             for (_, fiber) in list {
                 if !fiber.gives_up(ends.then_some(deadline)) {
                     damage::lose_flow();
-                    // Its program may have kept addresses of its stack, and the robot's other flows wait for it.
+                    // The fiber's program may have kept addresses of its stack, and the robot's other flows wait for
+                    // it.
                     std::mem::forget(fiber);
                     all_end = false;
                 }

@@ -1,4 +1,5 @@
-//! Stacks of fibers: neighbours in large mappings, so that a stack costs one system call and no mapping of its own.
+//! Stacks of fibers, allocated side by side in large mappings, so that a stack costs one system call and no mapping of
+//! its own.
 
 use std::io;
 use std::ptr;
@@ -13,11 +14,11 @@ use crate::program::share::page_size;
 #[derive(Default)]
 pub struct Stacks {
     places: Mutex<Places>,
-    /// No further stack will be taken, so that returned ones need not be prepared for others.
+    /// No further stack will be taken, so that returned stacks need not be prepared for reuse.
     is_ending: AtomicBool,
 }
 
-/// Places for further stacks.
+/// Free slots for further stacks.
 #[derive(Default)]
 struct Places {
     /// The newest block, with the number of stacks taken from it.
@@ -28,7 +29,8 @@ struct Places {
     count: usize,
 }
 
-/// A mapping of consecutive stacks, each with guard pages at its lower end; others lie above the last.
+/// A mapping of consecutive stacks, each with guard pages at its lower end; further guard pages lie above the last
+/// stack.
 struct Block {
     /// Address of the mapping.
     mapping: usize,
@@ -38,11 +40,11 @@ struct Block {
     first: usize,
     /// Number of stacks.
     count: usize,
-    /// The guard pages have not split the mapping.
+    /// The mapping has not been split by its guard pages.
     is_joined: bool,
 }
 
-/// A stack: memory that is used as it is touched, between guard pages.
+/// A stack: memory between guard pages, committed on first touch.
 pub struct Stack {
     /// Lowest address, where the lower guard pages are.
     start: usize,
@@ -58,21 +60,22 @@ const SIZE: usize = super::super::thread::STACK;
 /// Number of stacks in the first block; each further block is twice as large, up to [`MAX_BLOCK`].
 const FIRST_BLOCK: usize = 8;
 
-/// Greatest number of stacks in a block.
+/// Maximum number of stacks in a block.
 const MAX_BLOCK: usize = 1024;
 
-/// Memory whose pages the kernel keeps in one page of its tables. The border of two stacks lies in the middle of such a part, so that the
-/// touched pages of one stack and the guard pages of the next one need only one.
+/// Memory covered by one page of the kernel's page tables. The border of two stacks lies in the middle of such a range,
+/// so that the touched pages of one stack and the guard pages of the next share one table page.
 const TABLE_REACH: usize = 2 << 20;
 
-/// Places of stack tops within their last page: neighbours differ, so that their frames do not compete for the same sets of the
-/// processor's first cache.
+/// Number of offsets of stack tops within their last page (cache colouring): neighbours differ, so that their frames do
+/// not compete for the same sets of the first-level cache.
 const COLOURS: usize = 16;
 
-/// Bytes between two of these places.
+/// Bytes between two of these offsets.
 const COLOUR_STEP: usize = 128;
 
-/// Memory mappings for each stack: none where the kernel joins equal neighbours, two where the guard pages need one of their own.
+/// Number of memory mappings per stack: none if guard pages do not split the mapping, two if they need mappings of
+/// their own.
 pub fn mappings_per_stack() -> usize {
     static COUNT: OnceLock<usize> = OnceLock::new();
     *COUNT.get_or_init(|| Block::map(1).map_or(2, |block| if block.is_joined { 0 } else { 2 }))
@@ -85,7 +88,7 @@ impl Stacks {
     /// Takes a further stack.
     ///
     /// # Errors
-    /// The system has no room for it.
+    /// The system lacks memory for it.
     pub fn take(self: &Arc<Self>) -> io::Result<Stack> {
         let mut places = self.places.lock();
         let number = places.count;
@@ -105,17 +108,17 @@ impl Stacks {
 }
 
 impl Places {
-    /// The place of a stack that has not been used, in a new block if need be.
+    /// Position of an unused stack, in a new block if necessary.
     fn next(&mut self) -> io::Result<(Arc<Block>, usize)> {
         if self.block.as_ref().is_none_or(|(block, taken)| *taken == block.count) {
             let count = self.block.as_ref().map_or(FIRST_BLOCK, |(block, _)| (2 * block.count).min(MAX_BLOCK));
-            // Where there is no room for many stacks, there may be for one.
+            // If there is no memory for many stacks, there may be enough for one.
             let block = Block::map(count).or_else(|_| Block::map(1))?;
             self.block = Some((Arc::new(block), 0));
         }
         let Some((block, taken)) = &mut self.block else { unreachable!("it was just set") };
         let start = block.first + *taken * SIZE;
-        // The guard pages below are those of the block or belong to the stack before.
+        // The guard pages below are the block's or belong to the previous stack.
         guard(start + SIZE)?;
         *taken += 1;
         Ok((Arc::clone(block), start))
@@ -126,7 +129,7 @@ impl Block {
     /// Maps a block of `count` stacks, with the guard pages below the first one.
     fn map(count: usize) -> io::Result<Self> {
         let len = count * SIZE + TABLE_REACH + guard_size();
-        // SAFETY: a fresh anonymous mapping; the advice concerns nothing but its pages.
+        // SAFETY: a fresh anonymous mapping; the advice concerns only its pages.
         let mapping = unsafe {
             let mapping = libc::mmap(
                 ptr::null_mut(),
@@ -139,7 +142,7 @@ impl Block {
             if mapping == libc::MAP_FAILED {
                 return Err(io::Error::last_os_error());
             }
-            // Where the kernel has no huge pages there is nothing to refuse.
+            // A failure means that the kernel has no huge pages to disable.
             libc::madvise(mapping, len, libc::MADV_NOHUGEPAGE);
             mapping.expose_provenance()
         };
@@ -150,15 +153,15 @@ impl Block {
     }
 }
 
-/// Bytes between two stacks: a frame that is larger misses them.
+/// Bytes of guard pages between two stacks; a larger frame could skip them.
 fn guard_size() -> usize {
     2 * page_size()
 }
 
-/// Lets accesses to the pages from `address` on fault, which are some of a block's that nobody uses; true if its mapping is not split.
+/// Turns unused pages of a block, from `address` on, into guard pages; returns true if the mapping is not split.
 fn guard(address: usize) -> io::Result<bool> {
     let (page, len) = (ptr::with_exposed_provenance_mut(address), guard_size());
-    // SAFETY: advice and protection concern only these pages, which nobody uses.
+    // SAFETY: advice and protection concern only these pages, which are unused.
     unsafe {
         if libc::madvise(page, len, MADV_GUARD_INSTALL) == 0 {
             return Ok(true);

@@ -1,7 +1,7 @@
 //! Switch between the stacks of a worker and of its fibers, for x86-64.
 //!
-//! A context that does not run is a stack pointer: below it lie the registers that calls preserve (System V ABI, section 3.2.1), above them
-//! the address at which it continues.
+//! A suspended context is a stack pointer to the saved callee-saved registers (System V ABI, section 3.2.1); the
+//! address at which it continues follows above them.
 
 use std::arch::naked_asm;
 
@@ -29,7 +29,8 @@ pub unsafe extern "sysv64" fn switch(from: *mut usize, to: usize) {
     )
 }
 
-/// Continues the context at whose saved registers the stack pointer stands. Never called: [`switch`] and a signal handler jump here.
+/// Continues the context whose saved registers the stack pointer points to. Never called: [`switch`] and a signal
+/// handler jump here.
 #[unsafe(naked)]
 unsafe extern "sysv64" fn land() {
     naked_asm!("pop r15", "pop r14", "pop r13", "pop r12", "pop rbx", "pop rbp", "ret")
@@ -38,7 +39,7 @@ unsafe extern "sysv64" fn land() {
 /// Writes the context of a fiber that begins with `entry` to its stack, which ends at `top`, a multiple of 16; returns its stack pointer.
 ///
 /// # Safety
-/// The 64 bytes below `top` are valid for writes and used by nobody.
+/// The 64 bytes below `top` are valid for writes and unused.
 pub unsafe fn prepare(top: usize, entry: extern "sysv64" fn() -> !) -> usize {
     // The registers, the entry, and the address 0 to which it would return: there a debugger's or an unwinder's walk ends.
     let mut words = [0; SAVED + 2];
@@ -49,13 +50,13 @@ pub unsafe fn prepare(top: usize, entry: extern "sysv64" fn() -> !) -> usize {
     sp
 }
 
-/// Changes the context of a signal so that, when its handler returns, the thread continues the context of the stack pointer `to`, with no
-/// signal blocked. What the signal interrupted never goes on. Async-signal-safe.
+/// Changes the context of a signal so that, when its handler returns, the thread continues the context of the stack
+/// pointer `to`, with no signal blocked. The interrupted code never continues. Async-signal-safe.
 ///
 /// # Safety
-/// `context` is the kernel's, of a signal on the calling thread; `to` is as for [`switch`].
+/// `context` is the kernel's context of a signal on the calling thread; for `to` see [`switch`].
 pub unsafe fn divert(context: *mut libc::ucontext_t, to: usize) {
-    /// Flags that calls require to be clear: trap, direction, alignment check.
+    /// Flags that the calling convention requires to be clear: trap, direction, alignment check.
     const CLEAR: i64 = 0x100 | 0x400 | 0x4_0000;
     // SAFETY: valid by this function's contract, and no other reference to it exists.
     let context = unsafe { &mut *context };

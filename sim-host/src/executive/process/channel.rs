@@ -1,4 +1,5 @@
-//! Channel between a robot's process and the host: shared memory with one message in flight, and a futex for whose turn it is.
+//! Channel between a robot's process and the host: shared memory with one message in flight, and a futex that says
+//! whose turn it is.
 //!
 //! `docs/protocol.md` describes the layout. The side that has the turn owns the message. Neither side trusts the other's bytes: they
 //! are copied out and checked.
@@ -19,7 +20,7 @@ pub const CHANNEL: usize = 32 << 20;
 /// Offset of a message's body.
 const BODY: usize = 64;
 
-/// Longest body in bytes.
+/// Maximum length of a body in bytes.
 pub const LONGEST: usize = CHANNEL - BODY;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"EYES");
@@ -65,7 +66,7 @@ pub mod refusal {
     pub const LINKER: u32 = 1;
     /// The library does not fit this eyesim.
     pub const INCOMPATIBLE: u32 = 2;
-    /// Anything else.
+    /// Any other reason.
     pub const OTHER: u32 = 3;
 }
 
@@ -96,22 +97,22 @@ struct Header {
     place_words: [AtomicU32; PLACE_BYTES / size_of::<u32>()],
 }
 
-/// Bytes for the place of a program that computes: two addresses, or the beginning of a file's name.
+/// Bytes for the location of a program that computes: two addresses, or the beginning of a file's name.
 const PLACE_BYTES: usize = 16;
 
-/// States of the request for the place at which a program computes; 0 if the child cannot be asked.
+/// States of the request for the location at which a program computes; 0 if the child cannot be asked.
 mod place_state {
     pub const READY: u32 = 1;
     pub const ASKED: u32 = 2;
     pub const TOLD: u32 = 3;
 }
 
-/// Place at which a program in a process computes, as the process tells it.
+/// Location at which a program in a process computes, as the process reports it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ComputingPlace {
     /// Addresses in its library, the innermost first; 0 for none.
     Addresses([u64; 2]),
-    /// A line of a source file, of whose name the first bytes are told.
+    /// A line of a source file; of the file's name only the first bytes are reported.
     Line {
         /// The beginning of the file's name.
         file: String,
@@ -164,12 +165,13 @@ impl Channels {
         Ok(channels)
     }
 
-    /// Takes the file of channels that a child has got as its standard input, and replaces the standard input by `/dev/null`.
+    /// Takes over the file of channels that a child has received as its standard input, and replaces the standard input
+    /// by `/dev/null`.
     ///
     /// # Errors
-    /// The standard input is no such file.
+    /// The standard input is not such a file.
     pub fn of_standard_input() -> io::Result<Self> {
-        // SAFETY: the descriptors are those of this process; dup returns a new one without another owner.
+        // SAFETY: the descriptors belong to this process; dup returns a new one without another owner.
         let file = unsafe {
             let fd = libc::fcntl(0, libc::F_DUPFD_CLOEXEC, 3);
             if fd < 0 {
@@ -188,7 +190,7 @@ impl Channels {
     /// The channels in `file`, which another process has created.
     ///
     /// # Errors
-    /// The file has another length than channels have.
+    /// The length of the file is not a multiple of a channel's.
     pub fn of_file(file: File) -> io::Result<Self> {
         let length = file.metadata()?.len();
         if length < CHANNEL as u64 || length % CHANNEL as u64 != 0 {
@@ -213,7 +215,7 @@ impl Channels {
     /// Maps the channel `number`, which the file must contain.
     ///
     /// # Errors
-    /// The kernel has no room.
+    /// The kernel lacks memory.
     pub fn map(&self, number: u32) -> io::Result<Channel> {
         let offset = libc::off_t::from(number) * CHANNEL as libc::off_t;
         // SAFETY: a new mapping at an address that the kernel chooses; the file contains the channel and never shrinks.
@@ -252,7 +254,7 @@ impl Channel {
         self.header().version.store(VERSION, Ordering::Release);
     }
 
-    /// Returns true if magic number and version are those of this protocol.
+    /// Returns true if magic number and version match this protocol.
     pub fn is_known(&self) -> bool {
         let header = self.header();
         header.magic.load(Ordering::Relaxed) == MAGIC && header.version.load(Ordering::Relaxed) == VERSION
@@ -312,8 +314,8 @@ impl Channel {
             return None;
         }
         let mut body = Vec::with_capacity(length);
-        // SAFETY: the mapping has as many bytes behind the header, the vector as much room; if the other side writes out of turn,
-        // the copy contains arbitrary bytes, which are checked like all others.
+        // SAFETY: the mapping has as many bytes after the header, and the vector has the capacity; if the other side
+        // writes out of turn, the copy contains arbitrary bytes, which are checked like all others.
         unsafe {
             ptr::copy_nonoverlapping(self.memory.add(BODY), body.as_mut_ptr(), length);
             body.set_len(length);
@@ -342,25 +344,26 @@ impl Channel {
         (header.is_importing.load(Ordering::Relaxed) != 0, Duration::from_millis(spent_ms.into()))
     }
 
-    /// Tells the host that the child can be asked for the place at which it computes.
+    /// Tells the host that the child can be asked for the location at which it computes.
     pub fn offer_place(&self) {
         self.header().place_state.store(place_state::READY, Ordering::Release);
     }
 
-    /// Asks the child for the place at which the thread of this channel computes; the child looks for the request when a signal comes.
-    /// Returns false if it cannot be asked.
+    /// Asks the child for the location at which the thread of this channel computes; the child checks for the request
+    /// when it receives a signal. Returns false if it cannot be asked.
     pub fn ask_place(&self) -> bool {
         let (ready, asked) = (place_state::READY, place_state::ASKED);
         let state = &self.header().place_state;
         state.compare_exchange(ready, asked, Ordering::AcqRel, Ordering::Relaxed).is_ok()
     }
 
-    /// Returns true if the host asks for the place; the request ends with [`Channel::tell_place`]. Async-signal-safe.
+    /// Returns true if the host asks for the location; the request ends with [`Channel::tell_place`].
+    /// Async-signal-safe.
     pub fn is_place_asked(&self) -> bool {
         self.header().place_state.load(Ordering::Acquire) == place_state::ASKED
     }
 
-    /// Tells the addresses of the place at which the calling thread computes. Async-signal-safe.
+    /// Reports the addresses of the location at which the calling thread computes. Async-signal-safe.
     pub fn tell_place(&self, addresses: [u64; 2]) {
         let header = self.header();
         header.place_line.store(0, Ordering::Relaxed);
@@ -372,12 +375,12 @@ impl Channel {
         header.place_state.store(place_state::TOLD, Ordering::Release);
     }
 
-    /// Returns true once the child has told its place.
+    /// Returns true once the child has reported its location.
     pub fn is_place_told(&self) -> bool {
         self.header().place_state.load(Ordering::Acquire) == place_state::TOLD
     }
 
-    /// Takes the place that the child has told since it was asked; withdraws the request if it has told none.
+    /// Takes the location that the child has reported since it was asked; withdraws the request if there is none.
     pub fn take_place(&self) -> Option<ComputingPlace> {
         let header = self.header();
         if header.place_state.swap(place_state::READY, Ordering::AcqRel) != place_state::TOLD {

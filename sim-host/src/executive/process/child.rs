@@ -1,4 +1,4 @@
-//! Host's handle of a robot's process: start, messages, supervision, end.
+//! The host's handle of a robot's process: start, messages, supervision, end.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -31,10 +31,10 @@ pub const CHILD_NAME: &str = "eyesim: ";
 /// Interval at which a child that has the turn is checked.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Processor time, or time asleep, in seconds in which a program's library must be loaded; our choice.
+/// Processor time, or time asleep, in seconds within which a program's library must be loaded; our choice.
 const LOAD_TIMEOUT: f64 = 10.0;
 
-/// Time in which an overdue child must report its place before it is killed.
+/// Time within which an overdue child must report its location before it is killed.
 const GRACE: Duration = Duration::from_millis(300);
 
 /// A robot's process.
@@ -44,14 +44,14 @@ pub struct Child {
     pid: i32,
     channels: Channels,
     first: Channel,
-    /// Channels of tasks besides the first channel.
+    /// Channels of tasks, in addition to the first channel.
     tasks: Mutex<Tasks>,
-    /// Last request of the watchdog for the program's place.
+    /// Last request of the watchdog for the program's location.
     place_request: Mutex<Option<PlaceRequest>>,
     is_ending: AtomicBool,
     /// The process was found stopped by a signal, from which it would never continue by itself.
     was_stopped: AtomicBool,
-    /// The process is a debugger with the user at it: it has no time limits.
+    /// The process is a debugger that the user operates: it has no time limits.
     is_debugged: bool,
     /// `main` has returned.
     has_exited: AtomicBool,
@@ -81,7 +81,7 @@ pub struct Release {
 
 struct PlaceRequest {
     since: Instant,
-    /// Release in which it was asked.
+    /// Release in which the location was requested.
     release: Release,
     /// The child was killed because it did not answer.
     is_killed: bool,
@@ -97,7 +97,7 @@ impl Child {
     /// Starts `command` with a file of channels as its standard input. The process ends with this process at the latest.
     ///
     /// # Errors
-    /// The system has no room for another process, or the command does not exist.
+    /// The system lacks the resources for another process, or the command does not exist.
     ///
     /// A restricted process has a folder `scratch`, and prints to a pipe: its output is cut, and shown without control characters.
     pub fn start(mut command: Command, scratch: Option<Scratch>) -> io::Result<Self> {
@@ -113,10 +113,10 @@ impl Child {
         Self::spawn(command, channels, false, scratch)
     }
 
-    /// As [`Child::start`], for a command that is not this binary and cannot [protect the host](protect_host) itself.
+    /// Like [`Child::start`], for a command that is not this binary and cannot [protect the host](protect_host) itself.
     ///
     /// # Errors
-    /// As [`Child::start`].
+    /// See [`Child::start`].
     pub fn start_foreign(mut command: Command, scratch: Option<Scratch>) -> io::Result<Self> {
         let host = std::process::id().cast_signed();
         // SAFETY: the function is async-signal-safe.
@@ -170,9 +170,10 @@ impl Child {
         Ok(command)
     }
 
-    /// Raises this process's limit of open files to the number that so many children need, as far as the system allows.
+    /// Raises this process's limit of open files to the number that this many children need, as far as the system
+    /// allows.
     pub fn make_room(children: usize) {
-        /// Files that are open besides those of children.
+        /// Number of open files that do not belong to children.
         const OTHERS: usize = 256;
         let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
         // SAFETY: both calls get one valid limit; where they fail, starting a child fails later and says so.
@@ -202,7 +203,8 @@ impl Child {
     /// Waits for the child's first message, which it sends once its program is loaded.
     ///
     /// # Errors
-    /// As [`Child::receive`], and if the child has used, or slept, the time limit of loading without sending it.
+    /// See [`Child::receive`]; also if the child has used the time limit of loading, or slept for as long, without
+    /// sending the message.
     pub fn receive_first(&self) -> Result<Message, Broken> {
         let mut timer = ReleaseTimer::default();
         // A debugger has no limit, and an interpreter says when it imports modules, which may take long.
@@ -240,7 +242,7 @@ impl Child {
             {
                 return Err(self.lose(self.end_in_words(status)));
             }
-            // A task's thread is followed by the next one; a thread that is gone twice has ended itself.
+            // A task's thread is replaced by the next one; a thread that is missing in two checks has ended itself.
             let thread = Some(channel.thread()).filter(|thread| *thread != 0 && self.has_lost(*thread));
             if thread.is_some() && gone == thread {
                 let fault = Fault { signal: GONE, ..Fault::default() };
@@ -259,7 +261,7 @@ impl Child {
         }
     }
 
-    /// Returns true if the process lives without this thread of its own.
+    /// Returns true if the process is alive but this thread of it is not.
     fn has_lost(&self, thread: u32) -> bool {
         !self.is_debugged && watchdog::is_gone(self.pid, thread.cast_signed())
     }
@@ -272,7 +274,7 @@ impl Child {
     /// A channel for a task, with a thread of the child that waits to be called back.
     ///
     /// # Errors
-    /// [`Broken`] if the child was lost; also if the kernel has no room for another channel.
+    /// [`Broken`] if the child was lost; also if the kernel lacks memory for another channel.
     pub fn task(&self) -> Result<Channel, Broken> {
         let mut tasks = self.tasks.lock();
         if let Some(channel) = tasks.idle.pop() {
@@ -309,7 +311,8 @@ impl Child {
         self.was_stopped.load(Ordering::Acquire)
     }
 
-    /// Ends a child that is overdue in this release, or stopped: asks it for its place, and kills it if it does not answer in time.
+    /// Ends a child that is overdue in this release, or stopped: asks it for its location, and kills it if it does not
+    /// answer in time.
     pub fn stop_overdue(&self, release: Release) {
         if self.is_debugged {
             return;
@@ -324,7 +327,7 @@ impl Child {
             }
             place_request => {
                 *place_request = Some(PlaceRequest { since: Instant::now(), release, is_killed: false });
-                // Threads for whose call the host works, and threads that are not the robot's, ignore the signal.
+                // Threads that are inside a call to the host, and threads that are not the robot's, ignore the signal.
                 for thread in watchdog::threads(self.pid) {
                     // SAFETY: tgkill takes no pointer; a thread that has ended is an error.
                     unsafe { libc::syscall(libc::SYS_tgkill, self.pid, thread, OVERDUE_SIGNAL) };
@@ -339,10 +342,11 @@ impl Child {
         }
     }
 
-    /// Asks the thread of `main` for the place at which it computes, and lets it go on. `None` if it does not compute, or does not answer at
-    /// once; a thread that sleeps in the kernel is left alone, since the signal would end its sleep.
+    /// Asks the thread of `main` for the location at which it computes, and lets it continue. `None` if it does not
+    /// compute, or does not answer in time; a thread that sleeps in the kernel is not asked, since the signal would end
+    /// its sleep.
     pub fn computing_place(&self) -> Option<ComputingPlace> {
-        /// Time in which a running thread takes the signal, also on a loaded machine.
+        /// Time within which a running thread receives the signal, even on a loaded machine.
         const TIMEOUT: Duration = Duration::from_millis(200);
         let thread = self.first.thread().cast_signed();
         let computes = self.first.turn() == Turn::Child && !watchdog::is_thread_asleep(self.pid, thread);
@@ -358,13 +362,14 @@ impl Child {
         self.first.take_place()
     }
 
-    /// Returns true if the child was found overdue in this release and asked for its place; the answer itself takes processor time.
+    /// Returns true if the child was found overdue in this release and asked for its location; answering takes
+    /// processor time, too.
     pub fn is_asked(&self, release: Release) -> bool {
         self.place_request.lock().as_ref().is_some_and(|request| request.release == release)
     }
 
-    /// Ends the child. If its `main` has returned, the child may end by itself until `deadline`, as it has files to close; otherwise it
-    /// is killed with its process group. A debugger is waited for without a limit.
+    /// Ends the child. If its `main` has returned, the child may end by itself until `deadline`, as it has files to
+    /// close; otherwise it is killed with its process group. The wait for a debugger has no limit.
     pub fn end(&self, deadline: Instant) {
         self.is_ending.store(true, Ordering::Release);
         let deadline = if self.has_exited.load(Ordering::Acquire) { deadline } else { Instant::now() };
@@ -376,7 +381,7 @@ impl Child {
         }
     }
 
-    /// Returns true once the host ends the child: a break after that is not its program's fault.
+    /// Returns true once the host is ending the child: a break after that is not caused by its program.
     pub fn is_ending(&self) -> bool {
         self.is_ending.load(Ordering::Acquire)
     }

@@ -22,13 +22,13 @@ use crate::executive::signal::{self, Fault, FlowBlock, OVERDUE_SIGNAL};
 use crate::executive::thread::STACK;
 use crate::program::load::{OpenError, open};
 
-/// A thread's end of its channel.
+/// A thread's end of its channel to the host.
 struct ProgramLine {
     channel: Channel,
 }
 
 thread_local! {
-    /// The line of this thread; null for a thread that does not belong to the robot.
+    /// The connection of this thread; null for a thread that does not belong to the robot.
     static LINE: Cell<*const ProgramLine> = const { Cell::new(ptr::null()) };
 }
 
@@ -49,14 +49,14 @@ static HOST7: Host = Host::of_robios7(&SUPPORT, &ROBIOS7);
 
 /// Runs the program in `library` for the host that has started this process, with the channels as its standard input.
 ///
-/// With `is_debugged` a debugger stands between host and child, and the debugger ends the process instead of the kernel.
+/// With `is_debugged` a debugger runs between host and child, and the debugger ends the process instead of the kernel.
 ///
 /// # Errors
 /// This process was not started by `eyesim run`.
 pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
-    // SAFETY: the calls take numbers alone.
+    // SAFETY: the calls take only numbers.
     unsafe {
-        // A restricted process is hidden from others of its user, which exec has taken back.
+        // A restricted process must be hidden from other processes of its user; exec has reset this.
         if libc::prctl(libc::PR_GET_NO_NEW_PRIVS, 0, 0, 0, 0) == 1 {
             libc::prctl(libc::PR_SET_DUMPABLE, 0, 0, 0, 0);
         }
@@ -80,15 +80,15 @@ pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
         let started =
             channels.map(number).and_then(|channel| start("tasks", move || ProgramLine::leaked(channel).run_tasks()));
         if started.is_err() {
-            // The program waits for the task, and has the turn on no channel: the exit code is all that can be told.
-            // SAFETY: _exit takes no pointer.
+            // The program waits for the task, and has the turn on no channel, so that only the exit code can be
+            // reported. SAFETY: _exit takes no pointer.
             unsafe { libc::_exit(NO_ROOM_FOR_TASK) };
         }
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// Exit code of a process that has no room for another task.
+/// Exit code of a process that lacks the resources for another task.
 pub const NO_ROOM_FOR_TASK: i32 = 173;
 
 /// Makes the kernel kill this process when the thread that started it, in process `host`, ends.
@@ -122,7 +122,8 @@ impl ProgramLine {
         Box::leak(Box::new(FlowBlock::reporting(report_fault)))
     }
 
-    /// Binds the calling thread to this line; a thread that had line and `block` before must have ended.
+    /// Binds the calling thread to this connection; a thread that had the connection and `block` before must have
+    /// ended.
     fn adopt_thread(&'static self, block: &'static FlowBlock) {
         self.channel.attach();
         LINE.set(self);
@@ -157,7 +158,7 @@ impl ProgramLine {
         std::process::exit(0);
     }
 
-    /// Serves a line for tasks until the process ends; each task gets a new thread, and with it new thread-locals.
+    /// Serves a connection for tasks until the process ends; each task gets a new thread, and thus new thread-locals.
     fn run_tasks(&'static self) {
         let block = Self::leaked_block();
         self.channel.attach();
@@ -176,7 +177,7 @@ impl ProgramLine {
         self.converse_with(kind, body, |body| call_back(&body))
     }
 
-    /// As [`converse`](Self::converse), with `call_back` to call the function that the body of a message names.
+    /// Like [`converse`](Self::converse), with `call_back` to call the function that the body of a message names.
     fn converse_with(
         &self,
         mut kind: u32,
@@ -266,14 +267,14 @@ fn arguments(run_message: &Message) -> Result<Vec<CString>, Malformed> {
     (0..count).map(|_| CString::new(body.bytes()?.unwrap_or_default()).map_err(|_nul| Malformed)).collect()
 }
 
-/// Runs the program's `main` on this thread and gives its exit code.
+/// Runs the program's `main` on this thread and returns its exit code.
 fn run_main(description: &Program, arguments: &[CString]) -> i32 {
     let mut argv: Vec<*const c_char> = arguments.iter().map(|argument| argument.as_ptr()).collect();
     argv.push(ptr::null());
     let robot = LINE.get().cast_mut().cast::<c_void>();
     let host: &'static Host = if description.generation == 7 { &HOST7 } else { &HOST6 };
-    // SAFETY: the tables are those of `ProgramLine`, whose entries find it by themselves; argv has argc strings that end in 0,
-    // then a null pointer, alive until `run` returns; the description was checked when it was loaded.
+    // SAFETY: the tables are `ProgramLine`'s, whose entries find the connection of their thread; argv has argc strings
+    // that end in 0, then a null pointer, alive until `run` returns; the description was checked when it was loaded.
     unsafe { (description.run)(host, robot, arguments.len() as c_int, argv.as_ptr()) }
 }
 
@@ -297,7 +298,7 @@ fn call_back(body: &[u8]) -> Result<Status, Malformed> {
     Ok(result.map_or(Status::STOP, |()| Status::OK))
 }
 
-/// Fixed-size part of a FAULT message, in front of its text.
+/// Fixed-size part of a FAULT message, before its text.
 fn fault_header(fault: &Fault, text: usize, [low, high]: [usize; 2]) -> [u8; 40] {
     let mut header = [0; 40];
     header[0..2].copy_from_slice(&(fault.signal as i16).to_le_bytes());
@@ -325,15 +326,15 @@ fn store_span(base: usize) {
     LIBRARY[1].store(high.unwrap_or(base), Ordering::Relaxed);
 }
 
-/// The words of the stack in `words` that belong to the call in progress, if the fault at `pc` is in no code of the program: those
-/// below may be left over from earlier calls.
+/// The words of the stack in `words` that belong to the call in progress, if the fault at `pc` is outside the program's
+/// code: words below may be left over from earlier calls.
 fn without_stale(words: &[u8], pc: usize) -> &[u8] {
     let library = LIBRARY[0].load(Ordering::Relaxed)..LIBRARY[1].load(Ordering::Relaxed);
     let site = CALL_SITE.load(Ordering::Relaxed);
     if library.contains(&pc) || site.is_null() || !site.is_aligned() {
         return words;
     }
-    // SAFETY: by the description's contract it points to a variable of the program, whose thread is this one.
+    // SAFETY: by the description's contract it points to a variable of the program, which runs on this thread.
     let address = unsafe { site.read() }.address.addr();
     let place = words.chunks_exact(size_of::<usize>()).position(|word| word == address.to_ne_bytes());
     &words[place.unwrap_or(0) * size_of::<usize>()..]
@@ -345,7 +346,7 @@ fn bytes_of(words: &[usize]) -> &[u8] {
     unsafe { std::slice::from_raw_parts(words.as_ptr().cast::<u8>(), size_of_val(words)) }
 }
 
-/// Passes on what the program has printed since the last end of a line. Async-signal-safe.
+/// Passes on the unfinished lines that the program has printed. Async-signal-safe.
 fn print_unfinished(line: &ProgramLine, block: &FlowBlock) {
     block.set_consoles(CONSOLES.load(Ordering::Relaxed));
     block.store_unfinished();
@@ -355,17 +356,17 @@ fn print_unfinished(line: &ProgramLine, block: &FlowBlock) {
         if len == 0 {
             continue;
         }
-        // The call, without a place.
+        // The call, without a location.
         let head = [SupportCall::TABLE, SupportCall::unfinished as u32, 0, 0, 0, 0, stream.cast_unsigned(), len as u32];
         let head = head.map(u32::to_le_bytes);
         line.channel.send(kind::CALL, &[head.as_flattened(), &bytes_of(&words)[..len]]);
-        // The answer says nothing that matters now.
+        // The answer no longer matters.
         while !line.channel.wait_for(Turn::Child, None) {}
     }
 }
 
-/// Reports a fault of this thread to the host and ends the process; returns if the host works for the program, or asks only for the place
-/// at which the program computes. Async-signal-safe.
+/// Reports a fault of this thread to the host and ends the process; returns if the program is inside a call, or if the
+/// host only asks for the location at which the program computes. Async-signal-safe.
 fn report_fault(block: &FlowBlock, fault: Fault) {
     // SAFETY: null, or leaked by `adopt`.
     let line = unsafe { LINE.get().as_ref() };

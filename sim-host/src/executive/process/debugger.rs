@@ -10,10 +10,10 @@ use crate::host;
 /// Name of the debugger's binary, found by the search path.
 const GDB: &str = "gdb";
 
-/// User's settings for the debugger.
+/// The user's settings for the debugger.
 #[derive(Clone, Debug, Default)]
 pub struct Debugger {
-    /// Places at which the program stops: `FILE:LINE` or a function.
+    /// Breakpoints at which the program stops: `FILE:LINE` or a function.
     pub breakpoints: Vec<String>,
     /// Further arguments of gdb; its commands run once the program has stopped or ended.
     pub arguments: Vec<OsString>,
@@ -44,7 +44,7 @@ impl Debugger {
         for line in settings.map(str::to_owned).into_iter().chain(breakpoints).chain(["run".to_owned()]) {
             command.arg("-ex").arg(line);
         }
-        // gdb starts the program with a shell, which must know `<>`, as every POSIX shell does.
+        // gdb starts the program with a shell that must support `<>`, as every POSIX shell does.
         command.env("SHELL", "/bin/sh").args(&self.arguments).arg(&words[0]);
         Ok(command)
     }

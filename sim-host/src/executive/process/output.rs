@@ -1,16 +1,17 @@
-//! Output that a restricted process writes past the simulator, to its own standard output and error.
+//! Output that a restricted process writes to its own standard output and error, bypassing the simulator.
 
 use std::io::{self, PipeReader, Read as _, Write as _};
 use std::thread;
 
-/// Bytes of such output of one process that are shown; our choice.
+/// Maximum number of bytes of such output that are shown per process; our choice.
 const MOST: usize = 1 << 20;
 
-/// Forwards what comes through `pipe` to this process's standard error on a new thread: at most [`MOST`] bytes, and without control
-/// characters, which could change the terminal. The rest is read and dropped, so that the writer does not block.
+/// Forwards the output in `pipe` to this process's standard error on a new thread: at most [`MOST`] bytes, and without
+/// control characters, which could change the terminal. The rest is read and dropped, so that the writer does not
+/// block.
 ///
 /// # Errors
-/// The system has no room for the thread.
+/// The system lacks the resources for the thread.
 pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
     let copy = move || {
         let mut left = MOST;
@@ -24,7 +25,7 @@ pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
             };
             let shown = count.min(left);
             left -= shown;
-            // A standard error that is closed does not concern the program.
+            // That standard error is closed is not the program's concern.
             let _ = io::stderr().write_all(printable(&mut buffer[..shown]));
             if shown < count && shown > 0 {
                 let _ = writeln!(
@@ -38,7 +39,7 @@ pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
     thread::Builder::new().name("output".to_owned()).spawn(copy).map(drop)
 }
 
-/// Replaces control characters besides the line feed and the tabulator by `?`.
+/// Replaces control characters other than line feed and tab by `?`.
 fn printable(bytes: &mut [u8]) -> &[u8] {
     let is_control = |byte: &u8| byte.is_ascii_control() && !matches!(byte, b'\n' | b'\t');
     bytes.iter_mut().filter(|byte| is_control(byte)).for_each(|byte| *byte = b'?');

@@ -24,16 +24,16 @@ pub struct RemoteProgram {
     prepared: Arc<Prepared>,
     arguments: Vec<String>,
     base: u64,
-    /// Place of the program's present call, as the child reported it with the call.
+    /// Location of the program's current call, as the child reported it with the call.
     site: Mutex<RemoteSite>,
 }
 
 /// Reasons why a child has no program to run.
 #[derive(Debug)]
 pub enum LoadRefusal {
-    /// The dynamic linker refuses the library, in its words.
+    /// The dynamic linker refuses the library; with its message.
     Linker(String),
-    /// The library does not fit this eyesim, for this reason.
+    /// The library is incompatible with this eyesim; with the reason.
     Incompatible(String),
     /// The child ended or broke while it loaded the library.
     Broken(String),
@@ -73,7 +73,7 @@ impl RemoteProgram {
         &self.child
     }
 
-    /// Runs the program, whose calls `host` answers on this thread; returns its exit code.
+    /// Runs the program, answers its calls with `host` on this thread, and returns its exit code.
     ///
     /// # Errors
     /// [`Broken`] if the program or its process broke.
@@ -89,28 +89,28 @@ impl RemoteProgram {
         }
     }
 
-    /// As [`LoadedProgram::own_source_line`](crate::program::load::LoadedProgram::own_source_line).
+    /// See [`LoadedProgram::own_source_line`](crate::program::load::LoadedProgram::own_source_line).
     pub fn own_source_line(&self, addresses: &[usize]) -> Option<SourceLine> {
         let offsets = addresses.iter().map(|&address| self.offset(address).unwrap_or(usize::MAX));
         self.prepared.image()?.own_source_line(offsets)
     }
 
-    /// As [`ProgramImage::text_of`](crate::program::image::ProgramImage::text_of).
+    /// See [`ProgramImage::source_of`](crate::program::image::ProgramImage::source_of).
     pub fn source_of(&self, line: &SourceLine) -> Option<String> {
         self.prepared.image()?.source_of(line)
     }
 
-    /// As [`LoadedProgram::source_line`](crate::program::load::LoadedProgram::source_line).
+    /// See [`LoadedProgram::source_line`](crate::program::load::LoadedProgram::source_line).
     pub fn source_line(&self, address: usize) -> Option<SourceLine> {
         self.prepared.image()?.source_line(self.offset(address)?)
     }
 
-    /// Place of the call in progress, as the child reported it.
+    /// Location of the call in progress, as the child reported it.
     pub fn call_site(&self) -> RemoteSite {
         self.site.lock().clone()
     }
 
-    /// A place in this program in words, such as `maze.c:88`.
+    /// A location in this program as text, such as `maze.c:88`.
     pub fn place_of(&self, site: &RemoteSite) -> Option<String> {
         let of_address = || {
             // A return address lies after the call instruction.
@@ -215,7 +215,7 @@ struct RemoteFunction<H> {
 // SAFETY: program and host are shared by the threads of the robot, and both outlive the program's run, see `Callback`.
 unsafe impl<H: Sync> Send for RemoteFunction<H> {}
 
-/// Calls a function of the child: on the channel that this thread already serves, else on the channel of a task.
+/// Calls a function of the child: on the channel that this thread already serves, otherwise on the channel of a task.
 ///
 /// # Safety
 /// `data` must come from [`Service::callback`], and the program must not have returned from its `run`.
@@ -249,7 +249,7 @@ unsafe extern "C" fn call_remote<H: Support + Robios6 + Robios7 + Sync + 'static
     };
     match back {
         Ok(ServiceEnd::Returned(status)) => status,
-        // The process is lost, or exited within a function: the thread that serves its first channel is told, too.
+        // The process is lost, or exited within a function: the thread that serves its first channel learns of it, too.
         Ok(ServiceEnd::Exited(_)) | Err(_) => Status::STOP,
     }
 }
