@@ -14,23 +14,23 @@ use crate::host;
 /// Environment variable with the folder of the installation, for which `%sim%` stands.
 pub const HOME_VARIABLE: &str = "EYESIM_HOME";
 
-/// Size limit of a file in MiB. Larger files are no meshes or images; reading them would only exhaust the memory.
+/// Size limit of a file in MiB. Larger files are not meshes or images; reading them would only exhaust the memory.
 const MAX_MEBIBYTES: u64 = 256;
-/// Size limit of a scene's text file in MiB, of which each line may become a wall or a robot.
+/// Size limit of a scene's text file in MiB; each line of it may become a wall or a robot.
 const MAX_TEXT_MEBIBYTES: u64 = 16;
 /// Extensions of text files.
 const TEXTS: [&str; 15] =
     ["sim", "wld", "maz", "maze", "robi", "esobj", "toml", "yaml", "yml", "map", "scen", "num", "txt", "world", "sdf"];
 
-/// The installation of an archive that this process has opened.
+/// The installation folder of the archive that this process has opened.
 static OF_ARCHIVE: OnceLock<PathBuf> = OnceLock::new();
 
-/// Lets [`DiskFiles::of_environment`] have the installation in `home`, for a process that runs an archive.
+/// Makes [`DiskFiles::of_environment`] use the installation in `home`, for a process that runs an archive.
 pub fn use_home(home: &Path) {
     OF_ARCHIVE.get_or_init(|| home.to_owned());
 }
 
-/// Real files, relative to the working folder.
+/// Files on the disk, relative to the working folder.
 #[derive(Clone, Debug, Default)]
 pub struct DiskFiles {
     home: Option<String>,
@@ -41,8 +41,9 @@ pub struct DiskFiles {
 }
 
 impl DiskFiles {
-    /// Files with the installation that [`HOME_VARIABLE`] names; else the one that the [host] brings; else the folder above the
-    /// running binary that contains `worlds` and `robis`; else the checkout from which the binary was built, if it still exists.
+    /// Files with the first of these installations: the one that [`HOME_VARIABLE`] names; the one that the [host]
+    /// brings; the folder above the running binary that contains `worlds` and `robis`; the checkout from which the
+    /// binary was built, if it still exists.
     pub fn of_environment() -> Self {
         if let Some(home) = OF_ARCHIVE.get() {
             return Self::with_home(home);

@@ -1,6 +1,7 @@
 //! The program that hosts this library: the command that starts it again, the installation and the tools that it brings.
 //!
-//! The binary `eyesim` brings nothing but itself. Another host, such as the Python package, describes itself once with [`set`].
+//! The binary `eyesim` brings only itself. Another host, such as the Python package, describes itself once with
+//! [`set`].
 
 use std::ffi::{OsStr, OsString};
 use std::io;
@@ -20,15 +21,15 @@ pub struct Host {
     pub home: Option<PathBuf>,
     /// Interpreter of Python programs unless the user names another.
     pub python: Option<PathBuf>,
-    /// Words that start zig, the compiler of C and C++ on a system without another; empty: there is none.
+    /// Command that starts zig, the C and C++ compiler for systems without another; empty if there is none.
     pub zig: Vec<String>,
-    /// Command that installs zig; empty: there is none.
+    /// Command that installs zig; empty if there is none.
     pub zig_installer: String,
 }
 
 static HOST: OnceLock<Host> = OnceLock::new();
 
-/// Describes the host of this process. The first description stays.
+/// Describes the host of this process. Only the first description takes effect.
 pub fn set(host: Host) {
     HOST.get_or_init(|| host);
 }
@@ -52,7 +53,7 @@ pub fn words() -> io::Result<Vec<OsString>> {
 /// File that is the command `eyesim`.
 ///
 /// # Errors
-/// As [`words`].
+/// See [`words`].
 pub fn script() -> io::Result<PathBuf> {
     current().map_or_else(std::env::current_exe, |host| Ok(host.script.clone()))
 }
@@ -60,7 +61,7 @@ pub fn script() -> io::Result<PathBuf> {
 /// The command `eyesim`, called `name` in lists of processes where the host allows it: an interpreter finds its installation by its name.
 ///
 /// # Errors
-/// As [`words`].
+/// See [`words`].
 pub fn command(name: impl AsRef<OsStr>) -> io::Result<Command> {
     let words = words()?;
     let mut command = Command::new(&words[0]);

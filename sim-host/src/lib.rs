@@ -20,10 +20,10 @@
 //! # }
 //! ```
 //!
-//! Start at [`launch`]: scenes, options, runs, results. Below it, [`executive`] runs the programs' flows over a simulation of
-//! `sim_core`, [`robios`] implements the calls, [`program`] finds, builds and loads programs, and [`mod@record`] contains the sinks of the
-//! record. [`cli`] and [`window`] belong to the binary. A simulation without programs needs nothing of this crate: see
-//! `sim_core::simulation`.
+//! Start at [`launch`]: scenes, options, runs, results. Below it, [`executive`] runs the programs' flows over a
+//! simulation of `sim_core`, [`robios`] implements the calls, [`program`] finds, builds and loads programs, and
+//! [`mod@record`] contains the sinks of the record. [`cli`] and [`window`] belong to the binary. A simulation without
+//! programs does not need this crate: see `sim_core::simulation`.
 
 pub mod check;
 pub mod cli;

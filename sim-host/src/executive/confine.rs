@@ -80,7 +80,7 @@ pub fn protect_host(host: i32) {
     let group = unsafe { libc::getpgid(host) }.max(1);
     let calls = OF_PROCESS.len() as u8;
     let mut filter = [give(libc::SECCOMP_RET_ALLOW); OTHERS + OF_PROCESS.len()];
-    // Calls of another architecture have other numbers.
+    // Calls of another architecture have different numbers.
     filter[0] = load(OF_ARCHITECTURE);
     filter[1] = jump(ARCHITECTURE, 0, calls + 9);
     filter[2] = load(NUMBER);
@@ -110,7 +110,7 @@ pub fn confine_thread() {
     }
     let own = (exit_at_once as *const () as usize + EXIT_CALL_END) as u64;
     let refused = REFUSED.len() as u8;
-    // Calls of another architecture have other numbers.
+    // Calls of another architecture have different numbers.
     let mut filter = vec![load(OF_ARCHITECTURE), jump(ARCHITECTURE, 0, refused + 7), load(NUMBER)];
     for (before, (number, _)) in REFUSED.iter().enumerate() {
         filter.push(jump(*number as u32, refused - before as u8, 0));

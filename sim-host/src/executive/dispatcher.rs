@@ -265,8 +265,8 @@ impl Dispatcher {
         self.end.get_or_insert(end);
     }
 
-    /// Lets the robots that are due in the current slot, and have not run in it yet, sleep on: the run ends, and its
-    /// user waits for it.
+    /// Lets the robots that are due in the current slot but have not run in it yet continue to sleep: the run ends, and
+    /// its user waits for the end.
     pub fn skip_queue(&mut self) {
         self.workers.iter_mut().for_each(|worker| worker.run_queue.clear());
     }

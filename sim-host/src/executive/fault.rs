@@ -53,7 +53,7 @@ pub(super) const WILD: &str =
 /// Code of a fault whose address the kernel does not know, of <asm-generic/siginfo.h>.
 const SI_KERNEL: i32 = 0x80;
 
-/// Number of words on a stack below which it cannot have overflowed.
+/// Number of words up to which a stack is too shallow to have overflowed.
 const SHALLOW: usize = 1024;
 
 impl Broken {

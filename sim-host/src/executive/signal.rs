@@ -104,7 +104,7 @@ pub struct Fault {
     pub signal: i32,
     /// The kernel's code of the cause (`si_code`); 0 if unknown, negative if the signal was sent and no instruction caused it.
     pub code: i32,
-    /// Address that the program touched, for SIGSEGV and SIGBUS; number of the system call for SIGSYS.
+    /// Address that the program accessed, for SIGSEGV and SIGBUS; number of the system call for SIGSYS.
     pub address: usize,
     /// Program counter.
     pub pc: usize,
@@ -362,8 +362,8 @@ impl FlowBlock {
     }
 }
 
-/// Makes `block` that of the fiber which the calling thread, a worker, runs next; null for none. It takes the place of the thread's
-/// own, whose alternate stack stays.
+/// Makes `block` the current block: it belongs to the fiber that the calling thread, a worker, runs next; null for
+/// none. It replaces the thread's own block, whose alternate stack remains in use.
 ///
 /// # Safety
 /// The block must be alive until it is replaced.
@@ -401,7 +401,7 @@ const CAUGHT: [i32; 8] = [
 /// State shared by all values of [`Handlers`].
 struct HandlerState {
     count: usize,
-    /// For each of [`CAUGHT`] the previous action, while ours is installed.
+    /// The previous action of each signal of [`CAUGHT`], while ours is installed.
     previous: [Option<libc::sigaction>; CAUGHT.len()],
 }
 
@@ -416,7 +416,8 @@ struct Previous {
     flags: AtomicI32,
 }
 
-/// For each of [`CAUGHT`]; valid once ours has been installed, and kept after that: other code may chain to our handler later.
+/// The previous actions of [`CAUGHT`]; valid once ours has been installed, and kept after that: other code may chain to
+/// our handler later.
 static PREVIOUS: [Previous; CAUGHT.len()] =
     [const { Previous { handler: AtomicUsize::new(libc::SIG_DFL), flags: AtomicI32::new(0) } }; CAUGHT.len()];
 
@@ -434,8 +435,9 @@ impl Handlers {
         Ok(Self(()))
     }
 
-    /// Installs the handlers again that programs have replaced meanwhile: by the default action, by none, or by a function of their own,
-    /// for which `is_of_program` returns true. Other code that has put its handlers in front keeps them.
+    /// Reinstalls the handlers that programs have replaced: by the default action, by ignoring the signal, or by a
+    /// function of their own, for which `is_of_program` returns true. Handlers that other code has installed over ours
+    /// stay.
     pub fn take_back(is_of_program: impl Fn(usize) -> bool) {
         let state = HANDLER_STATE.lock();
         let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
@@ -502,7 +504,8 @@ impl HandlerState {
 fn guard_process() {
     static ARE_REGISTERED: std::sync::Once = std::sync::Once::new();
     ARE_REGISTERED.call_once(|| {
-        // SAFETY: the functions are of this binary, which is never unloaded; where there is no room for them, nothing is guarded.
+        // SAFETY: the functions are of this binary, which is never unloaded; if they cannot be registered, nothing is
+        // guarded.
         unsafe {
             libc::atexit(on_exit);
             libc::pthread_atfork(None, None, Some(on_fork_in_child));
@@ -510,7 +513,7 @@ fn guard_process() {
     });
 }
 
-/// The block of the calling thread if that is a robot's flow and runs code of the program.
+/// The block of the calling thread if the thread is a robot's flow and runs code of the program.
 fn block_of_program<'a>() -> Option<&'a FlowBlock> {
     // SAFETY: null, or the block lives as long as this thread (see `adopt_current_thread`), which does not pass it on.
     let block = unsafe { CURRENT.get().as_ref() }?;
@@ -525,7 +528,7 @@ extern "C" fn on_exit() {
     }
 }
 
-/// Ends the copy of the host that a program has forked on a thread of the host.
+/// Ends the fork of the host that a program has made on a thread of the host.
 extern "C" fn on_fork_in_child() {
     const WORDS: &[u8] =
         b"error: a robot program on a thread of eyesim has forked: the copy of eyesim is ended at once \
@@ -566,8 +569,8 @@ unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *m
     }
 }
 
-/// Installs the handlers for good in a robot's own process: they catch faults of the threads whose blocks
-/// [report](FlowBlock::reporting) them. Signals that end the host are ignored: the host handles them.
+/// Installs the handlers permanently in a robot's own process: they catch faults of the threads whose blocks
+/// [report](FlowBlock::reporting) them. Signals that interrupt the host are ignored: the host handles them.
 ///
 /// # Errors
 /// The kernel refuses a handler.
@@ -580,29 +583,30 @@ pub fn install_in_child() -> io::Result<()> {
     Ok(())
 }
 
-/// Copies this process's memory from `address` on to `words`, as far as it is mapped; returns the number of copied words. What a kernel
-/// without the call to look is asked for has to be mapped. Async-signal-safe.
+/// Copies this process's memory from `address` on to `words`, as far as it is mapped; returns the number of copied
+/// words. If the kernel lacks the call that checks this, the memory must be mapped. Async-signal-safe.
 pub fn copy_own_memory(address: usize, words: &mut [usize]) -> usize {
     copy_if_mapped(address, words).unwrap_or_else(|| {
         let from = ptr::with_exposed_provenance::<usize>(address);
-        // SAFETY: callers ask for words of stacks, which are trusted to be there; every bit pattern is a valid usize.
+        // SAFETY: callers ask for words of stacks, which are assumed to be mapped; every bit pattern is a valid usize.
         words.iter_mut().enumerate().for_each(|(place, word)| *word = unsafe { from.add(place).read_unaligned() });
         words.len()
     })
 }
 
-/// As [`copy_own_memory`], for an address that may be wrong; `None` if the kernel does not allow the copy. Async-signal-safe.
+/// Like [`copy_own_memory`], for an address that may be invalid; `None` if the kernel does not allow the copy.
+/// Async-signal-safe.
 fn copy_if_mapped(address: usize, words: &mut [usize]) -> Option<usize> {
     let local = libc::iovec { iov_base: words.as_mut_ptr().cast(), iov_len: size_of_val(words) };
     let remote = libc::iovec { iov_base: ptr::without_provenance_mut(address), iov_len: size_of_val(words) };
     // SAFETY: the kernel copies from this process itself, and stops where nothing is mapped; `words` has the stated size.
     let copied = unsafe { libc::process_vm_readv(libc::getpid(), &raw const local, 1, &raw const remote, 1, 0) };
-    // A kernel that does not allow the copy is known by another error.
+    // A kernel that does not allow the copy returns a different error.
     let is_allowed = copied >= 0 || io::Error::last_os_error().raw_os_error() == Some(libc::EFAULT);
     is_allowed.then_some(copied.max(0).unsigned_abs() / size_of::<usize>())
 }
 
-/// Sets the highest address of the stack of the calling thread's block, if it has one; returns the one before.
+/// Sets the highest address of the stack in the calling thread's block, if there is one; returns the previous address.
 pub fn set_stack_top(high: usize) -> usize {
     // SAFETY: null, or the block lives as long as this thread (see `adopt_current_thread`).
     unsafe { CURRENT.get().as_ref() }.map_or(0, |block| block.stack[1].swap(high, Ordering::Relaxed))
@@ -625,10 +629,10 @@ pub fn stop_overdue(block: &FlowBlock) {
     unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), tid, OVERDUE_SIGNAL) };
 }
 
-/// Program counter and stack pointer of the flow of `block`, which runs; its thread goes on at once. `None` if the host works for the
-/// program, or the flow does not run any more.
+/// Program counter and stack pointer of the running flow of `block`; its thread continues immediately. `None` if the
+/// flow is inside a call, or does not run any more.
 pub fn place(block: &FlowBlock) -> Option<[usize; 2]> {
-    /// Time in which a running thread takes the signal, also on a loaded machine.
+    /// Time within which a running thread receives the signal, even on a loaded machine.
     const TIMEOUT: Duration = Duration::from_millis(200);
     block.place.store(PLACE_ASKED, Ordering::Relaxed);
     let tid = block.tid.load(Ordering::Relaxed);
@@ -637,7 +641,7 @@ pub fn place(block: &FlowBlock) -> Option<[usize; 2]> {
     let start = Instant::now();
     while block.place.load(Ordering::Acquire) == PLACE_ASKED {
         if start.elapsed() > TIMEOUT {
-            // The signal may still come: then it finds no request.
+            // The signal may still arrive: then it finds no request.
             block.place.store(PLACE_KNOWN, Ordering::Relaxed);
             return None;
         }
@@ -652,14 +656,16 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
         // SAFETY: the arguments are what the kernel passed to this SA_SIGINFO handler.
         return unsafe { chain_to_previous(signal, info, context) };
     }
-    // SAFETY: the block lives as long as this thread (see `adopt_current_thread`), and is where the variable says.
+    // SAFETY: the block lives as long as this thread (see `adopt_current_thread`), and is at the address in the
+    // variable.
     let block = unsafe { &*block };
     if block.faults_are_of_process.load(Ordering::Relaxed) {
         // SAFETY: as above.
         return unsafe { chain_to_previous(signal, info, context) };
     }
     if !matches!(block.on_fault, OnFault::Report(_)) && signal == OVERDUE_SIGNAL {
-        // The signal may be late: another fiber runs on the thread by now. Within the host, the thread stops when it leaves that.
+        // The signal may be late: another fiber runs on the thread by now. Inside a call, the thread stops when it
+        // leaves the host.
         let in_host = block.in_host.load(Ordering::Relaxed);
         if block.place.load(Ordering::Relaxed) == PLACE_ASKED && !in_host {
             // SAFETY: `context` is what the kernel passed to this SA_SIGINFO handler.
@@ -688,27 +694,27 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
         OnFault::Park(_) => block.stop_faulted(fault),
         OnFault::Leave { leave, .. } => {
             block.store(fault);
-            // SAFETY: `context` is the kernel's, of a signal on the worker that runs the fiber whose block this is.
+            // SAFETY: `context` is the kernel's context of a signal on the worker that runs the fiber of this block.
             unsafe { (leave.from_signal)(context.cast()) };
         }
         OnFault::Report(report) => report(block, fault),
     }
 }
 
-/// Address that was touched; for SIGSYS the number of the system call.
+/// Accessed address; for SIGSYS the number of the system call.
 ///
 /// # Safety
 /// `info` must be the second argument of an SA_SIGINFO handler.
 unsafe fn detail(signal: i32, info: *mut libc::siginfo_t) -> usize {
     if signal == libc::SIGSYS {
-        // SAFETY: the kernel's siginfo_t, 128 bytes, has the number behind the address of the call, at byte 24.
+        // SAFETY: the kernel's siginfo_t, 128 bytes, has the number after the address of the call, at byte 24.
         return unsafe { info.cast::<i32>().add(6).read() } as usize;
     }
     // SAFETY: by this function's contract.
     unsafe { (*info).si_addr() as usize }
 }
 
-/// Returns true if the quotient of a division that has faulted may be what does not fit: its dividend is the least number.
+/// Returns true if the quotient of a division that has faulted may have overflowed: its dividend is the minimum.
 ///
 /// # Safety
 /// `context` must be the third argument of an SA_SIGINFO handler.
@@ -747,7 +753,7 @@ pub(super) fn action(handler: usize, flags: i32) -> libc::sigaction {
     action
 }
 
-/// Installs `own` for `signal` again if a program has replaced it, see [`Handlers::take_back`].
+/// Reinstalls `own` for `signal` if a program has replaced it, see [`Handlers::take_back`].
 pub(super) fn take_back(signal: i32, own: &libc::sigaction, is_of_program: &impl Fn(usize) -> bool) {
     let is_taken = |now: &libc::sigaction| {
         matches!(now.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN) || is_of_program(now.sa_sigaction)
@@ -760,7 +766,7 @@ pub(super) fn take_back(signal: i32, own: &libc::sigaction, is_of_program: &impl
     }
 }
 
-/// Returns the present action of `signal`, and installs `new` if given.
+/// Returns the current action of `signal`, and installs `new` if given.
 ///
 /// # Safety
 /// The handler of `new` must have the type that its flags say, and be async-signal-safe.
@@ -807,7 +813,8 @@ fn set_alternate_stack(address: usize) -> io::Result<usize> {
         }
     }
     let stack = libc::stack_t { ss_sp: memory, ss_flags: 0, ss_size: ALTERNATE_STACK };
-    // SAFETY: the memory has the stated size, stays mapped as long as the thread's block, and no other thread that lives has it.
+    // SAFETY: the memory has the stated size, stays mapped as long as the thread's block, and no other living thread
+    // uses it.
     let status = unsafe { libc::sigaltstack(&stack, ptr::null_mut()) };
     if status == 0 { Ok(memory.expose_provenance()) } else { Err(io::Error::last_os_error()) }
 }

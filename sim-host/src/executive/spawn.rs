@@ -1,4 +1,4 @@
-//! Creation of a run's robots: those of its start and those spawned during the run.
+//! Creation of a run's robots, at its start and during the run.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -32,7 +32,7 @@ use crate::robios::storage::Storage;
 use crate::robios::table::Table;
 use crate::scenery::{LazyScenery, SpawnedEntity};
 
-/// Options for a run's robots, besides the scene.
+/// Options for a run's robots, in addition to the scene.
 pub struct RobotOptions {
     /// Seed of the run.
     pub seed: u64,
@@ -42,7 +42,7 @@ pub struct RobotOptions {
     pub keys: Vec<Press>,
     /// Programs may run commands of this machine (`OSExecute`).
     pub may_execute: bool,
-    /// Bytes that each program may print.
+    /// Maximum number of bytes that each program may print.
     pub output_limit: u64,
     /// Standard input of the programs.
     pub stdin: Source,
@@ -60,7 +60,7 @@ pub struct RobotOptions {
     pub workers: usize,
 }
 
-/// Creates the robots of a run, and keeps a register of all robots and objects that were ever in it.
+/// Creates the robots of a run, and keeps a registry of all robots and objects that were ever in it.
 pub struct Spawner {
     scene: Arc<SceneSpec>,
     options: RobotOptions,
@@ -70,7 +70,7 @@ pub struct Spawner {
     /// The programs of the robots, in the order of their ids.
     programs: Vec<Option<Arc<Prepared>>>,
     entity_numbers: Arc<EntityNumbers>,
-    /// Tables of devices by the files of the robot types, which their robots share.
+    /// Tables of devices, keyed by the files of the robot types; robots of a type share one.
     tables: BTreeMap<String, Arc<Table>>,
     /// Loader of the programs of spawned robots; created for the first of them.
     loader: Option<Loader>,
@@ -84,14 +84,14 @@ pub struct NewRobot {
     pub robot: Robot,
     /// Noise model of its radio messages.
     pub heard: RadioNoise,
-    /// Its program, loaded, and the prepared program of which that is a copy; `None` for a robot without a program.
+    /// Its loaded program, and the prepared program of which it is a copy; `None` for a robot without a program.
     pub program: Option<(RobotProgram, Arc<Prepared>)>,
 }
 
 /// Reasons why a robot cannot be added to a run.
 #[derive(Debug, thiserror::Error)]
 pub enum SpawnError {
-    /// The robot whose program it is to run has none.
+    /// The robot whose program is to be used has no program.
     #[error("robot {} has no program", .0.0)]
     NoProgram(RobotId),
     /// Its type has values that cannot be simulated.
@@ -123,7 +123,8 @@ impl Spawner {
         &self.factory
     }
 
-    /// All robots and objects that were ever in the run, and the types that can be added: those of the scene, then the built-in ones.
+    /// All robots and objects that were ever in the run, and the types that can be added: the types of the scene, then
+    /// the built-in ones.
     pub fn roster(&self) -> &Roster {
         &self.roster
     }
@@ -143,7 +144,7 @@ impl Spawner {
         Ok((world, robots))
     }
 
-    /// Creates a robot from `spec`, spawned at `since`, with the program of the robot `program_of`.
+    /// Creates a robot from `spec`, spawned at the time `since`, with the program of the robot `program_of`.
     ///
     /// # Errors
     /// The program cannot be loaded, or the robot `program_of` has none.
@@ -183,7 +184,7 @@ impl Spawner {
         self.roster.keep_object(spec);
     }
 
-    /// Creates a robot that exists from `since` on, and the noise model of its radio messages.
+    /// Creates a robot that exists from the time `since` on, and the noise model of its radio messages.
     fn make(
         &mut self,
         spec: &RobotSpec,

@@ -1,4 +1,4 @@
-//! Processes that robot programs have started: they do not outlive the run.
+//! Ends the processes that robot programs have started with the run.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,26 +6,26 @@ use std::io;
 use std::ptr;
 use std::time::{Duration, Instant};
 
-/// Time in which the processes must end.
+/// Time within which the processes must end.
 const TIMEOUT: Duration = Duration::from_secs(1);
 
 /// The subreaper of this process: adopts its descendants whose parents end, such as daemons, and ends them with the run.
 #[derive(Debug)]
 pub struct Subreaper {
-    /// Children of this process that were there before.
+    /// Children of this process that existed before.
     before: BTreeSet<i32>,
 }
 
 impl Subreaper {
-    /// Lets the kernel give orphaned descendants to this process from now on, for a binary before its run.
+    /// Makes this process adopt orphaned descendants from now on; a binary calls it before its run.
     pub fn start() -> Self {
         // SAFETY: prctl takes no pointer here; if the kernel refuses, daemons of programs outlive the run.
         unsafe { libc::prctl(libc::PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) };
         Self { before: children() }
     }
 
-    /// Kills all children of this process that were not there at the start, and their descendants; returns how many processes were
-    /// killed. Call it after the run has ended its own processes.
+    /// Kills all children of this process that did not exist at the start, and their descendants; returns how many
+    /// processes were killed. Call it after the run has ended its own processes.
     pub fn end_all(&self) -> usize {
         let start = Instant::now();
         let mut killed = BTreeSet::new();
@@ -35,8 +35,8 @@ impl Subreaper {
                 break;
             }
             for pid in left {
-                // SAFETY: neither call takes a pointer; nobody else waits for a process that a program has started, so that its number
-                // still identifies it.
+                // SAFETY: neither call takes a pointer; no other code waits for a process that a program has started,
+                // so that its number still identifies it.
                 unsafe {
                     libc::kill(pid, libc::SIGKILL);
                     libc::waitpid(pid, ptr::null_mut(), libc::WNOHANG);
@@ -51,7 +51,8 @@ impl Subreaper {
 
 /// The processes whose parent is this process.
 fn children() -> BTreeSet<i32> {
-    // The kernel says at once that there is none; to list them takes a look at every process of the machine.
+    // The kernel answers at once whether there are children; listing them means to look at every process of the
+    // machine.
     if !has_children() {
         return BTreeSet::new();
     }
@@ -62,8 +63,8 @@ fn children() -> BTreeSet<i32> {
 }
 
 fn has_children() -> bool {
-    // SAFETY: a `siginfo_t` is plain data, for which zeros are a value; the call writes only there and, for `WNOWAIT`, leaves a child that
-    // has ended to be waited for.
+    // SAFETY: a `siginfo_t` is plain data, for which zeros are a value; the call writes only there and, for `WNOWAIT`,
+    // leaves an ended child to be waited for.
     let result = unsafe {
         let mut info = std::mem::zeroed();
         libc::waitid(libc::P_ALL, 0, &raw mut info, libc::WEXITED | libc::WNOHANG | libc::WNOWAIT | libc::__WALL)

@@ -1,4 +1,4 @@
-//! Loops of the scheduler step on all workers: those without a flow to run help the worker that runs the step.
+//! Parallel loops of the scheduler step: idle workers help the worker that runs the step.
 
 use std::ptr;
 use std::slice;
@@ -8,14 +8,14 @@ use sim_core::parallel::{Pool, SECTION, Serial};
 
 use super::Executor;
 
-/// A loop whose turns any thread may run.
+/// A loop whose iterations any thread may run.
 pub struct Job {
-    /// First turn that no thread has taken.
+    /// First iteration that no thread has taken.
     next: AtomicUsize,
     turns: usize,
-    /// Turns that a thread takes at once.
+    /// Number of iterations that a thread takes at a time.
     share: usize,
-    /// Runs the turns from the second number up to the third.
+    /// Runs the iterations from the second number up to the third, exclusive.
     run: unsafe fn(*const (), usize, usize),
     data: *const (),
 }
@@ -24,14 +24,14 @@ pub struct Job {
 unsafe impl Sync for Job {}
 
 impl Job {
-    /// Runs turns until none is left.
+    /// Runs iterations until none is left.
     pub fn work(&self) {
         loop {
             let first = self.next.fetch_add(self.share, Ordering::Relaxed);
             if first >= self.turns {
                 return;
             }
-            // SAFETY: the data live as long as the job, and no other thread takes these turns.
+            // SAFETY: the data live as long as the job, and no other thread takes these iterations.
             unsafe { (self.run)(self.data, first, (first + self.share).min(self.turns)) };
         }
     }
@@ -40,7 +40,7 @@ impl Job {
 /// The loop in progress, with which the workers of an executor help.
 #[derive(Default)]
 pub struct Team {
-    /// Null for none.
+    /// The job of the loop; null for none.
     job: AtomicPtr<Job>,
     /// Number of loops so far.
     loops: AtomicUsize,
@@ -54,8 +54,8 @@ impl Team {
         self.loops.load(Ordering::SeqCst) != seen
     }
 
-    /// Helps with the loop in progress, if it has begun after the one with number `seen`, which becomes its number; false if there is
-    /// none.
+    /// Helps with the loop in progress if it is newer than loop number `seen`, and sets `seen` to its number; returns
+    /// false if there is none.
     pub fn help(&self, seen: &mut usize) -> bool {
         if !self.has_job(*seen) {
             return false;
@@ -69,7 +69,8 @@ impl Team {
         true
     }
 
-    /// Runs `job` on the calling thread and on those that help; `call` wakes the latter. One thread at a time leads.
+    /// Runs `job` on the calling thread and on the helping threads, which `call` wakes. Only one thread leads at a
+    /// time.
     pub fn lead(&self, job: &Job, call: impl FnOnce()) {
         self.job.store(ptr::from_ref(job).cast_mut(), Ordering::SeqCst);
         self.loops.fetch_add(1, Ordering::SeqCst);
@@ -100,7 +101,7 @@ struct Lead<'a>(&'a Team);
 
 impl Drop for Lead<'_> {
     fn drop(&mut self) {
-        /// Turns of the wait before the thread leaves its processor to others, on which a helper may have to wait.
+        /// Number of spins before the thread yields its processor, for which a helper may have to wait.
         const SPINS: usize = 500;
         self.0.job.store(ptr::null_mut(), Ordering::SeqCst);
         let mut spins = 0;
@@ -114,10 +115,10 @@ impl Drop for Lead<'_> {
 /// The workers of an executor as the simulation uses them.
 pub struct WorkerPool<'a>(pub &'a dyn Executor);
 
-/// Smallest number of turns of a loop on several threads: with fewer the hand-over costs more than it saves.
+/// Minimum number of iterations of a loop on several threads: with fewer, the hand-over costs more than it saves.
 const MIN_TURNS: usize = 6;
 
-/// Greatest number of turns that a thread takes at once.
+/// Maximum number of iterations that a thread takes at a time.
 const MAX_SHARE: usize = 4;
 
 impl Pool for WorkerPool<'_> {
@@ -128,7 +129,7 @@ impl Pool for WorkerPool<'_> {
             act: &'d F,
         }
         /// # Safety
-        /// `data` is a [`Data`] whose sections from `first` to `last` nobody else uses now.
+        /// `data` is a [`Data`] whose sections from `first` to `last` are used by no other thread.
         unsafe fn run<T, F: Fn(&mut [T])>(data: *const (), first: usize, last: usize) {
             // SAFETY: by this function's contract.
             unsafe {
@@ -152,8 +153,9 @@ impl Pool for WorkerPool<'_> {
             next: AtomicUsize::new(0),
             turns,
             share: (turns / (8 * workers)).clamp(1, MAX_SHARE),
-            // SAFETY of its calls: the executor is done with the job when `run_loop` returns, so that the data live; the items are
-            // borrowed mutably here, may be sent to other threads, and each section is the turn of one call; threads may share `act`.
+            // SAFETY of its calls: the executor is done with the job when `run_loop` returns, so that the data live;
+            // the items are borrowed mutably here, may be sent to other threads, and each section belongs to one call;
+            // threads may share `act`.
             run: runner::<T, _>(&act),
             data: ptr::from_ref(&data).cast(),
         };

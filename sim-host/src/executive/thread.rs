@@ -1,4 +1,4 @@
-//! Executor with one OS thread for each task of a robot: works with debuggers and all libraries. The default.
+//! Executor with one OS thread for each task of a robot, which works with debuggers and all libraries.
 
 use std::cell::Cell;
 use std::io;
@@ -28,10 +28,10 @@ use crate::program::embedded::EmbeddedCode;
 
 use crate::robios::task::MAIN;
 
-/// Stack of a task's thread, in bytes of address space; memory is used as the program touches it.
+/// Stack of a task's thread, in bytes of address space; memory is committed on first touch.
 pub(super) const STACK: usize = 8 << 20;
 
-/// Time in which the thread of a program that has ended must end before it counts as lost.
+/// Time within which the thread of a program that has ended must end; otherwise it counts as lost.
 pub(super) const JOIN_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Executor with one OS thread for each task.
@@ -73,16 +73,16 @@ struct Flows {
     ending: Option<Arc<ThreadFlow>>,
 }
 
-/// State of one thread. The thread owns a reference count of it, which [`ThreadFlow::join`] alone gives back.
+/// State of one thread. The thread owns a reference count of it, which only [`ThreadFlow::join`] releases.
 struct ThreadFlow {
     block: FlowBlock,
     /// The worker to whose processor the thread is bound.
     worker: AtomicU32,
     is_resumed: AtomicBool,
-    /// `None` once it has been joined, or has been found not to end.
+    /// `None` once it has been joined, or did not end in time.
     thread: Mutex<Option<JoinHandle<()>>>,
     timer: Mutex<ReleaseTimer>,
-    /// Keeps the signal handlers installed, for ever if the flow never ends.
+    /// Keeps the signal handlers installed, forever if the flow never ends.
     _handlers: Handlers,
 }
 
@@ -104,7 +104,7 @@ impl ThreadExecutor {
         executor
     }
 
-    /// Makes room for `count` robots.
+    /// Reserves entries for `count` robots.
     fn make_room(&self, count: usize) {
         while self.robots.count() < count {
             self.robots.push(Arc::new(RobotThreads {
@@ -122,7 +122,8 @@ impl ThreadExecutor {
     }
 }
 
-/// Joins `thread`, whose own block is `block` and which ends soon; false if it breaks or has not ended after `timeout`: it is lost.
+/// Joins `thread`, which has the block `block` and is about to end; returns false if it breaks or has not ended after
+/// `timeout`: it is lost.
 pub(super) fn join(thread: JoinHandle<()>, block: &FlowBlock, timeout: Duration) -> bool {
     /// Interval of the checks for a break.
     const POLL_INTERVAL: Duration = Duration::from_millis(20);
@@ -156,8 +157,8 @@ impl ThreadFlow {
     fn adopt_current_thread(self: Arc<Self>) -> io::Result<()> {
         let flow = Arc::into_raw(self);
         FLOW.set(flow);
-        // SAFETY: the thread's reference count is given back only after the thread has been joined, so that it has ended; its block
-        // never had another thread.
+        // SAFETY: the thread's reference count is released only after the thread has been joined, so that it has ended;
+        // its block never had another thread.
         unsafe { (*flow).block.adopt_current_thread() }
     }
 
@@ -168,23 +169,24 @@ impl ThreadFlow {
         flow
     }
 
-    /// Joins the thread, which has adopted this flow and ends soon; false if it breaks or has not ended after `timeout`: it is lost.
+    /// Joins the thread, which has adopted this flow and is about to end; returns false if it breaks or has not ended
+    /// after `timeout`: it is lost.
     fn join(self: &Arc<Self>, timeout: Duration) -> bool {
         let Some(thread) = self.thread.lock().take() else { return false };
         let is_joined = join(thread, &self.block, timeout);
         if is_joined {
-            // SAFETY: the thread has ended, and no other code gives back the count that it took when it adopted the flow.
+            // SAFETY: the thread has ended, and no other code releases the count that it took when it adopted the flow.
             unsafe { Arc::decrement_strong_count(Arc::as_ptr(self)) };
         }
         is_joined
     }
 
-    /// Begins a new release, for which the watchdog measures anew.
+    /// Begins a new release; the watchdog restarts its measurement.
     fn begin_release(&self) {
         self.block.releases.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Identifies the present release among all releases.
+    /// Identifies the current release among all releases.
     fn release(&self) -> Release {
         Release { thread: self.block.tid.load(Ordering::Relaxed), number: self.block.releases.load(Ordering::Relaxed) }
     }
@@ -208,7 +210,7 @@ impl RobotThreads {
         }
     }
 
-    /// Waits until the calling flow, `flow`, may continue, and until the thread of the flow before it has ended.
+    /// Waits until the calling flow, `flow`, may continue, and until the thread of the previous flow has ended.
     fn wait(&self, flow: &ThreadFlow) {
         while !flow.is_resumed.swap(false, Ordering::Acquire) {
             thread::park();
@@ -216,7 +218,7 @@ impl RobotThreads {
         flow.begin_release();
         let ending = self.flows.lock().ending.clone();
         if let Some(ending) = ending {
-            // The supervisor is told of a flow that has broken; no other flow of the robot runs then.
+            // A flow that breaks notifies the supervisor; no other flow of the robot runs then.
             while !ending.join(Duration::MAX) {
                 thread::park();
             }
@@ -226,11 +228,12 @@ impl RobotThreads {
         }
     }
 
-    /// Hands the run token from the calling flow to that of `task`; the calling flow does not continue if it `is_ending`.
+    /// Hands the run token from the calling flow to the flow of `task`; if `is_ending`, the calling flow does not
+    /// continue.
     fn hand_token_to(&self, task: u32, is_ending: bool) {
         let mut flows = self.flows.lock();
         let Some((_, next)) = flows.list.iter().find(|(number, _)| *number == task).cloned() else {
-            // The run is over and its flows have been given up: the calling thread is parked for good.
+            // The run is over and its flows have been given up: the calling thread is parked permanently.
             drop(flows);
             loop {
                 thread::park();
@@ -248,7 +251,7 @@ impl RobotThreads {
         self.wake(&next);
     }
 
-    /// The flow whose thread runs now: the ending one, else the holder of the run token.
+    /// The flow whose thread runs now: the ending flow, otherwise the holder of the run token.
     fn active_flow(&self) -> Option<Arc<ThreadFlow>> {
         let flows = self.flows.lock();
         flows.ending.as_ref().or(flows.token_holder.as_ref()).cloned()
@@ -306,7 +309,7 @@ impl Executor for ThreadExecutor {
         let life = move || {
             let result = own.adopt_current_thread();
             let is_adopted = result.is_ok();
-            // The receiver waits just below for this one message.
+            // The receiver below waits for this one message.
             let _ = adopted.send(result);
             if is_adopted {
                 threads.wait(ThreadFlow::current());
@@ -413,14 +416,14 @@ impl Executor for ThreadExecutor {
     }
 }
 
-/// See [`Executor::place`]; a flow that sleeps in the kernel is left alone, since the signal would end its sleep.
+/// See [`Executor::place`]; a flow that sleeps in the kernel is not asked, since the signal would end its sleep.
 pub(super) fn place(block: &FlowBlock) -> Vec<usize> {
     let computes = FlowSample::at_thread(block).is_some_and(|sample| !sample.is_asleep);
     let Some([pc, sp]) = computes.then(|| signal::place(block)).flatten() else { return Vec::new() };
     std::iter::once(pc).chain(stack_words(sp, block.stack_bounds())).collect()
 }
 
-/// Describes the fault that the flow of `block` has had, if any; `task` is named.
+/// Describes the fault of the flow of `block`, if any, and names `task`.
 pub(super) fn broken(block: &FlowBlock, task: Option<u32>) -> Option<Broken> {
     let fault = block.fault()?;
     let (bounds, last_call) = (block.stack_bounds(), block.last_call.load(Ordering::Relaxed));
@@ -439,8 +442,8 @@ pub(super) fn broken(block: &FlowBlock, task: Option<u32>) -> Option<Broken> {
     })
 }
 
-/// A processor for each worker, among those that this process may use, beginning with the calling thread's; empty if there are
-/// fewer processors than workers.
+/// Returns a processor for each worker, among those that this process may use, beginning with the calling thread's;
+/// empty if there are fewer processors than workers.
 fn processors(workers: usize) -> Vec<usize> {
     // SAFETY: an all-zero set is valid and is filled by the call, which gets its size; the others take no pointers.
     let (allowed, here) = unsafe {

@@ -1,4 +1,5 @@
-//! Detection of overdue programs, by the processor time of a thread or process since its release: a loaded machine makes none overdue.
+//! Detection of overdue programs, by the processor time of a thread or process since its release: so no program becomes
+//! overdue because the machine is loaded.
 
 use std::fs;
 use std::io;
@@ -7,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::signal::FlowBlock;
 
-/// Measurement of one flow since the watchdog first saw its present release.
+/// Measurement of one flow since the watchdog first saw its current release.
 #[derive(Default)]
 pub struct ReleaseTimer {
     release: u64,
@@ -28,17 +29,17 @@ struct Baseline {
 pub struct FlowSample {
     /// Number of the flow's release, see [`FlowBlock::releases`](super::signal::FlowBlock::releases).
     pub release: u64,
-    /// Processor time that the flow has used in all.
+    /// Total processor time that the flow has used.
     pub processor_time: Duration,
     /// The flow sleeps in the kernel.
     pub is_asleep: bool,
-    /// The flow imports a module, which may take twelve times as long as anything else.
+    /// The flow imports a module, for which the timeout is longer, see [`IMPORT_TIMEOUT_FACTOR`].
     pub is_importing: bool,
-    /// Processor time of earlier imports, which does not count. The program's process says so and may lie.
+    /// Processor time of earlier imports, which does not count. It is reported by the program's process, which may lie.
     pub imports: Duration,
 }
 
-/// Factor by which the import of a module may take longer than anything else, and all imports of a release together.
+/// Factor by which the timeout is longer for the import of a module, and for all imports of a release together.
 const IMPORT_TIMEOUT_FACTOR: f64 = 12.0;
 
 impl FlowSample {
@@ -62,7 +63,7 @@ impl FlowSample {
         Some(Self {
             release: block.releases.load(Relaxed),
             processor_time: process_time(pid)?,
-            // While the host works for the program, the program's threads rightly sleep.
+            // Inside a call to the host the program's threads sleep as they should.
             is_asleep: !block.in_host.load(Relaxed) && are_asleep(pid),
             is_importing: false,
             imports: Duration::ZERO,
@@ -82,7 +83,7 @@ impl FlowSample {
         })
     }
 
-    /// Adds what the process says of its imports.
+    /// Adds what the process reports about its imports.
     #[must_use]
     pub fn with_imports(self, (is_importing, imports): (bool, Duration)) -> Self {
         Self { is_importing, imports, ..self }
@@ -90,20 +91,21 @@ impl FlowSample {
 }
 
 impl ReleaseTimer {
-    /// Discards the measurement while the host works for the program, such as on an image: it begins anew after that.
+    /// Discards the measurement while the flow is inside a call, such as for an image; the measurement restarts after
+    /// that.
     pub fn pause(&mut self) {
         self.baseline = None;
     }
 
-    /// Notes that the flow's thread does not exist in this release. Returns true the second time: a thread that has just ended as it
-    /// should is not seen twice, since its robot is not running any more.
+    /// Notes that the flow's thread does not exist in this release. Returns true the second time: a thread that ended
+    /// normally is not seen twice, since its robot is no longer running.
     pub fn is_gone(&mut self, release: u64) -> bool {
         self.gone_in.replace(release) == Some(release)
     }
 
-    /// Returns true if the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since its last
-    /// release, imports of modules left out. Measured from the first sample of a release, so up to one sampling interval in the
-    /// program's favour.
+    /// Returns true if the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since
+    /// its last release, not counting imports of modules. Measured from the first sample of a release, so up to one
+    /// sampling interval in the program's favour.
     pub fn is_overdue(&mut self, sample: &FlowSample, timeout: f64) -> bool {
         let processor_time = sample.processor_time;
         let now = Instant::now();
@@ -145,7 +147,7 @@ fn is_descendant(pid: u32) -> bool {
     std::iter::successors(Some(pid), |pid| number_in_status(&pid.to_string(), "PPid:")).take(64).any(|pid| pid == own)
 }
 
-/// The number behind `key` in the kernel's description of the process `pid`.
+/// The number after `key` in the kernel's description of the process `pid`.
 fn number_in_status(pid: &str, key: &str) -> Option<u32> {
     let status = fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
     status.lines().find_map(|line| line.strip_prefix(key)?.trim().parse().ok())
@@ -153,7 +155,7 @@ fn number_in_status(pid: &str, key: &str) -> Option<u32> {
 
 /// Returns true if the process `pid` has no thread `tid`.
 pub fn is_gone(pid: i32, tid: i32) -> bool {
-    // SAFETY: tgkill takes no pointer, and signal 0 is only a question.
+    // SAFETY: tgkill takes no pointer, and signal 0 only checks that the thread exists.
     let status = unsafe { libc::syscall(libc::SYS_tgkill, pid, tid, 0) };
     status < 0 && io::Error::last_os_error().raw_os_error() == Some(libc::ESRCH)
 }
@@ -186,7 +188,7 @@ fn clock(clock: libc::clockid_t) -> Option<Duration> {
     (status == 0).then(|| Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec.unsigned_abs() as u32))
 }
 
-/// Returns true if the thread whose folder in `/proc` this is sleeps, and neither runs nor waits for a processor.
+/// Returns true if the thread with this folder in `/proc` sleeps, and neither runs nor waits for a processor.
 fn is_asleep(folder: &str) -> bool {
     matches!(state(folder), Some('S' | 'D'))
 }
@@ -201,7 +203,8 @@ fn are_asleep(pid: i32) -> bool {
     threads(pid).into_iter().all(|tid| is_thread_asleep(pid, tid))
 }
 
-/// Returns true if a signal has stopped the process `pid`, or a tracer that is no debugger; false if a debugger has.
+/// Returns true if the process `pid` was stopped by a signal, or by a tracer that is not a debugger; false if a
+/// debugger stopped it.
 pub fn is_stopped(pid: i32) -> bool {
     match state(&format!("/proc/{pid}")) {
         Some('T') => true,
@@ -210,7 +213,7 @@ pub fn is_stopped(pid: i32) -> bool {
     }
 }
 
-/// The kernel's state letter of the thread or process whose folder in `/proc` this is.
+/// The kernel's state letter of the thread or process with this folder in `/proc`.
 fn state(folder: &str) -> Option<char> {
     let stat = fs::read_to_string(format!("{folder}/stat")).ok()?;
     // "tid (name) S ...": the name may hold blanks and brackets.

@@ -1,4 +1,4 @@
-//! Reading of archives and folders that nobody vouches for: nothing is written, no link is followed, everything has a limit.
+//! Reads untrusted archives and folders: writes nothing, follows no links, and limits all sizes.
 
 use std::collections::BTreeMap;
 use std::fs::{self, FileType};
@@ -12,21 +12,21 @@ use zip::result::ZipError;
 use crate::files::read_regular;
 use crate::record::log::Printable;
 
-/// Greatest size of all files of a submission together, and of what is unpacked for it, in bytes.
+/// Maximum total size of a submission's files, packed and unpacked, in bytes.
 pub const MOST_BYTES: u64 = 256 << 20;
-/// Most entries of a submission.
+/// Maximum number of entries of a submission.
 pub const MOST_ENTRIES: usize = 20_000;
-/// Greatest size of an archive with all submissions, unpacked, in bytes.
+/// Maximum unpacked size of an archive with all submissions, in bytes.
 const MOST_CLASS_BYTES: u64 = 1 << 30;
-/// Most entries of an archive with all submissions.
+/// Maximum number of entries of an archive with all submissions.
 const MOST_CLASS_ENTRIES: usize = 400_000;
-/// Most archives and folders within each other.
+/// Maximum nesting depth of archives and folders.
 const MOST_DEPTH: usize = 12;
-/// Most archives within each other, the outer one included.
+/// Maximum nesting depth of archives, the outer one included.
 const MOST_NESTED: usize = 3;
-/// Longest path, in bytes.
+/// Maximum length of a path, in bytes.
 const MOST_PATH: usize = 1024;
-/// Longest name of a file, in bytes: that of Linux.
+/// Maximum length of a file name, in bytes: the limit of Linux.
 const MOST_NAME: usize = 255;
 
 /// Files by their paths with slashes, and remarks about what was left out.
@@ -41,7 +41,7 @@ pub struct Contents {
 /// Reasons why a submission is refused as a whole.
 #[derive(Debug, thiserror::Error)]
 pub enum ArchiveError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("`{name}` cannot be read: {error}")]
     Io {
         /// The file or archive.
@@ -49,7 +49,7 @@ pub enum ArchiveError {
         /// The reason.
         error: io::Error,
     },
-    /// It is no archive, or a broken one.
+    /// The file is not an archive, or is broken.
     #[error("`{name}` is no archive that can be read: {error}")]
     Broken {
         /// The archive.
@@ -65,20 +65,20 @@ pub enum ArchiveError {
         /// The entry.
         entry: String,
     },
-    /// The files are larger together than this, in bytes.
+    /// The total size of the files exceeds this limit, in bytes.
     #[error("its files have more than {} MiB", .0 >> 20)]
     Size(u64),
-    /// There are more entries than this.
+    /// The number of entries exceeds this limit.
     #[error("it has more than {0} entries")]
     Entries(usize),
-    /// Archives lie too deep within each other.
+    /// Archives are nested too deeply.
     #[error(
         "`{0}` lies too deep: at most {MOST_NESTED} archives within each other, and {MOST_DEPTH} folders, are read"
     )]
     Depth(String),
 }
 
-/// Kinds of archives that are read.
+/// Supported kinds of archives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Zip,
@@ -86,18 +86,18 @@ enum Kind {
     TarGz,
 }
 
-/// Endings of archives that are read.
+/// Extensions of supported archives.
 const KINDS: [(&str, Kind); 4] =
     [(".zip", Kind::Zip), (".tar", Kind::Tar), (".tar.gz", Kind::TarGz), (".tgz", Kind::TarGz)];
-/// Endings of archives that are not read.
+/// Extensions of unsupported archives.
 const OTHER: [&str; 9] = [".rar", ".7z", ".tar.xz", ".txz", ".tar.bz2", ".tbz2", ".tar.zst", ".gz", ".xz"];
 
-/// Name of an archive without its ending; `None` if it is no archive that is read.
+/// Name of a supported archive without its extension; `None` for any other name.
 pub fn stem_of_archive(name: &str) -> Option<&str> {
     Some(kind_of(name)?.0)
 }
 
-/// Name without its ending of an archive of a kind that is not read; `None` if it is no such archive.
+/// Name of an unsupported archive without its extension; `None` for any other name.
 pub fn stem_of_other_archive(name: &str) -> Option<&str> {
     if kind_of(name).is_some() { None } else { OTHER.iter().find_map(|ending| without_ending(name, ending)) }
 }
@@ -106,7 +106,7 @@ fn kind_of(name: &str) -> Option<(&str, Kind)> {
     KINDS.into_iter().find_map(|(ending, kind)| Some((without_ending(name, ending)?, kind)))
 }
 
-/// The name without this ending, in any case of letters.
+/// The name without this extension, compared case-insensitively.
 fn without_ending<'n>(name: &'n str, ending: &str) -> Option<&'n str> {
     let at = name.len().checked_sub(ending.len())?;
     let is_it = name.is_char_boundary(at) && name[at..].eq_ignore_ascii_case(ending);
@@ -115,9 +115,10 @@ fn without_ending<'n>(name: &'n str, ending: &str) -> Option<&'n str> {
 
 /// Reads a submission of several parts within common limits.
 pub struct Reader<'w> {
-    /// Files whose contents are wanted, by their paths; archives are opened in any case.
+    /// Predicate on paths: files whose contents are wanted; archives are always opened.
     wanted: &'w dyn Fn(&str) -> bool,
-    /// An archive with all submissions: those within stay closed, and everything else appears, without its contents if not wanted.
+    /// An archive with all submissions: archives in it stay closed, and all other entries appear, without contents
+    /// unless wanted.
     is_class: bool,
     most_bytes: u64,
     most_entries: usize,
@@ -127,7 +128,7 @@ pub struct Reader<'w> {
 }
 
 impl<'w> Reader<'w> {
-    /// A reader of the files for which `wanted` holds.
+    /// Creates a reader of the files for which `wanted` returns true.
     pub fn new(wanted: &'w dyn Fn(&str) -> bool) -> Self {
         Self {
             wanted,
@@ -140,7 +141,7 @@ impl<'w> Reader<'w> {
         }
     }
 
-    /// A reader of an archive with all submissions: archives within it are files.
+    /// Creates a reader of an archive with all submissions: archives in it are treated as files.
     pub fn of_class(wanted: &'w dyn Fn(&str) -> bool) -> Self {
         Self {
             is_class: true,
@@ -151,12 +152,12 @@ impl<'w> Reader<'w> {
         }
     }
 
-    /// What has been read.
+    /// Returns what has been read.
     pub fn into_contents(self) -> Contents {
         self.contents
     }
 
-    /// Reads the file, archive or folder `path` of the disk, as `name`; links are not followed.
+    /// Reads the file, archive or folder `path` of the disk under the name `name`; links are not followed.
     ///
     /// # Errors
     /// [`ArchiveError`].
@@ -197,7 +198,8 @@ impl<'w> Reader<'w> {
         self.read_file(name, bytes, 0)
     }
 
-    /// Takes a file with these contents, and opens it if it is an archive, of which `nested` have been opened around it.
+    /// Takes a file with these contents, and opens it if it is an archive; `nested` archives are already open around
+    /// it.
     ///
     /// # Errors
     /// [`ArchiveError`].
@@ -228,7 +230,7 @@ impl<'w> Reader<'w> {
             Kind::Zip => self.open_zip(name, stem, bytes, nested),
             Kind::Tar => self.open_tar(name, stem, Cursor::new(bytes), nested),
             Kind::TarGz => {
-                // Skipped entries are inflated as well.
+                // Skipped entries are decompressed, too.
                 let most = self.left + (self.most_entries as u64) * 1024;
                 let mut inflated = flate2::read::MultiGzDecoder::new(Cursor::new(bytes)).take(most + 1);
                 let result = self.open_tar(name, stem, &mut inflated, nested);
@@ -249,7 +251,7 @@ impl<'w> Reader<'w> {
         for index in 0..archive.len() {
             self.count()?;
             let mut file = archive.by_index(index).map_err(broken)?;
-            // Archives of macOS have names in UTF-8 without saying so.
+            // Archives of macOS have names in UTF-8 without the flag for it.
             let own = std::str::from_utf8(file.name_raw()).map_or_else(|_| file.name().to_owned(), str::to_owned);
             let Some(path) = self.place(name, stem, &own)? else { continue };
             let mode = file.unix_mode().map_or(0, |mode| mode & 0o170_000);
@@ -301,7 +303,7 @@ impl<'w> Reader<'w> {
         if read as u64 > self.left { Err(None) } else { Ok(content) }
     }
 
-    /// Path of an entry of the archive `name`; none for what systems add by themselves.
+    /// Path of an entry of the archive `name`; `None` for files that operating systems add.
     fn place(&mut self, name: &str, stem: &str, entry: &str) -> Result<Option<String>, ArchiveError> {
         let outside = || ArchiveError::Outside { name: printable(name), entry: printable(entry) };
         let slashed = entry.replace('\\', "/");
@@ -328,7 +330,7 @@ impl<'w> Reader<'w> {
         Ok(Some(path).filter(|path| !is_junk(path)))
     }
 
-    /// The content of the file is looked at: it is wanted, or an archive.
+    /// Returns true if the content of the file is read: it is wanted, or an archive.
     fn is_read(&mut self, name: &str) -> bool {
         let is_read = (self.wanted)(name) || kind_of(name).is_some();
         if !is_read && stem_of_other_archive(name).is_some() {
@@ -337,7 +339,7 @@ impl<'w> Reader<'w> {
         is_read
     }
 
-    /// Lets an entry of an archive with all submissions appear without contents, so that nobody is missing.
+    /// Lists an entry of an archive with all submissions without its contents, so that no student is missing.
     fn mark(&mut self, path: &str, is_folder: bool) {
         if self.is_class {
             let path = if is_folder { format!("{path}/.") } else { path.to_owned() };
@@ -362,7 +364,7 @@ impl<'w> Reader<'w> {
     }
 }
 
-/// Files and folders that systems and editors add by themselves.
+/// Returns true for files and folders that operating systems and editors add.
 pub fn is_junk(path: &str) -> bool {
     path.split('/').any(|part| {
         matches!(part, "__MACOSX" | ".DS_Store" | ".git" | ".svn" | ".hg" | "Thumbs.db" | "desktop.ini")
@@ -370,7 +372,7 @@ pub fn is_junk(path: &str) -> bool {
     })
 }
 
-/// Kind of a file that is none that has contents.
+/// Kind of a file without contents.
 fn kind_in_words(kind: FileType) -> &'static str {
     if kind.is_symlink() {
         "is a link"
@@ -383,7 +385,7 @@ fn kind_in_words(kind: FileType) -> &'static str {
     }
 }
 
-/// A name for messages: without control characters.
+/// Replaces control characters in a name, for messages.
 pub(super) fn printable(name: &str) -> String {
     Printable(name).to_string()
 }

@@ -13,9 +13,9 @@ use crate::launch::settings::ProgramOption;
 use crate::program::language::Language;
 use crate::record::log::Pattern;
 
-/// Most sources of a program.
+/// Maximum number of sources of a program.
 const MOST_SOURCES: usize = 200;
-/// Most names in a message.
+/// Maximum number of names in a message.
 const MOST_NAMES: usize = 6;
 /// Extensions of files that sources include.
 const HEADERS: [&str; 8] = ["h", "hh", "hpp", "hxx", "inc", "ipp", "tpp", "def"];
@@ -25,11 +25,11 @@ const HEADERS: [&str; 8] = ["h", "hh", "hpp", "hxx", "inc", "ipp", "tpp", "def"]
 pub struct Choice {
     /// Robots in the words of an option `--program`, with the files that are compiled, loaded or interpreted.
     pub programs: Vec<(String, Vec<String>)>,
-    /// All files that these programs may consist of, by their paths: those above, headers and modules.
+    /// All files that these programs may consist of, by their paths: the files above, headers and modules.
     pub files: BTreeMap<String, Vec<u8>>,
 }
 
-/// Language of a file that a pattern fits.
+/// Language of a file that matches a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Source,
@@ -47,15 +47,15 @@ impl Kind {
     }
 }
 
-/// Returns true for a file that may be part of a program: nothing else of a submission is read.
+/// Returns true for a file that may be part of a program: other files of a submission are not read.
 pub fn is_wanted(submit: &[SubmitSpec], path: &str) -> bool {
     Kind::of(path).is_some() || is_header(path) || submit.iter().any(|submit| fits(submit, path))
 }
 
-/// Chooses the files of each program. Files with a name in `supplied` are left out: the suite has its own.
+/// Chooses the files of each program. Files with a name in `supplied` are left out: the suite supplies its own.
 ///
 /// # Errors
-/// Nothing fits, or too much: the reason for the student.
+/// No file or too many files match; with the message for the student.
 pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Contents) -> Result<Choice, String> {
     let mut choice = Choice::default();
     let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
@@ -115,7 +115,7 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
     Ok(choice)
 }
 
-/// The files of a choice in their places, and its programs.
+/// The files of a choice at the paths where they are written, and its programs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
     /// Contents of the files by their paths.
@@ -132,7 +132,7 @@ impl Choice {
             let own = Self::folder_of(robots);
             let place = |path: &str| format!("{own}/{}", on_disk(path));
             for (path, bytes) in &self.files {
-                // Sources of other robots would be compiled with these.
+                // Sources of other robots would otherwise be compiled along with these.
                 if Kind::of(path).is_none_or(|kind| kind == Kind::Python) || sources.contains(path) {
                     layout.files.insert(place(path), bytes.clone());
                 }
@@ -140,7 +140,8 @@ impl Choice {
             let places: Vec<String> = sources.iter().map(|path| place(path)).collect();
             let folder = |place: &String| place.rsplit_once('/').map(|(folder, _)| folder.to_owned());
             let first = places.first().and_then(folder);
-            // The name of a program, which is its folder's, is part of its record: equal programs in files of other names behave the same.
+            // The name of a program, which is its folder's name, is part of its record, so that equal programs in files
+            // with different names behave the same.
             let is_source = sources.iter().all(|path| Kind::of(path) == Some(Kind::Source));
             let is_folder = is_source && places.iter().all(|place| folder(place) == first);
             let program = first.filter(|_| is_folder).map_or(places, |folder| vec![folder]);
@@ -152,7 +153,7 @@ impl Choice {
     /// Writes the files of each program below `folder`; returns the programs as options.
     ///
     /// # Errors
-    /// A file cannot be written, or a program has a name that no option can have.
+    /// A file cannot be written, or the name of a program cannot be given in an option.
     pub fn write(&self, folder: &Path) -> io::Result<Vec<ProgramOption>> {
         let layout = self.layout();
         for (path, bytes) in &layout.files {
@@ -173,7 +174,7 @@ impl Choice {
     }
 }
 
-/// Path under which a file is written: without characters that references to programs give a meaning.
+/// Path under which a file is written: without characters that have a meaning in references to programs.
 fn on_disk(path: &str) -> String {
     let part = |part: &str| part.trim().replace([',', '\\', '='], "_");
     path.split('/').map(part).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("/")
@@ -183,7 +184,7 @@ fn plain(robots: &str) -> String {
     robots.chars().map(|c| if c.is_alphanumeric() || c == '.' || c == '-' { c } else { '_' }).collect()
 }
 
-/// Returns true if a pattern fits the file: its name, or the end of its path if the pattern has a slash.
+/// Returns true if a pattern matches the file's name, or the end of its path if the pattern has a slash.
 fn fits(submit: &SubmitSpec, path: &str) -> bool {
     submit.patterns.iter().any(|pattern| {
         let parts = pattern.matches('/').count() + 1;
@@ -192,7 +193,7 @@ fn fits(submit: &SubmitSpec, path: &str) -> bool {
     })
 }
 
-/// The paths without those of a file that a shorter path has as well, with the same name and contents.
+/// The paths without duplicates: a file is left out if a shorter path has the same file name and contents.
 fn without_copies<'p>(mut paths: Vec<&'p str>, contents: &Contents) -> Vec<&'p str> {
     paths.sort_by_key(|path| (path.matches('/').count(), *path));
     let mut kept: Vec<&str> = Vec::new();

@@ -1,4 +1,4 @@
-//! A suite with which submissions are graded, and the grading of one of them.
+//! A suite with which submissions are graded, and the grading of one submission.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -29,10 +29,10 @@ const SCHEMA: u32 = 1;
 /// Reasons why nothing can be graded.
 #[derive(Debug, thiserror::Error)]
 pub enum GradeError {
-    /// The suite is not fit for grading.
+    /// The suite cannot be used for grading.
     #[error("{0}")]
     Suite(String),
-    /// The system gives no processes.
+    /// The system cannot start processes.
     #[error(transparent)]
     Pool(#[from] PoolError),
     /// A file cannot be written.
@@ -45,7 +45,8 @@ pub enum GradeError {
     },
 }
 
-/// Result of a submission. It depends on its files, the suite and the version of eyesim only, apart from times.
+/// Result of a submission. Except for times, it depends only on the submission's files, the suite and the version of
+/// eyesim.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Graded {
     /// Version of this form.
@@ -58,7 +59,7 @@ pub struct Graded {
     pub programs: Vec<(String, Vec<String>)>,
     /// Results of all cases, in the order of the suite.
     pub results: Vec<CaseResult>,
-    /// Real time that building and running took, s.
+    /// Wall-clock time of building and running, s.
     pub real_time_s: f64,
 }
 
@@ -73,12 +74,13 @@ pub struct Grader {
     cases: Vec<Case>,
     /// Points of each variant.
     max_points: BTreeMap<String, f64>,
-    /// Names of the files that students have and do not write: those of the suite, and the module that `eyesim new` writes for editors.
+    /// Names of files that students have but do not write: the suite's files, and the module that `eyesim new` writes
+    /// for editors.
     supplied: BTreeSet<String>,
-    /// Hash of everything but the submission.
+    /// Hash of everything that determines results, except the submission.
     key: String,
     builder: Option<Builder>,
-    /// Folder of built programs, as messages of compilers name it.
+    /// Folder of built programs, as it appears in messages of compilers.
     cache: String,
     /// Folder for the files of submissions.
     scratch: tempfile::TempDir,
@@ -91,7 +93,7 @@ impl Grader {
     /// programs of submissions run in `sandbox`.
     ///
     /// # Errors
-    /// The suite or a scene has mistakes, names no files to submit, or a program of its own cannot be built.
+    /// The suite or a scene has mistakes, does not declare files to submit, or one of its own programs cannot be built.
     pub fn open(
         path: &Path,
         hidden: &[u64],
@@ -150,7 +152,7 @@ impl Grader {
         &self.cases
     }
 
-    /// Returns true for a file that may be part of a program: nothing else of a submission is read.
+    /// Returns true for a file that may be part of a program: other files of a submission are not read.
     pub fn wants(&self, path: &str) -> bool {
         choice::is_wanted(&self.suite.spec.submit, path)
     }
@@ -173,7 +175,7 @@ impl Grader {
         Ok(scene)
     }
 
-    /// Files that the options of a case name, by these names in the words of its results.
+    /// Files that the options of a case name, keyed by their names in its results.
     pub fn option_files(&self, case: &Case) -> BTreeMap<String, PathBuf> {
         let Options { noise, stdin, .. } = &case.options;
         let noise = noise.as_ref().map(PathBuf::from).filter(|path| path.is_file());
@@ -217,7 +219,7 @@ impl Grader {
         hasher.finalize().to_hex().to_string()
     }
 
-    /// The files of a submission that become programs; none if it is refused.
+    /// The files of a submission that become programs; `None` if it is refused.
     pub fn choice(&self, submission: &Submission) -> Option<Choice> {
         self.choose(submission.contents.as_ref().ok()?).ok()
     }
@@ -226,7 +228,8 @@ impl Grader {
         choice::choose(&self.suite.spec.submit, &self.supplied, contents)
     }
 
-    /// Grades a submission in this process, which must have one thread, on `workers` copies of it. To be called once.
+    /// Grades a submission in this process, which must be single-threaded, with `workers` forks of it. May be called
+    /// only once.
     pub fn grade(&mut self, submission: &Submission, workers: usize) -> Graded {
         let start = Instant::now();
         let mut graded = match self.attempt(submission, workers) {
@@ -243,7 +246,7 @@ impl Grader {
         let key = self.key(submission);
         let folder = self.scratch.path().join(&key);
         let programs = choice.write(&folder).map_err(|error| format!("its files cannot be written: {error}"))?;
-        // Messages of compilers have the paths without links.
+        // Messages of compilers contain paths with symbolic links resolved.
         let folder = fs::canonicalize(&folder).unwrap_or(folder);
         // Sources in several folders include each other's headers.
         let mut sandbox = self.sandbox.clone();
@@ -316,12 +319,12 @@ impl Graded {
         Self { schema: SCHEMA, problem: None, notes: Vec::new(), programs: Vec::new(), results, real_time_s: 0.0 }
     }
 
-    /// Reads a result that was kept; none if it is of another version.
+    /// Reads a cached result; `None` if it is of another version.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         serde_json::from_slice::<Self>(bytes).ok().filter(|graded| graded.schema == SCHEMA)
     }
 
-    /// Hash of the digests of all cases: submissions with one hash behave the same. None if a case has no digest.
+    /// Hash of the digests of all cases: submissions with equal hashes behave the same. `None` if a case has no digest.
     pub fn behaviour(&self) -> Option<String> {
         let mut hasher = blake3::Hasher::new();
         for result in &self.results {
@@ -362,11 +365,11 @@ fn in_words(error: &Error, case: &Case) -> String {
     format!("the case `{}` of the suite cannot be run: {what}", case.name)
 }
 
-/// Paths of this grading that results do not have.
+/// Paths of this grading that are replaced in results.
 struct Places {
     /// Text and its replacement, longer texts first.
     replaced: Vec<(String, String)>,
-    /// The folder of built programs, in which each build has a folder with a name of its own; empty if none is named.
+    /// The folder of built programs, in which each build has a folder of its own; empty if there is none.
     cache: String,
 }
 

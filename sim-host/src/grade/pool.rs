@@ -1,4 +1,4 @@
-//! Pool of workers that grade submissions: copies of this process, one for each submission.
+//! Pool of worker processes that grade submissions: forks of this process, one for each submission.
 
 use std::io::{self, Read as _, Write as _};
 use std::os::unix::net::UnixStream;
@@ -9,14 +9,14 @@ use super::{GradeError, Graded, Grader};
 use crate::executive::fork::{ForkedWorker, readable};
 use crate::suite::PoolError;
 
-/// Interval at which interrupts are noticed at the latest.
+/// Longest delay until an interrupt is noticed.
 const POLL: Duration = Duration::from_millis(100);
 
-/// Grades the submissions with these indices on `workers` copies of this process, which must have one thread; `done` gets each, in the order
-/// in which they end. After an interrupt the others are not graded.
+/// Grades the submissions with these indices in `workers` forks of this process, which must be single-threaded; calls
+/// `done` with each result as soon as it is complete. After an interrupt no further submission is graded.
 ///
 /// # Errors
-/// The system gives no process.
+/// The system cannot start a process.
 pub fn grade_all(
     grader: &mut Grader,
     submissions: &[Submission],
@@ -26,7 +26,7 @@ pub fn grade_all(
 ) -> Result<(), GradeError> {
     let mut waiting = indices.iter().copied();
     let mut working: Vec<(usize, ForkedWorker)> = Vec::new();
-    // A single submission has its cases on all processors.
+    // The cases of a single submission run on all processors.
     let inner = (workers / indices.len().max(1)).max(1);
     while !grader.interrupt.is_set() {
         while working.len() < workers
@@ -59,7 +59,7 @@ pub fn grade_all(
 
 fn serve(grader: &mut Grader, submission: &Submission, workers: usize, mut stream: UnixStream) {
     let graded = grader.grade(submission, workers);
-    // A copy that was interrupted has no result.
+    // An interrupted fork has no result.
     if !grader.interrupt.is_set()
         && let Ok(bytes) = serde_json::to_vec(&graded)
     {

@@ -1,9 +1,9 @@
 //! Files of seeds.
 
-/// Most seeds of a file.
+/// Maximum number of seeds of a file.
 const MOST_SEEDS: u64 = 100_000;
 
-/// Text that is no list of seeds.
+/// The text is not a list of seeds.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "line {line}: `{word}` {what}; expected numbers and ranges such as `1..20`, with blanks or commas between them"
@@ -14,7 +14,8 @@ pub struct SeedError {
     what: String,
 }
 
-/// The seeds of a text: numbers and ranges with both ends, separated by blanks, commas and line ends; `#` begins a comment.
+/// Parses the seeds of a text: numbers and inclusive ranges, separated by blanks, commas and line ends; `#` begins a
+/// comment.
 ///
 /// # Errors
 /// [`SeedError`].

@@ -1,4 +1,5 @@
-//! Submissions in a folder or archive as learning systems make them: whose they are, and which files belong together.
+//! Submissions in a folder or archive of a learning system: finds the owner of each, and the files that belong
+//! together.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,18 +12,18 @@ use super::archive::{ArchiveError, Contents, Reader, is_junk, stem_of_archive, s
 pub struct Submission {
     /// Name of the student or team as the learning system writes it.
     pub name: String,
-    /// Name for folders: no two submissions have one; letters of any script, digits, `-`, `_` and `.`.
+    /// Unique name for folders: letters of any script, digits, `-`, `_` and `.`.
     pub folder: String,
     /// Its files, or the reason why it is refused.
     pub contents: Result<Contents, String>,
 }
 
-/// Submissions, and what lies beside them.
+/// Submissions, and other files beside them.
 #[derive(Debug, Default)]
 pub struct Submissions {
     /// The submissions, in the order of their names.
     pub list: Vec<Submission>,
-    /// Names of files that belong to nobody.
+    /// Names of files without an owner.
     pub ignored: Vec<String>,
 }
 
@@ -34,7 +35,8 @@ enum Part {
     Files(BTreeMap<String, Vec<u8>>),
 }
 
-/// Reads the submissions in `path`: a folder, or an archive of one. Contents are read of files for which `wanted` holds.
+/// Reads the submissions in `path`: a folder, or an archive of one. Contents are read only for files for which `wanted`
+/// returns true.
 ///
 /// # Errors
 /// The folder or archive as a whole cannot be read.
@@ -113,11 +115,11 @@ fn of_archive(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Entries, Arc
     let mut reader = Reader::of_class(wanted);
     reader.read_path(path, &name_of(path))?;
     let mut entries = Entries::new();
-    // The first folder is called after the archive.
+    // The first folder is named after the archive.
     let inner = |(path, bytes): (String, Vec<u8>)| Some((path.split_once('/')?.1.to_owned(), bytes));
     let mut files: Vec<(String, Vec<u8>)> = reader.into_contents().files.into_iter().filter_map(inner).collect();
     files.retain(|(path, _)| path != ".");
-    // A folder around all submissions is none of them.
+    // A folder around all submissions is not a submission itself.
     loop {
         let firsts: std::collections::BTreeSet<&str> =
             files.iter().filter_map(|(path, _)| path.split_once('/').map(|(first, _)| first)).collect();
@@ -160,14 +162,14 @@ struct Entry {
 /// Owner of an entry.
 #[derive(Debug, PartialEq, Eq)]
 struct Owner {
-    /// Entries with one key belong together.
+    /// Entries with the same key belong together.
     key: String,
     name: String,
-    /// Name of the entry without that of its owner.
+    /// Name of the entry without its owner's name.
     file: String,
 }
 
-/// Owner of an entry by the names that learning systems give; none for a file that is no submission.
+/// Owner of an entry, by the naming schemes of learning systems; `None` for a file that is not a submission.
 ///
 /// Sources: files as downloaded from Moodle (`Name_12345_assignsubmission_file_...`), Canvas (`name_LATE_123_456_file.c`, `file-1.c` for a
 /// second attempt) and Blackboard (`Lab_user_attempt_2024-03-01-12-00-00_file.c`).
@@ -215,7 +217,7 @@ fn owner(entry: &Entry, wanted: &dyn Fn(&str) -> bool) -> Option<Owner> {
         let stem = Path::new(name).file_stem().map_or(name.into(), std::ffi::OsStr::to_string_lossy);
         return of(&stem, &stem, name);
     }
-    // Its owner is told that it cannot be read.
+    // Its owner is informed that it cannot be read.
     of(name, stem_of_other_archive(name)?, name)
 }
 
@@ -242,7 +244,7 @@ fn folder_name(name: &str) -> String {
     if text.is_empty() { "unnamed".to_owned() } else { text.to_owned() }
 }
 
-/// The files without the folders in which all of them lie.
+/// Removes the folders that are common to all files.
 fn without_common_folders(contents: Contents) -> Contents {
     let Contents { files, notes } = contents;
     let mut folders = files.keys().map(|path| path.rsplit_once('/').map_or("", |(folder, _)| folder));

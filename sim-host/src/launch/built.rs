@@ -46,12 +46,14 @@ impl BuiltScene {
         self.programs.iter().map(|program| &program.source)
     }
 
-    /// Messages for the user about the programs: notes of the search, output of the compiler, warnings about the guarantee of equal runs.
+    /// Messages for the user about the programs: notes of the search, output of the compiler, warnings about sources of
+    /// nondeterminism.
     pub fn remarks(&self) -> &[String] {
         &self.programs.remarks
     }
 
-    /// Programs that do not run on fibers, or not where [`Options::exec`](super::Options::exec) wants them, with the reasons: a line each.
+    /// Programs that do not run on fibers, or not where [`Options::exec`](super::Options::exec) wants them, with the
+    /// reasons, one line each.
     pub fn places(&self) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
         for program in self.programs.iter() {
@@ -83,11 +85,11 @@ impl BuiltScene {
         self.load_with(&mut loader)
     }
 
-    /// Creates the robots and loads their programs as [`BuiltScene::load`] does, with the libraries that `loader` has mapped for earlier
-    /// runs, which are over.
+    /// Creates the robots and loads their programs as [`BuiltScene::load`] does, reusing the libraries that `loader`
+    /// has mapped for earlier runs, which must be over.
     ///
     /// # Errors
-    /// As [`BuiltScene::load`].
+    /// See [`BuiltScene::load`].
     pub fn load_with(self, loader: &mut Loader) -> Result<Ready, Error> {
         let Self { options, settings, scene, scenery, inputs, programs } = self;
         let frames = |folder: &PathBuf| {

@@ -19,7 +19,7 @@ use crate::robios::{cost, forbidden};
 /// and a message.
 pub type FindProgram<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Result<(), (Code, String)> + 'a;
 
-/// Folders in which programs of a scene are searched besides its own: the working folder and the installation.
+/// Folders in which programs of a scene are searched, in addition to its own: the working folder and the installation.
 ///
 /// # Errors
 /// The working folder is unknown.
@@ -28,8 +28,8 @@ pub fn search_path(files: &DiskFiles) -> std::io::Result<SearchPath> {
     Ok(SearchPath { working_folder, installation: files.home().map(PathBuf::from), ..SearchPath::default() })
 }
 
-/// A search for programs as in `eyesim run`: in the scene's folder and along `search`; `api` is the generation that replaces the
-/// scene's, `sandbox` that in which programs are built.
+/// A search for programs as in `eyesim run`: in the scene's folder and along `search`; `api` is the generation that
+/// replaces the scene's, and `sandbox` the sandbox in which programs are built.
 pub fn finder(search: SearchPath, api: Option<Generation>, sandbox: Option<Sandbox>) -> Box<FindProgram<'static>> {
     Box::new(move |scene, robot| {
         let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search.clone() };
@@ -46,7 +46,8 @@ pub fn finder(search: SearchPath, api: Option<Generation>, sandbox: Option<Sandb
     })
 }
 
-/// The generation, 6 or 7, of a robot's program if the scene states it or the functions that the program calls leave no doubt of it.
+/// The generation, 6 or 7, of a robot's program if the scene states it or the functions that the program calls
+/// determine it.
 pub fn told_generation(search: &SearchPath, scene: &SceneSpec, robot: &RobotSpec) -> Option<u32> {
     let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search.clone() };
     let found = find_program(&robot.program.as_ref()?.text, &search).ok()?;
@@ -55,7 +56,8 @@ pub fn told_generation(search: &SearchPath, scene: &SceneSpec, robot: &RobotSpec
     matches!(choice.why, ChoiceReason::Said | ChoiceReason::Calls(_)).then(|| choice.generation.number())
 }
 
-/// Returns true if a scene with these diagnostics must not be run: because of errors or, if `strict`, of any diagnostic.
+/// Returns true if a scene with these diagnostics must not be run: because of errors or, if `strict`, because of any
+/// diagnostic.
 pub fn is_rejected(diagnostics: &[Diagnostic], strict: bool) -> bool {
     sim_format::has_errors(diagnostics) || strict && !diagnostics.is_empty()
 }
@@ -74,7 +76,7 @@ pub fn plural(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Diagnostics for the entries of a cost table that match no RoBIOS function.
+/// Diagnostics for the entries of a cost table that do not match a RoBIOS function.
 pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> {
     cost::mistakes(table).map(|(entry, _)| Diagnostic {
         severity: Severity::Error,
@@ -87,7 +89,7 @@ pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> 
     })
 }
 
-/// Diagnostics for the patterns of `forbid` in `file` that fit no RoBIOS function.
+/// Diagnostics for the patterns of `forbid` in `file` that do not match a RoBIOS function.
 pub fn unknown_forbidden(file: &str, forbid: &[PathRef]) -> Vec<Diagnostic> {
     let of_pattern = |pattern: &PathRef| {
         let diagnostic = |(name, meant): (String, Option<String>)| Diagnostic {
@@ -104,7 +106,7 @@ pub fn unknown_forbidden(file: &str, forbid: &[PathRef]) -> Vec<Diagnostic> {
     forbid.iter().flat_map(of_pattern).collect()
 }
 
-/// Diagnostics for the checks of a scene that count calls of no RoBIOS function, or whose program cannot be started.
+/// Diagnostics for the checks of a scene that count calls of an unknown function, or whose program cannot be started.
 pub fn wrong_checks(scene: &SceneSpec) -> Vec<Diagnostic> {
     unknown_calls(scene).chain(wrong_scripts(scene)).collect()
 }
@@ -133,7 +135,7 @@ fn wrong_scripts(scene: &SceneSpec) -> impl Iterator<Item = Diagnostic> {
     })
 }
 
-/// Diagnostics for the checks of a scene that count calls of no RoBIOS function.
+/// Diagnostics for the checks of a scene that count calls of an unknown function.
 fn unknown_calls(scene: &SceneSpec) -> impl Iterator<Item = Diagnostic> {
     let called = scene.checks.iter().filter_map(|check| match &check.kind {
         CheckKind::Calls { function, .. } if !cost::is_function(function) => Some((check, function)),
@@ -158,7 +160,7 @@ pub fn missing_programs(scene: &SceneSpec, severity: Severity, find_program: &Fi
     let mut tried: BTreeSet<&str> = BTreeSet::new();
     let mut missing = Vec::new();
     for robot in &scene.robots {
-        // Many robots may run the same program. A program named on the command line has no place in a file.
+        // Many robots may run the same program. A program named on the command line has no position in a file.
         let of_file = robot.program.as_ref().filter(|program| program.span.line > 0);
         let Some(program) = of_file.filter(|program| tried.insert(&program.text)) else { continue };
         if let Err((code, message)) = find_program(scene, robot) {

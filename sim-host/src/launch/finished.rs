@@ -32,7 +32,8 @@ pub struct Finished {
     pub ended: Ended,
     /// The results as a report, which can be written to a file.
     pub report: Report,
-    /// Messages to the user about what programs printed as metrics, and on programs that did nothing with their robots, a line each.
+    /// Messages to the user about metrics that programs printed, and about programs that did not use their robots; one
+    /// line each.
     pub remarks: Vec<String>,
 }
 
@@ -76,7 +77,7 @@ impl Finished {
 
 /// Remarks on the programs of robots that ended well without a call of RoBIOS.
 pub(super) fn remarks_on_idle(ended: &Ended, report: &Report) -> impl Iterator<Item = String> {
-    /// Most robots that are named.
+    /// Maximum number of robots that are named.
     const MAX: usize = 3;
     let is_idle = |(end, _): &(&RobotEnd, &RobotReport)| end.outcome == Outcome::Finished && !end.has_called;
     ended.robots.iter().zip(&report.robots).filter(is_idle).take(MAX).map(|(_, robot)| {

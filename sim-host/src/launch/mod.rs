@@ -1,8 +1,9 @@
 //! Runs of scenes with robot programs, as a library: no command line, no console.
 //!
-//! [`Scene::open`] reads a scene with all files that it names; mistakes in them are a list of diagnostics. [`Scene::load`] builds and
-//! loads its programs. [`Ready::start`] returns a [`Running`] run, which its owner advances step by step or to its end;
-//! [`Running::finish`] returns the results. Several runs may exist side by side in one process.
+//! [`Scene::open`] reads a scene with all files to which it refers; mistakes in them are a list of diagnostics.
+//! [`Scene::load`] builds and loads its programs. [`Ready::start`] returns a [`Running`] run, which its owner advances
+//! step by step or to its end; [`Running::finish`] returns the results. Several runs may exist side by side in one
+//! process.
 
 mod built;
 pub mod check;
@@ -38,7 +39,7 @@ pub enum Error {
     /// Its files have mistakes.
     #[error(transparent)]
     Rejected(#[from] Rejected),
-    /// The path is that of something else than a scene.
+    /// The path is not a scene's.
     #[error(transparent)]
     NotAScene(#[from] NotAScene),
     /// An option does not fit the scene.
@@ -69,7 +70,7 @@ pub enum Error {
     /// A program that was built cannot be loaded.
     #[error(transparent)]
     Load(#[from] ProgramLoadError),
-    /// The system has no room for the robots.
+    /// The system lacks the resources for the robots.
     #[error("cannot start the robots: {0}")]
     Start(std::io::Error),
     /// A file of the run's record cannot be written.

@@ -68,7 +68,7 @@ pub enum OptionError {
         /// The option's value.
         name: String,
     },
-    /// The side of a maze's cells is given for a scene whose world is no maze file.
+    /// The side of a maze's cells is given, but the scene's world is not a maze file.
     #[error("--maze-cell: the world of `{scene}` is no maze in a file of its own")]
     NoMazeFile {
         /// The scene.
@@ -119,7 +119,8 @@ pub enum OptionError {
     },
 }
 
-// The message has that of the mistake, which therefore is no source: error chains would repeat it.
+// The message contains the mistake's message; the mistake is therefore not a source, since error chains would repeat
+// it.
 impl From<ScriptError> for OptionError {
     fn from(error: ScriptError) -> Self {
         Self::Keys(error)
@@ -149,7 +150,7 @@ pub enum CostsRefusal {
     /// It cannot be read.
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    /// It is no text in UTF-8.
+    /// It is not UTF-8 text.
     #[error(transparent)]
     Text(#[from] std::str::Utf8Error),
     /// Its table has a mistake.

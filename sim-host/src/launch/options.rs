@@ -22,17 +22,17 @@ pub const DEFAULT_UNTIL: Time = Time::from_millis(600_000);
 /// Options of a run; they take precedence over the scene. By default no option is set.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Seed of all randomness; default: that of the scene, else 0.
+    /// Seed of all randomness; default: the scene's, otherwise 0.
     pub seed: Option<u64>,
-    /// Length of a slot; default: that of the scene, else 50 ms.
+    /// Length of a slot; default: the scene's, otherwise 50 ms.
     pub slot: Option<Time>,
-    /// Simulated time at which the run ends; default: that of the scene, else [`Options::default_until`].
+    /// Simulated time at which the run ends; default: the scene's, otherwise [`Options::default_until`].
     pub until: Option<Time>,
     /// End of the run if neither [`Options::until`] nor the scene sets one; default: [`DEFAULT_UNTIL`].
     pub default_until: Time,
-    /// Time that the run goes on after its last program has ended, as long as anything moves; default: 0.
+    /// Time for which the run continues after its last program has ended, while anything moves; default: 0.
     pub linger: Time,
-    /// Number of workers: robots that run at one time; default: one for each processor.
+    /// Number of workers: robots that run at the same time; default: one for each processor.
     pub workers: Option<NonZeroUsize>,
     /// Place of the programs; default: fibers and threads of this process. [`Exec::Process`] and [`Exec::Auto`] need a `main` that calls
     /// [`serve_child`](super::serve_child) first.
@@ -41,13 +41,13 @@ pub struct Options {
     pub sandbox: Option<Sandbox>,
     /// Processor time in seconds that a program may use within one slot before it is stopped; default: 10 s.
     pub timeout: f64,
-    /// Programs of robots, in place of the scene's.
+    /// Programs of robots, instead of the scene's.
     pub programs: Vec<ProgramOption>,
     /// Generation of RoBIOS that the programs are written for.
     pub api: Option<Generation>,
-    /// EyeSim whose conventions scene and programs follow, in place of the scene's.
+    /// EyeSim version whose conventions scene and programs follow, instead of the scene's.
     pub dialect: Option<Dialect>,
-    /// Side of the cells of the scene's maze in metres, in place of what its file says.
+    /// Side of the cells of the scene's maze in metres, instead of the side in its file.
     pub maze_cell: Option<f64>,
     /// Values of a scene in TOML, by the path of their keys.
     pub settings: Vec<Setting>,
@@ -56,23 +56,23 @@ pub struct Options {
     /// File with the standard input of the programs, of which each robot reads a copy; `-`: this process's standard input, read to its
     /// end before the run; `typed`: lines that the user types during the run.
     pub stdin: Option<PathBuf>,
-    /// Arguments of programs in place of the scene's: `1:--kp 0.5`; without a number for all robots.
+    /// Arguments of programs, instead of the scene's: `1:--kp 0.5`; without a number for all robots.
     pub arguments: Vec<String>,
-    /// File with the costs of RoBIOS calls, in place of the scene's.
+    /// File with the costs of RoBIOS calls, instead of the scene's.
     pub costs: Option<PathBuf>,
-    /// Functions that fail for all programs, besides those of the scene: names, in which `*` stands for any letters.
+    /// Functions that fail for all programs, in addition to the scene's: names, in which `*` stands for any letters.
     pub forbid: Vec<String>,
-    /// Noise profile of all robots, in place of the scene's: a preset's name or a file.
+    /// Noise profile of all robots, instead of the scene's: a preset's name or a file.
     pub noise: Option<String>,
-    /// Motion of robots that are pushed against walls, in place of the scene's.
+    /// Motion of robots that are pushed against walls, instead of the scene's.
     pub contact: Option<ContactKind>,
-    /// Suite whose checks judge the run, besides those of the scene.
+    /// Suite whose checks judge the run, in addition to the scene's.
     pub checks: Option<PathBuf>,
     /// Programs may run commands of this machine with `OSExecute`.
     pub allow_execute: bool,
-    /// The programs of checks may run: the scene is the user's own, not that of an archive; default: true.
+    /// The programs of checks may run: the scene is the user's own, not from an archive; default: true.
     pub may_run_checks: bool,
-    /// Bytes that each program may print before the rest is cut; default: [`DEFAULT_OUTPUT_LIMIT`].
+    /// Maximum number of bytes that each program may print; the rest is cut; default: [`DEFAULT_OUTPUT_LIMIT`].
     pub output_limit: u64,
     /// Every RoBIOS call is recorded.
     pub is_verbose: bool,
@@ -84,21 +84,21 @@ pub struct Options {
     pub keep_frames: bool,
     /// The robot whose program runs in a debugger.
     pub debug: Option<DebugTarget>,
-    /// Programs of this process, which `programs` and the scene name as they do files. A trace names them only, so that it cannot repeat
-    /// the run.
+    /// Programs of this process, to which `programs` and the scene refer like to files. A trace contains only their
+    /// names, so that it cannot repeat the run.
     pub embedded: Vec<EmbeddedProgram>,
 }
 
 impl Options {
     /// Number of workers.
     pub fn worker_count(&self) -> usize {
-        // The standard library reads files of the control groups each time.
+        // The standard library reads files of the control groups in each call.
         static PROCESSORS: LazyLock<usize> =
             LazyLock::new(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get));
         self.workers.map_or_else(|| *PROCESSORS, NonZeroUsize::get)
     }
 
-    /// Values that override those of the scene when its files are read.
+    /// Values that override the scene's when its files are read.
     pub fn overrides(&self) -> Overrides<'_> {
         let Self { seed, dialect, maze_cell, settings, .. } = self;
         Overrides { seed: *seed, dialect: *dialect, maze_cell: *maze_cell, settings }

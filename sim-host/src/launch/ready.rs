@@ -52,7 +52,7 @@ pub struct Ready {
 /// Callback for mistakes in the meshes and images that cameras need, with the files to which the diagnostics refer.
 pub type TellDiagnostics = dyn FnMut(&[Diagnostic], &[InputFile]) -> Result<(), RecordError> + Send;
 
-/// Observers of a run besides its owner, and its interrupt.
+/// Observers of a run other than its owner, and its interrupt.
 #[derive(Default)]
 pub struct Observers {
     /// Receive the record, in this order.
@@ -121,7 +121,7 @@ impl Ready {
     /// Starts the run, paused before its first slot.
     ///
     /// # Errors
-    /// [`Error::Start`] if the system has no room for the robots.
+    /// [`Error::Start`] if the system lacks the resources for the robots.
     pub fn start(self, observers: Observers) -> Result<Running, Error> {
         let has_scripts = self.scene.checks.iter().any(|check| matches!(check.kind, CheckKind::Script { .. }));
         let events = has_scripts.then(|| EventStore::new(self.trace_header())).transpose().map_err(Error::Start)?;
@@ -178,7 +178,7 @@ impl Ready {
     /// Starts the run and advances it to its end.
     ///
     /// # Errors
-    /// As [`Ready::start`].
+    /// See [`Ready::start`].
     pub fn run(self) -> Result<Finished, Error> {
         let mut running = self.start(Observers::default())?;
         running.scheduler.advance_to(Time::NEVER);
@@ -186,7 +186,7 @@ impl Ready {
     }
 }
 
-/// Lets the calls be recorded that checks count.
+/// Turns on the recording of the calls that checks count.
 fn record_calls(tally: &Tally, scheduler: &Scheduler) {
     let run = scheduler.run();
     let all = (0..run.robot_count()).map(RobotId::from_index);
@@ -195,10 +195,10 @@ fn record_calls(tally: &Tally, scheduler: &Scheduler) {
 
 /// Arguments of `eyesim run` that repeat the run: everything that determines its results.
 fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
-    /// Longest time in seconds that the command line accepts.
+    /// Maximum time in seconds that the command line accepts.
     const MAX_SECONDS: f64 = 1e9;
     let mut words = vec![scene.to_owned()];
-    // Option and value are one word, so that no value is taken for an option.
+    // Option and value are one word, so that a value is never mistaken for an option.
     let mut add = |option: &str, value: &dyn std::fmt::Display| words.push(format!("--{option}={value}"));
     add("seed", &settings.seed);
     add("slot", &(settings.slot.seconds() * 1000.0));
@@ -243,12 +243,12 @@ pub struct Running {
     judging: Judging,
 }
 
-/// What the checks of a run need besides its motion.
+/// Data that the checks of a run need in addition to its motion.
 struct Judging {
     sandbox: Option<SandboxReport>,
     tally: Option<Arc<Mutex<Tally>>>,
     notes: Arc<Mutex<Notes>>,
-    /// For the programs of checks.
+    /// Events for the programs of checks.
     events: Option<Arc<Mutex<EventStore>>>,
     interrupt: Interrupt,
     may_run: bool,
@@ -270,8 +270,8 @@ impl Running {
         self.end().judge()
     }
 
-    /// Ends the run and completes its record. The caller may now end what its programs have left behind, before programs of checks read the
-    /// record.
+    /// Ends the run and completes its record. The caller may now end processes that its programs have left, before
+    /// programs of checks read the record.
     pub fn end(self) -> Over {
         let Self { scheduler, settings, scene, scenery, inputs, judging } = self;
         Over { ended: scheduler.finish(), settings, scene, scenery, inputs, judging }

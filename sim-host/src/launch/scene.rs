@@ -27,8 +27,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads the scene at `path`, a sim file or a scene in TOML, with all files that it names. Mistakes in the files are in
-    /// [`Scene::diagnostics`].
+    /// Reads the scene at `path`, a sim file or a scene in TOML, with all files to which it refers. Mistakes in the
+    /// files are in [`Scene::diagnostics`].
     ///
     /// # Errors
     /// [`Error::NotAScene`]; [`Error::Option`] for an unknown noise profile.
@@ -38,7 +38,7 @@ impl Scene {
         Self::read(path, DiskFiles::of_environment(), options)
     }
 
-    /// Reads a scene as [`Scene::open`], but from `text`. The file `path` need not exist: its name determines the
+    /// Reads a scene like [`Scene::open`], but from `text`. The file `path` need not exist: its name determines the
     /// format, and its folder is searched for the files that the scene names.
     ///
     /// # Errors
@@ -73,13 +73,13 @@ impl Scene {
         &self.loaded.scene
     }
 
-    /// The scene's specification, to be changed before it is built. A trace of the run does not contain the changes, so it alone cannot
-    /// repeat the run.
+    /// The scene's specification, to be changed before it is built. A trace of the run does not contain the changes, so
+    /// it cannot repeat the run by itself.
     pub fn spec_mut(&mut self) -> &mut SceneSpec {
         &mut self.loaded.scene
     }
 
-    /// Dialect that only the form of the sim file tells, if it is not the usual one.
+    /// Dialect inferred only from the form of the sim file, if it is not the usual one.
     pub fn guessed_dialect(&self) -> Option<Dialect> {
         let is_sim = !self.loaded.scene.file.to_lowercase().ends_with(".toml");
         self.loaded.scene.run.dialect.filter(|_| is_sim && self.options.dialect.is_none())
@@ -122,7 +122,7 @@ impl Scene {
     /// Finds, builds and loads its programs.
     ///
     /// # Errors
-    /// As [`Scene::build`] and [`BuiltScene::load`].
+    /// See [`Scene::build`] and [`BuiltScene::load`].
     pub fn load(self) -> Result<Ready, Error> {
         let builder = self.builder()?;
         self.build(&builder)?.load()
@@ -140,7 +140,7 @@ impl Scene {
     /// Finds its programs as [`Scene::build`] does, and builds those that are not in `cache`.
     ///
     /// # Errors
-    /// As [`Scene::build`].
+    /// See [`Scene::build`].
     pub fn build_with(mut self, builder: &Builder, cache: &mut ProgramCache) -> Result<BuiltScene, Error> {
         let reject = |diagnostics, inputs| Error::Rejected(Rejected { diagnostics, inputs });
         if self.is_rejected() {
@@ -192,7 +192,7 @@ impl Scene {
     }
 }
 
-/// Adds the checks of the suite at `path` to those of the scene.
+/// Adds the checks of the suite at `path` to the scene's checks.
 ///
 /// # Errors
 /// The suite cannot be read.
@@ -209,7 +209,7 @@ fn add_checks(loaded: &mut Loaded, path: &Path) -> Result<(), OptionError> {
     Ok(())
 }
 
-/// A path that is not that of a scene.
+/// A path that is not a scene's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotAScene {
     /// It is a folder.
@@ -221,7 +221,7 @@ pub enum NotAScene {
     /// It is a TOML file without the tables of a scene.
     #[error("`{}` is no scene: it has none of `scene`, `world` and `robot` at its top level", .0.display())]
     OtherToml(PathBuf),
-    /// Its extension is that of another kind of file.
+    /// Its extension belongs to another kind of file.
     #[error(
         "`{}` is no scene: expected NAME.sim or NAME.scene.toml, which names a world and, for each robot, a type and a program",
         .0.display()
@@ -234,7 +234,7 @@ fn folder(purpose: &'static str) -> impl Fn(std::io::Error) -> Error {
     move |error| Error::Folder { purpose, error }
 }
 
-/// Refuses a path that is no scene, such as that of a program, before it is read as one.
+/// Refuses a path that is not a scene's, such as a program's, before it is read as a scene.
 fn expect_scene(path: &Path) -> Result<(), NotAScene> {
     let path_buf = || path.to_owned();
     if path.is_dir() {
@@ -276,7 +276,8 @@ fn hashed(paths: impl Iterator<Item = PathBuf>) -> Vec<Input> {
     paths.iter().filter_map(|path| Some(Input::new(path, &read_regular(path).ok()?))).collect()
 }
 
-/// Programs of scenes that have been built, for further runs with the same ones: they are neither searched nor built again.
+/// Cache of the built programs of scenes, for further runs with the same programs: they are neither searched nor built
+/// again.
 #[derive(Default)]
 pub struct ProgramCache {
     known: BTreeMap<CacheKey, (Programs, Vec<Input>)>,

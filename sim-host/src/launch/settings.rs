@@ -48,7 +48,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Settings of a run of `scene`; gives its robots the programs and arguments of `options`.
+    /// Computes the settings of a run of `scene`, and gives its robots the programs and arguments of `options`.
     ///
     /// # Errors
     /// A robot does not exist, keys, arguments or costs cannot be read, or no robot needs a program of the options.
@@ -113,7 +113,7 @@ impl ProgramOption {
     /// Parses `2=maze.c`, `search.x=maze.c` or `maze.c`.
     ///
     /// # Errors
-    /// The text names no program.
+    /// The text does not name a program.
     pub fn parse(text: &str) -> Result<Self, String> {
         let (selector, program) = match (split_robot(text, '='), text.split_once('=')) {
             ((Some(robot), program), _) => (RobotSelector::Robot(robot), program),
@@ -143,14 +143,14 @@ impl ProgramOption {
         Self { program: program.to_owned(), ..self.clone() }
     }
 
-    /// Returns true if both options name robots in the same words.
+    /// Returns true if both options select robots with the same text.
     pub fn has_robots_of(&self, other: &Self) -> bool {
         self.selector == other.selector
     }
 }
 
 impl std::fmt::Display for ProgramOption {
-    /// In the syntax of the command line.
+    /// Writes the option in the syntax of the command line.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match &self.selector {
             RobotSelector::Without if self.program.contains('=') => write!(f, "={}", self.program),
@@ -165,7 +165,7 @@ impl std::fmt::Display for ProgramOption {
 /// name of a program, and an option with the name of a program over one with the name of a type.
 ///
 /// # Errors
-/// An option fits no robot.
+/// An option matches no robot.
 pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> Result<(), OptionError> {
     let mut given: BTreeMap<usize, (Rank, &str)> = BTreeMap::new();
     for option in options {
@@ -199,12 +199,12 @@ pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> Resu
     Ok(())
 }
 
-/// Takes the programs away from `robots`, which are named as in options `--program`.
+/// Removes the programs of `robots`, which are selected as in options `--program`.
 ///
 /// # Errors
 /// The scene has no such robots.
 pub fn withdraw_programs<'r>(scene: &mut SceneSpec, robots: impl Iterator<Item = &'r str>) -> Result<(), OptionError> {
-    // A name that no file has.
+    // A name that no file can have.
     const WITHDRAWN: &str = "\0withdrawn";
     let withdrawn = |robots: &str| {
         let named = ProgramOption::parse(&format!("{robots}={WITHDRAWN}")).ok();
@@ -372,7 +372,7 @@ fn read_stdin(path: &Path) -> Result<(Source, Option<InputFile>), OptionError> {
     Ok((Source::Text(bytes.as_slice().into()), Some(InputFile { path: slashed(path), bytes })))
 }
 
-/// The costs given by the scene, with the built-in ones for all other calls.
+/// The costs given by the scene, with the built-in costs for all other calls.
 fn costs_of(scene: &SceneSpec) -> Result<Costs, OptionError> {
     let Some(CostsRef::Table(table)) = &scene.run.costs else { return Ok(Costs::default()) };
     Costs::of_table(table).map_err(|error| OptionError::SceneCosts { file: table.file.clone(), error })

@@ -1,7 +1,7 @@
 //! Archives: a scene or a suite in one file, with everything that its runs read.
 //!
-//! An archive is a zip file with `eyesim-pack.json`, the [`Manifest`], and the folder `files`. [`Pack::read`] refuses archives whose entries
-//! would be written anywhere else, or are more than an archive of eyesim has.
+//! An archive is a zip file with `eyesim-pack.json`, the [`Manifest`], and the folder `files`. [`Pack::read`] refuses
+//! archives with entries outside that folder, or with more or larger entries than eyesim writes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,14 +19,14 @@ const MANIFEST: &str = "eyesim-pack.json";
 const FILES: &str = "files/";
 /// Version of the manifest.
 const SCHEMA: u32 = 1;
-/// Most entries of an archive.
+/// Maximum number of entries of an archive.
 const MOST_ENTRIES: usize = 10_000;
-/// Most bytes of all files together.
+/// Maximum total size of all files, in bytes.
 const MOST_BYTES: u64 = 512 << 20;
-/// Longest name of an entry, in bytes.
+/// Maximum length of the name of an entry, in bytes.
 const MOST_NAME: usize = 1024;
 
-/// Contents of an archive: what its files are.
+/// Table of contents of an archive.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Version of the manifest.
@@ -35,12 +35,12 @@ pub struct Manifest {
     pub eyesim_version: String,
     /// Path of the scene or suite.
     pub main: String,
-    /// Folder that stands for the installation (`%sim%`), if files of it are in the archive.
+    /// Folder that replaces the installation (`%sim%`), if the archive contains files of it.
     pub home: Option<String>,
-    /// Seed in place of that of the scene.
+    /// Seed, instead of the scene's.
     pub seed: Option<u64>,
-    /// Programs in place of those of the scene: the beginning of the option `--program`, such as `1=`, and the path of a file or a folder,
-    /// or several paths with commas between them.
+    /// Programs, instead of the scene's: the beginning of the option `--program`, such as `1=`, and the path of a file
+    /// or a folder, or several paths with commas between them.
     pub programs: Vec<(String, String)>,
     /// Files that options of a run name: the value of `--noise` or `--stdin`, and the path of the file in the archive.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -50,7 +50,7 @@ pub struct Manifest {
 /// An archive: its manifest, and its files by their paths with slashes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pack {
-    /// What the files are.
+    /// Table of contents.
     pub manifest: Manifest,
     /// Contents of the files.
     pub files: BTreeMap<String, Vec<u8>>,
@@ -62,7 +62,7 @@ pub enum PackError {
     /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// It is no zip file, or a broken one.
+    /// It is not a zip file, or is broken.
     #[error("it is no archive that can be read: {0}")]
     Zip(#[from] ZipError),
     /// It has no manifest.
@@ -71,27 +71,27 @@ pub enum PackError {
     /// The manifest cannot be read.
     #[error("`{MANIFEST}` cannot be read: {0}")]
     Manifest(#[from] serde_json::Error),
-    /// The manifest is of another version.
+    /// The manifest has another version.
     #[error("it was written by eyesim {version}, whose archives this eyesim cannot read")]
     Schema {
         /// Version of eyesim that wrote it.
         version: String,
     },
-    /// An entry would be written outside of the folder, or is no plain file.
+    /// An entry would be written outside of the folder, or is not a plain file.
     #[error("the entry `{name}` {what}")]
     Entry {
         /// Name of the entry, with unprintable characters escaped.
         name: String,
-        /// What is wrong with it.
+        /// The mistake in the entry.
         what: &'static str,
     },
-    /// Two entries have one name.
+    /// Two entries have the same name.
     #[error("two of its entries have one name")]
     Twice,
     /// There are too many entries.
     #[error("it has {0} entries, at most {MOST_ENTRIES} are read")]
     Entries(usize),
-    /// The files are too large together.
+    /// The total size of the files is too large.
     #[error("its files have more than {} MiB", MOST_BYTES >> 20)]
     Size,
     /// A file that the manifest names is missing.
@@ -119,7 +119,7 @@ impl Pack {
     /// Bytes of the archive: equal for equal contents.
     ///
     /// # Errors
-    /// The files are too large, or have names that no archive may have.
+    /// The files are too large, or have names that an archive must not contain.
     pub fn to_bytes(&self) -> Result<Vec<u8>, PackError> {
         let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
         let options = SimpleFileOptions::default()
@@ -138,7 +138,7 @@ impl Pack {
     /// Reads an archive.
     ///
     /// # Errors
-    /// [`PackError`]; nothing of such an archive is used.
+    /// [`PackError`]; no part of such an archive is used.
     pub fn read(bytes: &[u8]) -> Result<Self, PackError> {
         let mut archive = ZipArchive::new(Cursor::new(bytes))?;
         if archive.len() > MOST_ENTRIES {
@@ -193,7 +193,7 @@ impl Pack {
             return Err(PackError::Missing(missing.clone()));
         }
         manifest.home.as_deref().filter(|home| !home.is_empty()).map_or(Ok(()), check_path)?;
-        // A file in place of a folder would be found only when the files are written.
+        // A file at the path of a folder would otherwise be noticed only when the files are written.
         for path in files.keys() {
             let mut above = path.as_str();
             while let Some((folder, _)) = above.rsplit_once('/') {
@@ -222,17 +222,17 @@ impl Pack {
 }
 
 impl Unpacked {
-    /// What the files are.
+    /// Table of contents.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Place of a file of the archive.
+    /// Path of a file of the archive.
     pub fn place(&self, path: &str) -> PathBuf {
         self.folder.path().join(path)
     }
 
-    /// Place of the file of the archive for which an option names `given`, if it is one.
+    /// Path of the file of the archive to which the option value `given` refers, if there is one.
     pub fn option(&self, given: &str) -> Option<PathBuf> {
         self.manifest.options.get(given).map(|path| self.place(path))
     }
@@ -258,7 +258,7 @@ fn path_of(name: &str) -> Result<String, PackError> {
     Ok(path.to_owned())
 }
 
-/// Refuses paths with parts that are no names.
+/// Refuses paths with components that are not names.
 fn check_path(path: &str) -> Result<(), PackError> {
     let is_name = |part: &str| !part.is_empty() && part != "." && part != "..";
     let is_plain = path.len() <= MOST_NAME && !path.contains(['\\', '\0', ':']) && path.split('/').all(is_name);
@@ -269,7 +269,7 @@ fn entry(name: &str, what: &'static str) -> PackError {
     PackError::Entry { name: name.chars().take(200).flat_map(char::escape_debug).collect(), what }
 }
 
-/// Number of entries as the end of the archive states it; `None` if it states none, or more than a short number.
+/// Number of entries as stated at the end of the archive; `None` if it is missing or does not fit into 16 bits.
 fn count_of_entries(bytes: &[u8]) -> Option<usize> {
     const SIGNATURE: [u8; 4] = *b"PK\x05\x06";
     let at = bytes.windows(SIGNATURE.len()).rposition(|window| window == SIGNATURE)?;

@@ -1,4 +1,4 @@
-//! Drawing in pixels on any backend of plotters.
+//! Drawing in pixels on any plotters backend.
 
 use std::sync::Once;
 
@@ -18,7 +18,7 @@ pub const TITLE: f64 = 14.0;
 
 /// Share of white mixed into an image on the floor, so that bodies on it remain visible.
 const WHITENESS: f64 = 0.35;
-/// Sum of the turns of a line that is drawn as one, in radians: our choice, below half a turn.
+/// Maximum total turn of a path that is drawn in one piece, in radians: our choice, below half a turn.
 const MOST_TURNED: f64 = 2.3;
 
 /// A backend that can show an image.
@@ -45,7 +45,7 @@ impl Surface for BitMapBackend<'_> {
 }
 
 impl Surface for SVGBackend<'_> {
-    /// Does nothing: plotters' writer of SVG has no images. `to_svg` inserts the image afterwards.
+    /// Does nothing: the SVG backend of plotters does not support images. `to_svg` inserts the image afterwards.
     fn image(&mut self, _: (i32, i32), _: (u32, u32), _: &Texture) -> Result<(), PlotError> {
         Ok(())
     }
@@ -119,9 +119,9 @@ impl<'b, B: Surface> Canvas<'b, B> {
             return Ok(());
         }
         let style = self.stroke(line);
-        // The pixel backend fills the outline of a stroke by the even-odd rule, so that a path which meets itself would have gaps, and
-        // joins segments with mitres, which are long spikes where a path turns back. So the path is cut before its turns add up to half
-        // a turn: until then it advances in one direction.
+        // The pixel backend fills the outline of a stroke by the even-odd rule, so that a self-intersecting path would
+        // have gaps, and joins segments with mitres, which become long spikes where a path turns back. So the path is
+        // cut before its turns add up to half a turn: until then it advances in one direction.
         let mut turned = 0.0;
         let is_cut = |at: &usize| {
             let turn = (points[*at] - points[at - 1]).angle_to(points[at + 1] - points[*at]).abs();
@@ -246,7 +246,7 @@ fn font(size: f64) -> FontDesc<'static> {
 pub fn register_fonts() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // An unreadable font would show in every test of a picture.
+        // An unreadable font would fail every test of a picture.
         let _ = register_font("sans-serif", FontStyle::Normal, dejavu::sans::regular());
     });
 }

@@ -1,4 +1,4 @@
-//! Curves over a pair of axes: the figures of `eyesim accuracy`.
+//! Line charts with two axes: the figures of `eyesim accuracy`.
 
 use accuracy::figure::{Figure, Mark, Scale, Series};
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
@@ -22,7 +22,7 @@ const COLOURS: [RGBColor; 7] = [
 ];
 /// Width of the legend's column in pixels, to which the width of its longest name is added.
 const LEGEND: u32 = 34;
-/// Most powers of ten on a logarithmic axis.
+/// Maximum number of powers of ten on a logarithmic axis.
 const DECADES: f64 = 20.0;
 
 /// Renders a figure as SVG.
@@ -40,7 +40,7 @@ fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::err
     let root = backend.into_drawing_area();
     root.fill(&WHITE)?;
     let text = TextStyle::from(("sans-serif", TEXT).into_font());
-    // The legend stands beside the curves, so that it hides none.
+    // The legend is beside the curves, so that it hides none.
     let widths = figure.series.iter().map(|series| root.estimate_text_size(&series.name, &text).map(|size| size.0));
     let legend = if figure.series.len() > 1 {
         LEGEND + widths.collect::<Result<Vec<_>, _>>()?.into_iter().max().unwrap_or(0)
@@ -127,7 +127,8 @@ struct Axis {
     scale: Scale,
     range: RangedCoordf64,
     low: f64,
-    /// On a logarithmic axis: numbers that are not positive are drawn at the lower edge, which is labelled 0.
+    /// Whether a logarithmic axis shows 0: numbers that are not positive are drawn at its lower edge, which is labelled
+    /// 0.
     holds_zero: bool,
 }
 
@@ -145,7 +146,7 @@ impl Axis {
         if is_log {
             let is_short = high - low < SHORT;
             let marks: &[f64] = if is_short { &MARKS } else { &MARKS[..1] };
-            // The axis extends to the next marks outside, and by one more decade if it holds 0.
+            // The axis extends to the next ticks outside, and by one more decade if it shows 0.
             let mark = |place: f64, up: f64| {
                 let near =
                     (-1..=1).flat_map(|d| marks.iter().map(move |mark| place.floor() + f64::from(d) + mark.log10()));
@@ -193,9 +194,9 @@ impl Axis {
     }
 }
 
-/// A logarithmic axis of fewer decades than this has marks between the powers of ten.
+/// A logarithmic axis of fewer decades than this has ticks between the powers of ten.
 const SHORT: f64 = 2.0;
-/// The marks of a decade.
+/// The ticks of a decade.
 const MARKS: [f64; 3] = [1.0, 2.0, 5.0];
 
 impl Ranged for Axis {

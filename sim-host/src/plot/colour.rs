@@ -1,10 +1,10 @@
-//! Colours of all pictures: those of Okabe & Ito, which are distinct with any kind of colour vision, and greys.
+//! Colours of all pictures: the palette of Okabe & Ito, which is distinct with any kind of colour vision, and greys.
 //!
 //! Colour is never the only distinction: forms differ too, and robots have their numbers.
 
 use plotters::style::RGBColor;
 
-/// Blue, vermilion, bluish green, reddish purple, sky blue, orange: those that stand out on white.
+/// The colours that stand out on white: blue, vermilion, bluish green, reddish purple, sky blue, orange.
 const PALETTE: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -22,7 +22,7 @@ pub const FLOOR: RGBColor = RGBColor(248, 247, 243);
 pub const GRID: RGBColor = RGBColor(226, 226, 226);
 /// Text, axes and outlines.
 pub const INK: RGBColor = RGBColor(34, 34, 34);
-/// Secondary things: outlines of meshes, starts without a robot.
+/// Secondary elements: outlines of meshes, starts without a robot.
 pub const SHADE: RGBColor = RGBColor(120, 120, 120);
 /// Paper.
 pub const PAPER: RGBColor = RGBColor(255, 255, 255);
@@ -30,7 +30,7 @@ pub const PAPER: RGBColor = RGBColor(255, 255, 255);
 pub const WHEEL: RGBColor = RGBColor(68, 68, 68);
 /// Beams of PSD sensors.
 pub const PSD: RGBColor = RGBColor(86, 180, 233);
-/// Beams of range sensors beside the PSDs.
+/// Beams of range sensors other than PSDs.
 pub const RANGE: RGBColor = RGBColor(0, 114, 178);
 /// Beams of infrared switches.
 pub const INFRARED: RGBColor = RGBColor(213, 94, 0);

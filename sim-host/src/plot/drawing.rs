@@ -10,7 +10,7 @@ use sim_core::scene::Texture;
 /// Everything in a picture, as input of `render`. Later shapes cover earlier ones.
 #[derive(Clone, Debug, Default)]
 pub struct Drawing {
-    /// The line above the picture.
+    /// Title, shown above the picture.
     pub title: String,
     /// An image below all shapes.
     pub backdrop: Option<Backdrop>,
@@ -38,12 +38,12 @@ pub struct Backdrop {
 pub struct Shape {
     /// Its form and position.
     pub form: Form,
-    /// The colour of its inside.
+    /// Colour of its interior.
     pub fill: Option<Paint>,
-    /// Its outline.
+    /// Paint and width of its outline.
     pub line: Option<Line>,
-    /// Size of a detail in metres: the shape is left out if this size is too few pixels. Infinite for a shape that is
-    /// always drawn.
+    /// Size of a detail in metres: the shape is left out if this is too few pixels. Infinite for a shape that is always
+    /// drawn.
     pub detail: f64,
 }
 
@@ -54,22 +54,22 @@ pub enum Form {
     Polygon(Vec<DVec2>),
     /// The line through these points.
     Path(Vec<DVec2>),
-    /// A circle, never smaller than `least` pixels.
+    /// A circle with a radius of at least `least` pixels.
     Disc {
         /// Its middle.
         centre: DVec2,
         /// Its radius in metres.
         radius: f64,
-        /// Least radius in pixels.
+        /// Minimum radius in pixels.
         least: f64,
     },
-    /// A straight line, never shorter than `least` pixels.
+    /// A straight line of at least `least` pixels.
     Needle {
         /// Its start and direction.
         pose: Pose,
         /// Its length in metres.
         length: f64,
-        /// Least length in pixels.
+        /// Minimum length in pixels.
         least: f64,
     },
     /// An arrow of constant size.
@@ -105,7 +105,7 @@ pub struct Label {
     pub at: DVec2,
     /// Radius around the point that the text leaves free, in metres.
     pub clearance: f64,
-    /// Least such radius, in pixels.
+    /// Minimum of this radius, in pixels.
     pub least: f64,
     /// Preferred direction of the text from the point; zero for none.
     pub direction: DVec2,
@@ -114,13 +114,13 @@ pub struct Label {
 /// A line of the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// The sign.
+    /// The symbol.
     pub symbol: Symbol,
     /// Its meaning.
     pub text: String,
 }
 
-/// A sign of the legend.
+/// A symbol of the legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Symbol {
     /// A circle, filled or not, with an outline.

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 /// Longer side of the world's area in a picture without a given size, in pixels.
 const LONG_SIDE: f64 = 800.0;
-/// Least length of its shorter side, in pixels: enough for a short legend.
+/// Minimum length of its shorter side, in pixels: enough for a short legend.
 const SHORT_SIDE: f64 = 240.0;
 
 /// Margin above the world's area, in pixels.
@@ -28,8 +28,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Frame that shows the rectangle between `low` and `high` with a margin around it, in a picture of `size` pixels in all, or of
-    /// a suitable size.
+    /// Frame that shows the rectangle between `low` and `high` with a margin around it, in a picture with a total size
+    /// of `size` pixels, or a suitable size.
     pub fn around(low: DVec2, high: DVec2, size: Option<(u32, u32)>) -> Self {
         let (centre, shown) = (0.5 * (low + high), (high - low).max(DVec2::splat(1e-3)));
         let shown = shown + DVec2::splat(0.05 * shown.max_element());
@@ -164,7 +164,7 @@ pub fn round_step(least: f64) -> f64 {
 /// Formats metres with the decimals that distinguish multiples of `step`.
 pub fn metres(value: f64, step: f64) -> String {
     let decimals = (0..9).find(|places| step * 10f64.powi(*places) > 0.99).unwrap_or(9) as usize;
-    // No "-0".
+    // Avoids "-0".
     let value = if value.abs() < 0.01 * step { 0.0 } else { value };
     format!("{value:.decimals$}")
 }

@@ -34,7 +34,7 @@ impl Obstacle {
 pub struct Labels<'a> {
     frame: &'a Frame,
     taken: Vec<Obstacle>,
-    /// Bodies with labels; no other label covers them if there is room.
+    /// Bodies with labels; other labels do not cover them if there is space.
     named: Vec<Obstacle>,
 }
 
@@ -44,8 +44,8 @@ impl<'a> Labels<'a> {
         Self { frame, taken: Vec::new(), named }
     }
 
-    /// Upper left corner of the label in pixels, and its text. Of some places around the body, the first free place is
-    /// taken, else the first place that covers no other label. `None` if there is no room.
+    /// Upper left corner of the label in pixels, and its text. Of several positions around the body, the first free one
+    /// is taken, otherwise the first one that covers no other label. `None` if there is no such position.
     pub fn place(&mut self, label: &Label) -> Option<(DVec2, String)> {
         if !self.frame.contains(label.at) {
             return None;

@@ -19,21 +19,21 @@ use crate::record::png;
 
 /// Units per pixel: a quarter of a pixel is fine enough for the eye.
 const UNIT: i32 = 4;
-/// Pictures of more pixels than this are drawn half as finely, to save memory.
+/// Pictures with more pixels than this are drawn with half the units per pixel, to save memory.
 const MANY_PIXELS: u64 = 4_000_000;
-/// Details of fewer pixels than this are left out.
+/// Details smaller than this number of pixels are left out.
 const LEAST_DETAIL: f64 = 5.0;
 /// Height of a line of the legend in pixels.
 const ROW: f64 = 18.0;
-/// Least distance of the ticks of an axis in pixels.
+/// Minimum distance of the ticks of an axis in pixels.
 const TICKS: f64 = 50.0;
-/// Least length of the scale bar in pixels.
+/// Minimum length of the scale bar in pixels.
 const BAR: f64 = 60.0;
 
 const TEXT_PAINT: Paint = Paint::solid(INK);
 const AXIS: Line = Line::solid(INK, 1.0);
 
-/// The picture as SVG text; `size` in pixels as for [`super::PictureKind::render`].
+/// The picture as SVG text; `size` is in pixels, see [`super::PictureKind::render`].
 ///
 /// # Errors
 /// [`PlotError::Draw`] if the drawing library fails.
@@ -264,7 +264,7 @@ impl<B: Surface> Painter<'_, '_, B> {
         let mut labels = Labels::new(self.frame, obstacles.collect());
         for label in &drawing.labels {
             let Some((corner, text)) = labels.place(label) else { continue };
-            // A veil separates the text from the lines below it.
+            // A translucent background separates the text from the lines below it.
             let (width, height) = (text_width(&text, TEXT), TEXT + 2.0);
             let veil = Paint::translucent(PAPER, 0.7);
             self.canvas.rectangle(corner, corner + DVec2::new(width, height), veil)?;
@@ -274,7 +274,7 @@ impl<B: Surface> Painter<'_, '_, B> {
         Ok(())
     }
 
-    /// Draws the scale bar, and as many lines of the legend as there is room for.
+    /// Draws the scale bar, and as many lines of the legend as fit.
     fn legend(&mut self, drawing: &Drawing) -> Result<(), PlotError> {
         let (width, height) = self.frame.whole();
         let left = f64::from(width) - LEGEND;
@@ -339,7 +339,7 @@ fn ticks(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     (first..=last).map(move |number| number as f64 * step)
 }
 
-/// Cuts `words` to `width` pixels, and marks the cut.
+/// Cuts `words` to `width` pixels, and adds a marker at the cut.
 pub fn shortened(words: &str, height: f64, width: f64) -> String {
     if text_width(words, height) <= width {
         return words.to_owned();

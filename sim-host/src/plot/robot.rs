@@ -16,7 +16,7 @@ use super::colour::{BUMPER, CAMERA, INFRARED, INK, LIDAR, PSD, RANGE, WHEEL};
 use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};
 use super::object::{collider_shape, draw_mesh, footprint};
 
-/// Least radius of a robot's body, in pixels.
+/// Minimum radius of a robot's body, in pixels.
 const MARK: f64 = 4.0;
 
 const PSD_LINE: Line = Line::solid(PSD, 1.25);
@@ -67,7 +67,7 @@ pub fn draw_heading(drawing: &mut Drawing, pose: &Pose, radius: f64) {
 }
 
 fn draw_wheels(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
-    // The width of a wheel is specified nowhere; a fifth of its diameter looks right.
+    // The width of a wheel is not specified; a fifth of its diameter looks right.
     let half = 0.5 * robi.wheel.diameter * DVec2::new(1.0, 0.2);
     for wheel in build::wheel_places(robi) {
         let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
@@ -294,14 +294,15 @@ fn arc(pose: &Pose, centre: DVec2, radius: f64, from: f64, to: f64) -> Vec<DVec2
     (0..=steps).map(point).collect()
 }
 
-/// Labels each device of a robot that is drawn alone, with its name and range.
+/// Labels each device with its name and range, in the picture of a single robot.
 pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     let mut label = |text: String, place: DVec2, way: DVec2| {
         let at = pose.transform_point(place);
         drawing.labels.push(Label { text, at, clearance: 0.0, least: 4.0, direction: pose.transform_vector(way) });
     };
     let way = |angle: f64| DVec2::new(math::cos(angle), math::sin(angle));
-    // Labels stand at the edge of the body, where the beams leave it, since the sensors themselves are close together.
+    // Labels are placed at the edge of the body, where the beams leave it, since the sensors themselves are close
+    // together.
     let edge = |position: DVec2, way: DVec2, range: f64| {
         let (along, radius) = (position.dot(way), 0.5 * robi.diameter);
         let beyond = along * along + radius * radius - position.length_squared();

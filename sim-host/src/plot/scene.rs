@@ -16,9 +16,9 @@ use super::frame::metres;
 use super::robot::{RobotStyle, draw_body, draw_fittings, draw_sensors, label_sensors};
 use super::{colour, ground, object};
 
-/// Most robots that get labels: more labels would hide the picture.
+/// Maximum number of robots that get labels: more labels would hide the picture.
 pub const MAX_LABELS: usize = 100;
-/// Most robots whose sensors are drawn: more sensors would hide the picture.
+/// Maximum number of robots whose sensors are drawn: more sensors would hide the picture.
 const MAX_SENSING: usize = 30;
 
 /// Draws the world and its markers, without robots and objects, into `drawing`.
@@ -32,7 +32,7 @@ pub fn draw_ground(mut drawing: Drawing, scene: &SceneSpec, mesh_reader: &mut Me
 pub fn draw_scene(scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawing {
     let world = &scene.world;
     let mut drawing = draw_ground(Drawing::new(title(scene)), scene, mesh_reader);
-    // An arrow adds nothing to a robot at the same place.
+    // An arrow adds nothing to a robot at the same pose.
     let is_taken = |pose: &Pose| scene.robots.iter().any(|robot| robot.start == *pose);
     ground::draw_starts(&mut drawing, world.starts.iter().filter(|start| !is_taken(&start.pose)));
     let mut meshes = BTreeMap::new();
@@ -57,7 +57,7 @@ pub fn draw_scene(scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawin
         }
     }
     for (index, robot) in scene.robots.iter().enumerate() {
-        // Folders would leave no room for the name.
+        // Folders would leave no space for the name.
         let program = path::file_name(robot.program_name());
         let words = [program].into_iter().chain(robot.arguments.iter().map(String::as_str));
         let program = words.collect::<Vec<_>>().join(" ");

@@ -1,4 +1,4 @@
-//! Ground that is not flat, from above: coloured by height, shaded by a light from the upper left, with contours.
+//! Uneven ground from above: coloured by height, shaded by a light from the upper left, with contours.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use super::frame::metres;
 
 /// Longer side of the image, in pixels.
 const PIXELS: f64 = 900.0;
-/// Approximate greatest number of contours.
+/// Approximate maximum number of contours.
 const CONTOURS: f64 = 8.0;
 /// Direction towards the light: from the upper left, as on relief maps.
 const LIGHT: DVec3 = DVec3::new(-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2);
@@ -20,7 +20,7 @@ const AMBIENT: f64 = 0.45;
 /// Brightness of a contour relative to the ground.
 const DARKER: f64 = 0.72;
 
-/// Draws the ground below everything else.
+/// Draws the ground, below all other shapes.
 pub fn draw_terrain(drawing: &mut Drawing, field: &HeightField) {
     let Bounds { min, max } = field.bounds();
     drawing.include(min);

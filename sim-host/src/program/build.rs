@@ -41,11 +41,12 @@ pub struct Tools {
     pub cc: Option<String>,
     /// `$CXX`: the C++ compiler, with arguments if any.
     pub cxx: Option<String>,
-    /// `$EYESIM_CFLAGS`: flags of the compilation, after all others.
+    /// `$EYESIM_CFLAGS`: flags of the compilation, after all other flags.
     pub cflags: Option<String>,
     /// `$CARGO`: the cargo command; if unset, `cargo` on the search path.
     pub cargo: Option<PathBuf>,
-    /// `$PYTHON`: the interpreter of Python programs; if unset, that of the [host](crate::host), else `python3` on the search path.
+    /// `$PYTHON`: the interpreter of Python programs; if unset, the interpreter of the [host](crate::host), otherwise
+    /// `python3` on the search path.
     pub python: Option<PathBuf>,
 }
 
@@ -68,7 +69,8 @@ impl Tools {
 /// A program that is ready to be loaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltProgram {
-    /// The shared library, or what needs no building: the file of a Python program, the name of an embedded one.
+    /// The shared library; for programs that are not built, the file of a Python program or the name of an embedded
+    /// one.
     pub library: PathBuf,
     /// Source of the program.
     pub source: ProgramSource,
@@ -83,7 +85,7 @@ pub struct BuiltProgram {
 /// A program that cannot be built.
 #[derive(Debug, thiserror::Error)]
 pub enum BuildError {
-    /// There is no compiler, or it does not work.
+    /// No working compiler was found.
     #[error(transparent)]
     Compiler(#[from] CompilerError),
     /// The sources call functions of two generations.
@@ -103,10 +105,11 @@ pub enum BuildError {
     Source {
         /// The source.
         path: PathBuf,
-        /// Why.
+        /// Reason for the error.
         error: io::Error,
     },
-    /// A source is a link to a file outside the program's folder, which is all that a restricted program is built from.
+    /// A source is a link to a file outside the program's folder; a restricted program is built only from files in its
+    /// folder.
     #[error("`{}` is a link out of its folder, and the sandbox builds a program from the files in its own folder alone", path.display())]
     Outside {
         /// The source.
@@ -129,12 +132,12 @@ pub enum BuildError {
     Cache {
         /// The cache's folder.
         root: PathBuf,
-        /// Why.
+        /// Reason for the error.
         error: io::Error,
     },
 }
 
-/// Observer of compilations, which take time. Called from the threads that build.
+/// Observer of compilations, for progress displays. Called from the threads that build.
 pub trait BuildObserver: std::fmt::Debug + Send + Sync {
     /// A compiler, or cargo, starts to work on `source`.
     fn begin(&self, source: &ProgramSource);
@@ -172,12 +175,12 @@ impl Builder {
         }
     }
 
-    /// Restricts the compilers: a program is then built from the files in its own folder alone.
+    /// Restricts the compilers: a program is then built only from the files in its own folder.
     pub fn with_sandbox(self, sandbox: Option<Sandbox>) -> Self {
         Self { sandbox, ..self }
     }
 
-    /// The cache of its results.
+    /// The cache of the builder's results.
     pub fn cache(&self) -> &Cache {
         &self.cache
     }
@@ -251,9 +254,9 @@ impl Builder {
         results.into_iter().filter_map(OnceLock::into_inner).collect()
     }
 
-    /// Compiles `sources` to the file `out` without the cache, with `flags` after all others.
+    /// Compiles `sources` to the file `out` without the cache, with `flags` after all other flags.
     ///
-    /// Returns the choice of the generation, the commands run, one a line, and the compiler's warnings.
+    /// Returns the choice of the generation, the executed commands, one per line, and the compiler's warnings.
     ///
     /// # Errors
     /// [`BuildError`].
@@ -425,7 +428,7 @@ impl Builder {
         };
         add(format!("eyesim {CACHE_VERSION}").as_bytes());
         MESSAGES.iter().for_each(|text| add(text.as_bytes()));
-        // What was built without restrictions may contain what a restricted program must not read.
+        // A program built without restrictions may contain data that a restricted program must not read.
         add(self.sandbox.as_ref().map_or("", |sandbox| sandbox.level().word()).as_bytes());
         add(self.kits.of(generation).digest().as_bytes());
         for compiler in self.compilers(sources)? {
@@ -456,8 +459,8 @@ impl Builder {
     }
 }
 
-/// Result of `build` for the choice or, if that is a guess and the sources do not compile, for the other generation, whose functions
-/// must take the values that the program gives them: the compiler's `output` tells.
+/// Returns the result of `build` for the choice. If the choice is a guess and the sources do not compile, the other
+/// generation is tried; according to the compiler's `output`, its functions must accept the arguments of the program.
 fn try_both_generations<T>(
     choice: GenerationChoice,
     build: impl Fn(&GenerationChoice) -> Result<T, BuildError>,
@@ -488,7 +491,7 @@ fn absolute(sources: &[PathBuf]) -> Result<Vec<PathBuf>, BuildError> {
     sources.iter().map(canonical).collect()
 }
 
-/// Checks that no source leads out of `folders`.
+/// Checks that no source is a link that leads out of `folders`.
 fn check_own(sources: &[PathBuf], folders: &[PathBuf]) -> Result<(), BuildError> {
     let is_own = |source: &Path| folders.iter().any(|folder| source.starts_with(folder));
     match sources.iter().zip(absolute(sources)?).find(|(_, source)| !is_own(source)) {
@@ -509,7 +512,8 @@ fn is_header(path: &Path) -> bool {
     ["h", "hh", "hpp", "hxx", "inc"].contains(&extension)
 }
 
-/// Digest of the sources' key and of the contents of every file that `note` lists, one a line; `None` if a file no longer exists.
+/// Digest of the sources' key and of the contents of every file that `note` lists, one per line; `None` if a file no
+/// longer exists.
 fn program_key(sources_key: &str, note: &str) -> Option<String> {
     let mut hasher = blake3::Hasher::new();
     hasher.update(sources_key.as_bytes());

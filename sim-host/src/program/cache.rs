@@ -10,10 +10,10 @@ use std::time::{Duration, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
-/// Time that an entry is kept after its last use.
+/// Time for which an entry is kept after its last use.
 pub const KEEP: Duration = Duration::from_secs(60 * 24 * 3600);
 
-/// Time that the folder of an unfinished build is kept.
+/// Time for which the folder of an unfinished build is kept.
 const KEEP_UNFINISHED: Duration = Duration::from_secs(24 * 3600);
 
 const LIBRARY: &str = "program.so";
@@ -51,11 +51,11 @@ impl Cache {
         Ok(Self { root: std::path::absolute(root)? })
     }
 
-    /// Opens the cache of this user: `$EYESIM_CACHE`, else `$XDG_CACHE_HOME/eyesim`, else `~/.cache/eyesim`; if these cannot be written
-    /// to, a private folder in the temporary folder.
+    /// Opens the cache of this user: `$EYESIM_CACHE`, otherwise `$XDG_CACHE_HOME/eyesim`, otherwise `~/.cache/eyesim`;
+    /// if these cannot be written to, a private folder in the temporary folder.
     ///
     /// # Errors
-    /// `$EYESIM_CACHE` is set and cannot be written to, or none of the others can.
+    /// `$EYESIM_CACHE` is set and cannot be written to, or none of the other folders can.
     pub fn of_user() -> io::Result<Self> {
         let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         if let Some(root) = set("EYESIM_CACHE") {
@@ -110,7 +110,7 @@ impl Cache {
 
     /// Stores the file `library`, built in the folder `build`, as the entry of `key`.
     ///
-    /// If another run has stored that entry meanwhile, the other one is kept and returned.
+    /// If another run has stored that entry meanwhile, its entry is kept and returned.
     ///
     /// # Errors
     /// A file cannot be written or renamed.
@@ -118,7 +118,7 @@ impl Cache {
         let bytes = fs::read(library)?;
         let digest = blake3::hash(&bytes).to_hex().to_string();
         let whole = self.build_folder()?;
-        // A copy belongs to this user, also if the compiler was another one's, in a sandbox.
+        // The copy belongs to this user, even if the compiler ran as another user in a sandbox.
         fs::write(whole.path().join(LIBRARY), bytes)?;
         let record = EntryRecord { library_blake3: digest, output: output.to_owned() };
         fs::write(whole.path().join(RECORD), serde_json::to_vec(&record)?)?;
@@ -154,7 +154,7 @@ impl Cache {
         Some(text)
     }
 
-    /// Stores `text` under `key`, in place of an earlier one.
+    /// Stores `text` under `key`, replacing an earlier text.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -162,7 +162,7 @@ impl Cache {
         self.write_atomically(&self.note_path(key), text.as_bytes())
     }
 
-    /// Writes `path` (inside the cache) atomically, so that no reader ever sees a part of it.
+    /// Writes `path` (inside the cache) atomically, so that readers never see an incomplete file.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -181,7 +181,8 @@ impl Cache {
         self.root.join("notes").join(key)
     }
 
-    /// Removes files that were not used for long. Files that cannot be removed stay: another run may use them.
+    /// Removes files that were not used for a long time. Files that cannot be removed are kept: another run may use
+    /// them.
     fn sweep(&self) {
         let old = |path: &Path, keep: Duration| {
             let used = fs::metadata(path).and_then(|metadata| metadata.modified());

@@ -1,5 +1,5 @@
-//! Scan of a C or C++ source for the functions and constants that it uses: enough to choose the header that it needs before it can be
-//! compiled with one.
+//! Scan of a C or C++ source for the functions and constants that it uses: enough to choose the header that it needs
+//! before it is compiled.
 
 use std::collections::BTreeSet;
 
@@ -8,13 +8,13 @@ use super::code::code_only;
 /// Names found in a source.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Calls {
-    /// Names in front of `(`, those of declarations included.
+    /// Names before `(`, including names in declarations.
     pub called: BTreeSet<String>,
     /// Names of functions that the source defines outside of classes and namespaces.
     pub defined: BTreeSet<String>,
     /// Names of functions that the source declares without defining them.
     pub declared: BTreeSet<String>,
-    /// Other names that the source uses, such as those of constants, and does not define.
+    /// Other names that the source uses and does not define, such as constants.
     pub used: BTreeSet<String>,
     /// Names that the source defines as macros, enumerators, variables or types.
     pub own: BTreeSet<String>,
@@ -74,7 +74,7 @@ pub fn calls_of(text: &str) -> Calls {
     calls
 }
 
-/// Returns true if a name after this token is declared by it: the token may be a type.
+/// Returns true if the token may be a type, so that a name after it is a declaration.
 fn is_type(token: Option<Token<'_>>) -> bool {
     const NO_TYPES: [&str; 12] =
         ["return", "case", "else", "goto", "sizeof", "do", "ifdef", "ifndef", "undef", "if", "elif", "defined"];

@@ -1,4 +1,4 @@
-//! Builds a robot program that is a Cargo package; cargo decides if it is up to date.
+//! Builds a robot program that is a Cargo package; cargo decides whether it is up to date.
 
 use std::fs;
 use std::io;
@@ -33,7 +33,7 @@ pub enum CargoError {
         cargo: PathBuf,
         /// The package's folder.
         folder: PathBuf,
-        /// Why it does not start.
+        /// Reason why it does not start.
         error: io::Error,
     },
     /// cargo does not end.
@@ -66,7 +66,7 @@ pub enum CargoError {
     Io {
         /// The package's folder.
         folder: PathBuf,
-        /// Why.
+        /// Reason for the error.
         error: io::Error,
     },
 }
@@ -78,8 +78,9 @@ const FOREIGN_VARIABLES: &[&str] =
 
 /// Builds the package in `folder` in release mode, always with line tables and unwinding, regardless of its profile.
 ///
-/// The target folder is in `cache`, one for each workspace and one for all packages that are in no workspace, which so share what they
-/// depend on: never one that a `cargo run` or `cargo test` around this process may have locked.
+/// The target folder is in `cache`, one for each workspace, and one for all packages outside of workspaces, which thus
+/// share their dependencies. It is never a folder that a `cargo run` or `cargo test` around this process may have
+/// locked.
 ///
 /// # Errors
 /// [`CargoError`].
@@ -107,9 +108,10 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
 
 /// Builds a package in the target folder `shared` and keeps its library there under the package's own `key`.
 ///
-/// Libraries of packages with one name take one place in a target folder, where cargo overwrites one with the other and calls both up to
-/// date. So the library of a package is the copy that was made when cargo last built it, and a lock covers build and copy. Without a
-/// copy a library that cargo calls up to date may be another package's: then `build(None)` builds it in a folder of its own.
+/// Packages of the same name have the same library path in a target folder: cargo overwrites one library with the other
+/// and reports both as up to date. So the library of a package is the copy that was made when cargo last built it, and
+/// a lock covers build and copy. Without a copy, a library that cargo reports as up to date may be another package's:
+/// then `build(None)` builds it in a folder of its own.
 fn build_alone(
     shared: &Path,
     key: &str,
@@ -196,7 +198,7 @@ fn workspace_manifest(cargo: &Path, manifest: &Path) -> io::Result<PathBuf> {
     Ok(if output.status.success() { PathBuf::from(said.trim()) } else { manifest.to_owned() })
 }
 
-/// The shared library of the package, and true if it was up to date, from cargo's messages (one JSON value a line).
+/// The shared library of the package, and true if it was up to date, from cargo's messages (one JSON value per line).
 fn library_of(messages: &str, manifest: &Path) -> Option<(PathBuf, bool)> {
     messages.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok()).find_map(|message| {
         let is_ours = message["reason"] == "compiler-artifact"

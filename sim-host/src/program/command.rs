@@ -13,10 +13,10 @@ use parking_lot::Mutex;
 /// Time limit of a compiler for one source; our choice.
 pub const COMMAND_TIMEOUT: Duration = Duration::from_secs(180);
 
-/// Time limit of cargo for one package with all that it depends on; our choice.
+/// Time limit of cargo for one package with its dependencies; our choice.
 pub const CARGO_TIMEOUT: Duration = Duration::from_secs(1800);
 
-/// Variable with another time limit of compilers and of cargo, in seconds.
+/// Environment variable that overrides the time limit of compilers and of cargo, in seconds.
 pub const TIMEOUT_VARIABLE: &str = "EYESIM_BUILD_TIMEOUT";
 
 /// The time limit of a build command: `default`, unless the user has set [`TIMEOUT_VARIABLE`] to a number above 0.
@@ -32,13 +32,14 @@ struct SpawnRequest {
     answer: mpsc::SyncSender<io::Result<Child>>,
 }
 
-/// Sends to the thread that starts processes; `None` before its start.
+/// Sender to the thread that starts processes; `None` before its start.
 static SPAWNER: Mutex<Option<mpsc::Sender<SpawnRequest>>> = Mutex::new(None);
 
-/// Starts the thread of [`spawn`] unless it runs. Call it on a thread without restrictions: the processes inherit those of the first caller.
+/// Starts the thread of [`spawn`] unless it runs. Call it on a thread without restrictions: the processes inherit the
+/// restrictions of the first caller.
 ///
 /// # Errors
-/// The system has no room for the thread.
+/// The system lacks the resources for the thread.
 pub fn start_spawner() -> io::Result<()> {
     let mut spawner = SPAWNER.lock();
     if spawner.is_none() {
@@ -55,8 +56,8 @@ pub fn start_spawner() -> io::Result<()> {
     Ok(())
 }
 
-/// Starts a process on a thread that lives as long as this process, since the kernel may kill a child when the thread that started it
-/// ends, and that is no thread of a program, whose restrictions a child would inherit.
+/// Starts a process on a dedicated thread. This thread lives as long as this process, since the kernel may kill a child
+/// when the thread that started it ends; and it is not a program's thread, whose restrictions a child would inherit.
 ///
 /// # Errors
 /// The command cannot be started.
@@ -70,16 +71,16 @@ pub fn spawn(command: Command) -> io::Result<Child> {
 
 /// Limits of a command.
 pub struct CommandLimits<'a> {
-    /// Real time after which it is killed.
+    /// Wall-clock time after which the command is killed.
     pub timeout: Duration,
-    /// Bytes of each stream of its output, after which it is killed.
+    /// Number of bytes of each output stream after which the command is killed.
     pub output: usize,
-    /// Returns true to kill it.
+    /// Returns true to kill the command.
     pub is_cancelled: &'a dyn Fn() -> bool,
 }
 
 impl CommandLimits<'static> {
-    /// A limit of time alone.
+    /// Limits only the time.
     pub fn of_time(timeout: Duration) -> Self {
         Self { timeout, output: usize::MAX, is_cancelled: &|| false }
     }
@@ -107,10 +108,10 @@ pub fn output_within(command: &mut Command, limits: &CommandLimits<'_>) -> io::R
     collect(prepared(command).spawn()?, limits)
 }
 
-/// As [`output_within`], for a thread of a program, whose restrictions the command does not inherit.
+/// Like [`output_within`], for callers on a program's thread, whose restrictions the command does not inherit.
 ///
 /// # Errors
-/// As [`output_within`].
+/// See [`output_within`].
 pub fn output_apart(mut command: Command, timeout: Duration) -> io::Result<Output> {
     prepared(&mut command);
     collect(spawn(command)?, &CommandLimits::of_time(timeout))
@@ -180,7 +181,8 @@ fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
     }
 }
 
-/// Reads a stream to its end on a new thread, so that the other stream cannot block, or until it has more than `most` bytes.
+/// Reads a stream to its end on a new thread, so that the other stream cannot block, or until it has more than `most`
+/// bytes.
 fn read_all(
     stream: Option<impl Read + Send + 'static>,
     most: usize,

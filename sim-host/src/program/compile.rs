@@ -25,7 +25,7 @@ use super::sandbox::{Grant, Role, Sandbox};
 pub struct ShimKit {
     /// Headers: file name and text.
     pub headers: Vec<(&'static str, &'static str)>,
-    /// The shim's files, of which the first one is compiled: file name and text.
+    /// The shim's files: file name and text; the first one is compiled.
     pub shim: Vec<(&'static str, &'static str)>,
     /// Compiler flags of the shim.
     pub shim_flags: &'static [&'static str],
@@ -92,7 +92,7 @@ impl Kits {
 /// One library to build.
 #[derive(Debug)]
 pub struct Compilation<'a> {
-    /// The compilers: one for each language of the sources, and always that of C, the shim's language.
+    /// The compilers: one for each language of the sources, and always the C compiler, for the shim.
     pub compilers: &'a [&'a Compiler],
     /// The generation of RoBIOS to which the kit belongs.
     pub generation: Generation,
@@ -102,7 +102,7 @@ pub struct Compilation<'a> {
     pub kit_folder: &'a Path,
     /// The sources, absolute, each in a language of its extension.
     pub sources: &'a [PathBuf],
-    /// The user's further flags of the compilation, after all others.
+    /// The user's further flags of the compilation, after all other flags.
     pub extra_flags: &'a [String],
     /// Folder for object files and the library.
     pub folder: &'a Path,
@@ -121,14 +121,14 @@ pub struct Compiled {
     pub output: String,
     /// Every file that was read for the program: its sources and their headers, absolute.
     pub read: Vec<PathBuf>,
-    /// The commands run, one a line.
+    /// The executed commands, one per line.
     pub commands: String,
 }
 
 /// Sources that cannot be compiled or linked.
 #[derive(Debug, thiserror::Error)]
 pub enum CompileError {
-    /// The compiler refuses a source; its messages follow unchanged after hints of ours.
+    /// The compiler refuses a source; its messages follow unchanged after our hints.
     #[error("{hints}`{}` does not compile (paths below are seen from `{}`):\n{output}", source_file.display(), folder.display())]
     Refused {
         /// The source.
@@ -137,17 +137,17 @@ pub enum CompileError {
         folder: PathBuf,
         /// Messages of the compiler.
         output: String,
-        /// Possible causes, a line each.
+        /// Possible causes, one per line.
         hints: String,
     },
-    /// Functions or variables are used and not defined, or defined twice.
+    /// Functions or variables are used but not defined, or are defined twice.
     #[error("{}", unlinked(program, output, hints))]
     Unlinked {
         /// The first source.
         program: PathBuf,
         /// Messages of the linker.
         output: String,
-        /// Possible causes, a line each.
+        /// Possible causes, one per line.
         hints: String,
     },
     /// A file cannot be written, or the compiler cannot be started.
@@ -155,12 +155,12 @@ pub enum CompileError {
     Io {
         /// The first source.
         program: PathBuf,
-        /// What went wrong.
+        /// The system's error.
         error: io::Error,
     },
 }
 
-/// Message about a program that does not link: the hints first, the linker's own words only where they say more.
+/// Message about a program that does not link: the hints first, the linker's messages only where they add something.
 fn unlinked(program: &Path, output: &str, hints: &str) -> String {
     let own_words = format!("`{}` does not link:\n{output}", program.display());
     match hints.trim_end() {
@@ -225,7 +225,7 @@ impl<'a> Compilation<'a> {
         variants.split_off(1)
     }
 
-    /// Headers of RoBIOS beside the first source, of any year, which would take precedence over ours.
+    /// RoBIOS headers of any version beside the first source, which would take precedence over ours.
     fn hidden_headers(&self) -> Vec<PathBuf> {
         let beside = self.kit.headers.iter().map(|(name, _)| self.source_folder().join(name));
         beside.filter(|path| is_of_robios(path)).collect()
@@ -327,7 +327,7 @@ impl<'a> Compilation<'a> {
         if undeclared.is_empty() {
             return first;
         }
-        // Calls of undeclared functions pass wrong types of arguments: the missing headers are included.
+        // Calls of undeclared functions pass arguments of wrong types, so the missing headers are included.
         let with_headers = self.folder.join(format!("{index}-with-headers.o"));
         let is_ours = undeclared.iter().any(|name| self.generation.has(name));
         let is_truth = undeclared.iter().any(|name| c::TRUTH.contains(&name.as_str()));
@@ -438,7 +438,8 @@ impl<'a> Compilation<'a> {
         Ok(())
     }
 
-    /// Runs a command of `compiler` that writes to the folder `scratch`; returns its output, as `Err` if it failed.
+    /// Runs a command of `compiler` that writes to the folder `scratch`; returns its output, or the output as an error
+    /// if it failed.
     fn call(
         &self,
         compiled: &mut Compiled,
@@ -478,16 +479,16 @@ impl<'a> Compilation<'a> {
 /// Variant of a compilation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct CompileVariant<'m> {
-    /// With the older standard of C++.
+    /// Uses the older standard.
     is_old: bool,
-    /// Without the declarations that EyeSim's `types.h` brings besides its own names.
+    /// Omits the declarations that EyeSim's `types.h` adds to its own names.
     is_lean: bool,
     /// Headers beside the first source that are hidden from the compiler.
     hidden: &'m [PathBuf],
 }
 
 impl CompileVariant<'_> {
-    /// Message about the hidden headers: a line, or empty.
+    /// Message about the hidden headers: one line, or empty.
     fn remark(&self) -> String {
         let names = self.hidden.iter().map(|path| path.file_name().unwrap_or_default().display().to_string());
         match names.collect::<Vec<_>>().as_slice() {
@@ -516,7 +517,8 @@ impl Compiled {
         self.commands.push('\n');
     }
 
-    /// Runs `command`, whose files may take as much room as `quota` says; returns its output, as `Err` if it failed.
+    /// Runs `command`, whose files may take as much space as `quota` allows; returns its output, or the output as an
+    /// error if it failed.
     fn call(&mut self, command: &mut Command, quota: Option<&Quota>) -> io::Result<Result<String, String>> {
         let is_over = || quota.is_some_and(|quota| quota.is_due() && quota.excess().is_some());
         let limits = CommandLimits { is_cancelled: &is_over, ..CommandLimits::of_time(build_timeout(COMMAND_TIMEOUT)) };
@@ -560,7 +562,7 @@ fn returns_nothing_from_main(output: &str) -> bool {
     })
 }
 
-/// Message about a source whose text is not UTF-8, at its first such byte: a line, or empty.
+/// Message about a source whose text is not UTF-8, for its first invalid byte: one line, or empty.
 fn remark_on_encoding(source: &Path, text: &[u8]) -> String {
     let Err(error) = std::str::from_utf8(text) else { return String::new() };
     let (before, rest) = text.split_at(error.valid_up_to());

@@ -14,9 +14,9 @@ use super::language::Language;
 use super::words::split_words;
 use crate::host;
 
-/// Standards for the compilation of sources, newest first. The newest one that the compiler knows is tried first, then the last of
-/// the list: in C it still accepts K&R functions and `bool` as a name, which newer standards refuse; in C++ it is that of course
-/// programs which the newest one refuses.
+/// Standards for the compilation of sources, newest first. The newest one that the compiler supports is tried first,
+/// then the last of the list: in C it still accepts K&R functions and `bool` as a name, which newer standards refuse;
+/// in C++ it is the standard of course programs that the newest one refuses.
 const fn standards(language: Language) -> &'static [&'static str] {
     match language {
         Language::C => &["-std=gnu17"],
@@ -43,16 +43,16 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-fno-omit-frame-pointer",
     "-Wall",
     "-Wmain",
-    // Part of these is told, see `plain::without_intended`.
+    // Only some of these warnings are shown, see `plain::without_intended`.
     "-Wfloat-conversion",
     "-Wno-error=float-conversion",
     "-Wformat-security",
     "-Wno-error=format-security",
 ];
 
-/// Flags that are used if the compiler knows them: those that make old sources compile although their constructs have become
-/// errors (gcc 14, clang 16, C++11), then checks of the indices of `vector` and its kin, and stack probes (a big local array hits the guard
-/// page and not the memory beyond it).
+/// Flags that are used if the compiler supports them: flags that let old sources compile although their constructs have
+/// become errors (gcc 14, clang 16, C++11), then index checks of `vector` and similar classes, and stack probes (a big
+/// local array hits the guard page and not the memory beyond it).
 const fn optional_compile_flags(language: Language) -> &'static [&'static str] {
     match language {
         Language::C => &[
@@ -79,8 +79,8 @@ const fn optional_compile_flags(language: Language) -> &'static [&'static str] {
     }
 }
 
-/// Linker flags that are used if the linker knows them: both halve the memory mappings of a private copy, of which each robot has
-/// one.
+/// Linker flags that are used if the linker supports them: each halves the number of memory mappings of a robot's
+/// private copy.
 const OPTIONAL_LINK_FLAGS: &[&str] = &["-Wl,-z,noseparate-code", "-Wl,-z,norelro"];
 
 /// A compiler that was found, with its flags.
@@ -114,17 +114,17 @@ pub enum CompilerError {
         language: Language,
         /// Value of the variable.
         command: String,
-        /// Why it does not run.
+        /// Reason why it does not run.
         error: String,
     },
-    /// A compiler starts and does not tell its version in time.
+    /// A compiler starts, but does not print its version in time.
     #[error("the {} compiler `{command}` does not answer: {error}", language.name())]
     Silent {
         /// The language.
         language: Language,
         /// The compiler's command.
         command: String,
-        /// How long it had for that.
+        /// The error with the time limit.
         error: io::Error,
     },
     /// The compiler starts, but cannot compile an empty file, or link for lack of the library's development files.
@@ -141,7 +141,7 @@ pub enum CompilerError {
         /// Output of the compiler.
         output: String,
     },
-    /// The C++ library exists only as a shared one, whose streams all robots would share.
+    /// The C++ library exists only as a shared library, whose streams all robots would share.
     #[error(
         "the C++ compiler `{command}` has no static C++ library (`libstdc++.a`), of which each robot needs a copy: install it \
          (Fedora: `dnf install libstdc++-static`; Debian and Ubuntu: `apt install g++`):\n{output}"
@@ -164,10 +164,10 @@ fn of_host() -> String {
 }
 
 impl Compiler {
-    /// Finds the compiler of `language`: the one that `setting` names (the value of `$CC` or `$CXX`, which may contain arguments),
-    /// else the first of its [usual commands](Language::commands), else the zig of the [host].
+    /// Finds the compiler of `language`: the one that `setting` names (the value of `$CC` or `$CXX`, which may contain
+    /// arguments), otherwise the first of its [usual commands](Language::commands), otherwise the zig of the [host].
     ///
-    /// The optional flags that it knows are tried once and stored in `cache`.
+    /// The optional flags that it supports are determined once and stored in `cache`.
     ///
     /// # Errors
     /// [`CompilerError`] if there is no compiler or it does not work.
@@ -202,7 +202,7 @@ impl Compiler {
         format!("{} ({})", self.command.join(" "), version.trim())
     }
 
-    /// Line for the user if this is the compiler of the [host], for want of another.
+    /// Line for the user if this is the compiler of the [host], which is used only if there is no other.
     pub fn note(&self) -> Option<String> {
         let language = self.language.name();
         self.is_zig
@@ -220,13 +220,13 @@ impl Compiler {
         command
     }
 
-    /// Identifies this compiler: its command, the path to which that resolves, and its version text.
+    /// Identifies this compiler by its command, the path to which that resolves, and its version text.
     pub fn identity(&self) -> String {
         let program = which(&self.command[0]).unwrap_or_else(|| self.command[0].clone().into());
         format!("{:?}\n{}\n{}", self.command, program.display(), self.version)
     }
 
-    /// Folders besides the system's that it needs: those of its own installation.
+    /// Folders that it needs in addition to the system's: the folders of its own installation.
     pub fn folders(&self) -> Vec<PathBuf> {
         self.command.first().and_then(|name| which(name)).map_or_else(Vec::new, |program| tool_folders(&program))
     }
@@ -237,7 +237,8 @@ impl Compiler {
         flags.chain(self.optional_compile_flags.iter().map(String::as_str))
     }
 
-    /// Flags of the newest standard that the compiler knows, and of an older one for sources that the newest refuses.
+    /// Flags of the newest standard that the compiler supports, and of an older one for sources that the newest
+    /// refuses.
     pub fn standards(&self) -> [&str; 2] {
         [&self.newest_standard, standards(self.language).last().unwrap_or(&"")]
     }
@@ -334,7 +335,7 @@ impl Compiler {
     }
 }
 
-/// The first of the usual commands of `language`, or else `zig`, that tells its version, with that version.
+/// The first of the usual commands of `language`, or `zig`, that prints its version, with that version.
 fn first_of(
     language: Language,
     zig: Option<&Vec<String>>,
@@ -353,8 +354,8 @@ fn first_of(
     Err(missing)
 }
 
-/// The command of the zig that the [host] brings, for want of another compiler. It is clang; the check for undefined behaviour that
-/// it adds by itself would stop programs that others run.
+/// The command of the zig that the [host] brings, for systems without another compiler. It is clang; its default check
+/// for undefined behaviour, which is turned off, would stop programs that run with other compilers.
 fn zig(language: Language) -> Option<Vec<String>> {
     let zig = host::current().map(|host| &host.zig).filter(|zig| !zig.is_empty())?;
     let subcommand = match language {
@@ -378,8 +379,8 @@ fn version_of(command: &[String], cache: &Cache) -> io::Result<String> {
     Ok(version)
 }
 
-/// The command with path, size, times and inode of its file; `None` unless that is gcc, clang or zig itself: a script or a launcher such as
-/// ccache starts a compiler that may change without it.
+/// The command with path, size, times and inode of its file; `None` unless the file is gcc, clang or zig itself: a
+/// script or a launcher such as ccache starts a compiler that may change without it.
 fn state_of(command: &[String]) -> Option<String> {
     use std::os::unix::fs::MetadataExt as _;
     let path = which(command.first()?)?;
@@ -407,7 +408,8 @@ fn ask_version(command: &[String]) -> io::Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// The folders of the installation to which `program` belongs, such as `bin/python3`: its own and those of its libraries beside it.
+/// The folders of the installation to which `program` belongs, such as `bin/python3`: its own folder and the folders of
+/// its libraries beside it.
 pub(super) fn tool_folders(program: &Path) -> Vec<PathBuf> {
     let folder = program.parent().unwrap_or(Path::new("/"));
     let installation = folder.parent().unwrap_or(folder);

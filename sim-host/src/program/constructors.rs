@@ -1,7 +1,8 @@
 //! Hides a library's constructors from the dynamic linker, so that they run as a part of the program.
 //!
-//! Constructors of static C++ objects may call RoBIOS, print and throw, but there is no robot yet while the library is loaded, and
-//! no thread that may loop or fault. The shim therefore calls them when the robot's program starts; for Rust programs the host does.
+//! Constructors of static C++ objects may call RoBIOS, print and throw, but while the library is loaded there is
+//! neither a robot nor a thread that may loop or fault. The shim therefore calls them when the robot's program starts;
+//! for Rust programs the host calls them.
 
 use std::ffi::{c_char, c_int};
 use std::fs;
@@ -16,7 +17,7 @@ use robios_sys::CONSTRUCTOR_TAGS;
 /// Hides the constructors of the library at `path`, see [`hide`].
 ///
 /// # Errors
-/// The file cannot be read or written, or is no library of this system.
+/// The file cannot be read or written, or is not a library of this system.
 pub fn defer_constructors(path: &Path) -> io::Result<()> {
     let mut bytes = fs::read(path)?;
     hide(&mut bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
@@ -26,7 +27,7 @@ pub fn defer_constructors(path: &Path) -> io::Result<()> {
 /// Replaces the tags `DT_INIT_ARRAY` and `DT_INIT_ARRAYSZ` in the bytes of a library by [`CONSTRUCTOR_TAGS`].
 ///
 /// # Errors
-/// The bytes are no library of this system.
+/// The bytes are not a library of this system.
 pub fn hide(bytes: &mut [u8]) -> Result<(), object::Error> {
     for (at, tag) in constructor_tags(bytes)? {
         bytes[at..at + 8].copy_from_slice(&u64::from(tag).to_ne_bytes());
@@ -34,18 +35,20 @@ pub fn hide(bytes: &mut [u8]) -> Result<(), object::Error> {
     Ok(())
 }
 
-/// Runs the hidden constructors of the library at `base`, which has no shim that does so, on this thread; does nothing if there are none.
-/// Their arguments are empty.
+/// Runs the hidden constructors of the library at `base`, which has no shim for this, on this thread; does nothing if
+/// there are none. Their arguments are empty.
 ///
 /// # Safety
-/// A library of this system is mapped at `base`, as the dynamic linker does it, and stays so; its constructors have not run.
+/// A library of this system is mapped at `base`, as the dynamic linker does it, and stays mapped; its constructors have
+/// not run.
 pub unsafe fn run_hidden(base: usize) {
     type Constructor = unsafe extern "C" fn(c_int, *const *const c_char, *const *const c_char);
     type Word = elf::Dyn64<object::Endianness>;
     let endian = object::Endianness::default();
     let at = ptr::with_exposed_provenance::<u8>;
-    // SAFETY: the file's header begins the first mapping, and the program headers follow it there; the dynamic section is mapped where
-    // they say and ends with a null tag. The types have no alignment of their own that these places, laid out for the kernel, lack.
+    // SAFETY: the file's header begins the first mapping, and the program headers follow it there; the dynamic section
+    // is mapped where they say and ends with a null tag. These addresses, laid out for the kernel, satisfy the
+    // alignment of the types.
     unsafe {
         let header = &*at(base).cast::<elf::FileHeader64<object::Endianness>>();
         let headers = at(base + header.e_phoff(endian) as usize).cast::<elf::ProgramHeader64<object::Endianness>>();

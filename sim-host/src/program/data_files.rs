@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::find::ProgramSource;
 
-/// Largest source that is searched, in bytes.
+/// Maximum size of a source that is searched, in bytes.
 const MAX_SOURCE: u64 = 1 << 20;
 /// Parts of the names of functions and classes that open files, in C, C++ and Python.
 const OPENERS: [&str; 2] = ["open", "fstream"];
 
-/// Remarks on files that a program opens by a literal name, and that lie beside its source and not in the working folder.
+/// Remarks on files that a program opens by a literal name and that are beside its source but not in the working
+/// folder.
 pub fn remarks(source: &ProgramSource, working_folder: &Path) -> Vec<String> {
     let files = match source {
         ProgramSource::Sources { files, .. } => files.as_slice(),

@@ -1,4 +1,4 @@
-//! Programs that are code of the process which embeds the simulator, such as functions of Python.
+//! Programs that are code of the process that embeds the simulator, such as Python functions.
 
 use std::cmp::Ordering;
 use std::hash::{Hash, Hasher};
@@ -8,27 +8,29 @@ use robios_sys::Status;
 use robios_sys::wire::Malformed;
 use sim_core::RobotId;
 
-/// Code of the embedding process that runs as the program of robots, each on a thread that the simulator has made for it.
+/// Code of the embedding process that runs as the program of robots, each on a thread that the simulator creates for
+/// it.
 pub trait EmbeddedCode: Send + Sync {
     /// Runs the program of `robot`, which makes its calls through `calls`, to its end.
     fn run(&self, robot: RobotId, arguments: &[String], calls: Arc<dyn Calls>) -> EmbeddedEnd;
 
-    /// Calls the function that the program of `robot` knows by `number`, on its thread and within one of its calls. Returns
-    /// [`Status::STOP`] if that call must not go on.
+    /// Calls the function that the program of `robot` knows by `number`, on its thread and within one of its calls.
+    /// Returns [`Status::STOP`] if that call must not continue.
     fn call_back(&self, robot: RobotId, number: u64) -> Status;
 
-    /// Asks the program of `robot`, which computes or sleeps on its thread, to end with [`EmbeddedEnd::Overdue`]. One that does not end
-    /// soon is abandoned.
+    /// Asks the program of `robot`, which computes or sleeps on its thread, to end with [`EmbeddedEnd::Overdue`]. A
+    /// program that does not end soon is abandoned.
     fn stop(&self, robot: RobotId);
 }
 
-/// Calls of a program that runs.
+/// Calls of a running program.
 pub trait Calls: Send + Sync {
-    /// Carries out a call: `request` is the body of a CALL message as `docs/protocol.md` has it, and that of its answer is appended to
-    /// `reply`. [`Status::STOP`] once the program must end, and on other threads than its own.
+    /// Carries out a call: `request` is the body of a CALL message as described in `docs/protocol.md`, and the body of
+    /// the answer is appended to `reply`. Returns [`Status::STOP`] once the program must end, and on threads other than
+    /// its own.
     ///
     /// # Errors
-    /// [`Malformed`] for bytes that are no call.
+    /// [`Malformed`] if the bytes do not encode a call.
     fn call(&self, request: &[u8], reply: &mut Vec<u8>) -> Result<Status, Malformed>;
 }
 
@@ -37,18 +39,18 @@ pub trait Calls: Send + Sync {
 pub enum EmbeddedEnd {
     /// It has returned, with this exit code.
     Exited(i32),
-    /// It was [stopped](EmbeddedCode::stop), at this place: `notebook.py:12`, or empty.
+    /// It was [stopped](EmbeddedCode::stop) at this location, such as `notebook.py:12`, or empty.
     Overdue(String),
 }
 
-/// A program as scenes and options refer to it. Programs with one reference are equal.
+/// A program as scenes and options refer to it. Programs with the same reference are equal.
 #[derive(Clone)]
 pub struct EmbeddedProgram {
-    /// Reference to it in place of a file's, unique in a run: `drive()`.
+    /// Reference to it instead of a file name, unique in a run: `drive()`.
     pub reference: String,
     /// Its name, the `argv[0]` of its robots: `drive`.
     pub name: String,
-    /// What runs.
+    /// The code that runs.
     pub code: Arc<dyn EmbeddedCode>,
 }
 

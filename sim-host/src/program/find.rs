@@ -11,7 +11,7 @@ use super::kind::{FileKind, HEAD_BYTES, file_kind};
 use super::language::Language;
 use crate::files::open_regular;
 
-/// Folders in which programs are searched, in this order: the sim file's, the working folder, the others.
+/// Folders in which programs are searched, in this order: the sim file's folder, the working folder, further folders.
 #[derive(Clone, Debug, Default)]
 pub struct SearchPath {
     /// Folder of the sim file that names the program; `None` for a program named on the command line.
@@ -65,9 +65,9 @@ impl ProgramSource {
 /// A program that was found, with notes about the search.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Found {
-    /// The program's name, its `argv[0]`: that of the file, without folder and extension, or of the folder.
+    /// The program's name, its `argv[0]`: the name of the file, without folder and extension, or of the folder.
     pub name: String,
-    /// What to build or load.
+    /// The source to build or load.
     pub source: ProgramSource,
     /// Remarks such as "`maze.dll` is a Windows library or program: `maze.c` beside it is used instead".
     pub notes: Vec<String>,
@@ -83,7 +83,7 @@ impl Found {
     }
 }
 
-/// A place that was searched without success.
+/// A path that was searched without success.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attempt {
     /// The path that was tried.
@@ -97,7 +97,7 @@ pub struct Attempt {
 pub struct FindError {
     /// The reference, as the user wrote it.
     pub reference: String,
-    /// Every place tried, in order.
+    /// Every path tried, in order.
     pub attempts: Vec<Attempt>,
     /// Programs in the folders searched that have a similar name.
     pub near: Vec<String>,

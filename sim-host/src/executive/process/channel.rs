@@ -190,7 +190,7 @@ impl Channels {
     /// The channels in `file`, which another process has created.
     ///
     /// # Errors
-    /// The length of the file is not a multiple of a channel's.
+    /// The length of the file is not a positive multiple of a channel's.
     pub fn of_file(file: File) -> io::Result<Self> {
         let length = file.metadata()?.len();
         if length < CHANNEL as u64 || length % CHANNEL as u64 != 0 {
