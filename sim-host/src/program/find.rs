@@ -99,7 +99,7 @@ pub struct FindError {
     pub reference: String,
     /// Every path tried, in order.
     pub attempts: Vec<Attempt>,
-    /// Programs in the folders searched that have a similar name.
+    /// Programs in the searched folders that have a similar name.
     pub near: Vec<String>,
 }
 
@@ -121,7 +121,7 @@ impl std::fmt::Display for FindError {
             }
             folder = problem.is_none().then(|| path.parent());
         }
-        // For a source of another language the attempt itself gives the advice.
+        // For a source of another language the attempt itself contains the advice.
         if foreign.iter().any(|attempt| source_language(&attempt.path).is_none() && !attempt.path.is_dir()) {
             f.write_str(
                 "\n  put its source beside it: a `.c` or `.cpp` file, or a folder with a Cargo package, of the same name",
@@ -146,13 +146,13 @@ fn quoted(names: &[String]) -> String {
 
 /// Finds the program that `reference` names.
 ///
-/// `reference` is a path to a shared library, a C or C++ file, several of them separated by commas (`main.cpp,map.c`), a
-/// folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too, and
-/// `%sim%` is the installation. In each folder of the [`SearchPath`] the name itself is tried first; if nothing usable has that
-/// name, the sources and libraries of the same name beside it.
+/// `reference` is a path to a shared library, a C or C++ file, several of them separated by commas (`main.cpp,map.c`),
+/// a folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too,
+/// and `%sim%` is the installation. In each folder of the [`SearchPath`] the name itself is tried first; then, if
+/// nothing usable has that name, the sources and libraries of the same name beside it.
 ///
 /// # Errors
-/// [`FindError`] with every place tried if nothing usable is found.
+/// [`FindError`] with every path tried if nothing usable is found.
 pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindError> {
     if let Some(program) = search.embedded.iter().find(|program| program.reference == reference) {
         let source = ProgramSource::Embedded(program.clone());
@@ -224,7 +224,7 @@ impl Finder<'_> {
         let mut paths = Vec::new();
         let drive = matches!(name.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic());
         if drive {
-            // `C:\eyesim\maze.dll`: there is no such disk here, but the file may exist in the folders.
+            // `C:\eyesim\maze.dll`: there is no such drive here, but the file may exist in the folders.
             name = name.rsplit(['/', ':']).next().unwrap_or_default().to_owned();
         }
         if Path::new(&name).is_absolute() {
@@ -271,7 +271,7 @@ impl Finder<'_> {
         None
     }
 
-    /// The program at `path`; the error describes an unusable file or folder there (`None`: nothing is there).
+    /// The program at `path`; the error describes an unusable file or folder there (`None` if nothing is there).
     fn usable(&mut self, path: &Path) -> Result<ProgramSource, Option<String>> {
         let Ok(metadata) = fs::metadata(path) else { return Err(None) };
         if metadata.is_dir() {
@@ -310,7 +310,7 @@ impl Finder<'_> {
         }
     }
 
-    /// Up to three programs in the folders searched with names similar to the requested one.
+    /// Up to three programs in the searched folders whose names are similar to the requested one.
     fn near_names(&self, reference: &str) -> Vec<String> {
         let mut near: Vec<(usize, String)> = Vec::new();
         for path in self.candidates(reference) {
@@ -348,14 +348,15 @@ fn usable_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
     }
 }
 
-/// Paths of possible sources for a program `maze`: `maze.c`, then those of C++.
+/// Paths of possible sources for a program `maze`: `maze.c`, then the C++ sources.
 fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
     let extensions = Language::ALL.into_iter().flat_map(Language::extensions);
     extensions.map(|extension| stem.with_added_extension(extension)).collect()
 }
 
-/// Paths of a source or library that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`, `maze.c++`, the
-/// folder or package `maze`, `maze.so`. Empty if the extension of `path` is not one that programs have elsewhere.
+/// Paths of a source or library that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`,
+/// `maze.c++`, the folder or package `maze`, `maze.so`. Empty if the extension of `path` is not one that programs have
+/// on other systems.
 fn places_beside(path: &Path) -> Vec<PathBuf> {
     const REPLACED: [&str; 6] = ["dll", "exe", "x", "so", "hex", "o"];
     let is_replaced = path.extension().is_none() || REPLACED.iter().any(|wanted| has_extension(path, wanted));

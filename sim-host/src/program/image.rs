@@ -29,7 +29,7 @@ pub struct ProgramImage {
     lines: OnceLock<Option<Mutex<addr2line::Loader>>>,
 }
 
-/// A loaded part of a library that is not writable.
+/// A loaded, read-only segment of a library.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadOnlySegment {
     /// Address relative to the base.
@@ -55,10 +55,10 @@ pub struct Description {
     pub language: u32,
 }
 
-/// A place in a program's source.
+/// A line in a program's source.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SourceLine {
-    /// The file: relative to the program's folder if it is inside, else absolute.
+    /// The file: relative to the program's folder if it is inside, otherwise absolute.
     pub file: PathBuf,
     /// The line, from 1; 0 if only the file is known.
     pub line: u32,
@@ -81,7 +81,7 @@ pub enum ImageError {
     Read {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Reason for the error.
         error: io::Error,
     },
     /// A file of another kind or system.
@@ -97,7 +97,7 @@ pub enum ImageError {
     Broken {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Description of the error.
         what: String,
     },
 }
@@ -106,14 +106,14 @@ impl ProgramImage {
     /// Reads the library at `path`; `source_folder` is the folder of its sources, if known.
     ///
     /// # Errors
-    /// [`ImageError`] if the file cannot be read or is no library for this system.
+    /// [`ImageError`] if the file cannot be read or is not a library for this system.
     pub fn read(path: &Path, source_folder: Option<&Path>) -> Result<Self, ImageError> {
         let mut bytes = read_regular(path).map_err(|error| ImageError::Read { path: path.to_owned(), error })?;
         if let FileKind::Foreign(what) = file_kind(&bytes[..bytes.len().min(HEAD_BYTES)]) {
             return Err(ImageError::Foreign { path: path.to_owned(), what });
         }
         let parts = read_parts(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
-        // C libraries are built with hidden constructors.
+        // C libraries are already built with hidden constructors.
         if parts.description.is_some_and(|description| description.language == language::RUST) {
             let broken = |what: object::Error| ImageError::Broken { path: path.to_owned(), what: what.to_string() };
             constructors::hide(&mut bytes).map_err(broken)?;
@@ -138,7 +138,7 @@ impl ProgramImage {
 
     /// The part of the file that a run needs, without the linker's symbols and debug information.
     ///
-    /// The header of this copy names no sections, since their table is cut off.
+    /// The header of this copy has no section table, since the table is cut off.
     pub fn loaded_part(&self) -> Vec<u8> {
         let mut bytes = self.bytes[..self.parts.loaded_len].to_vec();
         // e_shoff (8 bytes), e_shnum and e_shstrndx (2 bytes each) of a 64-bit header: ELF-64 Object File Format 1.5.
@@ -153,18 +153,19 @@ impl ProgramImage {
         self.parts.span.clone()
     }
 
-    /// Number of memory mappings of one copy: one for each loaded segment, and those that the dynamic linker splits off: variables
-    /// that start as zero, the part that is read-only after loading, gaps between segments.
+    /// Number of memory mappings of one copy: one for each loaded segment, and the mappings that the dynamic linker
+    /// splits off: variables that start as zero, the part that is read-only after loading, gaps between segments.
     pub fn mappings(&self) -> usize {
         self.parts.mappings
     }
 
-    /// The segments that are identical in every copy: not writable, changed by no relocation, alone in their pages.
+    /// The segments that are identical in every copy: read-only, not changed by relocations, and sharing no page with
+    /// other segments.
     pub fn read_only_segments(&self) -> &[ReadOnlySegment] {
         &self.parts.read_only
     }
 
-    /// The library's description; `None` if it is no robot program.
+    /// The library's description; `None` if it is not a robot program.
     pub fn description(&self) -> Option<Description> {
         self.parts.description
     }
@@ -179,9 +180,10 @@ impl ProgramImage {
         self.parts.has_resolvers
     }
 
-    /// Returns true if a copy can be unmapped once its program has returned. As far as its imports tell, the program then has started no
-    /// thread and registered no function or memory with the C library, and it has no destructors besides those of the compiler's start
-    /// files and of the shim. The dynamic linker itself keeps a copy as long as destructors of thread-locals are pending.
+    /// Returns true if a copy can be unmapped once its program has returned. According to its imports, the program then
+    /// has started no thread and registered no function or memory with the C library; and it has no destructors other
+    /// than the ones of the compiler's start files and of the shim. The dynamic linker itself keeps a copy as long as
+    /// destructors of thread-locals are pending.
     pub fn can_unmap(&self) -> bool {
         let is_rust = self.parts.description.is_some_and(|description| description.language == language::RUST);
         // Rust's standard library imports these for executables only, or to look up newer functions.
@@ -190,18 +192,19 @@ impl ProgramImage {
         self.parts.destructors <= OWN_DESTRUCTORS && !self.parts.undefined.iter().any(keeps)
     }
 
-    /// Places of the variables, relative to the base, if robots on one worker can share a copy: their flows can share a thread, the copy
-    /// can be unmapped, and the variables are few enough to be copied at each change of the robot.
+    /// Address ranges of the variables, relative to the base, if robots on one worker can share a copy: their flows can
+    /// share a thread, the copy can be unmapped, and the variables are few enough to be copied at each change of the
+    /// robot.
     pub fn shared_variables(&self) -> Option<&[Range<usize>]> {
         let len: usize = self.parts.variables.iter().map(Range::len).sum();
         (self.why_thread_bound().is_none() && self.can_unmap() && (1..=MAX_SHARED_VARIABLES).contains(&len))
             .then_some(&self.parts.variables)
     }
 
-    /// Reason why several flows of this program cannot share a thread, without its subject, ``calls `gettid`, ...``; `None` if they can.
-    /// They can if nothing that belongs to the thread belongs to one of them, apart from `errno` and the floating-point environment, which
-    /// a switch saves: the program is in C, has no thread-local variables, uses no libraries but those of C, and calls no function whose
-    /// effect is on its thread.
+    /// Reason why several flows of this program cannot share a thread, without its subject, ``calls `gettid`, ...``;
+    /// `None` if they can. They can if no flow has state that is stored per thread, apart from `errno` and the
+    /// floating-point environment, which a switch saves: the program is in C, has no thread-local variables, uses no
+    /// libraries except the C library's, and calls no function that acts on its thread.
     pub fn why_thread_bound(&self) -> Option<&str> {
         self.parts.thread_bound.as_deref()
     }
@@ -233,19 +236,19 @@ impl ProgramImage {
         innermost
     }
 
-    /// The line of a call, given its return address minus one; `None` if that lies in the shim: the function has ended with a tail
-    /// call, so the return address is its caller's.
+    /// The line of a call, given its return address minus one; `None` if it lies in the shim: the function has ended
+    /// with a tail call, so the return address is its caller's.
     pub fn call_line(&self, offset: usize) -> Option<SourceLine> {
         let is_of_shim =
             |file: &Path| file.is_absolute() && file.parent().is_some_and(|folder| folder.ends_with("shim"));
         self.source_line(offset).filter(|line| !is_of_shim(&line.file))
     }
 
-    /// The line of the innermost place in a call stack that lies in the program's own sources, and not in its shim or in the library
-    /// of its language; if there is none, the innermost known line.
+    /// The line of the innermost address in a call stack that lies in the program's own sources, not in its shim or in
+    /// the library of its language; if there is none, the innermost known line.
     ///
-    /// `offsets` are a program counter, then return addresses, from the innermost to the outermost. Other numbers among them do no
-    /// harm unless they point into code.
+    /// `offsets` are a program counter, then return addresses, from the innermost to the outermost. Other numbers among
+    /// them are ignored unless they point into code.
     pub fn own_source_line(&self, offsets: impl IntoIterator<Item = usize>) -> Option<SourceLine> {
         let mut first = None;
         for (depth, offset) in offsets.into_iter().enumerate() {
@@ -276,8 +279,8 @@ impl std::fmt::Debug for ProgramImage {
     }
 }
 
-/// Functions of the C library that keep a function or memory of their caller, or start threads. The shim of C programs interposes
-/// most of them, so that they are no imports.
+/// Functions of the C library that keep a function or memory of their caller, or start threads. The shim of C programs
+/// interposes most of them, so that they are not imported.
 const RETAINING_FUNCTIONS: &[&str] = &[
     "GOMP_parallel",
     "__cxa_at_quick_exit",
@@ -308,13 +311,14 @@ const RETAINING_FUNCTIONS: &[&str] = &[
     "tss_create",
 ];
 
-/// Largest size of a program's variables, in bytes, with which robots share a copy of it.
+/// Maximum size of a program's variables, in bytes, up to which robots share a copy of it.
 const MAX_SHARED_VARIABLES: usize = 16 << 10;
 
-/// Beginnings of the names of the C library's files.
+/// Prefixes of the names of the C library's files.
 const OWN_LIBRARIES: &[&str] = &["libc.so.", "libm.so.", "ld-linux"];
 
-/// Functions of the C library that change or tell a property of the calling thread, besides [`RETAINING_FUNCTIONS`].
+/// Functions of the C library that change or return a property of the calling thread, in addition to
+/// [`RETAINING_FUNCTIONS`].
 const THREAD_BOUND_FUNCTIONS: &[&str] = &[
     "__tls_get_addr",
     "arch_prctl",
@@ -359,7 +363,7 @@ const THREAD_BOUND_FUNCTIONS: &[&str] = &[
 /// Number of destructors in the compiler's start files and in the shim, which closes the console.
 const OWN_DESTRUCTORS: usize = 2;
 
-/// What the headers and tables of a library tell.
+/// Data from the headers and tables of a library.
 struct ImageParts {
     /// Length of the mapped part of the file: up to the end of the last loaded segment.
     loaded_len: usize,
@@ -375,7 +379,7 @@ struct ImageParts {
     has_resolvers: bool,
     /// See [`ProgramImage::why_thread_bound`].
     thread_bound: Option<String>,
-    /// Places of its variables, relative to the base.
+    /// Address ranges of its variables, relative to the base.
     variables: Vec<Range<usize>>,
 }
 
@@ -475,7 +479,8 @@ const IRELATIVE: u32 = if cfg!(target_arch = "aarch64") { elf::R_AARCH64_IRELATI
 
 /// The smallest page size: with larger pages there are never more mappings.
 const SMALL_PAGE: usize = 4096;
-/// One mapping for each segment, one for variables that start as zero beyond the file, one for each gap between segments.
+/// Number of mappings: one for each segment, one for variables that start as zero beyond the file, one for each gap
+/// between segments.
 fn mappings_of(segments: &[Segment]) -> usize {
     let zeroed = |segment: &&Segment| {
         let from_file = segment.memory.start + segment.file.len();
@@ -505,7 +510,8 @@ fn read_only_segments(segments: &[Segment]) -> Vec<ReadOnlySegment> {
         .collect()
 }
 
-/// See [`ProgramImage::why_thread_bound`]: by the libraries that it names and the functions that it imports.
+/// See [`ProgramImage::why_thread_bound`]: judged by the libraries on which it depends and the functions that it
+/// imports.
 fn why_thread_bound(libraries: &[String], functions: &[String]) -> Option<String> {
     if cfg!(not(target_arch = "x86_64")) {
         return Some("runs on a processor for which eyesim has no fibers".to_owned());
@@ -521,10 +527,10 @@ fn why_thread_bound(libraries: &[String], functions: &[String]) -> Option<String
         .map(|name| format!("calls `{name}`, which concerns its thread or the whole process"))
 }
 
-/// Places of the variables by the section table: what is writable and does not only hold addresses, which are equal for all robots of a
-/// copy. Empty without that table.
+/// Address ranges of the variables according to the section table: writable sections, except those that contain only
+/// addresses, which are equal for all robots of a copy. Empty if there is no section table.
 fn variables_of(file: &ElfFile64<'_>) -> Vec<Range<usize>> {
-    /// Beginnings of the names of sections that nobody writes to once the library is loaded.
+    /// Prefixes of the names of sections that are not written to once the library is loaded.
     const CONSTANT: [&str; 6] = [".dynamic", ".got", ".init_array", ".fini_array", ".data.rel.ro", ".eh_frame"];
     let is_variable = |section: &ElfSection64<'_, '_>| {
         let SectionFlags::Elf { sh_flags } = section.flags() else { return false };

@@ -8,7 +8,7 @@ use object::read::elf::ProgramHeader as _;
 pub enum FileKind {
     /// A shared library for this system and processor.
     Library,
-    /// Something that the simulator cannot load; the text completes "it is ...".
+    /// A file that the simulator cannot load; the text completes "it is ...".
     Foreign(String),
 }
 

@@ -44,7 +44,7 @@ pub enum LoadError {
         /// RoBIOS functions that it imports from the simulator.
         robios: Vec<String>,
     },
-    /// Built against another version of the interface.
+    /// The library was built against another version of the interface.
     #[error(
         "`{}` was built for version {program} of the program interface, and this eyesim has version {ABI_VERSION}: build \
          it again",
@@ -56,15 +56,15 @@ pub enum LoadError {
         /// The library's version.
         program: u32,
     },
-    /// The version fits, but another property does not.
+    /// The version matches, but another property does not.
     #[error("`{}` cannot be run by this eyesim: {what}", path.display())]
     Incompatible {
         /// The library.
         path: PathBuf,
-        /// What does not fit.
+        /// Description of the mismatch.
         what: String,
     },
-    /// A function is used, but defined neither in the library nor in those that it names.
+    /// A function is used, but defined neither in the library nor in the libraries on which it depends.
     #[error("`{}` needs `{symbol}`, which neither it nor any library that it names defines", path.display())]
     Undefined {
         /// The library.
@@ -80,12 +80,12 @@ pub enum LoadError {
         /// Message of the dynamic linker.
         what: String,
     },
-    /// An argument that no C string can hold.
+    /// An argument contains a NUL and cannot be a C string.
     #[error("an argument of `{}` has a NUL character: {argument}", path.display())]
     Argument {
         /// The library.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The argument.
         argument: String,
     },
     /// A copy cannot be written.
@@ -95,7 +95,7 @@ pub enum LoadError {
         path: PathBuf,
         /// The folder of the copies.
         folder: PathBuf,
-        /// Why.
+        /// Reason for the error.
         error: io::Error,
     },
     /// The process ended or broke before the program could begin.
@@ -106,10 +106,10 @@ pub enum LoadError {
         /// Description of the event.
         what: String,
     },
-    /// The interpreter of a Python program does not fit.
+    /// The interpreter of a Python program cannot be used.
     #[error(transparent)]
     Python(#[from] PythonError),
-    /// The copies need more memory mappings than the kernel allows one process.
+    /// The copies need more memory mappings than the kernel allows for one process.
     #[error(
         "{robots} robots need about {needed} memory mappings for copies of their programs and for their stacks, and \
          the kernel allows {allowed} a process: run fewer robots, or raise the limit with `sudo sysctl \
@@ -194,8 +194,8 @@ impl LoadedProgram {
 
     /// Runs the program's `main` on this thread, with its calls answered by `host`; returns its exit code.
     ///
-    /// The program is native code of the user and can do anything that this process can; the executive handles its faults. One run
-    /// at a time, since the copy has a single set of globals.
+    /// The program is native code of the user and can do anything that this process can; the executive handles its
+    /// faults. Only one run at a time, since the copy has a single set of globals.
     pub fn run<H: Support + Robios6 + Robios7>(&self, host: &H) -> i32 {
         let mut argv: Vec<*const c_char> = self.arguments.iter().map(|argument| argument.as_ptr()).collect();
         argv.push(std::ptr::null());
@@ -203,9 +203,10 @@ impl LoadedProgram {
         let robot = std::ptr::from_ref(host).cast_mut().cast::<c_void>();
         let description = self.library.description();
         self.library.construct();
-        // SAFETY: the tables are those of `H`, so that `robot` points to the type that their entries expect
-        // (`CallContext::from_context`), shared and alive until `run` returns; argv has argc strings that end in 0, then a null
-        // pointer, alive as long; the description was checked when it was loaded, and the library stays mapped as long as `self`.
+        // SAFETY: the tables are `H`'s, so that `robot` points to the type that their entries expect
+        // (`CallContext::from_context`), shared and alive until `run` returns; argv has argc strings that end in 0,
+        // then a null pointer, alive as long; the description was checked when it was loaded, and the library stays
+        // mapped as long as `self`.
         let code = unsafe { (description.run)(Tables::<H>::of(description.generation), robot, argc, argv.as_ptr()) };
         // `main` has ended: from here on the thread runs the host.
         float::set_default();
@@ -242,7 +243,8 @@ impl LoadedProgram {
         self.library.description().consoles()
     }
 
-    /// Place of the call in progress, if the program's shim reports it. May be called only while the program is in a call.
+    /// Location of the call in progress, if the program's shim reports it. May be called only while the program is in a
+    /// call.
     pub fn call_site(&self) -> CallSite {
         let site = self.library.description().call_site;
         if site.is_null() || !site.is_aligned() {
@@ -253,7 +255,7 @@ impl LoadedProgram {
         unsafe { site.read() }
     }
 
-    /// A place in this program in words, such as `maze.c:88`.
+    /// A location in this program as text, such as `maze.c:88`.
     pub fn place_of(&self, site: &CallSite) -> Option<String> {
         let CallSite { address, file, file_len, line } = *site;
         if file.is_null() {
@@ -272,13 +274,13 @@ impl LoadedProgram {
     }
 }
 
-/// Loads the programs of one run. Its folder contains each copy only while that copy is being loaded.
+/// Loads the programs of one run. Its folder contains a copy only while the copy is being loaded.
 #[derive(Debug)]
 pub struct Loader {
     folder: RunFolder,
     copies: usize,
-    /// For each program (keyed by its address, which is unique while the `Arc` stored with it lives) the file of its first copy,
-    /// whose pages of code and constants the other copies share.
+    /// For each program, the file of its first copy, whose pages of code and constants the other copies share. Programs
+    /// are keyed by their address, which is unique while the `Arc` stored with it lives.
     first_copies: BTreeMap<usize, (Arc<Prepared>, File)>,
     /// Like `first_copies`: the file that robots' own processes load.
     libraries: BTreeMap<usize, (Arc<Prepared>, PathBuf)>,
@@ -286,15 +288,15 @@ pub struct Loader {
     shared_copies: BTreeMap<(usize, u32), (Arc<Prepared>, Arc<SharedCopy>)>,
     /// Number of robots so far that share copies.
     sharing_robots: usize,
-    /// Number of robots that a worker gets before the next one does.
+    /// Number of consecutive robots that are assigned to a worker before the next worker's turn.
     deal: usize,
     /// Restrictions of programs in processes of their own.
     sandbox: Option<Sandbox>,
 }
 
-/// Number of robots, neighbours in the list of `robots`, that each of the `workers` gets before the next one does. Neighbours in the list
-/// are often neighbours in the world, and see each other; each worker gets four parts of the list, since robots in one part may have
-/// more to do than those in another.
+/// Number of consecutive robots in the list of `robots` that are assigned to each of the `workers` in turn. Neighbours
+/// in the list are often neighbours in the world, and see each other; each worker gets four parts of the list, since
+/// robots in one part may have more to do than robots in another.
 pub fn deal(robots: usize, workers: usize) -> usize {
     (robots / (4 * workers.max(1))).max(1)
 }
@@ -327,8 +329,8 @@ impl Loader {
         self.sandbox.is_some()
     }
 
-    /// Restricts `command`, which runs `prepared` and may read the files and folders `reads` besides the program's own, and gives it a scratch
-    /// folder as its working folder; `None` if programs are not restricted.
+    /// Restricts `command`, which runs `prepared` and may read the files and folders `reads` in addition to the
+    /// program's own, and gives it a scratch folder as its working folder; `None` if programs are not restricted.
     ///
     /// # Errors
     /// The folder cannot be created, or the kernel refuses.
@@ -346,7 +348,7 @@ impl Loader {
         Ok(Some(scratch))
     }
 
-    /// Sets the number of robots that a worker gets before the next one does, see [`deal`].
+    /// Sets the number of consecutive robots that are assigned to a worker, see [`deal`].
     pub fn set_deal(&mut self, robots: usize) {
         self.deal = robots;
     }
@@ -354,11 +356,11 @@ impl Loader {
     /// Maps a copy of `prepared` for one robot; `main` gets the program's name followed by `arguments`. The copy is private, unless
     /// robots may share one on each of the `sharing_workers`: see [`ProgramImage::shared_variables`].
     ///
-    /// The library's constructors run on this thread. The copy is unmapped with the last clone of the result, unless the program may
-    /// leave references to it behind (exit handlers, threads).
+    /// The library's constructors run on this thread. The copy is unmapped with the last clone of the result, unless
+    /// the program may leave references to it (exit handlers, threads).
     ///
     /// # Errors
-    /// [`LoadError`] if it is no program for this eyesim or the dynamic linker refuses it.
+    /// [`LoadError`] if it is not a program for this eyesim or the dynamic linker refuses it.
     pub fn load(
         &mut self,
         prepared: &Arc<Prepared>,
@@ -382,7 +384,7 @@ impl Loader {
         Ok(LoadedProgram { prepared: Arc::clone(prepared), image: Arc::clone(image), arguments, library, variables })
     }
 
-    /// The copy that the next robot shares with others.
+    /// The copy that the next robot shares with other robots.
     fn shared_copy(
         &mut self,
         prepared: &Arc<Prepared>,
@@ -397,7 +399,7 @@ impl Loader {
             return Ok(Arc::clone(copy));
         }
         let opened = self.map_own(prepared, image)?;
-        // SAFETY: the places are writable parts of the image that was opened.
+        // SAFETY: the ranges are writable parts of the opened image.
         let copy = Arc::new(unsafe { SharedCopy::new(opened, worker, places) });
         self.shared_copies.insert(key, (Arc::clone(prepared), Arc::clone(&copy)));
         Ok(copy)
@@ -414,7 +416,7 @@ impl Loader {
     /// as the loader. `arguments` are only checked.
     ///
     /// # Errors
-    /// [`LoadError`] if it is no program for this eyesim, as far as the file shows.
+    /// [`LoadError`] if according to the file it is not a program for this eyesim.
     pub fn library(&mut self, prepared: &Arc<Prepared>, arguments: &[String]) -> Result<PathBuf, LoadError> {
         let image = library_of(prepared)?;
         check_description(image)?;
@@ -464,9 +466,9 @@ impl Loader {
             }
             Entry::Occupied(first) => {
                 let segments = image.read_only_segments();
-                // SAFETY: both files were written from this image, and differ at most in the header's fields on the section table, which
-                // the dynamic linker does not read; they have no name any more and no other owner. The segments are those of the image,
-                // which the caller keeps loaded at `base`.
+                // SAFETY: both files were written from this image, and differ at most in the header's fields on the
+                // section table, which the dynamic linker does not read; the files have been unlinked and have no other
+                // owner. The segments belong to the image, which the caller keeps loaded at `base`.
                 unsafe { share_pages(base, segments, &first.get().1, &copy) };
             }
         }
@@ -480,7 +482,7 @@ pub struct Opened {
     /// Checked by [`open`]; points to the library's constants.
     description: NonNull<Program>,
     is_constructed: Once,
-    /// Unmaps the library when dropped; `None` if the library stays mapped for ever.
+    /// Unmaps the library when dropped; `None` if the library stays mapped until the process ends.
     library: Option<Library>,
 }
 
@@ -496,7 +498,7 @@ impl Opened {
         unsafe { self.description.as_ref() }
     }
 
-    /// Runs, once, the library's hidden constructors on this thread, if it has no shim that does so.
+    /// Runs, once, the library's hidden constructors on this thread, if it has no shim that runs them.
     pub fn construct(&self) {
         if self.description().language == language::RUST {
             // SAFETY: the library stays mapped as long as `self`; hidden constructors have not run, and run once.
@@ -515,9 +517,9 @@ impl Opened {
 /// Reasons why a library cannot be opened.
 #[derive(Debug)]
 pub enum OpenError {
-    /// The dynamic linker refuses it, with this message.
+    /// The dynamic linker refuses it; with its message.
     Linker(String),
-    /// It does not fit this eyesim, for this reason.
+    /// It is incompatible with this eyesim; with the reason.
     Incompatible(String),
 }
 
@@ -542,10 +544,11 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
         OpenError::Linker(source.unwrap_or_else(|| error.to_string()))
     };
     let incompatible = |what: &str| OpenError::Incompatible(what.to_owned());
-    // SAFETY: loading runs the constructors of a library that the user asked to run, which is the purpose of a robot program.
-    // The flags are those of dlopen.
+    // SAFETY: loading runs the constructors of a library that the user asked to run, which is the purpose of a robot
+    // program. The flags are valid for dlopen.
     let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map_err(|error| linker(&error))?;
-    // Constructors have run on this thread: those of `-ffast-math` change its floating-point environment, which is the host's now.
+    // Constructors have run on this thread; a constructor of `-ffast-math` changes the floating-point environment,
+    // which the host uses from here on.
     float::set_default();
     // SAFETY: the symbol is only used as an address here.
     let symbol = unsafe { library.get::<*const Program>(PROGRAM_SYMBOL) }.map_err(|error| linker(&error))?;
@@ -623,7 +626,7 @@ fn refused(path: &Path, copy: &Path, what: &str) -> LoadError {
 /// # Errors
 /// [`LoadError::TooManyMappings`] if they do not fit. If the kernel's limit is unknown, nothing is checked.
 pub fn check_mappings(robots: usize, mappings: usize) -> Result<(), LoadError> {
-    // Reserve for the heap and the record, which grow during the run.
+    // Mappings reserved for the heap and the record, which grow during the run.
     const RESERVE: usize = 1000;
     let limit = fs::read_to_string("/proc/sys/vm/max_map_count").ok();
     let Some(allowed) = limit.and_then(|text| text.trim().parse().ok()) else { return Ok(()) };

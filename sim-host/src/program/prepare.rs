@@ -28,9 +28,9 @@ pub struct Prepared {
     pub compiled: bool,
     /// The generation of RoBIOS for which its sources are compiled, with the reason; `None` if eyesim did not choose it.
     pub choice: Option<GenerationChoice>,
-    /// Warnings about functions outside the guarantee of equal runs, a line each.
+    /// Warnings about functions that make runs nondeterministic, one line each.
     pub warnings: Vec<String>,
-    /// Why the program could end or stop the host on one of its threads; `None` if nothing shows that.
+    /// Reason why the program could end or stop the host on one of its threads; `None` if there is none.
     pub danger: Option<String>,
 }
 
@@ -46,7 +46,7 @@ pub enum Code {
 }
 
 impl Prepared {
-    /// The library; `None` for a program that is none.
+    /// The library; `None` for a program without one.
     pub fn image(&self) -> Option<&Arc<ProgramImage>> {
         match &self.code {
             Code::Library(image) => Some(image),
@@ -75,7 +75,7 @@ impl Prepared {
         self.choice.as_ref()?.remark(self.source.path())
     }
 
-    /// The folder that belongs to the program alone: that of its sources, or of its file.
+    /// The program's own folder: the folder of its sources, or of its file.
     pub fn own_folder(&self) -> Option<PathBuf> {
         match &self.source {
             ProgramSource::Cargo(folder) => Some(folder.clone()),
@@ -105,12 +105,12 @@ pub enum PrepareError {
     /// The file is not a library that can be loaded.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// A Cargo package whose library is no robot program.
+    /// The library of a Cargo package is not a robot program.
     #[error("{}", without_entry(.0))]
     NoEntry(PathBuf),
 }
 
-/// Message about the package in `folder`, whose library has no entry of a program.
+/// Message about the package in `folder`, whose library has no entry point of a program.
 fn without_entry(folder: &Path) -> String {
     let root = folder.join("src/lib.rs");
     let is_blank = fs::read(&root).is_ok_and(|text| text.trim_ascii().is_empty());
@@ -124,7 +124,7 @@ fn without_entry(folder: &Path) -> String {
 }
 
 /// Builds and reads each program of `found` once, in parallel; the results are in the order of `found`, and programs
-/// from one source share theirs.
+/// from the same source share one.
 ///
 /// # Errors
 /// [`PrepareError`] for each program separately.

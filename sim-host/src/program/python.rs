@@ -16,16 +16,17 @@ const MINOR: u32 = 7;
 /// Interpreter and module that run Python programs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Python {
-    /// The interpreter: `$PYTHON`, else that of the [host](host), else `python3` on the search path.
+    /// The interpreter: `$PYTHON`, otherwise the interpreter of the [host](host), otherwise `python3` on the search
+    /// path.
     interpreter: PathBuf,
-    /// The module `eye`, which, run as a script, runs a program.
+    /// The module `eye`, which runs a program if it is run as a script.
     eye: PathBuf,
 }
 
 /// Interpreter and folders of an installation of Python.
 #[derive(Clone, Debug)]
 struct PythonHome {
-    /// The interpreter itself, behind any launcher.
+    /// The interpreter itself, not a launcher of it.
     executable: PathBuf,
     /// Folder of modules that the user has installed without root.
     user: PathBuf,
@@ -34,12 +35,12 @@ struct PythonHome {
 }
 
 impl PythonHome {
-    /// Asks an interpreter.
+    /// Queries an interpreter.
     ///
     /// # Errors
     /// It does not start, or does not answer.
     fn of(interpreter: &Path) -> io::Result<Self> {
-        // The modules are loaded before any file of the working folder could take their place.
+        // The modules are loaded before files of the working folder could shadow them.
         const QUESTION: &str = "import sys, site; print(sys.executable, sys.prefix, sys.base_prefix, site.USER_BASE or '', *sys.path, sep='\\n')";
         let mut command = Command::new(interpreter);
         let answer = build_output(command.args(["-c", QUESTION]), COMMAND_TIMEOUT)?;
@@ -71,7 +72,7 @@ impl PythonHome {
 /// # Errors
 /// The host is unknown, or is an interpreter that does not answer.
 pub fn restricted_host(command: &mut Command) -> io::Result<Vec<PathBuf>> {
-    /// An interpreter is asked once in a process.
+    /// The interpreter is queried only once in a process.
     static HOME: OnceLock<PythonHome> = OnceLock::new();
     let Some(python) = host::current().and_then(|host| host.python.as_deref()) else {
         return Ok(vec![std::env::current_exe()?]);
@@ -95,10 +96,10 @@ pub enum PythonError {
     Missing {
         /// The interpreter.
         interpreter: PathBuf,
-        /// Why.
+        /// Reason for the error.
         error: io::Error,
     },
-    /// The interpreter is too old, or is no Python.
+    /// The interpreter is too old, or is not Python.
     #[error("`{}` is no Python 3.{MINOR} or newer: it says `{said}`", interpreter.display())]
     Unfit {
         /// The interpreter.
@@ -112,8 +113,8 @@ pub enum PythonError {
 }
 
 impl Python {
-    /// Looks for the interpreter and writes `eye.py` into `cache`. The interpreter is not started: [`Self::check`] says later why a program
-    /// did not start.
+    /// Looks for the interpreter and writes `eye.py` into `cache`. The interpreter is not started: [`Self::check`]
+    /// explains later why a program did not start.
     ///
     /// # Errors
     /// [`PythonError`].
@@ -130,7 +131,7 @@ impl Python {
     /// Starts the interpreter and asks for its version.
     ///
     /// # Errors
-    /// [`PythonError`] if it does not start, is too old, or is no Python.
+    /// [`PythonError`] if it does not start, is too old, or is not Python.
     pub fn check(&self) -> Result<(), PythonError> {
         let interpreter = self.interpreter.clone();
         let mut command = Command::new(&interpreter);
@@ -145,7 +146,8 @@ impl Python {
         if asked.status.success() && fits { Ok(()) } else { Err(PythonError::Unfit { interpreter, said }) }
     }
 
-    /// As [`Self::command`], for a process without the user's environment; also gives the folders that the interpreter reads.
+    /// Like [`Self::command`], for a process without the user's environment; also returns the folders that the
+    /// interpreter reads.
     ///
     /// # Errors
     /// The interpreter does not start, or does not answer.
@@ -162,7 +164,8 @@ impl Python {
         &self.interpreter
     }
 
-    /// The command that runs `program` as a robot's child process. Its environment is fixed where it would make runs differ.
+    /// The command that runs `program` as a robot's child process. Environment variables that would make runs differ
+    /// are fixed.
     pub fn command(&self, program: &Path) -> Command {
         let mut command = Command::new(&self.interpreter);
         command.arg("-B").arg(&self.eye).arg(program).env("PYTHONHASHSEED", "0").env("TZ", "UTC0");

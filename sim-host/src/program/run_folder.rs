@@ -1,4 +1,5 @@
-//! Temporary folders of runs: each is locked by its process, and those of processes that were killed are removed at the next start.
+//! Temporary folders of runs: each is locked by its process, and folders of killed processes are removed at the next
+//! start.
 
 use std::fs::{self, File};
 use std::io;
@@ -19,7 +20,7 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Creates a folder, and removes those of this user whose processes have been killed.
+    /// Creates a folder, and removes the folders of this user whose processes have been killed.
     ///
     /// # Errors
     /// The folder cannot be created.
@@ -35,7 +36,8 @@ impl RunFolder {
     fn new_in(parent: &Path) -> io::Result<Self> {
         remove_abandoned_in(parent);
         let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent)?;
-        // The file gets its name once it is locked: without that name nobody takes the folder for an abandoned one.
+        // The file gets its name once it is locked: without that name no process mistakes the folder for an abandoned
+        // one.
         let unnamed = folder.path().join("new-lock");
         let lock = File::create(&unnamed)?;
         lock.lock()?;
@@ -49,7 +51,7 @@ impl RunFolder {
     }
 }
 
-/// Removes the folders in `parent` whose lock nobody holds. Those of other users cannot be opened and stay.
+/// Removes the folders in `parent` whose lock is not held. Folders of other users cannot be opened and stay.
 fn remove_abandoned_in(parent: &Path) {
     let entries = fs::read_dir(parent).into_iter().flatten().flatten();
     let of_runs = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(PREFIX));

@@ -23,9 +23,11 @@ pub fn wanted_of(robot: &RobotSpec) -> GenerationHint {
 /// The programs of a scene, built.
 #[derive(Clone)]
 pub struct Programs {
-    /// In the order of the robots; robots with the same program share it, and a robot without a program has `None`.
+    /// The programs in the order of the robots; robots with the same program share it, and a robot without a program
+    /// has `None`.
     pub of_robots: Vec<Option<Arc<Prepared>>>,
-    /// Messages for the user: notes of the search, output of the compiler, files that are looked for elsewhere, warnings about the guarantee of equal runs.
+    /// Messages for the user: notes of the search, output of the compiler, files that programs open elsewhere, warnings
+    /// about sources of nondeterminism.
     pub remarks: Vec<String>,
 }
 
@@ -38,7 +40,7 @@ pub struct ProgramsError {
 }
 
 impl Programs {
-    /// Finds and builds the programs of all robots, each once; `builder` tells its observer of each compilation.
+    /// Finds and builds the programs of all robots, each once; `builder` notifies its observer of each compilation.
     ///
     /// # Errors
     /// All programs that cannot be found or built.
@@ -46,7 +48,7 @@ impl Programs {
         // A program named on the command line is searched from the working folder, not from the sim file's.
         let search_from_here = SearchPath { sim_folder: None, ..search.clone() };
         let mut found: Vec<Option<Found>> = Vec::with_capacity(scene.robots.len());
-        // By the name, and true for one of the command line.
+        // The key is the name, and true for a program of the command line.
         let mut searched: BTreeMap<(&str, bool), Result<Found, FindError>> = BTreeMap::new();
         let mut mistakes = Vec::new();
         for robot in &scene.robots {
@@ -129,7 +131,7 @@ pub fn shown_name(robot: &RobotSpec, scene: &SceneSpec) -> String {
     of_package().unwrap_or_else(|| program.text.clone())
 }
 
-/// Place in which `program` is named: `line.sim:3`, or the command line's option.
+/// Location at which `program` is named: `line.sim:3`, or the command line's option.
 fn place_of(scene: &SceneSpec, program: &PathRef) -> String {
     if is_of_command_line(program) { "--program".to_owned() } else { format!("{}:{}", scene.file, program.span.line) }
 }

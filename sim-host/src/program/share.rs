@@ -47,7 +47,7 @@ pub unsafe fn share_pages(base: usize, segments: &[ReadOnlySegment], common: &Fi
     }
 }
 
-/// Frees the disk space of `range` in `file`; does nothing if the file system cannot.
+/// Frees the disk space of `range` in `file`; does nothing if the file system does not support it.
 fn free_pages(file: &File, range: Range<usize>) {
     let (Ok(start), Ok(len)) = (libc::off_t::try_from(range.start), libc::off_t::try_from(range.len())) else {
         return;
@@ -55,7 +55,7 @@ fn free_pages(file: &File, range: Range<usize>) {
     if range.is_empty() {
         return;
     }
-    // SAFETY: the descriptor is open as long as `file`; the call changes nothing but the file.
+    // SAFETY: the descriptor is open as long as `file`; the call changes only the file.
     let _ = unsafe {
         libc::fallocate(file.as_raw_fd(), libc::FALLOC_FL_PUNCH_HOLE | libc::FALLOC_FL_KEEP_SIZE, start, len)
     };

@@ -1,8 +1,9 @@
 //! Copies of a library that several robots use, one at a time: each robot has its own values of the variables.
 //!
-//! A private copy of a library costs some six memory mappings, of which a process may have 65,530, and a place of its own in the
-//! processor's caches and branch predictors. Robots on one worker run one after the other, so one copy does for all of them: before a
-//! robot runs, the values of the robot that used the copy before are copied out, and its own are copied in.
+//! A private copy of a library costs about six memory mappings, of which a process may have 65,530, and space in the
+//! processor's caches and branch predictors. Robots on one worker run one after the other, so one copy suffices for all
+//! of them: before a robot runs, the values of the robot that used the copy before are copied out, and its own are
+//! copied in.
 
 use std::cell::UnsafeCell;
 use std::ops::Range;
@@ -21,33 +22,35 @@ pub struct SharedCopy {
     places: Vec<Range<usize>>,
     /// Values of the variables after loading.
     initial: Box<[u8]>,
-    /// The variables whose values are in the copy; null for those of nobody.
+    /// The variables whose values are in the copy; null if they belong to no robot.
     present: AtomicPtr<Variables>,
 }
 
 /// The variables of one robot in a shared copy.
 pub struct Variables {
     copy: Arc<SharedCopy>,
-    /// Their values while those of another robot are in the copy.
+    /// The robot's values while another robot's are in the copy.
     values: UnsafeCell<Box<[u8]>>,
 }
 
-// SAFETY: `values` is used by `swap_in` alone, which runs on the copy's worker.
+// SAFETY: `values` is used only by `swap_in`, which runs on the copy's worker.
 unsafe impl Send for Variables {}
 // SAFETY: as above.
 unsafe impl Sync for Variables {}
 
 impl SharedCopy {
-    /// Shares the library that has just been opened among the robots of `worker`; its variables lie at `places`, relative to its base.
+    /// Shares the newly opened library among the robots of `worker`; its variables lie at `places`, relative to its
+    /// base.
     ///
     /// # Safety
-    /// The places are writable memory of the library, which nobody changes but code of the library.
+    /// The places are writable memory of the library, which only code of the library changes.
     pub unsafe fn new(opened: Opened, worker: u32, places: &[Range<usize>]) -> Self {
         let places: Vec<_> = places.iter().map(|place| opened.base + place.start..opened.base + place.end).collect();
         let mut initial = vec![0; places.iter().map(Range::len).sum()].into_boxed_slice();
         let mut at = 0;
         for place in &places {
-            // SAFETY: memory of the library by this function's contract, which no code uses now; the buffer has room for all places.
+            // SAFETY: memory of the library by this function's contract, which no code uses now; the buffer has the
+            // size of all places.
             unsafe {
                 let from = ptr::with_exposed_provenance::<u8>(place.start);
                 ptr::copy_nonoverlapping(from, initial[at..].as_mut_ptr(), place.len());
@@ -80,16 +83,16 @@ impl Variables {
         self.copy.worker
     }
 
-    /// Addresses of the values while those of another robot are in the copy.
+    /// Addresses of the values while another robot's are in the copy.
     ///
     /// # Safety
-    /// As for [`Variables::swap_in`].
+    /// See [`Variables::swap_in`].
     pub unsafe fn saved(&self) -> Range<*const u8> {
-        // SAFETY: nobody changes the values meanwhile, by this function's contract.
+        // SAFETY: no code changes the values meanwhile, by this function's contract.
         unsafe { (*self.values.get()).as_ptr_range() }
     }
 
-    /// Brings the values of these variables into the copy.
+    /// Swaps the values of these variables into the copy.
     ///
     /// # Safety
     /// Called on the thread of the copy's worker, while no code of the library runs on it. Variables of the copy are dropped only when
@@ -103,8 +106,9 @@ impl Variables {
         let mut at = 0;
         for place in &self.copy.places {
             let memory = ptr::with_exposed_provenance_mut::<u8>(place.start);
-            // SAFETY: memory of the library, which nobody else uses now, by this function's contract and that of `SharedCopy::new`;
-            // `present` is alive, since it takes itself out when it is dropped; all buffers have the length of all places.
+            // SAFETY: memory of the library, which no other code uses now, by the contracts of this function and of
+            // `SharedCopy::new`; `present` is alive, since it resets the pointer when it is dropped; all buffers have
+            // the length of all places.
             unsafe {
                 if let Some(present) = present.as_ref() {
                     ptr::copy_nonoverlapping(memory, (&mut *present.values.get())[at..].as_mut_ptr(), place.len());
@@ -120,7 +124,7 @@ impl Variables {
 impl Drop for Variables {
     fn drop(&mut self) {
         let own = ptr::from_mut(self);
-        // It fails where those of another robot are present.
+        // It fails if another robot's values are in the copy.
         let _ = self.copy.present.compare_exchange(own, ptr::null_mut(), Ordering::Relaxed, Ordering::Relaxed);
     }
 }

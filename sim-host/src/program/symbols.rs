@@ -1,4 +1,4 @@
-//! Warnings about functions of the C library that reach beyond the robot.
+//! Warnings about functions of the C library whose effects extend beyond the robot.
 
 use std::collections::BTreeMap;
 
@@ -6,29 +6,29 @@ use robios_sys::{c, language};
 
 use super::image::ProgramImage;
 
-/// Symbols that the static C++ library imports for itself, for locales and streams. They do not tell if the program reads
-/// the environment or changes its locale.
+/// Symbols that the static C++ library imports for itself, for locales and streams. They do not show whether the
+/// program reads the environment or changes its locale.
 ///
 /// Found by looking at programs built with GCC 12.
 const CPP_LIBRARY: &[&str] = &["syscall", "getenv", "secure_getenv", "uselocale", "setlocale", "ioctl", "readv"];
 
-/// Symbols that the Rust standard library imports for itself, for panics and locks, in every program: they tell nothing about
-/// the program. Its imports for `Instant` (`clock_gettime`), `sleep` (`clock_nanosleep`), threads (`pthread_create`) and `exit`
-/// exist only if the program uses these.
+/// Symbols that the Rust standard library imports for itself, for panics and locks, in every program: they show nothing
+/// about the program itself. Its imports for `Instant` (`clock_gettime`), `sleep` (`clock_nanosleep`), threads
+/// (`pthread_create`) and `exit` exist only if the program uses these.
 ///
 /// Found by looking at programs built with Rust 1.95.
 const RUST_RUNTIME: &[&str] = &["abort", "close", "getenv", "poll", "read", "sigaction", "syscall", "write", "writev"];
 
-/// Warnings about imports of `image` that are outside the guarantee of equal runs: a line for each reason, with the names of the
+/// Warnings about imports of `image` that make runs nondeterministic: one line for each reason, with the names of the
 /// functions; `name` is the program's. In a C program built by eyesim these are only functions that no shim interposes.
 ///
-/// In Rust programs only imports count that their standard library does not have anyway, so `println!` and the order of a
-/// `HashMap` are not reported, see `docs/programs.md`.
+/// In Rust programs only those imports count that the standard library does not always have, so `println!` and the
+/// order of a `HashMap` are not reported, see `docs/programs.md`.
 pub fn warnings_about(image: &ProgramImage, name: &str) -> Vec<String> {
     uses(image, reason_in_program(image)).into_iter().map(|line| format!("program `{name}` {line}")).collect()
 }
 
-/// Function that tells the reason why a program of this language leaves the guarantee by a symbol.
+/// Returns the function that gives the reason why a symbol makes programs of this language nondeterministic.
 fn reason_in_program(image: &ProgramImage) -> fn(&str) -> Option<&'static str> {
     match image.description().map(|description| description.language) {
         Some(language::RUST) => |symbol| match symbol {
@@ -49,7 +49,8 @@ pub fn danger_to_host(image: &ProgramImage) -> Option<String> {
     uses(image, c::endangers_host).into_iter().next().or(of_symbols)
 }
 
-/// Imports of `image` for which there is a `reason`, those of its language's own library left out: a line for each reason.
+/// Imports of `image` for which there is a `reason`, except those of its language's own library: one line for each
+/// reason.
 fn uses(image: &ProgramImage, reason: fn(&str) -> Option<&'static str>) -> Vec<String> {
     let own = match image.description().map(|description| description.language) {
         Some(language::CPP) => CPP_LIBRARY,

@@ -14,11 +14,12 @@ use super::trail::Trail;
 /// Comparison of two traces, A and B.
 #[derive(Debug, Default)]
 pub struct TraceDiff {
-    /// Differences between the headers, such as `seed: 1 in A, 2 in B`: possible causes, which alone do not make runs different.
+    /// Differences between the headers, such as `seed: 1 in A, 2 in B`: possible causes, which by themselves do not
+    /// make runs different.
     pub headers: Vec<String>,
     /// First difference between the events; none if they are equal as far as both traces reach.
     pub first: Option<Difference>,
-    /// Ends of the runs A and B; none for a trace that breaks off.
+    /// Ends of the runs A and B; none for a truncated trace.
     pub ends: [Option<Time>; 2],
     /// End of the last slot that was compared.
     pub compared_until: Time,
@@ -29,7 +30,7 @@ pub struct TraceDiff {
 /// First difference between the events of two runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Virtual time of the earlier of both events.
+    /// Virtual time of the earlier of the two events.
     pub at: Time,
     /// End of the slot in which they lie.
     pub slot_end: Time,
@@ -46,7 +47,7 @@ pub struct Difference {
 pub struct PathPair {
     /// Paths in A and in B, in the world, m; none if the trace has no pose of the robot.
     pub trails: [Option<Trail>; 2],
-    /// Greatest distance in m between the positions at the end of a slot, and the end of that slot.
+    /// Maximum distance in m between the positions at the end of a slot, and the end of that slot.
     pub farthest: Option<(f64, Time)>,
     positions: [Option<DVec2>; 2],
 }
@@ -66,7 +67,7 @@ impl TraceDiff {
         let mut diff = Self { headers: header_differences(&readers), ..Self::default() };
         let mut last_events = BTreeMap::new();
         let mut next = [diff.next_slot(&mut readers, 0)?, diff.next_slot(&mut readers, 1)?];
-        // A trace that breaks off is compared up to there.
+        // A truncated trace is compared up to its end.
         while (0..2).all(|run| next[run].is_some() || diff.ends[run].is_some()) {
             let Some(end) = next.iter().flatten().map(|slot| slot.end).min() else { break };
             let mut slots = [Vec::new(), Vec::new()];
@@ -91,7 +92,7 @@ impl TraceDiff {
         matches!(self.ends, [Some(a), Some(b)] if a != b)
     }
 
-    /// The next slot of a run; none at its end or where its trace breaks off.
+    /// The next slot of a run; none at its end or at the end of a truncated trace.
     fn next_slot<R: BufRead>(
         &mut self,
         readers: &mut [TraceReader<R>; 2],
@@ -159,7 +160,7 @@ fn first_difference(
     slots: [Vec<RecordedEvent>; 2],
     last_events: &mut BTreeMap<Option<u32>, RecordedEvent>,
 ) -> Option<Difference> {
-    // Within a slot robots are independent of each other, so each robot's events are compared by themselves.
+    // Within a slot robots are independent of each other, so the events of each robot are compared separately.
     let mut of_robots: BTreeMap<Option<u32>, [Vec<RecordedEvent>; 2]> = BTreeMap::new();
     for (run, events) in slots.into_iter().enumerate() {
         for event in events {

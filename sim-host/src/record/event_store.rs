@@ -1,6 +1,7 @@
 //! Compact storage of a run's events during the run, from which a trace is made on request.
 //!
-//! Events are stored in their canonical form in an unnamed temporary file, in a fraction of the time that lines of JSON take.
+//! Events are stored in their canonical form in an unnamed temporary file, which takes a fraction of the time of
+//! writing JSON lines.
 
 use std::fs::File;
 use std::io::{self, Write as _};
@@ -17,13 +18,13 @@ use super::sink::{RecordError, Sink};
 use super::trace::{Trace, TraceHeader};
 use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
-/// Most bytes stored of one run.
+/// Maximum number of bytes stored for one run.
 const MAX_BYTES: u64 = 128 << 20;
 
 /// Bytes written to the file at a time.
 const BATCH: usize = 1 << 16;
 
-/// Reason why there is no trace of a run.
+/// Reason why a run has no trace.
 #[derive(Debug, thiserror::Error)]
 pub enum EventStoreError {
     /// The events exceed `MAX_BYTES`.
@@ -47,7 +48,7 @@ pub struct EventStore {
     failure: Option<EventStoreError>,
 }
 
-/// Stored record.
+/// A stored record.
 #[derive(Serialize, Deserialize)]
 enum Entry<'a> {
     Event {
@@ -71,7 +72,7 @@ impl EventStore {
     /// Empty storage for a run whose trace begins with `header`.
     ///
     /// # Errors
-    /// If no temporary file can be made.
+    /// If the temporary file cannot be created.
     pub fn new(header: TraceHeader) -> io::Result<Self> {
         let file = Arc::new(tempfile::tempfile()?);
         Ok(Self { header, file, batch: Vec::with_capacity(2 * BATCH), length: 0, failure: None })
@@ -136,7 +137,7 @@ impl EventStore {
             self.failure = Some(error.into());
         } else if self.length > MAX_BYTES {
             self.failure = Some(EventStoreError::Full);
-            // The stored events are of no use any more.
+            // The stored events are no longer needed.
             let _ = self.file.set_len(0);
         }
     }

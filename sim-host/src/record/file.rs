@@ -1,4 +1,4 @@
-//! Files of a record that can prove at the end of a run that they are complete.
+//! Files of a record whose completeness is verified at the end of a run.
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, Seek, SeekFrom, Write};
@@ -9,24 +9,25 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use parking_lot::Mutex;
 
-/// A file that counts what is written to it.
+/// A file that hashes and counts the bytes written to it.
 pub struct RecordFile {
     file: File,
     proof: Arc<Proof>,
 }
 
-/// Knowledge of what a file must contain at the end of the run.
+/// Expected contents of a file at the end of the run.
 pub struct Proof {
     path: PathBuf,
-    /// Device and inode; `None` for what is no regular file, such as a pipe, which proves nothing.
+    /// Device and inode; `None` if it is not a regular file (a pipe, say), which cannot be checked.
     identity: Option<(u64, u64)>,
     written: AtomicU64,
-    /// Hash of what was written.
+    /// Hash of the written bytes.
     content: Mutex<blake3::Hasher>,
 }
 
 impl RecordFile {
-    /// Creates the file at `path`, or empties it. Everything is appended, so that cutting the file meanwhile leaves it too short.
+    /// Creates the file at `path`, or empties it. All writes append, so that a file truncated meanwhile ends up too
+    /// short.
     ///
     /// # Errors
     /// The file cannot be created or emptied.
@@ -52,7 +53,7 @@ impl Proof {
     /// Checks that the path still names the file, and that it contains what was written.
     ///
     /// # Errors
-    /// It is another file, none at all, or has another content.
+    /// The file is missing, was replaced, or has other contents.
     pub fn check(&self) -> io::Result<()> {
         let Some(expected) = self.identity else { return Ok(()) };
         let written = self.written.load(Ordering::Relaxed);

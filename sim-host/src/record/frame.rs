@@ -33,7 +33,7 @@ pub enum Pixels<'a> {
     Colour(&'a [u8]),
     /// Grey level of each pixel.
     Grey(&'a [u8]),
-    /// Level of each pixel behind the camera's colour filter.
+    /// Level of each pixel, through the camera's colour filter.
     Bayer(&'a [u8]),
     /// Distance of the surface in each pixel, mm; infinite for the sky.
     Depth(&'a [f32]),
@@ -83,7 +83,8 @@ impl Pixels<'_> {
 pub struct StoredScan {
     /// Pose of the scanner.
     pub world_from_scanner: Pose3,
-    /// Bearings of the first and the last ray, counter-clockwise from ahead in the scanner's plane; the others are spaced evenly.
+    /// Bearings of the first and the last ray, counter-clockwise from ahead in the scanner's plane; the rays between
+    /// are spaced evenly.
     pub bearings: [f64; 2],
     /// Distance measured by each ray, m; none if nothing is within range.
     pub metres: Vec<Option<f64>>,
@@ -123,7 +124,7 @@ pub struct Frames {
 #[derive(Debug)]
 struct Folder {
     path: PathBuf,
-    /// Number of digits of the greatest robot number.
+    /// Number of digits of the maximum robot number.
     robot_digits: usize,
 }
 
@@ -215,7 +216,7 @@ impl Frames {
 }
 
 impl Folder {
-    /// Name of an image's file: the order of names is that of robot, number and time of exposure.
+    /// Name of an image's file; names sort by robot, number and time of exposure.
     fn name(&self, robot: RobotId, frame: &Frame<'_>) -> String {
         let Time(us) = frame.exposed;
         let (seconds, us) = (us / 1_000_000, us % 1_000_000);

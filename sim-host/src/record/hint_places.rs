@@ -1,4 +1,4 @@
-//! Lines of programs at which hints were given: for people, beside the record and its digest.
+//! Lines of programs at which hints were given: shown to users, not part of the record and its digest.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use sim_core::RobotId;
 #[derive(Clone, Debug, Default)]
 pub struct HintPlaces(Arc<Mutex<BTreeMap<RobotId, BTreeMap<String, String>>>>);
 
-/// Most hints whose lines are kept for a robot.
+/// Maximum number of hints whose lines are kept for a robot.
 const MAX_PLACES: usize = 200;
 
 impl HintPlaces {
@@ -23,7 +23,7 @@ impl HintPlaces {
         }
     }
 
-    /// The line of the program of `robot` at which it was given the hint `text`; `None` if it has none.
+    /// The line of the program of `robot` at which it was given the hint `text`; `None` if the line is not known.
     pub fn of(&self, robot: RobotId, text: &str) -> Option<String> {
         self.0.lock().get(&robot)?.get(text).cloned()
     }

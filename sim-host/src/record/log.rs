@@ -51,7 +51,8 @@ impl Pattern {
     pub fn matches(&self, name: &str) -> bool {
         let (pattern, name) = (self.0.as_bytes(), name.as_bytes());
         let (mut p, mut n) = (0, 0);
-        // Backtracking point of the last `*`: the next place in the pattern, and the end of the part of `name` that the `*` covers.
+        // Backtracking point of the last `*`: the next position in the pattern, and the end of the part of `name` that
+        // the `*` covers.
         let mut retry: Option<(usize, usize)> = None;
         while n < name.len() {
             match pattern.get(p) {
@@ -203,8 +204,8 @@ impl Sink for Log {
     }
 }
 
-/// Appends the line of `record` to `lines`, that of a hint with the line of the program to which it belongs; nothing for kinds that are not
-/// shown on the terminal.
+/// Appends the line of `record` to `lines`; a hint includes the line of the program to which it belongs. Appends
+/// nothing for kinds that are not shown on the terminal.
 fn push_line(lines: &mut String, record: &Record<'_>, place: Option<&str>) {
     let start = lines.len();
     _ = write!(lines, "[{} {}] ", record.robot, record.time);
@@ -285,7 +286,7 @@ mod tests {
         assert_eq!(Pattern::parse_list(" PSDGet, ,VW*"), [Pattern("PSDGet".into()), Pattern("VW*".into())]);
     }
 
-    /// Both streams as one terminal, each line marked by its stream.
+    /// Terminal that merges both streams, each line marked by its stream.
     #[derive(Clone)]
     struct Terminal(Arc<Mutex<String>>, &'static str);
 

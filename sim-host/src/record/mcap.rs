@@ -1,8 +1,9 @@
-//! A run as MCAP, the file format of recordings that Foxglove and rerun open. Channels and schemas are in `docs/mcap.md`.
+//! Recording of a run as MCAP, the file format that Foxglove and rerun open. Channels and schemas are in
+//! `docs/mcap.md`.
 //!
-//! Messages of Foxglove are Protocol Buffers, eyesim's own are JSON. Times are virtual, from the run's start. Each
-//! complete slot is handed to the operating system before the next slot begins, in chunks that readers can recover from
-//! a truncated file.
+//! Foxglove's messages are Protocol Buffers; eyesim's own messages are JSON. Times are virtual, from the run's start.
+//! Each complete slot is handed to the operating system before the next slot begins, in chunks that readers can recover
+//! from a truncated file.
 
 mod proto;
 pub(crate) mod scene;
@@ -51,7 +52,7 @@ impl<T: Write + Seek + Send> Out for T {}
 
 /// Sink that writes a recording.
 pub struct Mcap {
-    /// None after the end.
+    /// `None` after the end.
     writer: Option<Writer<Box<dyn Out>>>,
     path: PathBuf,
     /// Channels by robot and topic.
@@ -68,7 +69,7 @@ pub struct Mcap {
     /// Numbers of the next robot and the next object to be added.
     next: [u32; 2],
     has_news: bool,
-    /// Checked at the end, if the recording is a file.
+    /// Proof that is checked at the end, if the recording is a file.
     proof: Option<Arc<Proof>>,
 }
 

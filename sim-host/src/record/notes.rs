@@ -10,19 +10,19 @@ use super::hint_places::HintPlaces;
 use super::report::HintReport;
 use super::sink::{RecordError, Sink};
 
-/// Most instants of contacts that are kept for a robot.
+/// Maximum number of contact times that are kept for a robot.
 pub const MAX_CONTACT_TIMES: usize = 1000;
 
-/// Most hints that are kept for a robot.
+/// Maximum number of hints that are kept for a robot.
 pub const MAX_HINTS: usize = 100;
 
-/// Most metrics that are kept for a robot.
+/// Maximum number of metrics that are kept for a robot.
 const MAX_METRICS: usize = 200;
 
-/// Most remarks that are kept.
+/// Maximum number of remarks that are kept.
 const MAX_REMARKS: usize = 20;
 
-/// Beginning of a line by which a program tells a metric.
+/// Prefix of a line with which a program reports a metric.
 const METRIC: &str = "METRIC ";
 
 /// Sink that collects the instants of contacts, the hints, calls of forbidden functions, and the metrics that programs print: lines
@@ -31,7 +31,7 @@ const METRIC: &str = "METRIC ";
 pub struct Notes {
     robots: BTreeMap<RobotId, RobotNotes>,
     hint_places: HintPlaces,
-    /// Lines that begin as a metric and are none.
+    /// Remarks on lines that begin like a metric but are malformed.
     pub remarks: Vec<String>,
 }
 
@@ -49,7 +49,7 @@ pub struct RobotNotes {
 }
 
 impl Notes {
-    /// Notes of a run that notes the lines of hints in `hint_places`.
+    /// Creates empty notes; lines of hints are noted in `hint_places`.
     pub fn new(hint_places: HintPlaces) -> Self {
         Self { hint_places, ..Self::default() }
     }

@@ -27,7 +27,7 @@ pub fn grey16(size: [u32; 2], levels: &[u16]) -> Vec<u8> {
 }
 
 /// Encodes a label of each pixel. If no label exceeds 255, labels are indices of visible colours, the format that
-/// readers of segmented images expect (that of PASCAL VOC, for one). Otherwise all labels are grey levels of 16 bits.
+/// readers of segmented images expect (PASCAL VOC, for one). Otherwise all labels are grey levels of 16 bits.
 pub fn labels(size: [u32; 2], labels: &[i32]) -> Vec<u8> {
     let indices: Option<Vec<u8>> = labels.iter().map(|label| u8::try_from(*label).ok()).collect();
     match indices {
@@ -39,13 +39,13 @@ pub fn labels(size: [u32; 2], labels: &[i32]) -> Vec<u8> {
     }
 }
 
-/// Colour of a label, distinct from those of labels near it.
+/// Colour of a label, distinct from the colours of labels with similar numbers.
 fn colour_of_label(label: u8) -> [u8; 3] {
     match label {
         0 => [0x9c, 0xc4, 0xe4],
         1 => [0x6b, 0x6b, 0x6b],
         2 => [0xd8, 0xd0, 0xc0],
-        // Around the circle of hues in steps of about the golden angle, 137.5 degrees, lighter and darker in turn.
+        // Steps around the circle of hues by about the golden angle, 137.5 degrees, alternately lighter and darker.
         _ => {
             let hue = u32::from(label) * 1373 % 3600;
             let (sector, rest) = (hue / 600, hue % 600);

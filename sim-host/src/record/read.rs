@@ -1,6 +1,7 @@
-//! Reads traces: line by line, or what is needed to run a recorded run again.
+//! Reads traces: line by line, or the contents that are needed to repeat a recorded run.
 //!
-//! Any file gives either a result or an error that names the line; the complete lines of a truncated trace are read.
+//! For any file the result is either a value or an error that names the line; the complete lines of a truncated trace
+//! are read.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read as _};
@@ -14,10 +15,10 @@ use sim_core::time::Time;
 use super::trace::{TRACE_SCHEMA, TraceHeader};
 use super::zstd::{Frames, MAGIC};
 
-/// Length in bytes of the longest line that is accepted: longer than any that is written.
+/// Maximum length in bytes of a line that is accepted; longer than any line that is written.
 const MAX_LINE: u64 = 1 << 26;
 
-/// Latest time in a trace, s: no run takes longer.
+/// Maximum time in a trace, s; no run takes longer.
 const MAX_SECONDS: f64 = 4e9;
 
 /// Error when reading a trace.
@@ -31,7 +32,7 @@ pub enum TraceError {
         /// The system's error.
         source: io::Error,
     },
-    /// The file is no trace.
+    /// The file is not a trace.
     #[error("`{}` is no trace: {why}", path.display())]
     NoTrace {
         /// The file as the user named it.
@@ -119,7 +120,7 @@ impl TraceReader<Box<dyn BufRead>> {
     /// Opens the trace `path`, which may be compressed.
     ///
     /// # Errors
-    /// [`TraceError`] if it cannot be read or is no trace.
+    /// [`TraceError`] if it cannot be read or is not a trace.
     pub fn open(path: &Path) -> Result<Self, TraceError> {
         let text = open_text(path).map_err(|source| TraceError::Read { path: path.to_owned(), source })?;
         Self::new(text, path)
@@ -146,7 +147,7 @@ impl<R: BufRead> TraceReader<R> {
     /// Reads the trace `input`; error messages call it `path`.
     ///
     /// # Errors
-    /// [`TraceError`] if it cannot be read or is no trace.
+    /// [`TraceError`] if it cannot be read or is not a trace.
     pub fn new(input: R, path: &Path) -> Result<Self, TraceError> {
         let header = TraceHeader { seed: 0, slot_us: 0, robots: vec![], run: vec![], inputs: vec![], only: vec![] };
         let path = path.to_owned();
@@ -263,7 +264,7 @@ impl Recorded {
     /// Reads the trace `path` as a whole.
     ///
     /// # Errors
-    /// [`TraceError`] for a file that cannot be read or is no trace.
+    /// [`TraceError`] for a file that cannot be read or is not a trace.
     pub fn read(path: &Path) -> Result<Self, TraceError> {
         Self::of(TraceReader::open(path)?)
     }

@@ -28,10 +28,10 @@ pub enum RecordError {
         /// The system's error.
         source: std::io::Error,
     },
-    /// The cameras' scenery has warnings, which the user does not allow.
+    /// The cameras' scenery has warnings, and the user has asked to treat warnings as errors.
     #[error("the scene is not run on: {0}")]
     Strict(String),
-    /// The report holds a value that its schema does not allow.
+    /// The report contains a value that its schema does not allow.
     #[error("cannot write the report: {0}")]
     Report(serde_json::Error),
 }
@@ -45,8 +45,8 @@ impl RecordError {
 
 /// Consumer of records.
 pub trait Sink: Send {
-    /// Kinds of records that the sink takes, constant during a run. In a slot with other records only, the sink gets
-    /// [`Self::end_slot`].
+    /// Kinds of records that the sink takes, constant during a run. In a slot that has only other records, only
+    /// [`Self::end_slot`] is called.
     fn interest(&self) -> KindSet;
 
     /// Takes one record of the slot, in the order (virtual time, robot, sequence).
@@ -55,7 +55,7 @@ pub trait Sink: Send {
     /// If the record cannot be stored.
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError>;
 
-    /// Ends the slot at `end`; `digest` is that of the run up to here, if the slot changed it.
+    /// Ends the slot at `end`; `digest` is the digest of the run so far, if the slot changed it.
     ///
     /// # Errors
     /// If the slot's records cannot be stored.
@@ -122,7 +122,7 @@ impl<'s> Sinks<'s> {
         Self { sinks: vec![(sink.interest(), Box::new(sink))] }
     }
 
-    /// Ends the slot of `recorder` at `end`, and gives its records and digest to the sinks. The recorder must record
+    /// Ends the slot of `recorder` at `end`, and passes its records and digest to the sinks. The recorder must record
     /// all kinds of records that the sinks take.
     ///
     /// # Errors

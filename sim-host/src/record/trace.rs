@@ -1,8 +1,7 @@
 //! The trace: one JSON object per line, streamed during the run. Its schema is `docs/trace.md`.
 //!
-//! At each slot's end its lines are handed to the operating system in one write, before the next slot begins, so that a crash or
-//! `kill -9` of the process loses no complete slot. They are not forced to the disk (no fsync): a loss of power may lose the last
-//! seconds.
+//! At the end of each slot its lines are written in one system call, before the next slot begins, so that a crash or
+//! `kill -9` of the process loses no complete slot. There is no fsync: a power failure may lose the last seconds.
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -20,7 +19,7 @@ use sim_core::record::{Digest, Kind, KindSet, Record};
 /// Version of the trace's schema.
 pub const TRACE_SCHEMA: u32 = 1;
 
-/// First line of a trace, besides schema and version of the program.
+/// First line of a trace, without schema and version of the program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceHeader {
     /// The master seed of the run.
@@ -68,7 +67,7 @@ const READINGS: &[Kind] = &[
     Kind::Frame,
 ];
 
-/// Kinds that every trace holds: without them a run cannot be repeated.
+/// Kinds that every trace contains: without them a run cannot be repeated.
 const ALWAYS: &[Kind] = &[Kind::Intervention, Kind::ProgramEnded];
 
 impl TraceFilter {
@@ -108,7 +107,7 @@ fn kinds_of(word: &str) -> Option<KindSet> {
     }
 }
 
-/// Kinds of a trace whose header says `only`.
+/// Kinds of a trace with this `only` in its header.
 fn kinds_of_trace(only: &[String]) -> KindSet {
     let kinds = only.iter().filter_map(|word| kinds_of(word));
     let kinds = kinds.reduce(KindSet::union).map_or(KindSet::ALL, |kinds| kinds.union(KindSet::of(ALWAYS)));
@@ -134,7 +133,7 @@ pub struct Trace {
     kinds: KindSet,
     /// Lines that are not compressed yet; `None` for a trace of plain text.
     uncompressed: Option<Vec<u8>>,
-    /// Checked at the end, if the trace is a file.
+    /// Proof that is checked at the end, if the trace is a file.
     proof: Option<Arc<Proof>>,
 }
 

@@ -19,7 +19,7 @@ const TOLERANCE: f64 = 1e-3;
 /// A trail with more points than this is thinned with twice the tolerance.
 const MAX_POINTS: usize = 4096;
 
-/// A polyline that stays within [`Self::deviation`] of every position pushed.
+/// A polyline that stays within [`Self::deviation`] of every pushed position.
 ///
 /// Intermediate points are dropped as they arrive: only the last corner is kept, with the sector of directions that passes all
 /// positions since then (cone intersection, Sklansky & Gonzalez 1980). The tolerance is 1 mm and doubles when the trail exceeds
@@ -40,12 +40,12 @@ struct Sector {
     axis: DVec2,
     /// Angles between which the segment must lie, rad.
     angles: (f64, f64),
-    /// Greatest distance of a position from the corner, m.
+    /// Maximum distance of a position from the corner, m.
     reach: f64,
 }
 
 impl Trail {
-    /// The trail that begins at `start`, in metres.
+    /// Creates the trail that begins at `start`, in metres.
     pub fn new(start: DVec2) -> Self {
         Self::with_tolerance(start, TOLERANCE)
     }
@@ -80,10 +80,10 @@ impl Trail {
             .collect()
     }
 
-    /// Greatest distance of the polyline from a pushed position, in metres.
+    /// Maximum distance of the polyline from a pushed position, in metres.
     pub fn deviation(&self) -> f64 {
-        // Each thinning adds its tolerance to those before it, a geometric series. A point beyond the end of a segment may deviate by
-        // one tolerance along it and one across it.
+        // Each thinning adds its tolerance to the previous ones, a geometric series. A point beyond the end of a
+        // segment may deviate by one tolerance along it and one across it.
         2.0 * std::f64::consts::SQRT_2 * self.tolerance
     }
 
@@ -126,7 +126,7 @@ impl Trail {
 /// Error: the open segment cannot be extended, and a corner is needed.
 struct CornerNeeded;
 
-/// Most trails kept of a body that is placed again and again: the latest ones.
+/// Maximum number of trails kept for a body that is placed repeatedly; the latest ones are kept.
 const MAX_TRAILS: usize = 64;
 
 /// Trails of one body: a new one begins each time that the body is placed.
@@ -193,13 +193,13 @@ impl Trails {
         &self.trails
     }
 
-    /// Points of contact, in metres; points within 1 cm of the one before are left out.
+    /// Points of contact, in metres; points within 1 cm of the previous one are left out.
     pub fn contacts(&self) -> &[DVec2] {
         &self.contacts
     }
 }
 
-/// Continues the trail of a body, or starts that of a spawned body.
+/// Continues the trail of a body, or starts the trail of a spawned body.
 fn push(bodies: &mut Vec<BodyTrails>, index: usize, position: DVec2) {
     match bodies.get_mut(index) {
         Some(way) => way.push(position),

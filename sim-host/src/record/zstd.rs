@@ -1,4 +1,4 @@
-//! Zstandard as traces use it: whole frames, one after the other.
+//! Zstandard compression of traces: whole frames, one after the other.
 
 use std::io::{self, BufRead, Read};
 
@@ -8,15 +8,15 @@ use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 /// First bytes of a frame.
 pub const MAGIC: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
 
-/// Length of the text in a frame, in bytes; our choice: a longer one compresses hardly better.
+/// Length of the text in a frame, in bytes; our choice: longer frames hardly compress better.
 pub const FRAME: usize = 1 << 20;
 
-/// The frame that holds `text`.
+/// Compresses `text` into a frame.
 pub fn frame(text: &[u8]) -> Vec<u8> {
     compress_to_vec(text, CompressionLevel::Fastest)
 }
 
-/// Reads the text of all frames of `input`. A last frame that is not complete, as of a run that was killed, is left out.
+/// Reads the text of all frames of `input`. An incomplete last frame, as left by a killed run, is left out.
 pub struct Frames<R> {
     input: R,
     decoder: FrameDecoder,
@@ -24,12 +24,12 @@ pub struct Frames<R> {
 }
 
 impl<R: BufRead> Frames<R> {
-    /// Reader of the frames of `input`.
+    /// Creates a reader of the frames of `input`.
     pub fn new(input: R) -> Self {
         Self { input, decoder: FrameDecoder::new(), is_open: false }
     }
 
-    /// The error of a frame, unless the input ended within it.
+    /// Returns the error of a frame, unless the input ended within it.
     fn error(&mut self, error: impl std::fmt::Display) -> io::Result<usize> {
         self.is_open = false;
         if self.input.fill_buf()?.is_empty() {

@@ -63,13 +63,13 @@ impl Audio {
     }
 }
 
-/// Largest sample that is recorded, in bytes; our choice.
+/// Maximum size of a recorded sample, in bytes; our choice.
 const MAX_RECORD: usize = 1 << 26;
 
-/// Greatest rate of a recording in Hz.
+/// Maximum rate of a recording in Hz.
 const MAX_RATE: i64 = 44_100;
 
-/// `AUPlaySample`: returns the sample's rate in Hz, 0 if `sample` is no WAV file.
+/// `AUPlaySample`: returns the sample's rate in Hz, 0 if `sample` is not a WAV file.
 pub fn play_sample_6(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
     let Some(wave) = sample.and_then(Wave::parse) else { return robot.failed(Robios6Call::AUPlaySample, 0) };
     play(robot, wave);

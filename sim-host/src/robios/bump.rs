@@ -18,7 +18,7 @@ use sim_core::record::Event;
 #[derive(Clone, Debug, Default)]
 pub struct Bumpers {
     handles: Handles,
-    /// By bumper: contacts before this time have been reported.
+    /// For each bumper, the time before which contacts have been reported.
     since: Vec<Time>,
 }
 

@@ -1,4 +1,4 @@
-//! Functions that programs call.
+//! Identifiers of the functions that programs call.
 
 use robios_sys::{Robios6Call, Robios7Call, SupportCall};
 
@@ -9,7 +9,7 @@ pub enum Call {
     Robios6(Robios6Call),
     /// A function of RoBIOS-7.
     Robios7(Robios7Call),
-    /// A service for the program's language.
+    /// A service for the program's language runtime.
     Support(SupportCall),
 }
 

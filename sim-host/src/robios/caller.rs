@@ -1,7 +1,7 @@
 //! Entry of a robot's calls into the simulator: the behaviour that all RoBIOS calls share.
 //!
 //! A call costs virtual time and acts at its end. If its end lies in a later slot, the flow is suspended first; timer
-//! callbacks that fall due on the way run inside the call. The modules beside this file define only the effect of each
+//! callbacks that become due meanwhile run inside the call. The modules beside this file define only the effect of each
 //! call.
 
 use std::any::Any;
@@ -28,7 +28,7 @@ pub struct Caller<F> {
 pub enum Poll<R> {
     /// The wait is over.
     Ready(R),
-    /// Not yet: poll again at `at` ([`Time::NEVER`] when nothing known can end the wait).
+    /// The wait is not over: poll again at `at` ([`Time::NEVER`] if nothing known can end the wait).
     Pending {
         /// Earliest time at which the condition may hold.
         at: Time,
@@ -68,7 +68,7 @@ impl<F: Flow> Caller<F> {
         result.ok_or(Stop)
     }
 
-    /// As [`Caller::call`], compiled once for all functions.
+    /// Like [`Caller::call`], compiled once for all functions.
     fn act(&self, call: Call, act: &mut dyn FnMut(&mut Robot, &World)) -> Result<(), Stop> {
         self.within(call, |caller| {
             let mut robot = caller.spend(call)?;
@@ -93,10 +93,10 @@ impl<F: Flow> Caller<F> {
         result.ok_or(Stop)
     }
 
-    /// Calls `poll` now and whenever the awaited condition may hold; no time passes besides the wait.
+    /// Calls `poll` now and whenever the awaited condition may hold; only the wait takes virtual time.
     ///
     /// # Errors
-    /// As [`Caller::wait`].
+    /// See [`Caller::wait`].
     pub(super) fn wait_at_once<R>(
         &self,
         call: SupportCall,
@@ -108,7 +108,7 @@ impl<F: Flow> Caller<F> {
         result.ok_or(Stop)
     }
 
-    /// As [`Caller::wait`], compiled once for all functions; `call` passes its cost first if it `has_cost`.
+    /// Like [`Caller::wait`], compiled once for all functions; if it `has_cost`, the cost of `call` passes first.
     fn wait_after(
         &self,
         call: Call,
@@ -143,7 +143,7 @@ impl<F: Flow> Caller<F> {
             if robot.timers.in_callback {
                 return Err(self.fail(robot, format!("`{}` would wait inside a timer callback", call.name())));
             }
-            // Virtual time advances by at least 1 us: a condition whose time has passed would be polled for ever.
+            // Virtual time advances by at least 1 us: a condition whose time has passed would be polled forever.
             let (now, wake) = (robot.now, at.max(robot.now + Time(1)));
             let waiting = Wait { call, reason, since, site: site.clone() };
             if robot.tasks.current().is_unwinding() {
@@ -166,8 +166,8 @@ impl<F: Flow> Caller<F> {
         }
     }
 
-    /// Lets virtual time pass until `wake` for a waiting task. Ends the task's wait if a timer callback breaks it off
-    /// and the program continues.
+    /// Lets virtual time pass until `wake` for a waiting task. Ends the task's wait if a timer callback aborts it and
+    /// the program continues.
     fn wait_until<'a>(&'a self, robot: MutexGuard<'a, Robot>, wake: Time) -> Result<MutexGuard<'a, Robot>, Stop> {
         self.pass_until(robot, wake, false).inspect_err(|_| {
             if !self.flow.is_exiting() {
@@ -182,9 +182,9 @@ impl<F: Flow> Caller<F> {
         if robot.tasks.is_single() { Ok(()) } else { self.take_turns_among(robot, call) }
     }
 
-    /// As [`Caller::take_turns`], for a robot that has other tasks.
+    /// Like [`Caller::take_turns`], for a robot that has other tasks.
     fn take_turns_among(&self, mut robot: MutexGuard<'_, Robot>, call: Call) -> Result<(), Stop> {
-        // The program is printing from within its C library, whose streams no other task may use meanwhile.
+        // The program prints inside its C library, whose streams no other task may use meanwhile.
         if call == Call::Support(SupportCall::console) || robot.timers.in_callback {
             return Ok(());
         }
@@ -261,7 +261,7 @@ impl<F: Flow> Caller<F> {
     /// Starts a further task, which runs `code` at its turn. Returns its number, or 0 if the robot has too many tasks.
     ///
     /// # Errors
-    /// [`Stop`] if the system has no room for another task.
+    /// [`Stop`] if the system lacks the resources for another task.
     pub(super) fn spawn(&self, call: SupportCall, code: Callback) -> Result<i32, Stop> {
         self.within(call.into(), |caller| {
             let mut robot = caller.robot();
@@ -289,8 +289,8 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Acts at once: no virtual time passes, and a program that must stop may still call it. The thread counts as
-    /// executing host code meanwhile, so that the watchdog does not park it while it holds the robot's lock.
+    /// Acts without virtual time: a program that must stop may still call it. The thread counts as executing host code
+    /// meanwhile, so that the watchdog does not park it while it holds the robot's lock.
     pub(crate) fn at_once<R>(&self, call: SupportCall, act: impl FnOnce(&mut Robot) -> R) -> R {
         // These lines need almost no stack: they also serve a program whose stack is exhausted.
         self.flow.enter(call.into());
@@ -302,7 +302,8 @@ impl<F: Flow> Caller<F> {
         result
     }
 
-    /// Notes the line of the program at which hints were given in the call in progress; `site` is its place, if known.
+    /// Notes the line of the program at which hints were given in the call in progress; `site` is its location, if
+    /// known.
     #[inline]
     fn note_hints(&self, robot: &mut Robot, site: Option<&Site>) {
         if !robot.new_hints.is_empty() {
@@ -323,7 +324,7 @@ impl<F: Flow> Caller<F> {
         self.flow.robot()
     }
 
-    /// Runs `body` as the host's work for the program. A stopped program gets [`Stop`]; an exhausted stack is a fault.
+    /// Runs `body` inside a call of the program. A stopped program gets [`Stop`]; an exhausted stack is a fault.
     #[inline]
     pub(super) fn within<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
         if !self.flow.enter(call) {
@@ -344,7 +345,7 @@ impl<F: Flow> Caller<F> {
         call.map(|call| self.call(call, |robot, _| robot.record_forbidden(call))).transpose().map(|done| done.is_some())
     }
 
-    /// Ends the program, whose stack has no room for the host's work.
+    /// Ends the program, whose stack is too small for the call.
     #[cold]
     fn overflow(&self, call: Call) -> Stop {
         let robot = self.robot();
@@ -367,7 +368,7 @@ impl<F: Flow> Caller<F> {
             return Err(Stop);
         }
         let end = robot.now + span;
-        // Most calls end within their slot, and nothing falls due before.
+        // Most calls end within their slot, and nothing becomes due before.
         if end < self.flow.slot_end().min(robot.timers.next_due()).min(robot.devices.due()) {
             robot.now = end;
             return Ok(robot);
@@ -375,8 +376,8 @@ impl<F: Flow> Caller<F> {
         self.pass_until(robot, end, true)
     }
 
-    /// Lets virtual time pass until `end`; runs the timer callbacks that fall due, and computes the measurements that
-    /// sensors complete on the way.
+    /// Lets virtual time pass until `end`; runs the timer callbacks that become due, and computes the measurements that
+    /// sensors complete meanwhile.
     ///
     /// If the time is the call's own work (`is_work`), callbacks delay its end by their duration. Otherwise the robot
     /// waits: the function returns early after each callback, and when the scheduler step has changed what the robot

@@ -1,5 +1,5 @@
-//! Camera functions that both generations share: the message for a missing image, and the numbers that programs get for
-//! depths and labels.
+//! Camera functions that both generations share: the message for a missing image, and the numbers in which programs
+//! receive depths and labels.
 //!
 //! The camera itself is [`sim_core::device::camera`]; `camera6.rs` and `camera7.rs` pass its images to programs.
 //! Source: RoBIOS 6 and RoBIOS-7 library, camera.
@@ -29,13 +29,13 @@ pub struct CameraOutput {
     pub frames: Option<Arc<Frames>>,
 }
 
-/// Reason why a call gives no image.
+/// Reason why a call returns no image.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ImageUnavailable {
     /// The buffer is null.
     #[error("it takes room for the image")]
     Null,
-    /// The camera gives no image.
+    /// The camera returns no image.
     #[error("{}", in_words(.0))]
     Camera(CameraError),
 }
@@ -134,7 +134,7 @@ pub(super) fn give_labels(robot: &mut Robot, call: impl Into<Call>, failure: i32
     }
 }
 
-/// The answer of a call that gives no image.
+/// The answer of a call that returns no image.
 pub(super) fn refused(robot: &mut Robot, call: impl Into<Call>, answer: i32, why: impl Into<ImageUnavailable>) -> i32 {
     let why = why.into();
     robot.refused(call, answer, |_| why.to_string())
@@ -147,7 +147,7 @@ pub fn mm_of_depth(depth: &Picture<f32>) -> Vec<f32> {
 
 /// Converts labels to the numbers that programs get; bodies are numbered among all robots and objects.
 pub fn numbers_of_labels(labels: &Picture<Label>, entity_numbers: &EntityNumbers) -> Vec<i32> {
-    // Ids of movable objects count these alone.
+    // Ids of movable objects count only movable objects.
     let movable: Vec<usize> = (0..entity_numbers.objects.len())
         .filter(|place| matches!(entity_numbers.objects[*place], NumberedObject::Movable(_)))
         .collect();

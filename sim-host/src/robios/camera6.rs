@@ -24,7 +24,7 @@ pub const VERSION: i32 = 17;
 /// Columns and rows of an image without its border.
 const SIZE: [u32; 2] = [IMAGE_COLUMNS as u32 - 2, IMAGE_ROWS as u32 - 2];
 
-/// Columns and rows of an image behind the colour filter.
+/// Columns and rows of an image through the colour filter.
 const BAYER_SIZE: [u32; 2] = [2 * SIZE[0], 2 * SIZE[1]];
 
 /// Period of the fastest rate, 1/60 s, in sixtieths of a microsecond.
@@ -81,7 +81,7 @@ pub fn colour_frame(robot: &mut Robot, world: &World, buffer: &mut Out<ColImage>
         if convert == FALSE {
             return Ok(bordered(&camera::take_colour(robot, world)?, [0; 3]));
         }
-        // A grey image at the start of the buffer, nothing behind it.
+        // A grey image at the start of the buffer; the rest stays unchanged.
         let picture = camera::take_grey(robot, world)?;
         let grey = bordered(&picture, [0]);
         let mut buffer: ColImage = [[[0; 3]; IMAGE_COLUMNS]; IMAGE_ROWS];

@@ -1,6 +1,6 @@
 //! The camera of RoBIOS-7: images of any size, in colour or grey.
 //!
-//! Source: RoBIOS-7 library, camera. The robi's largest image limits nothing, as in EyeSim VR.
+//! Source: RoBIOS-7 library, camera. The robi's largest image is not a limit, as in EyeSim VR.
 
 use robios_sys::robios7::{CAM5MP, RESOLUTIONS};
 use robios_sys::{OutBytes, OutFloats, OutInts, Robios7Call as Call};
@@ -11,7 +11,7 @@ use super::camera::{self, ImageUnavailable};
 use super::image7::is_resolution;
 use super::robot::Robot;
 
-/// Greatest width and height of an image in pixels.
+/// Maximum width and height of an image in pixels.
 const MAX_SIDE: i32 = 4096;
 
 /// `CAMInit`; the program's side translates a resolution to its size.
@@ -78,7 +78,7 @@ pub fn labels(robot: &mut Robot, labels: &mut OutInts) -> i32 {
     camera::give_labels(robot, Call::CAMGetLabels, 1, labels)
 }
 
-/// Answer of a call that requires a camera which is on.
+/// Answer of a call that requires the camera to be on.
 fn refuse(robot: &mut Robot, call: Call) -> i32 {
     let why = robot.camera_setting().err().unwrap_or(CameraError::Off);
     camera::refused(robot, call, 1, why)

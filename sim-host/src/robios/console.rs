@@ -1,4 +1,4 @@
-//! Output of a program, limited so that an endless loop floods neither terminal nor disk.
+//! Output of a program, limited so that an endless loop does not flood terminal and disk.
 
 use robios_sys::support::stream;
 use robios_sys::{Stop, SupportCall};
@@ -12,7 +12,7 @@ use super::robot::Robot;
 /// Default limit of a program's output in a run, in bytes; our choice.
 pub const DEFAULT_OUTPUT_LIMIT: u64 = 10_000_000;
 
-/// Virtual time of a line beyond the limit, 1 ms; our choice.
+/// Virtual time that a line beyond the limit costs, 1 ms; our choice.
 const CUT_LINE: Time = Time(1000);
 
 /// Counters of a program's output in bytes.
@@ -49,7 +49,8 @@ impl Console {
 }
 
 impl<F: Flow> Caller<F> {
-    /// Lets the time of a line pass: more beyond the limit, so that a program which only prints comes to the end of its run.
+    /// Lets the time of a line pass; beyond the limit a line takes more time, so that a program that only prints
+    /// reaches the end of its run.
     ///
     /// # Errors
     /// [`Stop`] if the program must end.

@@ -33,13 +33,13 @@ fn functions(section: &str) -> impl Iterator<Item = Call> {
     of_6.iter().map(|call| Call::from(*call)).chain(of_7.iter().map(|call| Call::from(*call)))
 }
 
-/// Greatest cost: an hour, in microseconds.
+/// Maximum cost: one hour, in microseconds.
 const MAX_COST_US: i64 = 3_600_000_000;
 
 /// Virtual time that each call takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Costs {
-    /// By [`Call::robios_number`].
+    /// Costs indexed by [`Call::robios_number`].
     costs: Box<[Time]>,
 }
 
@@ -49,7 +49,7 @@ pub enum CostError {
     /// The text is not TOML of the form of a cost table.
     #[error("{0}")]
     Syntax(String),
-    /// A section that names no known generation.
+    /// A section does not name a known generation.
     #[error("line {line}: unknown section `{name}`, expected `robios6` or `robios7`")]
     Section {
         /// Line from 1.
@@ -57,7 +57,7 @@ pub enum CostError {
         /// The name.
         name: String,
     },
-    /// An entry that matches no function.
+    /// An entry matches no function.
     #[error("line {line}: unknown function `{name}`{}", suggestion.as_ref().map(|name| format!(", did you mean `{name}`?")).unwrap_or_default())]
     Function {
         /// Line from 1.
@@ -67,7 +67,7 @@ pub enum CostError {
         /// The function with the most similar name.
         suggestion: Option<&'static str>,
     },
-    /// A cost that is out of range or not an integer.
+    /// A cost is out of range or not an integer.
     #[error("line {line}: `{name}` must cost 1 to 3600000000 us, in whole microseconds")]
     Cost {
         /// Line from 1.
@@ -116,7 +116,7 @@ impl Costs {
         costs
     }
 
-    /// Cost of a call; 1 us for a service of the language, enough that a loop which waits for a time ends.
+    /// Cost of a call; 1 us for a service of the language runtime, enough that a loop that waits for a time ends.
     #[inline]
     pub fn of(&self, call: impl Into<Call>) -> Time {
         call.into().robios_number().map_or(Time(1), |number| self.costs[usize::from(number)])

@@ -1,6 +1,6 @@
 //! Display functions of RoBIOS 6, over the model in [`super::lcd`].
 //!
-//! Source: RoBIOS 6 library, LCD output. Text written at a position leaves the cursor behind it.
+//! Source: RoBIOS 6 library, LCD output. Text written at a position leaves the cursor after the text.
 
 use robios_sys::robios6::{BitImage, CURSOR, ColImage, Image, SCROLLING};
 use robios_sys::{Out, Robios6Call as Call};
@@ -13,7 +13,7 @@ use sim_core::record::Event;
 /// Columns of the part of an image that is shown.
 const SHOWN_COLUMNS: usize = 80;
 
-/// Greatest width and number of decimals of `LCDPutFloatS` and `LCDPutIntS`: more than the display holds.
+/// Maximum width and number of decimals of `LCDPutFloatS` and `LCDPutIntS`: more than the display holds.
 const MAX_FORMAT: i32 = 112;
 
 /// Writes text at the cursor.

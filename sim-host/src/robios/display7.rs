@@ -129,7 +129,7 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
     0
 }
 
-/// State that a mode gives to a switch, `None` if it names neither; both together mean off.
+/// State to which a mode sets a switch, `None` if it contains neither flag; both flags together mean off.
 fn switched(mode: i32, on: i32, off: i32) -> Option<bool> {
     (mode & (on | off) != 0).then_some(mode & off == 0)
 }
@@ -222,7 +222,7 @@ pub fn set_resolution(robot: &mut Robot, resolution: i32) -> i32 {
     })
 }
 
-/// `LCDImageStart`: sets the place; each image brings its size.
+/// `LCDImageStart`: sets the position; each image brings its size.
 pub fn set_image(robot: &mut Robot, at: [i32; 2], [width, height]: [i32; 2]) -> i32 {
     if !is_size([width, height]) {
         return robot.refused(Call::LCDImageStart, 1, |_| format!("{width} x {height} is no size of an image"));
@@ -247,7 +247,7 @@ pub fn show_grey(robot: &mut Robot, size: [i32; 2], image: Option<&[u8]>) -> i32
     show(robot, Call::LCDImageGray, size, image.map(|image| image.iter().map(|level| [*level; 3])))
 }
 
-/// `LCDImageBinary`: 0 is white, all else black, as in PBM files.
+/// `LCDImageBinary`: 0 is white, everything else black, as in PBM files.
 pub fn show_binary(robot: &mut Robot, size: [i32; 2], image: Option<&[u8]>) -> i32 {
     let colour = |bit: &u8| if *bit == 0 { WHITE } else { [0; 3] };
     show(robot, Call::LCDImageBinary, size, image.map(|image| image.iter().map(colour)))

@@ -20,7 +20,8 @@ pub trait Flow: Send + Sync + 'static {
     /// Locks the robot's state.
     fn robot(&self) -> MutexGuard<'_, Robot>;
 
-    /// The world as published at the start of the present slot; the reference must not be kept while the flow suspends itself.
+    /// The world as published at the start of the current slot; the reference must not be kept while the flow suspends
+    /// itself.
     fn world(&self) -> &World;
 
     /// Virtual time that `call` takes.
@@ -29,10 +30,10 @@ pub trait Flow: Send + Sync + 'static {
     /// Functions that the scene forbids.
     fn forbidden(&self) -> &Forbidden;
 
-    /// Start of the present slot.
+    /// Start of the current slot.
     fn slot_start(&self) -> Time;
 
-    /// End of the present slot.
+    /// End of the current slot.
     fn slot_end(&self) -> Time;
 
     /// Suspends the calling flow until the slot that contains `wake`, or earlier if what the robot waits for changes.
@@ -47,19 +48,19 @@ pub trait Flow: Send + Sync + 'static {
     /// Returns true if the robot's calls are recorded.
     fn is_verbose(&self) -> bool;
 
-    /// Marks that the calling flow enters `call`; returns false if its stack has no room to serve the call.
+    /// Marks that the calling flow enters `call`; returns false if its stack is too small for the call.
     fn enter(&self, call: Call) -> bool;
 
     /// Marks that the calling flow returns to its program.
     fn leave(&self);
 
-    /// Hands the run token of the robot from the calling flow to that of task `task`, until it is handed back.
+    /// Hands the run token of the robot from the calling flow to the flow of task `task`, until it is handed back.
     fn switch(&self, task: u32);
 
     /// Starts the flow of task `task`, which runs `code` when its turn comes.
     ///
     /// # Errors
-    /// If the system has no room for another flow.
+    /// If the system lacks the resources for another flow.
     fn start_task(&self, task: u32, code: Callback) -> std::io::Result<()>;
 
     /// Calls a function of the program from within a call; the caller must hold no lock.
@@ -68,7 +69,7 @@ pub trait Flow: Send + Sync + 'static {
     /// [`Stop`] if the program must end: the call in progress returns it.
     fn call_back(&self, callback: Callback) -> Result<(), Stop>;
 
-    /// Place in the program of the call in progress.
+    /// Location in the program of the call in progress.
     fn call_site(&self) -> Site;
 
     /// The line of the program to which a call stack leads: return addresses, the innermost first.
@@ -77,6 +78,6 @@ pub trait Flow: Send + Sync + 'static {
     /// Notes that the hint `text` was given in the call in progress, made at `site`.
     fn note_hint(&self, text: &str, site: &Site);
 
-    /// Describes in words what each task of `robot`, the robot of this flow, waits for.
+    /// Describes what each task of `robot`, the robot of this flow, waits for.
     fn waits_of(&self, robot: &Robot) -> String;
 }

@@ -9,12 +9,12 @@ use crate::record::log::Pattern;
 /// Set of forbidden functions.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Forbidden {
-    /// By [`Call::robios_number`]; empty if no function is forbidden.
+    /// Flags indexed by [`Call::robios_number`]; empty if no function is forbidden.
     functions: Box<[bool]>,
 }
 
 impl Forbidden {
-    /// The functions of both generations that fit one of `patterns`.
+    /// The functions of both generations that match one of `patterns`.
     pub fn new<'p>(patterns: impl Iterator<Item = &'p str>) -> Self {
         let patterns: Vec<Pattern> = patterns.flat_map(Pattern::parse_list).collect();
         if patterns.is_empty() {
@@ -29,7 +29,7 @@ impl Forbidden {
         self.functions.is_empty()
     }
 
-    /// Returns true if `call` is forbidden; services of the language never are.
+    /// Returns true if `call` is forbidden; services of the language runtime never are.
     pub fn contains(&self, call: Call) -> bool {
         call.robios_number().and_then(|number| self.functions.get(usize::from(number))).is_some_and(|is| *is)
     }
@@ -40,8 +40,8 @@ fn names() -> impl Iterator<Item = &'static str> {
     Robios6Call::ALL.iter().map(|call| call.name()).chain(Robios7Call::ALL.iter().map(|call| call.name()))
 }
 
-/// Patterns of `text` that fit no function, each with the name or pattern that was probably meant; an empty text is such a
-/// pattern, too.
+/// Patterns of `text` that match no function, each with the name or pattern that was probably meant; an empty text is
+/// such a pattern, too.
 pub fn mistakes(text: &str) -> Vec<(String, Option<String>)> {
     let patterns = Pattern::parse_list(text);
     if patterns.is_empty() {

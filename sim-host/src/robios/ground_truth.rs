@@ -1,7 +1,7 @@
-//! Functions of RoBIOS-7 that only a simulator can have: ground-truth poses, and placement of robots and objects.
+//! Functions of RoBIOS-7 that only a simulator can provide: ground-truth poses, and placement of robots and objects.
 //!
-//! Source: EyeSim VR, simulation functions. Headings are those of the sim file and of VW: 0 along x, counter-clockwise; those of
-//! EyeSim VR of 2018 differ (`heading_told`, `heading_meant`).
+//! Source: EyeSim VR, simulation functions. Headings are as in the sim file and in VW: 0 along x, counter-clockwise;
+//! headings of EyeSim VR of 2018 differ (`heading_told`, `heading_meant`).
 
 use sim_core::pose::Pose;
 use sim_core::simulation::{self, Placeable, Placement};
@@ -101,7 +101,7 @@ pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out
     give(robot.robios.dialect, &pose, height, into);
 }
 
-/// `SIMSetRobot`: places the own robot at once, another robot at the slot's end. Odometry is not affected.
+/// `SIMSetRobot`: places the own robot immediately, another robot at the slot's end. Odometry is not affected.
 pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     let Some(id) = robot.robios.entity_numbers.robot(number, robot.id) else {
         return no_robot(robot, Call::SIMSetRobot, number);
@@ -160,7 +160,8 @@ pub fn object_count(robot: &Robot) -> i32 {
     robot.robios.entity_numbers.objects.len() as i32
 }
 
-/// Stores a pose at a height in metres: that of a robot with legs or in the water, or of a floating object.
+/// Stores a pose at a height in metres, which is the height of a robot with legs or in the water, or of a floating
+/// object.
 fn give(dialect: Dialect, pose: &Pose, height: f64, [x, y, z, phi]: [&mut Out<i32>; 4]) {
     let [x_mm, y_mm, phi_degrees] = pose_numbers(pose);
     let numbers = [x_mm, y_mm, heading_told(dialect, phi_degrees)];
@@ -181,8 +182,8 @@ fn heading_told(dialect: Dialect, phi: i32) -> i32 {
     }
 }
 
-/// Heading in degrees, counter-clockwise from x, that a program means by `phi`. For EyeSim VR of 2018 it is the yaw of Unity:
-/// clockwise from y.
+/// Heading in degrees, counter-clockwise from x, for the argument `phi` of a program. For EyeSim VR of 2018 it is the
+/// yaw of Unity: clockwise from y.
 fn heading_meant(dialect: Dialect, phi: i32) -> i32 {
     match dialect {
         Dialect::Vr2018 => yaw(phi),

@@ -1,6 +1,6 @@
 //! Handles of devices, as `...Init` returns them: one bit per device, so that programs can OR them.
 
-/// Answer to a release of handles none of which is open. Source: RoBIOS 6 library, `SERVORelease`.
+/// Return value of a release of handles none of which is open. Source: RoBIOS 6 library, `SERVORelease`.
 pub const WRONG_HANDLE: i32 = 0x1111_0000;
 
 /// Number of devices of one kind that can have a handle: the bits of a positive C `int`; our choice (the manual speaks

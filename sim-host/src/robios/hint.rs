@@ -1,16 +1,16 @@
-//! Hints at likely mistakes in a program, each given at most once per robot.
+//! Hints about likely mistakes in a program, each given at most once per robot.
 
 use std::collections::BTreeMap;
 
 use super::call::Call;
 
-/// Failures of one function after which the user is told that the program ignores them.
+/// Number of failures of one function after which the user is told that the program ignores them.
 const IGNORED_FAILURES: u32 = 100;
 
-/// Longest plausible drive in metres; a longer one is probably meant in millimetres.
+/// Maximum plausible length of a drive in metres; a longer one is probably meant in millimetres.
 pub const LONG_DRIVE: f64 = 100.0;
 
-/// Largest plausible turn in radians; a larger one is probably meant in degrees.
+/// Maximum plausible turn in radians; a larger one is probably meant in degrees.
 pub const LONG_TURN: f64 = 40.0;
 
 /// A likely mistake.
@@ -18,7 +18,7 @@ pub const LONG_TURN: f64 = 40.0;
 pub enum Mistake {
     /// A drive of kilometres.
     LongDrive,
-    /// A turn of many turns.
+    /// A turn by many revolutions.
     LongTurn,
     /// A PSD sensor is read that was never opened.
     PsdNotOpen,
@@ -34,11 +34,11 @@ pub enum Mistake {
     NoLengthInMm,
     /// A file stream of C++ cannot be opened.
     Unopened,
-    /// A number of a drive of RoBIOS-7 is what C makes of a number that is none.
+    /// A number of a drive of RoBIOS-7 is the integer to which C converts NaN.
     NoNumber,
     /// A turn of RoBIOS-7 by a few degrees at a few degrees a second.
     Radians,
-    /// A drive that replaces the one before as soon as it has begun.
+    /// A drive replaces the previous drive as soon as that has begun.
     MissingWait,
     /// A message to an address that no robot has.
     UnknownAddress,

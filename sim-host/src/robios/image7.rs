@@ -35,7 +35,7 @@ pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, [width, height]: [i32; 
 /// Encoder of an image file.
 type Encode = fn(Size, &[u8]) -> Vec<u8>;
 
-/// `IPWriteFile` (3 bytes a pixel), `IPWriteFileGray` (1 byte a pixel)
+/// `IPWriteFile` (3 bytes per pixel), `IPWriteFileGray` (1 byte per pixel)
 pub fn write_file(
     robot: &mut Robot,
     call: Call,

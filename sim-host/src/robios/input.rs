@@ -1,4 +1,4 @@
-//! Standard input of a program: a text that the run is given, of which each robot reads a copy of its own, or lines that the user
+//! Standard input of a program: a text given to the run, of which each robot reads its own copy, or lines that the user
 //! types during the run.
 
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use super::robot::{Robot, WaitReason};
 /// Standard input of the programs of a run.
 #[derive(Clone, Debug, Default)]
 pub enum Source {
-    /// None: it is at its end.
+    /// No input: it is at its end.
     #[default]
     Empty,
     /// A text, of which each program reads a copy.
@@ -26,9 +26,9 @@ pub struct Input {
     source: Source,
     /// The lines typed so far.
     typed: Vec<u8>,
-    /// Bytes that the program has read.
+    /// Number of bytes that the program has read.
     read: usize,
-    /// Reads at the end of the text that followed each other closely, and the time of the last one.
+    /// Number of reads at the end of the text in quick succession, and the time of the last one.
     at_end: u32,
     last_at_end: Time,
     /// The program has read at the end of the text.
@@ -41,20 +41,21 @@ pub enum Read {
     Bytes(Vec<u8>),
     /// The input is at its end.
     End,
-    /// The program does nothing but read at the end of its input.
+    /// The program only reads at the end of its input, in a loop.
     Loop,
 }
 
-/// Reads at the end of the input, each within [`CLOSE`] of the one before, that make an endless loop. Source: our choice.
+/// Number of reads at the end of the input, each within [`CLOSE`] of the previous one, that count as an endless loop.
+/// Source: our choice.
 const MAX_AT_END: u32 = 1000;
-/// Virtual time between two reads of such a loop. Source: our choice.
+/// Maximum virtual time between two reads of such a loop. Source: our choice.
 const CLOSE: Time = Time::from_millis(5);
 
 /// Reason for the end of a program that reads in a loop at the end of its input.
 pub const LOOP: &str =
     "it reads its standard input in a loop, which has come to its end: `--stdin in.txt` gives it the text of a file";
 
-/// Hint to a program that reads at the end of an input that is empty.
+/// Hint to a program that reads from an empty input.
 pub const EMPTY: &str = "the program waits for typed input (standard input), but there is none: write the input into a file `in.txt` and run with \
                          `--stdin in.txt`";
 

@@ -1,5 +1,5 @@
-//! Receiver for a TV remote control, which every robot has. A script can press the keys that RoBIOS-7 knows; programs
-//! of RoBIOS 6, where codes depend on the make of the remote control, receive nothing.
+//! Receiver for a TV remote control, which every robot has. A script can press the keys of RoBIOS-7; programs of RoBIOS
+//! 6, where codes depend on the make of the remote control, receive nothing.
 //!
 //! Sources: RoBIOS 6 library, infrared remote control; RoBIOS-7 library, IR remote control.
 
@@ -52,11 +52,11 @@ pub struct Settings {
     pub tog_mask: i32,
     /// Bits that are inverted.
     pub inv_mask: i32,
-    /// An OR of `SLOPPY_MODE` and `REPCODE_MODE`, or `DEFAULT_MODE`.
+    /// Mode: an OR of `SLOPPY_MODE` and `REPCODE_MODE`, or `DEFAULT_MODE`.
     pub mode: i32,
     /// Codes that the buffer holds, 1 to 4.
     pub bufsize: i32,
-    /// Hundredths of a second before a key repeats; -1: never.
+    /// Hundredths of a second before a key repeats; -1 means never.
     pub delay: i32,
 }
 
@@ -94,7 +94,7 @@ pub fn init(robot: &mut Robot, settings: Settings) -> i32 {
     0
 }
 
-/// `IRTVGet`: waits for ever if the receiver is on.
+/// `IRTVGet`: waits forever if the receiver is on.
 pub fn get(robot: &mut Robot) -> Poll<i32> {
     if robot.robios.irtv.is_none() {
         return Poll::Ready(robot.failed(Call::IRTVGet, 0));

@@ -35,7 +35,7 @@ const LIST_KEYS: [(&str, i32); 11] = [
     ("KEY_LISTTL", KEY_LISTTL),
 ];
 
-/// Latest time of a press in a script, in seconds: 30 years.
+/// Maximum time of a press in a script, in seconds: 30 years.
 const MAX_SECONDS: f64 = 1e9;
 
 /// Names of the keys in an OR of codes, as shown to the user: `KEY1`, `KEY1 or KEY3`, `any key`.
@@ -71,16 +71,16 @@ pub struct Press {
 /// Error in a script of key presses.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ScriptError {
-    /// Not of the form of a press.
+    /// The text does not have the form of a press.
     #[error("`{0}` is no key press: expected `TIME:KEY` or `ROBOT:TIME:KEY`, such as `2.5:KEY1` or `r2:2.5:KEY1`")]
     Form(String),
-    /// Not a key.
+    /// The key is unknown.
     #[error(transparent)]
     Key(#[from] UnknownKey),
-    /// Not a time.
+    /// The time is invalid.
     #[error("`{0}` is no time: expected seconds from 0 to 1e9, such as `2.5`")]
     Time(String),
-    /// Not a robot's number.
+    /// The robot's number is invalid.
     #[error("`{0}` is no robot: expected its number from 1, such as `2` or `r2`")]
     Robot(String),
 }

@@ -1,7 +1,7 @@
 //! Latches, A/D converter and parallel port: inputs read the values of the robi's companion, outputs hold the value
 //! written.
 //!
-//! Source: RoBIOS 6 library, latches and A/D converter; the numbers of latches and channels are those of the EyeBot.
+//! Source: RoBIOS 6 library, latches and A/D converter; the numbers of latches and channels are the EyeBot's.
 
 use robios_sys::Robios6Call as Call;
 use sim_core::spec::InputSpec;

@@ -1,7 +1,7 @@
 //! The display: 128 x 64 pixels, black or white, with 7 lines of 16 characters; the last line is the menu line.
 //!
 //! A character is 8 x 8 pixels on a grid of 8 x 9, so that the six lines above the menu have the 54 pixel rows that
-//! `LCDPutGraphic` fills. Characters are those of the IBM code page 437. Source: RoBIOS 6 library, LCD output; grid and
+//! `LCDPutGraphic` fills. Characters are from the IBM code page 437. Source: RoBIOS 6 library, LCD output; grid and
 //! font are our choice.
 
 use ibm437::IBM437_8X8_REGULAR_DATA as FONT;
@@ -18,7 +18,7 @@ pub const LINES: usize = 7;
 pub const COLUMNS: usize = 16;
 /// Columns of one of the four texts of the menu line.
 pub const MENU_COLUMNS: usize = COLUMNS / 4;
-/// Bytes of a whole picture, one bit a pixel.
+/// Bytes of a whole picture, one bit per pixel.
 pub const PICTURE_BYTES: usize = WIDTH * HEIGHT / 8;
 
 const MENU_LINE: usize = LINES - 1;
@@ -105,7 +105,7 @@ impl Lcd {
         Ok(())
     }
 
-    /// Writes text at the present position.
+    /// Writes text at the current position.
     ///
     /// `\n` begins a new line, `\r` goes back to the line's beginning, `\t` to the next multiple of 4 columns, `\b` one
     /// column back, `\f` clears; other control characters are ignored. Text wraps at the end of a line; past the line
@@ -190,7 +190,7 @@ impl Lcd {
     }
 }
 
-/// Graphics. Drawing functions return the number of pixels that have changed.
+/// Graphics. Drawing functions return the number of changed pixels.
 impl Lcd {
     /// Returns true if the pixel is black.
     ///
@@ -211,7 +211,7 @@ impl Lcd {
     }
 
     /// Draws the line between two pixels (x, y), both included, each pixel once; parts outside the display are clipped.
-    /// Both directions give the same pixels.
+    /// Both directions draw the same pixels.
     pub fn draw_line(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
         let points = line(from, to, [WIDTH, HEIGHT]);
         points.map(|[x, y]| self.draw(y as usize, mask(x as usize, x as usize), ink)).sum()
@@ -234,7 +234,7 @@ impl Lcd {
         Ok((top..=bottom).map(|row| self.draw(row as usize, mask, ink)).sum())
     }
 
-    /// Shows a grey image of `width` pixels a row at the top left, dithered: 0 is black, 255 white.
+    /// Shows a grey image of `width` pixels per row at the top left, dithered: 0 is black, 255 white.
     ///
     /// The text under the image is removed. Parts outside the display are clipped.
     pub fn show_grey(&mut self, grey: impl Iterator<Item = u8>, width: usize) -> u32 {
@@ -255,8 +255,8 @@ impl Lcd {
         changed
     }
 
-    /// Shows a whole picture, 16 bytes a row from the top; the highest bit is the leftmost pixel, 1 is black. All text
-    /// is removed.
+    /// Shows a whole picture, 16 bytes per row from the top; the highest bit is the leftmost pixel, 1 is black. All
+    /// text is removed.
     pub fn show_picture(&mut self, picture: &[u8; PICTURE_BYTES]) -> u32 {
         let mut changed = 0;
         let (rows, _) = picture.as_chunks::<{ WIDTH / 8 }>();
@@ -291,7 +291,7 @@ impl Lcd {
     }
 }
 
-/// Text art, two rows of pixels a line.
+/// Text art, two rows of pixels per line.
 impl std::fmt::Display for Lcd {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         for pair in self.pixels.chunks(2) {

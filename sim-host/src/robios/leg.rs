@@ -1,6 +1,6 @@
-//! Legs: functions of our own, identical in both generations.
+//! Legs: functions of this simulator, identical in both generations.
 //!
-//! Legs, joints, links and gaits are numbered from 1. Readings give the exact stance at the call's end: errors of joint
+//! Legs, joints, links and gaits are numbered from 1. Readings are the exact stance at the call's end: errors of joint
 //! encoders are not modelled.
 
 use glam::DVec2;
@@ -16,7 +16,7 @@ use super::robot::Robot;
 use super::unit7::{metres, radians};
 use sim_core::record::Event;
 
-/// Answer of a call that fails.
+/// Return value of a call that fails.
 const FAILURE: i32 = -1;
 
 /// Names of the joints of a leg, from the body on.

@@ -1,7 +1,7 @@
-//! The laser scanner of RoBIOS-7, and our function that reads it in RoBIOS 6.
+//! The laser scanner of RoBIOS-7, and this simulator's function that reads it in RoBIOS 6.
 //!
 //! A scan is taken as a whole at the call's end, and turns with the robot. Source: RoBIOS-7 library, LIDAR; position
-//! and range of a scanner that the robi does not place: our choice.
+//! and range of a scanner that the robi does not place are our choice.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -53,7 +53,8 @@ pub fn scan6(robot: &mut Robot, world: &World, distances: &mut OutInts) -> i32 {
     scan(robot, world, Call6::LIDARScan.into(), -1, distances).map_or_else(|failure| failure, |points| points as i32)
 }
 
-/// Takes a scan, truncated to the room in `distances`, and records it; returns the number of its points, or `failure`.
+/// Takes a scan, truncated to the capacity of `distances`, and records it; returns the number of its points, or
+/// `failure`.
 fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances: &mut OutInts) -> Result<usize, i32> {
     let spec = Arc::clone(&robot.spec);
     let Some(lidar) = &spec.lidar else { return Err(robot.refused(call, failure, has_none)) };
@@ -94,7 +95,7 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
     Ok(numbers.len())
 }
 
-/// `LIDARSet`: 360 degrees are exactly one turn.
+/// `LIDARSet`; 360 degrees are exactly one turn.
 pub fn set(robot: &mut Robot, range_degrees: i32, tilt_degrees: i32, points: i32) {
     let spec = Arc::clone(&robot.spec);
     let Some(lidar) = &spec.lidar else { return robot.rejected(Call::LIDARSet, has_none) };

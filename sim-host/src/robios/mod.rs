@@ -1,7 +1,7 @@
 //! Effects of RoBIOS calls: one file per family of functions, over models of the devices.
 //!
 //! `robios6` and `robios7` map each call to a function of a family; the families change a [`robot::Robot`] at the
-//! call's end and know nothing of threads and slots. Their answers are documented in `docs/robios6.md` and
+//! call's end and are independent of threads and slots. Their return values are documented in `docs/robios6.md` and
 //! `docs/robios7.md`.
 #![forbid(unsafe_code)]
 
@@ -134,7 +134,7 @@ pub struct Robios {
     pub console: console::Console,
     /// Standard input of the program.
     pub input: input::Input,
-    /// EyeSim whose conventions hold.
+    /// EyeSim version whose conventions apply.
     pub dialect: Dialect,
     /// Robots and objects of the scene.
     pub entity_numbers: Arc<ground_truth::EntityNumbers>,
@@ -192,7 +192,7 @@ impl Robot {
         robios.screen.get_or_insert_with(|| new_screen(&state.spec))
     }
 
-    /// Counts a failure of `call` and returns `answer`. A program that keeps ignoring failures gets a hint.
+    /// Counts a failure of `call` and returns `answer`. A program that keeps ignoring failures is given a hint.
     fn failed(&mut self, call: impl Into<Call>, answer: i32) -> i32 {
         if let Some(text) = self.robios.hints.count_failure(call.into()) {
             self.hint(&text);
@@ -270,7 +270,7 @@ impl Robot {
         self.hint_once(mistake, mistake.text());
     }
 
-    /// Tells the user of a likely mistake in the words of `text`, once per robot.
+    /// Tells the user of a likely mistake with the message `text`, once per robot.
     fn hint_once(&mut self, mistake: Mistake, text: &str) {
         if self.robios.hints.is_first(mistake) {
             self.hint(text);

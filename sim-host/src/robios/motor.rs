@@ -41,7 +41,7 @@ pub fn drive(robot: &mut Robot, world: &World, handles: i32, percent: i32) -> i3
     0
 }
 
-/// Sets motors to a percentage of the wheels' greatest rate.
+/// Sets motors to a percentage of the wheels' maximum rate.
 fn set(robot: &mut Robot, world: &World, motors: impl Iterator<Item = usize>, percent: i32) {
     robot.tasks.recheck_drive(robot.state.now);
     robot.state.set_motors(world, motors, percent);

@@ -73,7 +73,7 @@ pub fn reset_encoder(robot: &mut Robot, quad: i32) -> i32 {
     0
 }
 
-/// Drives a motor at a fraction of the wheels' greatest rate.
+/// Drives a motor at a fraction of the wheels' maximum rate.
 fn set(robot: &mut Robot, world: &World, call: Call, motor: i32, part: f64) -> i32 {
     let Some(wheel) = find(robot, call, motor) else { return 1 };
     let rate = part * robot.motion.model().max_wheel_rate;

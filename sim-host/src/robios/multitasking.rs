@@ -17,10 +17,10 @@ use super::task::{MAIN, MAX_TASKS, Origin, Task};
 use super::text;
 use crate::program::site::Site;
 
-/// Largest stack that a task may request, in bytes; each task gets twice as much.
+/// Maximum stack that a task may request, in bytes; each task gets twice as much.
 const MAX_STACK: i32 = 4 << 20;
 
-/// Longest name of a task, in characters; the rest is cut.
+/// Maximum length of the name of a task, in characters; the rest is cut.
 const MAX_NAME: usize = 40;
 
 /// Arguments of `OSSpawn`.
@@ -39,7 +39,7 @@ pub struct Spawn<'a> {
 
 /// Outcome of a call about tasks.
 enum Answer {
-    /// The call returns this value, once it is the calling task's turn.
+    /// The call returns the contained value, once it is the calling task's turn.
     Returned(i32),
     /// The calling task is suspended; the call returns 0 when the task is ready again.
     Suspended,
@@ -175,7 +175,7 @@ impl<F: Flow> Caller<F> {
         let site = self.flow().call_site();
         let number = u32::try_from(semaphore).unwrap_or(0);
         self.wait(Call::OSSemP, |robot, _| {
-            // A timer callback is no task: it cannot wait in a queue.
+            // A timer callback is not a task: it cannot wait in a queue.
             let is_task = !robot.timers.in_callback;
             let tasks = &mut robot.tasks;
             let passing = if is_task { tasks.pass_semaphore(number, &site) } else { tasks.semaphores.try_pass(number) };
@@ -211,7 +211,7 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Fails the program: a killed task would wait before it has ended.
+    /// Fails the program: a killed task waits before it has ended.
     pub(super) fn fail_in_unwinding(&self, robot: MutexGuard<'_, Robot>, call: call::Call) -> Stop {
         let name = robot.tasks.name(robot.tasks.current().number);
         let place = match call {

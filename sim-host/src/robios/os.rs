@@ -12,7 +12,7 @@ use super::robot::{Ending, Robot, WaitReason};
 use super::{call, display, display7, key, text};
 use sim_core::record::Event;
 
-/// Version of RoBIOS that is simulated: the last one for which a manual is known.
+/// Version of RoBIOS that is simulated: the last version with a known manual.
 pub const VERSION: &str = "6.5";
 
 /// Clock rate of the processor in Hz. Source: EyeBot, Motorola 68332.

@@ -1,8 +1,9 @@
 //! Seccomp: the system calls that a restricted process may make.
 //!
-//! The list is of calls that are allowed: a call that is new in the kernel, or that nobody has thought of, is closed. The filter checks the
-//! architecture, and calls of the x32 interface have numbers that are not on the list. A call that is not allowed fails with `EPERM`; one
-//! that is newer than [`FIRST_NEW`], and `clone3`, whose flags no filter can read, with `ENOSYS`, for which the C library has older ones.
+//! The list is an allowlist: a call that is new in the kernel, or was not considered, is denied. The filter checks the
+//! architecture, and calls of the x32 interface have numbers that are not on the list. A call that is not allowed fails
+//! with `EPERM`. Calls from [`FIRST_NEW`] on, and `clone3`, whose flags a filter cannot read, fail with `ENOSYS`, so
+//! that the C library falls back to older calls.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -15,18 +16,18 @@ use seccompiler::{
 use super::process::LONGEST_FILTER;
 use super::{Kernel, Role};
 
-/// Stands for the number of the process in a filter; greater than any such number.
+/// Placeholder for the process id in a filter; greater than any process id.
 pub(super) const OWN_PROCESS: u32 = 0x5A17_C0DE;
 
 /// Number from which on system calls are the same on all architectures, and missing in old kernels.
 pub const FIRST_NEW: c_long = 424;
 
-/// Number up to which new system calls may come.
+/// Number up to which new system calls are filtered.
 const LAST_NEW: c_long = 600;
 
 /// Calls that a restricted process may make with any arguments.
 const ALLOWED: &[c_long] = &[
-    // Files: Landlock decides on paths.
+    // Files; paths are checked by Landlock.
     libc::SYS_read,
     libc::SYS_write,
     libc::SYS_readv,
@@ -161,7 +162,7 @@ const ALLOWED: &[c_long] = &[
     libc::SYS_execve,
 ];
 
-/// Calls of the first 64-bit architecture that later ones do without.
+/// Calls of x86-64 that later architectures lack.
 #[cfg(target_arch = "x86_64")]
 const ALLOWED_HERE: &[c_long] = &[
     libc::SYS_open,
@@ -202,8 +203,8 @@ const STARTING: &[c_long] = &[libc::SYS_fork, libc::SYS_vfork];
 #[cfg(target_arch = "aarch64")]
 const STARTING: &[c_long] = &[];
 
-/// Calls that change modes, owners and times of files, which Landlock does not know: without effect for a compiler, which does not need
-/// them and could not do without their success.
+/// Calls that change modes, owners and times of files, which Landlock does not control. For a compiler they do nothing
+/// and report success: it does not need their effect, but would fail on an error.
 #[cfg(target_arch = "x86_64")]
 const OF_MODES: &[c_long] = &[
     libc::SYS_fchmod,
@@ -229,7 +230,7 @@ const OF_MODES: &[c_long] = &[
     libc::SYS_utimensat,
 ];
 
-/// Flags of `clone` that make namespaces.
+/// Flags of `clone` that create namespaces.
 const NAMESPACES: u64 = (libc::CLONE_NEWNS
     | libc::CLONE_NEWCGROUP
     | libc::CLONE_NEWUTS
@@ -258,7 +259,7 @@ pub(super) fn filters(role: Role, kernel: &Kernel) -> io::Result<Vec<Vec<sock_fi
     Ok(compiled.iter().map(|filter| filter.iter().map(instruction).collect()).collect())
 }
 
-/// The filter that lets only allowed calls through.
+/// The filter that passes only allowed calls.
 fn allowed(role: Role, kernel: &Kernel) -> Result<BpfProgram, seccompiler::BackendError> {
     use SeccompCmpOp::{Eq, MaskedEq, Ne};
     let own = || Ok(vec![SeccompRule::new(vec![argument(0, Eq, OWN_PROCESS.into())?])?]);
@@ -270,15 +271,15 @@ fn allowed(role: Role, kernel: &Kernel) -> Result<BpfProgram, seccompiler::Backe
         ALLOWED.iter().chain(ALLOWED_HERE).map(|call| (*call, Vec::new())).collect();
     rules.insert(libc::SYS_prlimit64, own_or_none()?);
     rules.insert(libc::SYS_sched_setaffinity, own_or_none()?);
-    // No text typed into the terminal for others.
+    // Denies typing into the terminal for other processes.
     let terminal = [libc::TIOCSTI, libc::TIOCLINUX].map(|request| argument(1, Ne, request));
     rules.insert(libc::SYS_ioctl, vec![SeccompRule::new(terminal.into_iter().collect::<Result<_, _>>()?)?]);
-    // Landlock, or the one below, closes other processes to signals.
+    // Landlock, or the rule below, denies signals to other processes.
     let is_scoped = role == Role::Build && kernel.has_scoped_signals();
     for call in [libc::SYS_kill, libc::SYS_tgkill] {
         rules.insert(call, if is_scoped { Vec::new() } else { own()? });
     }
-    // Before version 3 Landlock let a file be cut by its path.
+    // Before version 3 Landlock allowed a file to be truncated by its path.
     if kernel.landlock >= 3 {
         rules.insert(libc::SYS_truncate, Vec::new());
     }
@@ -306,13 +307,13 @@ fn new_calls() -> impl Iterator<Item = c_long> {
     (FIRST_NEW..=LAST_NEW).filter(|call| !ALLOWED.contains(call) && !OF_MODES.contains(call))
 }
 
-/// The filter that says that the kernel has not got new calls.
+/// The filter that answers new calls as if the kernel lacked them.
 fn missing() -> Result<BpfProgram, seccompiler::BackendError> {
     let rules = new_calls().map(|call| (call, Vec::new())).collect();
     compile(rules, SeccompAction::Allow, SeccompAction::Errno(libc::ENOSYS as u32))
 }
 
-/// The filter that says that modes, owners and times of files were changed.
+/// The filter that reports success for changes of modes, owners and times of files without making them.
 fn without_effect() -> Result<BpfProgram, seccompiler::BackendError> {
     let rules = OF_MODES.iter().map(|call| (*call, Vec::new())).collect();
     compile(rules, SeccompAction::Allow, SeccompAction::Errno(0))

@@ -14,7 +14,8 @@ use landlock::{
 
 use super::Grant;
 
-/// Newest version of Landlock whose rights are asked for. Older kernels know fewer; [`Kernel`](super::Kernel) says if these suffice.
+/// Newest version of Landlock whose rights are requested. Older kernels support fewer; [`Kernel`](super::Kernel) tells
+/// whether these suffice.
 const VERSION: ABI = ABI::V7;
 
 /// Folders of the system with libraries, headers and tools.
@@ -41,11 +42,11 @@ const SYSTEM_FILES: [&str; 14] = [
 /// Devices that any process may write to.
 const DEVICES: [&str; 3] = ["/dev/null", "/dev/zero", "/dev/full"];
 
-/// Opens the file `name` in `folder` for reading, on behalf of a program that must not leave the folder: neither by `..`, by an absolute name
-/// nor by a link. Does not wait for the other end of a pipe.
+/// Opens the file `name` in `folder` for reading, on behalf of a program that must not leave the folder: be it by `..`,
+/// by an absolute name or by a link. Does not wait for the other end of a pipe.
 ///
 /// # Errors
-/// Those of the system; a name that leads out of the folder is one.
+/// Errors of the system, also for a name that leads out of the folder.
 pub fn open_beneath(folder: &Path, name: &Path) -> io::Result<File> {
     let folder = File::open(folder)?;
     let name = CString::new(name.as_os_str().as_bytes())?;
@@ -64,7 +65,7 @@ pub fn open_beneath(folder: &Path, name: &Path) -> io::Result<File> {
     }
 }
 
-/// The rules of a process, as a descriptor of Landlock.
+/// The rules of a process, as a Landlock descriptor.
 pub(super) fn rules(grant: &Grant<'_>) -> io::Result<OwnedFd> {
     let read = AccessFs::ReadFile | AccessFs::ReadDir | AccessFs::Execute;
     let all = AccessFs::from_all(VERSION);
@@ -84,7 +85,7 @@ pub(super) fn rules(grant: &Grant<'_>) -> io::Result<OwnedFd> {
     for path in DEVICES.iter().map(Path::new).filter(is_there) {
         rules = add(rules, path, AccessFs::ReadFile | AccessFs::WriteFile)?;
     }
-    // Sockets, pipes and devices are of no use in a folder of files.
+    // Sockets, pipes and devices are not needed in a folder of files.
     let special = AccessFs::MakeChar | AccessFs::MakeBlock | AccessFs::MakeSock | AccessFs::MakeFifo;
     rules = add(rules, grant.scratch, all & !special)?;
     Option::<OwnedFd>::from(rules).ok_or_else(|| io::Error::from_raw_os_error(libc::EOPNOTSUPP))

@@ -1,10 +1,10 @@
-//! What the kernel offers to close areas.
+//! Detects the kernel's means of closing areas.
 
 use std::ptr;
 
 use super::{Area, Level, Unreachable};
 
-/// Landlock's version from which on it keeps signals within the sandbox.
+/// Version of Landlock from which on it keeps signals within the sandbox.
 const SCOPED_SIGNALS: i32 = 6;
 
 /// Features of the running kernel.
@@ -12,15 +12,15 @@ const SCOPED_SIGNALS: i32 = 6;
 pub struct Kernel {
     /// Version of Landlock's interface, 0 without Landlock.
     pub landlock: i32,
-    /// It filters system calls.
+    /// The kernel filters system calls.
     pub has_seccomp: bool,
 }
 
 impl Kernel {
-    /// Asks the kernel.
+    /// Probes the kernel.
     pub fn probe() -> Self {
-        // SAFETY: with this flag the call reads no attributes and only returns the version; the second call reads nothing but its own
-        // arguments, and fails with EFAULT for the null filter where filters exist.
+        // SAFETY: with this flag the call reads no attributes and only returns the version; the second call reads only
+        // its own arguments, and fails with EFAULT for the null filter if filters are supported.
         let (landlock, has_seccomp) = unsafe {
             let no_attributes = ptr::null::<libc::c_void>();
             let version = libc::syscall(libc::SYS_landlock_create_ruleset, no_attributes, 0_usize, 1_u32);
@@ -30,16 +30,16 @@ impl Kernel {
         Self { landlock: i32::try_from(landlock).unwrap_or_default().max(0), has_seccomp }
     }
 
-    /// What closes an area, in words; what is missing if nothing does.
+    /// Describes the means that close an area.
     ///
     /// # Errors
-    /// What is missing.
+    /// The missing feature, if the area cannot be closed.
     pub fn means(&self, area: Area) -> Result<String, &'static str> {
         let landlock = format!("Landlock {}", self.landlock);
         match area {
             Area::Resources => Ok("resource limits".to_owned()),
             _ if !self.has_seccomp => Err("it has no seccomp filters"),
-            // Seccomp closes what Landlock does not know, such as modes and times of files.
+            // Seccomp closes what Landlock does not control, such as modes and times of files.
             Area::Files if self.landlock > 0 => Ok(format!("{landlock}, seccomp")),
             Area::Files => Err("it has no Landlock"),
             Area::Signals if self.landlock >= SCOPED_SIGNALS => Ok(format!("{landlock}, seccomp")),
@@ -52,7 +52,7 @@ impl Kernel {
         self.landlock >= SCOPED_SIGNALS
     }
 
-    /// The strongest level that it reaches.
+    /// The strongest level that it supports.
     pub fn reached(&self) -> Level {
         let reaches = |level: &Level| level.areas().all(|area| self.means(area).is_ok());
         Level::ALL.into_iter().rev().find(reaches).unwrap_or(Level::Limits)

@@ -3,16 +3,16 @@
 use std::io;
 use std::time::Duration;
 
-/// Limits of one process with all that it starts, as far as the kernel counts them together.
+/// Limits of one process and its descendants, as far as the kernel counts them together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Processor time, after which the kernel kills the process.
     pub processor: Duration,
-    /// Addresses that it may map, bytes.
+    /// Address space that it may map, in bytes.
     pub memory: u64,
     /// Processes and threads.
     pub processes: u64,
-    /// Length of one file, bytes.
+    /// Length of one file, in bytes.
     pub file: u64,
     /// Bytes of all files in its scratch folder.
     pub scratch: u64,
@@ -44,7 +44,7 @@ impl Limits {
         open_files: 1024,
     };
 
-    /// The kernel's limits, except that on processes, which depends on the user.
+    /// The kernel's limits, except the limit on processes, which depends on the user.
     pub(super) fn values(&self) -> Values {
         [
             (libc::RLIMIT_CPU, self.processor.as_secs().max(1)),
@@ -59,7 +59,7 @@ impl Limits {
     }
 }
 
-/// Sets a limit of the calling process, and lowers it for good. Async-signal-safe.
+/// Sets a limit of the calling process, irrevocably. Async-signal-safe.
 ///
 /// # Errors
 /// The kernel refuses.

@@ -27,13 +27,14 @@ pub(super) struct Restriction {
 
 /// User of a restricted process that root starts: limits on processes, and permissions of files, do not bind root.
 ///
-/// Its number is unused, and made of the number of a living process, so that no two have the same: of the program's process, or, for the
-/// compilers of one host, which share a folder, of the host's. Programs and their data may lie in folders of root: the process may read them by
-/// its capability `CAP_DAC_READ_SEARCH`, the only one that it keeps; Landlock limits what it reads.
+/// The user id is otherwise unused, and unique because it is derived from the id of a living process: the program's
+/// process or, for the compilers of one host, which share a folder, the host's. Programs and their data may lie in
+/// root's folders: the process may read them by `CAP_DAC_READ_SEARCH`, the only capability that it keeps; Landlock
+/// limits what it reads.
 pub(super) struct User {
-    /// Its number; `None`: that of the process itself.
+    /// The user id; `None` for the id derived from the process itself.
     number: Option<u32>,
-    /// The scratch folder, which it gets.
+    /// The scratch folder, which the user will own.
     scratch: CString,
 }
 
@@ -41,7 +42,7 @@ impl User {
     /// The user for a process of this one; `None` if this process is not root's.
     ///
     /// # Errors
-    /// The path of the scratch folder is no path of a system call.
+    /// The path of the scratch folder cannot be passed to a system call.
     pub fn of_process(grant: &Grant<'_>) -> io::Result<Option<Self>> {
         // SAFETY: the call takes no pointer and always succeeds.
         if unsafe { libc::geteuid() } != 0 {
@@ -54,13 +55,14 @@ impl User {
 
     /// Changes the calling process to this user. Async-signal-safe.
     fn enter(&self) -> io::Result<()> {
-        /// Of <linux/securebits.h>.
+        /// From <linux/securebits.h>.
         const SECBIT_NO_SETUID_FIXUP: libc::c_ulong = 1 << 2;
         // SAFETY: the calls get numbers and one string that ends in 0.
         unsafe {
             let id = FIRST_USER + self.number.unwrap_or_else(|| libc::getpid().cast_unsigned());
             check(libc::chown(self.scratch.as_ptr(), id, id))?;
-            // The change of the user keeps capabilities, and `access`, by which gcc judges its temporary folder, counts them.
+            // The change of the user keeps capabilities, and `access`, with which gcc checks its temporary folder,
+            // takes them into account.
             check(libc::prctl(libc::PR_SET_SECUREBITS, SECBIT_NO_SETUID_FIXUP, 0, 0, 0))?;
             check(libc::setgroups(0, std::ptr::null()))?;
             check(libc::setresgid(id, id, id))?;
@@ -70,7 +72,7 @@ impl User {
     }
 }
 
-/// Keeps `CAP_DAC_READ_SEARCH` alone, also across exec. Async-signal-safe.
+/// Keeps only `CAP_DAC_READ_SEARCH`, also across exec. Async-signal-safe.
 fn keep_reading() -> io::Result<()> {
     const CAP_DAC_READ_SEARCH: u32 = 2;
     /// `_LINUX_CAPABILITY_VERSION_3` of <linux/capability.h>.
@@ -87,7 +89,7 @@ fn keep_reading() -> io::Result<()> {
 }
 
 impl Restriction {
-    /// Restricts the calling process for good. Async-signal-safe.
+    /// Restricts the calling process irrevocably. Async-signal-safe.
     ///
     /// # Errors
     /// The kernel refuses a restriction.
@@ -96,7 +98,7 @@ impl Restriction {
         // SAFETY: umask takes no pointer and always succeeds.
         unsafe { libc::umask(0o022) };
         for (limit, value) in self.limits {
-            // For an ordinary user it counts the processes of the user's session as well.
+            // For an ordinary user this limit also counts the processes of the user's session.
             if limit != libc::RLIMIT_NPROC || self.user.is_some() {
                 limits::set(limit, value)?;
             }
@@ -104,9 +106,9 @@ impl Restriction {
         if let Some(user) = &self.user {
             user.enter()?;
         }
-        // SAFETY: the calls take numbers alone.
+        // SAFETY: the calls take only numbers.
         unsafe {
-            // A change of the user has taken it back.
+            // A change of the user has reset it.
             check(libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL as libc::c_ulong, 0, 0, 0))?;
             check(libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0))?;
         }
@@ -117,9 +119,9 @@ impl Restriction {
     }
 }
 
-/// Lets exec close all descriptors besides the standard streams. Async-signal-safe.
+/// Lets exec close all descriptors except the standard streams. Async-signal-safe.
 fn close_descriptors() -> io::Result<()> {
-    // SAFETY: the call takes numbers alone.
+    // SAFETY: the call takes only numbers.
     let result = unsafe { libc::syscall(libc::SYS_close_range, 3, u32::MAX, libc::CLOSE_RANGE_CLOEXEC) };
     check(result as i32)
 }
@@ -147,10 +149,10 @@ fn restrict_files(rules: &OwnedFd) -> io::Result<()> {
     }
 }
 
-/// Longest filter, in instructions.
+/// Maximum length of a filter, in instructions.
 pub(super) const LONGEST_FILTER: usize = 2048;
 
-/// Installs a filter of system calls for the calling process, whose number takes the place of [`OWN_PROCESS`]. Async-signal-safe.
+/// Installs a filter of system calls for the calling process, whose id replaces [`OWN_PROCESS`]. Async-signal-safe.
 fn install(filter: &[sock_filter]) -> io::Result<()> {
     let mut own = [sock_filter { code: 0, jt: 0, jf: 0, k: 0 }; LONGEST_FILTER];
     let own = own.get_mut(..filter.len()).ok_or_else(|| io::Error::from_raw_os_error(libc::E2BIG))?;
@@ -167,7 +169,7 @@ fn install(filter: &[sock_filter]) -> io::Result<()> {
 
 /// Keeps other processes of this user from reading, writing and tracing this one.
 pub(super) fn hide_own_memory() {
-    // SAFETY: the call takes numbers alone, and fails for wrong ones only.
+    // SAFETY: the call takes only numbers, and fails only for invalid ones.
     unsafe { libc::prctl(libc::PR_SET_DUMPABLE, 0, 0, 0, 0) };
 }
 

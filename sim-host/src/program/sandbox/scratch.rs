@@ -1,4 +1,5 @@
-//! Scratch folders: the only place that a restricted process writes to, watched with the program's other limits.
+//! Scratch folders, the only folders to which a restricted process may write; their size is checked together with the
+//! program's other limits.
 
 use std::fs;
 use std::io;
@@ -11,13 +12,13 @@ use parking_lot::Mutex;
 use super::Limits;
 use crate::program::run_folder::RunFolder;
 
-/// Interval at which a program's limits are checked: it may exceed them by what it does in this time.
+/// Interval at which a program's limits are checked; within it a program may exceed them.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Bytes that an entry of a folder counts besides its contents.
+/// Bytes that an entry of a folder counts in addition to its contents.
 const ENTRY: u64 = 1 << 10;
 
-/// Most folders within each other.
+/// Maximum nesting depth of folders.
 const DEPTH: usize = 32;
 
 /// The scratch folder of a restricted program; removed when dropped.
@@ -33,19 +34,19 @@ pub struct Scratch {
 #[derive(Debug)]
 pub struct Quota {
     folder: PathBuf,
-    /// Bytes of all files together.
+    /// Maximum total size of all files, in bytes.
     most: u64,
     /// Time of the last check.
     checked: Mutex<Instant>,
 }
 
 impl Quota {
-    /// At most `most` bytes in `folder`.
+    /// Allows at most `most` bytes in `folder`.
     pub fn new(folder: PathBuf, most: u64) -> Self {
         Self { folder, most, checked: Mutex::new(Instant::now()) }
     }
 
-    /// Returns true if a check is due: the last one was not a moment ago.
+    /// Returns true if a check is due: the last one was at least [`INTERVAL`] ago.
     pub fn is_due(&self) -> bool {
         let mut checked = self.checked.lock();
         let is_due = checked.elapsed() >= INTERVAL;
@@ -55,7 +56,7 @@ impl Quota {
         is_due
     }
 
-    /// The limit in words, if the folder exceeds it.
+    /// Description of the limit, if the folder exceeds it.
     pub fn excess(&self) -> Option<String> {
         (!fits(&self.folder, self.most)).then(|| {
             let most = self.most >> 20;
@@ -81,7 +82,7 @@ impl Scratch {
         &self.quota.folder
     }
 
-    /// The limit that the process `pid` of the program exceeds, in words, if it was not checked a moment ago.
+    /// Description of the limit that the process `pid` of the program exceeds; checked at most once per interval.
     pub fn excess(&self, pid: i32) -> Option<String> {
         if !self.quota.is_due() {
             return None;
@@ -95,7 +96,7 @@ impl Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // What is left is removed with the run folder, or at the start of a later run.
+        // Remaining files are removed with the run folder, or at the start of a later run.
         let _ = remove(self.folder());
     }
 }
@@ -107,7 +108,8 @@ fn threads_of(pid: i32) -> u64 {
     threads.and_then(|threads| threads.trim().parse().ok()).unwrap_or_default()
 }
 
-/// Returns true if all files in `folder` together take at most `most` bytes. A folder that cannot be looked into does not fit.
+/// Returns true if all files in `folder` together take at most `most` bytes. A folder that cannot be read counts as too
+/// large.
 fn fits(folder: &Path, most: u64) -> bool {
     let mut size = 0;
     let mut folders = vec![(folder.to_owned(), 0)];
@@ -129,7 +131,8 @@ fn fits(folder: &Path, most: u64) -> bool {
     true
 }
 
-/// Removes `folder` with all that is in it, which may be nested too deep for any path: folders within it are moved up before they are emptied.
+/// Removes `folder` with its contents, which may be nested too deep for any path: folders within it are moved up before
+/// they are emptied.
 fn remove(folder: &Path) -> io::Result<()> {
     let mut moved = 0_u64;
     loop {
@@ -147,7 +150,7 @@ fn remove(folder: &Path) -> io::Result<()> {
             for entry in fs::read_dir(&inner)? {
                 let entry = entry?;
                 if entry.file_type()?.is_dir() {
-                    // A folder can be moved only by who may write to it.
+                    // Moving a folder requires write permission for it.
                     fs::set_permissions(entry.path(), fs::Permissions::from_mode(0o700))?;
                     moved += 1;
                     fs::rename(entry.path(), folder.join(format!("moved-{}-{moved}", std::process::id())))?;

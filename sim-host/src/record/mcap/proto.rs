@@ -1,7 +1,7 @@
 //! Messages of Foxglove in the wire format of Protocol Buffers, and the descriptors by which a file declares them.
 //!
 //! One table serves both. Messages are encoded from JSON values: an absent field is not written, and null is an
-//! infinite number. Names and numbers are those of Foxglove's schemas; fields that are never filled are left out.
+//! infinite number. Names and numbers are taken from Foxglove's schemas; fields that are never filled are left out.
 //!
 //! Source: protobuf.dev, encoding; descriptor.proto.
 
@@ -323,7 +323,7 @@ fn enumeration(name: &str, values: &[&str]) -> Vec<u8> {
 /// Decodes the message type `message` into JSON values, without absent fields.
 ///
 /// # Panics
-/// If the bytes are no such message.
+/// If the bytes do not encode such a message.
 #[cfg(test)]
 pub(super) fn decode(message: &str, mut rest: &[u8]) -> Value {
     let mut object = serde_json::Map::new();

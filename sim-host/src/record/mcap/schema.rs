@@ -32,7 +32,7 @@ pub enum Content {
 }
 
 impl Content {
-    /// All of them.
+    /// All contents.
     #[cfg(test)]
     pub const ALL: [Self; 11] = [
         Self::Scene,
@@ -65,7 +65,8 @@ impl Content {
         }
     }
 
-    /// Content to which events of this kind belong; none for calls, which are not recorded, and poses, which become transforms only.
+    /// Content to which events of this kind belong; none for calls, which are not recorded, and poses, which become
+    /// only transforms.
     pub fn of(kind: Kind) -> Option<Self> {
         use Kind::*;
         Some(match kind {
@@ -85,7 +86,7 @@ impl Content {
         })
     }
 
-    /// Returns true for a message of Foxglove, in Protocol Buffers; the others are JSON.
+    /// Returns true for a message of Foxglove, in Protocol Buffers; all other messages are JSON.
     pub fn is_foxglove(self) -> bool {
         matches!(self, Self::Scene | Self::Transforms | Self::Scan | Self::Image | Self::Log)
     }
