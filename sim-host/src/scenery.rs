@@ -19,27 +19,27 @@ pub struct LazyScenery {
     source: Option<Source>,
     built: OnceLock<SceneryReads>,
     state: Mutex<SceneryState>,
-    /// Files that were read for the scene itself.
+    /// Files that were read for the scene.
     of_scene: Vec<InputFile>,
 }
 
 struct Source {
     scene: Arc<SceneSpec>,
     files: Box<dyn Files + Send + Sync>,
-    /// Diagnostics that the user has seen already.
+    /// Diagnostics that the user has already seen.
     reported: Vec<Diagnostic>,
 }
 
-/// Diagnostics and files of a scenery that was built.
+/// Diagnostics and files of a built scenery.
 #[derive(Debug)]
 pub struct SceneryReads {
-    /// Mistakes in meshes and images, without those that the user has seen already.
+    /// Mistakes in meshes and images, without the ones that the user has already seen.
     pub diagnostics: Vec<Diagnostic>,
     /// The files read, in order; files that the scene itself needed may be among them.
     pub inputs: Vec<InputFile>,
 }
 
-/// Present state of the scenery.
+/// Current state of the scenery.
 #[derive(Default)]
 struct SceneryState {
     visuals: Option<Visuals>,
@@ -60,7 +60,7 @@ impl LazyScenery {
         Self { source, built: OnceLock::new(), state: Mutex::default(), of_scene }
     }
 
-    /// The present scenery. The first caller builds it, while others wait.
+    /// The current scenery. The first caller builds it; further callers wait.
     pub fn get(&self) -> Arc<Scenery> {
         let mut state = self.state.lock();
         let SceneryState { visuals, spawned } = &mut *state;
@@ -92,7 +92,8 @@ impl LazyScenery {
         self.state.lock().spawned.push(spawned);
     }
 
-    /// The image on the floor, for a picture from above; `None` if there is none that can be read, which diagnostics of the scene tell.
+    /// The image on the floor, for a picture from above; `None` if there is none or it cannot be read, which the
+    /// scene's diagnostics report.
     pub fn floor(&self) -> Option<Arc<Texture>> {
         let Source { scene, files, .. } = self.source.as_ref()?;
         MeshReader::new(&**files).floor(&scene.world)
@@ -103,7 +104,7 @@ impl LazyScenery {
         self.built.get()
     }
 
-    /// All files to which diagnostics may refer: the scene's and those read for cameras.
+    /// All files to which diagnostics may refer: the scene's, and the files read for cameras.
     pub fn inputs(&self) -> Vec<InputFile> {
         let built = self.built().map(|built| &built.inputs);
         self.of_scene.iter().chain(built.into_iter().flatten()).cloned().collect()
@@ -111,7 +112,7 @@ impl LazyScenery {
 }
 
 impl Default for LazyScenery {
-    /// Nothing but a black sky.
+    /// Creates a scenery of only a black sky.
     fn default() -> Self {
         Self { source: None, built: OnceLock::new(), state: Mutex::default(), of_scene: Vec::new() }
     }

@@ -61,7 +61,7 @@ pub struct DebugArgs {
 /// Runs the scene with gdb around one program.
 ///
 /// # Errors
-/// See [`run`](super::run::run); also if gdb is missing, or there is no such robot with a program.
+/// See `eyesim run`; also if gdb is missing, or there is no such robot with a program.
 pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
     ensure!(Debugger::is_there(), "`gdb` is not installed: on Debian and Ubuntu it is the package `gdb`");
     let mut run = RunArgs {

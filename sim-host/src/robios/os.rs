@@ -154,7 +154,7 @@ pub fn set_time(robot: &mut Robot, time: [i32; 3]) -> i32 {
     if set_clock(robot, time) { 0 } else { robot.failed(Call::OSSetTime, -1) }
 }
 
-/// Sets the robot's clock; returns false and changes nothing if this is no time of day.
+/// Sets the robot's clock; returns false and changes nothing if it is not a time of day.
 pub fn set_clock(robot: &mut Robot, [hours, minutes, seconds]: [i32; 3]) -> bool {
     let is_time = (0..24).contains(&hours) && (0..60).contains(&minutes) && (0..60).contains(&seconds);
     if is_time {

@@ -1,6 +1,6 @@
-//! System functions of RoBIOS-7; those of both generations are in [`os`].
+//! System functions of RoBIOS-7; the functions of both generations are in [`os`].
 //!
-//! Source: RoBIOS-7 library, system functions and timer; versions and clock rate are those of EyeSim VR.
+//! Source: RoBIOS-7 library, system functions and timer; versions and clock rate are EyeSim VR's.
 
 use std::ffi::OsStr;
 use std::io;
@@ -23,7 +23,7 @@ const VERSION: &str = "1.0";
 /// Clock rate of the processor in Hz.
 pub const MACHINE_SPEED: i32 = 700_000_000;
 
-/// Real time that a command of `OSExecute` may take; our choice.
+/// Wall-clock time that a command of `OSExecute` may take; our choice.
 const EXECUTE_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Whole milliseconds, in 32 bits that wrap after 49 days.
@@ -57,7 +57,7 @@ fn put_name(robot: &mut Robot, call: Call, text: &mut OutBytes, name: &str) -> i
     0
 }
 
-/// The part of a text that fits into `room` bytes with a final 0, followed by that 0.
+/// The part of a text that fits into `room` bytes with a final 0, followed by the 0.
 pub fn terminated(text: &[u8], room: usize) -> Vec<u8> {
     let mut bytes = text[..text.len().min(room.saturating_sub(1))].to_vec();
     bytes.push(0);
@@ -90,7 +90,8 @@ pub fn time(robot: &Robot, out: [&mut Out<i32>; 4]) -> i32 {
     0
 }
 
-/// `OSExecute`: runs a command if the user has allowed it, and waits in real time, at most [`EXECUTE_TIMEOUT`], for its end.
+/// `OSExecute`: runs a command if the user has allowed it, and waits for its end for at most [`EXECUTE_TIMEOUT`] of
+/// wall-clock time.
 pub fn execute(robot: &mut Robot, command: Option<&[u8]>, out: &mut OutBytes) -> i32 {
     let Some(command) = command else { return robot.failed(Call::OSExecute, 1) };
     if !robot.robios.os.may_execute {

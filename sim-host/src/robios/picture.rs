@@ -1,4 +1,4 @@
-//! Image processing on images of any size: grey ones of 1 byte a pixel, colour ones of 3, row by row from the top.
+//! Image processing on images of any size: grey images have 1 byte per pixel, colour images 3, row by row from the top.
 //!
 //! Integer arithmetic only, so that results are the same on every machine. Every operator reads `source` and returns a
 //! new image. Sources: RoBIOS 6 and RoBIOS-7 library, image processing; Bräunl, Embedded Robotics, for the operators
@@ -15,11 +15,11 @@ pub struct Size {
     pub height: usize,
 }
 
-/// Most pixels of an image: nine times those of `CAM5MP`.
+/// Maximum number of pixels of an image: nine times the pixels of `CAM5MP`.
 const MAX_PIXELS: usize = 3 * 3 * 2592 * 1944;
 
 impl Size {
-    /// A size as programs pass it; none if there is nothing in it, or if it is larger than every camera's.
+    /// A size as programs pass it; `None` if it is empty or has more than `MAX_PIXELS` pixels.
     pub fn new(width: i32, height: i32) -> Option<Self> {
         let [width, height] = [width, height].map(|pixels| usize::try_from(pixels).unwrap_or_default());
         let pixels = width.checked_mul(height)?;
@@ -75,7 +75,7 @@ pub fn grey_of_colour(source: &[u8]) -> Vec<u8> {
     pixels(source).map(grey).collect()
 }
 
-/// Colour image with the grey levels of a grey one.
+/// Colour image with the grey levels of a grey image.
 pub fn colour_of_grey(source: &[u8]) -> Vec<u8> {
     source.iter().flat_map(|grey| [*grey; 3]).collect()
 }

@@ -9,26 +9,26 @@ use super::picture::Size;
 pub struct Picture {
     /// Digit of the format, `P1` to `P6`.
     pub kind: u8,
-    /// 1 byte a pixel for kinds 1, 2, 4 and 5, otherwise 3.
+    /// The pixels: 1 byte per pixel for kinds 1, 2, 4 and 5, otherwise 3.
     pub pixels: Vec<u8>,
 }
 
-/// Error of a file that is no image.
+/// Error of a file that is not an image.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PnmError {
-    /// The file begins with no `P1` to `P6`.
+    /// The file does not begin with `P1` to `P6`.
     #[error("it is no PNM file, which begins with P1 to P6")]
     Kind,
-    /// Another format of the same family.
+    /// The file has another format of the same family.
     #[error("it is a PAM file (P7), expected P1 to P6")]
     Pam,
     /// A number of the header is missing or out of range.
     #[error("its {0} is missing or out of range, expected {1}")]
     Header(&'static str, &'static str),
-    /// A sample is no number, or larger than the header allows.
+    /// A sample is not a number, or exceeds the maximum in the header.
     #[error("pixel {0} is no number from 0 to {1}")]
     Sample(u64, u32),
-    /// The header promises more pixels than there are bytes for.
+    /// The file has too few bytes for the pixels that the header states.
     #[error("it ends before the {0} pixels of its head")]
     Short(u64),
 }
@@ -58,7 +58,7 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
     };
     let depth = if matches!(kind, 3 | 6) { 3 } else { 1 };
     let pixels = u64::from(width) * u64::from(height);
-    // A byte holds 8 pixels at most: no memory is taken for pixels that cannot be there.
+    // A byte holds 8 pixels at most: no memory is allocated for pixels that the file cannot contain.
     if pixels > 8 * file.len() as u64 {
         return Err(PnmError::Short(pixels));
     }
@@ -92,7 +92,7 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
     Ok(Picture { kind, pixels: fitted(&levels, width * depth, size.width * depth, size.height) })
 }
 
-/// The part of a file that is written as decimal numbers between blanks and comments.
+/// The part of a file that consists of decimal numbers between blanks and comments.
 struct Text<'f> {
     rest: &'f [u8],
 }
@@ -112,7 +112,7 @@ impl Text<'_> {
         }
     }
 
-    /// The next number, at most `most`; `None` where there is none.
+    /// The next number, at most `most`; `None` if there is none.
     fn number(&mut self, most: u32) -> Option<u32> {
         self.skip();
         let length = self.rest.iter().take_while(|byte| byte.is_ascii_digit()).count();

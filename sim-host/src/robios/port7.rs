@@ -22,7 +22,7 @@ const CHANNELS: i32 = 9;
 /// The channel of the microphone. Source: RoBIOS-7 library.
 const MICROPHONE: i32 = 8;
 
-/// Longest recording in values, as in `eyebot.h`.
+/// Maximum number of values of a recording, as in `eyebot.h`.
 const MAX_RECORDING: i32 = 1 << 20;
 
 /// Names of the digital lines in records.

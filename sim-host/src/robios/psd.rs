@@ -18,7 +18,7 @@ use sim_core::record::Event;
 /// Product of the raw byte and the distance in millimetres, see [`raw_from_distance`].
 const RAW_MM: f64 = 20_400.0;
 
-/// Answer of `PSDGetSignal` if there is no sensor, or no value yet.
+/// Return value of `PSDGetSignal` if there is no sensor, or no value yet.
 pub(super) const NO_SIGNAL: f32 = -1.0;
 
 /// Converts a distance in metres for `PSDGet`: whole millimetres, [`PSD_OUT_OF_RANGE`] for no return.
@@ -31,10 +31,10 @@ pub fn mm_from_distance(metres: Option<f64>) -> i32 {
 /// Converts a distance in metres for `PSDGetRaw`: 20 400 divided by the millimetres, at most 255 (from 80 mm down), 0
 /// for no return.
 ///
-/// The characteristic is that of the sensor (the nearer, the greater); the constant is our choice, so that the 80 to
-/// 800 mm of the Sharp GP2D02 use the whole byte.
+/// The characteristic is the sensor's (the nearer, the larger); the constant is our choice, so that the 80 to 800 mm of
+/// the Sharp GP2D02 use the whole byte.
 pub fn raw_from_distance(metres: Option<f64>) -> i32 {
-    // A distance of 0 gives infinity, which the conversion saturates.
+    // A distance of 0 yields infinity, which the conversion saturates.
     metres.map_or(0, |metres| i32::from((RAW_MM / sim_core::unit::mm_from_metres(metres)).round() as u8))
 }
 

@@ -1,4 +1,4 @@
-//! PSD distance sensors of RoBIOS-7: read at once, in millimetres.
+//! PSD distance sensors of RoBIOS-7: each call measures, in millimetres.
 //!
 //! Source: RoBIOS-7 library, distance sensors.
 
@@ -31,14 +31,14 @@ pub fn get_signal(robot: &mut Robot, world: &World, psd: i32) -> f32 {
     reading.signal as f32
 }
 
-/// Present distance of a sensor in metres, `Some(None)` for no return; `None` if there is no such sensor.
+/// Current distance of a sensor in metres, `Some(None)` for no return; `None` if there is no such sensor.
 fn see(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<Option<f64>> {
     let (index, reading) = read(robot, world, call, psd)?;
     record_distance(robot, index, robot.now, reading.distance);
     Some(reading.distance)
 }
 
-/// Index of a sensor and its present reading; `None` if there is no such sensor.
+/// Index of a sensor and its current reading; `None` if there is no such sensor.
 fn read(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<(usize, Reading)> {
     let Some(index) = robot.find_numbered(call, HDT_PSD, psd, &NAMES) else {
         robot.failed(call, 0);

@@ -48,7 +48,8 @@ pub fn is_off(robot: &mut Robot, call: impl Into<Call>, failure: i32) -> i32 {
     robot.refused(call, failure, |_| "the radio is off: `RADIOInit` switches it on".to_owned())
 }
 
-/// Switches the radio off; returns the number of messages left unsent. In RoBIOS-7 messages that were sent still go out, as in EyeSim VR.
+/// Switches the radio off; returns the number of messages left unsent. In RoBIOS-7 messages that were sent are still
+/// transmitted, as in EyeSim VR.
 fn switch_off(robot: &mut Robot) -> usize {
     let unsent = if robot.robios.is_of_robios7() { robot.retire_radio() } else { robot.switch_radio_off() };
     robot.tasks.recheck_radio(robot.state.now);
@@ -77,7 +78,7 @@ pub fn send(robot: &mut Robot, world: &World, call: impl Into<Call>, to: u32, pa
     0
 }
 
-/// Returns true for the broadcast address, and for the address of another robot as far as is known.
+/// Returns true for the broadcast address, and for the known address of another robot.
 fn is_known(robot: &Robot, world: &World, address: u32) -> bool {
     let is_own = robot.radio_member().is_some_and(|member| member.address == address);
     let is_number = address > 0 && world.is_robot_present(RobotId(address), robot.now);

@@ -15,7 +15,7 @@ use super::{os, radio};
 /// Rates of the radio.
 const RATES: [i32; 5] = [SER9600, SER19200, SER38400, SER57600, SER115200];
 
-/// Answer of a call that fails.
+/// Return value of a call that fails.
 const FAILURE: i32 = -1;
 
 /// `RADIOInit`
@@ -80,7 +80,7 @@ pub fn status(robot: &mut Robot, status: &mut Out<RadioStatus>) -> i32 {
     0
 }
 
-/// Settings that the program has made, otherwise the defaults of the robot.
+/// Settings that the program has made, or the defaults of the robot.
 fn settings(robot: &Robot, world: &World) -> RadioIOParameters {
     robot.robios.radio.settings.unwrap_or_else(|| RadioIOParameters {
         interface: SERIAL1,

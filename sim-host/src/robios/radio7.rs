@@ -10,10 +10,10 @@ use super::caller::Poll;
 use super::robot::Robot;
 use super::{os7, radio};
 
-/// Longest text in bytes, without the final 0 that fills the buffer.
+/// Maximum length of a text in bytes, without the final 0 that fills the buffer.
 const MAX_TEXT: usize = BUFFER - 1;
 
-/// Answer of a call that fails.
+/// Return value of a call that fails.
 const FAILURE: i32 = 1;
 
 /// `RADIOInit`
@@ -53,7 +53,7 @@ pub fn receive(robot: &mut Robot, id: &mut Out<i32>, text: &mut OutBytes) -> Pol
     })
 }
 
-/// `RADIOStatus`: addresses of the stations that were on at the slot's start, and of the robot's own.
+/// `RADIOStatus`: addresses of the stations that were on at the slot's start, and of the robot's own station.
 pub fn status(robot: &mut Robot, world: &World, addresses: &mut OutInts) -> i32 {
     if addresses.is_null() {
         return robot.refused(Call::RADIOStatus, 0, |_| "no place for the addresses".to_owned());

@@ -1,6 +1,6 @@
 //! Dispatch of the RoBIOS-7 calls to the functions of the families.
 //!
-//! Units are converted in [`unit7`](super::unit7). A function that is missing here answers as for a robot without that
+//! Units are converted in [`unit7`](super::unit7). A function that is missing here fails as on a robot without that
 //! device.
 
 use robios_sys::robios7::{ANYKEY, Char, Color, Flag, Timer, VEHICLE};

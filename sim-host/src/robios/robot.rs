@@ -25,7 +25,7 @@ pub struct Robot {
     pub generators: Generators,
     /// Timers that its program has attached.
     pub timers: Timers,
-    /// Its tasks; a program that starts none has one.
+    /// Its tasks; a program that starts none has only `main`.
     pub tasks: Tasks,
     /// Ending of its program, once known.
     pub ending: Option<Ending>,
@@ -58,7 +58,7 @@ pub struct Wait {
     pub reason: WaitReason,
     /// Virtual time at which the wait began.
     pub since: Time,
-    /// Place in the program of the call.
+    /// Location in the program of the call.
     pub site: Site,
 }
 
@@ -91,14 +91,14 @@ pub enum Ending {
         /// Its exit code; 0 is success.
         code: i32,
     },
-    /// The program broke off: a panic, `abort`, a call that the simulator refuses.
+    /// The program was aborted: by a panic, by `abort`, or by a call that the simulator refuses.
     Failed {
         /// The reason, as shown to the user.
         reason: String,
     },
     /// The watchdog stopped the program.
     Overdue {
-        /// The place in the program, as shown to the user.
+        /// The location in the program, as shown to the user.
         reason: String,
     },
     /// The program was stopped with the run.
@@ -106,7 +106,7 @@ pub enum Ending {
 }
 
 impl Robot {
-    /// A robot at its start, whose program is called `program`.
+    /// Creates a robot at its start, whose program is named `program`.
     pub fn new(state: simulation::Robot, robios: Robios, program: String) -> Self {
         let generators = Generators::new(state.seed(), state.id);
         let (timers, tasks) = (Timers::default(), Tasks::default());
@@ -114,8 +114,8 @@ impl Robot {
         Self { state, robios, program, generators, timers, tasks, ending: None, has_called: false, new_hints }
     }
 
-    /// Records a hint to the user about a likely mistake, which the call in progress has shown. A hint outside of calls is one of the
-    /// [`state`](Self::state) alone.
+    /// Records a hint to the user about a likely mistake, which the call in progress has shown. A hint outside of calls
+    /// is recorded only in the [`state`](Self::state).
     pub fn hint(&mut self, text: &str) {
         self.state.hint(text);
         self.new_hints.push(text.to_owned());
@@ -149,8 +149,8 @@ impl Robot {
 }
 
 impl Wait {
-    /// Returns true if the waiting task yields the processor to others under the scheduler of RoBIOS 6; other waits are
-    /// busy.
+    /// Returns true if the waiting task yields the processor to other tasks under the scheduler of RoBIOS 6; other
+    /// waits are busy.
     pub fn is_blocking(&self) -> bool {
         let is_sleep = matches!(self.call, Call::Robios6(Robios6Call::OSSleep) | Call::Support(SupportCall::sleep_us));
         is_sleep || self.reason.is_for_task()

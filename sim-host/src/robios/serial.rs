@@ -30,7 +30,7 @@ const PORTS_OF_6: i32 = 3;
 /// Baud rates of RoBIOS 6.
 const RATES_OF_6: [i32; 6] = [SER4800, SER9600, SER19200, SER38400, SER57600, SER115200];
 
-/// Greatest baud rate of RoBIOS-7; our choice.
+/// Maximum baud rate of RoBIOS-7; our choice.
 const MAX_BAUD: i32 = 4_000_000;
 
 /// Transmission time of a byte in microseconds, times the baud rate.

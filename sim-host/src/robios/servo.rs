@@ -13,7 +13,7 @@ use super::robot::Robot;
 #[derive(Clone, Debug, Default)]
 pub struct Servos {
     handles: Handles,
-    /// By servo: its positions for 0 and 255 of RoBIOS-7, as far as `SERVORange` has set any.
+    /// For each servo, its positions for 0 and 255 of RoBIOS-7; only as many entries as `SERVORange` has needed.
     ranges: Vec<[u8; 2]>,
 }
 

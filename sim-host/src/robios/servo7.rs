@@ -33,7 +33,7 @@ pub fn set_range(robot: &mut Robot, servo: i32, [low, high]: [i32; 2]) -> i32 {
     0
 }
 
-/// `SERVOGet`: position in terms of `SERVOSet` and the present range.
+/// `SERVOGet`: position in terms of `SERVOSet` and the current range.
 pub fn position(robot: &mut Robot, servo: i32) -> i32 {
     let Some(index) = robot.find_numbered(Call::SERVOGet, HDT_SERVO, servo, &[]) else {
         return robot.failed(Call::SERVOGet, -1);

@@ -1,11 +1,12 @@
 //! Files of a robot that its RoBIOS calls read and write outside the simulation.
 //!
-//! A name is relative to the working folder of the run; a file that is not there is looked for in the folder of the
-//! scene. A robot reads its own writes at once; other robots see them from the next slot on, in the order (virtual
-//! time, robot), so that a run does not depend on execution order. Files that other programs change during a run are
-//! outside this guarantee.
+//! A name is relative to the working folder of the run; a file that does not exist there is searched for in the folder
+//! of the scene. A robot sees its own writes immediately; other robots see them from the next slot on, in the order
+//! (virtual time, robot), so that a run does not depend on execution order. Files that other programs change during a
+//! run are outside this guarantee.
 //!
-//! The calls of a program in a sandbox read files in its own folder and in that of the scene alone, and what they write stays in memory.
+//! The calls of a sandboxed program read only files in its own folder and in the scene's folder; written files stay in
+//! memory.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -18,10 +19,10 @@ use sim_core::time::Time;
 
 use crate::program::sandbox::files::open_beneath;
 
-/// Largest file that is read: larger ones are no images or sounds.
+/// Maximum size of a file that is read: larger files are not images or sounds.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// What is wrong where a program finds no file called `name`, with the folder that was searched.
+/// Message for a program that does not find the file `name`, with the folder that was searched.
 pub fn missing_file(name: Option<&str>) -> String {
     let folder = std::env::current_dir().unwrap_or_default();
     match name {
@@ -40,9 +41,9 @@ pub struct Storage {
     scene_folder: PathBuf,
     /// In a sandbox, the folder of the program and the files written.
     confined: Option<Confined>,
-    /// Files written in the present slot.
+    /// Files written in the current slot.
     pending_writes: BTreeMap<PathBuf, (Time, Vec<u8>)>,
-    /// Reason why the C library could not open a file, the last time that it could not.
+    /// Reason of the C library's last failure to open a file.
     unopened: Option<String>,
 }
 
@@ -50,11 +51,11 @@ pub struct Storage {
 #[derive(Clone, Debug, Default)]
 struct Confined {
     own_folder: Option<PathBuf>,
-    /// Files written, which exist for this robot alone.
+    /// Written files, which exist only for this robot.
     written: BTreeMap<PathBuf, Vec<u8>>,
 }
 
-/// Most bytes of files that a robot in a sandbox may write; our choice.
+/// Maximum total size in bytes of files that a robot in a sandbox may write; our choice.
 const MAX_WRITTEN: usize = 64 << 20;
 
 /// A file that a robot wrote in a slot.
@@ -83,7 +84,7 @@ impl Storage {
     /// Reads the file called `name`.
     ///
     /// # Errors
-    /// Those of the system for `name` in the working folder.
+    /// Errors of the system for `name` in the working folder.
     pub fn read(&self, name: &[u8]) -> io::Result<Vec<u8>> {
         let path = path_of(name);
         if let Some(confined) = &self.confined {
@@ -130,7 +131,7 @@ impl Storage {
         });
     }
 
-    /// Reason why the C library could not open a file, the last time that it could not.
+    /// Reason of the C library's last failure to open a file.
     pub fn unopened(&self) -> Option<&str> {
         self.unopened.as_deref()
     }
@@ -180,7 +181,7 @@ impl PendingWrite {
     /// Writes the file to the disk.
     ///
     /// # Errors
-    /// Those of the system.
+    /// Errors of the system.
     pub fn save(&self) -> io::Result<()> {
         fs::write(&self.path, &self.bytes)
     }
@@ -193,7 +194,7 @@ fn path_of(name: &[u8]) -> PathBuf {
 }
 
 fn read_file(path: &Path) -> io::Result<Vec<u8>> {
-    // Opening a pipe might wait for ever.
+    // Opening a pipe might block forever.
     if !fs::metadata(path)?.is_file() {
         return Err(io::Error::other("it is not a file"));
     }

@@ -49,7 +49,7 @@ impl Generators {
 impl<F: Flow> Support for Caller<F> {
     fn console(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
-        // The output of a program that must stop is still recorded; but costs no virtual time.
+        // The output of a program that must stop is still recorded, but costs no virtual time.
         let result = if self.flow().is_exiting() { Ok(()) } else { self.spend_on_console() };
         self.at_once(SupportCall::console, |robot| print_lines(robot, stream, &text));
         result.map(|()| 0)

@@ -9,7 +9,7 @@ use robios_sys::robios6::hdt_type::{
 use robios_sys::robios6::semantics::SEMANTICS;
 use sim_core::spec::RobiSpec;
 
-/// Greatest device number in RoBIOS-7: programs know 4 motors, 6 PSDs, 14 servos; 31 is our choice.
+/// Maximum device number in RoBIOS-7: programs can address 4 motors, 6 PSDs, 14 servos; 31 is our choice.
 pub const MAX_NUMBER: i32 = 31;
 
 /// The name that the Rust library gives to a device of `hdt_sem.h`: `PsdAt::FrontLeft` for `PSD_FRONTLEFT`.
@@ -75,7 +75,7 @@ impl Device {
     }
 }
 
-/// All devices of a robot, by kinds.
+/// All devices of a robot, grouped by kind.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Table {
     devices: Vec<Device>,
@@ -119,7 +119,7 @@ impl Table {
         self.devices.iter().filter(move |device| kind == 0 || device.kind == kind)
     }
 
-    /// Device of a kind (0: any) with `number`; numbers of the robi take precedence over those of `hdt_sem.h`.
+    /// Device of a kind (0 for any) with `number`; numbers of the robi take precedence over numbers of `hdt_sem.h`.
     pub fn find(&self, kind: i32, number: i32) -> Option<&Device> {
         (0..3).find_map(|place| self.of_kind(kind).find(|device| device.numbers[place] == Some(number)))
     }

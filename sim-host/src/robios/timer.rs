@@ -6,7 +6,7 @@ use sim_core::time::Time;
 /// The tick of RoBIOS-7: timers run at 1 kHz.
 pub const MILLISECOND: Time = Time::from_millis(1);
 
-/// Greatest number of timers of a robot; our choice.
+/// Maximum number of timers of a robot; our choice.
 const MAX_TIMERS: usize = 32;
 
 /// Timers that a program has attached.
@@ -16,7 +16,7 @@ pub struct Timers {
     next_handle: i32,
     /// A callback is running: callbacks are never nested, and may not wait.
     pub in_callback: bool,
-    /// Timers are held from `OSDisable` to `OSEnable`: a timer that falls due meanwhile runs once, at `OSEnable`.
+    /// Timers are held from `OSDisable` to `OSEnable`: a timer that becomes due meanwhile runs once, at `OSEnable`.
     pub are_held: bool,
 }
 
@@ -68,7 +68,7 @@ impl Timers {
         due
     }
 
-    /// Ends the running callbacks at `now`. Ticks that fell due meanwhile are dropped, so that the program itself
+    /// Ends the running callbacks at `now`. Ticks that became due meanwhile are dropped, so that the program itself
     /// continues however long its callbacks take.
     pub fn end_callbacks(&mut self, now: Time) {
         self.in_callback = false;

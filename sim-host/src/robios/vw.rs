@@ -18,7 +18,7 @@ use sim_core::record::Event;
 /// The only handle: a number that no other family returns, so that a mixed-up handle is detected.
 pub const HANDLE: i32 = 0x56;
 
-/// A drive that is replaced within this time of its start was probably to be waited for.
+/// A program that replaces a drive within this time of its start probably forgot to wait for its end.
 const IMMEDIATE_REPLACEMENT: Time = Time::from_millis(20);
 
 /// State of a robot's driving interface.
@@ -48,7 +48,7 @@ pub fn init(robot: &mut Robot, world: &World, semantics: i32, timescale: i32) ->
     }
     robot.robios.vw.is_open = true;
     robot.halt(world);
-    // Cannot be refused: the origin is finite.
+    // This cannot be refused, since the origin is finite.
     let _ = robot.state.motion.set_odometry(robot.state.now, Pose::default());
     robot.record(Event::SetOdometry { x_m: 0.0, y_m: 0.0, phi_rad: 0.0 });
     HANDLE
@@ -237,12 +237,12 @@ fn seconds(way: f64, rate: f64) -> f64 {
     if rate.is_infinite() { f64::NAN } else { way / rate }
 }
 
-/// Duration of a curve; NaN for one without length, along which no speed is defined.
+/// Duration of a curve; NaN for a curve of length 0, along which no speed is defined.
 pub(super) fn curve_seconds(distance: f64, angle: f64, v: f64) -> f64 {
     if distance == 0.0 && angle != 0.0 { f64::NAN } else { seconds(distance, v) }
 }
 
-/// Starts a drive of `seconds`; its sign, that of the speed, is ignored. `wait` waits for its end.
+/// Starts a drive of `seconds`, whose sign (the speed's) is ignored. `wait` names the function that waits for its end.
 pub(super) fn start_drive(
     robot: &mut Robot,
     world: &World,
@@ -250,7 +250,7 @@ pub(super) fn start_drive(
     seconds: f64,
     (event, wait): (Event<'_>, &'static str),
 ) -> Result<(), DriveRefusal> {
-    // A speed of 0 gives an infinite time, or NaN for a distance of 0.
+    // A speed of 0 yields an infinite time, or NaN for a distance of 0.
     if !seconds.is_finite() {
         return Err(DriveRefusal::Endless);
     }

@@ -1,6 +1,7 @@
 //! The driving interface of RoBIOS-7: always open, without a handle, in millimetres and degrees.
 //!
-//! Source: RoBIOS-7 library, V-Omega driving. The motors obey the last command, from here or `MOTORDrive`: our choice.
+//! Source: RoBIOS-7 library, V-Omega driving. The motors follow the last command, whether from here or from
+//! `MOTORDrive`: our choice.
 
 use robios_sys::{Out, Robios7Call as Call};
 use sim_core::drive::{Gains, arc_to};
@@ -111,7 +112,7 @@ pub fn wait(robot: &mut Robot) -> Poll<i32> {
     vw::wait_for_drive(robot)
 }
 
-/// `VWStalled`: 1 for the wheels on the left, 2 for those on the right, 3 for both.
+/// `VWStalled`: 1 for the left wheels, 2 for the right wheels, 3 for all.
 pub fn stalled(robot: &mut Robot) -> i32 {
     let [front_left, front_right, back_left, back_right] = robot.state.motion.stalled_wheels(robot.state.now);
     i32::from(front_left || back_left) + 2 * i32::from(front_right || back_right)
@@ -144,7 +145,7 @@ fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seco
     }
 }
 
-/// The processor's conversion to a whole number gives the least one for what is no number.
+/// Hints at a number that is NaN in the program: on x86-64 its conversion to an integer yields the minimum.
 fn hint_at_no_number(robot: &mut Robot, numbers: &[i32]) {
     if numbers.contains(&i32::MIN) {
         robot.hint_at(Mistake::NoNumber);

@@ -29,10 +29,10 @@ use crate::record::report::{CheckReport, Input};
 use crate::record::trail::BodyTrails;
 use crate::record::{self, RecordError, Sink, Trails};
 
-/// A case: everything that determines its row, besides the contents of files.
+/// A case: everything that determines its row, except the contents of files.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its settings, as `noise=real,seed=3`.
+    /// Name: the settings, such as `noise=real,seed=3`.
     pub name: String,
     /// Name without the seed.
     pub variant: String,
@@ -44,34 +44,34 @@ pub struct Case {
     pub settings: Vec<(String, String)>,
 }
 
-/// State that the cases of one process share: programs that are built, libraries that are mapped.
+/// State that the cases of one process share: built programs and mapped libraries.
 pub struct Session {
     builder: Builder,
     programs: ProgramCache,
     loader: Option<Loader>,
     subreaper: Option<Subreaper>,
-    /// Files that cases have read: path and digest.
+    /// Files that cases have read, with their digests.
     inputs: BTreeMap<String, String>,
-    /// Traces that are kept; none by default.
+    /// Policy for keeping traces; by default none are kept.
     pub keep: Keep,
-    /// Ends the case that is running.
+    /// Ends the running case.
     pub interrupt: Interrupt,
 }
 
-/// Cases whose traces are kept, as `KEY.jsonl.zst` in a folder that exists.
+/// Policy for keeping traces, as `KEY.jsonl.zst` in an existing folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Keep {
-    /// None.
+    /// No traces are kept.
     #[default]
     None,
-    /// Those that do not pass.
+    /// Traces of cases that do not pass are kept.
     Failed(PathBuf),
-    /// All.
+    /// All traces are kept.
     All(PathBuf),
 }
 
 impl Keep {
-    /// The trace of the case with this key, while it is written.
+    /// Path of the trace of the case with this key, while it is written.
     fn part(&self, key: &str) -> Option<PathBuf> {
         match self {
             Self::None => None,
@@ -79,7 +79,7 @@ impl Keep {
         }
     }
 
-    /// Keeps or removes the trace of a case that is over.
+    /// Keeps or removes the trace of a finished case.
     fn settle(&self, key: &str, outcome: RowOutcome) -> io::Result<()> {
         let Some(part) = self.part(key) else { return Ok(()) };
         let is_kept = match outcome {
@@ -105,7 +105,7 @@ impl Session {
         }
     }
 
-    /// Builds the programs of a case. Returns true if they may run in a process with others: all are on fibers.
+    /// Builds the programs of a case. Returns true if they may share a process with other cases: all are on fibers.
     ///
     /// # Errors
     /// [`PrepareError`].
@@ -120,7 +120,7 @@ impl Session {
     /// Hash of everything that determines the row of a case: its [`Row::key`].
     ///
     /// # Errors
-    /// The result of a case that cannot be run, since a file cannot be read or a program not be built.
+    /// The result of a case that cannot be run because a file cannot be read or a program cannot be built.
     pub fn key(&mut self, suite: &Suite, case: &Case) -> Result<String, Box<CaseResult>> {
         match self.build(suite, case) {
             Ok(built) => Ok(key_of(suite, case, built.inputs())),
@@ -133,7 +133,7 @@ impl Session {
         self.builder.remove_observer();
     }
 
-    /// Forgets the libraries that are mapped, and removes their files.
+    /// Forgets the mapped libraries, and removes their files.
     pub fn unload(&mut self) {
         self.loader = None;
     }
@@ -165,7 +165,7 @@ impl Session {
 /// Reasons why the programs of a case are not built.
 #[derive(Debug)]
 pub enum PrepareError {
-    /// Its scene has mistakes, perhaps with its seed alone.
+    /// Its scene has mistakes, perhaps only with its seed.
     Scene,
     /// A program cannot be built; the result of the case.
     Programs(Box<CaseResult>),
@@ -182,7 +182,7 @@ impl Failure {
     fn of(text: impl ToString) -> Self {
         let text = text.to_string();
         let is_long = text.lines().nth(1).is_some();
-        // Compilers tell first where they look, and linkers last that they have failed.
+        // Compilers first name the location, and linkers report their failure last.
         let find =
             |part: &str| text.lines().find(|line| is_long && line.contains(part) && !line.contains("ld returned"));
         let of_linker = || find("multiple definition of").or_else(|| find("undefined reference to"));
@@ -242,7 +242,7 @@ pub(super) fn row_of(suite: &Suite, case: &Case) -> Row {
     }
 }
 
-/// Result of a case that could not be run to its end, for this reason.
+/// Result of a case that could not be run to its end, with `message` as the reason.
 pub(crate) fn lost_case(suite: &Suite, case: &Case, message: &str) -> CaseResult {
     Failure::of(message).result(suite, case)
 }
@@ -297,7 +297,7 @@ fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
         }
     }
     let over = running.end();
-    // Programs of checks run after everything that the submission has started.
+    // Programs of checks run after all processes that the submission has started have ended.
     session.subreaper.iter().for_each(|subreaper| _ = subreaper.end_all());
     let finished = over.judge();
     let limit = is_over_limit.then_some(suite.spec.limits.processor);
@@ -316,12 +316,13 @@ fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
     Ok(CaseResult { row, real_time_s: 0.0, traces, output })
 }
 
-/// Verdict on a run that is over; `limit` is the limit of processor time that ended it.
+/// Verdict on a finished run; `limit` is the limit of processor time that ended it.
 fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) -> Row {
     let Finished { ended, report, settings, .. } = finished;
     let failed_robot = report.robots.iter().find(|robot| robot.outcome.is_failure());
     let broken_check = report.checks.iter().find(|check| check.broken);
-    // The earliest failure is the cause of others; a goal that is missed at an instant is missed for what happened then.
+    // The earliest failure is the cause of later ones; a goal that is missed at an instant is missed because of what
+    // happened then.
     let instant = |check: &CheckReport| check.at_s.unwrap_or(f64::INFINITY);
     let is_goal = |check: &CheckReport| check.kind == "reach";
     let failed_checks = report.checks.iter().filter(|check| !check.passed);
@@ -345,7 +346,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
             (None, None) => (RowOutcome::Passed, String::new()),
         },
     };
-    // How far a program got that was stopped for its processor time depends on the machine.
+    // How far a program got before it was stopped for its processor time depends on the machine.
     let is_timed_out = limit.is_some() || report.robots.iter().any(|robot| robot.outcome == Outcome::Timeout);
     let at = failed_check.and_then(|check| check.at_s);
     let at = at.or(failed_robot.filter(|_| limit.is_none()).map(|robot| match robot.outcome {
@@ -353,7 +354,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
         Outcome::Timeout => (robot.virtual_time_s / settings.slot.seconds() + 1e-9).floor() * settings.slot.seconds(),
         _ => robot.virtual_time_s,
     }));
-    // The poses of robots are those of the end, not of the instant of a check.
+    // The robots' poses are from the end of the run, not from the instant of a check.
     let of_robot = failed_robot.or(report.robots.first()).map(|robot| (robot.pose.x_m, robot.pose.y_m));
     let place = match failed_check {
         Some(check) if check.at_s.is_some() => check.x_m.zip(check.y_m),
@@ -385,7 +386,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
     }
 }
 
-/// Hash of everything that determines the row of a case. The place of the suite's folder does not matter.
+/// Hash of everything that determines the row of a case. It is independent of the path of the suite's folder.
 fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
     let folder = suite.spec.folder.trim_end_matches('/');
     let in_folder = |path: &str| match folder {
@@ -406,7 +407,7 @@ fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
     programs.iter().for_each(|program| add(program.with_program(&named(program.program())).to_string()));
     forbid.iter().for_each(|functions| add(format!("forbid {functions}")));
     add(format!("{} {:?}", suite.checks_text, suite.spec.limits));
-    // Files elsewhere, such as those of the installation, go by their names.
+    // Files elsewhere, such as the installation's, are identified by their names.
     let name = |path: &str| in_folder(path).unwrap_or_else(|| path.rsplit('/').next().unwrap_or_default().to_owned());
     let mut files: Vec<String> = inputs.iter().map(|input| format!("{} {}", name(&input.path), input.sha256)).collect();
     files.sort_unstable();
@@ -414,15 +415,15 @@ fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
     hasher.finalize().to_hex()[..32].to_owned()
 }
 
-/// Sink that keeps the end of what programs print.
+/// Sink that keeps the last lines that programs print.
 #[derive(Default)]
 struct Output {
     lines: VecDeque<String>,
 }
 
-/// Most lines kept.
+/// Maximum number of lines kept.
 const MAX_LINES: usize = 40;
-/// Most characters kept of a line.
+/// Maximum number of characters kept of a line.
 const MAX_LINE: usize = 400;
 
 impl Sink for Output {

@@ -1,7 +1,8 @@
 //! Suites as a library: the cases of a suite, their rows, and a pool that runs them.
 //!
-//! [`Suite::open`] reads a suite; [`Suite::cases`] plans it; [`run_case`] runs one case in this process and returns its [`Row`];
-//! [`Pool`] runs many in copies of this process. [`summary`] counts rows over seeds, [`table`] makes tables of them, for CSV and Parquet.
+//! [`Suite::open`] reads a suite; [`Suite::cases`] plans it; [`run_case`] runs one case in this process and returns its
+//! [`Row`]; [`Pool`] runs many in forks of this process. [`summary`] counts rows over seeds, [`table`] converts them to
+//! tables, for CSV and Parquet.
 
 mod case;
 #[cfg(feature = "parquet")]
@@ -38,23 +39,23 @@ use crate::program::sandbox::Sandbox;
 pub struct Suite {
     /// The suite.
     pub spec: SuiteSpec,
-    /// Mistakes in it and in the scene of its first case.
+    /// Mistakes in the suite and in the scene of its first case.
     pub diagnostics: Vec<Diagnostic>,
     /// The files of the suite and of that scene.
     pub inputs: Vec<InputFile>,
-    /// The programs of checks may run: the suite is the user's own, not that of an archive.
+    /// The programs of checks may run: the suite is the user's own, not from an archive.
     pub may_run_checks: bool,
     /// Restrictions of the programs and of the compilers that build them.
     pub sandbox: Option<Sandbox>,
     axes: Vec<Axis>,
-    /// Its checks as text: lines of the file and its place do not matter.
+    /// Its checks as text, independent of the file's path and line numbers.
     checks_text: String,
-    /// Programs that replace those of the suite.
+    /// Programs that replace the suite's.
     programs: Vec<ProgramOption>,
 }
 
 impl Suite {
-    /// Reads the suite at `path`; `programs` take precedence over those that it names.
+    /// Reads the suite at `path`; `programs` take precedence over the suite's.
     pub fn open(path: &Path, programs: Vec<ProgramOption>) -> Self {
         let mut files = DiskFiles::of_environment();
         let LoadedSuite { suite: spec, mut loaded } = load_suite(&files.name(path), &files);
@@ -75,10 +76,10 @@ impl Suite {
         }
     }
 
-    /// Adds seeds to those of the matrix, which may have them already.
+    /// Adds seeds to the matrix, which may already contain them.
     ///
     /// # Errors
-    /// Seeds advance together with other values, or there would be too many cases.
+    /// The matrix zips the seeds with other values, or there would be too many cases.
     pub fn add_seeds(&mut self, seeds: impl Iterator<Item = u64>) -> Result<(), String> {
         let matrix = &mut self.spec.matrix;
         let new: Vec<u64> = seeds.filter(|seed| !matrix.seed.contains(seed)).collect();
@@ -101,7 +102,7 @@ impl Suite {
         &self.axes
     }
 
-    /// All cases, in the order of the matrix: those of a variant follow each other.
+    /// All cases, in the order of the matrix: the cases of a variant follow each other.
     ///
     /// # Errors
     /// A program of the suite cannot be read as an option `--program`.
@@ -130,7 +131,7 @@ impl Suite {
     /// Checks that the options of `cases` fit their scenes, and that a robot has a program; each scene is read once.
     ///
     /// # Errors
-    /// The first mistake, in words. Mistakes in a scene itself are left to its cases.
+    /// The message of the first mistake. Mistakes in a scene itself are reported by its cases.
     pub fn check_options(&self, cases: &[Case]) -> Result<(), String> {
         let mut seen = BTreeSet::new();
         for case in cases.iter().filter(|case| seen.insert(&case.scene)) {
@@ -155,7 +156,7 @@ impl Suite {
         self.axes.iter().zip(indices).map(setting).collect()
     }
 
-    /// The program option of the suite, with the path of a file from the suite's folder.
+    /// The program option of the suite, with a path relative to the suite's folder.
     fn program(&self, text: &str) -> Result<ProgramOption, String> {
         let option = ProgramOption::parse(text)?;
         let place = Path::new(&self.spec.folder).join(option.program());

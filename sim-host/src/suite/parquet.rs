@@ -1,4 +1,4 @@
-//! Tables as Apache Parquet, which tools of data analysis read with the types of the columns.
+//! Tables as Apache Parquet, from which data analysis tools read typed columns.
 
 use std::sync::Arc;
 
@@ -11,11 +11,11 @@ use parquet::schema::types;
 
 use super::table::{Cell, Table, Type};
 
-/// The bytes of a Parquet file: one row group, a column that may be without values for each of the table: texts as strings in UTF-8, numbers
-/// as doubles, whole numbers as unsigned integers of 64 bits, flags as booleans.
+/// The bytes of a Parquet file with one row group and an optional column for each column of the table: texts as UTF-8
+/// strings, numbers as doubles, whole numbers as unsigned 64-bit integers, flags as booleans.
 ///
 /// # Errors
-/// None are known: those of the writer.
+/// Errors of the writer; none are known to occur.
 pub fn parquet(table: &Table) -> Result<Vec<u8>> {
     let fields = table.columns.iter().map(|(name, kind)| field(name, *kind)).collect::<Result<_>>()?;
     let schema = types::Type::group_type_builder("rows").with_fields(fields).build()?;

@@ -15,7 +15,7 @@ use crate::executive::fork::{ForkedWorker, limit_memory, readable};
 /// Options of a pool.
 #[derive(Clone, Copy, Debug)]
 pub struct PoolOptions {
-    /// Number of cases that run at one time.
+    /// Number of cases that run at the same time.
     pub workers: usize,
     /// Every case runs in a process of its own.
     pub isolate: bool,
@@ -70,7 +70,7 @@ const WORKER_END_TIMEOUT: Duration = Duration::from_secs(2);
 /// Time within which the rest of an answer must arrive.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// Longest answer of a worker, in bytes; paths of many robots and what programs printed are much shorter.
+/// Maximum length of an answer of a worker, in bytes; paths of many robots and output of programs are much shorter.
 const MAX_ANSWER: usize = 256 << 20;
 
 /// Wall-clock seconds that a case gets per second of its processor-time limit; then its worker is killed. A last
@@ -339,7 +339,7 @@ fn serve(suite: &Suite, cases: &[Case], session: &mut Session, mut stream: UnixS
     while stream.read_exact(&mut request).is_ok() {
         let Some(case) = cases.get(u32::from_le_bytes(request) as usize) else { break };
         let result = run_case(suite, case, session);
-        // A program that failed may have harmed this process.
+        // A program that failed may have corrupted this process.
         let is_last = is_single || session.interrupt.is_set() || result.has_failed_program();
         let sent = serde_json::to_vec(&result).map_err(io::Error::from).and_then(|bytes| {
             let mut message = vec![u8::from(is_last)];

@@ -9,7 +9,7 @@ use super::row::{CaseResult, Row};
 
 /// Programs of a suite's cases, built.
 pub struct Preparation {
-    /// The session with the programs, copied into each worker.
+    /// The session with the programs, inherited by each forked worker.
     pub session: Session,
     known: BTreeMap<Key, Prepared>,
 }
@@ -18,9 +18,9 @@ pub struct Preparation {
 type Key = (PathBuf, Vec<String>);
 
 enum Prepared {
-    /// The programs may run in a process with others, or not.
+    /// The programs are built; true if they may share a process with other cases.
     Built(bool),
-    /// Nothing is known: the scene cannot be read with the seed of the case that was tried.
+    /// Unknown, because the scene cannot be read with the seed of the case that was tried.
     Unknown,
     /// A program cannot be built.
     Failed(Box<CaseResult>),
@@ -41,7 +41,7 @@ impl Preparation {
         Self { session, known }
     }
 
-    /// Returns true if the case may run in a process with others.
+    /// Returns true if the case may share a process with other cases.
     pub fn may_share(&self, case: &Case) -> bool {
         matches!(self.known.get(&key(case)), Some(Prepared::Built(true)))
     }

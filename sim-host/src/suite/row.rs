@@ -10,7 +10,7 @@ use crate::record::report::CheckReport;
 /// Version of the schema of rows.
 pub const ROW_SCHEMA: u32 = 1;
 
-/// Result of a case. It depends on the case and its inputs only: neither on the machine, nor on other cases, nor on time.
+/// Result of a case. It depends only on the case and its inputs, not on the machine, on other cases or on time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// [`ROW_SCHEMA`].
@@ -22,7 +22,7 @@ pub struct Row {
     pub suite: String,
     /// Name of the case: its settings, as `noise=real,seed=3`.
     pub case: String,
-    /// Name without the seed: cases of one variant differ in their seeds only.
+    /// Name without the seed: cases of one variant differ only in their seeds.
     pub variant: String,
     /// Path of the scene.
     pub scene: String,
@@ -46,7 +46,7 @@ pub struct Row {
     pub points: f64,
     /// Points of a case that passes.
     pub max_points: f64,
-    /// Results of the checks, those of the scene first.
+    /// Results of the checks, the scene's first.
     pub checks: Vec<CheckReport>,
     /// Ends of the programs.
     pub robots: Vec<RowRobot>,
@@ -73,7 +73,7 @@ pub enum RowOutcome {
 }
 
 impl RowOutcome {
-    /// The word that rows have for it.
+    /// The word for it in rows.
     pub fn word(self) -> &'static str {
         match self {
             Self::Passed => "passed",
@@ -111,16 +111,16 @@ pub struct Trace {
     pub lines: Vec<Vec<[f64; 2]>>,
 }
 
-/// A row, and what belongs to its presentation only.
+/// A row, with data that serve only its presentation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseResult {
     /// The row.
     pub row: Row,
-    /// Real time that the case took, s.
+    /// Wall-clock time that the case took, s.
     pub real_time_s: f64,
     /// Paths of the robots of a case that failed.
     pub traces: Vec<Trace>,
-    /// End of what its programs printed, for a case that failed.
+    /// Last lines that its programs printed, for a case that failed.
     pub output: Vec<String>,
 }
 
@@ -132,7 +132,7 @@ impl CaseResult {
 }
 
 impl Row {
-    /// The command that shows what led to the failure in the window.
+    /// The command that shows in the window what led to the failure.
     pub fn view_command(&self) -> Option<String> {
         if self.words.is_empty() {
             return None;

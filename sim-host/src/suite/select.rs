@@ -1,6 +1,6 @@
 //! Selection of cases by an expression over their names, as in pytest: `real and not seed=3`.
 
-/// An expression of words with `and`, `or`, `not` and parentheses; a word holds for names that contain it, in any case of letters.
+/// An expression of words with `and`, `or`, `not` and parentheses; a word matches names that contain it, ignoring case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection(Term);
 
@@ -12,7 +12,7 @@ enum Term {
     Or(Box<Term>, Box<Term>),
 }
 
-/// Text that is no such expression.
+/// The text is not such an expression.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}`: {what}; expected words with `and`, `or`, `not` and parentheses, such as `real and not seed=3`")]
 pub struct SelectionError {
@@ -53,7 +53,8 @@ impl Term {
     }
 }
 
-/// Returns true if `name` contains `word`; a number at the end of the word is the whole number: `seed=1` is no part of `seed=12`.
+/// Returns true if `name` contains `word`; a number at the end of the word is the whole number: `seed=1` does not match
+/// `seed=12`.
 fn is_part(name: &str, word: &str) -> bool {
     let is_digit = |c: char| c.is_ascii_digit() || c == '.';
     name.match_indices(word).any(|(at, found)| {
@@ -81,7 +82,7 @@ fn all(words: &mut Vec<&str>) -> Result<Term, String> {
 }
 
 fn one(words: &mut Vec<&str>) -> Result<Term, String> {
-    // Each level of parentheses is one of the stack.
+    // Each level of parentheses uses a level of the stack.
     const MOST: usize = 200;
     if words.len() > MOST {
         return Err(format!("more than {MOST} words"));

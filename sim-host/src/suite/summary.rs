@@ -7,7 +7,7 @@ use super::row::{Row, RowOutcome};
 /// Quantile of the normal distribution for intervals of 95 %.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// A number of successes, with the interval in which their rate lies.
+/// A success rate with its confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Rate {
     /// Successes.
@@ -43,7 +43,7 @@ impl Rate {
     }
 }
 
-/// A variant: the cases that differ in their seeds only.
+/// A variant: cases that differ only in their seeds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Variant {
     /// Its name.
@@ -60,7 +60,7 @@ pub struct Variant {
     pub passed: bool,
 }
 
-/// The variants of `rows`, in their order, which pass if at least the share `pass_rate` of their cases does.
+/// The variants of `rows`, in their order, each of which passes if at least the share `pass_rate` of its cases passes.
 pub fn variants(rows: &[&Row], pass_rate: f64) -> Vec<Variant> {
     let mut names: Vec<&str> = Vec::new();
     let mut places = std::collections::BTreeMap::new();
@@ -93,7 +93,7 @@ fn variant(name: &str, rows: &[&Row], pass_rate: f64) -> Variant {
         checks: names.enumerate().map(check).collect(),
         points: mean(|row| row.points),
         max_points,
-        // A share such as 0.7 of 10 cases is 7 of them, whatever its last bit.
+        // A share such as 0.7 of 10 cases means 7 cases, despite rounding errors.
         passed: rate.passed as f64 >= pass_rate * count as f64 - 1e-9,
     }
 }

@@ -1,4 +1,4 @@
-//! Rows as tables of typed columns, and as CSV (RFC 4180), which spreadsheets and tools of data analysis open.
+//! Rows as tables of typed columns, and as CSV (RFC 4180), for spreadsheets and data analysis tools.
 
 use std::collections::HashMap;
 
@@ -110,7 +110,7 @@ impl Table {
             Cell::Text(text) => text.parse::<f64>().ok().filter(|number| number.is_finite()).map(Cell::Number),
             _ => None,
         };
-        // `None` for a row without a value, `Some(None)` for one whose value is no number.
+        // `None` for a row without a value, `Some(None)` for a row whose value is not a number.
         let cells: Vec<Option<Option<Cell>>> = self.rows.iter().map(|row| row[column].as_ref().map(number)).collect();
         if !cells.contains(&Some(None)) {
             self.columns[column].1 = Type::Number;
@@ -118,7 +118,7 @@ impl Table {
         }
     }
 
-    /// A line for each row, after one with the names of the columns.
+    /// A line for each row, after a header line with the names of the columns.
     pub fn csv(&self) -> String {
         let mut csv = line(&self.columns.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>());
         self.rows.iter().for_each(|row| csv.push_str(&line(&texts(row))));
@@ -146,7 +146,7 @@ impl Cell {
     }
 }
 
-/// Fields of a line; that of a cell without a value is empty.
+/// Fields of a line; a cell without a value has an empty field.
 pub fn texts(cells: &[Option<Cell>]) -> Vec<String> {
     cells.iter().map(|cell| cell.as_ref().map(Cell::text).unwrap_or_default()).collect()
 }
@@ -173,7 +173,7 @@ pub fn line(fields: &[String]) -> String {
     line
 }
 
-/// A field: never a formula of a spreadsheet, and without control characters.
+/// Escapes a field: a spreadsheet must not read it as a formula, and it has no control characters.
 fn field(text: &str) -> String {
     let is_number = text.parse::<f64>().is_ok_and(f64::is_finite);
     let mut plain = String::new();

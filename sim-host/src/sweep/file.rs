@@ -14,7 +14,7 @@ use crate::suite::{ROW_SCHEMA, Row};
 /// Version of the form of these files.
 const SCHEMA: u32 = 1;
 
-/// First characters of a head, by which it is told from a row.
+/// First characters of a head, which distinguish it from a row.
 const HEAD: &str = "{\"sweep\":";
 
 /// First line of a session.
@@ -46,7 +46,7 @@ impl Head {
     }
 }
 
-/// A row with its place.
+/// A row with its line number.
 #[derive(Clone, Debug)]
 pub struct Line {
     /// Number of the line, from 1.
@@ -55,7 +55,7 @@ pub struct Line {
     pub row: Row,
 }
 
-/// What a file of rows has.
+/// Contents of a file of rows.
 #[derive(Clone, Debug)]
 pub struct Lines {
     /// The file.
@@ -66,9 +66,9 @@ pub struct Lines {
     pub head: Option<Head>,
     /// The rows, in the order in which they were written.
     pub rows: Vec<Line>,
-    /// Bytes of a last line that was not written to its end; 0 if there is none.
+    /// Length of an incomplete last line in bytes; 0 if there is none.
     pub torn: u64,
-    /// Bytes before it.
+    /// Length of the complete lines in bytes.
     whole: u64,
 }
 
@@ -98,7 +98,7 @@ impl Lines {
             }
             number += 1;
             if bytes.last() != Some(&b'\n') {
-                // What is no beginning of a head was never written here.
+                // A file that does not begin with a head was not written by a sweep.
                 let part = &bytes[..bytes.len().min(HEAD.len())];
                 if number == 1 && !HEAD.as_bytes().starts_with(part) {
                     lines.add(&bytes, number)?;
@@ -148,7 +148,7 @@ fn open(path: &Path, options: &mut fs::OpenOptions) -> std::io::Result<File> {
 /// The files of rows of a sweep, in the order of their shards.
 ///
 /// # Errors
-/// The folder cannot be read or has none; as [`Lines::read`].
+/// The folder cannot be read or has no such files; see [`Lines::read`].
 pub fn read_all(folder: &Path) -> Result<Vec<Lines>, SweepError> {
     let io = |error| SweepError::Io { path: folder.to_owned(), error };
     let mut shards = Vec::new();
@@ -162,22 +162,22 @@ pub fn read_all(folder: &Path) -> Result<Vec<Lines>, SweepError> {
     shards.into_iter().map(|shard| Lines::read(&folder.join(shard.file_name()), shard)).collect()
 }
 
-/// Time in which the processes of a sweep that was killed are gone.
+/// Time within which the processes of a killed sweep disappear.
 const RELEASE_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// The file of a shard, locked for this process.
 #[derive(Debug)]
 pub struct ShardFile {
     path: PathBuf,
-    /// Holds the lock. Copies of this process have it as well, so that nothing can be written by it.
+    /// Holds the lock. Forks of this process inherit the descriptor, so it is not open for writing.
     file: File,
 }
 
 impl ShardFile {
-    /// Opens the file of a shard in `folder`, both created if need be, and reads what it has.
+    /// Opens the file of a shard in `folder`, creating both if necessary, and reads its contents.
     ///
     /// # Errors
-    /// As [`Lines::read`]; [`SweepError::Busy`] if another process has it.
+    /// See [`Lines::read`]; [`SweepError::Busy`] if another process has locked it.
     pub fn open(folder: &Path, shard: Shard) -> Result<(Self, Lines), SweepError> {
         if fs::metadata(folder).is_ok_and(|metadata| !metadata.is_dir()) {
             return Err(SweepError::Kind { path: folder.to_owned(), expected: "folder" });
@@ -204,7 +204,7 @@ impl ShardFile {
         if lines.head.as_ref() == Some(head) { Ok(()) } else { self.write(head) }
     }
 
-    /// Appends a row; it is in the hands of the system when this returns.
+    /// Appends a row; it has been passed to the operating system when this returns.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -212,7 +212,7 @@ impl ShardFile {
         self.write(row)
     }
 
-    /// Waits until all is on the disk.
+    /// Waits until all rows are on the disk.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -220,7 +220,7 @@ impl ShardFile {
         self.file.sync_all().map_err(|error| self.io(error))
     }
 
-    /// A line is written at once: what kills this process can tear the last one only.
+    /// A line is written in one call, so that if this process is killed only the last line can be torn.
     fn write(&self, line: &impl Serialize) -> Result<(), SweepError> {
         let mut bytes = serde_json::to_vec(line).map_err(|error| self.io(error.into()))?;
         bytes.push(b'\n');
@@ -233,7 +233,7 @@ impl ShardFile {
     }
 }
 
-/// Locks a file for this process. A file system without locks cannot tell of a second process.
+/// Locks a file for this process. A file system without locks cannot detect a second process.
 fn lock(file: &File, path: &Path) -> Result<(), SweepError> {
     let start = Instant::now();
     loop {

@@ -1,4 +1,4 @@
-//! Rows of several files in one order.
+//! Merges the rows of several files in one order.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use super::{Line, Lines, SweepError};
 use crate::suite::{Row, RowOutcome};
 
-/// The rows of `files`, each once, ordered by suite and settings. The row of a case that could not be run gives way to another of its case.
+/// The rows of `files`, each once, ordered by suite and settings. The row of a case that could not be run is replaced
+/// by another row of the case.
 ///
 /// # Errors
 /// [`SweepError::Conflict`] if a key has two results.
@@ -34,7 +35,8 @@ pub fn merge(files: Vec<Lines>) -> Result<Vec<Row>, SweepError> {
     Ok(rows)
 }
 
-/// Joins two rows of one key: a run that was stopped for its processor time has no digest, and gives way to one that was not.
+/// Joins two rows of one key: a run that was stopped for its processor time has no digest, and is replaced by a run
+/// that was not.
 fn join(known: &mut (Row, String), row: Row, place: String) -> Result<(), SweepError> {
     let (other, its_place) = &*known;
     let conflict = |what, first: &str, second: &str| SweepError::Conflict {
@@ -65,7 +67,7 @@ fn order(a: &Row, b: &Row) -> Ordering {
     a.suite.cmp(&b.suite).then(by_settings).then_with(|| (&a.case, &a.key).cmp(&(&b.case, &b.key)))
 }
 
-/// Numbers by their size, before texts.
+/// Orders numbers by value, before texts.
 fn by_value(a: &str, b: &str) -> Ordering {
     match (a.parse::<f64>(), b.parse::<f64>()) {
         (Ok(a), Ok(b)) => a.total_cmp(&b),

@@ -1,7 +1,8 @@
-//! Sweeps as a library: rows of a suite's cases in a folder, one file for each shard, to which lines are only appended.
+//! Sweeps as a library: rows of a suite's cases in a folder, one file for each shard, all append-only.
 //!
-//! A [`Shard`] is the part of the cases that one process runs. [`ShardFile::open`] locks and reads the file of a shard, [`done`] tells which
-//! cases have their rows in it, and [`ShardFile::append`] adds rows. [`read_all`] reads the files of all shards, [`merge`] joins their rows.
+//! A [`Shard`] is the part of the cases that one process runs. [`ShardFile::open`] locks and reads the file of a shard,
+//! [`done`] determines which cases have rows in it, and [`ShardFile::append`] adds rows. [`read_all`] reads the files
+//! of all shards, [`merge`] joins their rows.
 
 mod file;
 mod merge;
@@ -28,12 +29,12 @@ pub enum SweepError {
         /// The reason.
         error: io::Error,
     },
-    /// The folder is a file, or the file no regular one.
+    /// The folder is a file, or the file is not a regular file.
     #[error("`{}` is not a {expected}", path.display())]
     Kind {
         /// The path.
         path: PathBuf,
-        /// What it must be.
+        /// The expected kind.
         expected: &'static str,
     },
     /// A line is neither a head nor a row.
@@ -48,7 +49,7 @@ pub enum SweepError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What is wrong.
+        /// Description of the error.
         what: String,
     },
     /// The file has rows of another version of eyesim.
@@ -61,13 +62,13 @@ pub enum SweepError {
         /// The other version.
         version: String,
     },
-    /// Another process has the shard.
+    /// Another process has locked the shard.
     #[error("`{}`: another `eyesim sweep` runs this shard", path.display())]
     Busy {
         /// The file.
         path: PathBuf,
     },
-    /// The file has rows that the suite does not give any more.
+    /// The file has rows of cases that the suite no longer has.
     #[error(
         "{}:{line}: the row of `{case}` is not of this suite as it is now, nor are {others} others: the suite, its files or its limits have \
          changed since. Give another folder, or remove the file to run all again",
@@ -92,11 +93,11 @@ pub enum SweepError {
         key: String,
         /// The case.
         case: String,
-        /// In what they differ.
+        /// The quantity in which they differ.
         what: &'static str,
-        /// The first result and its place.
+        /// The first result and its location.
         first: String,
-        /// The second result and its place.
+        /// The second result and its location.
         second: String,
     },
     /// A folder has no rows.
@@ -110,7 +111,7 @@ pub enum SweepError {
 /// The cases of a shard, by their indices, that have rows in its file, with their outcomes. A case that could not be run is not among them.
 ///
 /// # Errors
-/// [`SweepError::Foreign`] for rows with other keys than their cases have now.
+/// [`SweepError::Foreign`] for rows whose keys differ from the current keys of their cases.
 pub fn done(
     lines: &Lines,
     shard: Shard,

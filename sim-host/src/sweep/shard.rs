@@ -1,4 +1,4 @@
-//! Shards: parts of a sweep's cases that know nothing of each other.
+//! Shards: independent parts of a sweep's cases.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ impl Shard {
     /// Parses `I/N`.
     ///
     /// # Errors
-    /// The text is something else, or I is not from 1 to N.
+    /// The text has another form, or I is not from 1 to N.
     pub fn parse(text: &str) -> Result<Self, String> {
         let numbers = text.split_once('/').map(|(index, count)| (index.parse(), count.parse()));
         match numbers {

@@ -1,9 +1,9 @@
-//! Conversion of the page's actions into those of the simulation.
+//! Conversion of the page's actions into actions of the simulation.
 
 use sim_core::record::Action;
 use sim_view::protocol;
 
-/// Converts an action of the page's protocol into one of the simulation.
+/// Converts an action of the page's protocol into an action of the simulation.
 pub fn action_from_page(action: protocol::Action) -> Action {
     use protocol::Action as Page;
     match action {

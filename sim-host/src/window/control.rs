@@ -1,4 +1,4 @@
-//! Requests of the pages on their way to the thread that advances the run.
+//! Queue of the pages' requests to the thread that advances the run.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -8,7 +8,7 @@ use sim_core::record::Action;
 use sim_core::time::Time;
 use sim_view::window::PendingCommand;
 
-/// Hands the pages' requests to the thread that advances the run, which checks for them between two slots.
+/// Passes the pages' requests to the thread that advances the run, which checks for them between two slots.
 #[derive(Default)]
 pub struct Control {
     is_changed: AtomicBool,
@@ -21,17 +21,17 @@ pub struct Control {
 pub struct PendingRequests {
     /// The run pauses before the next slot.
     pub is_paused: bool,
-    /// The run advances to this time at once, also while paused.
+    /// The run advances to this time as fast as possible, even while paused.
     pub skip_to: Option<Time>,
     /// Number of slots to run while paused.
     pub steps: u32,
-    /// Simulated seconds for each second of real time; none for as fast as possible.
+    /// Simulated seconds per second of wall-clock time; none for as fast as possible.
     pub speed: Option<f64>,
     /// Interventions in order, each with the command of a page to be answered.
     pub actions: Vec<(Action, PendingCommand)>,
     /// An update of the pages is due.
     pub is_show_due: bool,
-    /// The run must end because another one begins.
+    /// The run must end because another run begins.
     pub is_ending: bool,
     /// The run is over or has not begun: interventions are refused.
     pub is_over: bool,

@@ -12,7 +12,7 @@ use sim_view::window::{PendingCommand, Window};
 use super::action::action_from_page;
 use super::control::Control;
 
-/// Time between two updates of the pages: 60 a second.
+/// Time between two updates of the pages: 60 per second.
 const TICK: Duration = Duration::from_micros(16_667);
 
 /// Time between two updates while no page is connected.
@@ -23,7 +23,7 @@ pub trait RunStarter: Send {
     /// Starts a run with this seed; answers `pending` once it is known if the run can start.
     fn restart(&mut self, seed: Seed, pending: PendingCommand);
 
-    /// Called often, at least every 200 ms.
+    /// Called periodically, at least every 200 ms.
     fn tick(&mut self);
 }
 
@@ -116,7 +116,7 @@ fn dispatch(pending: PendingCommand, control: &Control, starter: &mut impl RunSt
     }
 }
 
-/// Accepted speeds, in simulated seconds for each second of real time. At a lower speed nothing would seem to happen;
+/// Accepted speeds, in simulated seconds per second of wall-clock time. At a lower speed nothing would seem to happen;
 /// at a higher speed an idle run would reach the end of simulated time within days.
 pub const SPEEDS: RangeInclusive<f64> = 0.001..=10_000.0;
 

@@ -19,10 +19,10 @@ use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
 use sim_core::device::switch::SensorId;
 
-/// Least time between two pictures of one camera.
+/// Minimum time between two pictures of one camera.
 const CAMERA_PERIOD: Duration = Duration::from_millis(100);
 
-/// Makes details; remembers what pages have already received.
+/// Creates details, and remembers what pages have already received.
 #[derive(Default)]
 pub struct Details {
     /// Hash of the last picture of each robot's display.

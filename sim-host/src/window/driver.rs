@@ -16,19 +16,20 @@ use super::show::{Moment, Show};
 use crate::executive::dispatcher::Boundary;
 use crate::executive::scheduler::{Progress, Scheduler};
 
-/// Longest wait without a check for requests.
+/// Maximum wait without a check for requests.
 const MAX_WAIT: Duration = Duration::from_millis(20);
 
 /// Delay beyond which a run no longer catches up with its pace.
 const MAX_DELAY: Duration = Duration::from_millis(250);
 
-/// Least period over which the speed is measured.
+/// Minimum period over which the speed is measured.
 const RATE_PERIOD: Duration = Duration::from_millis(500);
 
-/// Interval at which a run at full speed checks for requests: short enough for users, long enough to cost nothing.
+/// Interval at which a run at full speed checks for requests: short enough for users, long enough that its cost is
+/// negligible.
 const CHECK_INTERVAL: Duration = Duration::from_millis(5);
 
-/// Least time between two updates of the pages at full speed: users cannot follow more.
+/// Minimum time between two updates of the pages at full speed: users cannot follow more updates.
 const PERIOD_AT_FULL_SPEED: Duration = Duration::from_millis(125);
 
 /// At full speed at most 1 / `INVERSE_SHARE_AT_FULL_SPEED` of the time goes into updates of the pages.
@@ -40,7 +41,7 @@ pub struct Driver {
     show: Arc<Mutex<Show>>,
     is_paused: bool,
     speed: Option<f64>,
-    /// Real and simulated time at which the current pace began.
+    /// Wall-clock and simulated time at which the current pace began.
     anchor: Option<(Instant, Time)>,
     /// Simulated time that the run has reached.
     now: Time,
@@ -52,7 +53,7 @@ pub struct Driver {
 }
 
 impl Driver {
-    /// Driver that takes requests from `control` and shows the run by `show`.
+    /// Creates a driver that takes requests from `control` and shows the run with `show`.
     pub fn new(control: Arc<Control>, show: Arc<Mutex<Show>>) -> Self {
         Self {
             control,
@@ -116,7 +117,8 @@ impl Driver {
         programs.peek().is_some() && programs.all(|id| run.robot(id).ending.is_some())
     }
 
-    /// Real time at which the slot at `next` is due, with `factor` simulated seconds for each second of real time.
+    /// Wall-clock time at which the slot at `next` is due, with `factor` simulated seconds per second of wall-clock
+    /// time.
     fn due(&mut self, next: Time, factor: f64) -> Instant {
         let (real, simulated) = *self.anchor.get_or_insert_with(|| (Instant::now(), self.now));
         let seconds = (next - simulated).seconds() / factor;
@@ -225,14 +227,14 @@ impl Driver {
     }
 }
 
-/// Requests taken over at one time.
+/// Requests taken in one step.
 struct TakenRequests {
     is_ending: bool,
     is_show_due: bool,
     actions: Vec<(Action, PendingCommand)>,
 }
 
-/// Measures simulated seconds for each second of real time.
+/// Measures simulated seconds per second of wall-clock time.
 #[derive(Default)]
 struct Rate {
     since: Option<(Instant, Time)>,

@@ -12,15 +12,15 @@ use crate::record::log::Printable;
 use crate::record::{RecordError, Sink};
 use sim_core::record::{Digest, Event, Kind, KindSet, Record, WORLD};
 
-/// Most events kept between two calls of [`Feed::take_events`]; further ones are only counted, so that a run at full speed is
-/// not slowed.
+/// Maximum number of events kept between two calls of [`Feed::take_events`]; further events are only counted, so that a
+/// run at full speed is not slowed.
 const MAX_EVENTS: usize = 200;
 
 /// Sink that collects events until they are [taken](Feed::take_events), and the latest readings.
 #[derive(Default)]
 pub struct Feed {
     events: Vec<protocol::Event>,
-    /// Number of events so far, including those left out.
+    /// Number of events so far, including the omitted ones.
     count: u32,
     readings: BTreeMap<RobotId, BTreeMap<String, Value>>,
 }
@@ -222,7 +222,7 @@ impl Fields<'_> {
     }
 }
 
-/// Description of an event in words.
+/// Description of an event.
 fn describe(kind: &str, fields: &Fields<'_>) -> String {
     let text = |name| fields.text(name);
     let number = |name| fields.number(name);
@@ -281,7 +281,7 @@ fn describe(kind: &str, fields: &Fields<'_>) -> String {
     }
 }
 
-/// Description of a user intervention in words.
+/// Description of a user intervention.
 fn intervention(action: &serde_json::Value) -> String {
     let fields = Fields(action);
     let number = |name| fields.number(name);
@@ -308,7 +308,7 @@ fn intervention(action: &serde_json::Value) -> String {
     }
 }
 
-/// Description of what a fault does in words.
+/// Description of the effect of a fault.
 fn fault(action: &serde_json::Value) -> String {
     let fields = Fields(action);
     let robot = fields.number("robot");

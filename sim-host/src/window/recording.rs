@@ -15,28 +15,29 @@ use super::planar;
 use crate::record::read::{Line, RecordedEvent, TraceError, TraceReader};
 use crate::robios::lcd::{self, Lcd};
 
-/// Greatest deviation of a track from the recorded positions, in metres.
+/// Maximum deviation of a track from the recorded positions, in metres.
 const TOLERANCE: f64 = 2e-3;
 
-/// Greatest deviation of a track from the recorded headings, in radians.
+/// Maximum deviation of a track from the recorded headings, in radians.
 const TOLERANCE_RAD: f64 = TAU / 360.0;
 
-/// Most events kept of one kind.
+/// Maximum number of events kept of one kind.
 const MAX_OF_KIND: u32 = 5_000;
 
-/// Initial least time between two contents of a display, in seconds; doubles when there are more than [`MAX_SHOWN`].
+/// Initial minimum time between two contents of a display, in seconds; it doubles when there are more than
+/// [`MAX_SHOWN`] contents.
 const DISPLAY_PERIOD: f64 = 0.1;
 
-/// Least time between two postures of a robot, in seconds, within rounding errors.
+/// Minimum time between two postures of a robot, in seconds, less a margin for rounding errors.
 const POSTURE_PERIOD: f64 = 0.02 - 1e-9;
 
-/// Most contents kept of a display.
+/// Maximum number of contents kept of a display.
 const MAX_SHOWN: usize = 4_000;
 
 /// Builds the recording of a run from its trace and its scene; `spec` gives the robots' starting poses, which traces lack.
 ///
 /// # Errors
-/// [`TraceError`] for an invalid line; a truncated trace is no error but a remark in the recording.
+/// [`TraceError`] for an invalid line; a truncated trace is not an error, but yields a remark in the recording.
 pub fn recording<R: BufRead>(
     mut trace: TraceReader<R>,
     mut scene: Scene,
@@ -97,7 +98,7 @@ struct RecordingBuilder {
     events: Vec<sim_view::protocol::Event>,
     /// Number of events of each kind.
     counts: BTreeMap<String, u32>,
-    /// Number of events for pages, including those left out.
+    /// Number of events for pages, including the omitted ones.
     count: u32,
     /// Number of the next robot that a user adds.
     next_robot: u32,
@@ -248,7 +249,7 @@ struct DisplayHistory {
     lines: Vec<String>,
     is_large: bool,
     shown: Vec<DisplayChange>,
-    /// Least time between two contents, in seconds.
+    /// Minimum time between two contents, in seconds.
     period: f64,
 }
 
@@ -311,10 +312,10 @@ impl DisplayHistory {
     }
 }
 
-/// Bound on the rows, more than any display has.
+/// Maximum number of rows, more than any display has.
 const MAX_ROWS: usize = 256;
 
-/// Collects the track of a body and drops redundant points. Keeps the range of slopes of those lines through the last
+/// Collects the track of a body and drops redundant points. Keeps the range of slopes of the lines through the last
 /// corner that pass all later points within the tolerance (swinging door, Bristol 1990).
 #[derive(Default)]
 struct TrackBuilder {

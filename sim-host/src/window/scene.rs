@@ -18,7 +18,7 @@ use super::surface::Surfaces;
 use crate::record::mcap::scene::point;
 use crate::robios::lcd;
 
-/// The parts of a run that do not change with every slot, from which its [`scene`](Self::scene) is made.
+/// The parts of a run that do not change with every slot; its [`scene`](Self::scene) is built from them.
 pub struct SceneInput<'a> {
     /// Number of the run since the window was opened, from 1.
     pub run: u32,
@@ -107,7 +107,7 @@ impl SceneInput<'_> {
         let terrain = self.spec.world.terrain.iter().filter_map(|terrain| terrain.mesh.as_ref()?.bounds());
         let terrain = terrain.flat_map(|(low, high)| [low.truncate(), high.truncate()]);
         let all = discs.chain(terrain).fold([low, high], |[low, high], point| [low.min(point), high.max(point)]);
-        // An empty scene still needs an area to look at.
+        // An empty scene still needs a visible area.
         if (all[1] - all[0]).min_element() > 0.0 { all } else { [all[0] - 1.0, all[1] + 1.0] }
     }
 }
@@ -124,7 +124,7 @@ fn part_links(robi: &RobiSpec) -> Vec<usize> {
     build::legs(robi).map_or_else(Vec::new, |legs| legs.part_links())
 }
 
-/// Place of a part; `links` has the links of the parts of each robot's legs.
+/// Placement of a part; `links` has the links of the parts of each robot's legs.
 fn place(part: &camera::Part, links: &BTreeMap<RobotId, Vec<usize>>) -> protocol::Place {
     match part.attachment {
         Attachment::Robot(RobotId(robot)) => protocol::Place::Robot { robot },
@@ -155,7 +155,7 @@ fn ground_of(ground: &camera::Ground, surfaces: &mut Surfaces) -> protocol::Grou
     protocol::Ground { colour: ground.colour, floor, spots: ground.spots.iter().map(spot).collect() }
 }
 
-/// Assumed height of a robot's body whose colliders give none, in metres.
+/// Assumed height of a robot's body if its colliders have none, in metres.
 const ROBOT_HEIGHT: f64 = 0.15;
 
 fn robot_of(robot: &RobotInput) -> protocol::Robot {

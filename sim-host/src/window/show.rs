@@ -22,7 +22,7 @@ use crate::executive::scheduler::RobotEnd;
 use crate::record::report::CheckReport;
 use crate::scenery::LazyScenery;
 
-/// Shows a run to its pages; remembers what they have already received.
+/// Shows a run to its pages, and remembers what they have already received.
 pub struct Show {
     window: Arc<Window>,
     run: u32,
@@ -83,13 +83,13 @@ pub struct Moment<'a> {
     pub run: &'a Run,
     /// Its world.
     pub world: &'a World,
-    /// Simulated time that the run has reached: the start of a slot, which is not before the world's slot.
+    /// Simulated time that the run has reached: the start of a slot, at or after the world's slot.
     pub now: Time,
     /// State of the run.
     pub state: RunState,
-    /// Requested speed: simulated seconds for each second of real time; none for as fast as possible.
+    /// Requested speed: simulated seconds per second of wall-clock time; none for as fast as possible.
     pub speed: Option<f64>,
-    /// Measured speed: simulated seconds for each second of real time.
+    /// Measured speed: simulated seconds per second of wall-clock time.
     pub rate: f64,
     /// Ends of its robots, once the run is over.
     pub ends: &'a [RobotEnd],
@@ -98,7 +98,7 @@ pub struct Moment<'a> {
 }
 
 impl Show {
-    /// Creates a show; pages have received nothing of it yet.
+    /// Creates a show of which pages have not received anything yet.
     pub fn new(parts: ShowParts) -> Self {
         let ShowParts { window, run, seed, slot, spec, scenery, feed, tally } = parts;
         let (bodies, body_poses, looks, details) = (None, BodyPoses::default(), Vec::new(), Details::default());
@@ -142,7 +142,7 @@ impl Show {
         if self.spec.checks.is_empty() {
             return Vec::new();
         }
-        // The caller looks at the world meanwhile.
+        // The caller reads the world meanwhile, so the lock is taken recursively.
         let environment = run.environment.read_recursive();
         let tally = self.tally.as_ref().map(|tally| tally.lock());
         let standings = check::standings(&self.spec.checks, environment.monitor(), tally.as_deref(), now);
@@ -162,7 +162,7 @@ impl Show {
         self.window.looks() != self.looks || self.bodies.is_none() && self.window.has_pages()
     }
 
-    /// Records the RoBIOS calls of those robots whose calls a page requests or a check counts, and of no others.
+    /// Records the RoBIOS calls of exactly the robots whose calls a page requests or a check counts.
     fn look(&mut self, run: &Run) {
         let looks = self.window.looks();
         if looks == self.looks {

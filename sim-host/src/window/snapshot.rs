@@ -14,7 +14,7 @@ use crate::robios::robot::{Ending, Robot};
 use sim_core::device::range::SensorView;
 use sim_core::device::switch::SensorId;
 
-/// Most beams of a snapshot; beams of the robots that pages look at come first.
+/// Maximum number of beams of a snapshot; beams of the robots that pages have selected come first.
 const MAX_BEAMS: usize = 600;
 
 /// States of the robots `ids`.
@@ -79,8 +79,8 @@ pub fn beams(run: &Run, world: &World, ids: impl Iterator<Item = RobotId>) -> Ve
     beams
 }
 
-/// Views of the robot's range sensors, then of its infrared sensors, without those that are switched off. Each has its
-/// index in the list of all of them, which is also its index in the robot's list of sensors.
+/// Views of the robot's range sensors, then of its infrared sensors, without sensors that are switched off. Each view
+/// has the index of its sensor in the robot's list of sensors.
 fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<(u32, SensorView)> {
     let simulation::Robot { devices, motion, .. } = &mut robot.state;
     let ranges = devices.ranges.views(&devices.servos, motion, world, at);

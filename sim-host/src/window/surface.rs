@@ -23,7 +23,7 @@ pub struct Surfaces {
     image_places: BTreeMap<*const Texture, u32>,
 }
 
-/// Least opacity of a visible material, as for the simulated cameras.
+/// Minimum opacity of a visible material, as for the simulated cameras.
 const LEAST_OPACITY: f32 = 0.5;
 
 impl Surfaces {

@@ -46,7 +46,7 @@ impl Quota {
         Self { folder, most, checked: Mutex::new(Instant::now()) }
     }
 
-    /// Returns true if a check is due: the last one was at least [`INTERVAL`] ago.
+    /// Returns true if a check is due: the last one was at least `INTERVAL` ago.
     pub fn is_due(&self) -> bool {
         let mut checked = self.checked.lock();
         let is_due = checked.elapsed() >= INTERVAL;

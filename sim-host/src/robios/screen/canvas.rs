@@ -36,7 +36,7 @@ pub enum Ink {
     Invert,
 }
 
-/// A rectangle of pixels. Drawing functions return the number of pixels that have changed.
+/// A rectangle of pixels. Drawing functions return the number of changed pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Canvas {
     width: usize,
@@ -70,7 +70,7 @@ impl Canvas {
         self.draw(x.into(), y.into(), ink)
     }
 
-    /// Draws a line including both ends, each pixel once; both directions give the same pixels.
+    /// Draws a line including both ends, each pixel once; both directions draw the same pixels.
     pub fn draw_line(&mut self, from: [i32; 2], to: [i32; 2], ink: Ink) -> u32 {
         line(from, to, [self.width, self.height]).map(|[x, y]| self.draw(x, y, ink)).sum()
     }
@@ -128,7 +128,7 @@ impl Canvas {
         changed
     }
 
-    /// Shows an image of `width` pixels a row, its upper left corner at (x, y). The last row may be incomplete.
+    /// Shows an image of `width` pixels per row, its upper left corner at (x, y). The last row may be incomplete.
     pub fn show(&mut self, [x, y]: [i32; 2], width: usize, image: impl Iterator<Item = Rgb>) -> u32 {
         let rows = self.height as i64 - i64::from(y);
         // Rows below the canvas are not read.

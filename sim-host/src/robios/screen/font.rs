@@ -157,5 +157,5 @@ static FACES: LazyLock<Faces> = LazyLock::new(|| {
     .collect()
 });
 
-/// Cache of the glyphs drawn for any robot: a font has some thousands at most.
+/// Cache of the glyphs drawn for any robot; a font has at most some thousands.
 static GLYPHS: LazyLock<Mutex<Glyphs>> = LazyLock::new(Mutex::default);

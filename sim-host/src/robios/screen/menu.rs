@@ -21,7 +21,7 @@ pub struct Entry {
     pub paper: Rgb,
 }
 
-/// Default colours of the keys from left to right: those of the buttons of the remote control.
+/// Default colours of the keys from left to right: the colours of the remote control's buttons.
 const PAPERS: [Rgb; KEYS] = [[0xff, 0, 0], [0, 0xff, 0], [0xff, 0xff, 0], [0x40, 0x80, 0xff]];
 
 /// Entries of a menu without texts.
@@ -29,7 +29,7 @@ pub fn entries() -> [Entry; KEYS] {
     PAPERS.map(|paper| Entry { text: String::new(), ink: BLACK, paper })
 }
 
-/// Columns of key `index` on a display of `width` pixels: its first column and that of the next key.
+/// Columns of key `index` on a display of `width` pixels: its first column and the next key's first column.
 pub fn columns(index: usize, width: usize) -> [usize; 2] {
     [index * width / KEYS, (index + 1) * width / KEYS]
 }

@@ -1,7 +1,7 @@
 //! The colour display of RoBIOS-7: pixels, text in cells of a font, four keys at the lower edge, touches.
 //!
-//! A pure model, independent of calls and robots. Source: RoBIOS-7 library, LCD output; our choices where it leaves
-//! something open are in `docs/robios7.md`.
+//! A pure model, independent of calls and robots. Source: RoBIOS-7 library, LCD output; our choices where the source is
+//! silent are in `docs/robios7.md`.
 
 pub mod canvas;
 pub mod font;
@@ -139,7 +139,7 @@ impl Screen {
         lines
     }
 
-    /// Switches automatic refresh: drawing becomes visible at once, or at the next [`refresh`](Self::refresh).
+    /// Switches automatic refresh: drawing becomes visible immediately, or at the next [`refresh`](Self::refresh).
     pub fn set_auto_refresh(&mut self, is_automatic: bool) {
         self.visible =
             if is_automatic { None } else { self.visible.take().or_else(|| Some(Box::new(self.content.clone()))) };
@@ -195,26 +195,26 @@ impl Screen {
         self.font.size = size;
     }
 
-    /// Row and column of the next character, in cells of the present size.
+    /// Row and column of the next character, in cells of the current size.
     pub fn position(&self) -> [i32; 2] {
         let [x, y] = self.cursor;
         let [column, row] = self.font.size.cell().map(i32::from);
         [y.div_euclid(row), x.div_euclid(column)]
     }
 
-    /// Number of rows and columns of the whole display, in cells of the present size.
+    /// Number of rows and columns of the whole display, in cells of the current size.
     pub fn rows_and_columns(&self) -> [i32; 2] {
         let [column, row] = self.font.size.cell().map(u16::from);
         [(self.size[1] / row).into(), (self.size[0] / column).into()]
     }
 
-    /// Sets the position of the next character, in cells of the present size.
+    /// Sets the position of the next character, in cells of the current size.
     pub fn set_position(&mut self, row: i32, column: i32) {
         let [width, height] = self.font.size.cell().map(i32::from);
         self.cursor = [column.saturating_mul(width), row.saturating_mul(height)];
     }
 
-    /// Writes text at the present position.
+    /// Writes text at the current position.
     ///
     /// `\n` begins a new row, `\r` goes back to the row's beginning, `\t` to the next multiple of 4 columns, `\b` one
     /// column back; other control characters are ignored, and so are characters that are not entirely on the display.
@@ -271,7 +271,7 @@ impl Screen {
     }
 }
 
-/// Graphics. Drawing functions return the number of pixels that have changed; the menu lies above all drawing.
+/// Graphics. Drawing functions return the number of changed pixels; the menu lies above all drawing.
 impl Screen {
     /// Draws on the pixels; text under the drawing stays part of [`lines`](Self::lines).
     pub fn draw(&mut self, shape: impl FnOnce(&mut Canvas) -> u32) -> u32 {
@@ -335,7 +335,7 @@ impl Screen {
     }
 
     /// Sets line `index` of the list and shows the list; `None` truncates the list before that line. Returns false if
-    /// there is no line above it or no room.
+    /// the line above it is missing, or the list is full.
     pub fn set_list_line(&mut self, index: usize, line: Option<Line>) -> bool {
         let is_place = index <= self.content.list.len() && index < self.list_room();
         match line {
@@ -349,7 +349,7 @@ impl Screen {
         true
     }
 
-    /// Greatest number of lines in the list.
+    /// Maximum number of lines in the list.
     pub fn list_room(&self) -> usize {
         list::room(self.size[1])
     }

@@ -1,7 +1,7 @@
-//! Text and pixels of a display, where the pixels are allocated lazily.
+//! Text and pixels of a display; the pixels are allocated lazily.
 //!
 //! Most programs only print: their page is a list of characters on black. The first drawing turns it into pixels, and
-//! text is written to both from then on; [`Page::clear`] drops the pixels again. Both forms show the same.
+//! text is written to both from then on; [`Page::clear`] drops the pixels again. Both forms show the same content.
 
 use std::collections::BTreeMap;
 
@@ -77,12 +77,12 @@ impl Page {
         canvas.get_or_insert_with(|| painted(*width, *height, cells))
     }
 
-    /// A copy of the present pixels.
+    /// A copy of the current pixels.
     pub fn picture(&self) -> Canvas {
         self.canvas.clone().unwrap_or_else(|| painted(self.width, self.height, &self.cells))
     }
 
-    /// Writes a character; ignores one that is not entirely on the page.
+    /// Writes a character; a character that is not entirely on the page is ignored.
     pub fn put(&mut self, x: i32, y: i32, mut cell: Cell) {
         let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y)) else { return };
         let place = (y, x);
@@ -116,7 +116,7 @@ impl Page {
         self.cells.insert(place, *cell);
     }
 
-    /// Places of the characters that share a pixel with `area`.
+    /// Positions of the characters that share a pixel with `area`.
     fn overlapping(&self, area: Area) -> Vec<Place> {
         let [left, top, right, bottom] = area;
         let highest = top - i64::from(super::font::Size::Huge.cell()[1]);

@@ -26,18 +26,18 @@ use super::robot::{Robot, Wait, WaitReason};
 /// Number of the task that runs `main`.
 pub const MAIN: u32 = 1;
 
-/// Greatest number of tasks that a robot has at a time; our choice.
+/// Maximum number of tasks that a robot has at a time; our choice.
 pub const MAX_TASKS: usize = 256;
 
 /// Tasks of one robot.
 pub struct Tasks {
-    /// Tasks that have not ended, in order of their numbers; that of `main` is the first and stays to the end.
+    /// Tasks that have not ended, in order of their numbers; the task of `main` is the first and stays to the end.
     list: Vec<Task>,
     /// Index of the running task.
     current: usize,
     /// Number that was assigned last.
     last_number: u32,
-    /// Tick from which on the other threads get their turn.
+    /// Tick at which the time slice ends and other threads get their turn.
     slice_end: Time,
     /// Number of waits in queues that have begun.
     queued: u64,
@@ -80,7 +80,7 @@ pub struct Origin {
     pub name: String,
     /// Number that the program gave the task.
     pub uid: i32,
-    /// Place in the program of the call that spawned the task.
+    /// Location in the program of the call that spawned the task.
     pub site: Site,
 }
 
@@ -106,7 +106,7 @@ struct Queue {
 /// A wait for other tasks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TaskWait {
-    /// Kind of the wait, of [`robios_sys::support::wait`].
+    /// Kind of the wait, one of [`robios_sys::support::wait`].
     pub kind: i32,
     /// Task that holds the awaited resource, or whose end is awaited; 0 if there is none.
     pub holder: u32,
@@ -174,7 +174,7 @@ impl Tasks {
         self.list.len() == 1 && self.scheduler.is_none()
     }
 
-    /// Returns true if there are tasks besides the running one.
+    /// Returns true if there are tasks other than the running one.
     pub fn has_others(&self) -> bool {
         self.list.len() > 1
     }
@@ -319,7 +319,7 @@ impl Tasks {
         Some(number)
     }
 
-    /// Interrupts the wait of task `number`; returns false if it is in no interruptible wait.
+    /// Interrupts the wait of task `number`; returns false if it is not in an interruptible wait.
     pub fn interrupt(&mut self, number: u32) -> bool {
         let Ok(index) = self.list.binary_search_by_key(&number, |task| task.number) else { return false };
         let task = &mut self.list[index];
@@ -384,7 +384,8 @@ impl Tasks {
         is_waiting && self.list.iter().any(is_meant)
     }
 
-    /// Earliest time at which a wait may be over, given the end of the drive. `None` unless the scheduler step can bring it.
+    /// Earliest time at which a wait may be over, given the end of the drive. `None` unless the scheduler step can end
+    /// it.
     pub fn earliest_wake(&mut self, drive_end: Time) -> Option<Time> {
         if !self.awaits_step() {
             return None;
@@ -516,7 +517,7 @@ impl Tasks {
         }
     }
 
-    /// Task with this number, 0 being the running one; `None` if it has ended or never existed.
+    /// Task with this number, 0 for the running one; `None` if it has ended or never existed.
     pub fn find(&self, number: i32) -> Option<&Task> {
         match u32::try_from(number) {
             Ok(0) => Some(self.current()),
@@ -529,7 +530,7 @@ impl Tasks {
         self.list.binary_search_by_key(&number, |task| task.number).ok()
     }
 
-    /// Names of the tasks besides `main` that have not ended, as shown to the user.
+    /// Names of the tasks other than `main` that have not ended, as shown to the user.
     pub fn others_in_words(&self) -> String {
         let others = self.list.iter().filter(|task| task.number != MAIN).map(|task| self.name(task.number));
         others.collect::<Vec<_>>().join(", ")
@@ -581,7 +582,7 @@ impl Tasks {
         true
     }
 
-    /// Returns true once the running task must end while the others continue.
+    /// Returns true once the running task must end while the other tasks continue.
     pub fn is_killed(&self) -> bool {
         self.current().kill_state != KillState::None
     }
@@ -616,7 +617,7 @@ impl Tasks {
         passing
     }
 
-    /// Number of a task besides `main` that has yet to leave.
+    /// Number of a task other than `main` that has yet to leave.
     pub fn next_to_exit(&self) -> Option<u32> {
         self.list.iter().skip(1).find(|task| !task.has_exited).map(|task| task.number)
     }
@@ -655,7 +656,7 @@ impl TaskWait {
 }
 
 impl TaskWait {
-    /// Describes the wait in words; `name_of` names the holder.
+    /// Describes the wait; `name_of` names the holder.
     pub fn describe(self, name_of: impl Fn(u32) -> String) -> String {
         let what = match self.kind {
             wait::MUTEX => "a mutex",

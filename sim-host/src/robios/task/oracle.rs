@@ -1,5 +1,5 @@
-//! Reference model of the scheduler in steps of one millisecond, and a test that both name the same tasks at the same
-//! times.
+//! Reference model of the scheduler in steps of one millisecond, and a test that model and scheduler name the same
+//! tasks at the same times.
 
 use proptest::prelude::*;
 use sim_core::time::Time;
@@ -8,7 +8,7 @@ use super::scheduler::{LEVELS, NextTask, Policy, Scheduler};
 
 const TICK_MS: i64 = 10;
 
-/// Longest time in which the model looks for a task that continues.
+/// Maximum time for which the model searches for a task that continues.
 const HORIZON_MS: i64 = 2_000;
 
 /// The processor of one robot; every ready task has a ticket, and the lowest ticket among equal priorities is next.

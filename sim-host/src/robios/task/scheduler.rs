@@ -1,5 +1,5 @@
-//! Scheduler of RoBIOS 6: which of a robot's tasks has the processor, and from when on; a state machine over virtual
-//! time alone.
+//! Scheduler of RoBIOS 6: which of a robot's tasks has the processor, and from when on; a state machine driven only by
+//! virtual time.
 //!
 //! Strict priorities; round robin among equals, in order of readiness. A task that waits for the world (a busy wait)
 //! keeps its share of the processor; a task that sleeps, waits for another task or is suspended has none. Time slices
@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 use sim_core::time::{TICK, Time};
 
-/// Number of priorities, from `IDLE_PRI`, that of `main`, to `MAX_PRI`.
+/// Number of priorities, from `IDLE_PRI`, the priority of `main`, to `MAX_PRI`.
 pub const LEVELS: usize = 9;
 
 /// Rule for task switches.
@@ -63,7 +63,7 @@ enum Activity {
     Run,
     /// Waits for the world, until this time.
     Busy(Time),
-    /// Leaves the processor to the others until this time, or until it is woken.
+    /// Leaves the processor to the other tasks until this time, or until it is woken.
     Block(Time),
 }
 
@@ -93,7 +93,7 @@ impl Scheduler {
         }
     }
 
-    /// Adds a suspended task; its number must be higher than all before.
+    /// Adds a suspended task; its number must be higher than all previous ones.
     pub fn add(&mut self, number: u32, priority: usize) {
         self.entries.push(Entry {
             number,
@@ -103,7 +103,7 @@ impl Scheduler {
         });
     }
 
-    /// Priority of a task; that of `main` if there is no such task.
+    /// Priority of a task; the priority of `main` if there is no such task.
     pub fn priority(&self, number: u32) -> usize {
         self.index(number).map_or(0, |index| self.entries[index].priority)
     }
@@ -196,7 +196,7 @@ impl Scheduler {
 
     /// Advances to virtual time `to` while no call is in progress.
     pub fn advance(&mut self, to: Time) {
-        // A call has used up the slice: others get their turn only now, at its end.
+        // A call has used up the slice: other tasks get their turn only now, at the call's end.
         if self.now >= self.slice_end {
             self.end_slice();
         }
@@ -210,7 +210,7 @@ impl Scheduler {
         }
     }
 
-    /// Next task to continue in the present state.
+    /// Next task to continue in the current state.
     pub fn next(&self) -> NextTask {
         let Some(owner) = self.owner.and_then(|number| self.index(number)).map(|index| &self.entries[index]) else {
             return NextTask::NotBefore(self.earliest_ready(0));
@@ -252,7 +252,7 @@ impl Scheduler {
         wakes.min().unwrap_or(Time::NEVER)
     }
 
-    /// Lets time pass until `to` while no task has anything to do: those in a busy wait take turns.
+    /// Lets time pass until `to` while no task has anything to do: the tasks in a busy wait take turns.
     fn pass(&mut self, to: Time) {
         let before = Time(to.0 - 1).max(self.now);
         if before >= self.slice_end {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use crate::program::site::Site;
 
-/// Greatest number of semaphores that a robot may make; our choice.
+/// Maximum number of semaphores that a robot may create; our choice.
 pub const MAX_SEMAPHORES: usize = 1 << 20;
 
 /// Semaphores of one robot, numbered from 1.
@@ -17,9 +17,9 @@ pub struct Semaphores {
 pub struct Semaphore {
     count: i32,
     waiting: VecDeque<u32>,
-    /// Place in the program of the call that made it.
+    /// Location in the program of the call that created it.
     pub made_at: Site,
-    /// Task that passed last, as named to the user, and the place of its call.
+    /// Task that passed last, as named to the user, and the location of its call.
     pub last: Option<(String, Site)>,
 }
 
@@ -35,7 +35,7 @@ pub enum PassOutcome {
 }
 
 impl Semaphores {
-    /// Makes a semaphore with this initial count and returns its number; `None` if there are too many.
+    /// Creates a semaphore with this initial count and returns its number; `None` if there are too many.
     pub fn make(&mut self, count: i32, made_at: Site) -> Option<u32> {
         if self.list.len() >= MAX_SEMAPHORES {
             return None;
