@@ -38,14 +38,14 @@
 #define CAM_FLOOR              1 /* CAMGetLabels: the floor, with what is painted on it, or a terrain. */
 #define CAM_WALL               2 /* CAMGetLabels: a wall. */
 #define CAM_BODY              10 /* CAMGetLabels: robot or object n is this + n. */
-#define FPS60                  0 /* CAMSet: 60 frames a second. */
-#define FPS30                  1 /* CAMSet: 30 frames a second. */
-#define FPS15                  2 /* CAMSet: 15 frames a second. */
-#define FPS7_5                 3 /* CAMSet: 7.5 frames a second. */
-#define FPS3_75                4 /* CAMSet: 3.75 frames a second. */
-#define FPS1_875               5 /* CAMSet: 1.875 frames a second. */
-#define FPS0_9375              6 /* CAMSet: 0.9375 frames a second. */
-#define FPS0_46875             7 /* CAMSet: 0.46875 frames a second. */
+#define FPS60                  0 /* CAMSet: 60 frames per second. */
+#define FPS30                  1 /* CAMSet: 30 frames per second. */
+#define FPS15                  2 /* CAMSet: 15 frames per second. */
+#define FPS7_5                 3 /* CAMSet: 7.5 frames per second. */
+#define FPS3_75                4 /* CAMSet: 3.75 frames per second. */
+#define FPS1_875               5 /* CAMSet: 1.875 frames per second. */
+#define FPS0_9375              6 /* CAMSet: 0.9375 frames per second. */
+#define FPS0_46875             7 /* CAMSet: 0.46875 frames per second. */
 #define VEHICLE                1 /* OSMachineType: a vehicle. */
 #define PLATFORM               2 /* OSMachineType: a platform. */
 #define WALKER                 3 /* OSMachineType: a walking machine. */
@@ -98,7 +98,7 @@ extern "C" {
 char *OSVersion(void);
 
 /* Shows an error, text and number, on the LCD and in the record of the run. message: the text. number: the number
- * shown behind it. dead: if not 0, the robot stops here for ever; else the program waits for a key and goes on.
+ * shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
  * Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, system functions. */
@@ -176,14 +176,14 @@ int HDT_TypeCount(TypeID type_id);
 
 /* ---- LCD: the display: 128 x 64 pixels, 7 lines of 16 characters, the last one for the menu ---- */
 
-/* Prints formatted text at the cursor, as printf does; \n starts a new line. format: as of printf, with the values
- * behind it. Returns 0, or -1 if format is 0.
+/* Prints formatted text at the cursor, as printf does; \n starts a new line. format: as of printf, with the
+ * values after it. Returns 0, or -1 if format is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, LCD output. */
 int LCDPrintf(const char *format, ...) EYESIM_PRINTF(1, 2);
 
-/* Prints formatted text at a place, as printf does; the cursor stays behind it. row: 0 (top) to 6. column: 0 (left) to
- * 15. format: as of printf, with the values behind it. Returns 0, or -1 if format is 0 or the place is not on the LCD.
+/* Prints formatted text at a position, as printf does; the cursor stays after it. row: 0 (top) to 6. column: 0 (left) to
+ * 15. format: as of printf, with the values after it. Returns 0, or -1 if format is 0 or the position is not on the LCD.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, LCD output. */
 int LCDSetPrintf(int row, int column, const char *format, ...) EYESIM_PRINTF(3, 4);
@@ -198,8 +198,8 @@ int LCDClear(void);
  * Source: RoBIOS 6 library, LCD output. */
 int LCDPutChar(char c);
 
-/* Writes a character at a place; the cursor stays behind it. row: 0 (top) to 6. column: 0 (left) to 15. c: the
- * character. Returns 0, or -1 if the place is not on the LCD.
+/* Writes a character at a position; the cursor stays after it. row: 0 (top) to 6. column: 0 (left) to 15. c: the
+ * character. Returns 0, or -1 if the position is not on the LCD.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, LCD output. */
 int LCDSetChar(int row, int column, char c);
@@ -209,8 +209,8 @@ int LCDSetChar(int row, int column, char c);
  * Source: RoBIOS 6 library, LCD output. */
 int LCDPutString(const char *s);
 
-/* Writes text at a place; the cursor stays behind it. row: 0 (top) to 6. column: 0 (left) to 15. s: the text. Returns
- * 0, or -1 if s is 0 or the place is not on the LCD.
+/* Writes text at a position; the cursor stays after it. row: 0 (top) to 6. column: 0 (left) to 15. s: the text. Returns
+ * 0, or -1 if s is 0 or the position is not on the LCD.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, LCD output. */
 int LCDSetString(int row, int column, const char *s);
@@ -230,7 +230,7 @@ int LCDPutHex1(int v);
  * Source: RoBIOS 6 library, LCD output. */
 int LCDPutInt(int v);
 
-/* Writes a number in decimal, right-aligned. v: the number. spaces: least number of characters. Returns 0.
+/* Writes a number in decimal, right-aligned. v: the number. spaces: minimum number of characters. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, LCD output. */
 int LCDPutIntS(int v, int spaces);
@@ -240,7 +240,7 @@ int LCDPutIntS(int v, int spaces);
  * Source: RoBIOS 6 library, LCD output. */
 int LCDPutFloat(float v);
 
-/* Writes a number with its decimals, right-aligned. v: the number. spaces: least number of characters. decimals:
+/* Writes a number with its decimals, right-aligned. v: the number. spaces: minimum number of characters. decimals:
  * digits after the point. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, LCD output. */
@@ -253,7 +253,7 @@ int LCDPutFloatS(float v, int spaces, int decimals);
 int LCDMode(int mode);
 
 /* Moves the cursor.
- * row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if the place is not on the LCD.
+ * row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if the position is not on the LCD.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, LCD output. */
 int LCDSetPos(int row, int column);
@@ -270,7 +270,7 @@ int LCDGetPos(int *row, int *column);
  * Source: RoBIOS 6 library, LCD output. */
 int LCDPutGraphic(image *buf);
 
-/* Shows the upper 54 rows of a colour image in black and white, as LCDPutGraphic does. buf: colour image of 82 x 62 x
+/* Shows the upper 54 rows of a colour image in black and white, like LCDPutGraphic. buf: colour image of 82 x 62 x
  * 3 bytes; overwritten with the black and white image. Returns 0, or -1 if buf is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, LCD output. */
@@ -390,7 +390,7 @@ int CAMGetFrameColor(BYTE *buf);
  * Source: RoBIOS 6 library, camera. */
 int CAMGetFrameRGB(BYTE *buf);
 
-/* Takes the camera's raw values: 120 rows of 160 bytes behind its colour filter.
+/* Takes the camera's raw values: 120 rows of 160 bytes, through its colour filter.
  * Returns 0, or -1 if there is no camera or buf is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, camera. */
@@ -498,8 +498,8 @@ int OSRun(struct tcb *thread);
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSGetUID(struct tcb *thread);
 
-/* Ends a task at once; its destructors run. Ending the first task ends the program.
- * thread: 0 is the current one. Returns 0, or -1 without multi-tasking or if the task has ended.
+/* Ends a task immediately; its destructors run. Ending the first task ends the program. thread: 0 is the
+ * current one. Returns 0, or -1 without multi-tasking or if the task has ended.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSKill(struct tcb *thread);
@@ -510,7 +510,7 @@ int OSKill(struct tcb *thread);
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSExit(int code);
 
-/* Shows a text and stops the robot for ever. message: the text. Returns nothing: the call does not come back.
+/* Shows a text and stops the robot forever. message: the text. Returns nothing: the call does not come back.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSPanic(const char *message);
@@ -656,12 +656,12 @@ int USRResident(const char *name, BOOL mode);
 /* ---- AU: sound ---- */
 
 /* Plays a sample; does not wait.
- * sample: a WAV file in memory, or the name of one. Returns its rate in Hz, or 0 if it is none.
+ * sample: a WAV file in memory, or the name of one. Returns its rate in Hz, or 0 if it is not one.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, audio. */
 int AUPlaySample(char *sample);
 
-/* Tells if the sample is over. Returns FALSE while a sample is being played, else TRUE.
+/* Checks whether the sample is over. Returns FALSE while a sample is being played, otherwise TRUE.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, audio. */
 int AUCheckSample(void);
@@ -672,7 +672,7 @@ int AUCheckSample(void);
  * Source: RoBIOS 6 library, audio. */
 int AUTone(int freq_hz, int span_ms);
 
-/* Tells if the tone is over. Returns FALSE while a tone is being played, else TRUE.
+/* Checks whether the tone is over. Returns FALSE while a tone is being played, otherwise TRUE.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, audio. */
 int AUCheckTone(void);
@@ -689,7 +689,7 @@ int AUBeep(void);
  * Source: RoBIOS 6 library, audio. */
 int AURecordSample(BYTE *buf, long len, long freq);
 
-/* Tells if the recording is over. Returns FALSE while a recording is in progress, else TRUE.
+/* Checks whether the recording is over. Returns FALSE while a recording is in progress, otherwise TRUE.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, audio. */
 int AUCheckRecord(void);
@@ -714,7 +714,7 @@ int PSDRelease(void);
 
 /* Starts measuring.
  * bitmask: handles, OR-ed. cycle: TRUE measures continuously, FALSE once.
- * Returns 0, 1 if another measurement is still running, or -1 if bitmask has a bit that is no handle.
+ * Returns 0, 1 if another measurement is still running, or -1 if bitmask has a bit that is not a handle.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, position sensing devices. */
 int PSDStart(PSDHandle bitmask, BOOL cycle);
@@ -724,7 +724,7 @@ int PSDStart(PSDHandle bitmask, BOOL cycle);
  * Source: RoBIOS 6 library, position sensing devices. */
 int PSDStop(void);
 
-/* Tells if there is a valid result, that is after the first complete cycle. Returns TRUE or FALSE.
+/* Checks whether there is a valid result, that is after the first complete cycle. Returns TRUE or FALSE.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, position sensing devices. */
 BOOL PSDCheck(void);
@@ -751,7 +751,7 @@ int PSDGetRaw(PSDHandle handle);
 ServoHandle SERVOInit(DeviceSemantics semantics);
 
 /* Releases servos.
- * handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
+ * handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; otherwise the handles not released.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, servos and motors. */
 int SERVORelease(ServoHandle handle);
@@ -772,7 +772,7 @@ int SERVOSet(ServoHandle handle, int angle);
 MotorHandle MOTORInit(DeviceSemantics semantics);
 
 /* Stops and releases motors.
- * handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
+ * handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; otherwise the handles not released.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, servos and motors. */
 int MOTORRelease(MotorHandle handle);
@@ -900,7 +900,7 @@ int VWDriveCurve(VWHandle handle, meter delta_l_m, radians delta_phi_rad, meterP
  * Source: RoBIOS 6 library, VW interface. */
 float VWDriveRemain(VWHandle handle);
 
-/* Tells if the drive has ended. Returns 1 if it has ended, 0 if it is in progress, -1 if handle is invalid.
+/* Checks whether the drive has ended. Returns 1 if it has ended, 0 if it is in progress, -1 if handle is invalid.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, VW interface. */
 int VWDriveDone(VWHandle handle);
@@ -910,7 +910,7 @@ int VWDriveDone(VWHandle handle);
  * Source: RoBIOS 6 library, VW interface. */
 int VWDriveWait(VWHandle handle);
 
-/* Tells if a motor is stalled. Returns 1 if one is, 0 if none is or there is no command, -1 if handle is invalid.
+/* Checks whether a motor is stalled. Returns 1 if one is, 0 if none is or there is no command, -1 if handle is invalid.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, VW interface. */
 int VWStalled(VWHandle handle);
@@ -924,7 +924,7 @@ int VWStalled(VWHandle handle);
 BumpHandle BUMPInit(DeviceSemantics semantics);
 
 /* Releases bumpers.
- * handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
+ * handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; otherwise the handles not released.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, bumper and infrared sensors. */
 int BUMPRelease(BumpHandle handle);
@@ -945,7 +945,7 @@ int BUMPCheck(BumpHandle handle, int *timestamp);
 IRHandle IRInit(DeviceSemantics semantics);
 
 /* Releases infrared sensors.
- * handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
+ * handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; otherwise the handles not released.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, bumper and infrared sensors. */
 int IRRelease(IRHandle handle);
@@ -1020,7 +1020,7 @@ int COMPASSInit(DeviceSemantics semantics);
  * Source: RoBIOS 6 library, compass. */
 int COMPASSStart(BOOL cycle);
 
-/* Tells if a result is available. Returns 1 if it is, else 0.
+/* Checks whether a result is available. Returns 1 if it is, otherwise 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, compass. */
 int COMPASSCheck(void);
@@ -1079,7 +1079,7 @@ int IRTVPressed(void);
  * Source: RoBIOS 6 library, infrared remote control. */
 int IRTVRead(void);
 
-/* Waits for the next code. Returns the code; 0 at once if nothing is being received.
+/* Waits for the next code. Returns the code; 0 immediately if nothing is being received.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, infrared remote control. */
 int IRTVGet(void);
@@ -1220,7 +1220,7 @@ int LEGGetLink(int leg, int link, float pose[6]);
  * Source: our choice: RoBIOS has none. */
 int LEGGetHeight(float *mm);
 
-/* Tells if a foot is on the ground. leg: from 1. Returns 1 if it is, 0 if it is in the air, -1 if there is no such
+/* Checks whether a foot is on the ground. leg: from 1. Returns 1 if it is, 0 if it is in the air, -1 if there is no such
  * leg.
  * [any task of the robot]  No pointers.
  * Source: our choice: RoBIOS has none. */

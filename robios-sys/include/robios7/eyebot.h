@@ -75,11 +75,11 @@
 #define LCD_BGCOL_NOINVERSE   8192 /* LCDSetMode: the background colour is as set. */
 #define LCD_FGCOL_INVERSE      4 /* LCDSetMode: the text's colour is inverted. */
 #define LCD_FGCOL_NOINVERSE  16384 /* LCDSetMode: the text's colour is as set. */
-#define LCD_AUTOREFRESH        8 /* LCDSetMode: each call is shown at once. */
-#define LCD_NOAUTOREFRESH  32768 /* LCDSetMode: what was drawn is shown by LCDRefresh. */
+#define LCD_AUTOREFRESH        8 /* LCDSetMode: each call is shown immediately. */
+#define LCD_NOAUTOREFRESH  32768 /* LCDSetMode: drawings are shown by LCDRefresh. */
 #define LCD_SCROLLING         16 /* LCDSetMode: text that leaves the last line moves all lines up. */
 #define LCD_NOSCROLLING   0x010000 /* LCDSetMode: text that leaves the last line starts again in the first. */
-#define LCD_LINEFEED          32 /* LCDSetMode: the end of a line goes on in the next. */
+#define LCD_LINEFEED          32 /* LCDSetMode: the end of a line continues in the next. */
 #define LCD_NOLINEFEED    0x020000 /* LCDSetMode: the end of a line stays in it. */
 #define LCD_SHOWMENU          64 /* LCDSetMode: the menu is shown. */
 #define LCD_HIDEMENU      0x040000 /* LCDSetMode: the menu is not shown. */
@@ -121,14 +121,14 @@ extern "C" {
 
 /* ---- LCD: the colour display ---- */
 
-/* Prints as printf does, at the cursor. format: as of printf, with the values behind it. Returns 0, 1 if format is
+/* Prints as printf does, at the cursor. format: as of printf, with the values after it. Returns 0, 1 if format is
  * NULL.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDPrintf(const char *format, ...) EYESIM_PRINTF(1, 2);
 
-/* Prints as printf does, at a place; the cursor stays behind it. row, column: cells of a character of the present
- * size, from 0. format: as of printf, with the values behind it. Returns 0, 1 if format is NULL.
+/* Prints as printf does, at a position; the cursor stays after it. row, column: cells of a character of the
+ * current size, from 0. format: as of printf, with the values after it. Returns 0, 1 if format is NULL.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDSetPrintf(int row, int column, const char *format, ...) EYESIM_PRINTF(3, 4);
@@ -138,33 +138,34 @@ int LCDSetPrintf(int row, int column, const char *format, ...) EYESIM_PRINTF(3, 
  * Source: RoBIOS-7 library, LCD output. */
 int LCDClear(void);
 
-/* Moves the cursor. row, column: in characters of the present size, from 0. Returns 0.
+/* Moves the cursor. row, column: in characters of the current size, from 0. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDSetPos(int row, int column);
 
-/* Reads the position of the cursor. row, column: set to its place in characters of the present size, from 0. Returns 0.
+/* Reads the position of the cursor. row, column: set to its position in characters of the current size, from
+ * 0. Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDGetPos(int *row, int *column);
 
-/* Sets the colours of text from now on. fg: of the characters. bg: behind them. Returns 0.
+/* Sets the colours of text from now on. fg: of the characters. bg: of the background. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDSetColor(COLOR fg, COLOR bg);
 
-/* Sets the font of text from now on. font: HELVETICA, TIMES or COURIER. variation: NORMAL, BOLD or ITALICS. Returns 0,
- * 1 for others.
+/* Sets the font of text from now on. font: HELVETICA, TIMES or COURIER. variation: NORMAL, BOLD or ITALICS.
+ * Returns 0, 1 for other values.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDSetFont(int font, int variation);
 
-/* Sets the size of text from now on. fontsize: 8, 12, 14, 18 or 24. Returns 0, 1 for others.
+/* Sets the size of text from now on. fontsize: 8, 12, 14, 18 or 24. Returns 0, 1 for other values.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDSetFontSize(int fontsize);
 
-/* Sets modes of the display. mode: LCD_SCROLLING and the like, or-ed; the others stay. Returns 0.
+/* Sets modes of the display. mode: LCD_SCROLLING and the like, or-ed; other modes stay unchanged. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDSetMode(int mode);
@@ -175,15 +176,15 @@ int LCDSetMode(int mode);
  * Source: RoBIOS-7 library, LCD output. */
 int LCDMenu(const char *st1, const char *st2, const char *st3, const char *st4);
 
-/* Sets the label of one key with its colours. pos: key 1 to 4. string: the label. fg: colour of the text. bg: colour
- * behind it. Returns 0, 1 if there is no such key.
+/* Sets the label of one key with its colours. pos: key 1 to 4. string: the label. fg: colour of the text. bg: background
+ * colour. Returns 0, 1 if there is no such key.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDMenuI(int pos, const char *string, COLOR fg, COLOR bg);
 
 /* Sets a line of a list menu and shows the list; a touch of the line is a key. Used by LCDList, not part of RoBIOS.
  * line: from 0. key: the key of the line, such as KEY_LIST1. text: the line; NULL ends the list before it. fg: colour
- * of the text. bg: colour behind it. Returns the number of lines that fit, 0 if there is no such line.
+ * of the text. bg: background colour. Returns the number of lines that fit, 0 if there is no such line.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDListLine(int line, int key, const char *text, COLOR fg, COLOR bg);
@@ -252,8 +253,8 @@ int LCDCircleInvert(int x1, int y1, int size);
  * Source: RoBIOS-7 library, LCD output. */
 int LCDImageSize(int t);
 
-/* Sets place and size of the images that LCDImage and the like show. x, y: upper left corner in pixels. xs, ys:
- * columns and rows in pixels. Returns 0, 1 for a size below 1 or of more pixels than CAM5MP.
+/* Sets position and size of the images that LCDImage and the like show. x, y: upper left corner in pixels. xs,
+ * ys: columns and rows in pixels. Returns 0, 1 for a size below 1 or of more pixels than CAM5MP.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDImageStart(int x, int y, int xs, int ys);
@@ -291,20 +292,20 @@ int KEYGet(void);
  * Source: RoBIOS-7 library, keys. */
 int KEYRead(void);
 
-/* Waits for one of some keys and discards the others. key: keys, or-ed, or ANYKEY. Returns the key, KEY_INVALID if
- * there is no such key.
+/* Waits for one of some keys and discards other keys. key: keys, or-ed, or ANYKEY. Returns the key,
+ * KEY_INVALID if there is no such key.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, keys. */
 int KEYWait(int key);
 
-/* Waits for a touch of the display. x, y: set to its place in pixels from the upper left corner; may be NULL. Returns
- * 0.
+/* Waits for a touch of the display. x, y: set to its position in pixels from the upper left corner; may be
+ * NULL. Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, keys. */
 int KEYGetXY(int *x, int *y);
 
-/* The place of a touch of the display, without waiting. x, y: set to its place in pixels from the upper left corner;
- * may be NULL. Returns 0 if there was one, else 1.
+/* The position of a touch of the display, without waiting. x, y: set to its position in pixels from the upper
+ * left corner; may be NULL. Returns 0 if there was one, otherwise 1.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, keys. */
 int KEYReadXY(int *x, int *y);
@@ -467,7 +468,7 @@ int OSMachineName(char *buf);
 int OSMachineID(void);
 
 /* Shows an error, text and number, on the display and in the record of the run. message: the text. number: the number
- * shown behind it. dead: if not 0, the robot stops here for ever; else the program waits for a key and goes on.
+ * shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
  * Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, system functions and timer. */
@@ -512,8 +513,8 @@ int OSGetCount(void);
 
 /* ---- SER: serial interfaces ---- */
 
-/* Opens an interface. interface: 1 to 16. baud: bits a second, 1 to 4000000. handshake: 0 none, 1 RTS/CTS. Returns 0,
- * 1 for others.
+/* Opens an interface. interface: 1 to 16. baud: bits per second, 1 to 4000000. handshake: 0 none, 1 RTS/CTS.
+ * Returns 0, 1 for other values.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, serial communication. */
 int SERInit(int interface, int baud, int handshake);
@@ -539,7 +540,7 @@ char SERReceiveChar(int interface);
  * Source: RoBIOS-7 library, serial communication. */
 int SERReceive(int interface, unsigned char *buf);
 
-/* Tells if bytes have been received. interface: 1 to 16. Returns 1 if they have, else 0.
+/* Checks whether bytes have been received. interface: 1 to 16. Returns 1 if they have, otherwise 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, serial communication. */
 bool SERCheck(int interface);
@@ -567,7 +568,7 @@ int AUBeep(void);
  * Source: RoBIOS-7 library, audio. */
 int AUPlay(const void *sample);
 
-/* Tells if the sound is over. Returns 1 if it is, else 0.
+/* Checks whether the sound is over. Returns 1 if it is, otherwise 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, audio. */
 int AUDone(void);
@@ -583,23 +584,24 @@ int AUMicrophone(void);
  * Source: RoBIOS-7 library, audio. */
 int AUTone(int freq_hz, int time_ms);
 
-/* Tells if the tone is over. Returns 1 if it is, else 0.
+/* Checks whether the tone is over. Returns 1 if it is, otherwise 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, audio. */
 int AUCheckTone(void);
 
-/* Tells if the sound is over. Returns 1 if it is, else 0.
+/* Checks whether the sound is over. Returns 1 if it is, otherwise 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, audio. */
 int AUCheckPlay(void);
 
-/* Records the microphone into memory; does not wait. buf: set to time * freq / 1000 bytes, 0 to 255 each. time:
- * duration in milliseconds. freq: values a second, at most 44100 Hz. Returns 0, 1 for no room or no rate.
+/* Records the microphone into memory; does not wait. buf: set to time * freq / 1000 bytes, 0 to 255 each.
+ * time: duration in milliseconds. freq: values per second, at most 44100 Hz. Returns 0, 1 if buf is too small
+ * or freq is invalid.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, audio. */
 int AURecord(BYTE *buf, int time, long freq);
 
-/* Tells if the recording is over. Returns 1 if it is, else 0.
+/* Checks whether the recording is over. Returns 1 if it is, otherwise 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, audio. */
 int AUCheckRecord(void);
@@ -675,7 +677,7 @@ int MOTORPID(int motor, int p, int i, int d);
  * Source: RoBIOS-7 library, servos and motors. */
 int MOTORPIDOff(int motor);
 
-/* Drives a motor with the speed of its encoder. motor: 1 to 4. ticks: encoder ticks a second. Returns 0, 1 if there is
+/* Drives a motor with the speed of its encoder. motor: 1 to 4. ticks: encoder ticks per second. Returns 0, 1 if there is
  * no such motor.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, servos and motors. */
@@ -719,7 +721,7 @@ int VWSetPosition(int x, int y, int phi);
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWGetPosition(int *x, int *y, int *phi);
 
-/* Starts to drive straight; does not wait. dist: mm, negative = backwards. lin_speed: mm/s; its sign does not count.
+/* Starts to drive straight; does not wait. dist: mm, negative = backwards. lin_speed: mm/s; its sign is ignored.
  * Returns 0, 1 on failure.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, V-Omega driving. */
@@ -732,12 +734,12 @@ int VWStraight(int dist, int lin_speed);
 int VWTurn(int angle, int ang_speed);
 
 /* Starts to drive in an arc; does not wait. dist: length of the arc in mm, negative = backwards. angle: change of
- * heading in degrees, positive = to the left. lin_speed: mm/s; its sign does not count. Returns 0, 1 on failure.
+ * heading in degrees, positive = to the left. lin_speed: mm/s; its sign is ignored. Returns 0, 1 on failure.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWCurve(int dist, int angle, int lin_speed);
 
-/* Starts to drive in an arc to a place; does not wait. dx: mm ahead. dy: mm to the left. lin_speed: mm/s; its sign
+/* Starts to drive in an arc to a point; does not wait. dx: mm ahead. dy: mm to the left. lin_speed: mm/s; its sign
  * does not count. Returns 0, 1 on failure.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, V-Omega driving. */
@@ -748,7 +750,7 @@ int VWDrive(int dx, int dy, int lin_speed);
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWRemain(void);
 
-/* Tells if the drive is done. Returns 1 when it is done or there was none, 0 while it goes on, -1 on failure.
+/* Checks whether the drive is done. Returns 1 when it is done or there was none, 0 while it goes on, -1 on failure.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWDone(void);
@@ -758,7 +760,7 @@ int VWDone(void);
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWWait(void);
 
-/* Tells which wheels are stalled. Returns 0 for none, 1 for the left, 2 for the right, 3 for both.
+/* Determines which wheels are stalled. Returns 0 for none, 1 for the left, 2 for the right, 3 for both.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWStalled(void);
@@ -777,8 +779,8 @@ int VWControlOff(void);
 
 /* ---- DIGITAL: digital inputs and outputs ---- */
 
-/* Sets the direction of a line. io: 1 to 16. direction: 'i' in, 'o' out, 'I' in with pull-up, 'J' in with pull-down.
- * Returns 0, 1 for others.
+/* Sets the direction of a line. io: 1 to 16. direction: 'i' in, 'o' out, 'I' in with pull-up, 'J' in with
+ * pull-down. Returns 0, 1 for other values.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, digital and analog I/O. */
 int DIGITALSetup(int io, char direction);
@@ -793,7 +795,7 @@ int DIGITALRead(int io);
  * Source: RoBIOS-7 library, digital and analog I/O. */
 int DIGITALReadAll(void);
 
-/* Sets an output. io: 1 to 16. state: 0 or 1. Returns 0, 1 if there is no such line or it is no output.
+/* Sets an output. io: 1 to 16. state: 0 or 1. Returns 0, 1 if there is no such line or it is not an output.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, digital and analog I/O. */
 int DIGITALWrite(int io, int state);
@@ -839,7 +841,7 @@ int IRTVRead(void);
  * Source: RoBIOS-7 library, IR remote control. */
 int IRTVFlush(void);
 
-/* Tells if there is a receiver. Returns 1 if there is one, else 0.
+/* Checks whether there is a receiver. Returns 1 if there is one, otherwise 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, IR remote control. */
 int IRTVGetStatus(void);
@@ -991,7 +993,7 @@ int LEGGetLink(int leg, int link, float pose[6]);
  * Source: our choice: RoBIOS has none. */
 int LEGGetHeight(float *mm);
 
-/* Tells if a foot is on the ground. leg: from 1. Returns 1 if it is, 0 if it is in the air, -1 if there is no such
+/* Checks whether a foot is on the ground. leg: from 1. Returns 1 if it is, 0 if it is in the air, -1 if there is no such
  * leg.
  * [any task of the robot]  No pointers.
  * Source: our choice: RoBIOS has none. */

@@ -58,21 +58,21 @@ constants! {
     CAM_WALL: i32 = 2;
     /// `CAMGetLabels`: robot or object n is this + n.
     CAM_BODY: i32 = 10;
-    /// `CAMSet`: 60 frames a second.
+    /// `CAMSet`: 60 frames per second.
     FPS60: i32 = 0;
-    /// `CAMSet`: 30 frames a second.
+    /// `CAMSet`: 30 frames per second.
     FPS30: i32 = 1;
-    /// `CAMSet`: 15 frames a second.
+    /// `CAMSet`: 15 frames per second.
     FPS15: i32 = 2;
-    /// `CAMSet`: 7.5 frames a second.
+    /// `CAMSet`: 7.5 frames per second.
     FPS7_5: i32 = 3;
-    /// `CAMSet`: 3.75 frames a second.
+    /// `CAMSet`: 3.75 frames per second.
     FPS3_75: i32 = 4;
-    /// `CAMSet`: 1.875 frames a second.
+    /// `CAMSet`: 1.875 frames per second.
     FPS1_875: i32 = 5;
-    /// `CAMSet`: 0.9375 frames a second.
+    /// `CAMSet`: 0.9375 frames per second.
     FPS0_9375: i32 = 6;
-    /// `CAMSet`: 0.46875 frames a second.
+    /// `CAMSet`: 0.46875 frames per second.
     FPS0_46875: i32 = 7;
 
     /// `OSMachineType`: a vehicle.

@@ -16,7 +16,7 @@ function_table! {
         fn OSVersion(text: OutBytes) -> i32 = 0, c "char *OSVersion(void)";
 
         /// Shows an error, text and number, on the LCD and in the record of the run. message: the text. number: the number
-        /// shown behind it. dead: if not 0, the robot stops here for ever; else the program waits for a key and goes on.
+        /// shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
         /// Returns 0.
         fn OSError(message: Text, number: i32, dead: Bool) -> i32 = -1;
 
@@ -69,12 +69,12 @@ function_table! {
     }
 
     family LCD "the display: 128 x 64 pixels, 7 lines of 16 characters, the last one for the menu", source "RoBIOS 6 library, LCD output" {
-        /// Prints formatted text at the cursor, as printf does; \n starts a new line. format: as of printf, with the values
-        /// behind it. Returns 0, or -1 if format is 0.
+        /// Prints formatted text at the cursor, as printf does; \n starts a new line. format: as of printf, with the
+        /// values after it. Returns 0, or -1 if format is 0.
         fn LCDPrintf(text: Text) -> i32 = -1, c "int LCDPrintf(const char *format, ...)";
 
-        /// Prints formatted text at a place, as printf does; the cursor stays behind it. row: 0 (top) to 6. column: 0 (left) to
-        /// 15. format: as of printf, with the values behind it. Returns 0, or -1 if format is 0 or the place is not on the LCD.
+        /// Prints formatted text at a position, as printf does; the cursor stays after it. row: 0 (top) to 6. column: 0 (left) to
+        /// 15. format: as of printf, with the values after it. Returns 0, or -1 if format is 0 or the position is not on the LCD.
         fn LCDSetPrintf(row: i32, column: i32, text: Text) -> i32 = -1,
             c "int LCDSetPrintf(int row, int column, const char *format, ...)";
 
@@ -84,15 +84,15 @@ function_table! {
         /// Writes a character at the cursor, which moves on. c: the character. Returns 0.
         fn LCDPutChar(c: Char) -> i32 = -1;
 
-        /// Writes a character at a place; the cursor stays behind it. row: 0 (top) to 6. column: 0 (left) to 15. c: the
-        /// character. Returns 0, or -1 if the place is not on the LCD.
+        /// Writes a character at a position; the cursor stays after it. row: 0 (top) to 6. column: 0 (left) to 15. c: the
+        /// character. Returns 0, or -1 if the position is not on the LCD.
         fn LCDSetChar(row: i32, column: i32, c: Char) -> i32 = -1;
 
         /// Writes text at the cursor, which moves on; \n starts a new line. s: the text. Returns 0, or -1 if s is 0.
         fn LCDPutString(s: Text) -> i32 = -1;
 
-        /// Writes text at a place; the cursor stays behind it. row: 0 (top) to 6. column: 0 (left) to 15. s: the text. Returns
-        /// 0, or -1 if s is 0 or the place is not on the LCD.
+        /// Writes text at a position; the cursor stays after it. row: 0 (top) to 6. column: 0 (left) to 15. s: the text. Returns
+        /// 0, or -1 if s is 0 or the position is not on the LCD.
         fn LCDSetString(row: i32, column: i32, s: Text) -> i32 = -1;
 
         /// Writes a number in hexadecimal, 8 digits. v: the number. Returns 0.
@@ -104,13 +104,13 @@ function_table! {
         /// Writes a number in decimal. v: the number. Returns 0.
         fn LCDPutInt(v: i32) -> i32 = -1;
 
-        /// Writes a number in decimal, right-aligned. v: the number. spaces: least number of characters. Returns 0.
+        /// Writes a number in decimal, right-aligned. v: the number. spaces: minimum number of characters. Returns 0.
         fn LCDPutIntS(v: i32, spaces: i32) -> i32 = -1;
 
         /// Writes a number with its decimals, as %f of printf. v: the number. Returns 0.
         fn LCDPutFloat(v: f32) -> i32 = -1;
 
-        /// Writes a number with its decimals, right-aligned. v: the number. spaces: least number of characters. decimals:
+        /// Writes a number with its decimals, right-aligned. v: the number. spaces: minimum number of characters. decimals:
         /// digits after the point. Returns 0.
         fn LCDPutFloatS(v: f32, spaces: i32, decimals: i32) -> i32 = -1;
 
@@ -119,7 +119,7 @@ function_table! {
         fn LCDMode(mode: i32) -> i32 = -1;
 
         /// Moves the cursor.
-        /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if the place is not on the LCD.
+        /// row: 0 (top) to 6. column: 0 (left) to 15. Returns 0, or -1 if the position is not on the LCD.
         fn LCDSetPos(row: i32, column: i32) -> i32 = -1;
 
         /// Reads the position of the cursor. row: set to 0 (top) to 6. column: set to 0 (left) to 15. Returns 0, or -1 if a
@@ -130,7 +130,7 @@ function_table! {
         /// Returns 0, or -1 if buf is 0.
         fn LCDPutGraphic(buf: In<Image>) -> i32 = -1;
 
-        /// Shows the upper 54 rows of a colour image in black and white, as LCDPutGraphic does. buf: colour image of 82 x 62 x
+        /// Shows the upper 54 rows of a colour image in black and white, like LCDPutGraphic. buf: colour image of 82 x 62 x
         /// 3 bytes; overwritten with the black and white image. Returns 0, or -1 if buf is 0.
         fn LCDPutColorGraphic(buf: InOut<ColImage>) -> i32 = -1;
 
@@ -210,7 +210,7 @@ function_table! {
         /// Takes a colour image without border, as CAMGetFrameColor. Returns 0, or -1 if there is no camera or buf is 0.
         fn CAMGetFrameRGB(buf: Out<ColorFrame>) -> i32 = -1;
 
-        /// Takes the camera's raw values: 120 rows of 160 bytes behind its colour filter.
+        /// Takes the camera's raw values: 120 rows of 160 bytes, through its colour filter.
         /// Returns 0, or -1 if there is no camera or buf is 0.
         fn CAMGetFrameBayer(buf: Out<BayerFrame>) -> i32 = -1;
 
@@ -283,15 +283,15 @@ function_table! {
         /// thread: 0 is the current one. Returns the number; 0 for the first task, or if the task has ended.
         fn OSGetUID(thread: Task) -> i32 = 0;
 
-        /// Ends a task at once; its destructors run. Ending the first task ends the program.
-        /// thread: 0 is the current one. Returns 0, or -1 without multi-tasking or if the task has ended.
+        /// Ends a task immediately; its destructors run. Ending the first task ends the program. thread: 0 is the
+        /// current one. Returns 0, or -1 without multi-tasking or if the task has ended.
         fn OSKill(thread: Task) -> i32 = -1, c "int OSKill(struct tcb *thread)";
 
         /// Ends the current task; without multi-tasking, and from the first task, the program, as exit(code) does. code: exit
         /// code of the program. Returns nothing: the call does not come back.
         fn OSExit(code: i32) -> i32 = -1, c "int OSExit(int code)";
 
-        /// Shows a text and stops the robot for ever. message: the text. Returns nothing: the call does not come back.
+        /// Shows a text and stops the robot forever. message: the text. Returns nothing: the call does not come back.
         fn OSPanic(message: Text) -> i32 = -1, c "int OSPanic(const char *message)";
 
         /// Lets the other tasks run for a time; without multi-tasking the same as OSWait.
@@ -387,17 +387,17 @@ function_table! {
 
     family AU "sound", source "RoBIOS 6 library, audio" {
         /// Plays a sample; does not wait.
-        /// sample: a WAV file in memory, or the name of one. Returns its rate in Hz, or 0 if it is none.
+        /// sample: a WAV file in memory, or the name of one. Returns its rate in Hz, or 0 if it is not one.
         fn AUPlaySample(sample: Bytes) -> i32 = 0, c "int AUPlaySample(char *sample)";
 
-        /// Tells if the sample is over. Returns FALSE while a sample is being played, else TRUE.
+        /// Checks whether the sample is over. Returns FALSE while a sample is being played, otherwise TRUE.
         fn AUCheckSample() -> i32 = TRUE;
 
         /// Plays a tone; does not wait.
         /// freq_hz: 65 to 21000. span_ms: milliseconds. Returns 0, or -1 for other values.
         fn AUTone(freq_hz: i32, span_ms: i32) -> i32 = -1;
 
-        /// Tells if the tone is over. Returns FALSE while a tone is being played, else TRUE.
+        /// Checks whether the tone is over. Returns FALSE while a tone is being played, otherwise TRUE.
         fn AUCheckTone() -> i32 = TRUE;
 
         /// Plays a short tone; does not wait. Returns 0.
@@ -409,7 +409,7 @@ function_table! {
         fn AURecordSample(buf: OutBytes, freq_hz: i64) -> i32 = 0,
             c "int AURecordSample(BYTE *buf, long len, long freq)";
 
-        /// Tells if the recording is over. Returns FALSE while a recording is in progress, else TRUE.
+        /// Checks whether the recording is over. Returns FALSE while a recording is in progress, otherwise TRUE.
         fn AUCheckRecord() -> i32 = TRUE;
 
         /// The current value of the microphone. Returns 0 to 1023; 512 is silence.
@@ -426,13 +426,13 @@ function_table! {
 
         /// Starts measuring.
         /// bitmask: handles, OR-ed. cycle: TRUE measures continuously, FALSE once.
-        /// Returns 0, 1 if another measurement is still running, or -1 if bitmask has a bit that is no handle.
+        /// Returns 0, 1 if another measurement is still running, or -1 if bitmask has a bit that is not a handle.
         fn PSDStart(bitmask: PSDHandle, cycle: Bool) -> i32 = -1;
 
         /// Ends measuring after the cycle that is running. Returns 0.
         fn PSDStop() -> i32 = -1;
 
-        /// Tells if there is a valid result, that is after the first complete cycle. Returns TRUE or FALSE.
+        /// Checks whether there is a valid result, that is after the first complete cycle. Returns TRUE or FALSE.
         fn PSDCheck() -> Bool = FALSE;
 
         /// Distance measured by the last complete cycle. handle: of PSDInit; 0 asks for the time stamp of the measurement.
@@ -451,7 +451,7 @@ function_table! {
         fn SERVOInit(semantics: DeviceSemantics) -> ServoHandle = 0;
 
         /// Releases servos.
-        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; otherwise the handles not released.
         fn SERVORelease(handle: ServoHandle) -> i32 = 0x1111_0000;
 
         /// Turns a servo.
@@ -466,7 +466,7 @@ function_table! {
         fn MOTORInit(semantics: DeviceSemantics) -> MotorHandle = 0;
 
         /// Stops and releases motors.
-        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; otherwise the handles not released.
         fn MOTORRelease(handle: MotorHandle) -> i32 = 0x1111_0000;
 
         /// Sets a motor's speed.
@@ -552,13 +552,13 @@ function_table! {
         /// handle is invalid.
         fn VWDriveRemain(handle: VWHandle) -> f32 = 0.0;
 
-        /// Tells if the drive has ended. Returns 1 if it has ended, 0 if it is in progress, -1 if handle is invalid.
+        /// Checks whether the drive has ended. Returns 1 if it has ended, 0 if it is in progress, -1 if handle is invalid.
         fn VWDriveDone(handle: VWHandle) -> i32 = -1;
 
         /// Waits until the drive has ended. Returns 0, or -1 at once if handle is invalid.
         fn VWDriveWait(handle: VWHandle) -> i32 = -1;
 
-        /// Tells if a motor is stalled. Returns 1 if one is, 0 if none is or there is no command, -1 if handle is invalid.
+        /// Checks whether a motor is stalled. Returns 1 if one is, 0 if none is or there is no command, -1 if handle is invalid.
         fn VWStalled(handle: VWHandle) -> i32 = -1;
     }
 
@@ -568,7 +568,7 @@ function_table! {
         fn BUMPInit(semantics: DeviceSemantics) -> BumpHandle = 0;
 
         /// Releases bumpers.
-        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; otherwise the handles not released.
         fn BUMPRelease(handle: BumpHandle) -> i32 = 0x1111_0000;
 
         /// Checks a bumper for contacts since the last check.
@@ -583,7 +583,7 @@ function_table! {
         fn IRInit(semantics: DeviceSemantics) -> IRHandle = 0;
 
         /// Releases infrared sensors.
-        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; else the handles not released.
+        /// handle: handles, OR-ed. Returns 0; 0x11110000 if no handle is valid; otherwise the handles not released.
         fn IRRelease(handle: IRHandle) -> i32 = 0x1111_0000;
 
         /// Reads an infrared sensor. Returns 1 if an object is near, 0 if not, -1 if handle is invalid.
@@ -630,7 +630,7 @@ function_table! {
         /// Starts measuring. cycle: TRUE measures continuously, FALSE once. Returns 0, or 1 if it is not ready.
         fn COMPASSStart(cycle: Bool) -> i32 = 1;
 
-        /// Tells if a result is available. Returns 1 if it is, else 0.
+        /// Checks whether a result is available. Returns 1 if it is, otherwise 0.
         fn COMPASSCheck() -> i32 = 0;
 
         /// Ends measuring. Returns 0, or 1 if it is not ready.
@@ -670,7 +670,7 @@ function_table! {
         /// The next code that has been received, without waiting. Returns the code; 0 if there is none.
         fn IRTVRead() -> i32 = 0;
 
-        /// Waits for the next code. Returns the code; 0 at once if nothing is being received.
+        /// Waits for the next code. Returns the code; 0 immediately if nothing is being received.
         fn IRTVGet() -> i32 = 0;
 
         /// Discards received codes.
@@ -768,7 +768,7 @@ function_table! {
         /// millimetres up. Returns 0, -1 if there are no legs or mm is 0.
         fn LEGGetHeight(mm: Out<f32>) -> i32 = -1;
 
-        /// Tells if a foot is on the ground. leg: from 1. Returns 1 if it is, 0 if it is in the air, -1 if there is no such
+        /// Checks whether a foot is on the ground. leg: from 1. Returns 1 if it is, 0 if it is in the air, -1 if there is no such
         /// leg.
         fn LEGGetFoot(leg: i32) -> i32 = -1;
 

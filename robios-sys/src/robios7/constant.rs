@@ -142,15 +142,15 @@ constants! {
     LCD_FGCOL_INVERSE: i32 = 0x04;
     /// `LCDSetMode`: the text's colour is as set.
     LCD_FGCOL_NOINVERSE: i32 = 0x4000;
-    /// `LCDSetMode`: each call is shown at once.
+    /// `LCDSetMode`: each call is shown immediately.
     LCD_AUTOREFRESH: i32 = 0x08;
-    /// `LCDSetMode`: what was drawn is shown by `LCDRefresh`.
+    /// `LCDSetMode`: drawings are shown by `LCDRefresh`.
     LCD_NOAUTOREFRESH: i32 = 0x8000;
     /// `LCDSetMode`: text that leaves the last line moves all lines up.
     LCD_SCROLLING: i32 = 0x10;
     /// `LCDSetMode`: text that leaves the last line starts again in the first.
     LCD_NOSCROLLING: i32 = 0x1_0000;
-    /// `LCDSetMode`: the end of a line goes on in the next.
+    /// `LCDSetMode`: the end of a line continues in the next.
     LCD_LINEFEED: i32 = 0x20;
     /// `LCDSetMode`: the end of a line stays in it.
     LCD_NOLINEFEED: i32 = 0x2_0000;

@@ -12,48 +12,49 @@ function_table! {
     table Robios7Table, trait Robios7, call Robios7Call, number 7, version 1;
 
     family LCD "the colour display", source "RoBIOS-7 library, LCD output" {
-        /// Prints as printf does, at the cursor. format: as of printf, with the values behind it. Returns 0, 1 if format is
+        /// Prints as printf does, at the cursor. format: as of printf, with the values after it. Returns 0, 1 if format is
         /// NULL.
         fn LCDPrintf(text: Text) -> i32 = 1, c "int LCDPrintf(const char *format, ...)";
 
-        /// Prints as printf does, at a place; the cursor stays behind it. row, column: cells of a character of the present
-        /// size, from 0. format: as of printf, with the values behind it. Returns 0, 1 if format is NULL.
+        /// Prints as printf does, at a position; the cursor stays after it. row, column: cells of a character of the
+        /// current size, from 0. format: as of printf, with the values after it. Returns 0, 1 if format is NULL.
         fn LCDSetPrintf(row: i32, column: i32, text: Text) -> i32 = 1,
             c "int LCDSetPrintf(int row, int column, const char *format, ...)";
 
         /// Makes the display black; the cursor goes to row 0, column 0; the menu stays. Returns 0.
         fn LCDClear() -> i32 = 1;
 
-        /// Moves the cursor. row, column: in characters of the present size, from 0. Returns 0.
+        /// Moves the cursor. row, column: in characters of the current size, from 0. Returns 0.
         fn LCDSetPos(row: i32, column: i32) -> i32 = 1;
 
-        /// Reads the position of the cursor. row, column: set to its place in characters of the present size, from 0. Returns 0.
+        /// Reads the position of the cursor. row, column: set to its position in characters of the current size, from
+        /// 0. Returns 0.
         fn LCDGetPos(row: Out<i32>, column: Out<i32>) -> i32 = 1;
 
-        /// Sets the colours of text from now on. fg: of the characters. bg: behind them. Returns 0.
+        /// Sets the colours of text from now on. fg: of the characters. bg: of the background. Returns 0.
         fn LCDSetColor(fg: Color, bg: Color) -> i32 = 1;
 
-        /// Sets the font of text from now on. font: HELVETICA, TIMES or COURIER. variation: NORMAL, BOLD or ITALICS. Returns 0,
-        /// 1 for others.
+        /// Sets the font of text from now on. font: HELVETICA, TIMES or COURIER. variation: NORMAL, BOLD or ITALICS.
+        /// Returns 0, 1 for other values.
         fn LCDSetFont(font: i32, variation: i32) -> i32 = 1;
 
-        /// Sets the size of text from now on. fontsize: 8, 12, 14, 18 or 24. Returns 0, 1 for others.
+        /// Sets the size of text from now on. fontsize: 8, 12, 14, 18 or 24. Returns 0, 1 for other values.
         fn LCDSetFontSize(fontsize: i32) -> i32 = 1;
 
-        /// Sets modes of the display. mode: LCD_SCROLLING and the like, or-ed; the others stay. Returns 0.
+        /// Sets modes of the display. mode: LCD_SCROLLING and the like, or-ed; other modes stay unchanged. Returns 0.
         fn LCDSetMode(mode: i32) -> i32 = 1;
 
         /// Sets the labels of the four keys under the display. st1, st2, st3, st4: the labels; an empty text clears a label,
         /// NULL leaves it. Returns 0.
         fn LCDMenu(st1: Text, st2: Text, st3: Text, st4: Text) -> i32 = 1;
 
-        /// Sets the label of one key with its colours. pos: key 1 to 4. string: the label. fg: colour of the text. bg: colour
-        /// behind it. Returns 0, 1 if there is no such key.
+        /// Sets the label of one key with its colours. pos: key 1 to 4. string: the label. fg: colour of the text. bg: background
+        /// colour. Returns 0, 1 if there is no such key.
         fn LCDMenuI(pos: i32, string: Text, fg: Color, bg: Color) -> i32 = 1;
 
         /// Sets a line of a list menu and shows the list; a touch of the line is a key. Used by LCDList, not part of RoBIOS.
         /// line: from 0. key: the key of the line, such as KEY_LIST1. text: the line; NULL ends the list before it. fg: colour
-        /// of the text. bg: colour behind it. Returns the number of lines that fit, 0 if there is no such line.
+        /// of the text. bg: background colour. Returns the number of lines that fit, 0 if there is no such line.
         fn LCDListLine(line: i32, key: i32, text: Text, fg: Color, bg: Color) -> i32 = 0;
 
         /// Reads the size of the display. x, y: set to columns and rows of pixels. Returns 0.
@@ -98,8 +99,8 @@ function_table! {
         /// CAMHEIGHT. Returns 0, 1 for another number.
         fn LCDImageSize(t: i32) -> i32 = 1, c "int LCDImageSize(int t)";
 
-        /// Sets place and size of the images that LCDImage and the like show. x, y: upper left corner in pixels. xs, ys:
-        /// columns and rows in pixels. Returns 0, 1 for a size below 1 or of more pixels than CAM5MP.
+        /// Sets position and size of the images that LCDImage and the like show. x, y: upper left corner in pixels. xs,
+        /// ys: columns and rows in pixels. Returns 0, 1 for a size below 1 or of more pixels than CAM5MP.
         fn LCDImageStart(x: i32, y: i32, xs: i32, ys: i32) -> i32 = 1, c "int LCDImageStart(int x, int y, int xs, int ys)";
 
         /// Shows a colour image of the size that LCDImageStart or LCDImageSize has set. img: 3 bytes a pixel: red, green, blue.
@@ -123,16 +124,16 @@ function_table! {
         /// The key that was pressed, without waiting. Returns KEY1, KEY2, KEY3 or KEY4; NOKEY if none was.
         fn KEYRead() -> i32 = 0;
 
-        /// Waits for one of some keys and discards the others. key: keys, or-ed, or ANYKEY. Returns the key, KEY_INVALID if
-        /// there is no such key.
+        /// Waits for one of some keys and discards other keys. key: keys, or-ed, or ANYKEY. Returns the key,
+        /// KEY_INVALID if there is no such key.
         fn KEYWait(key: i32) -> i32 = KEY_INVALID;
 
-        /// Waits for a touch of the display. x, y: set to its place in pixels from the upper left corner; may be NULL. Returns
-        /// 0.
+        /// Waits for a touch of the display. x, y: set to its position in pixels from the upper left corner; may be
+        /// NULL. Returns 0.
         fn KEYGetXY(x: Out<i32>, y: Out<i32>) -> i32 = 1;
 
-        /// The place of a touch of the display, without waiting. x, y: set to its place in pixels from the upper left corner;
-        /// may be NULL. Returns 0 if there was one, else 1.
+        /// The position of a touch of the display, without waiting. x, y: set to its position in pixels from the upper
+        /// left corner; may be NULL. Returns 0 if there was one, otherwise 1.
         fn KEYReadXY(x: Out<i32>, y: Out<i32>) -> i32 = 1;
     }
 
@@ -245,7 +246,7 @@ function_table! {
         fn OSMachineID() -> i32 = 0;
 
         /// Shows an error, text and number, on the display and in the record of the run. message: the text. number: the number
-        /// shown behind it. dead: if not 0, the robot stops here for ever; else the program waits for a key and goes on.
+        /// shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
         /// Returns 0.
         fn OSError(message: Text, number: i32, dead: i32) -> i32 = 1;
 
@@ -274,8 +275,8 @@ function_table! {
     }
 
     family SER "serial interfaces", source "RoBIOS-7 library, serial communication" {
-        /// Opens an interface. interface: 1 to 16. baud: bits a second, 1 to 4000000. handshake: 0 none, 1 RTS/CTS. Returns 0,
-        /// 1 for others.
+        /// Opens an interface. interface: 1 to 16. baud: bits per second, 1 to 4000000. handshake: 0 none, 1 RTS/CTS.
+        /// Returns 0, 1 for other values.
         fn SERInit(interface: i32, baud: i32, handshake: i32) -> i32 = 1;
 
         /// Sends a character. interface: 1 to 16. ch: the character. Returns 0, 1 if the interface is not open.
@@ -291,7 +292,7 @@ function_table! {
         /// a final 0. Returns their number, 0 if the interface is not open.
         fn SERReceive(interface: i32, buf: OutBytes) -> i32 = 0, c "int SERReceive(int interface, unsigned char *buf)";
 
-        /// Tells if bytes have been received. interface: 1 to 16. Returns 1 if they have, else 0.
+        /// Checks whether bytes have been received. interface: 1 to 16. Returns 1 if they have, otherwise 0.
         fn SERCheck(interface: i32) -> Flag = 0;
 
         /// Discards received bytes. interface: 1 to 16. Returns 0, 1 if the interface is not open.
@@ -309,7 +310,7 @@ function_table! {
         /// sound.
         fn AUPlay(sample: Bytes) -> i32 = 1, c "int AUPlay(const void *sample)";
 
-        /// Tells if the sound is over. Returns 1 if it is, else 0.
+        /// Checks whether the sound is over. Returns 1 if it is, otherwise 0.
         fn AUDone() -> i32 = 1;
 
         /// The current value of the microphone. Returns 0 to 255; 128 is silence.
@@ -319,17 +320,18 @@ function_table! {
         /// for a frequency that cannot be played.
         fn AUTone(freq_hz: i32, time_ms: i32) -> i32 = 1;
 
-        /// Tells if the tone is over. Returns 1 if it is, else 0.
+        /// Checks whether the tone is over. Returns 1 if it is, otherwise 0.
         fn AUCheckTone() -> i32 = 1;
 
-        /// Tells if the sound is over. Returns 1 if it is, else 0.
+        /// Checks whether the sound is over. Returns 1 if it is, otherwise 0.
         fn AUCheckPlay() -> i32 = 1;
 
-        /// Records the microphone into memory; does not wait. buf: set to time * freq / 1000 bytes, 0 to 255 each. time:
-        /// duration in milliseconds. freq: values a second, at most 44100 Hz. Returns 0, 1 for no room or no rate.
+        /// Records the microphone into memory; does not wait. buf: set to time * freq / 1000 bytes, 0 to 255 each.
+        /// time: duration in milliseconds. freq: values per second, at most 44100 Hz. Returns 0, 1 if buf is too small
+        /// or freq is invalid.
         fn AURecord(buf: OutBytes, freq_hz: i64) -> i32 = 1, c "int AURecord(BYTE *buf, int time, long freq)";
 
-        /// Tells if the recording is over. Returns 1 if it is, else 0.
+        /// Checks whether the recording is over. Returns 1 if it is, otherwise 0.
         fn AUCheckRecord() -> i32 = 1;
     }
 
@@ -381,7 +383,7 @@ function_table! {
         /// Stops a motor's controller. motor: 1 to 4. Returns 0, 1 if there is no such motor.
         fn MOTORPIDOff(motor: i32) -> i32 = 1;
 
-        /// Drives a motor with the speed of its encoder. motor: 1 to 4. ticks: encoder ticks a second. Returns 0, 1 if there is
+        /// Drives a motor with the speed of its encoder. motor: 1 to 4. ticks: encoder ticks per second. Returns 0, 1 if there is
         /// no such motor.
         fn MOTORSpeed(motor: i32, ticks: i32) -> i32 = 1;
     }
@@ -411,7 +413,7 @@ function_table! {
         /// 1 on failure.
         fn VWGetPosition(x: Out<i32>, y: Out<i32>, phi: Out<i32>) -> i32 = 1;
 
-        /// Starts to drive straight; does not wait. dist: mm, negative = backwards. lin_speed: mm/s; its sign does not count.
+        /// Starts to drive straight; does not wait. dist: mm, negative = backwards. lin_speed: mm/s; its sign is ignored.
         /// Returns 0, 1 on failure.
         fn VWStraight(dist: i32, lin_speed: i32) -> i32 = 1;
 
@@ -420,23 +422,23 @@ function_table! {
         fn VWTurn(angle: i32, ang_speed: i32) -> i32 = 1;
 
         /// Starts to drive in an arc; does not wait. dist: length of the arc in mm, negative = backwards. angle: change of
-        /// heading in degrees, positive = to the left. lin_speed: mm/s; its sign does not count. Returns 0, 1 on failure.
+        /// heading in degrees, positive = to the left. lin_speed: mm/s; its sign is ignored. Returns 0, 1 on failure.
         fn VWCurve(dist: i32, angle: i32, lin_speed: i32) -> i32 = 1;
 
-        /// Starts to drive in an arc to a place; does not wait. dx: mm ahead. dy: mm to the left. lin_speed: mm/s; its sign
+        /// Starts to drive in an arc to a point; does not wait. dx: mm ahead. dy: mm to the left. lin_speed: mm/s; its sign
         /// does not count. Returns 0, 1 on failure.
         fn VWDrive(dx: i32, dy: i32, lin_speed: i32) -> i32 = 1;
 
         /// Remainder of the drive. Returns mm, for a turn degrees; 0 when it is done.
         fn VWRemain() -> i32 = 0;
 
-        /// Tells if the drive is done. Returns 1 when it is done or there was none, 0 while it goes on, -1 on failure.
+        /// Checks whether the drive is done. Returns 1 when it is done or there was none, 0 while it goes on, -1 on failure.
         fn VWDone() -> i32 = -1;
 
         /// Waits for the drive's end. Returns 0, -1 on failure.
         fn VWWait() -> i32 = -1;
 
-        /// Tells which wheels are stalled. Returns 0 for none, 1 for the left, 2 for the right, 3 for both.
+        /// Determines which wheels are stalled. Returns 0 for none, 1 for the left, 2 for the right, 3 for both.
         fn VWStalled() -> i32 = 0;
 
         /// Starts the controllers of speed and turning speed; typical: 70, 30, 70, 10. Vv: gain for the speed, in tenths. Tv:
@@ -449,8 +451,8 @@ function_table! {
     }
 
     family DIGITAL "digital inputs and outputs", source "RoBIOS-7 library, digital and analog I/O" {
-        /// Sets the direction of a line. io: 1 to 16. direction: 'i' in, 'o' out, 'I' in with pull-up, 'J' in with pull-down.
-        /// Returns 0, 1 for others.
+        /// Sets the direction of a line. io: 1 to 16. direction: 'i' in, 'o' out, 'I' in with pull-up, 'J' in with
+        /// pull-down. Returns 0, 1 for other values.
         fn DIGITALSetup(io: i32, direction: Char) -> i32 = 1;
 
         /// Reads a line. io: 1 to 16. Returns 0 or 1; -1 if there is no such line.
@@ -459,7 +461,7 @@ function_table! {
         /// Reads all lines. Returns their states, line 1 in the lowest bit.
         fn DIGITALReadAll() -> i32 = 0;
 
-        /// Sets an output. io: 1 to 16. state: 0 or 1. Returns 0, 1 if there is no such line or it is no output.
+        /// Sets an output. io: 1 to 16. state: 0 or 1. Returns 0, 1 if there is no such line or it is not an output.
         fn DIGITALWrite(io: i32, state: i32) -> i32 = 1;
     }
 
@@ -489,7 +491,7 @@ function_table! {
         /// Discards the keys that were pressed. Returns 0.
         fn IRTVFlush() -> i32 = 1;
 
-        /// Tells if there is a receiver. Returns 1 if there is one, else 0.
+        /// Checks whether there is a receiver. Returns 1 if there is one, otherwise 0.
         fn IRTVGetStatus() -> i32 = 0;
     }
 
@@ -590,7 +592,7 @@ function_table! {
         /// millimetres up. Returns 0, -1 if there are no legs or mm is 0.
         fn LEGGetHeight(mm: Out<f32>) -> i32 = -1;
 
-        /// Tells if a foot is on the ground. leg: from 1. Returns 1 if it is, 0 if it is in the air, -1 if there is no such
+        /// Checks whether a foot is on the ground. leg: from 1. Returns 1 if it is, 0 if it is in the air, -1 if there is no such
         /// leg.
         fn LEGGetFoot(leg: i32) -> i32 = -1;
 
