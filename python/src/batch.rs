@@ -121,7 +121,7 @@ impl Workers {
         if self.threads == 1 {
             return Ok(None);
         }
-        self.forget_strangers();
+        self.forget_inherited_pool();
         if self.pool.is_none() {
             let named = |index| format!("eyesim-batch-{index}");
             let pool = ThreadPoolBuilder::new().num_threads(self.threads - 1).thread_name(named).build();
@@ -132,14 +132,14 @@ impl Workers {
 
     /// Forgets a pool that the parent process created, without dropping it: its locks may have been held when this
     /// process was forked.
-    fn forget_strangers(&mut self) {
+    fn forget_inherited_pool(&mut self) {
         std::mem::forget(self.pool.take_if(|(maker, _)| *maker != std::process::id()));
     }
 }
 
 impl Drop for Workers {
     fn drop(&mut self) {
-        self.forget_strangers();
+        self.forget_inherited_pool();
     }
 }
 

@@ -39,26 +39,26 @@ impl EmbeddedCode for Callable {
                 Ok(code) => Ok(EmbeddedEnd::Exited(code)),
                 Err(_) => Ok(EmbeddedEnd::Overdue(ended.extract()?)),
             });
-            self.told(py, end).unwrap_or(EmbeddedEnd::Exited(EXIT_BROKEN))
+            self.value_or_report(py, end).unwrap_or(EmbeddedEnd::Exited(EXIT_BROKEN))
         })
     }
 
     fn call_back(&self, robot: RobotId, number: u64) -> Status {
         Python::attach(|py| {
             let goes_on = self.0.bind(py).call_method1("call_back", (robot.0, number)).and_then(|it| it.extract());
-            if self.told(py, goes_on).unwrap_or(false) { Status::OK } else { Status::STOP }
+            if self.value_or_report(py, goes_on).unwrap_or(false) { Status::OK } else { Status::STOP }
         })
     }
 
     fn stop(&self, robot: RobotId) {
-        Python::attach(|py| _ = self.told(py, self.0.bind(py).call_method1("stop", (robot.0,))));
+        Python::attach(|py| _ = self.value_or_report(py, self.0.bind(py).call_method1("stop", (robot.0,))));
     }
 }
 
 impl Callable {
     /// Returns the value. On an error reports the exception to Python as unraisable, since no caller could catch it,
     /// and returns `None`.
-    fn told<T>(&self, py: Python<'_>, result: PyResult<T>) -> Option<T> {
+    fn value_or_report<T>(&self, py: Python<'_>, result: PyResult<T>) -> Option<T> {
         result.map_err(|failed| failed.write_unraisable(py, Some(self.0.bind(py)))).ok()
     }
 }

@@ -19,9 +19,9 @@ use crate::program::command::{CommandLimits, output_within};
 use crate::record::EventStore;
 
 /// Maximum number of bytes that a program may print.
-const MOST_OUTPUT: usize = 1 << 20;
+const MAX_OUTPUT: usize = 1 << 20;
 /// Maximum number of characters of its message, and of quotations from its output.
-const MOST_MESSAGE: usize = 400;
+const MAX_MESSAGE: usize = 400;
 
 /// Data of a finished run that programs may read.
 #[derive(Clone, Copy)]
@@ -115,7 +115,7 @@ pub(super) fn judge(
     command.args(arguments).args(paths);
     let is_cancelled = || interrupt.is_set();
     let timeout = Duration::from_secs_f64(timeout.seconds());
-    let limits = CommandLimits { timeout, output: MOST_OUTPUT, is_cancelled: &is_cancelled };
+    let limits = CommandLimits { timeout, output: MAX_OUTPUT, is_cancelled: &is_cancelled };
     let output = output_within(&mut command, &limits).map_err(|error| match error.kind() {
         io::ErrorKind::TimedOut | io::ErrorKind::FileTooLarge | io::ErrorKind::Interrupted => {
             format!("`{name}` gave no verdict: {error}")
@@ -149,7 +149,7 @@ pub(super) fn judge(
 const EXPECTED: &str = r#"a line such as {"passed": true, "points": 2, "message": "..."}"#;
 
 fn cut(text: &str) -> String {
-    text.chars().take(MOST_MESSAGE).collect()
+    text.chars().take(MAX_MESSAGE).collect()
 }
 
 /// Writes the report and the trace into a new temporary folder; returns the folder, removed when it is dropped, and their paths.

@@ -149,14 +149,14 @@ impl Count {
 
     /// Returns true if there are more events than the maximum of this kind.
     pub fn is_too_many(&self, kind: &CheckKind) -> bool {
-        let most = match kind {
+        let max = match kind {
             CheckKind::Contacts { max, .. } => Some(*max),
             CheckKind::Event { count, .. } | CheckKind::Calls { count, .. } | CheckKind::Message { count, .. } => {
                 count.max
             }
             _ => None,
         };
-        most.is_some_and(|most| self.number > most)
+        max.is_some_and(|max| self.number > max)
     }
 
     /// Returns true if the minimum was reached only after `by`.

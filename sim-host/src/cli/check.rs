@@ -108,11 +108,11 @@ impl Checked {
 pub fn check(names: &[String], overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Checked {
     let mut checked = Checked::default();
     // Several files may name one file, which may also be one of `names` itself.
-    let mut said: BTreeSet<(String, Span, Code, String)> = BTreeSet::new();
+    let mut seen: BTreeSet<(String, Span, Code, String)> = BTreeSet::new();
     let mut read: BTreeSet<String> = BTreeSet::new();
     for name in names {
         let loaded = check_one(name, overrides, files, find_program);
-        let is_new = |d: &Diagnostic| said.insert((d.file.clone(), d.span, d.code, d.message.clone()));
+        let is_new = |d: &Diagnostic| seen.insert((d.file.clone(), d.span, d.code, d.message.clone()));
         checked.diagnostics.extend(loaded.diagnostics.into_iter().filter(is_new));
         checked.notes.extend(loaded.notes);
         checked.inputs.extend(loaded.inputs.into_iter().filter(|input| read.insert(input.path.clone())));

@@ -15,7 +15,7 @@ use super::diagnostic::{self, Colour, Format, Screen};
 use super::output::say;
 use super::run::parse_maze_cell;
 use crate::files::{DiskFiles, slashed};
-use crate::launch::check::{search_path, told_generation};
+use crate::launch::check::{known_generation, search_path};
 
 /// Arguments of `eyesim convert`.
 #[derive(Args)]
@@ -54,7 +54,7 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     let to = rooted(&args.output).context("no working folder")?;
     let search = search_path(&files).context("no working folder")?;
     let options = ConvertOptions { seed: args.seed, maze_cell: args.maze_cell, map_cell: args.map_cell };
-    let told = |scene: &SceneSpec, robot: &RobotSpec| told_generation(&search, scene, robot);
+    let told = |scene: &SceneSpec, robot: &RobotSpec| known_generation(&search, scene, robot);
     let converted = convert_with(&files.name(&from), &slashed(&to), options, &files, &told);
     if !converted.diagnostics.is_empty() {
         let screen = Screen::of_stderr(Colour::Auto);

@@ -180,7 +180,7 @@ fn others(installer: &Installer) -> Vec<Finding> {
 /// The strongest sandbox of this kernel, with the means that close each area.
 fn sandbox() -> Finding {
     let kernel = Kernel::probe();
-    let level = kernel.reached();
+    let level = kernel.strongest_level();
     let closed: Vec<String> =
         level.areas().filter_map(|area| Some(format!("{} by {}", area.word(), kernel.means(area).ok()?))).collect();
     let found = format!("{}: closes {}", level.word(), closed.join("; "));

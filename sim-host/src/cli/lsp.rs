@@ -58,7 +58,7 @@ pub fn run(args: &LspArgs) -> anyhow::Result<ExitCode> {
     connection.initialize_finish(id, result).context("an editor goes on with `initialized`")?;
     let files = DiskFiles::of_environment();
     let find_program = finder(search_path(&files)?, None, None);
-    let mut server = Server { documents: Documents::new(files, encoding), find_program, told: BTreeSet::new() };
+    let mut server = Server { documents: Documents::new(files, encoding), find_program, published: BTreeSet::new() };
     let is_shut_down = server.serve(&connection)?;
     drop(connection);
     threads.join()?;
@@ -93,7 +93,7 @@ struct Server {
     documents: Documents,
     find_program: Box<FindProgram<'static>>,
     /// Files for which the editor shows diagnostics.
-    told: BTreeSet<String>,
+    published: BTreeSet<String>,
 }
 
 impl Server {
@@ -158,8 +158,8 @@ impl Server {
         let checked =
             check(&self.documents.checkable(), Overrides::default(), self.documents.files(), &*self.find_program);
         let mut by_file: BTreeMap<String, Vec<Diagnostic>> = BTreeMap::new();
-        self.told.extend(self.documents.names().map(str::to_owned));
-        by_file.extend(std::mem::take(&mut self.told).into_iter().map(|name| (name, Vec::new())));
+        self.published.extend(self.documents.names().map(str::to_owned));
+        by_file.extend(std::mem::take(&mut self.published).into_iter().map(|name| (name, Vec::new())));
         for diagnostic in checked.diagnostics {
             let Some(document) = self.documents.document(&diagnostic.file) else { continue };
             let shown = editors_diagnostic(&diagnostic, &document);
@@ -167,7 +167,7 @@ impl Server {
         }
         let publish = |(name, diagnostics): (String, Vec<Diagnostic>)| {
             if !diagnostics.is_empty() {
-                self.told.insert(name.clone());
+                self.published.insert(name.clone());
             }
             Some(PublishDiagnosticsParams { uri: documents::uri_of(&name)?, diagnostics, version: None })
         };

@@ -247,7 +247,7 @@ pub fn args_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<RunArgs> {
 pub fn script_of(recorded: &Recorded) -> Script {
     let script = Script::new(recorded.interventions.iter().cloned());
     match recorded.end {
-        Some((end, _)) if recorded.is_interrupted => script.interrupted(end),
+        Some((end, _)) if recorded.is_interrupted => script.interrupt_at(end),
         _ => script,
     }
 }

@@ -108,7 +108,7 @@ const AFTER_HELP: &str = "Exit codes: 0 all cases have rows, 1 some could not be
                           command continues.";
 
 /// Maximum number of errors that are listed one by one.
-const MOST_ERRORS: usize = 5;
+const MAX_ERRORS: usize = 5;
 
 /// Runs the command.
 ///
@@ -182,7 +182,7 @@ fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
     Pool::new(&suite, &cases, preparation, options).run(&missing, &mut |index, CaseResult { row, .. }| {
         bar.inc(1);
         outcomes.insert(index, row.outcome);
-        if row.outcome == RowOutcome::Error && errors.insert(row.message.clone()) && errors.len() <= MOST_ERRORS {
+        if row.outcome == RowOutcome::Error && errors.insert(row.message.clone()) && errors.len() <= MAX_ERRORS {
             bar.suspend(|| say(format_args!("{}: {}", row.case, row.message)));
         }
         failure = file.append(&row).err();

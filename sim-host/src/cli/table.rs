@@ -222,11 +222,11 @@ impl Table {
         table
     }
 
-    /// Narrows `column` as far as the screen demands, but not below `least` columns.
-    fn cut(&mut self, column: Column, least: usize, screen: TableScreen) {
+    /// Narrows `column` as far as the screen demands, but not below `min_width` columns.
+    fn cut(&mut self, column: Column, min_width: usize, screen: TableScreen) {
         let excess = self.width().saturating_sub(screen.width);
         if let Some((_, width)) = self.columns.iter_mut().find(|(other, _)| *other == column) {
-            *width = width.saturating_sub(excess).max(least.min(*width));
+            *width = width.saturating_sub(excess).max(min_width.min(*width));
         }
     }
 

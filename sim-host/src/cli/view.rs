@@ -354,7 +354,7 @@ impl Session {
     }
 
     fn show_end(&self, ran: &Ran, show: &mut Show, speed: Option<f64>) {
-        let state = RunState::Ended { why: why(ran), digest: ran.finished.ended.digest.to_string() };
+        let state = RunState::Ended { why: end_text(ran), digest: ran.finished.ended.digest.to_string() };
         let (run, ends) = (&*ran.finished.ended.run, &ran.finished.ended.robots[..]);
         let world = run.world();
         let (now, results) = (ran.finished.ended.time, Some(&ran.finished.report.checks[..]));
@@ -407,7 +407,7 @@ fn in_full(rejected: &Rejected) -> String {
 }
 
 /// Text for the page: why the run has ended, and the results of its checks.
-fn why(ran: &Ran) -> String {
+fn end_text(ran: &Ran) -> String {
     let checks = &ran.finished.report.checks;
     let failed: Vec<String> = checks
         .iter()

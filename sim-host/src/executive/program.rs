@@ -157,8 +157,8 @@ impl RobotProgram {
     pub fn call_site(&self) -> Site {
         match self {
             Self::InHost { program, .. } => Site::InHost(program.call_site()),
-            Self::Process(program) => Site::Told(program.call_site()),
-            Self::Embedded(program) => Site::Told(program.call_site()),
+            Self::Process(program) => Site::Reported(program.call_site()),
+            Self::Embedded(program) => Site::Reported(program.call_site()),
         }
     }
 
@@ -166,8 +166,8 @@ impl RobotProgram {
     pub fn place_of(&self, site: &Site) -> Option<String> {
         match (self, site) {
             (Self::InHost { program, .. }, Site::InHost(site)) => program.place_of(site),
-            (Self::Process(program), Site::Told(site)) => program.place_of(site),
-            (Self::InHost { .. } | Self::Embedded(_), Site::Told(site)) => site.line(),
+            (Self::Process(program), Site::Reported(site)) => program.place_of(site),
+            (Self::InHost { .. } | Self::Embedded(_), Site::Reported(site)) => site.line(),
             _ => None,
         }
     }

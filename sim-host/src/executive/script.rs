@@ -17,7 +17,7 @@ pub struct Script {
     /// Actions in order of time.
     actions: VecDeque<(Time, Action)>,
     /// Time at which the user interrupted the recorded run.
-    interrupted: Option<Time>,
+    interrupt_at: Option<Time>,
     pace: Option<Pace>,
     refused: Vec<(Time, Refusal)>,
 }
@@ -26,15 +26,15 @@ impl Script {
     /// Creates a script of these actions; each is carried out at the start of the slot that contains its time. Faults
     /// are left out: they belong to the scene and recur on their own.
     pub fn new(actions: impl IntoIterator<Item = (Time, Action)>) -> Self {
-        let is_own = |(_, action): &(Time, Action)| !matches!(action, Action::Fault { .. });
-        let mut actions: Vec<_> = actions.into_iter().filter(is_own).collect();
+        let is_user_action = |(_, action): &(Time, Action)| !matches!(action, Action::Fault { .. });
+        let mut actions: Vec<_> = actions.into_iter().filter(is_user_action).collect();
         actions.sort_by_key(|(at, _)| *at);
         Self { actions: actions.into(), ..Self::default() }
     }
 
     /// Interrupts the run at the start of the slot at `end`, as the user did in the recorded run.
-    pub fn interrupted(self, end: Time) -> Self {
-        Self { interrupted: Some(end), ..self }
+    pub fn interrupt_at(self, end: Time) -> Self {
+        Self { interrupt_at: Some(end), ..self }
     }
 
     /// Sets the pace; `None` for as fast as possible.
@@ -49,26 +49,26 @@ impl Script {
 
     /// Advances the run to its next actions or, with a pace, to its next slot, and returns after little more than
     /// `budget` of wall-clock time. Returns [`Progress::Over`] once nothing is left to do.
-    pub fn advance(&mut self, run: &mut Scheduler, real: Duration) -> Progress {
+    pub fn advance(&mut self, run: &mut Scheduler, budget: Duration) -> Progress {
         let boundary = run.boundary();
         let start = self.actions.front().map(|(at, _)| slot_start(*at, &boundary));
         if let Some(at) = start.filter(|at| boundary.next.is_none_or(|next| *at <= next)) {
             return self.act(at, run, &boundary);
         }
-        if self.interrupted.is_some_and(|end| boundary.following >= end) {
+        if self.interrupt_at.is_some_and(|end| boundary.following >= end) {
             return interrupt(run);
         }
         let Some(next) = boundary.next_within_limit() else { return Progress::Over };
-        let behind_next = next + Time(1);
+        let after_next = next + Time(1);
         let horizon = if let Some(pace) = &mut self.pace {
             if !pace.wait_until(next, run.run().interrupt()) {
                 return interrupt(run);
             }
-            behind_next
+            after_next
         } else {
-            start.unwrap_or(Time::NEVER).min(self.interrupted.unwrap_or(Time::NEVER)).max(behind_next)
+            start.unwrap_or(Time::NEVER).min(self.interrupt_at.unwrap_or(Time::NEVER)).max(after_next)
         };
-        run.advance_within(horizon, real)
+        run.advance_within(horizon, budget)
     }
 
     /// Carries out the actions of the slot at `at`.

@@ -48,7 +48,7 @@ pub fn finder(search: SearchPath, api: Option<Generation>, sandbox: Option<Sandb
 
 /// The generation, 6 or 7, of a robot's program if the scene states it or the functions that the program calls
 /// determine it.
-pub fn told_generation(search: &SearchPath, scene: &SceneSpec, robot: &RobotSpec) -> Option<u32> {
+pub fn known_generation(search: &SearchPath, scene: &SceneSpec, robot: &RobotSpec) -> Option<u32> {
     let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search.clone() };
     let found = find_program(&robot.program.as_ref()?.text, &search).ok()?;
     let ProgramSource::Sources { files, .. } = found.source else { return None };

@@ -19,7 +19,7 @@ pub const TITLE: f64 = 14.0;
 /// Share of white mixed into an image on the floor, so that bodies on it remain visible.
 const WHITENESS: f64 = 0.35;
 /// Maximum total turn of a path that is drawn in one piece, in radians: our choice, below half a turn.
-const MOST_TURNED: f64 = 2.3;
+const MAX_TURN: f64 = 2.3;
 
 /// A backend that can show an image.
 pub trait Surface: DrawingBackend {
@@ -125,7 +125,7 @@ impl<'b, B: Surface> Canvas<'b, B> {
         let mut turned = 0.0;
         let is_cut = |at: &usize| {
             let turn = (points[*at] - points[at - 1]).angle_to(points[at + 1] - points[*at]).abs();
-            turned = if turned + turn > MOST_TURNED { 0.0 } else { turned + turn };
+            turned = if turned + turn > MAX_TURN { 0.0 } else { turned + turn };
             turn > 0.0 && turned == 0.0
         };
         let cuts = (1..points.len().saturating_sub(1)).filter(is_cut).chain([points.len().saturating_sub(1)]);

@@ -54,23 +54,23 @@ pub enum Form {
     Polygon(Vec<DVec2>),
     /// The line through these points.
     Path(Vec<DVec2>),
-    /// A circle with a radius of at least `least` pixels.
+    /// A circle with a radius of at least `min_radius_px`.
     Disc {
         /// Its middle.
         centre: DVec2,
         /// Its radius in metres.
         radius: f64,
         /// Minimum radius in pixels.
-        least: f64,
+        min_radius_px: f64,
     },
-    /// A straight line of at least `least` pixels.
+    /// A straight line of at least `min_length_px`.
     Needle {
         /// Its start and direction.
         pose: Pose,
         /// Its length in metres.
         length: f64,
         /// Minimum length in pixels.
-        least: f64,
+        min_length_px: f64,
     },
     /// An arrow of constant size.
     Arrow(Pose),
@@ -106,7 +106,7 @@ pub struct Label {
     /// Radius around the point that the text leaves free, in metres.
     pub clearance: f64,
     /// Minimum of this radius, in pixels.
-    pub least: f64,
+    pub min_clearance_px: f64,
     /// Preferred direction of the text from the point; zero for none.
     pub direction: DVec2,
 }

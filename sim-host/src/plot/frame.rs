@@ -152,13 +152,13 @@ impl Frame {
     }
 }
 
-/// Round number of metres (1, 2 or 5 times a power of ten) that is at least `least`.
-pub fn round_step(least: f64) -> f64 {
+/// Round number of metres (1, 2 or 5 times a power of ten) that is at least `min`.
+pub fn round_step(min: f64) -> f64 {
     let mut decade = 1e-9;
-    while decade * 10.0 <= least {
+    while decade * 10.0 <= min {
         decade *= 10.0;
     }
-    [1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade).into_iter().find(|step| *step >= least).unwrap_or(least)
+    [1.0, 2.0, 5.0, 10.0].map(|factor| factor * decade).into_iter().find(|step| *step >= min).unwrap_or(min)
 }
 
 /// Formats metres with the decimals that distinguish multiples of `step`.
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn steps_are_round() {
         let steps: Vec<String> =
-            [0.0012, 0.02, 0.03, 0.7, 1.0, 3.1, 60.0].map(|least| metres(round_step(least), round_step(least))).into();
+            [0.0012, 0.02, 0.03, 0.7, 1.0, 3.1, 60.0].map(|min| metres(round_step(min), round_step(min))).into();
         assert_eq!(steps, ["0.002", "0.02", "0.05", "1", "1", "5", "100"]);
         assert_eq!(
             (metres(-1e-12, 0.5), metres(1.5, 0.5), metres(10.0, 5.0)),

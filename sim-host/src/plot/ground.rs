@@ -63,7 +63,7 @@ pub fn draw_markers(drawing: &mut Drawing, markers: &[MarkerSpec]) {
         drawing.include_around(marker.position, MARKER_RADIUS);
         let [red, green, blue, opacity] = marker.colour;
         let paint = Paint::translucent(RGBColor(red, green, blue), f64::from(opacity) / 255.0);
-        let form = Form::Disc { centre: marker.position, radius: MARKER_RADIUS, least: 3.0 };
+        let form = Form::Disc { centre: marker.position, radius: MARKER_RADIUS, min_radius_px: 3.0 };
         drawing.push(Shape::filled(form, paint).with_line(edge));
     }
     if let Some(marker) = markers.first() {
@@ -82,8 +82,13 @@ pub fn draw_starts<'a>(drawing: &mut Drawing, starts: impl Iterator<Item = &'a S
         drawing.add_legend(Symbol::Arrow(line), "start of a robot");
         if let Some(letter) = start.letter {
             let direction = -start.pose.heading.direction();
-            let label =
-                Label { text: letter.to_string(), at: start.pose.position, clearance: 0.0, least: 1.0, direction };
+            let label = Label {
+                text: letter.to_string(),
+                at: start.pose.position,
+                clearance: 0.0,
+                min_clearance_px: 1.0,
+                direction,
+            };
             drawing.labels.push(label);
         }
     }

@@ -85,7 +85,7 @@ impl<'a> Labels<'a> {
 
 /// Radius around the point of a label that it leaves free, in pixels.
 fn radius(label: &Label, frame: &Frame) -> f64 {
-    (label.clearance * frame.scale()).max(label.least)
+    (label.clearance * frame.scale()).max(label.min_clearance_px)
 }
 
 #[cfg(test)]
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     fn label(text: &str, x: f64, y: f64) -> Label {
-        Label { text: text.into(), at: DVec2::new(x, y), clearance: 0.1, least: 4.0, direction: DVec2::ZERO }
+        Label { text: text.into(), at: DVec2::new(x, y), clearance: 0.1, min_clearance_px: 4.0, direction: DVec2::ZERO }
     }
 
     #[test]

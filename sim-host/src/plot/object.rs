@@ -54,7 +54,7 @@ pub fn collider_shape(collider: &Collider, pose: &Pose, fill: Paint, line: Line)
         Collider::Sphere { centre, radius }
         | Collider::Cylinder { centre, radius, .. }
         | Collider::Capsule { centre, radius, axis: Axis::Z, .. } => {
-            Form::Disc { centre: pose.transform_point(centre.truncate()), radius, least: 2.0 }
+            Form::Disc { centre: pose.transform_point(centre.truncate()), radius, min_radius_px: 2.0 }
         }
         Collider::Box { .. } | Collider::Capsule { .. } => {
             Form::Polygon(footprint(collider).into_iter().map(|point| pose.transform_point(point)).collect())

@@ -22,7 +22,7 @@ const UNIT: i32 = 4;
 /// Pictures with more pixels than this are drawn with half the units per pixel, to save memory.
 const MANY_PIXELS: u64 = 4_000_000;
 /// Details smaller than this number of pixels are left out.
-const LEAST_DETAIL: f64 = 5.0;
+const MIN_DETAIL: f64 = 5.0;
 /// Height of a line of the legend in pixels.
 const ROW: f64 = 18.0;
 /// Minimum distance of the ticks of an axis in pixels.
@@ -186,7 +186,7 @@ impl<B: Surface> Painter<'_, '_, B> {
         // Pixels that have a cross already: coinciding crosses are drawn once.
         let mut crosses = BTreeSet::new();
         for shape in shapes {
-            if shape.detail * self.frame.scale() < LEAST_DETAIL {
+            if shape.detail * self.frame.scale() < MIN_DETAIL {
                 continue;
             }
             if let Form::Cross(point) = shape.form {
@@ -212,15 +212,15 @@ impl<B: Surface> Painter<'_, '_, B> {
                 shape.line.map_or(Ok(()), |line| self.path(&outline, line))
             }
             Form::Path(points) => shape.line.map_or(Ok(()), |line| self.path(points, line)),
-            Form::Disc { centre, radius, least } => {
+            Form::Disc { centre, radius, min_radius_px } => {
                 if !self.frame.contains(*centre) {
                     return Ok(());
                 }
-                let radius = (radius * self.frame.scale()).max(*least);
+                let radius = (radius * self.frame.scale()).max(*min_radius_px);
                 self.canvas.disc(self.frame.pixel_of(*centre), radius, shape.fill, shape.line)
             }
-            Form::Needle { pose, length, least } => {
-                let length = length.max(least / self.frame.scale());
+            Form::Needle { pose, length, min_length_px } => {
+                let length = length.max(min_length_px / self.frame.scale());
                 let points = [pose.position, pose.position + pose.heading.direction() * length];
                 shape.line.map_or(Ok(()), |line| self.path(&points, line))
             }

@@ -49,7 +49,7 @@ pub fn draw_body(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, style: &Ro
     }
     draw_wheels(drawing, robi, pose);
     draw_legs(drawing, robi, pose, style);
-    let disc = Form::Disc { centre: pose.position, radius, least: MARK };
+    let disc = Form::Disc { centre: pose.position, radius, min_radius_px: MARK };
     drawing.push(Shape::filled(disc, Paint::translucent(style.colour, 0.35)).with_line(edge));
     for collider in &robi.colliders {
         footprint(collider).into_iter().for_each(|point| drawing.include(pose.transform_point(point)));
@@ -62,7 +62,7 @@ pub fn draw_body(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, style: &Ro
 
 /// Draws the heading of a robot: a line from its centre to its edge.
 pub fn draw_heading(drawing: &mut Drawing, pose: &Pose, radius: f64) {
-    let needle = Form::Needle { pose: *pose, length: radius, least: MARK };
+    let needle = Form::Needle { pose: *pose, length: radius, min_length_px: MARK };
     drawing.push(Shape::outlined(needle, Line::solid(INK, 1.25)));
 }
 
@@ -124,7 +124,7 @@ pub fn draw_fittings(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     let ranges = sensor_views.iter().map(|view| (view.at, view.line()));
     let infrareds = robi.infrareds.iter().map(|infrared| (infrared.position, INFRARED_LINE));
     for (position, line) in ranges.chain(infrareds.map(|(position, line)| (position.truncate(), line))) {
-        let dot = Form::Disc { centre: pose.transform_point(position), radius: 0.0, least: 2.0 };
+        let dot = Form::Disc { centre: pose.transform_point(position), radius: 0.0, min_radius_px: 2.0 };
         drawing.push(Shape::filled(dot, line.paint).detail(robi.diameter));
     }
 }
@@ -298,7 +298,13 @@ fn arc(pose: &Pose, centre: DVec2, radius: f64, from: f64, to: f64) -> Vec<DVec2
 pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     let mut label = |text: String, place: DVec2, way: DVec2| {
         let at = pose.transform_point(place);
-        drawing.labels.push(Label { text, at, clearance: 0.0, least: 4.0, direction: pose.transform_vector(way) });
+        drawing.labels.push(Label {
+            text,
+            at,
+            clearance: 0.0,
+            min_clearance_px: 4.0,
+            direction: pose.transform_vector(way),
+        });
     };
     let way = |angle: f64| DVec2::new(math::cos(angle), math::sin(angle));
     // Labels are placed at the edge of the body, where the beams leave it, since the sensors themselves are close

@@ -82,7 +82,7 @@ pub fn draw_run(run: &RunPicture<'_>) -> Drawing {
     for (index, robot) in robots.iter().enumerate() {
         let radius = 0.5 * robot.robi.diameter;
         drawing.include_around(robot.start.position, radius);
-        let ring = Form::Disc { centre: robot.start.position, radius, least: 4.0 };
+        let ring = Form::Disc { centre: robot.start.position, radius, min_radius_px: 4.0 };
         drawing.push(Shape::outlined(ring, line(index)));
         draw_heading(&mut drawing, &robot.start, radius);
         draw_body(
@@ -128,7 +128,7 @@ pub fn draw_trials(
         let line = Line { paint: Paint::translucent(colour::robot(index), 0.7), width: 1.5 };
         draw_trails(&mut drawing, lines, line);
         if let Some(start) = lines.first().and_then(|line| line.first()) {
-            let ring = Form::Disc { centre: *start, radius: 0.0, least: 4.0 };
+            let ring = Form::Disc { centre: *start, radius: 0.0, min_radius_px: 4.0 };
             drawing.push(Shape::outlined(ring, line));
         }
         if let Some(place) = place {

@@ -84,7 +84,13 @@ fn title(scene: &SceneSpec) -> String {
 /// Label with the number of a robot, in front of it.
 pub fn robot_label(id: u32, robi: &RobiSpec, pose: &Pose) -> Label {
     let direction = pose.heading.direction();
-    Label { text: format!("r{id}"), at: pose.position, clearance: 0.5 * robi.diameter, least: 4.0, direction }
+    Label {
+        text: format!("r{id}"),
+        at: pose.position,
+        clearance: 0.5 * robi.diameter,
+        min_clearance_px: 4.0,
+        direction,
+    }
 }
 
 /// Legend symbol of the robot at `index` of the list.
@@ -122,7 +128,7 @@ pub fn draw_object_type(kind: &ObjectType, mesh_reader: &mut MeshReader<'_>) -> 
     drawing.include(low - DVec2::splat(margin));
     drawing.include(high + DVec2::splat(margin));
     let line = Line::solid(colour::INK, 1.25);
-    let needle = Form::Needle { pose, length: 0.25 * (high - low).max_element(), least: 10.0 };
+    let needle = Form::Needle { pose, length: 0.25 * (high - low).max_element(), min_length_px: 10.0 };
     drawing.push(Shape::outlined(needle, line));
     drawing.add_legend(Symbol::Line(line), "forward");
     drawing

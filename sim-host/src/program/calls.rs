@@ -46,9 +46,9 @@ pub fn calls_of(text: &str) -> Calls {
             Token::Name("include_next") => calls.is_wrapper = true,
             Token::Name(name) if tokens.get(index + 1) == Some(&Token::Mark('(')) => {
                 // Functions inside classes do not define the unqualified name.
-                let is_definition = depth == 0 && behind_parentheses(&tokens[index + 1..]) == Some(Token::Mark('{'));
+                let is_definition = depth == 0 && after_parentheses(&tokens[index + 1..]) == Some(Token::Mark('{'));
                 let is_typed = before == Some(Token::Mark('*')) || is_type(before);
-                if depth == 0 && is_typed && behind_parentheses(&tokens[index + 1..]) == Some(Token::Mark(';')) {
+                if depth == 0 && is_typed && after_parentheses(&tokens[index + 1..]) == Some(Token::Mark(';')) {
                     calls.declared.insert(name.to_owned());
                 }
                 let names = if before == Some(Token::Name("define")) {
@@ -94,7 +94,7 @@ fn included_file(line: &str) -> Option<&str> {
 }
 
 /// The token after the parentheses with which `tokens` begin.
-fn behind_parentheses<'a>(tokens: &[Token<'a>]) -> Option<Token<'a>> {
+fn after_parentheses<'a>(tokens: &[Token<'a>]) -> Option<Token<'a>> {
     let mut depth = 0_usize;
     for (index, token) in tokens.iter().enumerate() {
         match token {

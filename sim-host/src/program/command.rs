@@ -185,15 +185,15 @@ fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
 /// bytes.
 fn read_all(
     stream: Option<impl Read + Send + 'static>,
-    most: usize,
+    max_bytes: usize,
     is_flooded: &Arc<AtomicBool>,
 ) -> io::Result<thread::JoinHandle<Vec<u8>>> {
     let is_flooded = Arc::clone(is_flooded);
     thread::Builder::new().name("output".to_owned()).spawn(move || {
         let mut bytes = Vec::new();
         // Bytes read before an error count.
-        let _ = stream.map(|stream| stream.take((most as u64).saturating_add(1)).read_to_end(&mut bytes));
-        if bytes.len() > most {
+        let _ = stream.map(|stream| stream.take((max_bytes as u64).saturating_add(1)).read_to_end(&mut bytes));
+        if bytes.len() > max_bytes {
             is_flooded.store(true, Ordering::Relaxed);
         }
         bytes

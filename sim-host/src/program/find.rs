@@ -255,7 +255,7 @@ impl Finder<'_> {
             Err(obstacle) => obstacle,
         };
         self.attempts.push(Attempt { path: path.to_owned(), problem: obstacle.clone() });
-        for beside in places_beside(path) {
+        for beside in paths_beside(path) {
             match self.usable(&beside) {
                 Ok(source) => {
                     if let Some(what) = obstacle {
@@ -357,7 +357,7 @@ fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
 /// Paths of a source or library that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`,
 /// `maze.c++`, the folder or package `maze`, `maze.so`. Empty if the extension of `path` is not one that programs have
 /// on other systems.
-fn places_beside(path: &Path) -> Vec<PathBuf> {
+fn paths_beside(path: &Path) -> Vec<PathBuf> {
     const REPLACED: [&str; 6] = ["dll", "exe", "x", "so", "hex", "o"];
     let is_replaced = path.extension().is_none() || REPLACED.iter().any(|wanted| has_extension(path, wanted));
     if !is_replaced || path.file_name().is_none() {

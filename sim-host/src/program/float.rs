@@ -6,24 +6,24 @@
 
 /// MXCSR of the default environment: round to nearest, all exceptions masked, subnormals kept.
 #[cfg(target_arch = "x86_64")]
-const DEFAULT: u32 = 0x1f80;
+const MXCSR_DEFAULT: u32 = 0x1f80;
 
 /// Mask of MXCSR's control bits; the other bits are status flags.
 #[cfg(target_arch = "x86_64")]
-const CONTROL: u32 = 0xffc0;
+const MXCSR_CONTROL: u32 = 0xffc0;
 
 /// Sets the default environment; returns the previous one if it was different.
 #[cfg(target_arch = "x86_64")]
 #[inline]
 pub fn set_default() -> Option<u32> {
-    let mut present = 0_u32;
+    let mut current = 0_u32;
     // SAFETY: stores the register MXCSR in a valid variable.
-    unsafe { std::arch::asm!("stmxcsr [{}]", in(reg) &raw mut present, options(nostack, preserves_flags)) };
-    if present & CONTROL == DEFAULT {
+    unsafe { std::arch::asm!("stmxcsr [{}]", in(reg) &raw mut current, options(nostack, preserves_flags)) };
+    if current & MXCSR_CONTROL == MXCSR_DEFAULT {
         return None;
     }
-    restore(DEFAULT);
-    Some(present)
+    restore(MXCSR_DEFAULT);
+    Some(current)
 }
 
 /// Restores an environment that [`set_default`] returned.
@@ -60,13 +60,13 @@ pub struct Environment {
 #[cfg(target_arch = "x86_64")]
 impl Environment {
     /// The environment with which a thread starts.
-    pub const INITIAL: Self = Self { sse: DEFAULT, control: 0x37f, flags: 0 };
+    pub const INITIAL: Self = Self { sse: MXCSR_DEFAULT, control: 0x37f, flags: 0 };
 
     /// Exception flags in the x87's status word, stack fault included.
-    const FLAGS: u16 = 0x7f;
+    const X87_FLAGS: u16 = 0x7f;
 
     /// The calling thread's current environment.
-    pub fn present() -> Self {
+    pub fn current() -> Self {
         let (mut sse, mut control, mut status) = (0_u32, 0_u16, 0_u16);
         // SAFETY: each instruction stores a register in a valid variable of its size, and changes nothing else.
         unsafe {
@@ -80,13 +80,13 @@ impl Environment {
                 options(nostack, preserves_flags)
             );
         }
-        Self { sse, control, flags: status & Self::FLAGS }
+        Self { sse, control, flags: status & Self::X87_FLAGS }
     }
 
     /// Makes this the calling thread's environment.
     pub fn apply(self) {
         restore(self.sse);
-        let Self { control, flags, .. } = Self::present();
+        let Self { control, flags, .. } = Self::current();
         if (control, flags) == (self.control, self.flags) {
             return;
         }
@@ -95,7 +95,7 @@ impl Environment {
         // SAFETY: stores the x87's environment in the 28 bytes that it takes.
         unsafe { std::arch::asm!("fnstenv [{}]", in(reg) image.as_mut_ptr(), options(nostack, preserves_flags)) };
         image[0] = image[0] & !0xffff | u32::from(self.control);
-        image[1] = image[1] & !u32::from(Self::FLAGS) | u32::from(self.flags);
+        image[1] = image[1] & !u32::from(Self::X87_FLAGS) | u32::from(self.flags);
         // SAFETY: loads what was stored above, whose control word and flags were themselves read from an x87. The
         // register stack stays empty, as the calling convention requires.
         unsafe { std::arch::asm!("fldenv [{}]", in(reg) image.as_ptr(), options(nostack, preserves_flags)) };
@@ -120,13 +120,13 @@ mod tests {
 
     #[test]
     fn an_environment_is_taken_and_brought_back_with_its_flags() {
-        let before = Environment::present();
+        let before = Environment::current();
         // The x87 in single precision and rounding up, SSE rounding down; division by zero and inexact results seen.
-        let strange = Environment { sse: DEFAULT | 0x2000 | 0x04, control: 0x087f, flags: 0x24 };
+        let strange = Environment { sse: MXCSR_DEFAULT | 0x2000 | 0x04, control: 0x087f, flags: 0x24 };
         strange.apply();
-        assert_eq!(Environment::present(), strange);
+        assert_eq!(Environment::current(), strange);
         Environment::INITIAL.apply();
-        assert_eq!(Environment::present(), Environment::INITIAL);
+        assert_eq!(Environment::current(), Environment::INITIAL);
         before.apply();
     }
 
@@ -138,10 +138,10 @@ mod tests {
         restore(of_program);
         let held = set_default();
         let third = std::hint::black_box(1.0_f64) / std::hint::black_box(3.0);
-        restore(held.unwrap_or(DEFAULT));
-        assert_eq!(set_default().map(|environment| environment & CONTROL), Some(of_program & CONTROL));
+        restore(held.unwrap_or(MXCSR_DEFAULT));
+        assert_eq!(set_default().map(|environment| environment & MXCSR_CONTROL), Some(of_program & MXCSR_CONTROL));
         assert_eq!(
-            (held.map(|environment| environment & CONTROL), third.to_bits()),
+            (held.map(|environment| environment & MXCSR_CONTROL), third.to_bits()),
             (Some(of_program), 0x3fd5_5555_5555_5555)
         );
     }

@@ -9,7 +9,7 @@ pub enum Site {
     InHost(CallSite),
     /// In a program that reports it with the call: in its own process, or code of the process that embeds the
     /// simulator.
-    Told(RemoteSite),
+    Reported(RemoteSite),
 }
 
 impl Default for Site {

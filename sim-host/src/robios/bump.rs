@@ -19,7 +19,7 @@ use sim_core::record::Event;
 pub struct Bumpers {
     handles: Handles,
     /// For each bumper, the time before which contacts have been reported.
-    since: Vec<Time>,
+    reported_until: Vec<Time>,
 }
 
 /// `BUMPInit`
@@ -29,8 +29,8 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     };
     let bumpers = &mut robot.robios.bumpers;
     if !bumpers.handles.is_open(index) {
-        bumpers.since.resize(bumpers.since.len().max(index + 1), Time::ZERO);
-        bumpers.since[index] = robot.state.now;
+        bumpers.reported_until.resize(bumpers.reported_until.len().max(index + 1), Time::ZERO);
+        bumpers.reported_until[index] = robot.state.now;
     }
     bumpers.handles.open(index)
 }
@@ -46,13 +46,13 @@ pub fn release(robot: &mut Robot, handles: i32) -> i32 {
 /// `BUMPCheck`: the switch closes when a contact begins; a lasting contact counts once.
 pub fn check(robot: &mut Robot, handle: i32, stamp: &mut Out<i32>) -> i32 {
     let Some(index) = robot.robios.bumpers.handles.one(handle) else { return robot.failed(Call::BUMPCheck, -1) };
-    let since = robot.robios.bumpers.since[index];
-    robot.robios.bumpers.since[index] = robot.now + Time(1);
+    let reported_until = robot.robios.bumpers.reported_until[index];
+    robot.robios.bumpers.reported_until[index] = robot.now + Time(1);
     let is_on = robot.devices.switches.is_on(SensorId::Bumper(index));
     let simulation::Robot { spec, motion, now, .. } = &mut robot.state;
     let first = spec.bumpers.get(index).filter(|_| is_on).and_then(|spec| {
         let bumper = Bumper { bearing: 0.5 * (spec.from + spec.to), half_width: 0.5 * (spec.to - spec.from) };
-        let impacts = motion.impacts(since, *now);
+        let impacts = motion.impacts(reported_until, *now);
         impacts.into_iter().find(|impact| impact.fresh && bumper.is_pressed_by(impact))
     });
     if let Some(impact) = first {

@@ -97,7 +97,7 @@ impl<F: Flow> Caller<F> {
     ///
     /// # Errors
     /// See [`Caller::wait`].
-    pub(super) fn wait_at_once<R>(
+    pub(super) fn wait_untimed<R>(
         &self,
         call: SupportCall,
         mut poll: impl FnMut(&mut Robot, &World) -> Poll<R>,
@@ -283,7 +283,7 @@ impl<F: Flow> Caller<F> {
     /// # Errors
     /// [`Stop`] if the program must end.
     pub(crate) fn sleep(&self, span: Time) -> Result<(), Stop> {
-        let end = self.at_once(SupportCall::sleep_us, |robot| robot.now + span);
+        let end = self.untimed(SupportCall::sleep_us, |robot| robot.now + span);
         self.wait(SupportCall::sleep_us, |robot, _| {
             if robot.now >= end { Poll::Ready(()) } else { Poll::Pending { at: end, reason: WaitReason::Time(end) } }
         })
@@ -291,7 +291,7 @@ impl<F: Flow> Caller<F> {
 
     /// Acts without virtual time: a program that must stop may still call it. The thread counts as executing host code
     /// meanwhile, so that the watchdog does not park it while it holds the robot's lock.
-    pub(crate) fn at_once<R>(&self, call: SupportCall, act: impl FnOnce(&mut Robot) -> R) -> R {
+    pub(crate) fn untimed<R>(&self, call: SupportCall, act: impl FnOnce(&mut Robot) -> R) -> R {
         // These lines need almost no stack: they also serve a program whose stack is exhausted.
         self.flow.enter(call.into());
         let mut robot = self.robot();
@@ -447,7 +447,7 @@ impl<F: Flow> CallContext for Caller<F> {
     fn log_call(&self, record: &CallRecord<'_>) {
         let arguments = record.arguments.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
         let result = record.result.map_or_else(|| "stopped".to_owned(), ToString::to_string);
-        self.at_once(SupportCall::console, |robot| {
+        self.untimed(SupportCall::console, |robot| {
             let event = Event::Call { function: record.name, arguments: &arguments, result: &result };
             robot.state.journal.record(robot.state.now, &event);
         });
@@ -460,12 +460,12 @@ impl<F: Flow> CallContext for Caller<F> {
 
     fn unavailable(&self, name: &'static str) {
         let text = format!("`{name}` is not simulated: it answers as a robot without that device does");
-        self.at_once(SupportCall::console, |robot| robot.hint(&text));
+        self.untimed(SupportCall::console, |robot| robot.hint(&text));
     }
 
     fn panicked(&self, name: &'static str, _: Box<dyn Any + Send>) {
         let reason = format!("internal error of eyesim in `{name}`");
-        self.at_once(SupportCall::failed, |robot| {
+        self.untimed(SupportCall::failed, |robot| {
             robot.ending.get_or_insert(Ending::Failed { reason });
         });
     }

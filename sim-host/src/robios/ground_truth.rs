@@ -1,7 +1,7 @@
 //! Functions of RoBIOS-7 that only a simulator can provide: ground-truth poses, and placement of robots and objects.
 //!
 //! Source: EyeSim VR, simulation functions. Headings are as in the sim file and in VW: 0 along x, counter-clockwise;
-//! headings of EyeSim VR of 2018 differ (`heading_told`, `heading_meant`).
+//! headings of EyeSim VR of 2018 differ (`heading_to_program`, `heading_from_program`).
 
 use sim_core::pose::Pose;
 use sim_core::simulation::{self, Placeable, Placement};
@@ -164,18 +164,18 @@ pub fn object_count(robot: &Robot) -> i32 {
 /// object.
 fn give(dialect: Dialect, pose: &Pose, height: f64, [x, y, z, phi]: [&mut Out<i32>; 4]) {
     let [x_mm, y_mm, phi_degrees] = pose_numbers(pose);
-    let numbers = [x_mm, y_mm, heading_told(dialect, phi_degrees)];
+    let numbers = [x_mm, y_mm, heading_to_program(dialect, phi_degrees)];
     [x, y, phi].into_iter().zip(numbers).for_each(|(out, number)| out.set(number));
     z.set(mm_from_metres(height).round() as i32);
 }
 
 fn pose_meant(dialect: Dialect, [x_mm, y_mm, phi_degrees]: [i32; 3]) -> Pose {
-    pose([x_mm, y_mm, heading_meant(dialect, phi_degrees)])
+    pose([x_mm, y_mm, heading_from_program(dialect, phi_degrees)])
 }
 
 /// Heading in degrees that a program reads: `phi`, from -179 to 180, counter-clockwise from x. EyeSim VR of 2018 gives 360 minus the
 /// yaw of Unity, which is 90 - `phi` from 0 to 359: so 1 to 360, counter-clockwise from -y.
-fn heading_told(dialect: Dialect, phi: i32) -> i32 {
+fn heading_to_program(dialect: Dialect, phi: i32) -> i32 {
     match dialect {
         Dialect::Vr2018 => 360 - yaw(phi),
         Dialect::Classic | Dialect::Vr2023 => phi,
@@ -184,7 +184,7 @@ fn heading_told(dialect: Dialect, phi: i32) -> i32 {
 
 /// Heading in degrees, counter-clockwise from x, for the argument `phi` of a program. For EyeSim VR of 2018 it is the
 /// yaw of Unity: clockwise from y.
-fn heading_meant(dialect: Dialect, phi: i32) -> i32 {
+fn heading_from_program(dialect: Dialect, phi: i32) -> i32 {
     match dialect {
         Dialect::Vr2018 => yaw(phi),
         Dialect::Classic | Dialect::Vr2023 => phi,
@@ -231,11 +231,11 @@ mod tests {
 
     #[test]
     fn headings_of_2018_are_those_of_its_source() {
-        let told = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_told(dialect, phi));
+        let told = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_to_program(dialect, phi));
         assert_eq!([90, 0, 180, -90, 89].map(told), [[360, 90], [270, 0], [90, 180], [180, -90], [359, 89]]);
-        let meant = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_meant(dialect, phi));
+        let meant = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_from_program(dialect, phi));
         assert_eq!([0, 90, 180, -90].map(meant), [[90, 0], [0, 90], [270, 180], [180, -90]]);
-        assert_eq!(heading_meant(Dialect::Vr2018, i32::MIN), (90 + (1_i64 << 31)).rem_euclid(360) as i32);
+        assert_eq!(heading_from_program(Dialect::Vr2018, i32::MIN), (90 + (1_i64 << 31)).rem_euclid(360) as i32);
     }
 
     #[test]

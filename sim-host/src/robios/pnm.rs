@@ -49,7 +49,7 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
     let side = "a whole number above 0";
     let width = text.number(u32::MAX).filter(|it| *it > 0).ok_or(PnmError::Header("width", side))?;
     let height = text.number(u32::MAX).filter(|it| *it > 0).ok_or(PnmError::Header("height", side))?;
-    let most = match kind {
+    let max = match kind {
         1 | 4 => 1,
         _ => text
             .number(65_535)
@@ -64,8 +64,8 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
     }
     let (width, samples) = (width as usize, pixels as usize * depth);
     let sample = |number: usize, value: Option<u32>| {
-        let value = value.filter(|value| *value <= most).ok_or(PnmError::Sample((number / depth) as u64, most))?;
-        Ok(((value * 255 + most / 2) / most) as u8)
+        let value = value.filter(|value| *value <= max).ok_or(PnmError::Sample((number / depth) as u64, max))?;
+        Ok(((value * 255 + max / 2) / max) as u8)
     };
     // One blank ends the header of a binary file.
     let data = text.rest.get(1..).unwrap_or_default();
@@ -73,14 +73,14 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
     let levels: Vec<u8> = match kind {
         // The digits of a plain bitmap need no blanks between them.
         1 => (0..samples).map(|at| sample(at, text.digit()).map(|level| 255 - level)).collect::<Result<_, _>>()?,
-        2 | 3 => (0..samples).map(|at| sample(at, text.number(most))).collect::<Result<_, _>>()?,
+        2 | 3 => (0..samples).map(|at| sample(at, text.number(max))).collect::<Result<_, _>>()?,
         4 => {
             let row = width.div_ceil(8);
             let rows = data.get(..row * height as usize).ok_or(short)?.chunks_exact(row);
             rows.flat_map(|row| (0..width).map(|at| if row[at / 8] >> (7 - at % 8) & 1 == 1 { 0 } else { 255 }))
                 .collect()
         }
-        _ if most < 256 => {
+        _ if max < 256 => {
             let data = data.get(..samples).ok_or(short)?;
             data.iter().enumerate().map(|(at, level)| sample(at, Some((*level).into()))).collect::<Result<_, _>>()?
         }
@@ -112,13 +112,13 @@ impl Text<'_> {
         }
     }
 
-    /// The next number, at most `most`; `None` if there is none.
-    fn number(&mut self, most: u32) -> Option<u32> {
+    /// The next number, at most `max`; `None` if there is none.
+    fn number(&mut self, max: u32) -> Option<u32> {
         self.skip();
         let length = self.rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
         let (digits, rest) = self.rest.split_at(length);
         self.rest = rest;
-        std::str::from_utf8(digits).ok()?.parse().ok().filter(|number| *number <= most)
+        std::str::from_utf8(digits).ok()?.parse().ok().filter(|number| *number <= max)
     }
 
     /// The next digit, 0 or 1 in a bitmap.

@@ -62,7 +62,7 @@ enum Peer {
 struct OpenInterface {
     baud: i64,
     /// Time at which the interface was opened.
-    since: Time,
+    opened_at: Time,
     /// Bytes in transmission, with their arrival times.
     incoming: VecDeque<(Time, u8)>,
     /// Number of the device's bytes that were taken since the interface was opened.
@@ -83,7 +83,7 @@ impl Serial {
     /// Opens an interface, or opens it again with another rate; received bytes are discarded.
     pub fn open(&mut self, number: i32, baud: i32, now: Time) {
         self.close(number, now);
-        let port = OpenInterface { baud: baud.into(), since: now, incoming: VecDeque::new(), taken: 0 };
+        let port = OpenInterface { baud: baud.into(), opened_at: now, incoming: VecDeque::new(), taken: 0 };
         self.open.insert(number, port);
     }
 
@@ -128,9 +128,9 @@ impl Serial {
         self.open.get(&number).map_or(0, |port| port.incoming.partition_point(|(at, _)| *at <= now))
     }
 
-    /// Takes up to `most` of the bytes received by `now`, the earliest first.
-    fn take(&mut self, number: i32, now: Time, most: usize) -> Vec<u8> {
-        let count = self.waiting(number, now).min(most);
+    /// Takes up to `max_count` of the bytes received by `now`, the earliest first.
+    fn take(&mut self, number: i32, now: Time, max_count: usize) -> Vec<u8> {
+        let count = self.waiting(number, now).min(max_count);
         let from_device = self.device(number).map(|(port, bytes)| bytes[port.taken..port.taken + count].to_vec());
         let Some(port) = self.open.get_mut(&number) else { return Vec::new() };
         match from_device {
@@ -156,12 +156,12 @@ impl OpenInterface {
     /// Arrival time of byte `index` of a device, counted from the opening.
     fn arrival(&self, index: usize) -> Time {
         let bits = i128::from(BYTE) * (index as i128 + 1);
-        self.since + Time((bits + i128::from(self.baud) - 1).div_euclid(i128::from(self.baud)) as i64)
+        self.opened_at + Time((bits + i128::from(self.baud) - 1).div_euclid(i128::from(self.baud)) as i64)
     }
 
     /// Number of bytes, of `count` bytes of a device, that have arrived by `now`.
     fn arrived(&self, now: Time, count: usize) -> usize {
-        let bits = i128::from((now - self.since).0) * i128::from(self.baud);
+        let bits = i128::from((now - self.opened_at).0) * i128::from(self.baud);
         usize::try_from(bits.div_euclid(i128::from(BYTE))).unwrap_or_default().min(count)
     }
 }
@@ -236,10 +236,10 @@ fn receive(robot: &mut Robot, number: i32) -> Poll<u8> {
     Poll::Pending { at, reason: WaitReason::Input(format!("a byte on {name}, {what}")) }
 }
 
-/// Takes up to `most` received bytes and records them.
-fn take(robot: &mut Robot, number: i32, most: usize) -> Vec<u8> {
+/// Takes up to `max_count` received bytes and records them.
+fn take(robot: &mut Robot, number: i32, max_count: usize) -> Vec<u8> {
     let now = robot.now;
-    let data = robot.robios.serial.take(number, now, most);
+    let data = robot.robios.serial.take(number, now, max_count);
     if let (false, Some(port)) = (data.is_empty(), robot.robios.serial.opened(number)) {
         robot.record(Event::SerialReceived { port, data: &data });
     }

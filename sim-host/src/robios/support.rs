@@ -41,8 +41,8 @@ impl Generators {
     /// Restarts the stream for `purpose` with the program's seed, as its substream `program_seed` + 1; substream 0 is
     /// the unseeded one.
     pub fn seed(&mut self, purpose: u32, program_seed: u64) {
-        let sub_number = program_seed.wrapping_add(1);
-        self.streams.insert(purpose, Stream::new(self.seed, self.robot, Purpose::Program, purpose, sub_number));
+        let substream = program_seed.wrapping_add(1);
+        self.streams.insert(purpose, Stream::new(self.seed, self.robot, Purpose::Program, purpose, substream));
     }
 }
 
@@ -51,7 +51,7 @@ impl<F: Flow> Support for Caller<F> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
         // The output of a program that must stop is still recorded, but costs no virtual time.
         let result = if self.flow().is_exiting() { Ok(()) } else { self.spend_on_console() };
-        self.at_once(SupportCall::console, |robot| print_lines(robot, stream, &text));
+        self.untimed(SupportCall::console, |robot| print_lines(robot, stream, &text));
         result.map(|()| 0)
     }
 
@@ -76,7 +76,7 @@ impl<F: Flow> Support for Caller<F> {
 
     fn failed(&self, kind: i32, text: Option<&[u8]>, stack: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(text.unwrap_or_default());
-        let place = self.flow().line_of(&addresses(stack)).map(|line| format!(" at {line}"));
+        let location = self.flow().line_of(&addresses(stack)).map(|line| format!(" at {line}"));
         let reason = match kind {
             failure::ABORT => "the program called abort".to_owned(),
             failure::ASSERTION => format!("assertion failed: {text}"),
@@ -84,8 +84,8 @@ impl<F: Flow> Support for Caller<F> {
             failure::STACK => "the program wrote over the end of a local array (stack smashed)".to_owned(),
             _ => text.into_owned(),
         };
-        self.at_once(SupportCall::failed, |robot| {
-            let reason = robot.tasks.prefix() + &reason + &place.unwrap_or_default();
+        self.untimed(SupportCall::failed, |robot| {
+            let reason = robot.tasks.prefix() + &reason + &location.unwrap_or_default();
             robot.ending.get_or_insert(Ending::Failed { reason });
         });
         Ok(0)
@@ -93,38 +93,38 @@ impl<F: Flow> Support for Caller<F> {
 
     fn unopened(&self, name: Option<&[u8]>, error: i32) -> Result<i32, Stop> {
         let name = String::from_utf8_lossy(name.unwrap_or_default());
-        self.at_once(SupportCall::unopened, |robot| robot.robios.storage.note_unopened(&name, error));
+        self.untimed(SupportCall::unopened, |robot| robot.robios.storage.note_unopened(&name, error));
         Ok(0)
     }
 
     fn noticed(&self, text: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(text.unwrap_or_default());
-        self.at_once(SupportCall::noticed, |robot| robot.hint(&text));
+        self.untimed(SupportCall::noticed, |robot| robot.hint(&text));
         Ok(0)
     }
 
     fn unopened_by(&self, name: Option<&[u8]>, error: i32, stack: Option<&[u8]>) -> Result<i32, Stop> {
         let name = String::from_utf8_lossy(name.unwrap_or_default());
-        let place = self.flow().line_of(&addresses(stack));
-        self.at_once(SupportCall::unopened_by, |robot| {
+        let line = self.flow().line_of(&addresses(stack));
+        self.untimed(SupportCall::unopened_by, |robot| {
             robot.robios.storage.note_unopened(&name, error);
             if !robot.robios.hints.is_first(Mistake::Unopened) {
                 return;
             }
             let reason = robot.robios.storage.unopened().unwrap_or_default();
             robot.state.hint(reason);
-            place.as_deref().and_then(RemoteSite::of_line).into_iter().for_each(|site| {
-                self.flow().note_hint(reason, &Site::Told(site));
+            line.as_deref().and_then(RemoteSite::of_line).into_iter().for_each(|site| {
+                self.flow().note_hint(reason, &Site::Reported(site));
             });
         });
         Ok(0)
     }
 
     fn read_at_end(&self, stack: Option<&[u8]>) -> Result<i32, Stop> {
-        let place = self.flow().line_of(&addresses(stack));
-        self.at_once(SupportCall::read_at_end, |_| {
-            place.as_deref().and_then(RemoteSite::of_line).into_iter().for_each(|site| {
-                self.flow().note_hint(input::EMPTY, &Site::Told(site));
+        let line = self.flow().line_of(&addresses(stack));
+        self.untimed(SupportCall::read_at_end, |_| {
+            line.as_deref().and_then(RemoteSite::of_line).into_iter().for_each(|site| {
+                self.flow().note_hint(input::EMPTY, &Site::Reported(site));
             });
         });
         Ok(0)
@@ -132,12 +132,12 @@ impl<F: Flow> Support for Caller<F> {
 
     fn unfinished(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
-        self.at_once(SupportCall::unfinished, |robot| print_lines(robot, stream, &text));
+        self.untimed(SupportCall::unfinished, |robot| print_lines(robot, stream, &text));
         Ok(0)
     }
 
     fn program_name(&self, name: &mut OutBytes) -> Result<i32, Stop> {
-        let length = self.at_once(SupportCall::program_name, |robot| {
+        let length = self.untimed(SupportCall::program_name, |robot| {
             name.set(robot.program.as_bytes());
             robot.program.len()
         });
@@ -154,7 +154,7 @@ impl<F: Flow> Support for Caller<F> {
 
     fn task_wait(&self, key: u64, kind: i32, holder: i32, deadline_us: i64) -> Result<i32, Stop> {
         let holder = u32::try_from(holder).unwrap_or(0);
-        self.wait_at_once(SupportCall::task_wait, |robot, _| {
+        self.wait_untimed(SupportCall::task_wait, |robot, _| {
             if robot.tasks.enqueue_or_check(key) {
                 Poll::Ready(1)
             } else if robot.now >= Time(deadline_us) {
@@ -166,17 +166,17 @@ impl<F: Flow> Support for Caller<F> {
     }
 
     fn task_wake(&self, key: u64) -> Result<i32, Stop> {
-        Ok(self.at_once(SupportCall::task_wake, |robot| robot.tasks.wake_first(key).map_or(0, u32::cast_signed)))
+        Ok(self.untimed(SupportCall::task_wake, |robot| robot.tasks.wake_first(key).map_or(0, u32::cast_signed)))
     }
 
     fn task_wake_all(&self, key: u64) -> Result<i32, Stop> {
         let wake_all = |robot: &mut Robot| std::iter::from_fn(|| robot.tasks.wake_first(key)).count();
-        Ok(self.at_once(SupportCall::task_wake_all, wake_all) as i32)
+        Ok(self.untimed(SupportCall::task_wake_all, wake_all) as i32)
     }
 
     fn task_interrupt(&self, task: i32) -> Result<i32, Stop> {
         let number = u32::try_from(task).unwrap_or(0);
-        Ok(i32::from(self.at_once(SupportCall::task_interrupt, |robot| robot.tasks.interrupt(number))))
+        Ok(i32::from(self.untimed(SupportCall::task_interrupt, |robot| robot.tasks.interrupt(number))))
     }
 
     fn task_yield(&self) -> Result<i32, Stop> {

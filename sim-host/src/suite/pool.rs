@@ -46,17 +46,17 @@ struct Worker {
     /// The part of its next answer that has arrived.
     received: Vec<u8>,
     /// Time at which that answer began to arrive.
-    answers_since: Instant,
+    answer_started: Instant,
     /// Indices of its cases; the front one is running.
     given: VecDeque<usize>,
     /// The worker ends after its first case.
-    is_single: bool,
+    runs_one_case: bool,
     /// Start of the running case.
-    since: Instant,
+    case_started: Instant,
 }
 
 /// Cases queued at a worker that runs many: one runs and one waits, so that the worker is never idle.
-const AHEAD: usize = 2;
+const QUEUE_DEPTH: usize = 2;
 
 /// Longest delay until an interrupt is noticed.
 const POLL: Duration = Duration::from_millis(100);
@@ -75,7 +75,7 @@ const MAX_ANSWER: usize = 256 << 20;
 
 /// Wall-clock seconds that a case gets per second of its processor-time limit; then its worker is killed. A last
 /// resort, far beyond what a loaded machine needs.
-const PATIENCE: f64 = 20.0;
+const WALL_PER_PROCESSOR_SECOND: f64 = 20.0;
 
 impl<'s> Pool<'s> {
     /// A pool for `cases`, whose programs `preparation` has built.
@@ -112,14 +112,14 @@ impl<'s> Pool<'s> {
                 None => waiting.push_back(index),
             }
         }
-        let mut alone = VecDeque::new();
+        let mut isolated = VecDeque::new();
         if self.options.isolate || self.suite.spec.limits.memory.is_some() {
-            alone.append(&mut waiting);
+            isolated.append(&mut waiting);
         }
         waiting.retain(|&index| {
             let may_share = self.preparation.may_share(&self.cases[index]);
             if !may_share {
-                alone.push_back(index);
+                isolated.push_back(index);
             }
             may_share
         });
@@ -127,37 +127,37 @@ impl<'s> Pool<'s> {
         // Cases during which a shared worker died; they are run again in a worker of their own.
         let mut suspects: Vec<usize> = Vec::new();
         while !self.preparation.session.interrupt.is_set() {
-            self.employ(&mut workers, &mut waiting, &mut alone)?;
+            self.fill_workers(&mut workers, &mut waiting, &mut isolated)?;
             if workers.is_empty() {
                 break;
             }
             let streams: Vec<&UnixStream> = workers.iter().map(|worker| &worker.process.stream).collect();
             let ready = readable(&streams, POLL).map_err(PoolError::Wait)?;
-            for place in ready.into_iter().rev() {
-                let asked = workers[place].given.front().map(|&index| &self.cases[index]);
-                let answer = match workers[place].receive(asked).transpose() {
+            for position in ready.into_iter().rev() {
+                let expected = workers[position].given.front().map(|&index| &self.cases[index]);
+                let answer = match workers[position].receive(expected).transpose() {
                     Some(answer) => answer,
                     None => continue,
                 };
-                let first = workers[place].given.pop_front();
+                let first = workers[position].given.pop_front();
                 let (result, is_over) = match (answer, first) {
                     (Ok((result, is_last)), Some(first)) => (Some((first, result)), is_last),
                     (Err(why), Some(first)) => {
-                        let how = workers[place].process.end_within(WORKER_END_TIMEOUT);
-                        if workers[place].is_single || suspects.contains(&first) {
+                        let how = workers[position].process.end_within(WORKER_END_TIMEOUT);
+                        if workers[position].runs_one_case || suspects.contains(&first) {
                             let message = format!("the process of the case {why}: {how}");
                             (Some((first, self.lost(first, &message))), true)
                         } else {
                             suspects.push(first);
-                            alone.push_front(first);
+                            isolated.push_front(first);
                             (None, true)
                         }
                     }
                     _ => (None, true),
                 };
-                workers[place].since = Instant::now();
+                workers[position].case_started = Instant::now();
                 if is_over {
-                    let worker = workers.remove(place);
+                    let worker = workers.remove(position);
                     worker.given.iter().rev().for_each(|&index| waiting.push_front(index));
                     let mut process = worker.process;
                     _ = process.stream.shutdown(std::net::Shutdown::Both);
@@ -174,36 +174,36 @@ impl<'s> Pool<'s> {
                 return Ok(());
             }
         }
-        dismiss(workers);
+        shut_down(workers);
         Ok(())
     }
 
     /// Tops up the queues of the workers, and starts workers while there are cases and free places.
-    fn employ(
+    fn fill_workers(
         &mut self,
         workers: &mut Vec<Worker>,
         waiting: &mut VecDeque<usize>,
-        alone: &mut VecDeque<usize>,
+        isolated: &mut VecDeque<usize>,
     ) -> Result<(), PoolError> {
         // A worker without a case is served first, so that the last cases are spread over all workers.
-        for ahead in 1..=AHEAD {
-            for worker in workers.iter_mut().filter(|worker| !worker.is_single && worker.given.len() < ahead) {
+        for ahead in 1..=QUEUE_DEPTH {
+            for worker in workers.iter_mut().filter(|worker| !worker.runs_one_case && worker.given.len() < ahead) {
                 give(worker, waiting);
             }
         }
         while workers.len() < self.options.workers {
-            let is_single = !alone.is_empty();
-            let queue = if is_single { &mut *alone } else { &mut *waiting };
+            let runs_one_case = !isolated.is_empty();
+            let queue = if runs_one_case { &mut *isolated } else { &mut *waiting };
             if queue.is_empty() {
                 break;
             }
             let (suite, cases) = (self.suite, self.cases);
             let session = &mut self.preparation.session;
-            let serve = |stream| serve(suite, cases, session, stream, is_single);
+            let serve = |stream| serve(suite, cases, session, stream, runs_one_case);
             let process = ForkedWorker::start(serve).map_err(PoolError::Start)?;
             process.stream.set_nonblocking(true).map_err(PoolError::Start)?;
             let (received, given, now) = (Vec::new(), VecDeque::new(), Instant::now());
-            let mut worker = Worker { process, received, answers_since: now, given, is_single, since: now };
+            let mut worker = Worker { process, received, answer_started: now, given, runs_one_case, case_started: now };
             give(&mut worker, queue);
             workers.push(worker);
         }
@@ -224,13 +224,13 @@ impl<'s> Pool<'s> {
         done: &mut dyn FnMut(usize, CaseResult) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let suite = self.suite;
-        let most = PATIENCE * (suite.spec.limits.processor + suite.spec.limits.slot_processor) + 10.0;
+        let most = WALL_PER_PROCESSOR_SECOND * (suite.spec.limits.processor + suite.spec.limits.slot_processor) + 10.0;
         let is_late = |worker: &Worker| {
-            let answers_late = !worker.received.is_empty() && worker.answers_since.elapsed() > ANSWER_TIMEOUT;
-            !worker.given.is_empty() && (answers_late || worker.since.elapsed().as_secs_f64() > most)
+            let answers_late = !worker.received.is_empty() && worker.answer_started.elapsed() > ANSWER_TIMEOUT;
+            !worker.given.is_empty() && (answers_late || worker.case_started.elapsed().as_secs_f64() > most)
         };
-        while let Some(place) = workers.iter().position(is_late) {
-            let mut worker = workers.remove(place);
+        while let Some(position) = workers.iter().position(is_late) {
+            let mut worker = workers.remove(position);
             worker.process.kill();
             worker.process.wait();
             let first = worker.given.pop_front();
@@ -259,7 +259,7 @@ impl<'s> Pool<'s> {
 fn give(worker: &mut Worker, queue: &mut VecDeque<usize>) -> bool {
     let Some(index) = queue.pop_front() else { return false };
     if worker.given.is_empty() {
-        worker.since = Instant::now();
+        worker.case_started = Instant::now();
     }
     worker.given.push_back(index);
     // A worker that has ended is noticed when its answer is read.
@@ -268,15 +268,15 @@ fn give(worker: &mut Worker, queue: &mut VecDeque<usize>) -> bool {
 }
 
 /// Waits for the workers to end after an interrupt; the signal has reached them too.
-fn dismiss(mut workers: Vec<Worker>) {
+fn shut_down(mut workers: Vec<Worker>) {
     let start = Instant::now();
     workers.iter().for_each(|worker| _ = worker.process.stream.shutdown(std::net::Shutdown::Write));
     while !workers.is_empty() && start.elapsed() < END_TIMEOUT {
         let streams: Vec<&UnixStream> = workers.iter().map(|worker| &worker.process.stream).collect();
         let Ok(ready) = readable(&streams, POLL) else { break };
-        for place in ready.into_iter().rev() {
-            if workers[place].receive(None).is_err() {
-                workers.remove(place);
+        for position in ready.into_iter().rev() {
+            if workers[position].receive(None).is_err() {
+                workers.remove(position);
             }
         }
     }
@@ -289,7 +289,7 @@ impl Worker {
     ///
     /// # Errors
     /// Verb phrase for the message, such as "ended without a result".
-    fn receive(&mut self, asked: Option<&Case>) -> Result<Option<(CaseResult, bool)>, &'static str> {
+    fn receive(&mut self, expected: Option<&Case>) -> Result<Option<(CaseResult, bool)>, &'static str> {
         const HEAD: usize = 5;
         const ENDED: &str = "ended without a result";
         const MALFORMED: &str = "gave something else than a result";
@@ -308,15 +308,15 @@ impl Worker {
             if missing == 0 && self.received.len() >= HEAD {
                 let answer = std::mem::take(&mut self.received);
                 let result: CaseResult = serde_json::from_slice(&answer[HEAD..]).map_err(|_error| MALFORMED)?;
-                let is_asked = asked.is_none_or(|case| result.row.case == case.name);
-                return if is_asked { Ok(Some((result, answer[0] != 0))) } else { Err(MALFORMED) };
+                let is_expected = expected.is_none_or(|case| result.row.case == case.name);
+                return if is_expected { Ok(Some((result, answer[0] != 0))) } else { Err(MALFORMED) };
             }
-            let most = missing.min(bytes.len());
-            match self.process.stream.read(&mut bytes[..most]) {
+            let wanted = missing.min(bytes.len());
+            match self.process.stream.read(&mut bytes[..wanted]) {
                 Ok(0) => return Err(ENDED),
                 Ok(count) => {
                     if self.received.is_empty() {
-                        self.answers_since = Instant::now();
+                        self.answer_started = Instant::now();
                     }
                     self.received.extend_from_slice(&bytes[..count]);
                 }
@@ -328,8 +328,8 @@ impl Worker {
     }
 }
 
-/// Runs the cases that the pool asks for until it closes the connection; a single one if `is_single`.
-fn serve(suite: &Suite, cases: &[Case], session: &mut Session, mut stream: UnixStream, is_single: bool) {
+/// Runs the cases that the pool asks for until it closes the connection; a single one if `runs_one_case`.
+fn serve(suite: &Suite, cases: &[Case], session: &mut Session, mut stream: UnixStream, runs_one_case: bool) {
     if let Some(bytes) = suite.spec.limits.memory
         && let Err(error) = limit_memory(bytes)
     {
@@ -340,7 +340,7 @@ fn serve(suite: &Suite, cases: &[Case], session: &mut Session, mut stream: UnixS
         let Some(case) = cases.get(u32::from_le_bytes(request) as usize) else { break };
         let result = run_case(suite, case, session);
         // A program that failed may have corrupted this process.
-        let is_last = is_single || session.interrupt.is_set() || result.has_failed_program();
+        let is_last = runs_one_case || session.interrupt.is_set() || result.has_failed_program();
         let sent = serde_json::to_vec(&result).map_err(io::Error::from).and_then(|bytes| {
             let mut message = vec![u8::from(is_last)];
             message.extend((bytes.len() as u32).to_le_bytes());

@@ -237,17 +237,17 @@ struct TakenRequests {
 /// Measures simulated seconds per second of wall-clock time.
 #[derive(Default)]
 struct Rate {
-    since: Option<(Instant, Time)>,
+    window_start: Option<(Instant, Time)>,
     last: f64,
 }
 
 impl Rate {
     fn measure(&mut self, real: Instant, simulated: Time) -> f64 {
-        let (start, from) = *self.since.get_or_insert((real, simulated));
+        let (start, from) = *self.window_start.get_or_insert((real, simulated));
         let seconds = (real - start).as_secs_f64();
         if seconds >= RATE_PERIOD.as_secs_f64() {
             self.last = (simulated - from).seconds() / seconds;
-            self.since = Some((real, simulated));
+            self.window_start = Some((real, simulated));
         }
         self.last
     }

@@ -24,7 +24,7 @@ pub struct Surfaces {
 }
 
 /// Minimum opacity of a visible material, as for the simulated cameras.
-const LEAST_OPACITY: f32 = 0.5;
+const MIN_OPACITY: f32 = 0.5;
 
 impl Surfaces {
     /// Index of `mesh` in [`Self::meshes`], to which its first use adds it.
@@ -48,7 +48,7 @@ impl Surfaces {
         })
     }
 
-    /// Converts a mesh: triangles sorted by material, without materials less opaque than [`LEAST_OPACITY`].
+    /// Converts a mesh: triangles sorted by material, without materials less opaque than [`MIN_OPACITY`].
     fn made(&mut self, mesh: &Mesh) -> protocol::Mesh {
         let is_smooth = mesh.triangles.iter().any(|triangle| triangle.normals.is_some());
         let has_image = mesh.materials.iter().any(|material| material.texture.is_some());
@@ -57,7 +57,7 @@ impl Surfaces {
         let (mut positions, mut normals, mut uvs) = (Floats::default(), Floats::default(), Floats::default());
         let mut materials = Vec::new();
         for (material, triangles) in mesh.materials.iter().zip(of_materials) {
-            if triangles.is_empty() || material.opacity < LEAST_OPACITY {
+            if triangles.is_empty() || material.opacity < MIN_OPACITY {
                 continue;
             }
             for triangle in &triangles {

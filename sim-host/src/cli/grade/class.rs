@@ -13,7 +13,7 @@ use crate::suite::RowOutcome;
 /// Number of bars of the distribution.
 const BARS: usize = 10;
 /// Maximum number of submissions in the list of the slowest.
-const MOST_SLOWEST: usize = 10;
+const MAX_SLOWEST: usize = 10;
 
 /// The page: points, distribution, checks of all students, the slowest, equal behaviour.
 pub(super) fn page(grader: &Grader, students: &[Student]) -> String {
@@ -209,7 +209,7 @@ fn slowest(html: &mut String, students: &[Student]) {
     html.push_str(
         "<h2>Slowest</h2>\n<table class=\"list\">\n<tr><th>student</th><th class=\"number\">s</th><th>programs that were stopped</th></tr>\n",
     );
-    for student in slowest.into_iter().take(MOST_SLOWEST) {
+    for student in slowest.into_iter().take(MAX_SLOWEST) {
         let is_stopped = |robot: &crate::suite::RowRobot| robot.outcome == sim_core::record::Outcome::Timeout;
         let rows = student.graded.results.iter().map(|result| &result.row);
         let stopped = rows.filter(|row| row.outcome != RowOutcome::Passed && row.robots.iter().any(is_stopped)).count();

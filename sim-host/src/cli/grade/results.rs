@@ -12,7 +12,7 @@ use crate::record::log::is_terminal_control;
 use crate::suite::{CaseResult, RowOutcome};
 
 /// Maximum number of failures of a test that are listed.
-const MOST_FAILURES: usize = 20;
+const MAX_FAILURES: usize = 20;
 
 /// The document `results.json`: a test for each check of each variant.
 pub(super) fn document(student: &Student, view: &View) -> anyhow::Result<Vec<u8>> {
@@ -69,7 +69,7 @@ fn test(name: &str, (points, most): (f64, f64), passed: bool, output: &str) -> V
 
 /// Reasons of failures of a check, or of cases as a whole.
 fn failures<'r>(results: impl Iterator<Item = &'r CaseResult>, check: Option<usize>) -> String {
-    let mut told: Vec<(String, String)> = Vec::new();
+    let mut listed: Vec<(String, String)> = Vec::new();
     for result in results.filter(|result| result.row.outcome != RowOutcome::Passed) {
         let row = &result.row;
         let of_check = check.and_then(|index| row.checks.get(index));
@@ -80,16 +80,16 @@ fn failures<'r>(results: impl Iterator<Item = &'r CaseResult>, check: Option<usi
             _ if row.details.is_empty() => row.message.clone(),
             _ => format!("{}\n{}", row.message, row.details),
         };
-        if !told.iter().any(|(_, other)| *other == message) {
-            told.push((row.case.clone(), message));
+        if !listed.iter().any(|(_, other)| *other == message) {
+            listed.push((row.case.clone(), message));
         }
     }
     let mut text = String::new();
-    for (case, message) in told.iter().take(MOST_FAILURES) {
+    for (case, message) in listed.iter().take(MAX_FAILURES) {
         _ = writeln!(text, "{case}: {message}");
     }
-    if told.len() > MOST_FAILURES {
-        _ = writeln!(text, "... and {} more", told.len() - MOST_FAILURES);
+    if listed.len() > MAX_FAILURES {
+        _ = writeln!(text, "... and {} more", listed.len() - MAX_FAILURES);
     }
     text
 }

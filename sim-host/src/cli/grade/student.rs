@@ -15,7 +15,7 @@ use crate::suite::{CaseResult, RowOutcome};
 /// Style sheet of the grading pages.
 pub(super) const STYLE: &str = include_str!("page.css");
 /// Maximum number of failures with details.
-const MOST_DETAILED: usize = 40;
+const MAX_DETAILED: usize = 40;
 
 /// Results as the student may see them: cases with hidden seeds show nothing that reveals the seed, and commands that
 /// begin with the archive of the student's folder.
@@ -192,18 +192,18 @@ fn details(html: &mut String, failures: &[&CaseResult], view: &View) {
         );
     }
     // An error that all cases share, such as the compiler's, is shown once.
-    let mut told: Vec<&CaseResult> = Vec::new();
+    let mut listed: Vec<&CaseResult> = Vec::new();
     for result in failures {
         let is_same = |other: &&CaseResult| {
             result.row.outcome == RowOutcome::Error
                 && (&other.row.message, &other.row.details) == (&result.row.message, &result.row.details)
         };
-        if !told.iter().any(is_same) {
-            told.push(result);
+        if !listed.iter().any(is_same) {
+            listed.push(result);
         }
     }
-    let same = failures.len() - told.len();
-    for (index, result) in told.iter().take(MOST_DETAILED).enumerate() {
+    let same = failures.len() - listed.len();
+    for (index, result) in listed.iter().take(MAX_DETAILED).enumerate() {
         let mut text = String::new();
         failure(&mut text, result);
         html.push_str(&if index == 0 { text.replacen("<details ", "<details open ", 1) } else { text });
@@ -211,7 +211,7 @@ fn details(html: &mut String, failures: &[&CaseResult], view: &View) {
     if same > 0 {
         _ = writeln!(html, "<p>{same} more cases end with the same error.</p>");
     }
-    if told.len() > MOST_DETAILED {
-        _ = writeln!(html, "<p>... and {} more.</p>", told.len() - MOST_DETAILED);
+    if listed.len() > MAX_DETAILED {
+        _ = writeln!(html, "<p>... and {} more.</p>", listed.len() - MAX_DETAILED);
     }
 }

@@ -17,9 +17,9 @@ use crate::suite::summary::Variant;
 use crate::suite::{Case, CaseResult, Row, RowOutcome};
 
 /// Maximum number of failures with details.
-const MOST_DETAILED: usize = 100;
+const MAX_DETAILED: usize = 100;
 /// Maximum number of paths in a picture.
-const MOST_PATHS: usize = 60;
+const MAX_PATHS: usize = 60;
 
 const STYLE: &str = include_str!("page.css");
 
@@ -86,9 +86,9 @@ fn suite(html: &mut String, run: &SuiteRun) {
     let failures: Vec<&CaseResult> = run.failures().collect();
     if !failures.is_empty() {
         html.push_str("<h3>Failures</h3>\n");
-        failures.iter().take(MOST_DETAILED).for_each(|result| failure(html, result));
-        if failures.len() > MOST_DETAILED {
-            _ = writeln!(html, "<p>... and {} more.</p>", failures.len() - MOST_DETAILED);
+        failures.iter().take(MAX_DETAILED).for_each(|result| failure(html, result));
+        if failures.len() > MAX_DETAILED {
+            _ = writeln!(html, "<p>... and {} more.</p>", failures.len() - MAX_DETAILED);
         }
     }
     html.push_str("</section>\n");
@@ -149,8 +149,7 @@ fn cell(html: &mut String, row: &Row, class: &str, sign: &str, title: &str) {
 
 /// Picture of the world with the paths of the cases that failed.
 fn trials(sheet: &Sheet<'_>, results: &[&CaseResult]) -> Option<String> {
-    let failed: Vec<&&CaseResult> =
-        results.iter().filter(|result| !result.traces.is_empty()).take(MOST_PATHS).collect();
+    let failed: Vec<&&CaseResult> = results.iter().filter(|result| !result.traces.is_empty()).take(MAX_PATHS).collect();
     let first = failed.first()?;
     let case = sheet.cases.iter().find(|case| case.name == first.row.case)?;
     let scene = Scene::open(&case.scene, case.options.clone()).ok()?;

@@ -15,13 +15,13 @@ use crate::suite::summary::{Rate, Variant};
 use crate::suite::{Case, CaseResult, Row, RowOutcome};
 
 /// Maximum number of failures with details.
-const MOST_DETAILED: usize = 10;
+const MAX_DETAILED: usize = 10;
 /// Maximum number of lines of the short summary.
-const MOST_LISTED: usize = 60;
+const MAX_LISTED: usize = 60;
 /// Maximum number of variants in the table.
-const MOST_VARIANTS: usize = 40;
+const MAX_VARIANTS: usize = 40;
 /// Maximum number of lines of a compiler's output, and of a program's.
-const MOST_OUTPUT: usize = 30;
+const MAX_OUTPUT: usize = 30;
 /// Width of lines, in columns.
 const WIDTH: usize = 80;
 /// Time between two updates of the line of progress.
@@ -164,16 +164,16 @@ impl Console {
         }
         self.line("");
         self.rule("FAILURES", '=', Style::new());
-        for failure in failures.iter().take(MOST_DETAILED) {
+        for failure in failures.iter().take(MAX_DETAILED) {
             let name = failure.name();
             let name =
                 if runs.len() > 1 { &name } else { name.split_once("::").map_or(name.as_str(), |(_, case)| case) };
             self.rule(name, '_', Style::new().red().bold());
             self.failure(failure.run, failure.result);
         }
-        if failures.len() > MOST_DETAILED {
+        if failures.len() > MAX_DETAILED {
             self.line("");
-            let more = failures.len() - MOST_DETAILED;
+            let more = failures.len() - MAX_DETAILED;
             self.line(&format!("... and {more} more: -k selects cases, --html and --report have all"));
         }
     }
@@ -187,9 +187,9 @@ impl Console {
             self.line("    no points, since a program failed");
         }
         let lines: Vec<&str> = row.details.lines().collect();
-        lines.iter().take(MOST_OUTPUT).for_each(|line| self.line(&format!("    {line}")));
-        if lines.len() > MOST_OUTPUT {
-            self.line(&format!("    ... {} more lines", lines.len() - MOST_OUTPUT));
+        lines.iter().take(MAX_OUTPUT).for_each(|line| self.line(&format!("    {line}")));
+        if lines.len() > MAX_OUTPUT {
+            self.line(&format!("    ... {} more lines", lines.len() - MAX_OUTPUT));
         }
         let width = row.checks.iter().map(|check| check.name.chars().count()).max().unwrap_or_default();
         for check in &row.checks {
@@ -224,13 +224,13 @@ impl Console {
         if count > 0 {
             self.rule("short test summary info", '=', Style::new());
             let failures = distinct(runs);
-            for failure in failures.iter().take(MOST_LISTED) {
+            for failure in failures.iter().take(MAX_LISTED) {
                 let row = &failure.result.row;
                 let word = if row.outcome == RowOutcome::Error { "ERROR" } else { "FAILED" };
                 self.line(&format!("{word} {} - {}", failure.name(), row.message));
             }
-            if failures.len() > MOST_LISTED {
-                self.line(&format!("... and {} more", failures.len() - MOST_LISTED));
+            if failures.len() > MAX_LISTED {
+                self.line(&format!("... and {} more", failures.len() - MAX_LISTED));
             }
         }
         let missing: usize = runs.iter().map(SuiteRun::missing).sum();
@@ -275,11 +275,11 @@ impl Console {
             self.line("");
             let needed = run.suite.spec.pass_rate;
             self.line(&format!("{}: {} of the seeds must pass", run.name(), percent(needed)));
-            for variant in run.variants.iter().take(MOST_VARIANTS) {
+            for variant in run.variants.iter().take(MAX_VARIANTS) {
                 self.variant(variant, run.variants.len() == 1);
             }
-            if run.variants.len() > MOST_VARIANTS {
-                self.line(&format!("... and {} more variants", run.variants.len() - MOST_VARIANTS));
+            if run.variants.len() > MAX_VARIANTS {
+                self.line(&format!("... and {} more variants", run.variants.len() - MAX_VARIANTS));
             }
         }
     }

@@ -400,7 +400,7 @@ impl Worker {
             }
         } else {
             // SAFETY: the fiber does not run.
-            unsafe { (*context).environment = Environment::present() };
+            unsafe { (*context).environment = Environment::current() };
             fiber.set_status(Status::Suspended);
         }
     }

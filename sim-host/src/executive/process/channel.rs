@@ -357,14 +357,14 @@ impl Channel {
         state.compare_exchange(ready, asked, Ordering::AcqRel, Ordering::Relaxed).is_ok()
     }
 
-    /// Returns true if the host asks for the location; the request ends with [`Channel::tell_place`].
+    /// Returns true if the host asks for the location; the request ends with [`Channel::report_place`].
     /// Async-signal-safe.
     pub fn is_place_asked(&self) -> bool {
         self.header().place_state.load(Ordering::Acquire) == place_state::ASKED
     }
 
     /// Reports the addresses of the location at which the calling thread computes. Async-signal-safe.
-    pub fn tell_place(&self, addresses: [u64; 2]) {
+    pub fn report_place(&self, addresses: [u64; 2]) {
         let header = self.header();
         header.place_line.store(0, Ordering::Relaxed);
         for (word, value) in
@@ -376,7 +376,7 @@ impl Channel {
     }
 
     /// Returns true once the child has reported its location.
-    pub fn is_place_told(&self) -> bool {
+    pub fn is_place_reported(&self) -> bool {
         self.header().place_state.load(Ordering::Acquire) == place_state::TOLD
     }
 

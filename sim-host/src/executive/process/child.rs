@@ -80,7 +80,7 @@ pub struct Release {
 }
 
 struct PlaceRequest {
-    since: Instant,
+    asked_at: Instant,
     /// Release in which the location was requested.
     release: Release,
     /// The child was killed because it did not answer.
@@ -320,13 +320,13 @@ impl Child {
         let mut place_request = self.place_request.lock();
         match &mut *place_request {
             Some(place_request) if place_request.release == release => {
-                if place_request.since.elapsed() > GRACE {
+                if place_request.asked_at.elapsed() > GRACE {
                     place_request.is_killed = true;
                     self.kill();
                 }
             }
             place_request => {
-                *place_request = Some(PlaceRequest { since: Instant::now(), release, is_killed: false });
+                *place_request = Some(PlaceRequest { asked_at: Instant::now(), release, is_killed: false });
                 // Threads that are inside a call to the host, and threads that are not the robot's, ignore the signal.
                 for thread in watchdog::threads(self.pid) {
                     // SAFETY: tgkill takes no pointer; a thread that has ended is an error.
@@ -356,7 +356,7 @@ impl Child {
         // SAFETY: tgkill takes no pointer; a thread that has ended is an error.
         unsafe { libc::syscall(libc::SYS_tgkill, self.pid, thread, OVERDUE_SIGNAL) };
         let start = Instant::now();
-        while !self.first.is_place_told() && start.elapsed() < TIMEOUT {
+        while !self.first.is_place_reported() && start.elapsed() < TIMEOUT {
             std::thread::sleep(Duration::from_millis(1));
         }
         self.first.take_place()

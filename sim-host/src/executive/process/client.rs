@@ -385,7 +385,7 @@ fn report_fault(block: &FlowBlock, fault: Fault) {
     if fault.signal == OVERDUE_SIGNAL && line.channel.is_place_asked() {
         let library = LIBRARY[0].load(Ordering::Relaxed)..LIBRARY[1].load(Ordering::Relaxed);
         let caller = words[..count].iter().find(|word| library.contains(*word));
-        return line.channel.tell_place([fault.pc as u64, caller.map_or(0, |word| *word as u64)]);
+        return line.channel.report_place([fault.pc as u64, caller.map_or(0, |word| *word as u64)]);
     }
     print_unfinished(line, block);
     let words = bytes_of(&words[..count]);

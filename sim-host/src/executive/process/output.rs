@@ -4,9 +4,9 @@ use std::io::{self, PipeReader, Read as _, Write as _};
 use std::thread;
 
 /// Maximum number of bytes of such output that are shown per process; our choice.
-const MOST: usize = 1 << 20;
+const MAX_BYTES: usize = 1 << 20;
 
-/// Forwards the output in `pipe` to this process's standard error on a new thread: at most [`MOST`] bytes, and without
+/// Forwards the output in `pipe` to this process's standard error on a new thread: at most [`MAX_BYTES`] bytes, and without
 /// control characters, which could change the terminal. The rest is read and dropped, so that the writer does not
 /// block.
 ///
@@ -14,7 +14,7 @@ const MOST: usize = 1 << 20;
 /// The system lacks the resources for the thread.
 pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
     let copy = move || {
-        let mut left = MOST;
+        let mut left = MAX_BYTES;
         let mut buffer = [0; 1 << 14];
         loop {
             let count = match pipe.read(&mut buffer) {
@@ -31,7 +31,7 @@ pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
                 let _ = writeln!(
                     io::stderr(),
                     "\n... a program has printed more than {} kB past the simulator",
-                    MOST / 1000
+                    MAX_BYTES / 1000
                 );
             }
         }

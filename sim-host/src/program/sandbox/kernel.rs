@@ -2,7 +2,7 @@
 
 use std::ptr;
 
-use super::{Area, Level, Unreachable};
+use super::{Area, Level, UnsupportedLevel};
 
 /// Version of Landlock from which on it keeps signals within the sandbox.
 const SCOPED_SIGNALS: i32 = 6;
@@ -53,7 +53,7 @@ impl Kernel {
     }
 
     /// The strongest level that it supports.
-    pub fn reached(&self) -> Level {
+    pub fn strongest_level(&self) -> Level {
         let reaches = |level: &Level| level.areas().all(|area| self.means(area).is_ok());
         Level::ALL.into_iter().rev().find(reaches).unwrap_or(Level::Limits)
     }
@@ -61,11 +61,11 @@ impl Kernel {
     /// Checks that all areas of `level` can be closed.
     ///
     /// # Errors
-    /// [`Unreachable`] with the first area that stays open.
-    pub fn check(&self, level: Level) -> Result<(), Unreachable> {
+    /// [`UnsupportedLevel`] with the first area that stays open.
+    pub fn check(&self, level: Level) -> Result<(), UnsupportedLevel> {
         let open = level.areas().find_map(|area| Some((area, self.means(area).err()?)));
         match open {
-            Some((area, missing)) => Err(Unreachable { level, area, missing, reached: self.reached() }),
+            Some((area, missing)) => Err(UnsupportedLevel { level, area, missing, strongest: self.strongest_level() }),
             None => Ok(()),
         }
     }
@@ -80,7 +80,10 @@ mod tests {
         let modern = Kernel { landlock: 7, has_seccomp: true };
         let old = Kernel { landlock: 0, ..modern };
         let bare = Kernel { landlock: 0, has_seccomp: false };
-        assert_eq!([modern, old, bare].map(|kernel| kernel.reached()), [Level::Full, Level::Calls, Level::Limits]);
+        assert_eq!(
+            [modern, old, bare].map(|kernel| kernel.strongest_level()),
+            [Level::Full, Level::Calls, Level::Limits]
+        );
         assert_eq!(modern.check(Level::Full), Ok(()));
         assert_eq!(
             old.check(Level::Full).unwrap_err().to_string(),
@@ -92,6 +95,6 @@ mod tests {
         assert_eq!(bare.check(Level::Limits), Ok(()));
         let early = Kernel { landlock: 3, has_seccomp: true };
         assert_eq!(early.means(Area::Signals), Ok("seccomp".to_owned()));
-        assert_eq!(early.reached(), Level::Full);
+        assert_eq!(early.strongest_level(), Level::Full);
     }
 }

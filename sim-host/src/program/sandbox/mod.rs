@@ -104,13 +104,13 @@ impl Level {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "this kernel cannot close {} to programs ({missing}), as the sandbox `{}` must: `--sandbox={}` is the most that it reaches",
-    area.word(), level.word(), reached.word()
+    area.word(), level.word(), strongest.word()
 )]
-pub struct Unreachable {
+pub struct UnsupportedLevel {
     level: Level,
     area: Area,
     missing: &'static str,
-    reached: Level,
+    strongest: Level,
 }
 
 /// Kind of process that is restricted.
@@ -161,8 +161,8 @@ impl Sandbox {
     /// same user can trace this process or read its memory afterwards.
     ///
     /// # Errors
-    /// [`Unreachable`] if the kernel lacks what the level needs.
-    pub fn new(level: Level) -> Result<Self, Unreachable> {
+    /// [`UnsupportedLevel`] if the kernel lacks what the level needs.
+    pub fn new(level: Level) -> Result<Self, UnsupportedLevel> {
         let kernel = Kernel::probe();
         kernel.check(level)?;
         if level >= Level::Calls {

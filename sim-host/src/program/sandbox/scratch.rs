@@ -35,15 +35,15 @@ pub struct Scratch {
 pub struct Quota {
     folder: PathBuf,
     /// Maximum total size of all files, in bytes.
-    most: u64,
+    max_bytes: u64,
     /// Time of the last check.
     checked: Mutex<Instant>,
 }
 
 impl Quota {
-    /// Allows at most `most` bytes in `folder`.
-    pub fn new(folder: PathBuf, most: u64) -> Self {
-        Self { folder, most, checked: Mutex::new(Instant::now()) }
+    /// Allows at most `max_bytes` bytes in `folder`.
+    pub fn new(folder: PathBuf, max_bytes: u64) -> Self {
+        Self { folder, max_bytes, checked: Mutex::new(Instant::now()) }
     }
 
     /// Returns true if a check is due: the last one was at least `INTERVAL` ago.
@@ -58,8 +58,8 @@ impl Quota {
 
     /// Description of the limit, if the folder exceeds it.
     pub fn excess(&self) -> Option<String> {
-        (!fits(&self.folder, self.most)).then(|| {
-            let most = self.most >> 20;
+        (!fits(&self.folder, self.max_bytes)).then(|| {
+            let most = self.max_bytes >> 20;
             format!("its files exceed the limits of its sandbox: {most} MiB, and {DEPTH} folders within each other")
         })
     }
@@ -108,9 +108,9 @@ fn threads_of(pid: i32) -> u64 {
     threads.and_then(|threads| threads.trim().parse().ok()).unwrap_or_default()
 }
 
-/// Returns true if all files in `folder` together take at most `most` bytes. A folder that cannot be read counts as too
+/// Returns true if all files in `folder` together take at most `max_bytes` bytes. A folder that cannot be read counts as too
 /// large.
-fn fits(folder: &Path, most: u64) -> bool {
+fn fits(folder: &Path, max_bytes: u64) -> bool {
     let mut size = 0;
     let mut folders = vec![(folder.to_owned(), 0)];
     while let Some((folder, depth)) = folders.pop() {
@@ -123,7 +123,7 @@ fn fits(folder: &Path, most: u64) -> bool {
             if metadata.is_dir() {
                 folders.push((entry.path(), depth + 1));
             }
-            if size > most || depth > DEPTH {
+            if size > max_bytes || depth > DEPTH {
                 return false;
             }
         }

@@ -205,7 +205,7 @@ impl Scheduler {
             match self.next() {
                 NextTask::NotBefore(time) if time <= to => self.pass(time),
                 NextTask::NotBefore(_) => return self.pass(to),
-                NextTask::Run(_) => return self.pass_at_once(to),
+                NextTask::Run(_) => return self.pass_within_call(to),
             }
         }
     }
@@ -268,7 +268,7 @@ impl Scheduler {
     }
 
     /// Lets time pass until `to` within one call, or in a timer callback: no task switch happens before its end.
-    fn pass_at_once(&mut self, to: Time) {
+    fn pass_within_call(&mut self, to: Time) {
         self.reach(to);
         if to >= self.slice_end {
             self.end_slice();
