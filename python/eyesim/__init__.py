@@ -1,4 +1,4 @@
-"""eyesim: a simulator for mobile robots in the manner of EyeSim.
+"""eyesim: a simulator for mobile robots, modelled on EyeSim.
 
 `load` opens a scene as a `Simulation`, a value that is stepped, commanded, observed, copied and restored; `run` runs a scene with its
 robot programs; `plan` and `case` run the cases of a suite one by one. `eyesim.gym` has learning environments. Lengths are in m, angles in

@@ -112,7 +112,7 @@ def _mujoco(count: int, threads: int, seconds: float) -> None:
 
 
 def _mujoco_robot() -> str:
-    """A disc of 0.2 m that drives ahead and turns in a room of 4 m with four boxes, and looks in eight directions."""
+    """A disc of 0.2 m with sensors in eight directions that drives and turns in a room of 4 m with four boxes."""
     boxes = "".join(f'<geom type="box" size=".2 .2 .2" pos="{x} {y} .2"/>' for x in (-1, 1) for y in (-1, 1))
     walls = "".join(
         f'<geom type="box" size="{sx} {sy} .2" pos="{x} {y} .2"/>'
@@ -179,7 +179,7 @@ def _say_resets(count: int, rates: tuple[float, float], what: str) -> None:
 
 
 def _rate(act: Callable[[int], object], seconds: float) -> tuple[float, float]:
-    """Calls of `act` a second of the clock, and a second of processor time, measured for so long."""
+    """Calls of `act` per second of wall-clock time and per second of processor time, measured for so long."""
     start, start_used = time.perf_counter(), time.process_time()
     count = 0
     while (elapsed := time.perf_counter() - start) < seconds:

@@ -1,4 +1,4 @@
-"""Functions as robot programs: each robot has its own module `eye`, whose calls go to the simulator on the robot's own thread."""
+"""Functions as robot programs: each robot has its own module `eye`, which calls the simulator on the robot's thread."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ EYE = "<eye>"
 _OWN_FILES = {EYE, __file__, os.path.join(os.path.dirname(__file__), "eye.py")}
 _OK, _STOP = 17, 18
 _MAX_REFUSALS = 1000
-"""Calls by which a program that must end may try to go on."""
+"""Number of calls with which a program that must end may try to continue."""
 
 _code: CodeType | None = None
 _robots: dict[int, _Robot] = {}
 """Robots by the threads on which their programs run."""
 _drawing: _Robot | None = None
-"""The robot whose stream `random` has now."""
+"""The robot whose stream `random` uses now."""
 _runs = threading.Lock()
 
 
@@ -55,7 +55,7 @@ def present_eye() -> Any:
 
 
 class Program:
-    """A function as the program of robots. The simulator calls `run`, `call_back` and `stop`."""
+    """A function as a robot program. The simulator calls `run`, `call_back` and `stop`."""
 
     def __init__(self, reference: str, name: str, function: Callable[..., object]) -> None:
         """A run refers to it by `reference`. The function is called with the words that are the robot's arguments."""
@@ -65,7 +65,7 @@ class Program:
         self.robots: dict[int, _Robot] = {}
 
     def run(self, number: int, arguments: Sequence[str], calls: _native.Calls) -> int | str:
-        """Runs the function for a robot; returns its exit code, or the place at which it was stopped."""
+        """Runs the function for a robot; returns its exit code, or the location at which it was stopped."""
         robot = self.robots[number] = _Robot(calls)
         return robot.run(self.function, arguments)
 
@@ -124,7 +124,7 @@ class _Robot:
         raise _Overdue if self.is_overdue else self.eye._Stop
 
     def draw(self) -> None:
-        """Gives `random` the stream of this robot, and takes that of another one from it."""
+        """Switches `random` from another robot's stream to the stream of this robot."""
         global _drawing
         if _drawing is not self and self._random is not None:
             if _drawing is not None:
@@ -204,7 +204,7 @@ class _Stream:
 
 
 def _surroundings() -> Iterator[tuple[Any, str, Any]]:
-    """What is replaced during a run, on the threads of programs: owner, name, replacement."""
+    """Names that are replaced during a run on the threads of programs: owner, name, replacement."""
     for name, own in (
         ("stdin", lambda robot: robot.stdin),
         ("stdout", lambda robot: robot.eye._consoles[0]),
@@ -231,7 +231,7 @@ def _on_robots(original: Callable[..., Any], own: Callable[..., Any]) -> Callabl
 
 @contextmanager
 def _replaced(namespace: dict[str, Any], values: dict[str, Any]) -> Iterator[None]:
-    """Gives names of a module other values for a while."""
+    """Temporarily replaces names of a module."""
     before = {name: namespace[name] for name in values}
     namespace.update(values)
     try:
@@ -242,7 +242,7 @@ def _replaced(namespace: dict[str, Any], values: dict[str, Any]) -> Iterator[Non
 
 @contextmanager
 def running(programs: Sequence[Program]) -> Iterator[None]:
-    """Puts virtual time, consoles and random streams of robots where their functions look for them, as long as they run."""
+    """Installs virtual time, consoles and random streams of robots for their functions during a run."""
     global _drawing
     if not programs:
         yield

@@ -16,9 +16,9 @@ class Diagnostic(NamedTuple):
     """Kind of the mistake, which `eyesim explain` describes."""
     file: str
     line: int
-    """From 1; 0 for a file as a whole."""
+    """Line from 1; 0 for a file as a whole."""
     column: int
-    """In characters, from 1."""
+    """Column in characters, from 1."""
     message: str
     expected: str
 
@@ -38,7 +38,7 @@ class ProgramError(Error):
     robot: int
     """Number of the robot."""
     run: "Run"
-    """The run, which went on without that robot to its end."""
+    """The run, which continued to its end without that robot."""
 
     def __init__(self, robot: int, reason: str, run: "Run") -> None:
         super().__init__(f"robot {robot}: {reason}")

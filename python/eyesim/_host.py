@@ -1,4 +1,4 @@
-"""The interpreter as the simulator's host: what it starts for robots, and the files that the package brings."""
+"""The interpreter as the simulator's host: the commands that it starts for robots, and the files of the package."""
 
 import importlib.util
 import os
@@ -29,7 +29,7 @@ def script() -> Path:
 
 
 def command() -> list[str]:
-    """Words that start the command `eyesim`."""
+    """Command line that starts the command `eyesim`."""
     return [sys.executable, "-P", "-m", "eyesim"]
 
 

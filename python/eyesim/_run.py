@@ -40,11 +40,11 @@ def run(
 ) -> Run:
     """Runs a scene with its programs to its end, as `eyesim run` does: a path, or a text with line breaks.
 
-    `programs` is a program for the robots that have none, or programs by the number of the robot: files, or functions that call those of
-    `eyesim.eye` and get the words of `arguments`. `until` is the simulated time (s) at which the run ends. The others are the options of
-    `eyesim run` of the same name. Without `trace` the events are not kept.
+    `programs` is a program for the robots without one, or a dictionary from robot numbers to programs: files, or functions that call
+    `eyesim.eye` and receive the words of `arguments`. `until` is the simulated time (s) at which the run ends. The other parameters are
+    the options of `eyesim run` with the same names. Without `trace` the events are not kept.
 
-    A file's program that fails is a result, told in the report. Raises `SceneError` for mistakes in the files, `Error` for wrong arguments
+    A failure of a file's program is a result, and is in the report. Raises `SceneError` for mistakes in the files, `Error` for wrong arguments
     and for programs that cannot be found or built, and after the run `ProgramError` for the first robot whose function has failed.
     """
     path, text = source(scene)
@@ -74,7 +74,7 @@ def run(
 
 
 def _named(programs: Code | Mapping[int, Code] | None, functions: dict[Callable[..., object], Program]) -> Any:
-    """The programs, with names in place of functions, which are added to `functions`."""
+    """The programs, in which names replace functions; the functions are added to `functions`."""
     if isinstance(programs, Mapping):
         return {robot: _named(program, functions) for robot, program in programs.items()}
     if not callable(programs):
@@ -102,10 +102,10 @@ def _by_robot(values: object, between: str) -> list[str]:
 
 
 class Run:
-    """A run that is over: its report, its events and its picture."""
+    """A finished run: its report, its events and its picture."""
 
     report: dict[str, Any]
-    """The report as in docs/report.md."""
+    """The report, see docs/report.md."""
 
     def __init__(self, report: dict[str, Any], lines: bytes, svg: str) -> None:
         """For `run`."""
@@ -136,7 +136,7 @@ class Run:
         return {name: _column([row.get(name) for row in rows]) for name in names}
 
     def table(self, kind: str = "pose", robot: int | None = None) -> Any:
-        """Events of one kind as a data frame of polars, else of pandas; raises `ImportError` if neither is installed."""
+        """Events of one kind as a data frame of polars, otherwise of pandas; raises `ImportError` if neither is installed."""
         columns = self.columns(kind, robot)
         if importlib.util.find_spec("polars"):
             return importlib.import_module("polars").DataFrame(columns)

@@ -18,7 +18,7 @@ Program = TypeVar("Program")
 Floats = npt.NDArray[np.float64]
 
 SOURCE = "scene.scene.toml"
-"""Name of a scene that is given as text, in messages; its ending says that it is in TOML."""
+"""Name of a scene that is given as text, in messages; its extension marks it as TOML."""
 
 
 class Pose(NamedTuple):
@@ -36,7 +36,7 @@ class Speed(NamedTuple):
     """A velocity in the robot's frame."""
 
     v: float
-    """Ahead, m/s."""
+    """Forward, m/s."""
     left: float
     """To the left, m/s."""
     omega: float
@@ -66,8 +66,8 @@ def load(
 ) -> Simulation:
     """Opens a scene without its programs: a path, or a text with line breaks (TOML, or the lines of a sim file).
 
-    `seed`, `noise` (a preset or a file) and `slot` (s) take the place of the scene's; `set` has values of a scene in TOML by their
-    paths, such as `{"robot[0].x_mm": 500}`.
+    `seed`, `noise` (a preset or a file) and `slot` (s) override the scene's; `set` maps paths of values of a scene in TOML to values,
+    such as `{"robot[0].x_mm": 500}`.
 
     Raises `SceneError` for mistakes in the files and `Error` for wrong arguments.
     """
@@ -79,7 +79,7 @@ def load(
 class Simulation:
     """Robots in a world, without programs: the caller steps it, commands its robots and reads their sensors.
 
-    A copy by `snapshot` continues as its original does, to the bit, and neither influences the other. While a method works, other
+    A copy by `snapshot` continues bit-identically to its original, and neither influences the other. While a method works, other
     threads of Python run; one simulation is used by one thread at a time.
     """
 
@@ -96,7 +96,7 @@ class Simulation:
 
     @property
     def digest(self) -> str:
-        """Hash of all that has been recorded up to the last slot that has ended."""
+        """Hash of all events recorded up to the end of the last slot."""
         return self._native.digest
 
     @property
@@ -140,8 +140,8 @@ class Simulation:
     def run(self, **options: Any) -> Run:
         """Runs the scene from its beginning with the robots' programs, as `eyesim.run` does with these options.
 
-        The programs are those of `Robot.program`, else of the scene; seed, noise, slot and values are those of `load`. This simulation
-        stays as it is. Raises what `eyesim.run` raises.
+        The programs are set by `Robot.program`, otherwise by the scene; seed, noise, slot and values are the ones given to `load`. This
+        simulation is not changed. Raises the exceptions of `eyesim.run`.
         """
         from ._run import run
 
@@ -163,7 +163,7 @@ class Simulation:
 
 
 class Robot:
-    """A robot of a simulation. Commands and readings happen at the simulation's present time."""
+    """A robot of a simulation. Commands and readings take effect at the simulation's current time."""
 
     def __init__(self, simulation: Simulation, number: int) -> None:
         """For `Simulation.robot`."""
@@ -225,7 +225,7 @@ class Robot:
     def image(self, width: int = 320, height: int = 240) -> npt.NDArray[np.uint8]:
         """Takes a colour image: rows from the top, columns, and red, green and blue from 0 to 255.
 
-        It shows the world 16.667 ms ago, has the camera's noise, and counts and is recorded as a program's. Raises `Error` for a robot
+        It shows the world 16.667 ms ago, has the camera's noise, and is counted and recorded like an image of a program. Raises `Error` for a robot
         without a camera.
         """
         out = np.empty((height, width, 3), np.uint8)

@@ -61,13 +61,13 @@ def plan(suite: str | os.PathLike[str]) -> Plan:
 
 
 def case(plan: Plan, key: str) -> dict[str, Any]:
-    """Runs a case and returns its row, that of `eyesim sweep`.
+    """Runs a case and returns its row, as in `eyesim sweep`.
 
-    The first call in a process starts a process of eyesim beside it, which runs this and the next cases of the plan, each apart from all
-    others; so no program can harm the caller. Threads that call at one time have one each.
+    The first call in a process starts a separate eyesim process, which runs this and the following cases of the plan, isolated from each
+    other; so a program cannot harm the caller. Threads that call concurrently have one process each.
 
-    Raises `Error` if the plan has no such key, or the case another key here: the suite, its files or the version of eyesim are not those of
-    the plan. A case that could not be run is a row with the outcome `error`.
+    Raises `Error` if the plan has no such key, or if the case has a different key here, because the suite, its files or the version of
+    eyesim differ from the plan's. A case that could not be run is a row with the outcome `error`.
     """
     if key not in plan:
         raise Error(f"the plan has no key `{key}`")
@@ -120,4 +120,4 @@ class _Runner:
 
 
 _idle: dict[tuple[int, str, Path, str], list[_Runner]] = {}
-"""Processes that wait for a case: those of this process, not of one that it was copied from."""
+"""Processes that wait for a case; started by this process, not by a parent from which it was forked."""

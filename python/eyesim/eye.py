@@ -11,7 +11,7 @@ from typing import Any as _Any
 from . import _callable
 
 _outside = _callable.new_eye()
-"""Answers outside of runs: constants, and functions that say that there is no simulator."""
+"""Attributes outside of runs: constants, and functions that raise because there is no simulator."""
 
 __all__ = list(_outside.__all__)
 

@@ -4,8 +4,8 @@ The import registers `eyesim/WallFollow-v0`; `gymnasium.make("eyesim.gym:eyesim/
 
 An environment of n simulations calls the functions of its `Task` with arrays of n rows, `Env` with one row; so a task is written once.
 
-- **Fresh starts.** Each episode begins as a new simulation of the scene: nothing is left of the one before.
-- **Seeds.** Episode e of an environment that was reset with seed s depends on s and e alone. Simulation i of a `VectorEnv` that was
+- **Fresh starts.** Each episode begins as a new simulation of the scene, without any state of the previous one.
+- **Seeds.** Episode e of an environment that was reset with seed s depends only on s and e. Simulation i of a `VectorEnv` that was
   reset with seed s has the episodes of an `Env` that was reset with s + i, whatever their number.
 - **Ends.** `terminated` is the task's; `truncated` is its time limit.
 - **Autoreset.** `VectorEnv` resets in the step that follows an end (`AutoresetMode.NEXT_STEP`): that step's action is not used, its reward
@@ -34,7 +34,7 @@ Flags = npt.NDArray[np.bool_]
 
 
 class Readings(NamedTuple):
-    """What is known of n robots after a step, a row each."""
+    """Observations of n robots after a step, one row each."""
 
     ranges: Floats
     """Readings of the range sensors, m, n x sensors; infinite where nothing is within range."""
@@ -43,7 +43,7 @@ class Readings(NamedTuple):
     pose: Floats
     """True pose: x, y (m), heading (rad), n x 3."""
     speed: Floats
-    """Speed ahead by the wheels, m/s, n."""
+    """Forward speed by the wheels, m/s, n."""
     turn: Floats
     """Turning speed by the wheels, rad/s, n."""
     touched: Flags
@@ -56,7 +56,7 @@ class Readings(NamedTuple):
 
 @dataclass(frozen=True)
 class Limits:
-    """Greatest speeds of the robots."""
+    """Maximum speeds of the robots."""
 
     speed: float
     """m/s"""
@@ -65,13 +65,13 @@ class Limits:
 
 
 def relative_ranges(readings: Readings) -> Observations:
-    """Range readings as parts of the sensors' ranges, 0 to 1; 1 where nothing is within range."""
+    """Range readings as fractions of the sensors' ranges, 0 to 1; 1 where nothing is within range."""
     parts = np.minimum(readings.ranges, readings.reach) / np.maximum(readings.reach, 1e-9)
     return cast(Observations, parts.astype(np.float32))
 
 
 def relative_twist(actions: npt.NDArray[Any], limits: Limits) -> Floats:
-    """Speed and turning speed from parts of the greatest ones, -1 to 1; values beyond are cut."""
+    """Speed and turning speed from fractions of the maximum ones, -1 to 1; values beyond are clipped."""
     return cast(Floats, np.minimum(np.maximum(actions, -1.0), 1.0) * (limits.speed, limits.turn))
 
 
@@ -98,25 +98,25 @@ class Task:
     reward: Callable[[Readings, npt.NDArray[Any]], Floats] = no_reward
     """Reward of each robot for the step."""
     terminated: Callable[[Readings], Flags] = is_touching
-    """True where the episode has come to its end."""
+    """True where the episode has ended."""
     horizon: int = 1000
     """Steps after which an episode is truncated."""
     period: float = 0.05
     """Simulated seconds of a step."""
     observation_space: spaces.Box | None = None
-    """Space of a robot's observation; by default 0 to 1 for `relative_ranges`, else unbounded."""
+    """Space of a robot's observation; by default 0 to 1 for `relative_ranges`, otherwise unbounded."""
     action_space: spaces.Space[Any] | None = None
     """Space of a robot's action; by default two numbers from -1 to 1."""
     starts: Sequence[tuple[float, float, float]] = ()
-    """Poses (m, m, rad) of which an episode draws one for each robot; none: robots begin where the scene says."""
+    """Poses (m, m, rad) from which an episode draws one for each robot; by default robots start as in the scene."""
     jitter: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Greatest deviation from the start in x, y (m) and heading (rad), drawn for each episode."""
+    """Maximum deviation from the start in x, y (m) and heading (rad), drawn for each episode."""
     noise: str | None = None
     """Noise profile: none, mild, real, harsh or a file; by default the scene's."""
 
 
 _BEGIN, _REST = 1, 2
-"""Parts of a simulation in a step besides 0, which drives."""
+"""Parts of a simulation in a step other than 0, which drives."""
 
 
 class Rows:
@@ -154,12 +154,12 @@ class Rows:
                 self.batch.seed(index, int(own) % 2**64)
 
     def begin(self, begins: npt.NDArray[np.uint8] | None = None) -> Readings:
-        """Begins new episodes in the simulations that are marked, by default in all; the others stay as they are."""
+        """Begins new episodes in the marked simulations, by default in all; other simulations stay as they are."""
         parts = self._begin if begins is None else np.where(begins, _BEGIN, _REST).astype(np.uint8)
         return self._step(self._still, parts)
 
     def step(self, commands: Floats, begins: npt.NDArray[np.uint8] | None = None) -> Readings:
-        """Steps all simulations; those that are marked begin a new episode instead."""
+        """Steps all simulations; marked simulations begin a new episode instead."""
         return self._step(np.ascontiguousarray(commands, np.float64), self._drive if begins is None else begins)
 
     def _step(self, commands: Floats, parts: npt.NDArray[np.uint8]) -> Readings:
@@ -196,7 +196,7 @@ def _of_one_robot(rows: Rows) -> Rows:
 
 
 class Env(gymnasium.Env[npt.NDArray[Any], npt.NDArray[Any]]):
-    """One robot in a scene: `Env(scene, observe=..., act=..., reward=...)`; the options are those of `Task`."""
+    """One robot in a scene: `Env(scene, observe=..., act=..., reward=...)`; the options are the same as for `Task`."""
 
     metadata = {"render_modes": []}
 
@@ -268,7 +268,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[npt.NDArray[Any], npt.NDArray[Any], n
     def step(
         self, actions: npt.NDArray[Any]
     ) -> tuple[npt.NDArray[Any], Floats, Flags, Flags, dict[str, Any]]:
-        """Drives all robots for one period; those whose episode has ended begin the next one."""
+        """Drives all robots for one period; robots whose episode has ended begin the next one."""
         actions = np.asarray(actions)
         begins = self._done
         readings = self._rows.step(self.task.act(actions, self._rows.limits), begins)
@@ -280,7 +280,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[npt.NDArray[Any], npt.NDArray[Any], n
         return self._rows.observations(readings), reward, terminated, truncated, {}
 
     def digest(self, index: int) -> str:
-        """Hash of all that has been recorded in the present episode of simulation `index`."""
+        """Hash of all events recorded in the current episode of simulation `index`."""
         return self._rows.batch.digest(index)
 
 
@@ -330,9 +330,9 @@ WALL_FOLLOW = Task(
     jitter=(0.05, 0.05, 0.2),
     noise="mild",
 )
-"""`eyesim/WallFollow-v0`: a robot with eight range sensors follows the wall at its left for 30 s.
+"""`eyesim/WallFollow-v0`: a robot with eight range sensors follows the wall on its left for 30 s.
 
-Reward of a step: speed over 0.6 m/s times exp(-((d - 0.3 m) / 0.15 m)^2), where d is the least of the two readings to the left; -10 for a
+Reward of a step: speed over 0.6 m/s times exp(-((d - 0.3 m) / 0.15 m)^2), where d is the smaller of the two readings to the left; -10 for a
 contact, which ends the episode.
 """
 

@@ -14,10 +14,10 @@ from .gym import Rows, Task, _task
 
 
 class ParallelEnv(_ParallelEnv[str, npt.NDArray[Any], npt.NDArray[Any]]):  # type: ignore[misc]
-    """The robots of a scene as agents `robot_1`, `robot_2`, ...; the options are those of `eyesim.gym.Task`.
+    """The robots of a scene as agents `robot_1`, `robot_2`, ...; the options are the same as for `eyesim.gym.Task`.
 
-    The functions of the task get a row for each robot. A robot whose episode is terminated stands still as an obstacle until the others
-    have come to their end. Episodes depend on the seed as those of `eyesim.gym.Env` do.
+    The functions of the task get a row for each robot. A robot whose episode is terminated stands still as an obstacle until all other
+    episodes have ended. Episodes depend on the seed in the same way as in `eyesim.gym.Env`.
     """
 
     metadata = {"name": "eyesim_v0", "render_modes": []}

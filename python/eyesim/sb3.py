@@ -18,7 +18,7 @@ from .gym import Rows, Task, _of_one_robot, _task
 
 
 class VecEnv(_VecEnv):  # type: ignore[misc]
-    """Many robots, each in a scene of its own; one call steps all on all cores. The options are those of `eyesim.gym.Task`."""
+    """Many robots, each in a scene of its own; one call steps all on all cores. The options are the same as for `eyesim.gym.Task`."""
 
     def __init__(
         self, scene: str | os.PathLike[str] | Task, num_envs: int = 1, threads: int | None = None, **options: Any
