@@ -240,7 +240,7 @@ impl Batch {
             .map(|((member, part), actions)| (member, part, actions))
             .collect();
         let step = |(member, part, actions): &mut Row<'_>| member.step(beginnings, *part, actions, period, size);
-        // A thread takes a few rows at a time: those that begin an episode take longer than others.
+        // A thread takes a few rows at a time, since rows that begin an episode take longer.
         let (left, failed) = (Mutex::new(rows.chunks_mut(ROWS_AT_ONCE)), Mutex::new(None));
         let work = || {
             let next = || left.lock().next();

@@ -1,7 +1,8 @@
 //! The extension module `eyesim._native`, which the Python package calls.
 //!
-//! The rooms translate: numbers, buffers and exceptions of Python on one side, the library's values on the other. The package's own
-//! files in `python/eyesim` give them names, types and shapes. While the library works, other threads of Python run.
+//! The rooms translate: numbers, buffers and exceptions of Python on one side, the library's values on the other. The
+//! package's own files in `python/eyesim` give them names, types and shapes. While the library works, other Python
+//! threads run.
 
 mod batch;
 mod callable;

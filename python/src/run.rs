@@ -56,7 +56,7 @@ impl From<PlotError> for Failed {
     }
 }
 
-/// Options of a run, by the names that the package gives them; an absent one has the default of `eyesim run`.
+/// Options of a run, under the names that the package uses; an absent option has the default of `eyesim run`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct RunOptions {

@@ -138,7 +138,7 @@ mod sealed {
     impl Sealed for crate::Robot {}
     impl Sealed for crate::robios7::Robot {}
 
-    /// Function type, which gives access to its return type.
+    /// Function type, through which its return type is accessible.
     pub trait Function {
         /// Return type of the function.
         type Output;

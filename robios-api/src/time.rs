@@ -48,7 +48,7 @@ impl Robot {
         let _: i32 = support!(self, sleep_us(span_us));
     }
 
-    /// Lets virtual time pass until a time since the robot's start; returns at once if it is past.
+    /// Lets virtual time pass until a time since the robot's start; returns immediately if it is past.
     #[track_caller]
     pub fn sleep_until(&self, time: Duration) {
         let now = self.now();

@@ -143,7 +143,7 @@ impl CallSite {
     pub const NONE: Self = Self { address: std::ptr::null(), file: std::ptr::null(), file_len: 0, line: 0 };
 }
 
-/// Text that a program has printed to a stream since the last end of a line, which its shim has not passed on yet. The host reads it if the
+/// Unfinished line that a program has printed to a stream and its shim has not passed on yet. The host reads it if the
 /// program breaks.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -156,7 +156,7 @@ pub struct Console {
     pub line: *const u8,
 }
 
-/// Longest text of a [`Console`], in bytes; longer lines are passed on in pieces.
+/// Maximum length of the text of a [`Console`], in bytes; longer lines are passed on in pieces.
 pub const CONSOLE_LINE: usize = 1024;
 
 /// Description of a program, exported by its library as [`PROGRAM_SYMBOL`]. Fields are only appended.

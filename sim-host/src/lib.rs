@@ -1,4 +1,4 @@
-//! Runs of robot programs in simulated worlds: the library behind the command `eyesim`.
+//! Runs of robot programs in simulated worlds: the library of the command `eyesim`.
 //!
 //! ```no_run
 //! use sim_core::RobotId;

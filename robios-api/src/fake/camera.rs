@@ -9,7 +9,7 @@ use crate::lcd::Pixel;
 use crate::robios7::{Color, ImageSize};
 use crate::unit::Length;
 
-/// Script of a camera: a function that gives the value of a pixel at a moment.
+/// Script of a camera: a function that returns the value of a pixel at a moment.
 type PixelScript<T> = Box<dyn Fn(&Moment, Pixel) -> T + Send>;
 
 /// Scripts of the camera.

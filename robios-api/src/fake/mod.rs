@@ -1,7 +1,7 @@
 //! A fake robot for unit tests of robot programs: no simulator, no files, no world.
 //!
 //! A [`Fake`] describes the robot's devices and scripted events in virtual time; [`Fake::run`] runs a program on it
-//! from start to end and returns a [`Run`], the record of the program's behaviour. A script is a function that gives
+//! from start to end and returns a [`Run`], the record of the program's behaviour. A script is a function that returns
 //! the state of a device at a [`Moment`]. Programs without end are stopped at a limit of virtual time. The robot is
 //! ideal: drives take exactly their time, and there are no obstacles.
 //!

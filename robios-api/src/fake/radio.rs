@@ -75,7 +75,7 @@ impl Fake {
         self
     }
 
-    /// Sets the script by which the other robots answer the program's messages. The script gives an answer with its
+    /// Sets the script by which the other robots answer the program's messages. The script returns an answer with its
     /// delay, or `None` for no answer, as after the loss of a message.
     ///
     /// ```

@@ -106,7 +106,7 @@ impl Robot {
         self.0.sleep(span);
     }
 
-    /// Lets virtual time pass until a time since the robot's start; returns at once if it is past.
+    /// Lets virtual time pass until a time since the robot's start; returns immediately if it is past.
     #[track_caller]
     pub fn sleep_until(&self, time: Duration) {
         self.0.sleep_until(time);

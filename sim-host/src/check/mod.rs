@@ -114,7 +114,7 @@ pub fn results(
 pub enum Progress {
     /// The rest of the run decides the check.
     Open,
-    /// It is met for good.
+    /// It is met, whatever follows.
     Met,
     /// It can no longer be met.
     Failed,

@@ -45,7 +45,7 @@ pub fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Parses a code, alone or as in a message: `error[CODE]`.
+/// Parses a code, bare or as in a message: `error[CODE]`.
 fn named(text: &str) -> Result<Code, UnknownCode> {
     let inner = text.split_once('[').map_or(text, |(_, rest)| rest.trim_end_matches([':', ']']));
     inner.trim().to_lowercase().parse()

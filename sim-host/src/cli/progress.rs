@@ -84,7 +84,7 @@ pub struct Counts {
     pub ended: usize,
 }
 
-/// Bar drawn at most ten times a second; costs one clock reading per slot, or nothing if it is hidden.
+/// Bar drawn at most ten times per second; costs one clock reading per slot, or nothing if it is hidden.
 pub struct Progress {
     bar: Option<ProgressBar>,
     until: Time,
@@ -152,7 +152,7 @@ impl Progress {
         })
     }
 
-    /// Removes the bar from the screen for good.
+    /// Removes the bar from the screen permanently.
     pub fn clear(&mut self) {
         if let Some(bar) = self.bar.take() {
             bar.finish_and_clear();

@@ -102,8 +102,9 @@ pub trait Executor: Send + Sync {
     /// Flows that broke (by a fault, or because they were overdue) and never run again, with the cause.
     fn broken(&self) -> Vec<(RobotId, fault::Broken)>;
 
-    /// Returns true if the robot's flow with the run token has used `timeout` seconds of processor time, or has been blocked in the
-    /// kernel for as long, since it was last resumed or handed the run token. Called about twenty times a second.
+    /// Returns true if the robot's flow with the run token has used `timeout` seconds of processor time, or has been
+    /// blocked in the kernel for as long, since it was last resumed or handed the run token. Called about twenty times
+    /// per second.
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool;
 
     /// Location at which the robot's flow with the run token computes: the program counter, then words of the stack

@@ -215,9 +215,9 @@ impl Run {
     #[inline]
     pub(super) fn world_in_slot(&self) -> &World {
         debug_assert!(!self.environment.is_locked_exclusive(), "nobody writes while a robot runs");
-        // SAFETY: the environment is written only between slots, while no robot runs: by the scheduler step, which the last flow at the
-        // barrier runs once all others have suspended themselves, and by the owner of a paused run. The calling flow runs, and by
-        // the contract of `Flow::world` it gives the reference up before it suspends itself.
+        // SAFETY: the environment is written only between slots, while no robot runs: by the scheduler step, which the
+        // last flow at the barrier runs once all others have suspended themselves, and by the owner of a paused run.
+        // The calling flow runs, and by the contract of `Flow::world` it drops the reference before it suspends itself.
         unsafe { &(*self.environment.data_ptr()).world }
     }
 

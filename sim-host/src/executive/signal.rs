@@ -1,8 +1,9 @@
 //! Signal handlers that catch the faults of robot programs.
 //!
-//! A fault of a program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP) is caught on the thread's alternate stack and written into
-//! the thread's [`FlowBlock`], and the thread is parked for good: no code of the program runs again on it. The supervisor handles
-//! the rest. The handler calls only `write` and `pause`, and touches only memory allocated before.
+//! A fault of a program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP) is caught on the thread's alternate stack
+//! and written into the thread's [`FlowBlock`], and the thread is parked permanently: no code of the program runs on it
+//! again. The supervisor handles the rest. The handler calls only `write` and `pause`, and touches only memory
+//! allocated before.
 //!
 //! [`Handlers`] are installed while any flow of any run lives. A fault in a thread that is not a robot's flow is passed
 //! to the previous handler.

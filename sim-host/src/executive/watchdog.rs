@@ -183,7 +183,7 @@ fn processor_time(tid: i32) -> Option<Duration> {
 
 fn clock(clock: libc::clockid_t) -> Option<Duration> {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: `time` is one valid timespec; an unknown clock gives an error.
+    // SAFETY: `time` is one valid timespec; an unknown clock is an error.
     let status = unsafe { libc::clock_gettime(clock, &mut time) };
     (status == 0).then(|| Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec.unsigned_abs() as u32))
 }

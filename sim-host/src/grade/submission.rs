@@ -225,7 +225,7 @@ fn is_number(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// `solve.c` for `solve-1.c`, the name that Canvas gives to a second attempt.
+/// `solve.c` for `solve-1.c`, the name that Canvas assigns to a second attempt.
 fn without_attempt(file: &str) -> String {
     let split = || {
         let (stem, ending) = file.split_once('.')?;

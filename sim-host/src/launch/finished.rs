@@ -1,4 +1,4 @@
-//! Results of a run that is over.
+//! Results of a finished run.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::record::trail::BodyTrails;
 use crate::record::{Report, Trails};
 use crate::scenery::LazyScenery;
 
-/// A run that is over.
+/// A finished run.
 pub struct Finished {
     /// Settings of the run from the scene and the options.
     pub settings: Settings,

@@ -20,13 +20,13 @@ pub enum OptionError {
         /// The robot.
         robot: UnknownRobot,
     },
-    /// Two options give one robot a program.
+    /// Two options assign a program to one robot.
     #[error("--program: robot {robot} gets two programs")]
     TwoPrograms {
         /// Number of the robot.
         robot: u32,
     },
-    /// Two options give a program to all robots without one.
+    /// Two options assign a program to all robots without one.
     #[error("--program: one program for all robots without one, not `{first}` and `{second}`")]
     TwoProgramsForAll {
         /// The first program.

@@ -175,7 +175,7 @@ impl Scene {
         Ok(BuiltScene { options, settings, scene, scenery, inputs: read, programs })
     }
 
-    /// Settings of the run; gives its robots the programs and arguments of the options.
+    /// Computes the settings of the run, and assigns the programs and arguments of the options to its robots.
     ///
     /// # Errors
     /// An option does not fit the scene.

@@ -48,7 +48,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Computes the settings of a run of `scene`, and gives its robots the programs and arguments of `options`.
+    /// Computes the settings of a run of `scene`, and assigns the programs and arguments of `options` to its robots.
     ///
     /// # Errors
     /// A robot does not exist, keys, arguments or costs cannot be read, or no robot needs a program of the options.
@@ -161,8 +161,8 @@ impl std::fmt::Display for ProgramOption {
     }
 }
 
-/// Gives the robots of `scene` the programs of the command line. An option with a robot's number takes precedence over one with the
-/// name of a program, and an option with the name of a program over one with the name of a type.
+/// Assigns the programs of the command line to the robots of `scene`. An option with a robot's number takes precedence
+/// over one with the name of a program, and an option with the name of a program over one with the name of a type.
 ///
 /// # Errors
 /// An option matches no robot.
@@ -218,8 +218,8 @@ pub fn withdraw_programs<'r>(scene: &mut SceneSpec, robots: impl Iterator<Item =
     Ok(())
 }
 
-/// Gives all robots of a scene the noise profile `name` of the command line: a preset or a file. Mistakes in the file are added to the
-/// scene's diagnostics.
+/// Sets the noise profile `name` of the command line for all robots of a scene: a preset or a file. Mistakes in the
+/// file are added to the scene's diagnostics.
 ///
 /// # Errors
 /// `name` is neither a preset nor a file.

@@ -129,7 +129,7 @@ impl Frame {
         if corners.iter().all(|corner| self.contains(*corner)) {
             return corners.to_vec();
         }
-        // Clips at one side of the frame after the other. Each function gives the distance of a point from its side,
+        // Clips at one side of the frame after the other. Each function returns the distance of a point from its side,
         // positive inside.
         let sides: [&dyn Fn(DVec2) -> f64; 4] =
             [&|point| point.x - self.min.x, &|point| self.max.x - point.x, &|point| point.y - self.min.y, &|point| {

@@ -162,7 +162,8 @@ pub struct Builder {
 }
 
 impl Builder {
-    /// Creates a builder that stores its results in `cache` and gives C and C++ programs the headers and the shim of `kits`.
+    /// Creates a builder that stores its results in `cache` and builds C and C++ programs with the headers and the shim
+    /// of `kits`.
     pub fn new(cache: Cache, kits: Kits, tools: Tools) -> Self {
         Self {
             cache,

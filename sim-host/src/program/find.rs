@@ -527,7 +527,7 @@ mod tests {
             let found = place.check(name, &[expected]);
             assert!(found.notes[0].contains(note), "{:?}", found.notes);
         }
-        // A missing file gives no note.
+        // A missing file does not cause a note.
         assert_eq!(place.check("e.exe", &["sims/e.so"]).notes, <[String; 0]>::default());
         let message = place.check_missing("alone.x");
         assert!(message.contains("alone.x` is an executable for ") && message.contains("put its source"), "{message}");

@@ -330,7 +330,7 @@ impl Loader {
     }
 
     /// Restricts `command`, which runs `prepared` and may read the files and folders `reads` in addition to the
-    /// program's own, and gives it a scratch folder as its working folder; `None` if programs are not restricted.
+    /// program's own, and sets a scratch folder as its working folder; `None` if programs are not restricted.
     ///
     /// # Errors
     /// The folder cannot be created, or the kernel refuses.

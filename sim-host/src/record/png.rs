@@ -1,4 +1,4 @@
-//! Encodes images as PNG: equal pixels give equal bytes.
+//! Encodes images as PNG, deterministically: equal pixels yield equal bytes.
 
 use png::{BitDepth, ColorType, Encoder};
 

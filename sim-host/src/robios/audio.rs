@@ -1,5 +1,5 @@
 //! Loudspeaker and microphone. Sounds play in the background for their span of virtual time; the microphone reads the
-//! level that the robi's companion file gives, silence by default.
+//! level set in the robi's companion file, silence by default.
 //!
 //! Sources: RoBIOS 6 library, audio; RoBIOS-7 library, audio.
 
@@ -160,7 +160,7 @@ struct Wave {
 }
 
 impl Wave {
-    /// Parses the header of a WAV file; `None` for anything else.
+    /// Parses the header of a WAV file; `None` for any other file.
     fn parse(file: &[u8]) -> Option<Self> {
         let word = |bytes: &[u8], at: usize| {
             bytes.get(at..at + 4).and_then(|word| word.try_into().ok()).map(u32::from_le_bytes)

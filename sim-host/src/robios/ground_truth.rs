@@ -173,8 +173,8 @@ fn pose_meant(dialect: Dialect, [x_mm, y_mm, phi_degrees]: [i32; 3]) -> Pose {
     pose([x_mm, y_mm, heading_from_program(dialect, phi_degrees)])
 }
 
-/// Heading in degrees that a program reads: `phi`, from -179 to 180, counter-clockwise from x. EyeSim VR of 2018 gives 360 minus the
-/// yaw of Unity, which is 90 - `phi` from 0 to 359: so 1 to 360, counter-clockwise from -y.
+/// Heading in degrees that a program reads: `phi`, from -179 to 180, counter-clockwise from x. EyeSim VR of 2018
+/// returns 360 minus the yaw of Unity, which is 90 - `phi` from 0 to 359: so 1 to 360, counter-clockwise from -y.
 fn heading_to_program(dialect: Dialect, phi: i32) -> i32 {
     match dialect {
         Dialect::Vr2018 => 360 - yaw(phi),

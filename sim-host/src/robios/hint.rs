@@ -16,7 +16,7 @@ pub const LONG_TURN: f64 = 40.0;
 /// A likely mistake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Mistake {
-    /// A drive of kilometres.
+    /// A drive of RoBIOS 6 of more than [`LONG_DRIVE`].
     LongDrive,
     /// A turn by many revolutions.
     LongTurn,
@@ -26,7 +26,7 @@ pub enum Mistake {
     PsdBusy,
     /// A PSD sensor is read that was never started.
     PsdNotStarted,
-    /// A drive of RoBIOS-7 of a few millimetres at a few millimetres a second.
+    /// A drive of RoBIOS-7 of a few millimetres at a few millimetres per second.
     Metres,
     /// A drive of RoBIOS 6 of length 0.
     NoLength,
@@ -36,7 +36,7 @@ pub enum Mistake {
     Unopened,
     /// A number of a drive of RoBIOS-7 is the integer to which C converts NaN.
     NoNumber,
-    /// A turn of RoBIOS-7 by a few degrees at a few degrees a second.
+    /// A turn of RoBIOS-7 by a few degrees at a few degrees per second.
     Radians,
     /// A drive replaces the previous drive as soon as that has begun.
     MissingWait,

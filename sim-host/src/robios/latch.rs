@@ -41,12 +41,12 @@ impl Latches {
     }
 }
 
-/// Value of input latch `number`; 0 if the companion gives none.
+/// Value of input latch `number`; 0 if the companion does not set it.
 pub fn input(inputs: &InputSpec, number: i32) -> u8 {
     inputs.latches.iter().find(|(latch, _)| i32::from(*latch) == number).map_or(0, |(_, value)| *value)
 }
 
-/// Value of A/D channel `channel`, 0 to 1023; 0 if the companion gives none, `None` if there is no such channel.
+/// Value of A/D channel `channel`, 0 to 1023; 0 if the companion does not set it, `None` if there is no such channel.
 pub fn analog(inputs: &InputSpec, channel: i32) -> Option<u16> {
     let value = inputs.analog.iter().find(|(number, _)| i32::from(*number) == channel).map_or(0, |(_, value)| *value);
     (0..CHANNELS).contains(&channel).then_some(value)

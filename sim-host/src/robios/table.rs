@@ -1,6 +1,6 @@
 //! The table of a robot's devices: maps the numbers of `hdt_sem.h` to the devices of the robi.
 //!
-//! A device has the number that the robi or its companion gives it, and the number that `hdt_sem.h` gives to its name.
+//! A device has the number assigned by the robi or its companion, and the number that `hdt_sem.h` assigns to its name.
 //! Source: RoBIOS 6 library, hardware description table; the precedence of these numbers is our choice.
 
 use robios_sys::robios6::hdt_type::{

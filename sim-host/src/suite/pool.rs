@@ -255,7 +255,7 @@ impl<'s> Pool<'s> {
     }
 }
 
-/// Gives the worker the next case; returns false if there is none.
+/// Assigns the next case to the worker; returns false if there is none.
 fn give(worker: &mut Worker, queue: &mut VecDeque<usize>) -> bool {
     let Some(index) = queue.pop_front() else { return false };
     if worker.given.is_empty() {

@@ -34,7 +34,8 @@ const POSTURE_PERIOD: f64 = 0.02 - 1e-9;
 /// Maximum number of contents kept of a display.
 const MAX_SHOWN: usize = 4_000;
 
-/// Builds the recording of a run from its trace and its scene; `spec` gives the robots' starting poses, which traces lack.
+/// Builds the recording of a run from its trace and its scene; `spec` contains the robots' starting poses, which traces
+/// lack.
 ///
 /// # Errors
 /// [`TraceError`] for an invalid line; a truncated trace is not an error, but yields a remark in the recording.

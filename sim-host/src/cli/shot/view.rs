@@ -102,7 +102,7 @@ fn above(floor: DVec2, [width, height]: [u32; 2]) -> anyhow::Result<Pose3> {
 }
 
 impl Shot<'_> {
-    /// Takes the picture of a run that is over.
+    /// Takes the picture of a finished run.
     ///
     /// # Errors
     /// If the robot or its camera does not exist, or the view is invalid.

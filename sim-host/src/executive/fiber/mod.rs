@@ -87,7 +87,7 @@ struct Worker {
     _handlers: Handlers,
 }
 
-// SAFETY: the worker's thread alone uses `sp`.
+// SAFETY: only the worker's thread uses `sp`.
 unsafe impl Sync for Worker {}
 
 /// The fibers of one robot.
@@ -325,7 +325,7 @@ impl Worker {
         if self.residents.load(Ordering::Relaxed) > FEW
             && let Some((robot, fiber)) = queue.front()
         {
-            // SAFETY: fibers of this queue run on the calling thread alone.
+            // SAFETY: fibers of this queue run only on the calling thread.
             unsafe {
                 robot.prefetch();
                 fiber.prefetch();

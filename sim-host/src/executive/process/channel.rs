@@ -277,8 +277,8 @@ impl Channel {
         self.header().thread.store(thread.unsigned_abs(), Ordering::Relaxed);
     }
 
-    /// Sends a message made of `parts` and gives the turn to the other side. The caller must have the turn.
-    /// Returns false, and sends nothing, if the message is too long. Async-signal-safe.
+    /// Sends a message made of `parts` and passes the turn to the other side. The caller must have the turn. Returns
+    /// false, and sends nothing, if the message is too long. Async-signal-safe.
     pub fn send(&self, kind: u32, parts: &[&[u8]]) -> bool {
         let length: usize = parts.iter().map(|part| part.len()).sum();
         if length > LONGEST {
@@ -298,7 +298,7 @@ impl Channel {
         true
     }
 
-    /// Gives the turn to `next`, which finds the message that is in the channel now. Async-signal-safe.
+    /// Passes the turn to `next`, which finds the message that is in the channel now. Async-signal-safe.
     pub fn give_turn(&self, next: Turn) {
         let turn = &self.header().turn;
         turn.store(next as u32, Ordering::Release);

@@ -266,7 +266,7 @@ impl Child {
         !self.is_debugged && watchdog::is_gone(self.pid, thread.cast_signed())
     }
 
-    /// Gives up a child that has sent a malformed message.
+    /// Abandons a child that has sent a malformed message.
     pub fn malformed(&self) -> Broken {
         self.lose(self.broken("its process sent a message that makes no sense: the program wrote where it may not"))
     }

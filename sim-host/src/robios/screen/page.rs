@@ -1,7 +1,7 @@
 //! Text and pixels of a display; the pixels are allocated lazily.
 //!
-//! Most programs only print: their page is a list of characters on black. The first drawing turns it into pixels, and
-//! text is written to both from then on; [`Page::clear`] drops the pixels again. Both forms show the same content.
+//! Most programs only print; then the page is a list of characters on black. The first drawing turns it into pixels,
+//! and text is written to both from then on; [`Page::clear`] drops the pixels again. Both forms show the same content.
 
 use std::collections::BTreeMap;
 

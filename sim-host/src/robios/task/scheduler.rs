@@ -175,7 +175,7 @@ impl Scheduler {
         self.dispatch();
     }
 
-    /// Gives the processor to a task out of turn, for work that must precede all others.
+    /// Assigns the processor to a task out of turn, for work that must precede all other work.
     pub fn take_over(&mut self, number: u32) {
         if self.owner == Some(number) {
             return;
