@@ -79,8 +79,8 @@ const fn optional_compile_flags(language: Language) -> &'static [&'static str] {
     }
 }
 
-/// Linker flags that are used if the linker supports them: each halves the number of memory mappings of a robot's
-/// private copy.
+/// Linker flags that are used if the linker supports them: together they halve the number of memory mappings of a
+/// robot's private copy.
 const OPTIONAL_LINK_FLAGS: &[&str] = &["-Wl,-z,noseparate-code", "-Wl,-z,norelro"];
 
 /// A compiler that was found, with its flags.
