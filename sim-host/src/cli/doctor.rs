@@ -184,7 +184,7 @@ fn sandbox() -> Finding {
     let closed: Vec<String> =
         level.areas().filter_map(|area| Some(format!("{} by {}", area.word(), kernel.means(area).ok()?))).collect();
     let found = format!("{}: closes {}", level.word(), closed.join("; "));
-    Finding::new("sandbox", "programs of strangers: `eyesim run --sandbox`", Some(found), "")
+    Finding::new("sandbox", "untrusted programs: `eyesim run --sandbox`", Some(found), "")
 }
 
 /// Limits and environment of this process.

@@ -86,8 +86,8 @@ pub struct RunArgs {
     /// Where programs run: on threads of this process, or each in a process of its own, where a fault ends its robot alone
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = Exec::Auto)]
     pub exec: Exec,
-    /// Build and run programs of strangers: closed to them are files, network, signals, memory of others and resources; `calls`: all but
-    /// files, `limits`: resources alone. Implies --exec=process
+    /// Build and run untrusted programs in a sandbox that denies files, network, signals and the memory of other processes, and limits
+    /// resources; `calls`: all of these except files, `limits`: only resources. Implies --exec=process
     #[arg(
         long,
         value_name = "LEVEL",

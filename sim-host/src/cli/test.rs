@@ -63,7 +63,7 @@ pub struct TestArgs {
     /// Run every case in a process of its own
     #[arg(long)]
     pub isolate: bool,
-    /// Build and run programs of strangers, as `eyesim run --sandbox` does: full, calls or limits
+    /// Build and run untrusted programs in a sandbox, as `eyesim run --sandbox` does: full, calls or limits
     #[arg(
         long,
         value_name = "LEVEL",

@@ -280,19 +280,20 @@ fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
     FaultReport { what, location, last_call }
 }
 
-/// The pointers of the line at which the program itself broke, at most two: one of them was NULL. `None` if the line shows none.
+/// The pointers of the line at which the program itself broke, at most two: one of them was NULL. `None` if the line may use others.
 fn null_pointer(broken: &Broken, program: &RobotProgram) -> Option<String> {
     let line = program.own_source_line(broken.addresses.get(..1)?)?;
     let is_rust = line.file.extension().is_some_and(|extension| extension == "rs");
-    let pointers = pointers_of(&program.text_of(&line).filter(|_| !is_rust)?);
+    let pointers = pointers_of(&program.text_of(&line).filter(|_| !is_rust)?, &program.source_of(&line)?)?;
     (1..=2).contains(&pointers.len()).then(|| format!("`{}`", pointers.join("` or `")))
 }
 
-/// Question about the only array that the line indexes at which the program broke.
+/// Question about the only array that the line indexes at which the program broke, if it uses no pointer.
 fn wild_index(broken: &Broken, program: &RobotProgram) -> Option<String> {
     let line = program.own_source_line(&without_stale(&broken.addresses, program))?;
-    let (name, len) = single_array(&program.text_of(&line)?, &program.source_of(&line)?)?;
-    let len = len?;
+    let (text, source) = (program.text_of(&line)?, program.source_of(&line)?);
+    let (name, len) = single_array(&text, &source)?;
+    let len = len.filter(|_| pointers_of(&text, &source).is_some_and(|pointers| pointers.is_empty()))?;
     Some(format!("; is an index of `{name}` outside of its {len} elements, 0 to {}?", len.checked_sub(1)?))
 }
 

@@ -32,8 +32,6 @@ pub fn code_only(text: &str) -> String {
 
 /// Returns true if a function begins at the margin in this line of [code](code_only), without a `;` behind it.
 pub fn begins_function(line: &str) -> bool {
-    const STATEMENTS: [&str; 10] =
-        ["case", "delete", "do", "else", "goto", "new", "return", "throw", "typedef", "using"];
     let Some((head, _)) = line.split_once('(').filter(|_| !line.contains([';', '='])) else { return false };
     let mut words = head.split([' ', '*', '&']).filter(|word| !word.is_empty());
     let first = words.next().unwrap_or_default();
@@ -43,72 +41,104 @@ pub fn begins_function(line: &str) -> bool {
         && !head.replace("::", "").contains(':')
 }
 
-/// The pointers through which a line of C or C++ reads or writes, as `place` of `*place` and `robot` of `robot->x`; empty where a macro or
-/// an expression may hide some.
-pub fn pointers_of(line: &str) -> Vec<String> {
-    let code = code_only(line);
-    let mut found: Vec<&str> = Vec::new();
-    for (place, letter) in code.char_indices() {
-        let (left, right) = (code[..place].trim_end(), &code[place..]);
-        let word = left.rsplit(|c| !is_name(c)).next().unwrap_or_default();
-        let pointer = if letter == '[' || right.starts_with("->") {
-            operand_before(left)
-        } else if letter == '*'
-            && (left.is_empty() || left.ends_with(|c| "(,=+-*/%<>!&|?:;{}[~^".contains(c)) || word == "return")
-        {
-            operand_behind(right[1..].trim_start())
-        } else if letter == '(' && word.len() > 1 && !word.contains(char::is_lowercase) {
-            None
-        } else {
-            continue;
+/// The variables through which `line` reads or writes, each declared as a pointer in `source`; `None` if the line may use others, such as
+/// members, results of functions or what a macro hides.
+pub fn pointers_of(line: &str, source: &str) -> Option<Vec<String>> {
+    let (code, source) = (code_only(line), code_only(source));
+    let defined = source.lines().filter_map(|line| line.trim().strip_prefix("#define"));
+    let hiding = defined.filter(|rest| rest.contains(['*', '[', '>']));
+    let mut macros = hiding.filter_map(|rest| rest.trim().split(|c| !is_name(c)).next());
+    if macros.any(|name| code.split(|c| !is_name(c)).any(|word| word == name)) {
+        return None;
+    }
+    let mut found = Vec::new();
+    for (at, letter) in code.char_indices() {
+        let (left, right) = (code[..at].trim_end(), code[at + letter.len_utf8()..].trim_start());
+        let name = match letter {
+            '[' => {
+                let name = name_before(left)?;
+                if declares_array(&source, name) {
+                    continue;
+                }
+                Some(name).filter(|_| !is_member(left, name))
+            }
+            '-' if right.starts_with('>') => name_before(left).filter(|name| !is_member(left, name)),
+            '*' if left.ends_with('*') || right.starts_with('*') => None,
+            '*' if declares_at(left) || right.starts_with(['=', ')', ',']) => continue,
+            '*' => match right.split(|c| !is_name(c)).next().filter(|name| declares_pointer(&source, name)) {
+                None if is_value(left) || right.starts_with(|c: char| c.is_ascii_digit()) => continue,
+                name => name,
+            },
+            _ => continue,
         };
-        let Some(pointer) = pointer else { return Vec::new() };
-        found.push(pointer);
+        found.push(name.filter(|name| declares_pointer(&source, name))?);
     }
     found.sort_unstable();
     found.dedup();
-    found.into_iter().map(str::to_owned).collect()
+    Some(found.into_iter().map(str::to_owned).collect())
 }
 
-/// The operand with which `code` ends: `d`, `robot->map`, `f(3)`.
-fn operand_before(code: &str) -> Option<&str> {
-    let mut depth = 0_usize;
-    let mut start = code.len();
-    for (place, letter) in code.char_indices().rev() {
-        match letter {
-            ')' | ']' => depth += 1,
-            '(' | '[' if depth == 0 => break,
-            '(' | '[' => depth -= 1,
-            '>' if code[..place].ends_with('-') => {}
-            '-' if code[place..].starts_with("->") => {}
-            _ if depth > 0 || letter.is_alphanumeric() || "_.".contains(letter) => {}
-            _ => break,
-        }
-        start = place;
+/// Words that may stand before a statement or an expression, unlike a type.
+const STATEMENTS: [&str; 10] = ["case", "delete", "do", "else", "goto", "new", "return", "throw", "typedef", "using"];
+
+/// Returns true if `name`, with which `left` ends, is a member of another name.
+fn is_member(left: &str, name: &str) -> bool {
+    let before = left.strip_suffix(name).unwrap_or_default().trim_end();
+    before.ends_with("->") || before.ends_with('.')
+}
+
+/// Returns true if `left` ends with a value, so that a `*` after it multiplies.
+fn is_value(left: &str) -> bool {
+    let word = left.rsplit(|c| !is_name(c)).next().unwrap_or_default();
+    left.ends_with(']') || !word.is_empty() && !STATEMENTS.contains(&word)
+}
+
+/// Returns true if a `*` after `left` declares a pointer: a type stands before it, where a statement or a parameter begins.
+fn declares_at(left: &str) -> bool {
+    let line = left.trim_end_matches(['*', ' ', '\t']).rsplit('\n').next().unwrap_or_default();
+    let Some(mut before) =
+        name_before(line).filter(|word| !STATEMENTS.contains(word)).and_then(|word| line.strip_suffix(word))
+    else {
+        return false;
+    };
+    while let Some(shorter) =
+        ["const", "struct", "static", "unsigned"].iter().find_map(|word| before.trim_end().strip_suffix(word))
+    {
+        before = shorter;
     }
-    Some(&code[start..]).filter(|operand| depth == 0 && operand.starts_with(|c: char| c.is_alphabetic() || c == '_'))
+    let before = before.trim();
+    before.is_empty() || before.ends_with(['(', '{', ';', '}', ','])
 }
 
-/// The operand of the `*` before `code`.
-fn operand_behind(code: &str) -> Option<&str> {
-    let stars = code.len() - code.trim_start_matches('*').len();
-    let operand = &code[stars..];
-    let mut depth = 0_usize;
-    let end = operand.char_indices().find(|(place, letter)| match letter {
-        '(' | '[' => {
-            depth += 1;
-            false
-        }
-        ')' | ']' if depth > 0 => {
-            depth -= 1;
-            false
-        }
-        '>' if operand[..*place].ends_with('-') => false,
-        '-' if operand[*place..].starts_with("->") => false,
-        letter => depth == 0 && !letter.is_alphanumeric() && !"_.".contains(*letter),
+/// Returns true if `source` declares a pointer `name`, as a variable or as a parameter `name[]`.
+fn declares_pointer(source: &str, name: &str) -> bool {
+    !name.is_empty()
+        && places_of(source, name).any(|at| {
+            let (left, right) = (&source[..at], source[at + name.len()..].trim_start());
+            let is_pointer =
+                left.trim_end().ends_with('*') && declares_at(left) && right.starts_with(['=', ';', ',', ')']);
+            let mut behind = right.chars().filter(|c| !c.is_whitespace());
+            let is_parameter =
+                behind.next() == Some('[') && behind.next() == Some(']') && matches!(behind.next(), Some(',' | ')'));
+            is_pointer || is_parameter
+        })
+}
+
+/// Returns true if `source` declares an array `name` and no pointer of this name.
+fn declares_array(source: &str, name: &str) -> bool {
+    let mut places = places_of(source, name);
+    let is_array = places.any(|at| {
+        let line = source[..at].rsplit('\n').next().unwrap_or_default();
+        let is_typed = declares_at(line) && !line.trim_end().ends_with(['(', '{', ';', '}', ',']);
+        is_typed && source[at + name.len()..].trim_start().starts_with('[')
     });
-    let operand = &code[..stars + end.map_or(operand.len(), |(place, _)| place)];
-    Some(operand).filter(|operand| operand[stars..].starts_with(|c: char| c.is_alphabetic() || c == '_'))
+    is_array && !declares_pointer(source, name)
+}
+
+/// The places of the word `name` in `code`.
+fn places_of<'a>(code: &'a str, name: &'a str) -> impl Iterator<Item = usize> + 'a {
+    let is_whole = |at: &usize| !code[..*at].ends_with(is_name) && !code[at + name.len()..].starts_with(is_name);
+    code.match_indices(name).map(|(at, _)| at).filter(is_whole)
 }
 
 /// The only array that `line` indexes, and its length if `source` declares it.
@@ -135,15 +165,16 @@ fn declared_length(source: &str, name: &str) -> Option<u64> {
         code.match_indices('[').filter(|(at, _)| name_before(&code[..*at]) == Some(name)).filter_map(|(at, _)| {
             let before = code[..at].trim_end().strip_suffix(name)?;
             let line = before.rsplit('\n').next()?.trim();
-            let is_declared = name_before(before).is_some_and(|word| {
-                !["return", "case", "else", "do", "sizeof"].contains(&word) && before.ends_with([' ', '\t', '\n'])
-            }) || !line.contains('(')
-                && before.ends_with([' ', ',', '*'])
-                && TYPES.iter().any(|kind| line.split(|c| !is_name(c)).next() == Some(*kind));
+            let is_declared = name_before(line)
+                .is_some_and(|word| !STATEMENTS.contains(&word) && word != "sizeof" && before.ends_with([' ', '\t']))
+                || !line.contains(['(', '='])
+                    && before.ends_with([' ', ',', '*'])
+                    && TYPES.iter().any(|kind| line.split(|c| !is_name(c)).next() == Some(*kind));
             let (length, behind) = code[at + 1..].split_once(']')?;
             is_declared.then(|| {
                 let defined = |line: &str| {
-                    line.trim().strip_prefix("#define")?.trim().strip_prefix(length.trim())?.trim().parse().ok()
+                    let rest = line.trim().strip_prefix("#define")?.trim().strip_prefix(length.trim())?;
+                    rest.strip_prefix([' ', '\t'])?.trim().parse().ok()
                 };
                 let number = length.trim().parse().ok().or_else(|| code.lines().find_map(defined));
                 number.filter(|_| !behind.trim_start().starts_with('['))
@@ -208,20 +239,42 @@ mod tests {
 
     #[test]
     fn pointers_of_a_line_are_found() {
-        let check = |line: &str, pointers: &[&str]| assert_eq!(pointers_of(line), pointers, "{line}");
-        check("  printf(\", in %d * %p\", *place); // *other", &["place"]);
-        check("  d[i + 1] = a * b;", &["d"]);
-        check("  robot->x = (*map).x;", &["map", "robot"]);
-        check("  return *next;", &["next"]);
-        check("  node->next->x = 3;", &["node", "node->next"]);
-        check("  m[i][j]++;", &["m", "m[i]"]);
-        check("  x = f(a)->y;", &["f(a)"]);
-        check("  int *p = q; x = 3 > 2 ? a->b : 1;", &["a"]);
-        check("  *p++ = 3;", &["p"]);
-        check("  **q = 3;", &["*q", "q"]);
-        check("  *(p + 1) = q->x;", &[]);
-        check("  x = (int)2.5 * y;", &[]);
-        check("  GO(*p);", &[]);
-        check("  f(a, b);", &[]);
+        let source = "#include <stdio.h>\n#define AT(x) (grid[x])\n#define FRONT (sensor->front)\nint d[10], sums[3];\nNode *robot;\n\
+                      void f(const int *p, struct node *out, int q[], int **pp)\n{\n  int *place = 0, i;\n  int list[] = {1};\n}\n";
+        let check = |line: &str, pointers: Option<&[&str]>| {
+            let found = pointers_of(line, source);
+            let found: Option<Vec<&str>> = found.as_ref().map(|names| names.iter().map(String::as_str).collect());
+            assert_eq!(found.as_deref(), pointers, "{line}");
+        };
+        check("  printf(\", in %d * %p\", *place); // *other", Some(&["place"]));
+        check("  for (i = 0; i < 10; i++) *place++ = d[i];", Some(&["place"]));
+        check("  if (robot->value > 2) *out = 7;", Some(&["out", "robot"]));
+        check("  x = (double)*place / d[2];", Some(&["place"]));
+        check("  if (d[0] == 0) *p = 1;", Some(&["p"]));
+        check("  do *p = d[1]; while (0);", Some(&["p"]));
+        check("  if(ok)p->x = 3;", Some(&["p"]));
+        check("  return *p;", Some(&["p"]));
+        check("  q[3] = a * b;", Some(&["q"]));
+        check("  d[i + 1] = a * b;", Some(&[]));
+        check("  int *place = p, x = q[1] * 2;", Some(&["q"]));
+        check("  f(a, b);", Some(&[]));
+        check("  robot->next->x = 3;", None);
+        check("  if (FRONT < robot->front)", None);
+        check("  sums[1] = AT(2);", None);
+        check("  robot->map[3] = 1;", None);
+        check("  vector[3] = 1;", None);
+        check("  x = f(a)->y;", None);
+        check("  **pp = 3;", None);
+        check("  *(p + 1) = 3;", None);
+    }
+
+    #[test]
+    fn lengths_of_arrays_are_found_where_they_are_declared() {
+        let length = |line: &str, source: &str| single_array(line, source).and_then(|(_, length)| length);
+        assert_eq!(length("d[4] = 1;", "#define N 4\nint d[N];"), Some(4));
+        assert_eq!(length("d[4] = 1;", "#define N5\nint d[N];"), None);
+        assert_eq!(length("int first = big[3];", "int big[500];\nint first = big[3];"), Some(500));
+        assert_eq!(length("d[3] = 1;", "#endif\n d[3] = 1;"), None);
+        assert_eq!(length("d[3] = 1;", "int d[4]; float d[5];"), None);
     }
 }

@@ -352,13 +352,27 @@ const NEEDLESS_IN_7: &[&str] = &[
     "QUADRelease",
 ];
 
+/// Functions of both generations that differ in more than the handle.
+const DIFFERENT: &[&str] = &["VWSetSpeed", "VWGetSpeed", "VWSetPosition", "VWGetPosition", "VWDriveRemain"];
+
+/// Most clauses of an advice.
+const MAX_CLAUSES: usize = 4;
+
 /// A call of a function in a source.
 struct CallSite<'a> {
     name: &'a str,
-    /// `line 4`, or `map.c:4` in a program of several sources.
+    /// `4`, or `map.c:4` in a program of several sources.
     place: String,
-    /// The line without comments and literals.
-    code: String,
+    /// How to leave it out; `None` if it is not a statement on lines of its own.
+    statement: Option<Statement>,
+}
+
+/// A statement that can be deleted.
+struct Statement {
+    /// The variable for its handle.
+    handle: Option<String>,
+    /// Where that is declared, if on another line.
+    declaration: Option<String>,
 }
 
 /// What to change in a program that calls functions of both generations: the calls of the generation that has fewer of them, among
@@ -372,51 +386,131 @@ fn advice(of_6: &[String], of_7: &[String], sources: &[PathBuf]) -> String {
     first.or(second).unwrap_or_else(|| "write all of it for one of them".to_owned())
 }
 
-/// The changes that bring `calls` to `generation`; `None` if it has nothing like one of them.
+/// The changes that bring `calls` to `generation`; `None` if it has nothing like one of them, or if they are many.
 fn changes(calls: &[CallSite<'_>], generation: Generation) -> Option<String> {
-    let change = |CallSite { name, place, code }: &CallSite<'_>| {
-        let instead = INSTEAD[usize::from(generation == Generation::Robios6)];
-        if let Some((_, instead)) = instead.iter().find(|(other, _)| other == name) {
-            return Some(format!("in {place} write `{instead}` for `{name}`"));
+    let instead = INSTEAD[usize::from(generation == Generation::Robios6)];
+    let mut replaced: Vec<(&str, &str, Vec<&str>)> = Vec::new();
+    let mut deleted: Vec<&str> = Vec::new();
+    let mut handles: Vec<String> = Vec::new();
+    for &CallSite { name, ref place, ref statement } in calls {
+        if let Some(&(_, instead)) = instead.iter().find(|(other, _)| *other == name) {
+            match replaced.iter_mut().find(|(other, _, _)| *other == name) {
+                Some((_, _, places)) => {
+                    places.push(place);
+                    places.dedup();
+                }
+                None => replaced.push((name, instead, vec![place.as_str()])),
+            }
+            continue;
         }
-        let is_needless = generation == Generation::Robios7 && NEEDLESS_IN_7.contains(name);
-        let is_whole = code.trim_end().ends_with(';')
-            && code.matches(';').count() == 1
-            && !["if", "else", "while", "for", "return"].iter().any(|word| code.trim_start().starts_with(word));
-        let handle = code.split_once('=').and_then(|(left, _)| left.trim_end().rsplit(|c| !is_name(c)).next());
-        let handle = match handle.filter(|handle| !handle.is_empty()) {
-            Some(handle) if name.starts_with("VW") => format!(", and remove `{handle}` from every call"),
-            Some(handle) => format!(", and pass the number of the device, such as 1, for `{handle}`"),
-            None => String::new(),
-        };
-        is_needless.then(|| match is_whole {
-            true => format!("delete {place}{handle}"),
-            false => format!("leave out `{name}` in {place}{handle}"),
-        })
-    };
-    let changes: Vec<String> = calls.iter().map(change).collect::<Option<_>>()?;
-    Some(format!("to write it for {}, {}", generation.name(), changes.join("; ")))
+        let is_needless = generation == Generation::Robios7 && NEEDLESS_IN_7.contains(&name);
+        let Statement { handle, declaration } = statement.as_ref().filter(|_| is_needless)?;
+        deleted.extend(declaration.as_deref());
+        deleted.push(place);
+        handles.extend(handle.iter().map(|handle| match name.starts_with("VW") {
+            true => format!(", and remove `{handle}` from every call"),
+            false => format!(", and pass the number of the device, such as 1, for `{handle}`"),
+        }));
+    }
+    if replaced.len() + usize::from(!deleted.is_empty()) + handles.len() > MAX_CLAUSES {
+        return None;
+    }
+    let mut clauses: Vec<String> = Vec::new();
+    if !deleted.is_empty() {
+        clauses.push(format!("delete {}{}", lines_text(&deleted), handles.concat()));
+    }
+    clauses.extend(
+        replaced
+            .iter()
+            .map(|(name, instead, places)| format!("in {} write `{instead}` for `{name}`", lines_text(places))),
+    );
+    Some(format!("to write it for {}, {}", generation.name(), clauses.join("; ")))
 }
 
-/// All calls of `names` in `sources`, line by line; `None` if one of them is called nowhere there.
-fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSite<'a>>> {
-    let calls = |code: &str, name: &str| {
-        code.match_indices(name)
-            .any(|(at, _)| !code[..at].ends_with(is_name) && code[at + name.len()..].trim_start().starts_with('('))
+/// `line 4`, `lines 4, 5 and 7`, `map.c:4 and map.c:5`.
+fn lines_text(places: &[&str]) -> String {
+    let word = match places {
+        [place, ..] if place.contains(':') => "",
+        [_] => "line ",
+        _ => "lines ",
     };
+    match places {
+        [first @ .., last] if !first.is_empty() => format!("{word}{} and {last}", first.join(", ")),
+        _ => format!("{word}{}", places.concat()),
+    }
+}
+
+/// All calls of `names` in `sources`, line by line; `None` if one of them is called nowhere there, if a source declares one or has
+/// a method of that name, or if it calls a function that is [`DIFFERENT`].
+fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSite<'a>>> {
     let mut sites = Vec::new();
     for source in sources {
         let code = code_only(&String::from_utf8_lossy(&read_regular(source).ok()?));
+        if DIFFERENT.iter().any(|name| !calls_in(&code, name).is_empty()) {
+            return None;
+        }
         let file = source.file_name()?.display().to_string();
-        for (index, line) in code.lines().enumerate() {
-            sites.extend(names.iter().filter(|name| calls(line, name)).map(|name| {
-                let place =
-                    if sources.len() == 1 { format!("line {}", index + 1) } else { format!("{file}:{}", index + 1) };
-                CallSite { name, place, code: line.to_owned() }
-            }));
+        let place = |line: usize| if sources.len() == 1 { line.to_string() } else { format!("{file}:{line}") };
+        let mut found: Vec<(usize, &str)> = Vec::new();
+        for name in names {
+            found.extend(calls_in(&code, name).into_iter().map(|at| (at, name.as_str())));
+        }
+        found.sort_unstable();
+        for (at, name) in found {
+            let before = code[..at].trim_end();
+            let word = before.rsplit(|c| !is_name(c)).next().unwrap_or_default();
+            let is_declared = !word.is_empty() && !["return", "else", "do"].contains(&word);
+            if is_declared || before.ends_with(['.', '*', '&', '>']) || before.ends_with("::") {
+                return None;
+            }
+            let line = code[..at].matches('\n').count() + 1;
+            sites.push(CallSite { name, place: place(line), statement: statement(&code, at, name, place) });
         }
     }
     names.iter().all(|name| sites.iter().any(|site| site.name == name)).then_some(sites)
+}
+
+/// Where `code` has `name` before a `(`.
+fn calls_in(code: &str, name: &str) -> Vec<usize> {
+    let is_call =
+        |at: &usize| !code[..*at].ends_with(is_name) && code[*at + name.len()..].trim_start().starts_with('(');
+    code.match_indices(name).map(|(at, _)| at).filter(is_call).collect()
+}
+
+/// The statement of the call of `name` at `at`, if its line is `CALL;`, `handle = CALL;` or `Type handle = CALL;` and follows a whole
+/// statement or a brace. `place` tells the place of a line.
+fn statement(code: &str, at: usize, name: &str, place: impl Fn(usize) -> String) -> Option<Statement> {
+    let start = code[..at].rfind('\n').map_or(0, |end| end + 1);
+    let call = code[at + name.len()..].lines().next()?.trim().strip_suffix(';')?;
+    let closes = call.char_indices().scan(0_i32, |depth, (place, letter)| {
+        *depth += i32::from(letter == '(') - i32::from(letter == ')');
+        Some((place, *depth))
+    });
+    let end = closes.skip_while(|(_, depth)| *depth > 0).map(|(place, _)| place).next()?;
+    let is_alone = end + 1 == call.len() && !call.contains(['{', '}', ':', ';']);
+    if !is_alone || !code[..start].trim_end().ends_with([';', '{', '}']) {
+        return None;
+    }
+    let left = code[start..at].trim();
+    if left.is_empty() {
+        return Some(Statement { handle: None, declaration: None });
+    }
+    let words: Vec<&str> = left.strip_suffix('=')?.split_whitespace().collect();
+    let is_handle = name.ends_with("Init") && words.iter().all(|word| word.chars().all(is_name));
+    match words.as_slice() {
+        [kind, handle] if is_handle && !["else", "do", "return"].contains(kind) => {
+            Some(Statement { handle: Some((*handle).to_owned()), declaration: None })
+        }
+        [handle] if is_handle => {
+            let declares = |line: &str| {
+                let words: Vec<&str> = line.trim().strip_suffix(';').unwrap_or_default().split_whitespace().collect();
+                matches!(words.as_slice(), [kind, name] if (kind.ends_with("Handle") || *kind == "int") && name == handle)
+            };
+            let line = code.lines().position(declares)? + 1;
+            Some(Statement { handle: Some((*handle).to_owned()), declaration: Some(place(line)) })
+        }
+        _ => None,
+    }
 }
 
 /// A function with the line of its first call, if it is in `sources`: `` `VWInit` (maze.c:4)``.
@@ -604,11 +698,26 @@ mod tests {
         let error = choice(&mixed, GenerationHint::default()).expect_err("two generations");
         assert!(error.contains("mixes two generations: `VWInit` (maze.c:1) of RoBIOS 6, "), "{error}");
         assert!(error.contains("`VWStraight` (map.cpp:2), `VWWait` (map.cpp:2) of RoBIOS-7, "), "{error}");
-        assert!(error.ends_with("; to write it for RoBIOS-7, leave out `VWInit` in maze.c:1"), "{error}");
-        let advice = |text: &str| {
-            let error = choice(&[("maze.c", text)], GenerationHint::default()).expect_err("two generations");
-            error.rsplit_once("have none; ").expect("an advice").1.to_owned()
-        };
+        assert!(
+            error.ends_with(
+                "; to write it for RoBIOS 6, in map.cpp:2 write `VWDriveStraight(vw, metres, metres/s)` for `VWStraight`; \
+                 in map.cpp:2 write `VWDriveWait(vw)` for `VWWait`"
+            ),
+            "{error}"
+        );
+    }
+
+    const ONE_OF_THEM: &str = "write all of it for one of them";
+
+    /// The advice for a program of calls of both generations.
+    fn advice_for(text: &str) -> String {
+        let error = choice(&[("maze.c", text)], GenerationHint::default()).expect_err("two generations");
+        error.rsplit_once("have none; ").expect("an advice").1.to_owned()
+    }
+
+    #[test]
+    fn advice_names_the_lines_to_change() {
+        let advice = advice_for;
         assert_eq!(
             advice("f() {\n  VWHandle vw = VWInit(1, 1); // VWRelease()\n  VWStraight(1, 2);\n}"),
             "to write it for RoBIOS-7, delete line 2, and remove `vw` from every call"
@@ -618,18 +727,55 @@ mod tests {
             "to write it for RoBIOS 6, in line 4 write `VWDriveWait(vw)` for `VWWait`"
         );
         assert_eq!(
-            advice(
-                "f() {\n  front = PSDInit(1);\n  if (!(vw = VWInit(1, 1))) return;\n  VWTurn(1, 2);\n  VWWait();\n}"
-            ),
-            "to write it for RoBIOS-7, delete line 2, and pass the number of the device, such as 1, for `front`; leave out \
-             `VWInit` in line 3, and remove `vw` from every call"
+            advice("f() {\n  int front;\n  VWWait();\n  front = PSDInit(1);\n  VWTurn(1, 2);\n}"),
+            "to write it for RoBIOS-7, delete lines 2 and 4, and pass the number of the device, such as 1, for `front`"
         );
-        assert_eq!(advice("f() {\n  BUMPCheck(1);\n  LCDPixel(1, 2);\n}"), "write all of it for one of them");
+        assert_eq!(
+            advice("f() {\n  VWHandle vw;\n  vw = VWInit(1, 1);\n  VWTurn(1, 2);\n}"),
+            "to write it for RoBIOS-7, delete lines 2 and 3, and remove `vw` from every call"
+        );
+        assert_eq!(
+            advice("f() {\n  BUMPCheck(1);\n  VWWait();\n  if (1)\n    VWWait();\n  return VWWait();\n}"),
+            "to write it for RoBIOS 6, in lines 3, 5 and 6 write `VWDriveWait(vw)` for `VWWait`"
+        );
+        assert_eq!(advice("f() {\n  BUMPCheck(1);\n  LCDPixel(1, 2);\n}"), ONE_OF_THEM);
         assert_eq!(
             advice("f() {\n  BUMPCheck(1);\n  VWTurn(1, 2);\n  VWWait();\n}"),
             "to write it for RoBIOS 6, in line 3 write `VWDriveTurn(vw, radians, radians/s)` for `VWTurn`; in line 4 write \
              `VWDriveWait(vw)` for `VWWait`"
         );
+    }
+
+    #[test]
+    fn what_is_no_statement_on_its_own_line_is_not_deleted() {
+        for line in [
+            "if (KEYRead() == KEY1)\n VWStopControl(0);",
+            "for (i = 0; i < 3; i++)\n psd[i] = PSDInit(i);",
+            "x = 1;\n psd[i] = PSDInit(i);",
+            "{ VWHandle vw = VWInit(1, 1);",
+            "if (x) {\n } else VWStopControl(vw);",
+            "switch (x) {\n case 1: VWStopControl(vw);",
+            "x = 1;\n else vw = VWInit(1, 1);",
+            "VWHandle vw =\n VWInit(1, 1);",
+            "x = 1;\n VWInit(1,\n 1);",
+            "x = 1;\n front = PSDInit(1), left = PSDInit(2);",
+            "x = 1;\n int front = PSDInit(1), left = 3;",
+            "x = 1;\n front = PSDInit(1);",
+            "x = 1;\n VWStopControl(vw); go();",
+            "x = 1;\n int ok = PSDStart(1, 1);",
+            "x = 1;\n VWHandle vw = VWInit(1, 1);\n VWGetPosition(vw, &pos);",
+        ] {
+            // LCDPixel has nothing like it in RoBIOS 6.
+            assert_eq!(advice_for(&format!("f()\n{{\n {line}\n LCDPixel(1, 2, 3);\n}}")), ONE_OF_THEM, "{line}");
+        }
+    }
+
+    #[test]
+    fn methods_of_the_program_and_many_changes_get_no_advice_in_detail() {
+        let class = "class Robot {\n int VWStraight(int mm) { return VWDriveStraight(vw, mm, 1); }\n};";
+        assert_eq!(advice_for(&format!("{class}\nf() {{ BUMPCheck(1); robot.VWStraight(3); }}")), ONE_OF_THEM);
+        let five = "VWStraight(1, 2); VWTurn(1, 2); VWCurve(1, 2, 3); VWWait(); VWDone();";
+        assert_eq!(advice_for(&format!("f() {{ BUMPCheck(1); {five} }}")), ONE_OF_THEM);
     }
 
     #[test]

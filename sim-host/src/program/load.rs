@@ -233,7 +233,7 @@ impl LoadedProgram {
         self.image.own_source_line(offsets)
     }
 
-    /// See [`ProgramImage::text_of`].
+    /// See [`ProgramImage::source_of`].
     pub fn source_of(&self, line: &SourceLine) -> Option<String> {
         self.image.source_of(line)
     }

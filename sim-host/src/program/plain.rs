@@ -2,7 +2,7 @@
 //! compiler's own words yet. Those follow after them.
 
 use super::brace::unclosed_brace;
-use super::code::{TYPES, begins_function, code_only, single_array};
+use super::code::{TYPES, begins_function, code_only, is_name, pointers_of, single_array};
 
 /// Most lines that are put before the compiler's own words.
 const MAX_LINES: usize = 5;
@@ -16,7 +16,9 @@ struct Message<'a> {
     text: &'a str,
     /// Lines from this message to the next: excerpts and notes.
     more: &'a [&'a str],
-    /// The function within which the line is, as gcc tells it: `int home(int)`; empty if it tells none.
+    /// True if gcc tells a function or a lambda within which the line is.
+    is_in_function: bool,
+    /// The function within which the line is, as gcc tells it: `int home(int)`; empty if it tells none, as within a lambda.
     function: &'a str,
     /// The source that is compiled; empty for a message about another file.
     source: &'a str,
@@ -90,8 +92,10 @@ fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize, (name, source): (&s
     let is_scope = |line: &&&str| {
         line.contains(": In ") || line.ends_with(": At top level:") || line.ends_with(": At global scope:")
     };
+    let scope = lines[..index].iter().rev().find(is_scope);
     is_own.then(|| Message {
-        function: lines[..index].iter().rev().find(is_scope).and_then(|line| quoted(line, 0)).unwrap_or_default(),
+        is_in_function: scope.is_some_and(|line| line.contains(": In ")),
+        function: scope.and_then(|line| quoted(line, 0)).unwrap_or_default(),
         source: if file == name { source } else { "" },
         file,
         line,
@@ -186,8 +190,7 @@ impl Message<'_> {
             let name = name.trim().rsplit(' ').next().unwrap_or_default();
             return Some(format!("a call has no type in front of it: write `{name}({values});`"));
         }
-        if !is_declared && self.function.is_empty() && self.text.starts_with("expected declaration specifiers or '...'")
-        {
+        if !is_declared && !self.is_in_function && self.text.starts_with("expected declaration specifiers or '...'") {
             return Some(OUTSIDE.to_owned());
         }
         if self.text.contains("of unary '*'") {
@@ -302,11 +305,14 @@ impl Message<'_> {
             return Some((*words).to_owned());
         }
         match self.text {
+            text if text.ends_with("directive argument is null [-Wformat-overflow=]") => {
+                Some(format!("the value for `{}` is NULL", self.quoted(0)?))
+            }
             text if text.contains("-overflow")
                 || text.contains("-Warray-bounds")
                 || text.contains("-Wfortify-source") =>
             {
-                Some(self.overflow())
+                self.overflow()
             }
             text if text.contains("invokes undefined behavior") => Some(self.overrun_by_loop()),
             text if text.contains(" changes value from ") => {
@@ -338,8 +344,8 @@ impl Message<'_> {
                 ))
             }
             text if text.contains("uninitialized") => {
-                let name = self.quoted(0)?;
-                Some(format!("`{name}` has no value yet: give it one where it is declared, such as `{name} = 0`"))
+                let name = own_name(self.quoted(0)?);
+                Some(format!("`{name}` has no value yet: {}", self.first_value(name)))
             }
             text if text.contains("address of") && text.contains("local variable") => Some(self.local_returned()),
             text if text.starts_with("expected '}' before") && self.code().is_some_and(|code| code.contains('{')) => {
@@ -433,7 +439,7 @@ impl Message<'_> {
                 .iter()
                 .any(|it| text.starts_with(it)) =>
             {
-                Some(if !self.function.is_empty() { self.missing_name()? } else { OUTSIDE.to_owned() })
+                Some(if self.is_in_function { self.missing_name()? } else { OUTSIDE.to_owned() })
             }
             text if text.contains("not call, to function") => {
                 let name = self.quoted(0)?;
@@ -500,13 +506,42 @@ impl Message<'_> {
         self.more.get(note + 1)?.split_once(" | ").map(|(_, code)| code.trim())
     }
 
-    /// Returns true if a line of the message declares the name with a `*`.
+    /// The line that declares the variable of the message, as its note shows it.
+    fn declaration(&self) -> Option<&str> {
+        let note = self.more.iter().position(|line| line.contains(" declared here"))?;
+        self.more.get(note + 1)?.split_once(" | ").map(|(_, code)| code.trim())
+    }
+
+    /// Returns true if the name is declared with a `*`, and not as an array.
     fn is_declared_as_pointer(&self) -> bool {
-        self.quoted(0).is_some_and(|name| {
-            let declared =
-                |line: &&&str| line.split_once(" | ").is_some_and(|(_, code)| code.contains(&format!("*{name}")));
-            self.more.iter().skip_while(|line| !line.contains("note: ")).find(declared).is_some()
-        })
+        let Some((name, code)) = self.quoted(0).zip(self.declaration()) else { return false };
+        let ends = |rest: &str| !rest.starts_with(|letter| is_name(letter) || letter == '[');
+        code.split('*').skip(1).any(|rest| rest.trim_start().strip_prefix(name).is_some_and(ends))
+    }
+
+    /// How the variable `name` gets its first value, as far as its declaration shows it.
+    fn first_value(&self, name: &str) -> String {
+        if !is_word(name) {
+            return "give it one before it is used".to_owned();
+        }
+        let code = self.declaration().unwrap_or_default();
+        // The length of an array must be a number here.
+        let length = |word: &str| word.strip_prefix(name)?.strip_prefix('[')?.chars().next();
+        let is_array = code
+            .split(|letter| !is_name(letter) && letter != '[')
+            .filter_map(length)
+            .any(|letter| letter.is_ascii_digit());
+        let is_struct = self.file.ends_with(".c") && starts_with_word(code, "struct") && !code.contains(['[', '*']);
+        // Only numbers and pointers "were" declared.
+        let is_number = self.more.iter().any(|line| line.contains(" was declared here"));
+        let value = if is_number {
+            format!(", such as `{name} = 0`")
+        } else if is_array || is_struct {
+            ", with `= {0}`".to_owned()
+        } else {
+            String::new()
+        };
+        format!("give it one where it is declared{value}")
     }
 
     /// The line of the program, as the message shows it.
@@ -514,12 +549,19 @@ impl Message<'_> {
         self.more.first()?.split_once(" | ").map(|(_, code)| code.trim_end())
     }
 
+    /// The line of the program before and from the place of the message; gcc counts letters, and the line has no tabs any more.
+    fn sides(&self) -> Option<(&str, &str)> {
+        let code = self.code()?;
+        let place = code.char_indices().nth(self.column.checked_sub(1)?);
+        Some(code.split_at(place.map_or(code.len(), |(place, _)| place)))
+    }
+
     /// The mark or word before which something is expected.
     fn before(&self) -> Option<&str> {
         let quoted = self.text.split_once("before '").and_then(|(_, rest)| rest.split('\'').next());
         quoted.or_else(|| {
-            let rest = self.code()?.get(self.column.checked_sub(1)?..)?.trim_start();
-            let word = rest.split(|c: char| !is_word(&c.to_string()) && c != '"').next()?;
+            let rest = self.sides()?.1.trim_start();
+            let word = rest.split(|c| !is_name(c) && c != '"').next()?;
             Some(word).filter(|word| !word.is_empty())
         })
     }
@@ -585,9 +627,9 @@ impl Message<'_> {
     /// A line that begins with nearly a word of C: `whlie (x)`.
     fn misspelt_start(&self) -> Option<String> {
         let code = self.code()?.trim_start();
-        let word = code.split(|c: char| !is_word(&c.to_string())).next()?;
+        let word = code.split(|c| !is_name(c)).next()?;
         // A word that the program has elsewhere is a name of its own.
-        let count = self.source.split(|c: char| !is_word(&c.to_string())).filter(|other| *other == word).count();
+        let count = self.source.split(|c| !is_name(c)).filter(|other| *other == word).count();
         misspelt(word).filter(|_| count <= 1)
     }
 
@@ -596,13 +638,11 @@ impl Message<'_> {
         let (code, before) = (self.code(), self.before());
         let is_open = |code: &str| code.matches('(').count() > code.matches(')').count();
         let mark = if before == Some("{") && code.is_some_and(is_open) { ")" } else { mark };
-        let is_first =
-            |code: &str| code.get(..self.column.saturating_sub(1)).is_some_and(|left| left.trim().is_empty());
-        match (before, code) {
-            (_, Some(code)) if is_first(code) => {
+        match (before, self.sides()) {
+            (_, Some((left, _))) if left.trim().is_empty() => {
                 format!("a `{mark}` is missing at the end of the line before this one")
             }
-            (Some(before), Some(code)) if self.column <= code.len() => {
+            (Some(before), Some((_, right))) if !right.is_empty() => {
                 let marks = if mark == ")" && (is_word(before) || before.starts_with('"')) {
                     "`,` or a `)`"
                 } else {
@@ -673,12 +713,11 @@ impl Message<'_> {
 
     /// Two words where one name, or a mark between them, belongs; the message is at the second one.
     fn two_words(&self, second: &str) -> String {
-        let left =
-            self.code().and_then(|code| code.get(..self.column.saturating_sub(1))).unwrap_or_default().trim_end();
+        let left = self.sides().unwrap_or_default().0.trim_end();
         if left.is_empty() {
             return self.missing_above();
         }
-        let first = left.rsplit(|c: char| !is_word(&c.to_string())).next().unwrap_or_default();
+        let first = left.rsplit(|c| !is_name(c)).next().unwrap_or_default();
         let missing = format!("a `,` or a `;` is missing before `{second}`");
         if first.is_empty() || near_keyword(first).is_some() || TYPES.contains(&second) {
             return missing;
@@ -692,6 +731,9 @@ impl Message<'_> {
         let place = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
         let above = code.lines().take(place).enumerate().filter(|(_, line)| !line.trim().is_empty()).last();
         match above {
+            Some((index, head)) if !head.contains(['(', '#']) && head.trim_end().ends_with(is_name) => {
+                format!("a `;` is missing at the end of line {}", index + 1)
+            }
             // An unfinished declaration, with another one below it.
             Some((index, _)) if code.lines().nth(place).is_some_and(begins_function) => {
                 format!("a `;` is missing at the end of line {}, or a block between `{{ }}` after it", index + 1)
@@ -723,19 +765,14 @@ impl Message<'_> {
         let (Some(inner), Some(outer)) = (head, name(self.function).filter(|name| !name.is_empty())) else {
             return "a function cannot be written within another one: is a `}` missing above?".to_owned();
         };
-        if code.matches('{').count() > code.matches('}').count() {
-            return format!(
-                "`{inner}` begins within `{outer}`: a `}}` is missing above `{inner}`, which ends `{outer}`"
-            );
-        }
         format!("`{inner}` cannot be written within `{outer}`: move it out of `{outer}`, above its first line")
     }
 
     /// An unknown `name` with a word behind it, `my speed`, where it stands for no type.
     fn one_name(&self, name: &str) -> Option<String> {
-        let (left, code) = self.code()?.split_at_checked(self.column.checked_sub(1)?)?;
+        let (left, code) = self.sides()?;
         let rest = code.strip_prefix(name)?.strip_prefix(' ')?;
-        let second = rest.split(|c: char| !is_word(&c.to_string())).next()?;
+        let second = rest.split(|c| !is_name(c)).next()?;
         let is_call = rest[second.len()..].starts_with('(');
         let may_be_type = self.text.contains("type") || left.trim().is_empty() || name.starts_with(char::is_uppercase);
         let is_name = second.starts_with(char::is_alphabetic);
@@ -759,60 +796,108 @@ impl Message<'_> {
     }
 
     /// A text or an index beyond its array; gcc tells sizes in bytes, and in its notes the array.
-    fn overflow(&self) -> String {
+    fn overflow(&self) -> Option<String> {
+        let code = self.code().unwrap_or_default();
         let texts = || std::iter::once(self.text).chain(self.more.iter().copied());
-        let behind = |words: &str| texts().find_map(|text| quoted(text.split_once(words)?.1, 0));
-        let array = |name: Option<&str>| name.map_or_else(|| "an array".to_owned(), |name| format!("`{name}`"));
-        if let Some((_, rest)) = self.text.split_once("array subscript ") {
-            let index = rest.split([' ', ',']).next().unwrap_or_default();
-            // `int[3]`; of memory without a type `void[12]`, which counts bytes.
-            let size =
-                quoted(rest, 0).and_then(|kind| kind.split_once('[')).filter(|(base, _)| !base.starts_with("void"));
-            let len = size.and_then(|(_, size)| size.split(']').next()?.parse().ok());
-            // Memory of `malloc` has no name in the notes.
-            let single = self.code().and_then(|code| single_array(code, "")).map(|(name, _)| name);
-            let name = behind("referencing ").map(str::to_owned).or(single);
-            return format!("the index {index} is outside of {}{}", array(name.as_deref()), extent(len));
-        }
-        let call = |function: &str| self.code().and_then(|code| Some(code.split_once(function)?.1.trim_start()));
-        let first = |call: &'_ str| {
-            call.split([',', ')']).next().map(str::trim).filter(|name| is_word(name)).map(str::to_owned)
+        let behind = |words: &str| texts().find_map(|text| text.split_once(words)?.1.split('\'').next());
+        let object = behind("object '").or_else(|| behind("referencing '")).map(own_name);
+        let is_allocated = texts().any(|text| text.contains(" allocated by '"));
+        // Where the only function of the line that writes a text writes it.
+        let calls: Vec<&str> =
+            ["strcpy(", "strcat(", "sprintf("].into_iter().flat_map(|call| code.split(call).skip(1)).collect();
+        let written = match calls.as_slice() {
+            [call] => call.split([',', ')']).next().map(str::trim).filter(|name| !name.is_empty()),
+            _ => None,
         };
+        let subscript = ["array subscript ", "array index "].iter().find_map(|words| self.text.split_once(words));
+        if let Some((_, rest)) = subscript {
+            // A text that is copied is told as an index, too.
+            let is_copied = written.is_some() && !code.contains("sprintf(") && self.text.contains(" is outside ");
+            if !is_copied {
+                return self.subscript(rest, object, is_allocated);
+            }
+            if code_only(code).contains(['[', '*']) {
+                return None;
+            }
+        }
         // `sprintf` is told with its whole destination, other functions with the object that they write to.
-        let of_object = behind("object ").map(str::to_owned);
-        let of_print = texts().find_map(|text| number_behind(text, "into a destination of size "));
-        let member = ["strcpy(", "strcat("]
-            .iter()
-            .find_map(|function| call(function)?.split(',').next())
-            .filter(|name| name.contains('.'));
-        let printed = || call("sprintf(").filter(|_| of_print.is_some()).and_then(first);
-        let name = member.map(str::to_owned).or(of_object).or_else(printed);
-        let of_type = texts().find_map(|text| {
-            quoted(text.split_once("with type ")?.1, 0)?.strip_prefix("char")?.trim_start().strip_prefix('[')
-        });
+        let number = |words: &str| texts().find_map(|text| number_behind(text, words));
+        let of_print = number("into a destination of size ");
+        let is_member = |name: &&str| (name.contains('.') || name.contains("->")) && !name.contains('(');
+        let member = written.filter(is_member).filter(|_| !is_allocated);
+        let printed = written.filter(|name| of_print.is_some() && is_word(name));
+        let name = member.or(object).or(printed);
+        let is_part = member.is_some_and(|member| object != member.rsplit(['.', '>']).next());
+        let of_type = behind("with type '").and_then(|kind| kind.strip_prefix("char")?.trim_start().strip_prefix('['));
         let of_notes =
             texts().filter(|text| text.contains(" object ")).find_map(|text| number_behind(text, "' of size "));
         let region = ["region of size ", "destination of size ", "has size "];
+        let region = region.iter().find_map(|words| number_behind(self.text, words));
         let room = of_type
             .and_then(|size| size.trim_end_matches(']').parse().ok())
             .or(of_notes)
+            .or_else(|| number("object of size "))
             .or(of_print)
-            .or_else(|| region.iter().find_map(|words| number_behind(self.text, words)));
-        let name = array(name.as_deref());
-        let count = number_behind(self.text, "writing ");
-        let is_appended = call("strcat(").is_some();
-        match (count, room) {
-            (_, Some(room)) if is_appended => format!(
-                "`strcat` appends to the text in {name}, and both together are too long for its {room} bytes: make the array larger"
+            .or(region)
+            .filter(|_| !is_part);
+        let place = match name {
+            Some(name) => format!("`{name}`"),
+            None if is_allocated => "memory".to_owned(),
+            None => "an array".to_owned(),
+        };
+        let which = if place == "memory" { " that" } else { ", which" };
+        let advice = match object {
+            _ if is_allocated => "allocate more",
+            Some(_) => "make the array larger",
+            None => "give it more room",
+        };
+        let is_print = self.text.contains("directive");
+        Some(match (number_behind(self.text, "writing "), room) {
+            (_, Some(room)) if written.is_some() && code.contains("strcat(") => format!(
+                "`strcat` appends to the text in {place}, and both together are too long for its {room} bytes: {advice}"
             ),
-            (Some(count), Some(room)) if !self.text.contains("directive") => {
-                format!("{count} bytes are written to {name}, which has room for {room}: make the array larger")
+            (Some(count), Some(room)) if region == Some(room) && !is_print => {
+                let is_end = is_allocated && written.is_some() && count == room + 1;
+                let advice = if is_end { "allocate one byte more, for the end of the text" } else { advice };
+                format!("{count} bytes are written to {place}{which} has room for {room}: {advice}")
             }
-            (_, Some(room)) => {
-                format!("the text is too long for {name}, which has room for {room} bytes: make the array larger")
+            (_, Some(room)) if written.is_some() || is_print => {
+                format!("the text is too long for {place}{which} has room for {room} bytes: {advice}")
             }
-            _ => format!("more is written to {name} than it has room for: make the array larger"),
+            _ if is_part && object.is_some() => format!("the text is too long for {place}"),
+            _ if ["writing ", "forming offset"].iter().any(|words| self.text.contains(words)) => {
+                let len = behind("with type '").and_then(array_length);
+                let extent = len.map_or_else(String::new, |len| extent(Some(len)));
+                format!("this line reads or writes outside of `{}`{extent}", object?)
+            }
+            _ => return None,
+        })
+    }
+
+    /// An index outside of an array or of memory; `rest` is what gcc says behind `array subscript `.
+    fn subscript(&self, rest: &str, object: Option<&str>, is_allocated: bool) -> Option<String> {
+        let code = self.code().unwrap_or_default();
+        let kind = quoted(rest, 0);
+        if rest.starts_with('\'') {
+            // `Robot[0]`: what the pointer points to, in memory of another size.
+            let kind = kind?.strip_suffix("[0]").filter(|_| is_allocated)?;
+            let size = self.more.iter().find_map(|line| number_behind(line, "object of size "))?;
+            return Some(format!("memory of {size} bytes is too small for `{kind}`: allocate `sizeof({kind})` bytes"));
         }
+        if kind.is_some_and(|kind| kind.ends_with("[0]")) && !self.more.iter().any(|line| line.contains("note: ")) {
+            return match pointers_of(code, self.source)?.as_slice() {
+                [] => None,
+                [name] => Some(format!("`{name}` is NULL")),
+                _ => Some("a pointer in this line is NULL".to_owned()),
+            };
+        }
+        let index = rest.split([' ', ',']).next().unwrap_or_default();
+        // `int[3]`; of memory without a type `void[12]`, which counts bytes.
+        let len = kind.filter(|kind| !kind.starts_with("void")).and_then(array_length);
+        // Memory of `malloc` has no name in the notes.
+        let name = object.map(str::to_owned).or_else(|| single_array(code, "").map(|(name, _)| name));
+        let name = name.map_or_else(|| "an array".to_owned(), |name| format!("`{name}`"));
+        Some(format!("the index {index} is outside of {name}{}", extent(len)))
     }
 
     /// A loop whose index leaves an array, which the line names if it has a single one.
@@ -871,7 +956,7 @@ fn statement(code: &str) -> &str {
 }
 
 fn starts_with_word(code: &str, word: &str) -> bool {
-    code.strip_prefix(word).is_some_and(|rest| !rest.starts_with(|c: char| is_word(&c.to_string())))
+    code.strip_prefix(word).is_some_and(|rest| !rest.starts_with(is_name))
 }
 
 /// Returns true for a `#define` of a value with `=` or `;`.
@@ -985,7 +1070,7 @@ const OF_CPP: [&str; 10] = ["array", "cin", "cout", "endl", "list", "map", "pair
 
 /// Letters, digits and `_` alone.
 fn is_word(text: &str) -> bool {
-    text.chars().all(|letter| letter.is_alphanumeric() || letter == '_')
+    text.chars().all(is_name)
 }
 
 const ARRAY_IS_SET: &str = "an array cannot be set with `=`: `strcpy(array, \"text\")`, with `#include <string.h>`, copies a text, a loop copies numbers";
@@ -1008,6 +1093,19 @@ pub const RECURSION: &str = "the function calls itself for ever: it needs an `if
 fn number_behind(text: &str, words: &str) -> Option<u64> {
     let (_, rest) = text.split_once(words)?;
     rest.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
+}
+
+/// The name of a variable without what the compiler adds to it: `d` of `d.2`.
+fn own_name(name: &str) -> &str {
+    match name.rsplit_once('.') {
+        Some((own, number)) if number.bytes().all(|byte| byte.is_ascii_digit()) => own,
+        _ => name,
+    }
+}
+
+/// The length of an array of the type `kind`, as of `int[3]`.
+fn array_length(kind: &str) -> Option<u64> {
+    kind.split_once('[')?.1.split(']').next()?.parse().ok()
 }
 
 /// What an array has, with its indices: ``, which has 4 elements with the indices 0 to 3``; empty if its length is not known.
@@ -1041,15 +1139,15 @@ mod tests {
             ),
             (
                 "'__builtin_memcpy' writing 24 bytes into a region of size 4 [-Wstringop-overflow=]",
-                "24 bytes are written to an array, which has room for 4: make the array larger",
+                "24 bytes are written to an array, which has room for 4: give it more room",
             ),
             (
                 "'distance ' directive writing 9 bytes into a region of size 4 [-Wformat-overflow=]",
-                "the text is too long for an array, which has room for 4 bytes: make the array larger",
+                "the text is too long for an array, which has room for 4 bytes: give it more room",
             ),
             (
                 "array subscript 3 is above array bounds of 'int[3]' [-Warray-bounds]",
-                "the index 3 is outside of the array, which has 3 elements with the indices 0 to 2",
+                "the index 3 is outside of an array, which has 3 elements with the indices 0 to 2",
             ),
             (
                 "iteration 4 invokes undefined behavior [-Waggressive-loop-optimizations]",
@@ -1061,7 +1159,7 @@ mod tests {
             ),
             (
                 "'speed' is used uninitialized [-Wuninitialized]",
-                "`speed` has no value yet: give it one where it is declared, such as `speed = 0`",
+                "`speed` has no value yet: give it one where it is declared",
             ),
             (
                 "format '%d' expects argument of type 'int', but argument 2 has type 'double' [-Wformat=]",
@@ -1098,7 +1196,7 @@ mod tests {
         assert_eq!(of_text(appended, ""), format!("a.c:7: {words}\n"));
         let printed = "a.c:8:24: warning: '%d' directive writing 3 bytes into a region of size 1 [-Wformat-overflow=]\n    8 |   sprintf(t, \
                        \"distance %d\", 100);\na.c:8:3: note: 'sprintf' output 13 bytes into a destination of size 10\n";
-        let words = "the text is too long for `t`, which has room for 10 bytes: make the array larger";
+        let words = "the text is too long for `t`, which has room for 10 bytes: give it more room";
         assert_eq!(of_text(printed, ""), format!("a.c:8: {words}\n"));
         let copied = "a.c:9:3: warning: '__builtin_memcpy' forming offset [4, 23] is out of the bounds [0, 4] of object 'name' with type \
                       'char [4]' [-Warray-bounds]\n    9 |   strcpy(name, \"a name\");\n";
@@ -1124,6 +1222,173 @@ mod tests {
     }
 
     #[test]
+    fn memory_that_is_overrun_is_told_without_its_function() {
+        let told = |warning: &str, code: &str, note: &str| {
+            let note = if note.is_empty() { String::new() } else { format!("a.c:5:16: note: {note}\n") };
+            let output = format!("a.c:6:3: warning: {warning}\n    6 | {code}\n      |   ^~~\n{note}");
+            let source = "\n\n\n\nint *p = NULL;\n";
+            in_plain_words(&output, ("a.c", source)).trim_end().trim_start_matches("a.c:6: ").to_owned()
+        };
+        let cases = [
+            (
+                "'__builtin_memcpy' writing 6 bytes into a region of size 5 [-Wstringop-overflow=]",
+                "  strcpy(name, \"robot\");",
+                "destination object of size 5 allocated by 'malloc'",
+                "6 bytes are written to memory that has room for 5: allocate one byte more, for the end of the text",
+            ),
+            (
+                "'void* __builtin_memcpy(void*, const void*, long unsigned int)' writing 7 bytes into a region of size 5 [-Wstringop-overflow=]",
+                "  strcpy(name, \"robots\");",
+                "destination object of size 5 allocated by 'operator new []'",
+                "7 bytes are written to memory that has room for 5: allocate more",
+            ),
+            (
+                "'memset' writing 5 bytes into a region of size 4 [-Wstringop-overflow=]",
+                "  memset(a, 1, 5);",
+                "destination object of size 4 allocated by 'malloc'",
+                "5 bytes are written to memory that has room for 4: allocate more",
+            ),
+            (
+                "'__builtin_memcpy' writing 7 bytes into a region of size 3 [-Wstringop-overflow=]",
+                "  strcat(copy, \"abcdef\");",
+                "destination object of size 3 allocated by 'calloc'",
+                "`strcat` appends to the text in memory, and both together are too long for its 3 bytes: allocate more",
+            ),
+            (
+                "'__builtin_memcpy' writing 6 bytes into a region of size 0 overflows the destination [-Wstringop-overflow=]",
+                "  strcpy(b, \"text that is too long\");",
+                "at offset 16 into destination object 'a' of size 10",
+                "the text is too long for `a`, which has room for 10 bytes: make the array larger",
+            ),
+            (
+                "array subscript 16 is outside array bounds of 'char[10]' [-Warray-bounds]",
+                "  strcpy(b, \"text that is too long\");",
+                "at offset 16 into object 'a' of size 10",
+                "the text is too long for `a`, which has room for 10 bytes: make the array larger",
+            ),
+            (
+                "array subscript 16 is outside array bounds of 'struct robot[1]' [-Warray-bounds]",
+                "  strcpy(name, d[16]);",
+                "at offset 16 into object 'd' of size 10",
+                "",
+            ),
+            (
+                "'memcpy' forming offset [10, 15] is out of the bounds [0, 10] of object 'a' with type 'char[10]' [-Warray-bounds]",
+                "  memcpy(a, \"0123456789012345\", 16);",
+                "'a' declared here",
+                "this line reads or writes outside of `a`, which has 10 elements with the indices 0 to 9",
+            ),
+            (
+                "'__builtin_memcpy' forming offset [12, 19] is out of the bounds [0, 12] of object 'a' with type 'int[3]' [-Warray-bounds]",
+                "    b[i] = a[i];",
+                "'a' declared here",
+                "this line reads or writes outside of `a`, which has 3 elements with the indices 0 to 2",
+            ),
+            (
+                "'__builtin_memcpy' forming offset [8, 11] is out of the bounds [0, 8] of object 'r' with type 'struct robot' [-Warray-bounds]",
+                "  strcpy(p->name, \"Scout robot\");",
+                "'r' declared here",
+                "the text is too long for `p->name`",
+            ),
+            (
+                "array subscript 3 is above array bounds of 'int[<Uf7e0>]' [-Warray-bounds]",
+                "    d[i] = i;",
+                "while referencing 'd.2'",
+                "the index 3 is outside of `d`: the first one is 0, the last one is one less than the length",
+            ),
+            (
+                "array subscript 'Robot[0]' is partly outside array bounds of 'unsigned char[8]' [-Warray-bounds]",
+                "  r->n = 3;",
+                "object of size 8 allocated by 'malloc'",
+                "memory of 8 bytes is too small for `Robot`: allocate `sizeof(Robot)` bytes",
+            ),
+            (
+                "array subscript 0 is outside array bounds of 'int[0]' [-Warray-bounds]",
+                "  p[1] = 2;",
+                "",
+                "`p` is NULL",
+            ),
+            ("array subscript 0 is outside array bounds of 'int[0]' [-Warray-bounds]", "  *(int *)0x40 = 3;", "", ""),
+            (
+                "'__builtin_memcpy' forming offset 2 is out of the bounds [0, 2] [-Warray-bounds]",
+                "  strcpy(name, \"S4\");",
+                "",
+                "",
+            ),
+            (
+                "'__builtin_memcpy' forming offset [8, 16] is out of the bounds [0, 8] [-Warray-bounds]",
+                "  strcpy(r->name, \"a very long name\");",
+                "",
+                "",
+            ),
+            (
+                "'%s' directive argument is null [-Wformat-overflow=]",
+                "  LCDPrintf(\"%s\", NULL);",
+                "",
+                "the value for `%s` is NULL",
+            ),
+        ];
+        for (warning, code, note, words) in cases {
+            assert_eq!(told(warning, code, note), words, "{warning}");
+        }
+    }
+
+    #[test]
+    fn first_values_fit_the_declaration() {
+        let told = |name: &str, note: &str, code: &str| {
+            let output = format!(
+                "a.c:7:2: warning: '{name}' is used uninitialized [-Wuninitialized]\n    7 |  f({name});\n      |  ^~~\n\
+                 a.c:6:7: note: {note}\n    6 |   {code}\n      |       ^\n"
+            );
+            in_plain_words(&output, ("a.c", "")).trim_end().trim_start_matches("a.c:7: ").to_owned()
+        };
+        let declared = "give it one where it is declared";
+        assert_eq!(
+            told("n", "'n' was declared here", "int n, *n2;"),
+            format!("`n` has no value yet: {declared}, such as `n = 0`")
+        );
+        let list = format!("`d` has no value yet: {declared}, with `= {{0}}`");
+        assert_eq!(told("d", "'d' declared here", "int n, d[4];"), list);
+        assert_eq!(told("d", "'d' declared here", "struct place d;"), list);
+        assert_eq!(told("d", "'d' declared here", "char *d[4];"), list);
+        let unknown = format!("`d` has no value yet: {declared}");
+        for code in ["Place d;", "int d[N];", "struct place d[N];"] {
+            assert_eq!(told("d", "'d' declared here", code), unknown, "{code}");
+        }
+        let member = "`p.x` has no value yet: give it one before it is used";
+        assert_eq!(told("p.x", "'p' declared here", "Place p;"), member);
+        assert!(told("z", "'z' was declared here", "int* z;").starts_with("`z` points nowhere"));
+    }
+
+    #[test]
+    fn lines_of_lambdas_are_within_a_function() {
+        let output = "a.cpp: In lambda function:\na.cpp:8:9: error: expected unqualified-id before 'new'\n    8 |     int new = x;\n";
+        check(output, "a.cpp:8: `new` is a word of the language: give the variable another name\n");
+    }
+
+    #[test]
+    fn columns_count_letters() {
+        let error = "expected ')' before numeric constant";
+        let output = |column: usize, code: &str| format!("a.c:3:{column}: error: {error}\n    3 | {code}\n");
+        let words = "a.c:3: a `,` or a `)` is missing before `3`\n";
+        check(&output(25, "  LCDPrintf(\"gr\u{F6}\u{DF}e %d\\n\" 3);"), words);
+        // gcc shows a tab as blanks, and counts them.
+        check(&output(31, "        LCDPrintf(\"gr\u{F6}\u{DF}e %d\\n\" 3);"), words);
+        let semicolon = "a.c:3:12: error: expected ';' before 'return'\n    3 |   x = \"\u{F6}\u{DF}\u{E4}\"\n";
+        check(semicolon, "a.c:3: a `;` is missing at the end of this line\n");
+    }
+
+    #[test]
+    fn declarations_without_an_end_lack_a_semicolon() {
+        let output =
+            "a.cpp:3:1: error: expected initializer before 'double'\n    3 | double factor = 2;\n      | ^~~~~~\n";
+        let told = |source: &str| in_plain_words(output, ("a.cpp", source));
+        let words = "a.cpp:3: a `;` is missing at the end of line 2\n";
+        assert_eq!(told("#include \"eyebot.h\"\nint counter\ndouble factor = 2;\n"), words);
+        assert_ne!(told("int home()\n#define N 4\ndouble factor = 2;\n"), words);
+    }
+
+    #[test]
     fn braces_that_are_missing_between_functions_are_told() {
         let check = |output: &str, code: &str, words: &str| {
             assert_eq!(in_plain_words(output, ("a.cpp", code)), format!("{words}\n"), "{code}");
@@ -1136,7 +1401,7 @@ mod tests {
         let nested = "a.cpp: In function 'int main()':\na.cpp:4:3: error: a function-definition is not allowed here before '{' token\n    4 |   {\n";
         let words = "a.cpp:4: `home` cannot be written within `main`: move it out of `main`, above its first line";
         check(nested, "int main()\n{\n  void home()\n  {\n  }\n}\n", words);
-        let words = "a.cpp:4: `home` begins within `main`: a `}` is missing above `home`, which ends `main`";
+        let words = "a.cpp:2: this `{` has no `}`: write it where the block ends";
         check(nested, "int main()\n{\n  void home()\n  {\n  }\n", words);
     }
 

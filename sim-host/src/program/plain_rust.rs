@@ -42,13 +42,14 @@ fn unknown_name(message: &str) -> Option<String> {
     let head = message.lines().find(is_head)?;
     let quotes = |number: usize| head.split('`').skip(1).step_by(2).nth(number);
     let (name, owner) = (quotes(0)?, quotes(1).filter(|_| head.contains(" found for ")));
-    let path = owner.map(|owner| owner.trim_start_matches('&').split('<').next().unwrap_or_default());
+    let path = owner
+        .map(|owner| owner.trim_start_matches('&').trim_start_matches("mut ").split('<').next().unwrap_or_default());
     let kind = path.and_then(|path| path.rsplit("::").next());
     let subject = match kind.filter(|kind| kind.chars().all(char::is_alphanumeric) && !kind.is_empty()) {
         Some(kind) => format!("`{kind}` has no `{name}`"),
         None => format!("`{name}` is not defined"),
     };
-    if let Some(near) = proposed(message) {
+    if let Some(near) = proposed(message, name) {
         return Some(format!("{subject}; did you mean `{near}`?"));
     }
     let path = path.filter(|_| head.contains("no method"))?.strip_prefix("robios_api::")?;
@@ -58,16 +59,24 @@ fn unknown_name(message: &str) -> Option<String> {
     (!methods.is_empty()).then(|| format!("{subject}; among its methods are {}", quoted(&methods)))
 }
 
-/// The name that the compiler shows in a line of code in place of the one at the message's own place.
-fn proposed(message: &str) -> Option<&str> {
+/// What the compiler proposes for `name`, if that is similar: the name that it quotes, else the one that it writes in its place.
+fn proposed<'m>(message: &'m str, name: &str) -> Option<&'m str> {
+    let help = message.lines().find(|line| line.starts_with("help: ") && line.contains(" similar name"))?;
+    let near = help.split('`').nth(1).or_else(|| replaced(message, name))?;
+    (strsim::osa_distance(&near.to_lowercase(), &name.to_lowercase()) <= name.len().max(3) / 3).then_some(near)
+}
+
+/// The first word in place of `name` where the message shows its line anew.
+fn replaced<'m>(message: &'m str, name: &str) -> Option<&'m str> {
     let place = message.lines().find_map(|line| line.trim_start().strip_prefix("--> "))?;
-    let column: usize = place.rsplit(':').next()?.parse().ok()?;
-    let (_, help) = message.split_once("similar name")?;
-    let is_code = |line: &&str| line.starts_with(|c: char| c.is_ascii_digit()) && !line.contains(" - ");
-    let code = help.lines().find(is_code)?.split_once(['|', '+'])?.1;
-    // A blank stands before the code.
-    let rest = code.get(column..)?;
-    rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().filter(|name| !name.is_empty())
+    let number = place.rsplit(':').nth(1)?;
+    // The number may be padded; the line as it was has `|` or `-`, the proposed one `|` or `+`.
+    let code = |line: &'m str| line.trim_start().strip_prefix(number)?.trim_start().strip_prefix(['|', '-', '+']);
+    let shown: Vec<&str> = message.lines().filter_map(code).collect();
+    let words = |code: &'m str| code.split(|c: char| !c.is_alphanumeric() && c != '_');
+    let mut changes =
+        shown.windows(2).filter_map(|pair| words(pair[0]).zip(words(pair[1])).find(|(old, new)| old != new));
+    changes.find(|(old, _)| *old == name).map(|(_, new)| new)
 }
 
 /// The public methods of a type of the Rust library, from its source; empty if that is not here.
@@ -114,6 +123,85 @@ mod tests {
         assert_eq!(
             in_plain_words("error[E0425]: cannot find function `strait` in this scope\n --> src/lib.rs:7:5\n"),
             ""
+        );
+    }
+
+    #[test]
+    fn proposals_are_whole_names() {
+        // rustc 1.95; it prints a tab as four blanks and counts it as one column.
+        let tab = r"error[E0599]: no method named `straigt` found for mutable reference `&mut robios_api::Drive` in the current scope
+ --> src/lib.rs:3:8
+  |
+3 |     drive.straigt(1);
+  |           ^^^^^^^
+  |
+help: there is a method `straight` with a similar name
+  |
+3 |     drive.straight(1);
+  |                 +
+";
+        assert_eq!(in_plain_words(tab), "src/lib.rs:3: `Drive` has no `straigt`; did you mean `straight`?\n");
+        let arguments = r"error[E0599]: no method named `turnby` found for struct `Drive` in the current scope
+ --> src/lib.rs:4:11
+  |
+4 |     drive.turnby(1);
+  |           ^^^^^^
+  |
+help: there is a method `turn_by` with a similar name, but with different arguments
+ --> x/src/lib.rs:4:48
+  |
+4 | impl Drive { pub fn straight(&self, _: i32) {} pub fn turn_by(&self, _: i32, _: i32) {} pub fn new() -> Self { Drive } }
+  |                                                ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+";
+        assert_eq!(in_plain_words(arguments), "src/lib.rs:4: `Drive` has no `turnby`; did you mean `turn_by`?\n");
+        let padded = r"error[E0599]: no variant or associated item named `Frontleft` found for enum `At` in the current scope
+  --> src/lib.rs:2:36
+   |
+ 2 |     let größe = 3 - 1; let _ = At::Frontleft;
+   |                                    ^^^^^^^^^ variant or associated item not found in `At`
+...
+11 | pub enum At { FrontLeft }
+   | ----------- variant or associated item `Frontleft` not found for this enum
+   |
+help: there is a variant with a similar name
+   |
+ 2 -     let größe = 3 - 1; let _ = At::Frontleft;
+ 2 +     let größe = 3 - 1; let _ = At::FrontLeft;
+   |
+";
+        assert_eq!(in_plain_words(padded), "src/lib.rs:2: `At` has no `Frontleft`; did you mean `FrontLeft`?\n");
+        let function = r"error[E0425]: cannot find function `hose` in this scope
+  --> src/lib.rs:2:29
+   |
+ 2 |     let größe = 3 - 1; let _ = hose(größe);
+   |                                ^^^^
+...
+11 | pub fn hase(i: i32) {}
+   | ------------------- similarly named function `hase` defined here
+   |
+help: a function with a similar name exists
+   |
+ 2 -     let größe = 3 - 1; let _ = hose(größe);
+ 2 +     let größe = 3 - 1; let _ = hase(größe);
+   |
+";
+        assert_eq!(in_plain_words(function), "src/lib.rs:2: `hose` is not defined; did you mean `hase`?\n");
+        let far = r"error[E0599]: no method named `straight_ahead` found for mutable reference `&mut robios_api::Drive` in the current scope
+ --> src/lib.rs:6:11
+  |
+6 |     drive.straight_ahead(1);
+  |           ^^^^^^^^^^^^^^
+  |
+help: there is a method `straight` with a similar name
+  |
+6 -     drive.straight_ahead(1);
+6 +     drive.straight(1);
+  |
+";
+        let words = in_plain_words(far);
+        assert!(
+            words.starts_with("src/lib.rs:6: `Drive` has no `straight_ahead`; among its methods are `straight`, "),
+            "{words}"
         );
     }
 

@@ -12,7 +12,7 @@ use sim_core::spec::RobiSpec;
 /// Maximum device number in RoBIOS-7: programs can address 4 motors, 6 PSDs, 14 servos; 31 is our choice.
 pub const MAX_NUMBER: i32 = 31;
 
-/// The name that the Rust library gives to a device of `hdt_sem.h`: `PsdAt::FrontLeft` for `PSD_FRONTLEFT`.
+/// The name that the Rust library gives to a device of `hdt_sem.h`: `PsdAt::FrontLeft` for `PSD_FRONTLEFT`. Other devices have none.
 pub fn name_in_rust(name: &str) -> Option<String> {
     const KINDS: [(&str, &str); 6] = [
         ("PSD_", "PsdAt"),
@@ -37,6 +37,9 @@ pub fn name_in_rust(name: &str) -> Option<String> {
         ("BR", "BackRight"),
         ("2", "2"),
     ];
+    if !SEMANTICS.iter().any(|constant| constant.name == name) {
+        return None;
+    }
     let (kind, mut rest) = KINDS.iter().find_map(|(kind, rust)| Some((rust, name.strip_prefix(kind)?)))?;
     if rest.parse::<u32>().is_ok() {
         return Some(format!("{kind}::Servo{rest}"));
@@ -181,17 +184,29 @@ mod tests {
 
     #[test]
     fn devices_have_their_names_in_rust() {
-        let check = |name: &str, rust: Option<&str>| assert_eq!(name_in_rust(name).as_deref(), rust, "{name}");
-        check("PSD_FRONTLEFT", Some("PsdAt::FrontLeft"));
-        check("PSD_LEFTDIAG", Some("PsdAt::LeftDiagonal"));
-        check("PSD_FRONT2", Some("PsdAt::Front2"));
-        check("MOTOR_FL", Some("MotorAt::FrontLeft"));
-        check("QUAD_DRIVE", Some("EncoderAt::Drive"));
-        check("SERVO12", Some("ServoAt::Servo12"));
-        check("SERVO_STEER", Some("ServoAt::Steer"));
-        check("IR_RIGHTDIAG", Some("InfraredAt::RightDiagonal"));
-        check("PSD_TOP", None);
-        check("COMPASS", None);
+        let library = include_str!("../../../robios-api/src/device.rs");
+        let (_, names) = library.split_once("names! {\n").expect("the names");
+        let (names, _) = names.split_once("\n}\n").expect("their end");
+        let (mut kind, mut count) = ("", 0);
+        for line in names.lines().map(str::trim) {
+            kind = line.strip_suffix(" {").unwrap_or(kind);
+            for (rust, name) in line.split(',').filter_map(|pair| pair.trim().split_once(" = ")) {
+                assert_eq!(name_in_rust(name), Some(format!("{kind}::{rust}")), "{name}");
+                count += 1;
+            }
+        }
+        let known = SEMANTICS.iter().filter(|constant| name_in_rust(constant.name).is_some()).count();
+        assert_eq!((count, known), (61, 61));
+    }
+
+    #[test]
+    fn devices_that_only_a_robi_names_have_no_name_in_rust() {
+        for name in [
+            "PSD_1", "IR_12", "MOTOR_2", "SERVO0", "SERVO01", "SERVO13", "SERVO99", "SERVO", "PSD_", "PSD_FL",
+            "PSD_TOP",
+        ] {
+            assert_eq!(name_in_rust(name), None, "{name}");
+        }
     }
 
     #[test]

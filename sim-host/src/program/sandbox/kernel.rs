@@ -87,8 +87,8 @@ mod tests {
         assert_eq!(modern.check(Level::Full), Ok(()));
         assert_eq!(
             old.check(Level::Full).unwrap_err().to_string(),
-            "this kernel cannot close files to programs (it has no Landlock), as the sandbox `full` must: `--sandbox=calls` is the \
-             most that it reaches"
+            "this kernel cannot close files to programs (it has no Landlock), which the sandbox level `full` requires: the \
+             strongest level here is `--sandbox=calls`"
         );
         let refused = bare.check(Level::Calls).unwrap_err().to_string();
         assert!(refused.contains("network") && refused.contains("`--sandbox=limits`"), "{refused}");

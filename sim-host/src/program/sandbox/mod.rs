@@ -103,7 +103,7 @@ impl Level {
 /// A level that the kernel does not support.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "this kernel cannot close {} to programs ({missing}), as the sandbox `{}` must: `--sandbox={}` is the most that it reaches",
+    "this kernel cannot close {} to programs ({missing}), which the sandbox level `{}` requires: the strongest level here is `--sandbox={}`",
     area.word(), level.word(), strongest.word()
 )]
 pub struct UnsupportedLevel {
