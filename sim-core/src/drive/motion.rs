@@ -577,7 +577,7 @@ impl Motion {
 
     /// The plan from `at` on, without the past, in the memory of a spare one; `None` if no tick up to `until` changes it, or if legs
     /// decide.
-    pub(crate) fn plan_at(&mut self, at: Time, until: Time, spares: &mut Vec<Box<Self>>) -> Option<Box<Self>> {
+    pub(crate) fn plan_at(&mut self, at: Time, until: Time, spare: &mut Option<Box<Self>>) -> Option<Box<Self>> {
         if self.walk.is_some() || self.last().has_no_ticks(&self.vehicle) {
             return None;
         }
@@ -587,7 +587,7 @@ impl Motion {
             return None;
         }
         let (stage, vehicle) = (stage.clone(), self.vehicle.clone());
-        let Some(mut plan) = spares.pop() else {
+        let Some(mut plan) = spare.take() else {
             return Some(Box::new(Self::from_stage(self.id, vehicle, Arc::clone(&self.walls), stage)));
         };
         plan.stages.clear();

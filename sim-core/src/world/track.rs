@@ -57,8 +57,8 @@ pub(super) struct Track {
     is_resting: bool,
     /// Spare buffers for the next publications.
     spares: Vec<Vec<Passage>>,
-    /// Spare memory for the next plans.
-    spare_plans: Vec<Box<Motion>>,
+    /// Spare memory for the next plan.
+    spare_plan: Option<Box<Motion>>,
 }
 
 impl Track {
@@ -76,7 +76,7 @@ impl Track {
             bounds: Bounds::EMPTY,
             is_resting: false,
             spares: Vec::new(),
-            spare_plans: Vec::new(),
+            spare_plan: None,
         }
     }
 
@@ -114,7 +114,7 @@ impl Track {
     /// Publishes the plan of `motion`, a robot alone in the world, for the slot from `since` to `until`, without computing its passages:
     /// a command at the start of the slot, the usual one, discards the ticks of this plan. Returns false for a plan without ticks.
     pub fn publish_plan(&mut self, motion: &mut Motion, since: Time, until: Time) -> bool {
-        let Some(plan) = motion.plan_at(since, until, &mut self.spare_plans) else { return false };
+        let Some(plan) = motion.plan_at(since, until, &mut self.spare_plan) else { return false };
         self.drop_until(since - HISTORY);
         self.is_resting = false;
         self.revision = motion.revision();
@@ -132,7 +132,7 @@ impl Track {
         while self.publications.len() > 1 && self.publications[1].since <= from {
             let dropped = self.publications.pop_front().expect("more than one publication");
             self.spares.extend(dropped.passages.into_inner());
-            self.spare_plans.extend(dropped.plan.map(|(plan, _)| plan));
+            self.spare_plan = dropped.plan.map(|(plan, _)| plan).or(self.spare_plan.take());
         }
     }
 
