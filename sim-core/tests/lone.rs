@@ -6,6 +6,7 @@ use accuracy::{course::model, world::Random};
 use glam::DVec2;
 use sim_core::{
     RobotId,
+    contact::Thing,
     drive::{Command, Gains, Imperfection, Model, Motion},
     noise::TwistNoise,
     object::{Part, Properties, Resistance, Shape},
@@ -133,4 +134,27 @@ fn a_lone_robot_is_as_one_that_is_not_alone() {
         }
         assert!(contacts > 0, "{kind:?} meets no wall");
     }
+}
+
+#[test]
+fn a_robot_that_was_alone_and_has_left_is_forgotten_once() {
+    let slot = Time(50_000);
+    let mut scene = Scene::new(Kind::Erring, slot, &[Pose::default()]);
+    scene.motions[0].command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.5)), &[]).expect("a sound command");
+    for _ in 0..3 {
+        scene.world.advance(&mut [&mut scene.motions[0]]);
+    }
+    scene.world.remove_robot(LONE);
+    for _ in 0..3 {
+        scene.world.advance(&mut []);
+        scene.world.advance_to(scene.world.slot_start() + Time(4 * slot.0));
+    }
+    let now = scene.world.slot_start();
+    let mut motion = scene.motions[0].clone();
+    motion = Motion::new(OTHER, Arc::new(model()), scene.world.walls().clone(), motion.pose(now)).starting_at(now);
+    scene.world.add_robot(&mut motion, None);
+    let eye = DVec2::new(-0.9, 0.0);
+    let to_robot = motion.pose(now).position - eye;
+    let seen = scene.world.cast(LONE, &Ray::flat(eye, to_robot.normalize(), 5.0), now).expect("a robot");
+    assert_eq!(seen.thing, Thing::Robot(OTHER));
 }

@@ -575,10 +575,10 @@ impl Motion {
 
     // Functions for the world.
 
-    /// The plan from `at` on, without the past, in the memory of a spare one; `None` if no tick up to `until` changes it, or if legs
-    /// decide.
+    /// The plan from `at` on, without the past, in the memory of a spare one; `None` if no tick up to `until` changes it, or for
+    /// legs and hulls.
     pub(crate) fn plan_at(&mut self, at: Time, until: Time, spare: &mut Option<Box<Self>>) -> Option<Box<Self>> {
-        if self.walk.is_some() || self.last().has_no_ticks(&self.vehicle) {
+        if self.walk.is_some() || self.vehicle.hull.is_some() || self.last().has_no_ticks(&self.vehicle) {
             return None;
         }
         let stage = self.stage_at(at);

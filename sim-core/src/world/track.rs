@@ -106,9 +106,9 @@ impl Track {
         self.publications.back().expect("a track has a publication").passages()
     }
 
-    /// Returns true if the passages published last may not be known.
+    /// Returns true if the passages published last may not be known; those of a body that has left the world are.
     pub fn has_plan(&self) -> bool {
-        self.publications.back().is_some_and(|last| last.plan.is_some())
+        self.lifetime.until == Time::NEVER && self.publications.back().is_some_and(|last| last.plan.is_some())
     }
 
     /// Publishes the plan of `motion`, a robot alone in the world, for the slot from `since` to `until`, without computing its passages:
@@ -131,8 +131,17 @@ impl Track {
     fn drop_until(&mut self, from: Time) {
         while self.publications.len() > 1 && self.publications[1].since <= from {
             let dropped = self.publications.pop_front().expect("more than one publication");
-            self.spares.extend(dropped.passages.into_inner());
+            self.keep(dropped.passages);
             self.spare_plan = dropped.plan.map(|(plan, _)| plan).or(self.spare_plan.take());
+        }
+    }
+
+    /// Keeps the memory of passages for the next ones. Those that were computed from a plan have not been taken from the spares, so
+    /// there may be more than enough.
+    fn keep(&mut self, passages: OnceLock<Vec<Passage>>) {
+        const MAX_SPARES: usize = 16;
+        if self.spares.len() < MAX_SPARES {
+            self.spares.extend(passages.into_inner());
         }
     }
 
@@ -140,19 +149,22 @@ impl Track {
     pub fn publish(&mut self, motion: &mut Motion, since: Time, until: Time) {
         let mut passages = self.spares.pop().unwrap_or_default();
         motion.passages(since, until, &mut passages);
-        if passages == self.passages() {
+        let is_same = passages == self.passages();
+        let last = self.publications.back_mut().expect("a track has a publication");
+        // Its passages are known now.
+        self.spare_plan = last.plan.take().map(|(plan, _)| plan).or(self.spare_plan.take());
+        if is_same {
             self.spares.push(passages);
             return;
         }
         self.is_resting = false;
-        let last = self.publications.back_mut().expect("a track has a publication");
         if self.revision == motion.revision()
             && let ([next], [present]) = (&passages[..], last.passages())
             && next.since() == present.since()
         {
             // The plan is the same with a later end, so its past is unchanged.
-            last.plan = None;
-            self.spares.extend(std::mem::replace(&mut last.passages, OnceLock::from(passages)).into_inner());
+            let replaced = std::mem::replace(&mut last.passages, OnceLock::from(passages));
+            self.keep(replaced);
         } else {
             self.revision = motion.revision();
             last.past = passages_bounds(last.passages(), last.since.max(since - HISTORY), since);

@@ -33,7 +33,7 @@ pub struct FlowSample {
     pub processor_time: Duration,
     /// The flow sleeps in the kernel.
     pub is_asleep: bool,
-    /// The flow imports a module, for which the timeout is longer, see [`IMPORT_TIMEOUT_FACTOR`].
+    /// The flow imports a module, for which the timeout is longer, see `IMPORT_TIMEOUT_FACTOR`.
     pub is_importing: bool,
     /// Processor time of earlier imports, which does not count. It is reported by the program's process, which may lie.
     pub imports: Duration,
