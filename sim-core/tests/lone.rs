@@ -155,6 +155,6 @@ fn a_robot_that_was_alone_and_has_left_is_forgotten_once() {
     scene.world.add_robot(&mut motion, None);
     let eye = DVec2::new(-0.9, 0.0);
     let to_robot = motion.pose(now).position - eye;
-    let seen = scene.world.cast(LONE, &Ray::flat(eye, to_robot.normalize(), 5.0), now).expect("a robot");
+    let seen = scene.world.cast(LONE, &Ray::flat(eye, to_robot.normalize_or_zero(), 5.0), now).expect("a robot");
     assert_eq!(seen.thing, Thing::Robot(OTHER));
 }
