@@ -1,15 +1,15 @@
 //! Scan of a C or C++ source for the functions and constants that it uses: enough to choose the header that it needs
 //! before it is compiled.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::code::code_only;
 
 /// Names found in a source.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Calls {
-    /// Names before `(`, including names in declarations.
-    pub called: BTreeSet<String>,
+    /// Names before `(` that are neither declared there nor methods, with the lines of their first calls, from 1.
+    pub called: BTreeMap<String, usize>,
     /// Names of functions that the source defines outside of classes and namespaces.
     pub defined: BTreeSet<String>,
     /// Names of functions that the source declares without defining them.
@@ -24,16 +24,31 @@ pub struct Calls {
     pub is_wrapper: bool,
 }
 
+/// A class, or the block of one of its methods, whose calls without an object are those of its methods.
+#[derive(Default)]
+struct Class<'a> {
+    name: &'a str,
+    /// Number of blocks around its own.
+    depth: usize,
+    methods: BTreeSet<&'a str>,
+    /// Names before `(`, with their lines.
+    called: Vec<(&'a str, usize)>,
+}
+
 /// Scans `text`. Comments and literals are skipped. Macros are not expanded, but calls in their definitions count.
 pub fn calls_of(text: &str) -> Calls {
     let includes = text.lines().filter_map(included_file).map(str::to_owned).collect();
     let code = code_only(text);
-    let tokens = tokens_of(&code);
+    let (tokens, lines) = tokens_of(&code);
     let mut calls = Calls { includes, ..Calls::default() };
     let mut depth = 0_usize;
     let mut is_enum = false;
+    // The outermost one stands for the program itself.
+    let mut classes = vec![Class::default()];
+    let mut methods: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for (index, token) in tokens.iter().enumerate() {
-        let before = index.checked_sub(1).map(|before| tokens[before]);
+        let at = |back: usize| index.checked_sub(back).map(|at| tokens[at]);
+        let before = at(1);
         match *token {
             // The block of `extern "C"` does not nest: its names are at the outermost level (the literal "C" is skipped).
             Token::Mark('{') if before == Some(Token::Name("extern")) => {}
@@ -41,24 +56,46 @@ pub fn calls_of(text: &str) -> Calls {
             Token::Mark('}') => {
                 depth = depth.saturating_sub(1);
                 is_enum = false;
+                if let Some(class) = classes.pop_if(|class| !class.name.is_empty() && class.depth == depth) {
+                    let outer = class.called.iter().filter(|(name, _)| !class.methods.contains(name)).copied();
+                    classes.last_mut().expect("the program").called.extend(outer);
+                    methods.entry(class.name).or_default().extend(class.methods);
+                }
             }
             Token::Name("enum") => is_enum = true,
             Token::Name("include_next") => calls.is_wrapper = true,
+            Token::Name(name)
+                if matches!(before, Some(Token::Name("class" | "struct"))) && begins_class(&tokens[index + 1..]) =>
+            {
+                classes.push(Class { name, depth, ..Class::default() });
+            }
             Token::Name(name) if tokens.get(index + 1) == Some(&Token::Mark('(')) => {
+                let class = classes.last_mut().expect("the program");
+                let is_in_class = !class.name.is_empty() && depth == class.depth + 1;
+                let behind = after_parentheses(&tokens[index + 1..]);
+                let is_scoped = [before, at(2)] == [Some(Token::Mark(':')); 2] && matches!(at(3), Some(Token::Name(_)));
                 // Functions inside classes do not define the unqualified name.
-                let is_definition = depth == 0 && after_parentheses(&tokens[index + 1..]) == Some(Token::Mark('{'));
-                let is_typed = before == Some(Token::Mark('*')) || is_type(before);
-                if depth == 0 && is_typed && after_parentheses(&tokens[index + 1..]) == Some(Token::Mark(';')) {
+                let is_definition = depth == 0 && behind == Some(Token::Mark('{'));
+                // Behind a name on another line a `;` may be missing; the value of a macro follows the macro's name.
+                let is_typed = (depth == 0 || is_in_class) && before == Some(Token::Mark('*'))
+                    || is_type(before) && lines[index - 1] == lines[index] && at(2) != Some(Token::Name("define"));
+                if depth == 0 && is_typed && behind == Some(Token::Mark(';')) {
                     calls.declared.insert(name.to_owned());
                 }
-                let names = if before == Some(Token::Name("define")) {
-                    &mut calls.own
+                if before == Some(Token::Name("define")) {
+                    calls.own.insert(name.to_owned());
+                } else if is_in_class && is_typed {
+                    class.methods.insert(name);
+                } else if is_definition && is_scoped {
+                    if let Some(Token::Name(of)) = at(3) {
+                        let methods = methods.get(of).cloned().unwrap_or_default();
+                        classes.push(Class { name: of, depth, methods, ..Class::default() });
+                    }
                 } else if is_definition {
-                    &mut calls.defined
-                } else {
-                    &mut calls.called
-                };
-                names.insert(name.to_owned());
+                    calls.defined.insert(name.to_owned());
+                } else if !is_typed && !is_scoped && !is_of_object(before, at(2)) {
+                    class.called.push((name, lines[index]));
+                }
             }
             Token::Name(name) => {
                 let is_enumerator = is_enum && matches!(before, Some(Token::Mark('{' | ',')));
@@ -70,14 +107,31 @@ pub fn calls_of(text: &str) -> Calls {
             Token::Mark(_) => {}
         }
     }
+    for (name, line) in classes.into_iter().flat_map(|class| class.called) {
+        let first = calls.called.entry(name.to_owned()).or_insert(line);
+        *first = line.min(*first);
+    }
     calls.used.retain(|name| !calls.own.contains(name));
     calls
 }
 
+/// Returns true if the tokens before a name make it that of a method: `robot.` or `robot->`.
+fn is_of_object(before: Option<Token<'_>>, second: Option<Token<'_>>) -> bool {
+    before == Some(Token::Mark('.')) || [second, before] == [Some(Token::Mark('-')), Some(Token::Mark('>'))]
+}
+
+/// Returns true if the block of a class begins in `tokens`, which follow its name.
+fn begins_class(tokens: &[Token<'_>]) -> bool {
+    let first_mark = tokens.iter().find(|token| !matches!(token, Token::Name(_) | Token::Mark(':' | ',')));
+    first_mark == Some(&Token::Mark('{'))
+}
+
 /// Returns true if the token may be a type, so that a name after it is a declaration.
 fn is_type(token: Option<Token<'_>>) -> bool {
-    const NO_TYPES: [&str; 12] =
-        ["return", "case", "else", "goto", "sizeof", "do", "ifdef", "ifndef", "undef", "if", "elif", "defined"];
+    const NO_TYPES: [&str; 18] = [
+        "and", "case", "defined", "do", "elif", "else", "endif", "goto", "if", "ifdef", "ifndef", "new", "not", "or",
+        "return", "sizeof", "throw", "undef",
+    ];
     matches!(token, Some(Token::Name(name)) if !NO_TYPES.contains(&name))
 }
 
@@ -108,11 +162,11 @@ fn after_parentheses<'a>(tokens: &[Token<'a>]) -> Option<Token<'a>> {
     None
 }
 
-/// Names and punctuation of `code`, without numbers and blanks.
-fn tokens_of(code: &str) -> Vec<Token<'_>> {
+/// Names and punctuation of `code`, without numbers and blanks, and their lines, from 1.
+fn tokens_of(code: &str) -> (Vec<Token<'_>>, Vec<usize>) {
     let is_name = |c: char| c.is_alphanumeric() || c == '_';
-    let mut tokens = Vec::new();
-    let mut rest = code;
+    let (mut tokens, mut lines) = (Vec::new(), Vec::new());
+    let (mut rest, mut line) = (code, 1);
     while let Some(first) = rest.chars().next() {
         let end = if is_name(first) { rest.find(|c| !is_name(c)).unwrap_or(rest.len()) } else { first.len_utf8() };
         match first {
@@ -120,9 +174,11 @@ fn tokens_of(code: &str) -> Vec<Token<'_>> {
             _ if is_name(first) || first.is_whitespace() => {}
             _ => tokens.push(Token::Mark(first)),
         }
+        lines.resize(tokens.len(), line);
+        line += usize::from(first == '\n');
         rest = &rest[end..];
     }
-    tokens
+    (tokens, lines)
 }
 
 #[cfg(test)]
@@ -130,7 +186,7 @@ mod tests {
     use super::*;
 
     fn called(text: &str) -> Vec<String> {
-        calls_of(text).called.into_iter().collect()
+        calls_of(text).called.into_keys().collect()
     }
 
     #[test]
@@ -152,7 +208,32 @@ mod tests {
     fn definitions_are_told_from_calls() {
         let calls = calls_of("int own(int a) { if (test()) { go(); } while (x) { } return own(1); }");
         assert_eq!(calls.defined.into_iter().collect::<Vec<_>>(), ["own"]);
-        assert_eq!(calls.called.into_iter().collect::<Vec<_>>(), ["go", "if", "own", "test", "while"]);
+        assert_eq!(calls.called.into_keys().collect::<Vec<_>>(), ["go", "if", "own", "test", "while"]);
+    }
+
+    #[test]
+    fn first_calls_have_lines() {
+        let calls = calls_of("void f(void);\n// a();\nint main()\n{\n  a(1); f();\n  a(2);\n}\n");
+        let calls: Vec<_> = calls.called.iter().map(|(name, line)| (name.as_str(), *line)).collect();
+        assert_eq!(calls, [("a", 5), ("f", 5)]);
+    }
+
+    #[test]
+    fn declarations_and_methods_are_no_calls() {
+        assert_eq!(called("int a(void); int main() { int b(int); return c(1) * d(2); }"), ["c", "d"]);
+        assert_eq!(
+            called("#define A a(1)\n#endif\nb(1);\nint main() {\n  x = speed\n  c(1); if (x or d()) else e(); }"),
+            ["a", "b", "c", "d", "e", "if"]
+        );
+        assert_eq!(called("int main() { robot.a(); robot->b(); Robot::c(); ::d(); x > e(); }"), ["d", "e"]);
+        let class = "class Robot : Base {\n public:\n  void a(int mm) { go(); b(); }\n  void b();\n  int *c() { return c(); }\n};\n";
+        assert_eq!(called(class), ["go"]);
+        let outside = "void Robot::b() { a(1); go(); }\nvoid Other::b() { c(); }\nint main() { a(2); }";
+        assert_eq!(called(&format!("{class}{outside}")), ["a", "c", "go"]);
+        assert_eq!(
+            called("struct robot r; struct robot *f() { a(); }\nstruct robot { int x; };\nint g() { f(); }"),
+            ["a", "f"]
+        );
     }
 
     #[test]

@@ -9,7 +9,7 @@ use robios_sys::constant::Constant;
 use robios_sys::{Robios6Call, Robios7Call, robios6, robios7};
 
 use super::calls::calls_of;
-use super::code::{code_only, is_name};
+use super::code::{begins_function, code_only, is_name};
 use crate::files::read_regular;
 
 /// A generation of the RoBIOS API.
@@ -310,6 +310,9 @@ pub fn choose(
     }
 }
 
+/// Stands for the name of a handle.
+const HANDLE: &str = "HANDLE";
+
 /// What to write in place of functions that only the other generation has, for RoBIOS-7 and for RoBIOS 6.
 const INSTEAD: [&[(&str, &str)]; 2] = [
     &[
@@ -324,13 +327,13 @@ const INSTEAD: [&[(&str, &str)]; 2] = [
         ("LCDPutChar", "LCDPrintf(\"%c\", letter)"),
     ],
     &[
-        ("VWStraight", "VWDriveStraight(vw, metres, metres/s)"),
-        ("VWTurn", "VWDriveTurn(vw, radians, radians/s)"),
-        ("VWCurve", "VWDriveCurve(vw, metres, radians, metres/s)"),
-        ("VWWait", "VWDriveWait(vw)"),
-        ("VWDone", "VWDriveDone(vw)"),
-        ("ENCODERRead", "QUADRead(handle)"),
-        ("ENCODERReset", "QUADReset(handle)"),
+        ("VWStraight", "VWDriveStraight(HANDLE, metres, metres/s)"),
+        ("VWTurn", "VWDriveTurn(HANDLE, radians, radians/s)"),
+        ("VWCurve", "VWDriveCurve(HANDLE, metres, radians, metres/s)"),
+        ("VWWait", "VWDriveWait(HANDLE)"),
+        ("VWDone", "VWDriveDone(HANDLE)"),
+        ("ENCODERRead", "QUADRead(HANDLE)"),
+        ("ENCODERReset", "QUADReset(HANDLE)"),
     ],
 ];
 
@@ -352,8 +355,14 @@ const NEEDLESS_IN_7: &[&str] = &[
     "QUADRelease",
 ];
 
-/// Functions of both generations that differ in more than the handle.
-const DIFFERENT: &[&str] = &["VWSetSpeed", "VWGetSpeed", "VWSetPosition", "VWGetPosition", "VWDriveRemain"];
+/// Functions of both generations that differ in more than the handle, as RoBIOS 6 and as RoBIOS-7 call them.
+const DIFFERENT: &[(&str, &str, &str)] = &[
+    ("VWSetSpeed", "VWSetSpeed(handle, m/s, radians/s)", "VWSetSpeed(mm/s, degrees/s)"),
+    ("VWGetSpeed", "VWGetSpeed(handle, &speed)", "VWGetSpeed(&mm_per_s, &degrees_per_s)"),
+    ("VWSetPosition", "VWSetPosition(handle, metres, metres, radians)", "VWSetPosition(mm, mm, degrees)"),
+    ("VWGetPosition", "VWGetPosition(handle, &position)", "VWGetPosition(&x, &y, &phi)"),
+    ("VWDriveRemain", "VWDriveRemain(handle)", "VWDriveRemain()"),
+];
 
 /// Most clauses of an advice.
 const MAX_CLAUSES: usize = 4;
@@ -378,22 +387,60 @@ struct Statement {
 /// What to change in a program that calls functions of both generations: the calls of the generation that has fewer of them, among
 /// those for which the other one has a replacement.
 fn advice(of_6: &[String], of_7: &[String], sources: &[PathBuf]) -> String {
+    let codes: Vec<String> = sources.iter().filter_map(|source| code_of(source)).collect();
+    let different: Vec<_> =
+        DIFFERENT.iter().filter(|(name, ..)| codes.iter().any(|code| has_call(code, name))).collect();
+    if !different.is_empty() {
+        let words = different.iter().map(|(name, of_6, of_7)| {
+            format!(
+                "; `{name}` is `{of_6}` in {} and `{of_7}` in {}",
+                Generation::Robios6.name(),
+                Generation::Robios7.name()
+            )
+        });
+        return format!("{ONE_OF_THEM}{}", words.collect::<String>());
+    }
     let [of_6, of_7] = [of_6, of_7].map(|names| call_sites(names, sources));
     let (lines_6, lines_7) = (of_6.as_ref().map_or(0, Vec::len), of_7.as_ref().map_or(0, Vec::len));
-    let to_7 = of_6.and_then(|calls| changes(&calls, Generation::Robios7));
-    let to_6 = of_7.and_then(|calls| changes(&calls, Generation::Robios6));
+    let to_7 = of_6.and_then(|calls| changes(&calls, Generation::Robios7, &codes));
+    let to_6 = of_7.and_then(|calls| changes(&calls, Generation::Robios6, &codes));
     let (first, second) = if lines_6 <= lines_7 { (to_7, to_6) } else { (to_6, to_7) };
-    first.or(second).unwrap_or_else(|| "write all of it for one of them".to_owned())
+    first.or(second).unwrap_or_else(|| ONE_OF_THEM.to_owned())
 }
 
-/// The changes that bring `calls` to `generation`; `None` if it has nothing like one of them, or if they are many.
-fn changes(calls: &[CallSite<'_>], generation: Generation) -> Option<String> {
+const ONE_OF_THEM: &str =
+    "write all of it for one of them: RoBIOS 6 has metres, m/s and radians, RoBIOS-7 mm, mm/s and degrees";
+
+fn code_of(source: &Path) -> Option<String> {
+    Some(code_only(&String::from_utf8_lossy(&read_regular(source).ok()?)))
+}
+
+/// The variable that holds the result of `init` wherever `codes` use it: the only one, and outside of functions or in the only function.
+fn handle_of<'a>(init: &str, codes: &'a [String]) -> Option<&'a str> {
+    let [code] = codes else { return None };
+    let [at] = calls_in(code, init)[..] else { return None };
+    let left = code[..at].trim_end().strip_suffix('=')?.trim_end();
+    let name = left.rsplit(|c| !is_name(c)).next().filter(|name| !name.is_empty())?;
+    let is_plain = !left[..left.len() - name.len()].trim_end().ends_with(['.', '>', '*', ']']);
+    let is_global = |line: &str| line.starts_with("VWHandle ") && line.trim_end().ends_with(&format!(" {name};"));
+    (is_plain && (code.lines().any(is_global) || code.lines().filter(|line| begins_function(line)).count() <= 1))
+        .then_some(name)
+}
+
+/// The changes that bring `calls` to `generation`; `None` if it has nothing like one of them, if they are many, or if they need a handle
+/// that the program does not have.
+fn changes(calls: &[CallSite<'_>], generation: Generation, codes: &[String]) -> Option<String> {
     let instead = INSTEAD[usize::from(generation == Generation::Robios6)];
-    let mut replaced: Vec<(&str, &str, Vec<&str>)> = Vec::new();
+    let mut replaced: Vec<(&str, String, Vec<&str>)> = Vec::new();
     let mut deleted: Vec<&str> = Vec::new();
     let mut handles: Vec<String> = Vec::new();
     for &CallSite { name, ref place, ref statement } in calls {
         if let Some(&(_, instead)) = instead.iter().find(|(other, _)| *other == name) {
+            let init = if instead.starts_with("QUAD") { "QUADInit" } else { "VWInit" };
+            let instead = match generation {
+                Generation::Robios6 => instead.replace(HANDLE, handle_of(init, codes)?),
+                Generation::Robios7 => instead.to_owned(),
+            };
             match replaced.iter_mut().find(|(other, _, _)| *other == name) {
                 Some((_, _, places)) => {
                     places.push(place);
@@ -440,15 +487,12 @@ fn lines_text(places: &[&str]) -> String {
     }
 }
 
-/// All calls of `names` in `sources`, line by line; `None` if one of them is called nowhere there, if a source declares one or has
-/// a method of that name, or if it calls a function that is [`DIFFERENT`].
+/// All calls of `names` in `sources`, line by line; `None` if one of them is called nowhere there, or if a source declares one or has
+/// a method of that name.
 fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSite<'a>>> {
     let mut sites = Vec::new();
     for source in sources {
-        let code = code_only(&String::from_utf8_lossy(&read_regular(source).ok()?));
-        if DIFFERENT.iter().any(|name| !calls_in(&code, name).is_empty()) {
-            return None;
-        }
+        let code = code_of(source)?;
         let file = source.file_name()?.display().to_string();
         let place = |line: usize| if sources.len() == 1 { line.to_string() } else { format!("{file}:{line}") };
         let mut found: Vec<(usize, &str)> = Vec::new();
@@ -475,6 +519,10 @@ fn calls_in(code: &str, name: &str) -> Vec<usize> {
     let is_call =
         |at: &usize| !code[..*at].ends_with(is_name) && code[*at + name.len()..].trim_start().starts_with('(');
     code.match_indices(name).map(|(at, _)| at).filter(is_call).collect()
+}
+
+fn has_call(code: &str, name: &str) -> bool {
+    !calls_in(code, name).is_empty()
 }
 
 /// The statement of the call of `name` at `at`, if its line is `CALL;`, `handle = CALL;` or `Type handle = CALL;` and follows a whole
@@ -518,10 +566,8 @@ fn with_line(name: &str, sources: &[PathBuf]) -> String {
     let place = sources.iter().find_map(|source| {
         let bytes = read_regular(source).ok()?;
         let text = String::from_utf8_lossy(&bytes);
-        let ends: Vec<usize> = text.match_indices('\n').map(|(end, _)| end).chain([text.len()]).collect();
-        let before = ends.partition_point(|end| !calls_of(&text[..*end]).called.contains(name));
-        let file = source.file_name()?.display();
-        (before < ends.len()).then(|| format!(" ({file}:{})", before + 1))
+        let line = calls_of(&text).called.get(name).copied()?;
+        Some(format!(" ({}:{line})", source.file_name()?.display()))
     });
     format!("`{name}`{}", place.unwrap_or_default())
 }
@@ -565,7 +611,7 @@ fn names_in_files(sources: &[PathBuf], folders: Option<&[PathBuf]>) -> Result<Na
         }
         let Ok(bytes) = read_regular(&path) else { continue };
         let found = calls_of(&String::from_utf8_lossy(&bytes));
-        names.calls.extend(found.called);
+        names.calls.extend(found.called.into_keys());
         names.constants.extend(found.used);
         own.extend(found.defined.into_iter().chain(found.own));
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -698,16 +744,8 @@ mod tests {
         let error = choice(&mixed, GenerationHint::default()).expect_err("two generations");
         assert!(error.contains("mixes two generations: `VWInit` (maze.c:1) of RoBIOS 6, "), "{error}");
         assert!(error.contains("`VWStraight` (map.cpp:2), `VWWait` (map.cpp:2) of RoBIOS-7, "), "{error}");
-        assert!(
-            error.ends_with(
-                "; to write it for RoBIOS 6, in map.cpp:2 write `VWDriveStraight(vw, metres, metres/s)` for `VWStraight`; \
-                 in map.cpp:2 write `VWDriveWait(vw)` for `VWWait`"
-            ),
-            "{error}"
-        );
+        assert!(error.ends_with(&format!("; {ONE_OF_THEM}")), "{error}");
     }
-
-    const ONE_OF_THEM: &str = "write all of it for one of them";
 
     /// The advice for a program of calls of both generations.
     fn advice_for(text: &str) -> String {
@@ -735,14 +773,32 @@ mod tests {
             "to write it for RoBIOS-7, delete lines 2 and 3, and remove `vw` from every call"
         );
         assert_eq!(
-            advice("f() {\n  BUMPCheck(1);\n  VWWait();\n  if (1)\n    VWWait();\n  return VWWait();\n}"),
-            "to write it for RoBIOS 6, in lines 3, 5 and 6 write `VWDriveWait(vw)` for `VWWait`"
+            advice(
+                "f() {\n  int ok; drive = VWInit(1, BUMPCheck(1));\n  VWWait();\n  if (1)\n    VWWait();\n  return VWWait();\n}"
+            ),
+            "to write it for RoBIOS 6, in lines 3, 5 and 6 write `VWDriveWait(drive)` for `VWWait`"
         );
         assert_eq!(advice("f() {\n  BUMPCheck(1);\n  LCDPixel(1, 2);\n}"), ONE_OF_THEM);
         assert_eq!(
-            advice("f() {\n  BUMPCheck(1);\n  VWTurn(1, 2);\n  VWWait();\n}"),
-            "to write it for RoBIOS 6, in line 3 write `VWDriveTurn(vw, radians, radians/s)` for `VWTurn`; in line 4 write \
+            advice(
+                "VWHandle vw;\nvoid f() {\n  BUMPCheck(1); vw = VWInit(1, 2);\n}\nvoid g() {\n  VWTurn(1, 2);\n  VWWait();\n}"
+            ),
+            "to write it for RoBIOS 6, in line 6 write `VWDriveTurn(vw, radians, radians/s)` for `VWTurn`; in line 7 write \
              `VWDriveWait(vw)` for `VWWait`"
+        );
+        for without_handle in [
+            "void f() {\n  BUMPCheck(1);\n  VWTurn(1, 2);\n}",
+            "void f() {\n  BUMPCheck(1); VWHandle vw = VWInit(1, 2);\n}\nvoid g() {\n  VWTurn(1, 2);\n}",
+            "void f() {\n  BUMPCheck(1); robot.vw = VWInit(1, 2);\n  VWTurn(1, 2);\n}",
+            "void f() {\n  BUMPCheck(1);\n  ENCODERRead(1);\n}",
+        ] {
+            assert_eq!(advice(without_handle), ONE_OF_THEM, "{without_handle}");
+        }
+        assert_eq!(
+            advice("void f() {\n  VWHandle vw = VWInit(1, 1);\n  VWSetSpeed(vw, 100, 0);\n  VWWait();\n}"),
+            format!(
+                "{ONE_OF_THEM}; `VWSetSpeed` is `VWSetSpeed(handle, m/s, radians/s)` in RoBIOS 6 and `VWSetSpeed(mm/s, degrees/s)` in RoBIOS-7"
+            )
         );
     }
 
@@ -766,14 +822,16 @@ mod tests {
             "x = 1;\n VWHandle vw = VWInit(1, 1);\n VWGetPosition(vw, &pos);",
         ] {
             // LCDPixel has nothing like it in RoBIOS 6.
-            assert_eq!(advice_for(&format!("f()\n{{\n {line}\n LCDPixel(1, 2, 3);\n}}")), ONE_OF_THEM, "{line}");
+            let advice = advice_for(&format!("f()\n{{\n {line}\n LCDPixel(1, 2, 3);\n}}"));
+            assert!(advice.starts_with(ONE_OF_THEM), "{line}: {advice}");
         }
     }
 
     #[test]
     fn methods_of_the_program_and_many_changes_get_no_advice_in_detail() {
         let class = "class Robot {\n int VWStraight(int mm) { return VWDriveStraight(vw, mm, 1); }\n};";
-        assert_eq!(advice_for(&format!("{class}\nf() {{ BUMPCheck(1); robot.VWStraight(3); }}")), ONE_OF_THEM);
+        let of_6 = of_text(&format!("{class}\nf() {{ BUMPCheck(1); robot.VWStraight(3); }}"));
+        assert_eq!(of_6, "RoBIOS 6 (BUMPCheck, VWDriveStraight)");
         let five = "VWStraight(1, 2); VWTurn(1, 2); VWCurve(1, 2, 3); VWWait(); VWDone();";
         assert_eq!(advice_for(&format!("f() {{ BUMPCheck(1); {five} }}")), ONE_OF_THEM);
     }
@@ -804,10 +862,17 @@ mod tests {
     fn the_variants_are_those_of_the_header() {
         let header = robios_sys::c::HEADERS7.iter().find(|file| file.name == "variants.h").expect("a header").text;
         let calls = calls_of(header);
-        let missing: Vec<_> =
-            calls.called.iter().filter(|name| !Generation::Robios7.has(name) && !is_own_name(name)).collect();
+        let names: BTreeSet<String> =
+            calls.called.into_keys().chain(calls.declared).chain(calls.defined).chain(calls.own).collect();
+        let is_function =
+            |name: &&String| name.chars().take(2).all(char::is_uppercase) && name.contains(char::is_lowercase);
+        let missing: Vec<_> = names
+            .iter()
+            .filter(is_function)
+            .filter(|name| !Generation::Robios7.has(name) && !is_own_name(name))
+            .collect();
         assert!(missing.is_empty(), "{missing:?}");
-        assert!(VARIANTS_OF_7.iter().all(|name| calls.called.contains(*name)));
+        assert!(VARIANTS_OF_7.iter().all(|name| names.contains(*name)));
     }
 
     /// Names that occur only in the header itself.
