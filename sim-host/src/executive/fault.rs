@@ -80,9 +80,16 @@ impl Broken {
             }
             // The kernel reports no address for a non-canonical pointer such as 0x4141414141414141.
             libc::SIGSEGV if fault.code == SI_KERNEL => format!("segmentation fault at no address ({WILD})"),
+            libc::SIGSEGV if fault.address < NULL_PAGE && fault.address == fault.pc => {
+                format!("{NULL_POINTER} as a function (segmentation fault at address {:#x})", fault.address)
+            }
             libc::SIGSEGV if fault.address < NULL_PAGE => {
                 format!("{NULL_POINTER} (segmentation fault at address {:#x})", fault.address)
             }
+            libc::SIGSEGV if fault.address == fault.pc => format!(
+                "segmentation fault by a jump to address {:#x}, where no code is (an array overrun, or a pointer to a function without a value)",
+                fault.address
+            ),
             libc::SIGSEGV => format!("segmentation fault at address {:#x} ({WILD})", fault.address),
             libc::SIGBUS => format!("bus error at address {:#x}", fault.address),
             libc::SIGFPE => format!("{} (arithmetic fault)", cause_of_arithmetic_fault(fault.code)),

@@ -8,7 +8,8 @@ use super::fault::{Broken, ILLEGAL, ILLEGAL_DIVISION, NULL_POINTER, STACK_OVERFL
 use super::process::ComputingPlace;
 use super::program::RobotProgram;
 use super::reason;
-use crate::program::code::{code_only, pointers_of, single_array};
+use crate::program::access::{Accesses, accesses_of};
+use crate::program::code::code_only;
 use crate::program::plain::is_empty_clause;
 use crate::robios::call::Call;
 use crate::robios::robot::{Ending, Robot, Wait, WaitReason};
@@ -280,21 +281,26 @@ fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
     FaultReport { what, location, last_call }
 }
 
-/// The pointers of the line at which the program itself broke, at most two: one of them was NULL. `None` if the line may use others.
-fn null_pointer(broken: &Broken, program: &RobotProgram) -> Option<String> {
+/// What the line reads and writes at which the program itself broke; `None` if it broke elsewhere, if the line may read or write more, and
+/// in Rust.
+fn accesses_at(broken: &Broken, program: &RobotProgram) -> Option<Accesses> {
     let line = program.own_source_line(broken.addresses.get(..1)?)?;
     let is_rust = line.file.extension().is_some_and(|extension| extension == "rs");
-    let pointers = pointers_of(&program.text_of(&line).filter(|_| !is_rust)?, &program.source_of(&line)?)?;
+    accesses_of(&program.source_of(&line).filter(|_| !is_rust)?, usize::try_from(line.line).ok()?)
+}
+
+/// The pointers of the line at which the program itself broke, at most two: one of them was NULL.
+fn null_pointer(broken: &Broken, program: &RobotProgram) -> Option<String> {
+    let pointers = accesses_at(broken, program)?.pointers;
     (1..=2).contains(&pointers.len()).then(|| format!("`{}`", pointers.join("` or `")))
 }
 
-/// Question about the only array that the line indexes at which the program broke, if it uses no pointer.
+/// Question about the only array that the line indexes at which the program itself broke, if it uses no pointer.
 fn wild_index(broken: &Broken, program: &RobotProgram) -> Option<String> {
-    let line = program.own_source_line(&without_stale(&broken.addresses, program))?;
-    let (text, source) = (program.text_of(&line)?, program.source_of(&line)?);
-    let (name, len) = single_array(&text, &source)?;
-    let len = len.filter(|_| pointers_of(&text, &source).is_some_and(|pointers| pointers.is_empty()))?;
-    Some(format!("; is an index of `{name}` outside of its {len} elements, 0 to {}?", len.checked_sub(1)?))
+    let Accesses { pointers, arrays } = accesses_at(broken, program)?;
+    let [array] = arrays.as_slice() else { return None };
+    let len = array.len.filter(|_| pointers.is_empty() && !array.is_inside)?;
+    Some(format!("; is an index of `{}` outside of its {len} elements, 0 to {}?", array.name, len.checked_sub(1)?))
 }
 
 /// Returns true if the line at which the program broke divides, and uses no pointer.
@@ -336,7 +342,8 @@ fn advice(report: &FaultReport, broken: &Broken, robot: &Robot, program: &RobotP
         "; a function calls itself without end, or a local array is too large, which `static` puts elsewhere".to_owned()
     } else {
         let null = null_pointer(broken, program).filter(|_| is_null).map(|pointer| format!("; {pointer} is NULL"));
-        let why = unopened.map(|why| format!("; `fopen` has returned NULL before: {why}"));
+        // A file is used within the C library, where no line of the program tells a pointer.
+        let why = unopened.filter(|_| null.is_none()).map(|why| format!("; `fopen` has returned NULL before: {why}"));
         let is_wild = report.what.contains(WILD) || report.what.contains("an array overrun");
         let index = wild_index(broken, program).filter(|_| is_wild);
         [null, why, index].into_iter().flatten().collect()

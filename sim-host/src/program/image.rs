@@ -239,13 +239,11 @@ impl ProgramImage {
     /// The line of a call, given its return address minus one; `None` if it lies in the shim: the function has ended
     /// with a tail call, so the return address is its caller's.
     pub fn call_line(&self, offset: usize) -> Option<SourceLine> {
-        let is_of_shim =
-            |file: &Path| file.is_absolute() && file.parent().is_some_and(|folder| folder.ends_with("shim"));
         self.source_line(offset).filter(|line| !is_of_shim(&line.file))
     }
 
     /// The line of the innermost address in a call stack that lies in the program's own sources, not in its shim or in
-    /// the library of its language; if there is none, the innermost known line.
+    /// the library of its language; if there is none, the innermost known line outside of the shim.
     ///
     /// `offsets` are a program counter, then return addresses, from the innermost to the outermost. Other numbers among
     /// them are ignored unless they point into code.
@@ -257,7 +255,7 @@ impl ProgramImage {
             if self.source_folder.is_none() || line.file.is_relative() {
                 return Some(line);
             }
-            first.get_or_insert(line);
+            first = first.or(Some(line).filter(|line| !is_of_shim(&line.file)));
         }
         first
     }
@@ -271,6 +269,11 @@ impl ProgramImage {
     fn within_source_folder(&self, file: &Path) -> Option<PathBuf> {
         file.strip_prefix(self.source_folder.as_ref()?).ok().map(Path::to_owned)
     }
+}
+
+/// Returns true for a file of the shim that is compiled with each program.
+fn is_of_shim(file: &Path) -> bool {
+    file.is_absolute() && file.parent().is_some_and(|folder| folder.ends_with("shim"))
 }
 
 impl std::fmt::Debug for ProgramImage {

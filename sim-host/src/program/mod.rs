@@ -3,6 +3,7 @@
 //! Programs are run by the executive, and the effects of RoBIOS calls are defined elsewhere. `docs/programs.md` describes what a
 //! program may be, the search order, the flags and the cache.
 
+pub(crate) mod access;
 mod brace;
 pub mod build;
 pub mod cache;

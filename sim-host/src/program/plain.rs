@@ -1,11 +1,17 @@
 //! Messages of C and C++ compilers in plain words: what is wrong and what to write, one line each, for people who do not know the
 //! compiler's own words yet. Those follow after them.
 
+use console::measure_text_width;
+
+use super::access::{Accesses, IndexedArray, accesses_of};
 use super::brace::unclosed_brace;
-use super::code::{TYPES, begins_function, code_only, is_name, pointers_of, single_array};
+use super::code::{TYPES, begins_function, code_only, is_name};
 
 /// Most lines that are put before the compiler's own words.
 const MAX_LINES: usize = 5;
+
+/// Most messages that are looked at.
+const MAX_MESSAGES: usize = 50;
 
 /// A message of the compiler about a line of the program (gcc and clang, `LC_ALL=C`).
 struct Message<'a> {
@@ -29,18 +35,17 @@ struct Message<'a> {
 /// `source` is the name and the text of the source, in which braces and declarations are looked for.
 pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
     let lines: Vec<&str> = output.lines().collect();
-    let heads: Vec<usize> =
-        (0..lines.len()).filter(|&index| parse(&lines, index, lines.len(), source).is_some()).collect();
-    let ends = heads.iter().skip(1).copied().chain([lines.len()]);
-    let messages: Vec<Message<'_>> =
-        heads.iter().zip(ends).filter_map(|(&head, end)| parse(&lines, head, end, source)).collect();
+    let messages = messages(&lines, source);
     let first_error = messages.iter().find(|message| message.is_error);
     let mut told: Vec<String> = Vec::new();
     // An error is often the cause of all that follows.
     let chosen = messages.iter().filter(|message| first_error.is_none_or(|error| std::ptr::eq(error, *message)));
-    for line in chosen.filter_map(Message::in_plain_words) {
-        if told.len() < MAX_LINES && !told.contains(&line) {
+    for line in chosen.take(MAX_MESSAGES).filter_map(Message::in_plain_words) {
+        if !told.contains(&line) {
             told.push(line);
+        }
+        if told.len() == MAX_LINES {
+            break;
         }
     }
     told.concat()
@@ -80,19 +85,38 @@ pub fn without_intended(output: &str) -> String {
     kept
 }
 
-/// The message that begins at line `index`, with the lines up to `end`; `None` if none about the program begins there.
-fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize, (name, source): (&str, &'a str)) -> Option<Message<'a>> {
-    let mut parts = lines[index].splitn(4, ':');
+/// The messages about the program among the compiler's `lines`.
+fn messages<'a>(lines: &'a [&'a str], source: (&str, &'a str)) -> Vec<Message<'a>> {
+    let mut messages: Vec<Message<'a>> = Vec::new();
+    let (mut begin, mut scope) = (0, None);
+    for (index, line) in lines.iter().copied().enumerate() {
+        if let Some(message) = parse(line, scope, source) {
+            if let Some(last) = messages.last_mut() {
+                last.more = &lines[begin..index];
+            }
+            begin = index + 1;
+            messages.push(message);
+        }
+        if line.contains(": In ") || line.ends_with(": At top level:") || line.ends_with(": At global scope:") {
+            scope = Some(line);
+        }
+    }
+    if let Some(last) = messages.last_mut() {
+        last.more = &lines[begin..];
+    }
+    messages
+}
+
+/// The message that begins with `line`, without the lines behind it; `None` if none about the program begins there. `scope` is the last line
+/// that tells a function.
+fn parse<'a>(line: &'a str, scope: Option<&'a str>, (name, source): (&str, &'a str)) -> Option<Message<'a>> {
+    let mut parts = line.splitn(4, ':');
     let (file, line, column, rest) = (parts.next()?, parts.next()?, parts.next()?, parts.next()?.trim_start());
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     let errors = ["error: ", "fatal error: "].iter().find_map(|kind| rest.strip_prefix(kind));
     let text = errors.or_else(|| rest.strip_prefix("warning: "))?;
     // Headers of the system and of the kit have absolute paths.
     let is_own = is_number(line) && is_number(column) && !file.starts_with('/') && !file.starts_with(' ');
-    let is_scope = |line: &&&str| {
-        line.contains(": In ") || line.ends_with(": At top level:") || line.ends_with(": At global scope:")
-    };
-    let scope = lines[..index].iter().rev().find(is_scope);
     is_own.then(|| Message {
         is_in_function: scope.is_some_and(|line| line.contains(": In ")),
         function: scope.and_then(|line| quoted(line, 0)).unwrap_or_default(),
@@ -102,7 +126,7 @@ fn parse<'a>(lines: &'a [&'a str], index: usize, end: usize, (name, source): (&s
         column: column.parse().unwrap_or(0),
         is_error: errors.is_some(),
         text,
-        more: &lines[index + 1..end],
+        more: &[],
     })
 }
 
@@ -130,7 +154,9 @@ impl Message<'_> {
     /// Mistakes that the line shows better than what the compiler expects in their place.
     fn by_its_line(&self) -> Option<String> {
         let line = self.code()?;
-        if let Some(words) = quote_missing(line).filter(|_| self.is_error && self.may_lack_quote(line)) {
+        let is_continued = self.is_continued(line);
+        if let Some(words) = quote_missing(line).filter(|_| self.is_error && !is_continued && self.may_lack_quote(line))
+        {
             return Some(words.to_owned());
         }
         let blanked = code_only(line);
@@ -314,7 +340,7 @@ impl Message<'_> {
             {
                 self.overflow()
             }
-            text if text.contains("invokes undefined behavior") => Some(self.overrun_by_loop()),
+            text if text.contains("invokes undefined behavior") => self.overrun_by_loop(),
             text if text.contains(" changes value from ") => {
                 let (_, values) = text.split_once(" changes value from ")?;
                 let (from, to) = values.split_once(" to ")?;
@@ -337,12 +363,7 @@ impl Message<'_> {
                 let name = self.quoted(0)?;
                 Some(format!("`{name}` is used, or given to `free` again, after `free({name})`"))
             }
-            text if text.contains("uninitialized") && self.is_declared_as_pointer() => {
-                let name = self.quoted(0)?;
-                Some(format!(
-                    "`{name}` points nowhere: make it a variable without `*` and pass its address, `&{name}`, or an array, such as `{name}[20]`"
-                ))
-            }
+            text if text.contains("uninitialized") && self.is_declared_as_pointer() => Some(self.pointer_without_value(self.quoted(0)?)),
             text if text.contains("uninitialized") => {
                 let name = own_name(self.quoted(0)?);
                 Some(format!("`{name}` has no value yet: {}", self.first_value(name)))
@@ -372,6 +393,9 @@ impl Message<'_> {
                 let code = code_only(self.code().unwrap_or_default());
                 let reversed = [("=>", ">="), ("=<", "<=")].into_iter().find(|(wrong, _)| code.contains(wrong));
                 let is_list = code.split_once('{').is_some_and(|(left, _)| left.trim_end().ends_with('='));
+                if let Some(words) = self.declaration_in_clause().or_else(|| self.word_of_cpp_as_name()) {
+                    return Some(words);
+                }
                 Some(match reversed {
                     None if self.before() == Some("{") && is_list => LIST_IS_SET.to_owned(),
                     None if self.before().is_some_and(|word| TYPES.contains(&word)) => format!(
@@ -481,6 +505,12 @@ impl Message<'_> {
         }
     }
 
+    /// Returns true if a `\\` joins the line with the one before or after it.
+    fn is_continued(&self, line: &str) -> bool {
+        let before = self.line.parse::<usize>().ok().and_then(|number| self.source.lines().nth(number.checked_sub(2)?));
+        [Some(line), before].into_iter().flatten().any(|line| line.trim_end().ends_with('\\'))
+    }
+
     /// Returns true if what the compiler says may come from a quote that is missing in `line`.
     fn may_lack_quote(&self, line: &str) -> bool {
         let is_lexical = ["missing terminating", "expected ", "stray ", "unterminated "];
@@ -519,6 +549,62 @@ impl Message<'_> {
         code.split('*').skip(1).any(|rest| rest.trim_start().strip_prefix(name).is_some_and(ends))
     }
 
+    /// What to do about the pointer `name`, which is used before it has a value.
+    fn pointer_without_value(&self, name: &str) -> String {
+        if self.text.contains("may be used") {
+            return format!(
+                "`{name}` may point nowhere in this line: set it to NULL where it is declared, and write `if ({name} != NULL)` before this line"
+            );
+        }
+        let code = code_only(self.code().unwrap_or_default());
+        let is_argument = code.match_indices(name).any(|(place, _)| {
+            let (left, right) = (code[..place].trim_end(), code[place + name.len()..].trim_start());
+            left.ends_with(['(', ',']) && right.starts_with([',', ')'])
+        });
+        match self.declaration() {
+            Some(code) if is_argument && starts_with_word(code, "char") => {
+                format!("`{name}` points nowhere: declare an array in its place, such as `char {name}[20]`")
+            }
+            _ if is_argument => {
+                format!("`{name}` points nowhere: declare it without `*`, and write `&{name}` in this line")
+            }
+            _ => format!(
+                "`{name}` points nowhere: set it to the address of a variable first, as `{name} = &variable;` does"
+            ),
+        }
+    }
+
+    /// A declaration that is the only statement of an `if` or a loop.
+    fn declaration_in_clause(&self) -> Option<String> {
+        let (left, right) = self.sides()?;
+        let is_declared = |word: &&&str| starts_with_word(right, word);
+        let word = TYPES.iter().chain(&["static", "const", "struct"]).find(is_declared)?;
+        let code = code_only(self.source);
+        let above = code.lines().take(self.line.parse::<usize>().ok()?.checked_sub(1)?);
+        let above = above.filter(|line| !line.trim().is_empty()).last().map(statement)?.trim_end();
+        let clause = ["if", "else", "while", "for", "do"].into_iter().find(|word| starts_with_word(above, word))?;
+        let is_whole = above.ends_with(')') || above == clause;
+        if !left.trim().is_empty() || !is_whole {
+            return None;
+        }
+        Some(if begins_function(right) {
+            self.nested()
+        } else {
+            format!(
+                "`{word}` does not belong here: a variable is declared before the `{clause}`, or within its `{{ }}`"
+            )
+        })
+    }
+
+    /// A word of C++ that the line declares as the name of a variable: `int class`.
+    fn word_of_cpp_as_name(&self) -> Option<String> {
+        let right = self.sides()?.1;
+        let kind = TYPES.iter().find(|kind| starts_with_word(right, kind))?;
+        let word = right[kind.len()..].trim_start().split(|c| !is_name(c)).next()?;
+        let is_of_cpp = !self.file.ends_with(".c") && WORDS_OF_CPP.contains(&word);
+        is_of_cpp.then(|| format!("`{word}` is a word of C++: give the variable another name"))
+    }
+
     /// How the variable `name` gets its first value, as far as its declaration shows it.
     fn first_value(&self, name: &str) -> String {
         if !is_word(name) {
@@ -549,11 +635,19 @@ impl Message<'_> {
         self.more.first()?.split_once(" | ").map(|(_, code)| code.trim_end())
     }
 
-    /// The line of the program before and from the place of the message; gcc counts letters, and the line has no tabs any more.
+    /// The line of the program before and from the place of the message. gcc and its caret count the columns of letters, of which some
+    /// have two, clang counts bytes; the line has no tabs any more.
     fn sides(&self) -> Option<(&str, &str)> {
         let code = self.code()?;
-        let place = code.char_indices().nth(self.column.checked_sub(1)?);
-        Some(code.split_at(place.map_or(code.len(), |(place, _)| place)))
+        let caret = self.more.get(1).and_then(|line| line.split_once(" | ")?.1.find('^'));
+        let column = caret.or(self.column.checked_sub(1))?;
+        let ends = code.char_indices().scan(0, |columns, (place, letter)| {
+            let before = *columns;
+            *columns += measure_text_width(letter.encode_utf8(&mut [0; 4]));
+            Some((before, place))
+        });
+        let place = ends.skip_while(|(before, _)| *before < column).map(|(_, place)| place).next();
+        Some(code.split_at(place.unwrap_or(code.len())))
     }
 
     /// The mark or word before which something is expected.
@@ -802,17 +896,14 @@ impl Message<'_> {
         let behind = |words: &str| texts().find_map(|text| text.split_once(words)?.1.split('\'').next());
         let object = behind("object '").or_else(|| behind("referencing '")).map(own_name);
         let is_allocated = texts().any(|text| text.contains(" allocated by '"));
-        // Where the only function of the line that writes a text writes it.
-        let calls: Vec<&str> =
-            ["strcpy(", "strcat(", "sprintf("].into_iter().flat_map(|call| code.split(call).skip(1)).collect();
-        let written = match calls.as_slice() {
-            [call] => call.split([',', ')']).next().map(str::trim).filter(|name| !name.is_empty()),
-            _ => None,
-        };
+        let call = self.writing_call();
+        // Where a function that writes a text to its end writes it.
+        let written = call.filter(|(function, _)| WRITERS_OF_TEXTS.contains(function)).map(|(_, to)| to);
         let subscript = ["array subscript ", "array index "].iter().find_map(|words| self.text.split_once(words));
         if let Some((_, rest)) = subscript {
             // A text that is copied is told as an index, too.
-            let is_copied = written.is_some() && !code.contains("sprintf(") && self.text.contains(" is outside ");
+            let is_copied = call.is_some_and(|(function, _)| ["strcpy", "strcat"].contains(&function))
+                && self.text.contains(" is outside ");
             if !is_copied {
                 return self.subscript(rest, object, is_allocated);
             }
@@ -828,6 +919,8 @@ impl Message<'_> {
         let printed = written.filter(|name| of_print.is_some() && is_word(name));
         let name = member.or(object).or(printed);
         let is_part = member.is_some_and(|member| object != member.rsplit(['.', '>']).next());
+        // A text may begin anywhere in an array to which the line does not write by its name.
+        let is_elsewhere = member.is_none() && !is_allocated && written.is_some_and(|to| Some(to) != name);
         let of_type = behind("with type '").and_then(|kind| kind.strip_prefix("char")?.trim_start().strip_prefix('['));
         let of_notes =
             texts().filter(|text| text.contains(" object ")).find_map(|text| number_behind(text, "' of size "));
@@ -841,6 +934,7 @@ impl Message<'_> {
             .or(region)
             .filter(|_| !is_part);
         let place = match name {
+            Some(name) if is_elsewhere => format!("its place in `{name}`"),
             Some(name) => format!("`{name}`"),
             None if is_allocated => "memory".to_owned(),
             None => "an array".to_owned(),
@@ -853,7 +947,7 @@ impl Message<'_> {
         };
         let is_print = self.text.contains("directive");
         Some(match (number_behind(self.text, "writing "), room) {
-            (_, Some(room)) if written.is_some() && code.contains("strcat(") => format!(
+            (_, Some(room)) if call.is_some_and(|(function, _)| function == "strcat") && !is_elsewhere => format!(
                 "`strcat` appends to the text in {place}, and both together are too long for its {room} bytes: {advice}"
             ),
             (Some(count), Some(room)) if region == Some(room) && !is_print => {
@@ -861,11 +955,27 @@ impl Message<'_> {
                 let advice = if is_end { "allocate one byte more, for the end of the text" } else { advice };
                 format!("{count} bytes are written to {place}{which} has room for {room}: {advice}")
             }
+            (_, Some(room)) if is_elsewhere => {
+                format!("the text is too long for {place}{which} has room for {room} bytes in all: {advice}")
+            }
             (_, Some(room)) if written.is_some() || is_print => {
                 format!("the text is too long for {place}{which} has room for {room} bytes: {advice}")
             }
             _ if is_part && object.is_some() => format!("the text is too long for {place}"),
+            (None, None) if member.is_some() && self.text.contains("forming offset") => {
+                format!("the text is too long for `{}`", member?)
+            }
             _ if ["writing ", "forming offset"].iter().any(|words| self.text.contains(words)) => {
+                let counted = call.filter(|(function, to)| !WRITERS_OF_TEXTS.contains(function) && Some(*to) == object);
+                let end = number_behind(self.text.split_once("forming offset")?.1.split(" is ").next()?, ", ");
+                let size =
+                    behind("out of the bounds [0, ").and_then(|rest| rest.split(']').next()?.parse::<u64>().ok());
+                if let (Some((function, to)), Some(end), Some(size)) = (counted, end, size) {
+                    return Some(format!(
+                        "`{function}` writes {} bytes to `{to}`, which has room for {size}: write fewer, or {advice}",
+                        end + 1
+                    ));
+                }
                 let len = behind("with type '").and_then(array_length);
                 let extent = len.map_or_else(String::new, |len| extent(Some(len)));
                 format!("this line reads or writes outside of `{}`{extent}", object?)
@@ -874,9 +984,29 @@ impl Message<'_> {
         })
     }
 
+    /// The function at the place of the message, or else the only one of the line, that writes a text or bytes to its first value, and that
+    /// value.
+    fn writing_call(&self) -> Option<(&'static str, &str)> {
+        let (code, right) = (self.code()?, self.sides()?.1);
+        let at_place =
+            WRITERS.iter().find(|function| starts_with_word(right, function)).map(|function| (*function, right));
+        let words: Vec<(&'static str, &str)> = WRITERS
+            .iter()
+            .flat_map(|function| code.match_indices(function).map(|(place, _)| (*function, place)))
+            .filter(|(function, place)| {
+                !code[..*place].ends_with(is_name) && starts_with_word(&code[*place..], function)
+            })
+            .map(|(function, place)| (function, &code[place..]))
+            .collect();
+        let only = || <[_; 1]>::try_from(words).ok().map(|[only]| only);
+        let (function, call) = at_place.or_else(only)?;
+        let values = call[function.len()..].trim_start().strip_prefix('(')?;
+        let to = values.split([',', ')']).next()?.trim();
+        (!to.is_empty()).then_some((function, to))
+    }
+
     /// An index outside of an array or of memory; `rest` is what gcc says behind `array subscript `.
     fn subscript(&self, rest: &str, object: Option<&str>, is_allocated: bool) -> Option<String> {
-        let code = self.code().unwrap_or_default();
         let kind = quoted(rest, 0);
         if rest.starts_with('\'') {
             // `Robot[0]`: what the pointer points to, in memory of another size.
@@ -885,7 +1015,7 @@ impl Message<'_> {
             return Some(format!("memory of {size} bytes is too small for `{kind}`: allocate `sizeof({kind})` bytes"));
         }
         if kind.is_some_and(|kind| kind.ends_with("[0]")) && !self.more.iter().any(|line| line.contains("note: ")) {
-            return match pointers_of(code, self.source)?.as_slice() {
+            return match self.accesses()?.pointers.as_slice() {
                 [] => None,
                 [name] => Some(format!("`{name}` is NULL")),
                 _ => Some("a pointer in this line is NULL".to_owned()),
@@ -895,20 +1025,55 @@ impl Message<'_> {
         // `int[3]`; of memory without a type `void[12]`, which counts bytes.
         let len = kind.filter(|kind| !kind.starts_with("void")).and_then(array_length);
         // Memory of `malloc` has no name in the notes.
-        let name = object.map(str::to_owned).or_else(|| single_array(code, "").map(|(name, _)| name));
+        let name = object.map(str::to_owned).or_else(|| {
+            let accesses = self.accesses()?;
+            <[String; 1]>::try_from(accesses.pointers).ok().filter(|_| accesses.arrays.is_empty()).map(|[name]| name)
+        });
+        let is_row = name.as_deref().is_some_and(|name| self.has_rows(name))
+            && kind.is_some_and(|kind| kind.matches('[').count() == 1);
         let name = name.map_or_else(|| "an array".to_owned(), |name| format!("`{name}`"));
-        Some(format!("the index {index} is outside of {name}{}", extent(len)))
+        let row = if is_row { "a row of " } else { "" };
+        Some(format!("the index {index} is outside of {row}{name}{}", extent(len)))
     }
 
-    /// A loop whose index leaves an array, which the line names if it has a single one.
-    fn overrun_by_loop(&self) -> String {
+    /// What the line reads and writes.
+    fn accesses(&self) -> Option<Accesses> {
+        accesses_of(self.source, self.line.parse().ok()?)
+    }
+
+    /// Returns true if a note shows that the array `name` has two dimensions or more.
+    fn has_rows(&self, name: &str) -> bool {
+        let note = self.more.iter().position(|line| line.contains("note: while referencing"));
+        let code = note.and_then(|note| self.more.get(note + 1)?.split_once(" | ")).map_or("", |(_, code)| code);
+        code.match_indices(name).any(|(place, _)| {
+            let behind = code[place + name.len()..].split_once(']');
+            behind.is_some_and(|(length, rest)| length.starts_with('[') && rest.starts_with('['))
+        })
+    }
+
+    /// A loop whose index leaves an array, which the line names if it has a single one. `None` if a number may become too large instead.
+    fn overrun_by_loop(&self) -> Option<String> {
+        let blanked = code_only(self.code().unwrap_or_default());
+        let accesses = self.accesses().unwrap_or_default();
+        let array = <[IndexedArray; 1]>::try_from(accesses.arrays)
+            .ok()
+            .filter(|_| accesses.pointers.is_empty())
+            .map(|[array]| array);
+        let is_last = array
+            .as_ref()
+            .is_some_and(|array| array.len.is_some() && array.len == number_behind(self.text, "iteration "));
+        if !blanked.contains('[') || !is_last && (blanked.contains('*') || blanked.contains("<<")) {
+            return None;
+        }
         let note = self.more.iter().find(|line| line.contains("note: within this loop"));
         let line =
             note.and_then(|note| note.split(':').nth(1)).map_or_else(String::new, |line| format!(" of line {line}"));
-        match single_array(self.code().unwrap_or_default(), self.source) {
-            Some((name, len)) => format!("the loop{line} uses an index outside of `{name}`{}", extent(len)),
+        Some(match array {
+            Some(IndexedArray { name, len, .. }) => {
+                format!("the loop{line} uses an index outside of `{name}`{}", extent(len))
+            }
             None => format!("the loop{line} uses an index outside of an array{}", extent(None)),
-        }
+        })
     }
 
     /// A value of a wrong type for a function.
@@ -1065,6 +1230,33 @@ fn no_type_of_c(name: &str) -> String {
     }
 }
 
+/// Functions of the C library that write to their first value.
+const WRITERS: [&str; 9] =
+    ["memcpy", "memmove", "memset", "snprintf", "sprintf", "strcat", "strcpy", "strncat", "strncpy"];
+
+/// Those that write a text to its end.
+const WRITERS_OF_TEXTS: [&str; 3] = ["sprintf", "strcat", "strcpy"];
+
+/// Words of C++ that C does not have.
+const WORDS_OF_CPP: [&str; 16] = [
+    "catch",
+    "class",
+    "delete",
+    "explicit",
+    "export",
+    "friend",
+    "namespace",
+    "new",
+    "operator",
+    "private",
+    "protected",
+    "public",
+    "template",
+    "this",
+    "try",
+    "using",
+];
+
 /// Names of the C++ library that are written without `std::`.
 const OF_CPP: [&str; 10] = ["array", "cin", "cout", "endl", "list", "map", "pair", "set", "string", "vector"];
 
@@ -1150,10 +1342,6 @@ mod tests {
                 "the index 3 is outside of an array, which has 3 elements with the indices 0 to 2",
             ),
             (
-                "iteration 4 invokes undefined behavior [-Waggressive-loop-optimizations]",
-                "the loop uses an index outside of an array: the first one is 0, the last one is one less than the length",
-            ),
-            (
                 "pointer 'map' used after 'free' [-Wuse-after-free]",
                 "`map` is used, or given to `free` again, after `free(map)`",
             ),
@@ -1206,15 +1394,26 @@ mod tests {
                       a.c:3:21: note: within this loop\n";
         let words = "the loop of line 3 uses an index outside of `d`";
         let known = format!("a.c:4: {words}, which has 4 elements with the indices 0 to 3\n");
+        let words = "the loop of line 3 uses an index outside of an array";
         let unknown = format!("a.c:4: {words}: the first one is 0, the last one is one less than the length\n");
-        for code in ["int d[4];", "#define N 4\nstatic Place d[N];", "int a, d[4];\nint b = f(d[3]);"] {
-            assert_eq!(of_text(looped, code), known, "{code}");
+        let of_source = |output: &str, code: &str| of_text(output, &format!("{code}\nint i;\nd[i] = f(1);\n"));
+        for code in [
+            "int d[4];\n",
+            "#define N 4\nstatic Place d[N];",
+            "int a, d[4];\nint b = f(d[3]);",
+            "int d[4];\nvoid f() { int d[8]; }",
+        ] {
+            assert_eq!(of_source(looped, code), known, "{code}");
         }
-        for code in
-            ["", "int d[4][5];", "int d[4];\nvoid f() { int d[8]; }", "int *d = a;\nint x = f(1, d[3]);", "x = d[3];"]
-        {
-            assert_eq!(of_text(looped, code), unknown, "{code}");
+        for code in ["\n", "int *d = a;\nint x = f(1, d[3]);", "\nx = d[3];"] {
+            assert_eq!(of_source(looped, code), unknown, "{code}");
         }
+        let words = "the loop of line 3 uses an index outside of `d`";
+        let rows = format!("a.c:4: {words}: the first one is 0, the last one is one less than the length\n");
+        assert_eq!(of_source(looped, "\nint d[4][5];"), rows);
+        let too_large = "a.c:4:10: warning: iteration 3 invokes undefined behavior [-Waggressive-loop-optimizations]\n    4 |     d[i] = i * 900000000;\n";
+        assert_eq!(of_text(too_large, ""), "");
+        assert_eq!(of_text(&too_large.replace("d[i]", "x"), ""), "");
         let subscript = "a.c:4:10: warning: array subscript 3 is above array bounds of 'int[3]' [-Warray-bounds]\n    4 |   e[3] = 2;\n\
                          a.c:3:7: note: while referencing 'e'\n";
         let words = "the index 3 is outside of `e`, which has 3 elements with the indices 0 to 2";
@@ -1225,9 +1424,10 @@ mod tests {
     fn memory_that_is_overrun_is_told_without_its_function() {
         let told = |warning: &str, code: &str, note: &str| {
             let note = if note.is_empty() { String::new() } else { format!("a.c:5:16: note: {note}\n") };
-            let output = format!("a.c:6:3: warning: {warning}\n    6 | {code}\n      |   ^~~\n{note}");
-            let source = "\n\n\n\nint *p = NULL;\n";
-            in_plain_words(&output, ("a.c", source)).trim_end().trim_start_matches("a.c:6: ").to_owned()
+            let caret = " ".repeat(code.len() - code.trim_start().len());
+            let output = format!("a.c:6:3: warning: {warning}\n    6 | {code}\n      | {caret}^~~\n{note}");
+            let source = format!("\n\n\n\nint *p = NULL; Robot *r;\n{code}\n");
+            in_plain_words(&output, ("a.c", &source)).trim_end().trim_start_matches("a.c:6: ").to_owned()
         };
         let cases = [
             (
@@ -1258,13 +1458,13 @@ mod tests {
                 "'__builtin_memcpy' writing 6 bytes into a region of size 0 overflows the destination [-Wstringop-overflow=]",
                 "  strcpy(b, \"text that is too long\");",
                 "at offset 16 into destination object 'a' of size 10",
-                "the text is too long for `a`, which has room for 10 bytes: make the array larger",
+                "the text is too long for its place in `a`, which has room for 10 bytes in all: make the array larger",
             ),
             (
                 "array subscript 16 is outside array bounds of 'char[10]' [-Warray-bounds]",
                 "  strcpy(b, \"text that is too long\");",
                 "at offset 16 into object 'a' of size 10",
-                "the text is too long for `a`, which has room for 10 bytes: make the array larger",
+                "the text is too long for its place in `a`, which has room for 10 bytes in all: make the array larger",
             ),
             (
                 "array subscript 16 is outside array bounds of 'struct robot[1]' [-Warray-bounds]",
@@ -1276,7 +1476,37 @@ mod tests {
                 "'memcpy' forming offset [10, 15] is out of the bounds [0, 10] of object 'a' with type 'char[10]' [-Warray-bounds]",
                 "  memcpy(a, \"0123456789012345\", 16);",
                 "'a' declared here",
+                "`memcpy` writes 16 bytes to `a`, which has room for 10: write fewer, or make the array larger",
+            ),
+            (
+                "'memcpy' forming offset [10, 15] is out of the bounds [0, 10] of object 'a' with type 'char[10]' [-Warray-bounds]",
+                "  memcpy(b, a, 16);",
+                "'a' declared here",
                 "this line reads or writes outside of `a`, which has 10 elements with the indices 0 to 9",
+            ),
+            (
+                "'__builtin_memcpy' forming offset [10, 15] is out of the bounds [0, 10] of object 'a' with type 'char[10]' [-Warray-bounds]",
+                "  strcpy(&a[6], \"long text\");",
+                "'a' declared here",
+                "the text is too long for its place in `a`, which has room for 10 bytes in all: make the array larger",
+            ),
+            (
+                "'__builtin_memcpy' writing 2 bytes into a region of size 1 [-Wstringop-overflow=]",
+                "  strcat(a, \"s\"); strcpy(a, greet(\"a\"));",
+                "at offset 5 into destination object 'a' of size 6",
+                "`strcat` appends to the text in `a`, and both together are too long for its 6 bytes: make the array larger",
+            ),
+            (
+                "array subscript 4 is above array bounds of 'int[4]' [-Warray-bounds]",
+                "  n = map[1][4];",
+                "while referencing 'map'\n    5 |   int map[3][4];",
+                "the index 4 is outside of a row of `map`, which has 4 elements with the indices 0 to 3",
+            ),
+            (
+                "array subscript 3 is above array bounds of 'int[3][4]' [-Warray-bounds]",
+                "  n = map[3][1];",
+                "while referencing 'map'\n    5 |   int map[3][4];",
+                "the index 3 is outside of `map`, which has 3 elements with the indices 0 to 2",
             ),
             (
                 "'__builtin_memcpy' forming offset [12, 19] is out of the bounds [0, 12] of object 'a' with type 'int[3]' [-Warray-bounds]",
@@ -1319,7 +1549,7 @@ mod tests {
                 "'__builtin_memcpy' forming offset [8, 16] is out of the bounds [0, 8] [-Warray-bounds]",
                 "  strcpy(r->name, \"a very long name\");",
                 "",
-                "",
+                "the text is too long for `r->name`",
             ),
             (
                 "'%s' directive argument is null [-Wformat-overflow=]",
@@ -1357,7 +1587,52 @@ mod tests {
         }
         let member = "`p.x` has no value yet: give it one before it is used";
         assert_eq!(told("p.x", "'p' declared here", "Place p;"), member);
-        assert!(told("z", "'z' was declared here", "int* z;").starts_with("`z` points nowhere"));
+        let pointer = |code: &str| told("z", "'z' was declared here", code);
+        assert_eq!(pointer("int* z;"), "`z` points nowhere: declare it without `*`, and write `&z` in this line");
+        assert_eq!(pointer("char *z;"), "`z` points nowhere: declare an array in its place, such as `char z[20]`");
+        let output = |kind: &str, code: &str| {
+            let note = "a.c:6:7: note: 'z' was declared here\n    6 |   Place *z;\n      |       ^\n";
+            let output = format!(
+                "a.c:7:2: warning: 'z' {kind} uninitialized [-Wuninitialized]\n    7 |  {code}\n      |  ^~~\n{note}"
+            );
+            in_plain_words(&output, ("a.c", "")).trim_end().trim_start_matches("a.c:7: ").to_owned()
+        };
+        let words = "`z` points nowhere: set it to the address of a variable first, as `z = &variable;` does";
+        assert_eq!(output("is used", "z->x = d[0];"), words);
+        assert_eq!(
+            output("may be used", "*z = 0;"),
+            "`z` may point nowhere in this line: set it to NULL where it is declared, and write `if (z != NULL)` before this line"
+        );
+    }
+
+    #[test]
+    fn declarations_in_a_clause_and_words_of_cpp_are_told() {
+        let told = |line: &str, above: &str, file: &str| {
+            let column = line.len() - line.trim_start().len();
+            let word = line.trim().split(' ').next().unwrap_or_default();
+            let output = format!(
+                "{file}: In function 'main':\n{file}:3:{}: error: expected expression before '{word}'\n    3 | {line}\n      | {}^~~\n",
+                column + 1,
+                " ".repeat(column)
+            );
+            let source = format!("int main(void) {{\n{above}\n{line}\n");
+            in_plain_words(&output, (file, &source)).trim_end().trim_start_matches(&format!("{file}:3: ")).to_owned()
+        };
+        let inner = "`home` cannot be written within `main`: move it out of `main`, above its first line";
+        assert_eq!(told("    static void home(int a)", "  if (KEYRead() == 0)", "a.c"), inner);
+        let declared = "`int` does not belong here: a variable is declared before the `if`, or within its `{ }`";
+        assert_eq!(told("    int n = 3;", "  } if (KEYRead() == 0) // none", "a.c"), declared);
+        assert!(told("    int n = 3;", "  n = ", "a.c").contains("a type is written where a name is declared"));
+        let word = "`class` is a word of C++: give the variable another name";
+        assert_eq!(told("    int class = 3;", "  n = 2;", "a.cpp"), word);
+        assert!(!told("    int class = 3;", "  n = 2;", "a.c").contains("C++"));
+    }
+
+    #[test]
+    fn texts_that_a_back_slash_continues_lack_no_quote() {
+        let source = "int main(void)\n{\n  LCDPrintf(\"a\\\n b\" 3);\n";
+        let output = "a.c:4:4: error: expected ')' before numeric constant\n    4 |  b\" 3);\n      |    ^~\n";
+        assert_eq!(in_plain_words(output, ("a.c", source)), "a.c:4: a `,` or a `)` is missing before `3`\n");
     }
 
     #[test]
@@ -1374,6 +1649,10 @@ mod tests {
         check(&output(25, "  LCDPrintf(\"gr\u{F6}\u{DF}e %d\\n\" 3);"), words);
         // gcc shows a tab as blanks, and counts them.
         check(&output(31, "        LCDPrintf(\"gr\u{F6}\u{DF}e %d\\n\" 3);"), words);
+        // Chinese letters are two columns wide; clang counts bytes, but its caret stands below the place.
+        check(&output(25, "  LCDPrintf(\"\u{4F60}\u{597D}e %d\\n\" 3);"), words);
+        let caret = format!("      | {}^\n", " ".repeat(24));
+        check(&(output(28, "  LCDPrintf(\"\u{4F60}\u{597D}e %d\\n\" 3);") + &caret), words);
         let semicolon = "a.c:3:12: error: expected ';' before 'return'\n    3 |   x = \"\u{F6}\u{DF}\u{E4}\"\n";
         check(semicolon, "a.c:3: a `;` is missing at the end of this line\n");
     }
@@ -1508,7 +1787,9 @@ mod tests {
             ),
         ];
         for (place, error, code, words) in errors {
-            let output = format!("mine.c:{place}: error: {error}\n    4 | {code}\n      |   ^\n");
+            let column: usize = place.trim_start_matches("4:").parse().expect("a column");
+            let caret = " ".repeat(column - 1);
+            let output = format!("mine.c:{place}: error: {error}\n    4 | {code}\n      | {caret}^\n");
             check(&output, &format!("mine.c:4: {words}\n"));
         }
         let twice = "mine.cpp:3:5: error: redefinition of 'int home()'\n    3 | int home() { return 2; }\n      |     ^~~~\n\

@@ -1,0 +1,668 @@
+//! Pointers and arrays through which a line of C or C++ reads and writes, as the declarations above the line show them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::code::{STATEMENTS, code_only, is_name};
+
+/// Number of pointers of a line after which its scan ends.
+const MAX_POINTERS: usize = 3;
+
+/// Words, besides [`STATEMENTS`], with which no declaration begins that this scan reads.
+const NO_TYPES: [&str; 10] =
+    ["break", "catch", "continue", "for", "if", "operator", "sizeof", "switch", "template", "while"];
+
+/// Variables by their names.
+type Variables<'a> = BTreeMap<&'a str, Variable>;
+
+/// What a line reads and writes through pointers and arrays.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Accesses {
+    /// The pointers, in the line's order, each once: `p`, `p->next`, `argv[1]`.
+    pub pointers: Vec<String>,
+    /// The arrays, in the line's order, each once.
+    pub arrays: Vec<IndexedArray>,
+}
+
+/// An array that a line indexes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct IndexedArray {
+    /// Its name, as `d` or `robot.marks`.
+    pub name: String,
+    /// Its length, if it has one dimension and the source shows it.
+    pub len: Option<u64>,
+    /// Every index is a number within the array.
+    pub is_inside: bool,
+}
+
+/// The accesses of line `line`, from 1, of `source`. `None` if it may have others: through members of types that it does not show, references, results of functions,
+/// names that are not declared above it, what a macro hides, or functions of the C library that a compiler replaces by its own code.
+pub fn accesses_of(source: &str, line: usize) -> Option<Accesses> {
+    let end = source.split_inclusive('\n').take(line).map(str::len).sum();
+    let text = source.get(..end)?;
+    let (code, macros) = without_directives(code_only(text));
+    let tokens = tokens_of(&code);
+    let closing = closing_of(&tokens);
+    let scopes = vec![Scope::default()];
+    let scan = Scan {
+        text,
+        tokens,
+        closing,
+        macros,
+        scopes,
+        members: BTreeMap::new(),
+        pending: Variables::new(),
+        declared: BTreeSet::new(),
+        statement: 0,
+    };
+    scan.run(line)
+}
+
+/// What a program may write to in a name's place.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct Variable {
+    /// Lengths of its dimensions, the outer one first.
+    dimensions: Vec<Option<u64>>,
+    /// Number of `*` in its declaration.
+    stars: usize,
+    is_reference: bool,
+}
+
+/// Macros of a source.
+#[derive(Default)]
+struct Macros {
+    /// Those that may hide an access.
+    hiding: BTreeSet<String>,
+    /// Those that are numbers.
+    numbers: BTreeMap<String, u64>,
+}
+
+/// `code` with blank lines for directives, and the macros that it defines.
+fn without_directives(code: String) -> (String, Macros) {
+    let (mut rest, mut macros) = (String::with_capacity(code.len()), Macros::default());
+    let mut directive: Option<String> = None;
+    for line in code.split_inclusive('\n') {
+        let mut text = directive.take().unwrap_or_default();
+        if text.is_empty() && !line.trim_start().starts_with('#') {
+            rest.push_str(line);
+            continue;
+        }
+        rest.extend(line.bytes().map(|byte| if byte == b'\n' { '\n' } else { ' ' }));
+        text.push_str(line);
+        if let Some(begun) = text.trim_end().strip_suffix('\\') {
+            directive = Some(begun.to_owned());
+        } else if let Some(definition) = text.trim_start_matches([' ', '\t', '#']).strip_prefix("define") {
+            let name = definition.trim_start().split(|c| !is_name(c)).next().unwrap_or_default();
+            let value = definition.trim_start()[name.len()..].trim();
+            let is_call = |place: usize| place > 0 && value[..place].trim_end().ends_with(is_name);
+            if value.contains(['*', '[', '>']) || value.match_indices('(').any(|(place, _)| is_call(place)) {
+                macros.hiding.insert(name.to_owned());
+            } else if let Ok(number) = value.parse() {
+                macros.numbers.insert(name.to_owned(), number);
+            }
+        }
+    }
+    (rest, macros)
+}
+
+/// A name, a number or a mark.
+#[derive(Clone, Copy)]
+struct Token<'a> {
+    text: &'a str,
+    /// Its place in the source.
+    at: usize,
+    line: usize,
+}
+
+impl Token<'_> {
+    /// The place behind it.
+    fn end(&self) -> usize {
+        self.at + self.text.len()
+    }
+
+    fn is_word(&self) -> bool {
+        self.text.starts_with(|c: char| is_name(c) && !c.is_ascii_digit())
+    }
+
+    /// Returns true if a value may end here, so that a `*` behind it multiplies, or declares.
+    fn ends_value(&self) -> bool {
+        self.text == "]" || self.text.starts_with(is_name) && !STATEMENTS.contains(&self.text)
+    }
+}
+
+fn tokens_of(code: &str) -> Vec<Token<'_>> {
+    let mut tokens = Vec::new();
+    let (mut at, mut line) = (0, 1);
+    while let Some(first) = code[at..].chars().next() {
+        let rest = &code[at..];
+        let len = match first {
+            _ if is_name(first) => rest.find(|c| !is_name(c)).unwrap_or(rest.len()),
+            '-' if rest.starts_with("->") => 2,
+            ':' if rest.starts_with("::") => 2,
+            _ => first.len_utf8(),
+        };
+        line += usize::from(first == '\n');
+        if !first.is_whitespace() {
+            tokens.push(Token { text: &rest[..len], at, line });
+        }
+        at += len;
+    }
+    tokens
+}
+
+/// For each token that opens a bracket the index of the one that closes it; for other tokens, and for brackets that are not closed, the
+/// number of tokens.
+fn closing_of(tokens: &[Token<'_>]) -> Vec<usize> {
+    let mut closing = vec![tokens.len(); tokens.len()];
+    let mut open = Vec::new();
+    for (index, token) in tokens.iter().enumerate() {
+        match token.text {
+            "(" | "[" | "{" => open.push(index),
+            ")" | "]" | "}" => {
+                if let Some(begin) = open.pop() {
+                    closing[begin] = index;
+                }
+            }
+            _ => {}
+        }
+    }
+    closing
+}
+
+/// The names that a block declares so far.
+#[derive(Default)]
+struct Scope<'a> {
+    variables: Variables<'a>,
+    /// It is that of a `struct`, whose variables are members.
+    is_type: bool,
+}
+
+/// A scan of a source from its begin to the end of a line.
+struct Scan<'a> {
+    text: &'a str,
+    tokens: Vec<Token<'a>>,
+    closing: Vec<usize>,
+    macros: Macros,
+    /// The blocks around the current token, the outermost one first.
+    scopes: Vec<Scope<'a>>,
+    /// Members of all types by their names; `None` for names that differ between types.
+    members: BTreeMap<&'a str, Option<Variable>>,
+    /// Parameters of the function whose block may begin next.
+    pending: Variables<'a>,
+    /// Tokens of declarations that look like accesses: names and their `[`.
+    declared: BTreeSet<usize>,
+    /// First token of the current statement.
+    statement: usize,
+}
+
+impl<'a> Scan<'a> {
+    fn run(mut self, line: usize) -> Option<Accesses> {
+        let mut found = Accesses::default();
+        for index in 0..self.tokens.len() {
+            if self.begins_statement(index) {
+                self.statement = index;
+                self.declare(index);
+            }
+            match self.text_at(index) {
+                "{" => {
+                    let variables = std::mem::take(&mut self.pending);
+                    self.scopes.push(Scope { variables, is_type: self.begins_type(index) });
+                }
+                "}" => {
+                    let scope = self.scopes.pop().filter(|_| !self.scopes.is_empty())?;
+                    if scope.is_type {
+                        self.note_members(scope.variables);
+                        // Behind a type follow variables, or behind `typedef` its name.
+                        self.declarators(index + 1);
+                    }
+                }
+                ";" => self.pending.clear(),
+                // A lambda.
+                "(" if index > 0 && self.text_at(index - 1) == "]" => self.pending = self.parameters(index),
+                _ => {}
+            }
+            if self.tokens[index].line == line && found.pointers.len() < MAX_POINTERS {
+                self.visit(index, &mut found)?;
+            }
+        }
+        Some(found)
+    }
+
+    /// The text of a token; empty behind the last one.
+    fn text_at(&self, index: usize) -> &'a str {
+        self.tokens.get(index).map_or("", |token| token.text)
+    }
+
+    fn before(&self, index: usize) -> &'a str {
+        index.checked_sub(1).map_or("", |before| self.text_at(before))
+    }
+
+    fn begins_statement(&self, index: usize) -> bool {
+        let second = index.checked_sub(2).map_or("", |second| self.text_at(second));
+        match self.before(index) {
+            "" | ";" | "{" | "}" => true,
+            "(" => second == "for",
+            ":" => ["public", "private", "protected"].contains(&second),
+            _ => false,
+        }
+    }
+
+    /// Returns true if the `{` at `index` is that of a `struct` with which a declaration begins.
+    fn begins_type(&self, index: usize) -> bool {
+        let head = &self.tokens[self.statement..index];
+        let has = |words: &[&str]| head.iter().any(|token| words.contains(&token.text));
+        has(&["struct", "class", "union", "enum"]) && !has(&["(", "="])
+    }
+
+    fn note_members(&mut self, variables: Variables<'a>) {
+        for (name, variable) in variables {
+            let member = self.members.entry(name).or_insert_with(|| Some(variable.clone()));
+            if member.as_ref() != Some(&variable) {
+                *member = None;
+            }
+        }
+    }
+
+    /// Notes the variables, or the parameters of a function, that a statement at `index` declares; none if it declares nothing.
+    fn declare(&mut self, index: usize) {
+        let Some((end, words)) = self.kind_at(index) else { return };
+        if let Some(begin) = self.declarator_begin(end, words) {
+            self.declarators(begin);
+        } else if self.text_at(end) == "(" && matches!(self.text_at(self.behind(end)), "{" | ":") {
+            // A constructor.
+            self.pending = self.parameters(end);
+        }
+    }
+
+    /// The end of the words with which a declaration at `index` begins, and their number: `static Node`, `std::vector<int> list`.
+    fn kind_at(&self, index: usize) -> Option<(usize, usize)> {
+        let (mut at, mut words) = (index, 0);
+        while let Some(token) = self.tokens.get(at) {
+            match token.text {
+                word if NO_TYPES.contains(&word) || STATEMENTS.contains(&word) => return None,
+                "::" => words -= usize::from(words > 0),
+                "<" if words > 0 => {
+                    let is_of_type = |token: &&Token<'_>| {
+                        token.text.starts_with(is_name) || [",", "*", "::", "<", ">"].contains(&token.text)
+                    };
+                    let len = self.tokens[at..].iter().take_while(is_of_type).count();
+                    at += self.tokens[at..at + len].iter().rposition(|token| token.text == ">")?;
+                }
+                _ if token.is_word() => words += 1,
+                _ => break,
+            }
+            at += 1;
+        }
+        (words > 0).then_some((at, words))
+    }
+
+    /// The begin of the declarator behind words that end at `end`: its name is the last of them, or it begins with a `*`.
+    fn declarator_begin(&self, end: usize, words: usize) -> Option<usize> {
+        let has_mark = matches!(self.text_at(end), "*" | "&");
+        (has_mark || words > 1).then_some(if has_mark { end } else { end - 1 })
+    }
+
+    /// The token behind the one at `index`, or behind the bracket that it opens.
+    fn behind(&self, index: usize) -> usize {
+        let is_open = matches!(self.text_at(index), "(" | "[" | "{");
+        if is_open { self.closing[index] + 1 } else { index + 1 }
+    }
+
+    /// Notes the variables of the declarators that begin at `index`: `*head, *tail;`.
+    fn declarators(&mut self, index: usize) {
+        let mut at = index;
+        while let Some((name, variable, end)) = self.declarator(at, false) {
+            if let Some(scope) = self.scopes.last_mut() {
+                scope.variables.insert(name, variable);
+            }
+            if self.text_at(end) == "(" {
+                self.pending = self.parameters(end);
+            }
+            at = end;
+            while !matches!(self.text_at(at), "," | ";" | ")" | "}" | ":" | "") {
+                at = self.behind(at);
+            }
+            if self.text_at(at) != "," {
+                break;
+            }
+            at += 1;
+        }
+    }
+
+    /// The declarator at `index`, and its end: `*head`, `d[4]`.
+    fn declarator(&mut self, index: usize, is_parameter: bool) -> Option<(&'a str, Variable, usize)> {
+        let (mut at, mut variable) = (index, Variable::default());
+        while let mark @ ("*" | "&" | "const" | "restrict" | "volatile") = self.text_at(at) {
+            variable.stars += usize::from(mark == "*");
+            variable.is_reference |= mark == "&";
+            at += 1;
+        }
+        let name = self.tokens.get(at).filter(|token| token.is_word())?.text;
+        self.declared.insert(at);
+        at += 1;
+        while self.text_at(at) == "[" {
+            self.declared.insert(at);
+            let end = self.closing[at];
+            variable.dimensions.push(self.number(at + 1, end));
+            at = end + 1;
+        }
+        if is_parameter && !variable.dimensions.is_empty() {
+            variable.dimensions.remove(0);
+            variable.stars += 1;
+        }
+        Some((name, variable, at))
+    }
+
+    /// The number between two tokens, if nothing else is there.
+    fn number(&self, begin: usize, end: usize) -> Option<u64> {
+        let text = self.text_at(begin);
+        let number = text.parse().ok().or_else(|| self.macros.numbers.get(text).copied());
+        number.filter(|_| begin + 1 == end)
+    }
+
+    /// The parameters between the `(` at `open` and its `)`.
+    fn parameters(&mut self, open: usize) -> Variables<'a> {
+        let (mut at, close) = (open + 1, self.closing[open]);
+        let mut variables = Variables::new();
+        while at < close {
+            let begin = self.kind_at(at).and_then(|(end, words)| self.declarator_begin(end, words));
+            if let Some((name, variable, _)) = begin.and_then(|begin| self.declarator(begin, true)) {
+                variables.insert(name, variable);
+            }
+            while at < close && self.text_at(at) != "," {
+                at = self.behind(at);
+            }
+            at += 1;
+        }
+        variables
+    }
+
+    /// The variable that `name` means at the current token.
+    fn variable(&self, name: &str) -> Option<&Variable> {
+        self.scopes.iter().rev().find_map(|scope| scope.variables.get(name))
+    }
+
+    /// Adds what the token at `index` reads or writes; `None` if that is not known.
+    fn visit(&self, index: usize, found: &mut Accesses) -> Option<()> {
+        let (token, before) = (self.tokens[index], index.checked_sub(1).map(|before| self.tokens[before]));
+        if self.declared.contains(&index) {
+            return Some(());
+        }
+        match token.text {
+            // Behind a name they are read with it.
+            "[" | "->" => before.filter(Token::ends_value).map(|_| ()),
+            "*" => {
+                let next = (index..).map(|at| self.text_at(at)).find(|text| *text != "*").unwrap_or_default();
+                let is_unknown = matches!(next, "(" | "+" | "-") && before.is_none_or(|before| !before.ends_value());
+                (!is_unknown).then_some(())
+            }
+            _ if !token.is_word() => Some(()),
+            name if self.macros.hiding.contains(name) => None,
+            name if self.text_at(index + 1) == "(" => (!is_replaced(name)).then_some(()),
+            _ if before.is_some_and(|before| ["->", ".", "::"].contains(&before.text)) => Some(()),
+            _ => self.visit_name(index, found),
+        }
+    }
+
+    /// Adds what an expression that begins with the name at `index` reads or writes, with the `*` in front of it.
+    fn visit_name(&self, index: usize, found: &mut Accesses) -> Option<()> {
+        let mut at = index + 1;
+        let Some(variable) = self.variable(self.text_at(index)) else {
+            let is_plain = !["[", "->", "."].contains(&self.text_at(at)) && self.unary_stars(index, false) == 0;
+            return is_plain.then_some(());
+        };
+        if variable.is_reference {
+            return None;
+        }
+        let begin = self.tokens[index].at;
+        let mut kind = Kind::Known { variable, used: 0, stars: variable.stars };
+        loop {
+            let text = self.text.get(begin..self.tokens.get(at - 1)?.end())?;
+            match self.text_at(at) {
+                "[" => {
+                    let end = self.closing[at];
+                    kind = found.step(kind, text, Step::Index(self.number(at + 1, end)))?;
+                    at = end + 1;
+                }
+                mark @ ("->" | ".") => {
+                    if mark == "->" {
+                        found.step(kind, text, Step::Target)?;
+                    }
+                    kind = self.member(self.text_at(at + 1));
+                    at += 2;
+                }
+                _ => break,
+            }
+        }
+        let is_pointer = match kind {
+            Kind::Known { variable, used, stars } => stars > 0 || used < variable.dimensions.len(),
+            Kind::Member => false,
+        };
+        let stars = self.unary_stars(index, is_pointer);
+        // A `*` behind a cast looks like a product, and what a method returns is not known.
+        let is_unknown = self.text_at(at) == "(" || self.stars_before(index).1.is_some_and(|token| token.text == ")");
+        if matches!(kind, Kind::Member) && is_unknown && self.before(index) == "*" {
+            return None;
+        }
+        let expression = self.text.get(begin..self.tokens.get(at - 1)?.end())?;
+        for number in 0..stars {
+            kind = found.step(kind, &format!("{}{expression}", "*".repeat(number)), Step::Target)?;
+        }
+        Some(())
+    }
+
+    /// What the member `name` of any type is.
+    fn member(&self, name: &str) -> Kind<'_> {
+        match self.members.get(name) {
+            Some(Some(variable)) => Kind::Known { variable, used: 0, stars: variable.stars },
+            _ => Kind::Member,
+        }
+    }
+
+    /// Number of `*` in front of the name at `index` that follow a pointer; a first one behind a value multiplies. Behind a `)` this
+    /// depends on whether a pointer follows.
+    fn unary_stars(&self, index: usize, is_pointer: bool) -> usize {
+        let (count, before) = self.stars_before(index);
+        let multiplies = before.is_some_and(|before| before.ends_value() || before.text == ")" && !is_pointer);
+        count - usize::from(multiplies && count > 0)
+    }
+
+    /// Number of `*` in front of the name at `index`, and the token before them.
+    fn stars_before(&self, index: usize) -> (usize, Option<Token<'a>>) {
+        let count = self.tokens[..index].iter().rev().take_while(|token| token.text == "*").count();
+        (count, (index - count).checked_sub(1).map(|before| self.tokens[before]))
+    }
+}
+
+/// What a part of an expression is: a variable or a member after some steps into it, or a member of which nothing is known.
+#[derive(Clone, Copy)]
+enum Kind<'a> {
+    Known {
+        variable: &'a Variable,
+        /// Number of its dimensions that are indexed already.
+        used: usize,
+        stars: usize,
+    },
+    Member,
+}
+
+/// A step from a pointer or an array to what it points to or contains.
+#[derive(Clone, Copy)]
+enum Step {
+    /// By an index, if it is a number this one.
+    Index(Option<u64>),
+    /// By `*` or `->`.
+    Target,
+}
+
+impl Accesses {
+    /// Adds the access by a step into what is called `text` and is of this kind. Returns what the result is; `None` if it is not known
+    /// whether `text` is a pointer.
+    fn step<'a>(&mut self, kind: Kind<'a>, text: &str, step: Step) -> Option<Kind<'a>> {
+        match (kind, step) {
+            (Kind::Known { variable: Variable { dimensions, .. }, used, .. }, _) if used < dimensions.len() => {
+                let number = if let Step::Index(number) = step { number } else { Some(0) };
+                let is_inside = number.zip(dimensions[used]).is_some_and(|(number, len)| number < len);
+                let is_array = |name: &str| {
+                    let rest = text.strip_prefix(name);
+                    rest.is_some_and(|rest| if used == 0 { rest.is_empty() } else { rest.starts_with('[') })
+                };
+                let known = self.arrays.iter_mut().filter(|array| is_array(&array.name));
+                match known.max_by_key(|array| array.name.len()) {
+                    Some(array) => array.is_inside &= is_inside,
+                    None => {
+                        let len = dimensions[0].filter(|_| dimensions.len() == 1);
+                        self.arrays.push(IndexedArray { name: text.to_owned(), len, is_inside });
+                    }
+                }
+            }
+            (Kind::Known { stars: 1.., .. }, _) | (Kind::Member, Step::Target) => self.add_pointer(text)?,
+            _ => return None,
+        }
+        Some(match kind {
+            Kind::Known { variable, used, stars } if used < variable.dimensions.len() => {
+                Kind::Known { variable, used: used + 1, stars }
+            }
+            Kind::Known { variable, used, stars } => Kind::Known { variable, used, stars: stars - 1 },
+            Kind::Member => Kind::Member,
+        })
+    }
+
+    /// Adds a pointer; `None` if its text is not on one line.
+    fn add_pointer(&mut self, text: &str) -> Option<()> {
+        if text.contains('\n') {
+            return None;
+        }
+        if !self.pointers.iter().any(|pointer| pointer == text) {
+            self.pointers.push(text.to_owned());
+        }
+        Some(())
+    }
+}
+
+/// Returns true for functions of the C library that compilers replace by reads and writes of their own: `strcpy`.
+fn is_replaced(function: &str) -> bool {
+    ["str", "mem", "sprintf", "snprintf", "vsprintf"].iter().any(|begin| function.starts_with(begin))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The pointers of the last line of a function behind `declarations`.
+    fn pointers(declarations: &str, line: &str) -> Option<Vec<String>> {
+        let source = format!("{declarations}\n{line}\n");
+        accesses_of(&source, source.lines().count()).map(|found| found.pointers)
+    }
+
+    const DECLARATIONS: &str = "#include <stdio.h>\n#define AT(x) (grid[x])\n#define FRONT (sensor->front)\n#define LONG(x) \\\n  *(x)\n\
+        #define SPEED 100\n#define CALL(x) AT(x)\nint d[10], sums[3];\n\
+        typedef struct item { int marks[3], n; char *text, same; struct item *next; } Item;\nstruct other { int same[2]; } one;\nItem *s;\nNode *robot, a, *list[4];\n\
+        void f(const int *p, struct node *out, int q[], int **pp, char *argv[], Node &r)\n{\n  int *place = 0, i, map[3][4];\n  int list2[] = {1};";
+
+    #[test]
+    fn pointers_of_a_line_are_found() {
+        let check = |line: &str, expected: Option<&[&str]>| {
+            let found = pointers(DECLARATIONS, line);
+            let found: Option<Vec<&str>> = found.as_ref().map(|names| names.iter().map(String::as_str).collect());
+            assert_eq!(found.as_deref(), expected, "{line}");
+        };
+        check("  printf(\", in %d * %p\", *place); // *other", Some(&["place"]));
+        check("  for (i = 0; i < 10; i++) *place++ = d[i];", Some(&["place"]));
+        check("  if (robot->value > 2) *out = 7;", Some(&["robot", "out"]));
+        check("  x = (double)*place / d[2];", Some(&["place"]));
+        check("  if (d[0] == 0) *p = 1;", Some(&["p"]));
+        check("  do *p = d[1]; while (0);", Some(&["p"]));
+        check("  if(ok)p->x = 3;", Some(&["p"]));
+        check("  return *p;", Some(&["p"]));
+        check("  q[3] = a * b;", Some(&["q"]));
+        check("  d[i + 1] = a * b;", Some(&[]));
+        check("  int *place = p, x = q[1] * 2;", Some(&["q"]));
+        check("  Node *one = robot, **two = pp, three[2];", Some(&[]));
+        check("  area = width * i + *p * SPEED;", Some(&["p"]));
+        check("  area = (i + 1) * d[0] + i ** p;", Some(&["p"]));
+        check("  f(a, b, &i);", Some(&[]));
+        check("  robot->next->x = 3;", Some(&["robot", "robot->next"]));
+        check("  n = argv[1][0] - argv[i + 1][2];", Some(&["argv", "argv[1]", "argv[i + 1]"]));
+        check("  a.next->x = list[2]->x;", Some(&["a.next", "list[2]"]));
+        check("  **pp = map[1][4];", Some(&["pp", "*pp"]));
+        check("  int *n = malloc(3 * sizeof *n);", Some(&[]));
+        check("  s->marks[i] = (i + 1) * s->next->marks[2];", Some(&["s", "s->next"]));
+        check("  s->text[i] = (s + 1)->n;", None);
+        check("  s->text[i] = s->next[1].n;", Some(&["s", "s->text", "s->next"]));
+        check("  s->same[i] = 3;", None);
+        check("  *s->text = *s->marks;", Some(&["s", "s->text"]));
+        for line in [
+            "  if (FRONT < robot->front)",
+            "  sums[1] = AT(2);",
+            "  sums[1] = LONG(p);",
+            "  sums[1] = CALL(2);",
+            "  robot->map[3] = 1;",
+            "  vector[3] = 1;",
+            "  x = f(a)->y;",
+            "  *(p + 1) = 3;",
+            "  strcpy(text, robot->name);",
+            "  r.x = *p;",
+            "  n = (double) *robot->place;",
+            "  robot->x = unknown->y;",
+        ] {
+            check(line, None);
+        }
+    }
+
+    #[test]
+    fn names_are_those_of_the_blocks_around_the_line() {
+        let other = "int *best;\nvoid show(int *d, int *best) { *best = d[0]; }\nstruct node { int *d, **x; } *root;\nint main(void)\n{\n  int d[4];\n";
+        let check = |line: &str, expected: &[&str]| {
+            assert_eq!(pointers(other, line).expect("known accesses"), expected, "{line}");
+        };
+        check("  *best = d[0];", &["best"]);
+        check("  { int best[3]; { best[1] = root->n; } }", &["root"]);
+        check("  { int best[3]; } *best = 3;", &["best"]);
+        check("  for (int *p = d; p; p++) sum += *p;", &["p"]);
+        assert_eq!(pointers(other, "  *x = 3;"), None);
+        assert_eq!(
+            pointers("void f(int *p)\n{\n#if A\n  if (a) {\n#else\n  if (b) {\n#endif\n  }", "*p = 3;"),
+            Some(vec!["p".to_owned()])
+        );
+        assert_eq!(pointers("}\nint *p;", "*p = 3;"), None);
+        let class =
+            "class Robot {\npublic:\n  Robot(int *start) : place(start) {}\n  int *place;\n  void f(int *p)\n  {";
+        assert_eq!(pointers(class, "*p = *place; // *start"), Some(vec!["p".to_owned(), "place".to_owned()]));
+    }
+
+    #[test]
+    fn arrays_have_lengths_where_they_are_declared() {
+        let array = |declarations: &str, line: &str| {
+            let source = format!("{declarations}\n{line}\n");
+            let found = accesses_of(&source, source.lines().count()).expect("known accesses");
+            assert_eq!(found.arrays.len(), 1, "{line}");
+            let IndexedArray { len, is_inside, .. } = found.arrays[0];
+            (len, is_inside)
+        };
+        assert_eq!(array("#define N 4\nint d[N];", "d[4] = 1;"), (Some(4), false));
+        assert_eq!(array("int k, n = 4, d[4];", "d[k] = 1;"), (Some(4), false));
+        assert_eq!(array("int big[500];", "int first = big[3];"), (Some(500), true));
+        assert_eq!(array("int d[4];", "LCDPrintf(\"%s %d\", d[0], d[3]);"), (Some(4), true));
+        assert_eq!(array("static int d[4];", "d[0] = d[i] + d[1];"), (Some(4), false));
+        assert_eq!(array("struct robot { int x; } robots[3];", "robots[k].x = 3;"), (Some(3), false));
+        assert_eq!(array("typedef struct { int x; } Robot;\nRobot robots[3];", "robots[k].x = 3;"), (Some(3), false));
+        assert_eq!(array("struct robot { int marks[3]; } r;", "r.marks[2] = r.marks[0];"), (Some(3), true));
+        assert_eq!(array("struct robot { int x; } r[4];", "r[2].x = r[1].x;"), (Some(4), true));
+        assert_eq!(array("int map[3][4];", "map[2][3] = 1;"), (None, true));
+        assert_eq!(array("int map[3][4];", "map[2][4] = 1;"), (None, false));
+    }
+
+    #[test]
+    fn unfinished_and_long_lines_are_read() {
+        for line in
+            ["p->", "p[", "d[1", "*", "p[3]->", "int x[", "f(p * ", "struct", "for (", "a.", "* *p", "{ int *", "}}"]
+        {
+            let _ = pointers("int *p, d[4];", line);
+            let _ = pointers("", line);
+        }
+        let line: String = (0..10_000).map(|place| format!("p[{place}] + d[{place}] * x{place} + ")).collect();
+        assert_eq!(pointers("int *p, d[4];", &format!("{line}3;")), Some(vec!["p".to_owned()]));
+        let nested = format!("{}0{}", "p[".repeat(10_000), "]".repeat(10_000));
+        assert_eq!(pointers("int *p;", &nested), Some(vec!["p".to_owned()]));
+    }
+}
