@@ -56,8 +56,10 @@ impl Reader {
         let servos: Vec<String> = robi.all_servos().into_iter().map(|servo| servo.name.to_owned()).collect();
         for link in &mut robi.links {
             let Some(turn) = link.turn.take_if(|turn| !servos.contains(&turn.servo.text)) else { continue };
-            let message =
-                format!("link `{}` is turned by `{}`, a servo that the robot has not", link.name, turn.servo.text);
+            let message = format!(
+                "link `{}` refers to the servo `{}`, which the robot does not have",
+                link.name, turn.servo.text
+            );
             let known: Vec<&str> = servos.iter().map(String::as_str).take(MAX_LISTED).collect();
             let expected = match known.as_slice() {
                 [] => "a table `[[servo]]` of this name".to_owned(),
@@ -133,8 +135,8 @@ impl Reader {
             }
             circle.truncate(MAX_LISTED);
             let message = match circle.as_slice() {
-                [one] => format!("link {one} sits on itself"),
-                several => format!("links {} sit on each other in a circle", several.join(", ")),
+                [one] => format!("link {one} is mounted on itself"),
+                several => format!("links {} are mounted on each other in a cycle", several.join(", ")),
             };
             let on = links[closing].mount.on.take();
             let span = on.map_or(Span::default(), |on| on.span);

@@ -267,7 +267,10 @@ fn codes_are_explained() {
     let scratch = Scratch::new();
     let ran = scratch.eyesim(&["explain", "wld-wall-arity"]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
-    assert!(ran.stdout.starts_with("wld-wall-arity\n\nwarning: a wall of neither 4, 6 nor 9 numbers\n"), "{ran:#?}");
+    assert!(
+        ran.stdout.starts_with("wld-wall-arity\n\nwarning: the number of values of a wall is not 4, 6 or 9\n"),
+        "{ran:#?}"
+    );
     let all = scratch.eyesim(&["explain"]).stdout;
     assert!(all.lines().count() > 50 && all.contains("wld-wall-arity"), "{all}");
     let ran = scratch.eyesim(&["explain", "wld-wall-airty"]);

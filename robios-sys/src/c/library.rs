@@ -52,7 +52,7 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("putchar_unlocked", PRINTS),
     ("putwchar", PRINTS),
     ("perror", PRINTS),
-    ("fflush", "flushes the robot's own streams where it is given none"),
+    ("fflush", "without an argument flushes the robot's own streams"),
     ("dprintf", PRINTS_TO),
     ("vdprintf", PRINTS_TO),
     ("__dprintf_chk", PRINTS_TO),
@@ -62,10 +62,10 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("fileno", "the robot's own streams have the descriptors 0 to 2"),
     ("read", "descriptor 0 is the robot's standard input"),
     ("__read_chk", "descriptor 0 is the robot's standard input"),
-    ("close", "leaves descriptors 0 to 2, which are the host's, open"),
-    ("isatty", "nothing is a terminal"),
-    ("tcgetattr", "settings that are all 0"),
-    ("tcsetattr", "succeeds without effect: nothing is a terminal"),
+    ("close", "does not close descriptors 0 to 2, which belong to the host"),
+    ("isatty", "always returns 0"),
+    ("tcgetattr", "returns a zeroed termios"),
+    ("tcsetattr", "succeeds without effect: no descriptor is a terminal"),
     ("fopen", OPENS),
     ("fopen64", OPENS_STREAM),
     ("fgetc", READS_ANY),
@@ -109,18 +109,18 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("siglongjmp", JUMPS),
     ("__longjmp_chk", JUMPS),
     ("rand", DRAWS),
-    ("srand", "starts the robot's own stream anew"),
+    ("srand", "restarts the robot's own stream"),
     ("random", DRAWS),
-    ("srandom", "starts the robot's own stream anew"),
+    ("srandom", "restarts the robot's own stream"),
     ("drand48", DRAWS48),
     ("lrand48", DRAWS48),
     ("mrand48", DRAWS48),
     ("erand48", STATE_GIVEN),
     ("nrand48", STATE_GIVEN),
     ("jrand48", STATE_GIVEN),
-    ("srand48", "starts the sequence that POSIX fixes"),
-    ("seed48", "starts the sequence that POSIX fixes"),
-    ("lcong48", "starts the sequence that POSIX fixes"),
+    ("srand48", "starts the sequence specified by POSIX"),
+    ("seed48", "starts the sequence specified by POSIX"),
+    ("lcong48", "starts the sequence specified by POSIX"),
     ("getrandom", DRAWS),
     ("getentropy", DRAWS),
     ("arc4random", DRAWS),
@@ -130,7 +130,7 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("clock", TELLS),
     ("gettimeofday", TELLS),
     ("clock_gettime", TELLS),
-    ("clock_getres", "a microsecond"),
+    ("clock_getres", "returns one microsecond"),
     ("timespec_get", TELLS),
     ("times", TELLS),
     ("ftime", TELLS),
@@ -139,10 +139,10 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("nanosleep", PASSES),
     ("clock_nanosleep", PASSES),
     ("thrd_sleep", PASSES),
-    ("pause", "waits for ever: no signal comes"),
-    ("select", "without descriptors passes virtual time; with descriptors fails and says so"),
-    ("poll", "without descriptors passes virtual time; with descriptors fails and says so"),
-    ("__poll_chk", "without descriptors passes virtual time; with descriptors fails and says so"),
+    ("pause", "blocks forever: no signal is delivered"),
+    ("select", "without descriptors lets virtual time pass; with descriptors fails, with a message on the console"),
+    ("poll", "without descriptors lets virtual time pass; with descriptors fails, with a message on the console"),
+    ("__poll_chk", "without descriptors lets virtual time pass; with descriptors fails, with a message on the console"),
     ("alarm", REFUSES),
     ("ualarm", REFUSES),
     ("setitimer", REFUSES),
@@ -273,37 +273,35 @@ pub const INTERPOSED: &[(&str, &str)] = &[
 ];
 
 const ENDS: &str = "ends the robot's program after its `atexit` functions";
-const ENDS_AT_ONCE: &str = "ends the robot's program at once";
+const ENDS_AT_ONCE: &str = "ends the robot's program immediately";
 const FAILS: &str = "ends the robot's program as failed, with a message";
 const REGISTERS: &str = "the function is called when the robot's program ends";
 const PRINTS: &str = "prints to the robot's console, line by line";
-const PRINTS_ANY: &str = "as ever; on the robot's console the robot can be stopped there";
+const PRINTS_ANY: &str = "unchanged; on the robot's console, the robot can be stopped during the call";
 const PRINTS_TO: &str = "descriptors 1 and 2 are the robot's console; others fail";
 const WRITES: &str = "descriptors 1 and 2 are the robot's console";
 const READS: &str = "reads the robot's standard input, `--stdin`";
-const READS_ANY: &str = "as ever; of standard input the robot's own";
-const OPENS: &str =
-    "opens the file; the name of one that cannot be opened is in the message if the program then breaks";
-const OPENS_STREAM: &str =
-    "opens the file; in C++, whose streams call it, the user is told at once of one that cannot be opened";
-const JUMPS: &str = "jumps, but not out of a timer's function: that ends the robot's program as failed";
+const READS_ANY: &str = "unchanged; from standard input reads the robot's own";
+const OPENS: &str = "opens the file; if this fails and the program then breaks, the message names the file";
+const OPENS_STREAM: &str = "opens the file; in C++, whose streams call it, a failure is reported immediately";
+const JUMPS: &str = "jumps; a jump out of a timer's function ends the robot's program as failed";
 const CHECKS: &str = "a failed check ends the robot's program as failed, with a message";
 const DRAWS: &str = "draws from the robot's own stream";
-const DRAWS48: &str = "the sequence that POSIX fixes; without a seed it starts at a place of the robot's own";
-const STATE_GIVEN: &str = "the sequence that POSIX fixes, from the given state";
-const TELLS: &str = "tells the robot's virtual time";
-const PASSES: &str = "passes virtual time";
-const REFUSES: &str = "does nothing and says so on the console";
-const OWN_STATE: &str = "state and result belong to the copy of the library, not to the process";
-const UTC: &str = "local time is UTC, on every machine; state and result belong to the copy of the library";
+const DRAWS48: &str = "the sequence specified by POSIX; without a seed each robot starts at its own position";
+const STATE_GIVEN: &str = "the sequence specified by POSIX, from the given state";
+const TELLS: &str = "returns the robot's virtual time";
+const PASSES: &str = "lets virtual time pass";
+const REFUSES: &str = "does nothing, with a message on the console";
+const OWN_STATE: &str = "state and result belong to the program's copy of the library, not to the process";
+const UTC: &str = "local time is UTC on every machine; state and result belong to the program's copy of the library";
 const STARTS_TASK: &str = "starts a task of the robot, see [Tasks](programs.md#tasks)";
-const WAITS_TASK: &str = "lets the robot's other tasks run meanwhile";
-const OF_TASKS: &str = "among the robot's tasks, in virtual time";
+const WAITS_TASK: &str = "waits; the robot's other tasks run in the meantime";
+const OF_TASKS: &str = "acts on the robot's tasks, in virtual time";
 const LOCKS_STREAM: &str =
-    "locks a stream for a task against others that ask for the lock; what is printed is whole without it";
-const CANCELS: &str = "takes effect at calls of RoBIOS, and at those of the C library that may wait";
-const ACCEPTED: &str = "accepted: names and attributes of tasks, without an effect";
-const REFUSES_SIGNAL: &str = "does nothing and says so on the console, unless the signal is 0";
+    "locks a stream against other tasks that request the lock; output lines are not interleaved even without it";
+const CANCELS: &str = "takes effect in RoBIOS calls, and in calls of the C library that may wait";
+const ACCEPTED: &str = "accepted without effect: names and attributes of tasks";
+const REFUSES_SIGNAL: &str = "does nothing, with a message on the console unless the signal is 0";
 
 /// Symbols that are not interposed although their effects reach beyond the robot or virtual time, with the reason.
 pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
@@ -370,7 +368,7 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
     ("prlimit", LIMIT),
     ("prlimit64", LIMIT),
     ("prctl", LIMIT),
-    ("freopen", "may take a stream of the robot's away from its console"),
+    ("freopen", "may redirect a robot's stream"),
     ("dup", DESCRIPTOR),
     ("dup2", DESCRIPTOR),
     ("dup3", DESCRIPTOR),
@@ -378,8 +376,8 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
     ("closefrom", DESCRIPTOR),
     ("readv", DESCRIPTOR),
     ("ioctl", "changes the terminal of the host"),
-    ("dlopen", "the functions of a library that is loaded so are not replaced"),
-    ("dlmopen", "the functions of a library that is loaded so are not replaced"),
+    ("dlopen", "the functions of a library loaded this way are not interposed"),
+    ("dlmopen", "the functions of a library loaded this way are not interposed"),
     ("initstate", GENERATOR),
     ("setstate", GENERATOR),
     ("hcreate", SHARED),
@@ -401,14 +399,14 @@ pub const OUTSIDE_GUARANTEE: &[(&str, &str)] = &[
 
 const PROCESS: &str = "starts or waits for processes, which are copies of the host";
 const SIGNAL: &str = "signals belong to the process, which is the host";
-const THREAD: &str = "threads that are no tasks of the robot do not run in virtual time";
+const THREAD: &str = "threads other than the robot's tasks do not run in virtual time";
 const LIMIT: &str = "changes the limits of the process, which is the host";
-const SYSTEM: &str = "calls the system past all replacements";
-const SHARED: &str = "changes what all robots and the host share";
-const DESCRIPTOR: &str = "reaches the host's input and output";
-const GENERATOR: &str = "changes the generator that the process shares";
-const NETWORK: &str = "what comes over a network differs between runs";
-const REAL_TIME: &str = "waits for or tells real time";
+const SYSTEM: &str = "bypasses the shim";
+const SHARED: &str = "changes state that all robots and the host share";
+const DESCRIPTOR: &str = "affects the host's input and output";
+const GENERATOR: &str = "changes the generator that all robots share";
+const NETWORK: &str = "data from a network differ between runs";
+const REAL_TIME: &str = "waits for or returns real time";
 const STREAMS: &str = "streams of C++ print to the host's standard output";
 
 /// Reason why a symbol imported by a library built elsewhere is outside the guarantee; `None` if it is inside.
@@ -425,7 +423,7 @@ pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
         ["__cxa_atexit", "__cxa_thread_atexit_impl", "__stack_chk_fail", "__chk_fail"].contains(&symbol);
     match reason(INTERPOSED) {
         Some(what) if is_harmless(what) || is_everywhere => None,
-        Some(_) => Some("acts on the process, and not on the robot, in a library built without the shim"),
+        Some(_) => Some("acts on the process, not on the robot, in a library built without the shim"),
         None => reason(OUTSIDE_GUARANTEE),
     }
 }

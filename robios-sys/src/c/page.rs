@@ -10,45 +10,48 @@ const BEGIN: &str = "\
 All robots run in one process, so they share one C library: one state of `rand`, one `exit`, one standard output, one
 real-time clock. A program's calls must not affect other robots or depend on real time. So every C
 program that `eyesim` builds is linked with a shim (`robios-sys/shim`) that interposes these functions, inside the
-program's own library, as weak symbols. The library is linked with `-Bsymbolic`: the program's references end in the
-shim, and a function of the program's own called `time`, `y1`, `send` or `index` wins over both, in all of its files.
+program's own library, as weak symbols. The library is linked with `-Bsymbolic`: the program's references resolve to
+the shim, and a function of the program's own called `time`, `y1`, `send` or `index` takes precedence over the shim and
+the C library in every source file of the program.
 
-The compiler's own replacements (`printf` by `puts` or `putchar`, the checked forms of `_FORTIFY_SOURCE`, `getchar` by
-`getc(stdin)`) end in the shim too, at every level of optimisation. Functions that no C standard has (`y1`, `index`,
-`gamma`, ...) are compiled with `-fno-builtin-NAME`, since a compiler would compute a call with constant arguments by
-its own function of that name and not by the program's.
+Calls that the compiler substitutes (`puts` or `putchar` for `printf`, the checked forms of `_FORTIFY_SOURCE`,
+`getc(stdin)` for `getchar`) resolve to the shim too, at every optimisation level. Functions that are in no C standard
+(`y1`, `index`, `gamma`, ...) are compiled with `-fno-builtin-NAME`; otherwise a compiler would evaluate a call with
+constant arguments with its built-in function, even if the program defines a function with this name.
 
-All this is for Linux with glibc and for the compilers gcc and clang.
+This applies to Linux with glibc and to the compilers gcc and clang.
 
 ## Decisions
 
-- **The end.** `exit`, and returning from `main`, call what `atexit`, `on_exit` and C++ have registered, the last first,
-  inside the robot: these functions may call RoBIOS. `_exit`, `_Exit`, `quick_exit`, `abort` and a failed assertion do
-  not, and neither does a program that the simulator stops, since its calls are cancelled. The destructors of a stopped
-  C++ program run, see [programs](programs.md).
-- **Exit codes** are the numbers that the program gives, not cut to 8 bits. `void main()` gives 0. After `abort`, a failed
-  assertion or an overrun buffer it is 134, as in a shell, and the robot counts as failed.
-- **Random numbers.** `rand`, `random` and the system's entropy are streams of the robot's own, which follow from the
-  run's seed, the robot and the function. `srand(s)` restarts the stream at a position given by `s`: the same `s`
-  gives the same numbers again, but different ones for each robot, so that the robots of a swarm whose programs all call
-  `srand(1)` behave differently. Without `srand` robots differ as well. The `drand48` family is the generator that POSIX fixes to the
-  bit; `srand48` gives its sequence, and only the unseeded start is the robot's own. `rand_r` and `random_r` work on the
-  state that they are given and need no replacement.
+- **Program exit.** `exit`, and the return from `main`, run the exit handlers that `atexit`, `on_exit` and C++ have
+  registered, in reverse order, in the robot's context: exit handlers may call RoBIOS. `_exit`, `_Exit`, `quick_exit`,
+  `abort` and a failed assertion run no exit handlers. A program that the simulator stops runs none either, because its
+  calls are cancelled. The destructors of a stopped C++ program run, see [programs](programs.md).
+- **Exit codes** are the numbers that the program passes, not truncated to 8 bits. `void main()` gives 0. After `abort`, a
+  failed assertion or a detected buffer overflow the exit code is 134, as in a shell, and the robot counts as failed.
+- **Random numbers.** `rand`, `random` and the system's entropy are per-robot streams, derived from the run's seed, the
+  robot and the function. `srand(s)` restarts the stream at a position given by `s`: the same `s` gives the same numbers
+  again, but different ones for each robot, so that the robots of a swarm whose programs all call `srand(1)` behave
+  differently. Without `srand` robots differ as well. The `drand48` family is the generator specified bit-exactly by
+  POSIX; `srand48` gives its sequence, and only the unseeded start differs between robots. `rand_r` and `random_r` work
+  on the state that the program passes and are not interposed.
 - **Time.** Virtual time 0 is 1 January 2000, 0:00 UTC; clocks without a date start at 0. CPU time is virtual
   time. Local time is UTC everywhere. Asking for the time costs virtual time (at least 1 us), so that a loop that waits
   for a time ends.
-- **Memory** of `malloc`, `calloc` and `realloc` has 32 bytes or more behind its end that the program does not own: what is written there harms
-  nothing, and is told with the line at which the block is given back to `free` or `realloc`. A program that writes beyond them, too, behind the
-  block that it has got last, is ended as failed at its next output or call for memory, with the line that has got the block.
+- **Memory.** Each block from `malloc`, `calloc` or `realloc` is followed by a guard zone of at least 32 bytes. A write
+  into it does no damage and is reported with the line that frees the block with `free` or `realloc`. A write past the
+  guard zone of the newest block ends the program as failed at its next output or allocation, with the line that allocated
+  the block.
 - **Output** goes to the robot's console a line at a time, with the virtual time at which the line ended; an incomplete
-  last line is shown at the end, also when the program breaks. Lines above 1024 bytes are cut. `stdout` and `stderr` are streams of the library's own, so that
-  everything that prints to them is caught; `setvbuf`, `fflush` and `fprintf` work on them.
-- **Input** is the text of `--stdin`, of which each robot has a copy, a line at a time; without it, input is at its end. Text printed
-  without an end of line, such as a question, is shown before a read.
-- **C++.** The library of C++ is linked into each program, so that its streams, clocks and random numbers end in these
+  last line is shown at the end, also when the program breaks. Lines longer than 1024 bytes are truncated. `stdout` and
+  `stderr` are streams of the program's own library, so that everything printed to them is captured; `setvbuf`, `fflush` and
+  `fprintf` work on them.
+- **Input** is the text of `--stdin`; each robot reads its own copy, a line at a time. Without `--stdin` reads return EOF.
+  A prompt without a newline is flushed before a read.
+- **C++.** libstdc++ is linked into each program, so that its streams, clocks and random numbers resolve to these
   functions. `std::random_device` draws from the robot's own stream.
-- **Headers** beside a program, whatever they are called, change none of this: their declarations are linked to the
-  functions below. The shim is compiled with eyesim's own headers alone.
+- **Headers** beside a program, whatever their names, do not change this: their declarations are linked to the functions
+  below. The shim is compiled with eyesim's own headers only.
 - **Alarms** are refused: they would arrive by signal, in real time.
 
 ## Replaced
@@ -60,18 +63,18 @@ All this is for Linux with glibc and for the compilers gcc and clang.
 const MIDDLE: &str = "
 ## Outside of the guarantee
 
-Not interposed: these functions may behave differently between runs, affect other robots, or end the simulator. A library
-built elsewhere that imports one of them, or one of the functions above, gets a warning that names it.
+Not interposed: these functions may behave differently between runs, affect other robots, or end the simulator. If a
+prebuilt library imports one of them, or one of the functions above, the simulator prints a warning that names it.
 
 | functions | why |
 |---|---|
 ";
 
 const END: &str = "
-Files are real files: two robots that write one file, and programs that read what changes between runs, are outside as
-well.
+Files are real files. The guarantee does not cover robots that write the same file, nor programs that read data which
+changes between runs.
 
-What the C library itself finds broken (`free(): invalid pointer`) ends in a signal and is reported as a fault.
+Heap corruption that glibc detects (`free(): invalid pointer`) raises a signal and is reported as a fault.
 ";
 
 /// The text of `docs/c-library.md`.

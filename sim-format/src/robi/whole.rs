@@ -140,7 +140,8 @@ impl Reader {
             [Some((driven, _)), Some((steered, _))] if steered - driven > 1e-6 => (steered - driven).min(MAX_LENGTH),
             [Some(_), Some((_, span))] => {
                 let mm = unit::mm_from_metres(suggested);
-                let message = format!("the axle that turns is not ahead of the one that drives; {mm:.0} mm are taken");
+                let message =
+                    format!("the steered axle is not ahead of the driven axle; a wheelbase of {mm:.0} mm is used");
                 let expected = "`axel turn` with a larger FORWARD than `axel drive`";
                 self.sink.warn(Code::RobiAxelOrder, span, message, expected);
                 suggested
