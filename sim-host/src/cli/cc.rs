@@ -22,13 +22,13 @@ pub struct CcArgs {
     /// The library to write
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// RoBIOS generation that the program is written for, 6 or 7 [default: that of the functions it calls]
+    /// RoBIOS generation that the program is written for, 6 or 7 [default: from the functions that it calls]
     #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
     pub api: Option<Generation>,
     /// Show the commands that are run
     #[arg(short, long)]
     pub verbose: bool,
-    /// Further flags of the compiler, behind `--`
+    /// Further compiler flags, after `--`
     #[arg(last = true, value_name = "FLAGS")]
     pub flags: Vec<String>,
 }

@@ -20,20 +20,20 @@ use crate::launch::check::{known_generation, search_path};
 /// Arguments of `eyesim convert`.
 #[derive(Args)]
 pub struct ConvertArgs {
-    /// File to convert: .sim, .scene.toml, .wld, .maz, .robi (with its .toml), .esObj; maps and mazes of others: .yaml, .pgm, .pbm, .map, .scen,
-    /// .world, .num, .txt
+    /// File to convert: .sim, .scene.toml, .wld, .maz, .robi (with its .toml), .esObj; maps and mazes of other
+    /// programs: .yaml, .pgm, .pbm, .map, .scen, .world, .num, .txt
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
     /// File to write; its extension selects the format
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Seed with which random values of a scene are drawn; the written scene states it [default: that of the scene]
+    /// Seed for the random values of a scene; the written scene contains it [default: from the scene]
     #[arg(long, value_name = "SEED", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: Option<u64>,
-    /// Side of the cells of a maze, a MovingAI map or an image in millimetres, in place of what the file says
+    /// Cell size of a maze, a MovingAI map or an image in millimetres; overrides the file
     #[arg(long, value_name = "MM", value_parser = parse_maze_cell, allow_hyphen_values = true)]
     pub maze_cell: Option<f64>,
-    /// Side of the cells of a map that is made from walls, in millimetres [default: 50]
+    /// Cell size of a map made from walls, in millimetres [default: 50]
     #[arg(long, value_name = "MM", value_parser = parse_maze_cell, allow_hyphen_values = true)]
     pub map_cell: Option<f64>,
     /// Replace existing files

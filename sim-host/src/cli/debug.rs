@@ -26,7 +26,7 @@ pub struct DebugArgs {
     /// The scene: a sim file, or one in TOML
     #[arg(value_name = "SCENE")]
     pub sim: PathBuf,
-    /// The robot whose program is debugged [default: the first one that has a program]
+    /// Robot whose program is debugged [default: the first robot with a program]
     #[arg(long, value_name = "NUMBER")]
     pub robot: Option<u32>,
     /// Where the program stops: `maze.c:12`, or a function [default: at the beginning of its `main`]
@@ -53,7 +53,7 @@ pub struct DebugArgs {
     /// Write the report as JSON
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Further arguments of gdb, behind `--`: `-- -batch -ex backtrace`
+    /// Further arguments for gdb, after `--`: `-- -batch -ex backtrace`
     #[arg(last = true, value_name = "ARGUMENTS")]
     pub gdb: Vec<OsString>,
 }

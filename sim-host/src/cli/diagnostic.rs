@@ -27,7 +27,7 @@ pub enum Format {
     /// `human` on a terminal, else `short`
     #[default]
     Auto,
-    /// For people: the line of the file with the mistake underlined, and what was expected
+    /// For people: the line of the file with the mistake underlined, and the expected form
     Human,
     /// For editors and logs: `file:line:column: severity[code]: message`
     Short,

@@ -37,13 +37,13 @@ use student::View;
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct GradeArgs {
-    /// The suite (NAME.suite.toml, or an archive of one), whose `submit` says which files are programs
+    /// Suite (NAME.suite.toml, or an archive of a suite); its `submit` defines which files are programs
     #[arg(value_name = "SUITE")]
     pub suite: PathBuf,
     /// Folder or archive with a folder, archive or file for each student
     #[arg(long, value_name = "FOLDER", required_unless_present = "gradescope")]
     pub submissions: Option<PathBuf>,
-    /// The submissions are one: a folder, an archive or a file of one student
+    /// There is one submission: a folder, an archive or a file of one student
     #[arg(long, requires = "submissions")]
     pub single: bool,
     /// Folder for the pages, tables and results
@@ -58,16 +58,16 @@ pub struct GradeArgs {
     /// Write an archive with which Gradescope grades by this suite
     #[arg(long, value_name = "FILE", conflicts_with_all = ["submissions", "output"])]
     pub gradescope: Option<PathBuf>,
-    /// Submissions that are graded at one time [default: one for each processor]
+    /// Number of submissions graded at the same time [default: one for each processor]
     #[arg(short, long, value_name = "NUMBER", value_parser = parse_count, allow_negative_numbers = true)]
     pub jobs: Option<NonZeroUsize>,
-    /// What is closed to compilers and programs of submissions: full, calls or limits
+    /// Sandbox level for compilers and programs of submissions: full, calls or limits
     #[arg(long, value_name = "LEVEL", default_value = "full")]
     pub sandbox: String,
-    /// Let the programs of an archive's checks run
+    /// Allow the check programs of an archive to run
     #[arg(long)]
     pub allow_execute: bool,
-    /// Only the last lines
+    /// Print only the last lines
     #[arg(short, long)]
     pub quiet: bool,
 }

@@ -36,7 +36,7 @@ use documents::{Document, Documents, Encoding};
 /// Arguments of `eyesim lsp`.
 #[derive(Args)]
 pub struct LspArgs {
-    /// Speak on standard input and output; editors say it, and there is no other way
+    /// Communicate over standard input and output (the only way; editors pass this option)
     #[arg(long)]
     stdio: bool,
 }

@@ -74,9 +74,9 @@ enum Command {
     Run(Box<run::RunArgs>),
     /// Run the cases of suites: scenes with seeds, noise and parameters, judged by checks
     Test(test::TestArgs),
-    /// Run all cases of a suite into a folder of rows, over many machines if need be; what has run is not run again
+    /// Run all cases of a suite and write their rows into a folder, on one or many machines; finished cases are not repeated
     Sweep(sweep::SweepArgs),
-    /// Grade submissions by a suite: each is built and run apart from the others; pages, tables, results for grading services
+    /// Grade submissions by a suite, each built and run separately: writes pages, tables, and results for grading services
     Grade(grade::GradeArgs),
     /// Run a sim file in the window: watch it in 3D in a browser, and take part in it
     #[cfg(feature = "window")]
@@ -92,19 +92,19 @@ enum Command {
     Replay(absent::AbsentArgs),
     /// Compare two runs by their traces or reports: the first event in which they differ
     Diff(diff::DiffArgs),
-    /// Read files and print what is wrong in them
+    /// Check files and print their mistakes
     Check(check::CheckArgs),
-    /// Say what a diagnostic's code means, why it matters and what would be right
+    /// Explain a diagnostic's code: its meaning, its consequences and the correct form
     Explain(explain::ExplainArgs),
     /// Draw a sim, world, maze, robi or object file from above, to scale
     Plot(plot::PlotArgs),
-    /// Run a sim file and take a picture: of what a robot sees, of the scene from anywhere, of a robot's display
+    /// Run a sim file and take a picture: a robot's camera view, the scene from any viewpoint, or a robot's display
     Shot(Box<shot::ShotArgs>),
-    /// Turn a scene, a world or a type into another form: .sim, .wld, .maz, .robi and .esObj to and from .toml
+    /// Convert a scene, a world or a type to another format: .sim, .wld, .maz, .robi and .esObj to and from .toml
     Convert(convert::ConvertArgs),
-    /// Write a scene or a suite with all that its runs read into an archive, which run, view and test open
+    /// Write a scene or a suite with all files that its runs read into an archive, which run, view and test can open
     Pack(pack::PackArgs),
-    /// Print the JSON schema of scenes or suites in TOML, from which editors complete
+    /// Print the JSON schema of TOML scenes or suites, which editors use for completion
     Schema(convert::SchemaArgs),
     /// Measure speed against error: of motion, contacts, rays, sensors and noise, beside slower and plainer methods
     #[cfg(feature = "accuracy")]
@@ -125,9 +125,9 @@ enum Command {
     #[cfg(not(feature = "lsp"))]
     #[command(hide = true)]
     Lsp(absent::AbsentArgs),
-    /// Tell which tools and limits this system has, what they are for, and how to get what is missing
+    /// List the tools and limits of this system, their purpose, and how to install missing tools
     Doctor(doctor::DoctorArgs),
-    /// Write a new robot program with a robi, a world and a sim that run at once
+    /// Write a new robot program with a robi, a world and a sim file, ready to run
     New(new::NewArgs),
 }
 

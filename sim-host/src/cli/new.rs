@@ -16,7 +16,7 @@ use crate::program::Generation;
 /// Arguments of `eyesim new`.
 #[derive(Args, Debug)]
 pub struct NewArgs {
-    /// Name of the program and of its folder; with `--lab` of the folder alone, which has the lab's name if this is left out
+    /// Name of the program and of its folder; with `--lab` only of the folder, by default the lab's name
     #[arg(value_name = "NAME", required_unless_present = "lab")]
     pub name: Option<String>,
     /// Write a lab of the course, with a program to begin with in C or Python: lawn, waypoints, distbug, quadtree, brushfire, astar,
@@ -29,10 +29,10 @@ pub struct NewArgs {
     /// RoBIOS generation of the program [default: 6 for C and Rust, 7 for C++ and Python]
     #[arg(long, value_name = "GENERATION", value_parser = clap::value_parser!(u32).range(6..=7))]
     pub api: Option<u32>,
-    /// Write a suite as well: cases with noise and seeds, and checks, for `eyesim test`
+    /// Also write a suite for `eyesim test`: cases with noise and seeds, and checks
     #[arg(long)]
     pub suite: bool,
-    /// Folder in which the program's folder is made
+    /// Folder in which the program's folder is created
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub path: PathBuf,
 }

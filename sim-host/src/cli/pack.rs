@@ -37,7 +37,7 @@ pub struct PackArgs {
     /// Program for the robots that have none: `maze.c`; for robot 2: `2=maze.c`
     #[arg(long = "program", value_name = "[ROBOT|NAME=]PROGRAM", value_parser = ProgramOption::parse)]
     pub programs: Vec<ProgramOption>,
-    /// Seed of all random numbers [default: that of the scene, else 0]
+    /// Seed of all random numbers [default: from the scene, or 0]
     #[arg(long, value_name = "NUMBER", value_parser = super::whole_number)]
     pub seed: Option<u64>,
 }

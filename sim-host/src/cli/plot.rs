@@ -27,10 +27,10 @@ pub struct PlotArgs {
     /// The picture: NAME.svg or NAME.png
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Width and height of the picture in pixels [default: as the world's shape asks for]
+    /// Width and height of the picture in pixels [default: from the world's shape]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     pub size: Option<(u32, u32)>,
-    /// The line above the picture [default: the file's name, and its size]
+    /// Title above the picture [default: the file's name and size]
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
 }

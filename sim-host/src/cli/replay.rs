@@ -42,22 +42,22 @@ use crate::window::scene::{ObjectInput, RobotInput, SceneInput};
 /// Arguments of `eyesim replay`.
 #[derive(Args)]
 pub struct ReplayArgs {
-    /// What `eyesim run --trace` wrote
+    /// Trace written by `eyesim run --trace`
     #[arg(value_name = "TRACE")]
     trace: PathBuf,
     /// Run it again, with its user interventions, and report whether the two runs are equal
     #[arg(long)]
     verify: bool,
-    /// Robots that run at one time [default: one for each processor]
+    /// Number of robots that run at the same time [default: one for each processor]
     #[arg(long, value_name = "NUMBER", requires = "verify")]
     threads: Option<NonZeroUsize>,
-    /// Write the recording and the page that plays it as one file, which opens from disk anywhere
+    /// Write the recording and the page that plays it into one file, which a browser can open from disk
     #[arg(long, value_name = "FILE.html", conflicts_with = "verify")]
     html: Option<PathBuf>,
     /// Do not open a browser
     #[arg(long, conflicts_with_all = ["verify", "html"])]
     no_open: bool,
-    /// Port at which the page is found, 0 for any free one [default: 7351, or any free one if that is taken]
+    /// Port of the page, 0 for any free port [default: 7351, or any free port if 7351 is in use]
     #[arg(long, value_name = "NUMBER", conflicts_with_all = ["verify", "html"])]
     port: Option<u16>,
 }

@@ -44,7 +44,7 @@ pub(super) use console::{build, open};
 /// Arguments of `eyesim run`.
 #[derive(Args, Clone)]
 pub struct RunArgs {
-    /// The scene: a sim file, or one in TOML
+    /// Scene: a sim file or a TOML scene
     #[arg(value_name = "SCENE")]
     pub sim: PathBuf,
     /// SCENE is the name of an example, a scene in the folder `sims` of the installation: `--example demo`
@@ -59,31 +59,31 @@ pub struct RunArgs {
     /// Repeat the user interventions of the run that this trace recorded, at the same times
     #[arg(long, value_name = "TRACE")]
     pub repeat: Option<PathBuf>,
-    /// Write every event as a line of JSON while the run goes on, compressed if the name ends with `.zst`
+    /// Write every event as a line of JSON during the run, compressed if the name ends with `.zst`
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// With --trace only these kinds of events: `poses`, `readings`, `events` (all others), or kinds such as `contact,stdout`
+    /// With --trace, write only these kinds of events: `poses`, `readings`, `events` (all others), or kinds such as `contact,stdout`
     #[arg(long, value_name = "KINDS", value_parser = TraceFilter::parse, requires = "trace")]
     pub trace_only: Option<TraceFilter>,
-    /// Write the run as MCAP, which Foxglove and rerun open, while it goes on
+    /// Write the run as MCAP, for Foxglove and rerun, during the run
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
     /// Draw the world from above with the robots' paths, as .svg or .png
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Write every image that a program takes as .png into a folder, which must be empty or not there yet
+    /// Write every image that a program takes as .png into a folder, which must be empty or new
     #[arg(long, value_name = "FOLDER")]
     pub frames: Option<PathBuf>,
-    /// Seed of all random numbers [default: that of the scene, else 0]
+    /// Seed of all random numbers [default: from the scene, or 0]
     #[arg(long, value_name = "NUMBER", value_parser = super::whole_number)]
     pub seed: Option<u64>,
-    /// Length of a time slot in milliseconds, a multiple of 0.001 [default: that of the scene, else 50]
+    /// Length of a time slot in milliseconds, a multiple of 0.001 [default: from the scene, or 50]
     #[arg(long, value_name = "MS", value_parser = parse_slot, allow_hyphen_values = true)]
     pub slot: Option<Time>,
-    /// Robots that run at one time [default: one for each processor]
+    /// Number of robots that run at the same time [default: one for each processor]
     #[arg(long, value_name = "NUMBER", value_parser = parse_count, allow_negative_numbers = true)]
     pub threads: Option<NonZeroUsize>,
-    /// Where programs run: on threads of this process, or each in a process of its own, where a fault ends its robot alone
+    /// Where programs run: on threads of this process, or each in its own process, where a fault ends only its robot
     #[arg(long, value_name = "WHERE", value_enum, default_value_t = Exec::Auto)]
     pub exec: Exec,
     /// Build and run untrusted programs in a sandbox that denies files, network, signals and the memory of other processes, and limits
@@ -98,10 +98,10 @@ pub struct RunArgs {
         conflicts_with_all = ["exec", "allow_execute"]
     )]
     pub sandbox: Option<Sandbox>,
-    /// Simulated seconds at which the run ends [default: that of the scene, else 600]
+    /// Simulated seconds at which the run ends [default: from the scene, or 600]
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
     pub until: Option<Time>,
-    /// Simulated seconds that the run goes on after its last program has ended, as long as anything moves
+    /// Simulated seconds for which the run continues after its last program has ended, while anything moves
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_hyphen_values = true)]
     pub linger: Time,
     /// Simulated seconds for each second of real time, or `max`
@@ -110,64 +110,63 @@ pub struct RunArgs {
     /// Processor time in seconds that a program may compute within one slot before it is stopped
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = parse_timeout, allow_hyphen_values = true)]
     pub timeout: f64,
-    /// Program for the robots that have none: `maze.c`; for robot 2: `2=maze.c`; for the robots with this program or
-    /// type: `search.x=maze.c`
+    /// Program for the robots without one: `maze.c`; for robot 2: `2=maze.c`; for the robots with this program or type: `search.x=maze.c`
     #[arg(long = "program", value_name = "[ROBOT|NAME=]PROGRAM", value_parser = ProgramOption::parse)]
     pub programs: Vec<ProgramOption>,
-    /// RoBIOS generation that the programs are written for, 6 or 7 [default: that of the scene, else of the functions they call]
+    /// RoBIOS generation that the programs are written for, 6 or 7 [default: from the scene, or from the functions that they call]
     #[arg(long, value_name = "GENERATION", value_parser = parse_api)]
     pub api: Option<Generation>,
-    /// EyeSim whose conventions scene and programs follow: vr2018, vr2023 or classic [default: that of the scene, else vr2023]
+    /// Version of EyeSim whose conventions scene and programs follow: vr2018, vr2023 or classic [default: from the scene, or vr2023]
     #[arg(long, value_name = "DIALECT", value_parser = parse_dialect)]
     pub dialect: Option<Dialect>,
-    /// Side of the cells of the scene's maze file in millimetres, in place of what the file says
+    /// Cell size of the scene's maze file in millimetres; overrides the file
     #[arg(long, value_name = "MM", value_parser = parse_maze_cell, allow_hyphen_values = true)]
     pub maze_cell: Option<f64>,
-    /// Value of a scene in TOML in place of the one in its text: `robot[0].x_mm=500`, `scene.noise="real"`
+    /// Override a value of a TOML scene: `robot[0].x_mm=500`, `scene.noise="real"`
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = Setting::parse)]
     pub settings: Vec<Setting>,
-    /// Keys that are pressed: `2.5:KEY1, 4:KEY4`, for one robot `2:2.5:KEY1`
+    /// Keys to press: `2.5:KEY1, 4:KEY4`, for robot 2 `2:2.5:KEY1`
     #[arg(long, value_name = "KEYS")]
     pub keys: Vec<String>,
     /// Standard input of the programs: a file, or `-` for that of eyesim, of which each robot reads the whole text; `typed`: lines typed
     /// in the window, or repeated
     #[arg(long, value_name = "FILE")]
     pub stdin: Option<PathBuf>,
-    /// Arguments of a robot's program in place of those of the sim file: `1:"--kp 0.5"`, without a number for all robots
+    /// Program arguments of a robot: `1:"--kp 0.5"`, without a number for all robots; overrides the sim file
     #[arg(long, value_name = "[ROBOT:]ARGUMENTS", allow_hyphen_values = true)]
     pub args: Vec<String>,
-    /// Virtual time that RoBIOS calls take, as TOML, in place of the scene's
+    /// Virtual time that RoBIOS calls take, as TOML; overrides the scene
     #[arg(long, value_name = "FILE")]
     pub costs: Option<PathBuf>,
-    /// Functions of RoBIOS that fail for all programs, besides those that the scene forbids: `SIM*,OSExecute`
+    /// RoBIOS functions that fail for all programs, in addition to those that the scene forbids: `SIM*,OSExecute`
     #[arg(long, value_name = "FUNCTIONS")]
     pub forbid: Vec<String>,
-    /// Suite whose checks judge the run, besides those of the scene
+    /// Suite whose checks judge the run, in addition to those of the scene
     #[arg(long, value_name = "SUITE")]
     pub checks: Option<PathBuf>,
-    /// Errors of devices and drives of all robots, in place of the scene's: none, mild, real, harsh, or a noise profile
+    /// Errors of devices and drives of all robots: none, mild, real, harsh, or a noise profile; overrides the scene
     #[arg(long, value_name = "NAME|FILE")]
     pub noise: Option<String>,
-    /// Motion of a robot that is pushed against a wall: slide, or stall [default: that of the scene, else slide]
+    /// Motion of a robot that is pushed against a wall: slide, or stall [default: from the scene, or slide]
     #[arg(long, value_name = "RULE", value_parser = parse_contact)]
     pub contact: Option<ContactKind>,
-    /// Let programs run commands of this machine with `OSExecute`, and the programs of an archive's checks run: what they do is
-    /// outside of the simulation
+    /// Allow programs to run commands on this machine with `OSExecute`, and the check programs of an archive to run; their
+    /// effects are outside of the simulation
     #[arg(long)]
     pub allow_execute: bool,
-    /// Megabytes that each program may print before the rest is cut
+    /// Megabytes that each program may print; further output is discarded
     #[arg(long, value_name = "MB", default_value = "10", value_parser = parse_megabytes, allow_hyphen_values = true)]
     pub output_limit: u64,
-    /// Show no progress: neither what is being built nor how far the run is
+    /// Show no progress of builds and of the run
     #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Show every RoBIOS call with its virtual time
     #[arg(short, long)]
     pub verbose: bool,
-    /// With -v only these calls: `PSDGet,VW*`
+    /// With -v, show only these calls: `PSDGet,VW*`
     #[arg(long, value_name = "PATTERNS", requires = "verbose")]
     pub only: Option<String>,
-    /// With -v only this robot
+    /// With -v, show only calls of this robot
     #[arg(long, value_name = "NUMBER")]
     pub robot: Option<u32>,
     /// Simulated time at which the run ends when neither the user nor the scene says it

@@ -46,19 +46,19 @@ struct RunArgs {
     /// The suite (NAME.suite.toml)
     #[arg(value_name = "SUITE")]
     suite: PathBuf,
-    /// Folder for the rows: the same command continues in it
+    /// Folder for the rows; the same command continues an interrupted sweep
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Cases that run at one time [default: one for each processor]
+    /// Number of cases that run at the same time [default: one for each processor]
     #[arg(short, long, value_name = "NUMBER")]
     jobs: Option<NonZeroUsize>,
-    /// Run every N-th case only, from the I-th on; the others are those of other processes, on other machines
+    /// Run only every N-th case, from the I-th on; other processes or machines run the others
     #[arg(long, value_name = "I/N", value_parser = Shard::parse, default_value = "1/1")]
     shard: Shard,
     /// Keep the traces of these cases, as OUT/traces/KEY.jsonl.zst
     #[arg(long, value_enum, value_name = "none|failed|all", hide_possible_values = true, default_value = "none")]
     keep: KeepArg,
-    /// Run every case in a process of its own
+    /// Run every case in its own process
     #[arg(long)]
     isolate: bool,
 }
@@ -72,7 +72,7 @@ enum KeepArg {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Tell which cases have rows
+    /// Show which cases have rows
     Status {
         /// Folder of rows
         #[arg(value_name = "OUT")]
@@ -83,7 +83,7 @@ enum Command {
         /// Folders of rows
         #[arg(value_name = "OUT", required = true)]
         folders: Vec<PathBuf>,
-        /// Table to write: NAME.csv or NAME.parquet, or NAME.jsonl with all that rows have
+        /// Table to write: NAME.csv or NAME.parquet, or NAME.jsonl with complete rows
         #[arg(short, long, value_name = "FILE")]
         output: PathBuf,
     },
@@ -92,7 +92,7 @@ enum Command {
         /// The suite (NAME.suite.toml)
         #[arg(value_name = "SUITE")]
         suite: PathBuf,
-        /// Key of a row, or name of a case; `-`: those that are read from standard input, one on each line
+        /// Key of a row, or name of a case; `-` reads them from standard input, one on each line
         #[arg(value_name = "KEY")]
         key: String,
     },

@@ -45,7 +45,7 @@ pub struct TestArgs {
     /// Suites (NAME.suite.toml), and folders in which to look for them
     #[arg(value_name = "SUITE", default_value = ".")]
     pub suites: Vec<PathBuf>,
-    /// Program in place of the suite's: `1=mine.c` for robot 1, `mine.c` for the robots without one
+    /// Program instead of the suite's: `1=mine.c` for robot 1, `mine.c` for the robots without one
     #[arg(long = "program", value_name = "[ROBOT|NAME=]PROGRAM", value_parser = ProgramOption::parse)]
     pub programs: Vec<ProgramOption>,
     /// Only cases whose names match: words with `and`, `or`, `not` and parentheses
@@ -57,10 +57,10 @@ pub struct TestArgs {
     /// Only the cases that failed the last time; all if none did
     #[arg(long, alias = "last-failed")]
     pub lf: bool,
-    /// Cases that run at one time [default: one for each processor]
+    /// Number of cases that run at the same time [default: one for each processor]
     #[arg(short, long, value_name = "NUMBER", value_parser = parse_count, allow_negative_numbers = true)]
     pub jobs: Option<NonZeroUsize>,
-    /// Run every case in a process of its own
+    /// Run every case in its own process
     #[arg(long)]
     pub isolate: bool,
     /// Build and run untrusted programs in a sandbox, as `eyesim run --sandbox` does: full, calls or limits
@@ -73,25 +73,25 @@ pub struct TestArgs {
         value_parser = parse_sandbox
     )]
     pub sandbox: Option<Sandbox>,
-    /// Let the programs of an archive's checks run
+    /// Allow the check programs of an archive to run
     #[arg(long)]
     pub allow_execute: bool,
-    /// List the cases and run none
+    /// List the cases without running them
     #[arg(long, alias = "co")]
     pub collect_only: bool,
-    /// Write the results in the form of JUnit
+    /// Write the results in JUnit format
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
-    /// Write pages for a browser, beginning at index.html, into this folder
+    /// Write pages for a browser into this folder; the first is index.html
     #[arg(long, value_name = "FOLDER")]
     pub html: Option<PathBuf>,
     /// Write all rows as JSON
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// A line for each case
+    /// Print a line for each case
     #[arg(short, long)]
     pub verbose: bool,
-    /// Only what fails, and the last line
+    /// Print only failures and the last line
     #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
 }

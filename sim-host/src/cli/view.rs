@@ -51,19 +51,20 @@ pub struct ViewArgs {
     /// Do not open a browser
     #[arg(long)]
     no_open: bool,
-    /// Port at which pages find the run, 0 for any free one [default: 7351, or any free one if that is taken]
+    /// Port of the pages, 0 for any free port [default: 7351, or any free port if 7351 is in use]
     #[arg(long, value_name = "NUMBER")]
     port: Option<u16>,
-    /// For a class: let others watch over the network at this address of this machine, 0.0.0.0 for all; with a port `0.0.0.0:7412`
+    /// For a class: allow others to watch over the network, at this address of this machine (0.0.0.0: all), optionally
+    /// with a port: `0.0.0.0:7412`
     #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = parse_listen)]
     listen: Option<ListenAddress>,
-    /// Token with which a page may act, with --listen; pages without it only watch [default: a random one]
+    /// With --listen, token that allows a page to act; pages without it only watch [default: a random token]
     #[arg(long, value_name = "TOKEN", requires = "listen", value_parser = parse_token)]
     token: Option<String>,
     /// Wait before the first slot until a user continues the run
     #[arg(long)]
     paused: bool,
-    /// Run at once to this simulated second, then wait until a user continues the run
+    /// Run at full speed to this simulated second, then wait until a user continues the run
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_hyphen_values = true)]
     at: Option<Time>,
     /// Start again with the same seed whenever a program or a file of the scene is saved

@@ -48,26 +48,25 @@ pub struct ShotArgs {
     /// Angle that the picture's width covers, in degrees, with --from [default: 60]
     #[arg(long, value_name = "DEGREES", value_parser = parse_fov, requires = "from")]
     fov: Option<f64>,
-    /// Pixels of the picture [default: as the program has set the camera, else 320x240; with --from 640x480]
+    /// Pixels of the picture [default: as the program has set the camera, or 320x240; with --from 640x480]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, conflicts_with = "lcd")]
     size: Option<[u32; 2]>,
-    /// Samples along each side of a pixel [default: those of the camera; with --from 4]
+    /// Samples along each side of a pixel [default: from the camera; with --from 4]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=8), conflicts_with = "lcd")]
     samples: Option<u32>,
-    /// Show how far away things are: 16 bits a pixel, in mm along the line of sight, 0 for the sky
+    /// Show the depth: 16 bits per pixel, in mm along the line of sight, 0 for the sky
     #[arg(long, conflicts_with_all = ["lcd", "labels"])]
     depth: bool,
     /// Show the label of each pixel as a colour; the palette's indices are the labels of CAMGetLabels
     #[arg(long, conflicts_with = "lcd")]
     labels: bool,
-    /// The picture [default: view.png, of a display lcd.png]
+    /// The picture [default: view.png, for a display lcd.png]
     #[arg(short, long, value_name = "FILE.png")]
     output: Option<PathBuf>,
-    /// Pixels of the picture along each side of a pixel of the display [default: 4 for the small display of RoBIOS 6,
-    /// else 2]
+    /// Picture pixels along each side of a display pixel [default: 4 for the small display of RoBIOS 6, otherwise 2]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=16), requires = "lcd")]
     scale: Option<u8>,
-    /// Show the display's pixels alone, without the frame around them
+    /// Show only the display's pixels, without the frame around them
     #[arg(long, requires = "lcd")]
     bare: bool,
 }
