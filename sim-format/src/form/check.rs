@@ -46,10 +46,10 @@ impl Form for CheckSpec {
         }
         keys.span(&mut self.span);
         let mut name = (!self.name.is_empty()).then(|| self.name.clone());
-        keys.key("name", "Its name in the table and the report; the kind if left out.").maybe(TEXT, &mut name);
+        keys.key("name", "Its name in the table and the report; default: the kind.").maybe(TEXT, &mut name);
         self.name = name.unwrap_or_default();
-        keys.key("points", "Points for a run that meets it; 1 if left out.").optional(POINTS, &mut self.points);
-        keys.key("required", "A run that does not meet it has no points at all; false if left out.")
+        keys.key("points", "Points for a run that meets the check; default: 1.").optional(POINTS, &mut self.points);
+        keys.key("required", "A run that does not meet the check gets no points at all; default: false.")
             .flag(&mut self.is_required);
         kind_keys(&mut self.kind, keys);
     }
@@ -62,17 +62,17 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             place_keys(keys, place);
             by_key(keys, by);
             let mut seconds = stay.seconds();
-            keys.key("stay_s", "Seconds for which it must stay there without leaving; 0 if left out.")
+            keys.key("stay_s", "Seconds for which the body must stay there; default: 0.")
                 .optional(Bounded(DURATION), &mut seconds);
             *stay = Time::from_seconds_ceil(seconds);
         }
         CheckKind::Visits { body, places, within, by, any_order } => {
             body_keys(keys, body);
             keys.key("places_mm", "The places, [x, y] each, in mm.").required(CORNERS, places);
-            keys.key("within_mm", "Greatest distance of the body's centre from a place, in mm.")
+            keys.key("within_mm", "Maximum distance of the body's centre from a place, in mm.")
                 .required(WITHIN, within);
             by_key(keys, by);
-            keys.key("any_order", "The order does not matter; false if left out.").flag(any_order);
+            keys.key("any_order", "The order does not matter; default: false.").flag(any_order);
             refuse_few(keys, "places_mm", places.len(), 1);
         }
         CheckKind::StaysIn { body, place } => {
@@ -96,33 +96,33 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             if gate[0] == gate[1] && keys.is_complete() && keys.reading().is_some() {
                 refuse(keys, "gate_mm", "is no gate", "two different points");
             }
-            keys.key("min", "Least number of passages; 1 if left out.").optional(1..=MAX_COUNT, min);
+            keys.key("min", "Minimum number of passages; default: 1.").optional(1..=MAX_COUNT, min);
             by_key(keys, by);
         }
         CheckKind::Clearance { robot, min, to } => {
             robot_key(keys, robot);
-            keys.key("min_mm", "Smallest gap between the body's disc and the others, in mm.").required(WITHIN, min);
-            keys.key("to", "The others; `all` if left out.").optional(Word, to);
+            keys.key("min_mm", "Minimum gap between the body's disc and the others, in mm.").required(WITHIN, min);
+            keys.key("to", "Bodies to which the gap is measured; default: `all`.").optional(Word, to);
         }
         CheckKind::FollowsWall { robot, gap, share } => {
             robot_key(keys, robot);
-            keys.key("gap_mm", "Least and greatest gap between the body's disc and the nearest wall, in mm.")
+            keys.key("gap_mm", "Minimum and maximum gap between the body's disc and the nearest wall, in mm.")
                 .required([WITHIN; 2], gap);
-            keys.key("share_percent", "Least share of the length of the path in percent; 100 if left out.")
+            keys.key("share_percent", "Minimum fraction of the length of the path in percent; default: 100.")
                 .optional(SHARE, share);
             if gap[0] > gap[1] {
                 refuse(keys, "gap_mm", "has its least value above its greatest", "the least value first");
             }
         }
         CheckKind::Coverage { robots, width, area, cell, share, by } => {
-            keys.key("robots", "Numbers of the robots; all of the scene if left out.").items(ROBOTS, robots);
+            keys.key("robots", "Numbers of the robots; default: all of the scene.").items(ROBOTS, robots);
             keys.key("width_mm", "Width of the tool, a disc around each robot's centre, in mm.")
                 .required(Quantity::size("width"), width);
-            keys.key("area_mm", "The area: two opposite corners of a rectangle or the corners of a polygon, [x, y] each, in mm; the floor if left out.")
+            keys.key("area_mm", "The area: two opposite corners of a rectangle or the corners of a polygon, [x, y] each, in mm; default: the floor.")
                 .maybe(AREA, area);
-            keys.key("cell_mm", "Side of the squares by whose middles the area is counted, in mm; 50 if left out.")
+            keys.key("cell_mm", "Side of the squares by whose centres the area is measured, in mm; default: 50.")
                 .optional(Bounded(Quantity::size("side").within(1.0, 1e6)), cell);
-            keys.key("share_percent", "Least share of the area in percent; 100 if left out.").optional(SHARE, share);
+            keys.key("share_percent", "Minimum share of the area in percent; default: 100.").optional(SHARE, share);
             by_key(keys, by);
         }
         CheckKind::Swarm { robots, of, min, max, since, at_end } => {
@@ -130,51 +130,51 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
         }
         CheckKind::OdometryError { robot, max, at_end } => {
             robot_key(keys, robot);
-            keys.key("max_mm", "Greatest distance between the position by odometry and the true one, in mm.")
+            keys.key("max_mm", "Maximum distance between the position by odometry and the true one, in mm.")
                 .required(WITHIN, max);
-            keys.key("at_end", "Only the end of the run counts; false if left out.").flag(at_end);
+            keys.key("at_end", "Only the end of the run counts; default: false.").flag(at_end);
         }
         CheckKind::Contacts { robot, with, max } => {
-            any_robot_key(keys, "robot", "Number of the robot; all together if left out.", robot);
-            keys.key("with", "The obstacles that count; `anything` if left out.").optional(Word, with);
-            keys.key("max", "Greatest number of contacts; 0 if left out.").optional(0..=MAX_COUNT, max);
+            any_robot_key(keys, "robot", "Number of the robot; default: all robots together.", robot);
+            keys.key("with", "The obstacles that count; default: `anything`.").optional(Word, with);
+            keys.key("max", "Maximum number of contacts; default: 0.").optional(0..=MAX_COUNT, max);
         }
         CheckKind::Metric { path, min, max, full, zero } => metric_keys(keys, path, [min, max, full, zero]),
         CheckKind::Prints { robot, on, what } => {
             robot_key(keys, robot);
-            keys.key("on", "Where it prints; `stdout` if left out.").optional(Word, on);
+            keys.key("on", "Where the program prints; default: `stdout`.").optional(Word, on);
             printed_keys(keys, what);
         }
         CheckKind::Outcome { robot, is } => {
-            any_robot_key(keys, "robot", "Number of the robot; each one that has a program if left out.", robot);
-            keys.key("is", "The outcome; `finished` if left out.").optional(Word, is);
+            any_robot_key(keys, "robot", "Number of the robot; default: each robot with a program.", robot);
+            keys.key("is", "The outcome; default: `finished`.").optional(Word, is);
         }
         CheckKind::Event { robot, event, count, by } => {
-            any_robot_key(keys, "robot", "Number of the robot; all together if left out.", robot);
+            any_robot_key(keys, "robot", "Number of the robot; default: all robots together.", robot);
             keys.key("event", "Kind of the events, as in docs/trace.md.").required(EVENT, event);
             count_keys(keys, count);
             by_key(keys, by);
         }
         CheckKind::Calls { robot, function, count } => {
-            any_robot_key(keys, "robot", "Number of the robot; all together if left out.", robot);
+            any_robot_key(keys, "robot", "Number of the robot; default: all robots together.", robot);
             keys.key("function", "Name of a RoBIOS function.").required(TEXT, function);
             count_keys(keys, count);
         }
         CheckKind::Message { from, to, text, count } => {
-            any_robot_key(keys, "from", "Number of the sender; any if left out.", from);
-            any_robot_key(keys, "to", "Number of the receiver; any if left out.", to);
-            keys.key("text", "Text that the message contains; anything if left out.").maybe(TEXT, text);
+            any_robot_key(keys, "from", "Number of the sender; default: any.", from);
+            any_robot_key(keys, "to", "Number of the receiver; default: any.", to);
+            keys.key("text", "Text that the message contains; default: anything.").maybe(TEXT, text);
             count_keys(keys, count);
         }
         CheckKind::Script { program, arguments, timeout, .. } => {
             keys.key(
                 "program",
-                "The program, from this file's folder: one in Python, or any file that can be executed.",
+                "The program, relative to this file's folder: a Python program or any executable file.",
             )
             .required(TEXT, program);
-            keys.key("arguments", "Words that it gets before the paths of report and trace.").list(TEXTS, arguments);
+            keys.key("arguments", "Arguments before the paths of report and trace.").list(TEXTS, arguments);
             let mut seconds = timeout.seconds();
-            keys.key("timeout_s", "Seconds of real time after which it is ended; 10 if left out.")
+            keys.key("timeout_s", "Seconds of real time after which the program is stopped; default: 10.")
                 .optional(Bounded(Quantity::seconds("time").within(0.1, 3600.0)), &mut seconds);
             *timeout = Time::from_seconds_ceil(seconds);
         }
@@ -194,10 +194,14 @@ impl Words for SwarmWord {
     const NAME: &'static str = "SwarmForm";
     const ABOUT: &'static str = "A number that describes robots together.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
-        (SwarmWord::Spread, "spread", "Mean distance of the robots from their common middle, in mm."),
-        (SwarmWord::Order, "order", "Length of the mean of the directions of those that move: 1 if all are the same."),
+        (SwarmWord::Spread, "spread", "Mean distance of the robots from their centroid, in mm."),
+        (
+            SwarmWord::Order,
+            "order",
+            "Length of the mean of the directions of all moving robots: 1 if all directions are equal.",
+        ),
         (SwarmWord::Groups, "groups", "Number of groups that are connected by distances of at most `within_mm`."),
-        (SwarmWord::Coverage, "coverage", "Share of an area over which a tool at each robot has passed, 0 to 1."),
+        (SwarmWord::Coverage, "coverage", "Fraction of an area over which a tool at each robot has passed, 0 to 1."),
     ];
 }
 
@@ -209,40 +213,40 @@ fn swarm_keys(
     since: &mut Time,
     at_end: &mut bool,
 ) {
-    keys.key("robots", "Numbers of the robots; all of the scene if left out.").items(ROBOTS, robots);
+    keys.key("robots", "Numbers of the robots; default: all of the scene.").items(ROBOTS, robots);
     let (mut word, mut reach, mut tool, mut ground, mut side) = match of.clone() {
         SwarmMetric::Spread => (SwarmWord::Spread, None, None, None, CELL),
         SwarmMetric::Order => (SwarmWord::Order, None, None, None, CELL),
         SwarmMetric::Groups { reach } => (SwarmWord::Groups, Some(reach), None, None, CELL),
         SwarmMetric::Coverage { width, area, cell } => (SwarmWord::Coverage, None, Some(width), area, cell),
     };
-    keys.key("of", "The number, which is taken every 100 ms.").required(Word, &mut word);
+    keys.key("of", "The number, sampled every 100 ms.").required(Word, &mut word);
     let is_described = keys.reading().is_none();
     if is_described || word == SwarmWord::Groups {
-        keys.key("within_mm", "Of `groups`: greatest distance between the centres of neighbours, in mm.")
+        keys.key("within_mm", "Of `groups`: maximum distance between the centres of neighbours, in mm.")
             .maybe(Bounded(Quantity::size("distance")), &mut reach);
         refuse_missing(keys, "within_mm");
     }
     if is_described || word == SwarmWord::Coverage {
         keys.key("width_mm", "Of `coverage`: width of the tool, a disc around each robot's centre, in mm.")
             .maybe(Bounded(Quantity::size("width")), &mut tool);
-        keys.key("area_mm", "Of `coverage`: the area, by its corners in mm; the floor if left out.")
+        keys.key("area_mm", "Of `coverage`: the area, by its corners in mm; default: the floor.")
             .maybe(AREA, &mut ground);
         keys.key(
             "cell_mm",
-            "Of `coverage`: side of the squares by whose middles the area is counted, in mm; 50 if left out.",
+            "Of `coverage`: side of the squares by whose centres the area is measured, in mm; default: 50.",
         )
         .optional(Bounded(Quantity::size("side").within(1.0, 1e6)), &mut side);
         refuse_missing(keys, "width_mm");
     }
     let is_length = word == SwarmWord::Spread;
     let mut limits = [*min, *max].map(|limit| limit.map(|limit| if is_length { number::mm(limit) } else { limit }));
-    keys.key("min", "Least value, of `spread` in mm.").maybe(ANY_NUMBER, &mut limits[0]);
-    keys.key("max", "Greatest value, of `spread` in mm.").maybe(ANY_NUMBER, &mut limits[1]);
+    keys.key("min", "Minimum value, of `spread` in mm.").maybe(ANY_NUMBER, &mut limits[0]);
+    keys.key("max", "Maximum value, of `spread` in mm.").maybe(ANY_NUMBER, &mut limits[1]);
     let mut from = since.seconds();
-    keys.key("from_s", "Simulated seconds before which the limits do not count; 0 if left out.")
+    keys.key("from_s", "Simulated seconds before which the limits do not count; default: 0.")
         .optional(Bounded(DURATION), &mut from);
-    keys.key("at_end", "Only the end of the run counts; false if left out.").flag(at_end);
+    keys.key("at_end", "Only the end of the run counts; default: false.").flag(at_end);
     if is_described {
         return;
     }
@@ -287,12 +291,12 @@ fn refuse_few(keys: &mut Keys<'_>, key: &'static str, count: usize, least: usize
 }
 
 fn by_key(keys: &mut Keys<'_>, by: &mut Option<Time>) {
-    keys.key("by_s", "Simulated seconds by which it must have happened; the end of the run if left out.")
+    keys.key("by_s", "Simulated time in seconds by which the condition must be met; default: the end of the run.")
         .maybe(UNTIL, by);
 }
 
 fn robot_key(keys: &mut Keys<'_>, robot: &mut RobotId) {
-    keys.key("robot", "Number of the robot; 1 if left out.").optional(NUMBER, robot);
+    keys.key("robot", "Number of the robot; default: 1.").optional(NUMBER, robot);
 }
 
 fn any_robot_key(keys: &mut Keys<'_>, name: &'static str, about: &'static str, robot: &mut Option<RobotId>) {
@@ -306,7 +310,7 @@ fn body_keys(keys: &mut Keys<'_>, body: &mut BodyRef) {
         BodyRef::Object(object) => (None, Some(object)),
     };
     any_robot_key(keys, "robot", "Number of the robot; 1 if neither robot nor object is given.", &mut robot);
-    keys.key("object", "Number of a movable object, counted from 1 in the order of the file, in place of a robot.")
+    keys.key("object", "Number of a movable object instead of a robot, counted from 1 in the order of the file.")
         .maybe(OBJECT, &mut object);
     if let Some((reader, section)) = keys.reading()
         && section.has("object")
@@ -329,7 +333,7 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut Place) {
         (centre, radius) = (None, None);
     }
     keys.key("at_mm", "The place: its centre, [x, y], in mm.").maybe(POINT, &mut centre);
-    keys.key("within_mm", "Greatest distance of the body's centre from `at_mm`, in mm.").maybe(WITHIN, &mut radius);
+    keys.key("within_mm", "Maximum distance of the body's centre from `at_mm`, in mm.").maybe(WITHIN, &mut radius);
     keys.key("area_mm", "The place, instead of `at_mm`: two opposite corners of a rectangle or the corners of a polygon, [x, y] each, in mm.")
         .maybe(AREA, &mut area);
     let Some((reader, section)) = keys.reading() else { return };
@@ -357,8 +361,8 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut Place) {
 fn count_keys(keys: &mut Keys<'_>, count: &mut Counts) {
     let usual = |count: &Counts| if count.max.is_some() { 0 } else { 1 };
     let mut min = Some(count.min).filter(|min| keys.reading().is_none() && *min != usual(count));
-    keys.key("min", "Least number; 1 if left out, 0 if only `max` is given.").maybe(0..=MAX_COUNT, &mut min);
-    keys.key("max", "Greatest number; any if left out.").maybe(0..=MAX_COUNT, &mut count.max);
+    keys.key("min", "Minimum number; default: 1, or 0 if only `max` is given.").maybe(0..=MAX_COUNT, &mut min);
+    keys.key("max", "Maximum number; default: any.").maybe(0..=MAX_COUNT, &mut count.max);
     if keys.reading().is_none() {
         return;
     }
@@ -370,8 +374,8 @@ fn count_keys(keys: &mut Keys<'_>, count: &mut Counts) {
 
 fn metric_keys(keys: &mut Keys<'_>, path: &mut String, [min, max, full, zero]: [&mut Option<f64>; 4]) {
     keys.key("path", "Path into the report, as `robots[0].path_m`.").required(TEXT, path);
-    keys.key("min", "Least value.").maybe(ANY_NUMBER, min);
-    keys.key("max", "Greatest value.").maybe(ANY_NUMBER, max);
+    keys.key("min", "Minimum value.").maybe(ANY_NUMBER, min);
+    keys.key("max", "Maximum value.").maybe(ANY_NUMBER, max);
     keys.key("full", "Value for all points.").maybe(ANY_NUMBER, full);
     keys.key("zero", "Value for no points; between it and `full`, points are proportional.").maybe(ANY_NUMBER, zero);
     let Some((reader, section)) = keys.reading() else { return };
@@ -404,9 +408,9 @@ fn printed_keys(keys: &mut Keys<'_>, what: &mut Printed) {
     }
     keys.key("text", "Text within a line.").maybe(TEXT, &mut text);
     keys.key("pattern", "A whole line, in which `*` stands for any text.").maybe(TEXT, &mut pattern);
-    keys.key("numbers", "Numbers row by row, as [1, 2, 3] or [[1, 2], [3, 4]]; other words may stand between them.")
+    keys.key("numbers", "Numbers row by row, as [1, 2, 3] or [[1, 2], [3, 4]]; other words may be between them.")
         .maybe(ROWS, &mut rows);
-    keys.key("tolerance", "Greatest deviation of a number; 0 if left out.")
+    keys.key("tolerance", "Maximum deviation of a number; default: 0.")
         .optional(Bounded(Quantity::number("tolerance", 0.0, 1e300)), &mut tolerance);
     let Some((reader, section)) = keys.reading() else { return };
     let given = ["text", "pattern", "numbers"].into_iter().filter(|key| section.has(key)).count();
@@ -618,13 +622,13 @@ impl Words for Outcome {
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
         (Outcome::Finished, "finished", "It returned 0."),
         (Outcome::Running, "running", "The run ended while it ran."),
-        (Outcome::Waiting, "waiting", "It waits for an event that can no longer come."),
+        (Outcome::Waiting, "waiting", "It waits for an event that can no longer occur."),
         (Outcome::Interrupted, "interrupted", "The user ended the run."),
-        (Outcome::Failed, "failed", "It panicked, faulted or returned another code than 0."),
+        (Outcome::Failed, "failed", "It panicked, faulted or returned a code other than 0."),
         (Outcome::Timeout, "timeout", "It computed for too long without a RoBIOS call."),
         (Outcome::NoProgram, "no_program", "The robot has no program."),
         (Outcome::Removed, "removed", "The robot was removed before its program ended."),
-        (Outcome::Halted, "halted", "The robot died by a fault of the scene before its program ended."),
+        (Outcome::Halted, "halted", "A fault of the scene (`dies`) ended the program."),
     ];
 }
 
@@ -633,17 +637,17 @@ const NOWHERE: Place = Place::Disc { centre: DVec2::ZERO, radius: 0.0 };
 
 impl Variants for CheckSpec {
     const KINDS: &'static [Variant<Self>] = &[
-        ("reach", "The centre of a robot or object comes to a place.", || {
+        ("reach", "The centre of a robot or object reaches a place.", || {
             Self::of(CheckKind::Reach { body: ROBOT, place: NOWHERE, by: None, stay: Time::ZERO })
         }),
-        ("visits", "The centre of a robot or object comes to several places.", || {
+        ("visits", "The centre of a robot or object reaches several places.", || {
             let places = Vec::new();
             Self::of(CheckKind::Visits { body: ROBOT, places, within: 0.0, by: None, any_order: false })
         }),
         ("stays_in", "The centre of a robot or object never leaves a place.", || {
             Self::of(CheckKind::StaysIn { body: ROBOT, place: NOWHERE })
         }),
-        ("laps", "The centre of a robot or object passes a gate a number of times.", || {
+        ("laps", "The centre of a robot or object passes a gate at least `min` times.", || {
             Self::of(CheckKind::Laps { body: ROBOT, gate: [DVec2::ZERO; 2], min: 1, by: None })
         }),
         ("clearance", "The gap between a robot's body and others is never smaller than a limit.", || {
@@ -652,7 +656,7 @@ impl Variants for CheckSpec {
         ("follows_wall", "A robot drives along walls.", || {
             Self::of(CheckKind::FollowsWall { robot: RobotId(1), gap: [0.0; 2], share: 1.0 })
         }),
-        ("coverage", "Robots pass over a share of an area.", || {
+        ("coverage", "Robots pass over a fraction of an area.", || {
             let robots = Vec::new();
             Self::of(CheckKind::Coverage { robots, width: 0.0, area: None, cell: CELL, share: 1.0, by: None })
         }),
@@ -663,7 +667,7 @@ impl Variants for CheckSpec {
         ("odometry_error", "Odometry never deviates from the truth by more than a limit.", || {
             Self::of(CheckKind::OdometryError { robot: RobotId(1), max: 0.0, at_end: false })
         }),
-        ("contacts", "Robots touch obstacles at most so many times.", Self::default),
+        ("contacts", "Robots touch obstacles at most `max` times.", Self::default),
         ("metric", "A number of the report is within limits.", || {
             let path = String::new();
             Self::of(CheckKind::Metric { path, min: None, max: None, full: None, zero: None })
@@ -675,15 +679,15 @@ impl Variants for CheckSpec {
         ("outcome", "Programs end in a certain way.", || {
             Self::of(CheckKind::Outcome { robot: None, is: Outcome::Finished })
         }),
-        ("event", "Events of a kind happen a number of times.", || {
+        ("event", "Events of a kind occur between `min` and `max` times.", || {
             let count = Counts::default();
             Self::of(CheckKind::Event { robot: None, event: EventKind::Beep, count, by: None })
         }),
-        ("calls", "A function of RoBIOS is called a number of times.", || {
+        ("calls", "A RoBIOS function is called between `min` and `max` times.", || {
             let (function, count) = (String::new(), Counts::default());
             Self::of(CheckKind::Calls { robot: None, function, count })
         }),
-        ("message", "Messages are read from the radio a number of times.", || {
+        ("message", "Radio messages are read between `min` and `max` times.", || {
             let count = Counts::default();
             Self::of(CheckKind::Message { from: None, to: None, text: None, count })
         }),

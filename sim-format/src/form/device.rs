@@ -47,9 +47,9 @@ impl Form for InfraredSpec {
         keys.span(&mut self.span);
         device(keys, "Its name, such as `IR_LEFT`.", &mut self.name, &mut self.id);
         position(keys, [Quantity::coordinate("coordinate of the sensor"); 3], &mut self.position);
-        keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; 0 if left out.")
+        keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; default: 0.")
             .optional(Quantity::angle("angle of the sensor"), &mut self.angle);
-        keys.key("range_mm", "Range in mm; 100 if left out.")
+        keys.key("range_mm", "Range in mm; default: 100.")
             .always(Quantity::size("range of the sensor"), &mut self.range);
     }
 }
@@ -59,9 +59,9 @@ impl Form for BumperSpec {
         keys.form("ArcForm", "A bumper: an arc of the body.");
         keys.span(&mut self.span);
         device(keys, "Its name, such as `BUMP_FRONT`.", &mut self.name, &mut self.id);
-        keys.key("from_deg", "Where the arc begins, in degrees counter-clockwise from forward.")
+        keys.key("from_deg", "Angle at which the arc begins, in degrees counter-clockwise from forward.")
             .required(BUMPER_END, &mut self.from);
-        keys.key("to_deg", "Where it ends, counter-clockwise.").required(ArcEnd(self.from), &mut self.to);
+        keys.key("to_deg", "Angle at which the arc ends, counter-clockwise.").required(ArcEnd(self.from), &mut self.to);
     }
 }
 
@@ -113,8 +113,8 @@ impl Form for ServoSpec {
         keys.form("ServoForm", "A servo.");
         keys.span(&mut self.span);
         device(keys, "Its name, such as `SERVO1`.", &mut self.name, &mut self.id);
-        keys.key("from_deg", "Angle at position 0 in degrees; -90 if left out.").always(SERVO_END, &mut self.from);
-        keys.key("to_deg", "Angle at position 255 in degrees; 90 if left out.").always(SERVO_END, &mut self.to);
+        keys.key("from_deg", "Angle at position 0 in degrees; default: -90.").always(SERVO_END, &mut self.from);
+        keys.key("to_deg", "Angle at position 255 in degrees; default: 90.").always(SERVO_END, &mut self.to);
     }
 }
 
@@ -126,9 +126,9 @@ impl Form for CompassSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("CompassForm", "The compass.");
         keys.span(&mut self.span);
-        keys.key("name", "Its name; `COMPASS` if left out.").always(TEXT, &mut self.name);
+        keys.key("name", "Its name; default: `COMPASS`.").always(TEXT, &mut self.name);
         number(keys, &mut self.id);
-        keys.key("north_deg", "Direction in the world in which it reads 0, in degrees; 0 if left out.")
+        keys.key("north_deg", "Direction in the world in which it reads 0, in degrees; default: 0.")
             .optional(Quantity::angle("north"), &mut self.north);
     }
 }
@@ -136,15 +136,14 @@ impl Form for CompassSpec {
 impl Form for LcdSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("LcdForm", "The colour display of RoBIOS-7.");
-        keys.key("width_px", "Pixels in a row; 320 if left out.").always(MIN_LCD_SIDE..=MAX_LCD_WIDTH, &mut self.width);
-        keys.key("height_px", "Rows of pixels; 240 if left out.")
-            .always(MIN_LCD_SIDE..=MAX_LCD_HEIGHT, &mut self.height);
+        keys.key("width_px", "Pixels in a row; default: 320.").always(MIN_LCD_SIDE..=MAX_LCD_WIDTH, &mut self.width);
+        keys.key("height_px", "Rows of pixels; default: 240.").always(MIN_LCD_SIDE..=MAX_LCD_HEIGHT, &mut self.height);
     }
 }
 
 impl Form for InputSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("InputForm", "What inputs read that nothing simulated drives.");
+        keys.form("InputForm", "Readings of inputs that no simulated device drives.");
         let (channels, latches, lines) = (
             Numbered { what: "A/D channel", numbers: 0..=15, largest: 1023 },
             Numbered { what: "latch", numbers: 0..=255, largest: 255 },
@@ -154,11 +153,11 @@ impl Form for InputSpec {
         keys.key("latch", "Input latches: values 0 to 255 by numbers.").list(latches, &mut self.latches);
         keys.key("digital", "Digital lines: 0 or 1 by numbers 1 to 16.").list(lines, &mut self.digital);
         let voltage = Quantity::number("voltage of the battery", 0.0, MAX_VOLTAGE);
-        keys.key("voltage_v", "Voltage of the battery; 7.2 if left out.").optional(voltage, &mut self.voltage);
-        keys.key("microphone", "What the microphone reads; 128 if left out.").optional(0..=255, &mut self.microphone);
-        keys.key("parallel_data", "Data register of the parallel port; 0 if left out.")
+        keys.key("voltage_v", "Voltage of the battery; default: 7.2.").optional(voltage, &mut self.voltage);
+        keys.key("microphone", "Reading of the microphone; default: 128.").optional(0..=255, &mut self.microphone);
+        keys.key("parallel_data", "Data register of the parallel port; default: 0.")
             .optional(0..=255, &mut self.parallel_data);
-        keys.key("parallel_status", "Status register of the parallel port; 0 if left out.")
+        keys.key("parallel_status", "Status register of the parallel port; default: 0.")
             .optional(0..=255, &mut self.parallel_status);
         self.analog.sort_unstable();
         self.latches.sort_unstable();
@@ -220,8 +219,8 @@ pub(crate) const SERIALS: Custom<Vec<SerialSpec>> = Custom {
     describe: |definitions| {
         let word = definition(definitions, "SerialWord", |_| {
             let loopback =
-                json!({ "description": "Everything that is sent comes back.", "type": "string", "const": "loopback" });
-            json!({ "description": "What needs no file.", "oneOf": [loopback] })
+                json!({ "description": "All sent bytes are received back.", "type": "string", "const": "loopback" });
+            json!({ "description": "A device that needs no file.", "oneOf": [loopback] })
         });
         let line = definition(definitions, "SerialForm", |_| {
             let mut word = word;
@@ -232,7 +231,7 @@ pub(crate) const SERIALS: Custom<Vec<SerialSpec>> = Custom {
                 "properties": { "file": { "description": "The file.", "type": "string" } },
                 "required": ["file"],
             });
-            json!({ "description": "What is at the other end of a serial line.", "anyOf": [word, file] })
+            json!({ "description": "Device at a serial interface.", "anyOf": [word, file] })
         });
         json!({ "type": "object", "additionalProperties": line })
     },
@@ -284,15 +283,15 @@ impl Form for CameraSpec {
         keys.span(&mut self.span);
         position(keys, CAMERA_PLACE, &mut self.position);
         let about = [
-            "Turn about the vertical axis in degrees, counter-clockwise; 0 if left out.",
-            "The servo that pans, in place of `pan_deg`.",
+            "Turn about the vertical axis in degrees, counter-clockwise; default: 0.",
+            "The servo that pans, instead of `pan_deg`.",
         ];
         joint(keys, ["pan_deg", "pan_servo"], about, &mut self.pan);
-        let about = ["Turn upwards in degrees; 0 if left out.", "The servo that tilts, in place of `tilt_deg`."];
+        let about = ["Turn upwards in degrees; default: 0.", "The servo that tilts, instead of `tilt_deg`."];
         joint(keys, ["tilt_deg", "tilt_servo"], about, &mut self.tilt);
-        keys.key("image_px", "Largest image: width and height in pixels.").maybe(PIXELS, &mut self.image);
+        keys.key("image_px", "Maximum image: width and height in pixels.").maybe(PIXELS, &mut self.image);
         lens(keys, &mut self.lens);
-        keys.key("samples", "Points per side of a pixel whose colours are averaged; 2 if left out.")
+        keys.key("samples", "Points per side of a pixel whose colours are averaged; default: 2.")
             .optional(1..=i64::from(MAX_SAMPLES), &mut self.samples);
     }
 }
@@ -335,9 +334,9 @@ fn lens(keys: &mut Keys<'_>, lens: &mut Lens) {
         Lens::Pinhole { fov } => (Some(fov).filter(|_| *lens != DEFAULT_LENS), None),
         Lens::Fisheye { fov } => (None, Some(fov)),
     };
-    keys.key("fov_deg", "Horizontal field of view in degrees; 60 if left out.")
+    keys.key("fov_deg", "Horizontal field of view in degrees; default: 60.")
         .maybe(Bounded(FIELD_OF_VIEW), &mut pinhole);
-    keys.key("fisheye_deg", "Horizontal field of view of a fisheye lens in degrees, in place of `fov_deg`.")
+    keys.key("fisheye_deg", "Horizontal field of view of a fisheye lens in degrees, instead of `fov_deg`.")
         .maybe(Bounded(FISHEYE), &mut fisheye);
     if let Some((reader, section)) = keys.reading() {
         if fisheye.is_some() {

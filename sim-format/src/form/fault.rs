@@ -21,9 +21,10 @@ impl Form for FaultSpec {
         }
         keys.span(&mut self.span);
         let mut name = (!self.name.is_empty()).then(|| self.name.clone());
-        keys.key("name", "Its name, by which random instants are drawn; the kind if left out.").maybe(TEXT, &mut name);
+        keys.key("name", "Its name, which with the seed determines its random times; default: the kind.")
+            .maybe(TEXT, &mut name);
         self.name = name.unwrap_or_default();
-        keys.key("robot", "Number of the robot; 1 if left out.").optional(NUMBER, &mut self.robot);
+        keys.key("robot", "Number of the robot; default: 1.").optional(NUMBER, &mut self.robot);
         match &mut self.kind {
             FaultKind::Dies | FaultKind::RadioOff => {}
             FaultKind::SensorOff { sensor } => {
@@ -34,8 +35,8 @@ impl Form for FaultSpec {
                     .required(TEXT, sensor);
             }
             FaultKind::Slip { wheels, share } => {
-                keys.key("wheels", "Wheels that slip; all if left out.").optional(Word, wheels);
-                keys.key("slip_percent", "Share of a wheel's way that is lost, in percent; of one side at most 50.")
+                keys.key("wheels", "Wheels that slip; default: all.").optional(Word, wheels);
+                keys.key("slip_percent", "Fraction of a wheel's way that is lost, in percent; of one side at most 50.")
                     .required(Bounded(Quantity::percent("slip", 0.0, 100.0)), share);
                 if let Some((reader, section)) = keys.reading()
                     && *wheels != SlippingWheels::All
@@ -56,7 +57,7 @@ impl Form for FaultSpec {
         when_keys(keys, &mut self.when);
         let is_end = matches!(self.kind, FaultKind::Dies);
         if !is_end {
-            keys.key("for_s", "How long it lasts in seconds; up to the end of the run if left out.")
+            keys.key("for_s", "Duration in seconds; default: until the end of the run.")
                 .maybe(DURATION, &mut self.lasts);
         }
     }
@@ -72,9 +73,9 @@ fn when_keys(keys: &mut Keys<'_>, when: &mut FaultTime) {
         at = None;
     }
     keys.key("at_s", "Simulated seconds at which it begins.").maybe(DURATION, &mut at);
-    keys.key("probability", "Probability that it happens at all; 1 if left out.")
+    keys.key("probability", "Probability that the fault occurs at all; default: 1.")
         .optional(Bounded(Quantity::number("probability", 0.0, 1.0)), &mut probability);
-    keys.key("per_minute", "Mean number of times in a minute at which it begins, at random, in place of `at_s`.")
+    keys.key("per_minute", "Mean rate of random beginnings per minute, instead of `at_s`.")
         .maybe(Bounded(Quantity::number("rate", 1e-6, 1e3)), &mut rate);
     let Some((reader, section)) = keys.reading() else { return };
     if section.has("per_minute") {

@@ -23,7 +23,7 @@ pub(crate) fn legs(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     let mut legs = robi.legs.take();
     let mut list = legs.as_ref().map_or_else(Vec::new, |legs| legs.legs.clone());
     let mut gaits = legs.clone().filter(|legs| LegsSpec { legs: Vec::new(), ..legs.clone() } != LegsSpec::default());
-    keys.key("legs", "What the legs do; for `kind = \"legged\"`.").maybe(PART, &mut gaits);
+    keys.key("legs", "Gaits and common properties of the legs; for `kind = \"legged\"`.").maybe(PART, &mut gaits);
     keys.key("leg", "The legs.").list(PARTS, &mut list);
     if let Some((reader, section)) = keys.reading() {
         let key = ["leg", "legs"].into_iter().find(|key| section.has(key));
@@ -36,15 +36,12 @@ pub(crate) fn legs(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
 
 impl Form for LegsSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("LegsForm", "What the legs of a robot do; for `kind = \"legged\"`.");
-        keys.key(
-            "step_height_mm",
-            "How high a foot is lifted over the higher of the places that it steps from and to, in mm; 30 if left out.",
-        )
-        .optional(Quantity::length("height of a step"), &mut self.step_height);
-        keys.key("radius_mm", "Radius of thighs and shanks in mm: what of them may touch; 20 if left out.")
+        keys.form("LegsForm", "Gaits and common properties of a robot's legs; for `kind = \"legged\"`.");
+        keys.key("step_height_mm", "Lift of a foot above the higher of its two footholds, in mm; default: 30.")
+            .optional(Quantity::length("height of a step"), &mut self.step_height);
+        keys.key("radius_mm", "Radius of thighs and shanks in mm, for contacts; default: 20.")
             .optional(Quantity::length("radius of thighs and shanks"), &mut self.radius);
-        keys.key("gait", "Gaits, the first is the one that it starts with; if left out, one foot after the other.")
+        keys.key("gait", "Gaits; the robot starts with the first one; default: one foot after the other.")
             .list(Parts(MAX_PARTS), &mut self.gaits);
     }
 }
@@ -60,18 +57,15 @@ impl Form for GaitSpec {
         let mut curve = if self.is_natural { Curve::Natural } else { Curve::Plain };
         keys.span(&mut self.span);
         keys.key("name", "Its name.").required(TEXT, &mut self.name);
-        keys.key("period_ms", "Time from one lift-off of a foot to its next in ms; 1000 if left out.")
+        keys.key("period_ms", "Time from one lift-off of a foot to its next in ms; default: 1000.")
             .optional(Bounded(period), &mut self.period);
-        keys.key("duty", "Share of the period that a foot is on the ground; 0.8 if left out.")
+        keys.key("duty", "Fraction of the period during which a foot is on the ground; default: 0.8.")
             .optional(Bounded(Quantity::number("duty factor", 0.05, 0.98)), &mut self.duty);
-        keys.key(
-            "offsets",
-            "Share of the period after which each leg lifts off; if left out, one after the other at equal distances.",
-        )
-        .list(OFFSETS, &mut self.offsets);
+        keys.key("offsets", "Fraction of the period after which each leg lifts off; default: at equal distances.")
+            .list(OFFSETS, &mut self.offsets);
         keys.key(
             "curve",
-            "What the joints follow: the path of the foot alone (plain), if left out, or joint angles of people.",
+            "Motion of the joints: from the path of the foot (`plain`, the default) or from joint angles of people (`natural`).",
         )
         .optional(Word, &mut curve);
         self.is_natural = curve == Curve::Natural;
@@ -87,7 +81,7 @@ enum Curve {
 
 impl Words for Curve {
     const NAME: &'static str = "CurveForm";
-    const ABOUT: &'static str = "What the joints of a gait follow.";
+    const ABOUT: &'static str = "Motion of the joints in a gait.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
         (Curve::Plain, "plain", "The path of the foot alone."),
         (Curve::Natural, "natural", "Joint angles of people, for two legs with feet."),
@@ -114,21 +108,18 @@ impl Form for LegSpec {
         keys.span(&mut self.span);
         keys.key("name", "Its name; sensors sit on the links `NAME.thigh`, `NAME.shank` and with a foot `NAME.foot`.")
             .required(TEXT, &mut self.name);
-        keys.key("x_mm", "Place of the hip forward of the robot's centre in mm; 0 if left out.")
+        keys.key("x_mm", "Position of the hip forward of the robot's centre in mm; default: 0.")
             .optional(coordinate, &mut self.hip.x);
-        keys.key("y_mm", "Place of the hip to the left in mm; 0 if left out.").optional(coordinate, &mut self.hip.y);
-        keys.key("z_mm", "Height of the hip while the robot stands, in mm.")
+        keys.key("y_mm", "Position of the hip to the left in mm; default: 0.").optional(coordinate, &mut self.hip.y);
+        keys.key("z_mm", "Height of the hip of the robot at rest, in mm.")
             .required(Quantity::size("height of the hip"), &mut self.hip.z);
         keys.key("thigh_mm", "Length from hip to knee in mm.")
             .required(Quantity::size("length of the thigh"), &mut self.thigh);
         keys.key("shank_mm", "Length from knee to ankle or tip in mm.")
             .required(Quantity::size("length of the shank"), &mut self.shank);
         keys.key("foot", "Its foot.").maybe(PART, &mut self.foot);
-        keys.key(
-            "wheel_mm",
-            "Diameter in mm of a wheel in the place of a foot, which rolls along and is never lifted.",
-        )
-        .maybe(Quantity::size("diameter of the wheel"), &mut self.wheel);
+        keys.key("wheel_mm", "Diameter in mm of a wheel instead of a foot; it rolls and is never lifted.")
+            .maybe(Quantity::size("diameter of the wheel"), &mut self.wheel);
         if let Some((reader, section)) = keys.reading()
             && self.foot.is_some()
             && self.wheel.take().is_some()

@@ -48,7 +48,7 @@ pub(crate) const NOISE: Custom<NoiseRef> = Custom {
             let name =
                 json!({ "description": "`none`, `mild`, `real`, `harsh`, `course`, or a file.", "type": "string" });
             let mut profile = Kind::<NoiseSpec>::describe(&PART, definitions);
-            profile["description"] = "In place.".into();
+            profile["description"] = "Inline table.".into();
             json!({ "description": "A noise profile.", "anyOf": [name, profile] })
         })
     },
@@ -74,9 +74,9 @@ impl Reader {
 
 impl Form for NoiseSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("ProfileForm", "A noise profile in place: a preset, and what is different from it.");
+        keys.form("ProfileForm", "An inline noise profile: a preset and the changed numbers.");
         // Always printed: the key marks a file as a profile.
-        keys.key("base", "What it starts from; `none` if left out.").always(BASE, &mut self.base);
+        keys.key("base", "Preset to start from; default: `none`.").always(BASE, &mut self.base);
         let entries = &mut self.entries;
         let about = [
             "PSD sensors.",
@@ -91,10 +91,10 @@ impl Form for NoiseSpec {
         }
         keys.key("compass", "The compass.").list(Errors(NoiseSection::Compass), entries);
         keys.key("camera", "The camera.").list(Errors(NoiseSection::Camera), entries);
-        keys.key("drive", "What lies between commands and motion.").list(Errors(NoiseSection::Drive), entries);
-        keys.key("odometry", "What lies between motion and odometry.").list(Errors(NoiseSection::Odometry), entries);
-        keys.key("radio", "What the radio receives.").list(Errors(NoiseSection::Radio), entries);
-        keys.key("sensor", "What is different of single sensors, by their names.").list(SENSORS, entries);
+        keys.key("drive", "Errors between commands and motion.").list(Errors(NoiseSection::Drive), entries);
+        keys.key("odometry", "Errors between motion and odometry.").list(Errors(NoiseSection::Odometry), entries);
+        keys.key("radio", "Errors of received messages.").list(Errors(NoiseSection::Radio), entries);
+        keys.key("sensor", "Changed numbers of individual sensors, by name.").list(SENSORS, entries);
         entries.sort_by(|a, b| a.section.cmp(&b.section));
     }
 }

@@ -15,14 +15,14 @@ impl Form for ObjectType {
         keys.key("file", "An `.esObj`; no other key then.").maybe(TEXT, &mut None::<PathRef>);
         keys.key("name", "Name under which objects have it; required without a `file`.").expected(TEXT, &mut self.name);
         keys.key("model", "Its looks.").maybe(PART, &mut self.model);
-        keys.key("scale_mm", "Length of the mesh's unit in mm; 1000 if left out.").optional(MESH_UNIT, &mut self.scale);
-        keys.key("collider", "Its shape; an upright cylinder 100 mm wide and high if left out.")
+        keys.key("scale_mm", "Length of the mesh's unit in mm; default: 1000.").optional(MESH_UNIT, &mut self.scale);
+        keys.key("collider", "Its shape; default: an upright cylinder, 100 mm wide and 100 mm high.")
             .items(PARTS, &mut self.colliders);
-        keys.key("mass_kg", "Mass in kg; 1 if left out.").always(Bounded(Quantity::mass("mass")), &mut self.mass);
-        keys.key("centre_of_mass_mm", "Centre of mass, x forward, y left, z up, in mm; 0 if left out.")
+        keys.key("mass_kg", "Mass in kg; default: 1.").always(Bounded(Quantity::mass("mass")), &mut self.mass);
+        keys.key("centre_of_mass_mm", "Centre of mass, x forward, y left, z up, in mm; default: 0.")
             .optional(PLACE, &mut self.centre_of_mass);
-        keys.key("fixed", "Nothing can move it; false if left out.").flag(&mut self.is_fixed);
-        keys.key("friction", "Coefficient of sliding friction on the floor; 0.4 if left out.")
+        keys.key("fixed", "The object cannot be moved; default: false.").flag(&mut self.is_fixed);
+        keys.key("friction", "Coefficient of sliding friction on the floor; default: 0.4.")
             .always(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
         keys.key(
             "rolling",
@@ -30,13 +30,13 @@ impl Form for ObjectType {
              slides.",
         )
         .maybe(Bounded(Quantity::number("rolling resistance", 0.0, 1e6)), &mut self.rolling);
-        keys.key("restitution", "Coefficient of restitution; 0.3 if left out.")
+        keys.key("restitution", "Coefficient of restitution; default: 0.3.")
             .always(Bounded(Quantity::number("restitution", 0.0, 1.0)), &mut self.restitution);
         keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Shades, &mut self.colour);
         keys.key("surface", "How it reflects.").optional(PART, &mut self.surface);
         let mut sight = if matches!(self.solid, Solid::Mesh(_)) { SensorShape::Mesh } else { SensorShape::Colliders };
-        keys.key("solid", "What range sensors see of it; its colliders if left out.").optional(Word, &mut sight);
-        keys.key("buoyancy_m3", "Volume in cubic metres by which it floats; 0 if left out.")
+        keys.key("solid", "Shape that range sensors detect; default: its colliders.").optional(Word, &mut sight);
+        keys.key("buoyancy_m3", "Displaced volume in cubic metres, for floating; default: 0.")
             .optional(Bounded(Quantity::number("volume", 0.0, 1e6)), &mut self.buoyancy);
         if let Some((reader, section)) = keys.reading() {
             let is_ball = self.colliders.iter().all(|collider| matches!(collider, Collider::Sphere { .. }));
@@ -59,7 +59,7 @@ enum SensorShape {
 
 impl Words for SensorShape {
     const NAME: &'static str = "SolidForm";
-    const ABOUT: &'static str = "What range sensors in space see of an object.";
+    const ABOUT: &'static str = "Shape of an object for range sensors.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
         (SensorShape::Colliders, "colliders", "Its colliders."),
         (SensorShape::Mesh, "mesh", "Its mesh; contacts stay those of the colliders."),

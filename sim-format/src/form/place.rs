@@ -82,7 +82,7 @@ impl Form for RobotLine {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("RobotForm", "A robot, or several that differ only in where they start.");
         keys.span(&mut self.span);
-        keys.key("name", "Its name in the paths of drawn values; its number in the file if left out.")
+        keys.key("name", "Its name in the paths of drawn values; default: its number in the file.")
             .maybe(TEXT, &mut self.name);
         keys.key("type", "`LabBot`, `S4`, `Mako`, the name of a type of the scene, or a `.robi` file.")
             .required(ROBOT_FILES, &mut self.kind);
@@ -91,16 +91,16 @@ impl Form for RobotLine {
             "Its program: a library, a C or C++ file, several of them with commas, or the folder of a program.",
         )
         .maybe(TEXT, &mut self.program);
-        keys.key("arguments", "What the program gets behind its name.").list(ARGUMENTS, &mut self.arguments);
+        keys.key("arguments", "Arguments of the program, after its name.").list(ARGUMENTS, &mut self.arguments);
         keys.key(
             "api",
-            "Generation of the RoBIOS API that the program is written for, 6 or 7; that of the scene if left out.",
+            "Generation of the RoBIOS API that the program is written for, 6 or 7; default: from the scene.",
         )
         .maybe(6..=7, &mut self.api);
-        keys.key("noise", "What errors its devices and its drive have; those of the scene if left out.")
+        keys.key("noise", "Errors of its devices and its drive; default: from the scene.")
             .maybe(NOISE, &mut self.noise);
         let mut id = self.id.map(|id| id.0);
-        keys.key("id", "Its number, 1 to the number of robots; the next free one if left out. Not of several.")
+        keys.key("id", "Its number, from 1 to the number of robots; default: the next free number. Excludes `count`.")
             .maybe(1..=i64::from(MAX_ROBOTS), &mut id);
         let Some((reader, section)) = keys.reading() else { return start_keys(keys, &self.start) };
         let start = reader.start(section);
@@ -137,20 +137,20 @@ fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
     };
     let [mut x, mut y] = [pose.map(|pose| pose.position.x), pose.map(|pose| pose.position.y)];
     let most = i64::from(MAX_ROBOTS);
-    keys.key("x_mm", "Place of its centre along x in mm.").maybe(POINT[0], &mut x);
-    keys.key("y_mm", "Place of its centre along y in mm.").maybe(POINT[1], &mut y);
+    keys.key("x_mm", "Position of its centre along x in mm.").maybe(POINT[0], &mut x);
+    keys.key("y_mm", "Position of its centre along y in mm.").maybe(POINT[1], &mut y);
     let key = keys.key(
         "heading_deg",
-        "Heading in degrees, counter-clockwise from x; with `x_mm` 0 if left out, with `start` that of the letter.",
+        "Heading in degrees, counter-clockwise from x; default: 0 with `x_mm`, the letter's heading with `start`.",
     );
     match pose {
         Some(pose) => key.maybe(FACING, &mut Some(pose.heading).filter(|heading| *heading != Heading::default())),
         None => key.maybe(HEADING, &mut heading),
     }
     keys.key("start", "Letter of the start of the world.").maybe(Word, &mut letter);
-    keys.key("count", "How many robots; 1 if left out. Without a `layout` they take the next starts of the world.")
+    keys.key("count", "Number of robots; default: 1. Without a `layout` they take the next free starts of the world.")
         .maybe(1..=most, &mut count);
-    keys.key("layout", "How they stand.").maybe(LAYOUT, &mut layout);
+    keys.key("layout", "Their arrangement.").maybe(LAYOUT, &mut layout);
 }
 
 impl Reader {
@@ -244,33 +244,30 @@ impl Form for Layout {
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("LayoutForm", "How several robots stand.");
+        keys.form("LayoutForm", "Arrangement of several robots.");
         if !keys.variant(self) {
             return;
         }
         match self {
             Self::Starts => {}
             Self::Line { from, to, heading } => {
-                keys.key("from_mm", "Place of the first, x and y in mm.").required(POINT, from);
-                keys.key("to_mm", "Place of the last, x and y in mm.").required(POINT, to);
-                keys.key("heading_deg", "Heading of all in degrees; 0 if left out.").optional(HEADING, heading);
+                keys.key("from_mm", "Position of the first, x and y in mm.").required(POINT, from);
+                keys.key("to_mm", "Position of the last, x and y in mm.").required(POINT, to);
+                keys.key("heading_deg", "Heading of all in degrees; default: 0.").optional(HEADING, heading);
             }
             Self::Grid { from, spacing, columns, heading } => {
                 let distances = [Quantity::size("distance of columns"), Quantity::size("distance of rows")];
-                keys.key("from_mm", "Place of the first, x and y in mm.").required(POINT, from);
+                keys.key("from_mm", "Position of the first, x and y in mm.").required(POINT, from);
                 keys.key("spacing_mm", "Distance of columns and of rows in mm.").required(distances, spacing);
-                keys.key("columns", "How many stand in a row; as many as there are rows if left out.")
+                keys.key("columns", "Number of robots in a row; default: equal to the number of rows.")
                     .maybe(1..=i64::from(MAX_ROBOTS), columns);
-                keys.key("heading_deg", "Heading of all in degrees; 0 if left out.").optional(HEADING, heading);
+                keys.key("heading_deg", "Heading of all in degrees; default: 0.").optional(HEADING, heading);
             }
             Self::Circle { centre, radius, first, facing } => {
                 keys.key("centre_mm", "Its middle, x and y in mm.").required(POINT, centre);
                 keys.key("radius_mm", "Its radius in mm.").required(Bounded(Quantity::size("radius")), radius);
-                keys.key(
-                    "first_deg",
-                    "Direction in degrees in which the first stands, seen from the middle; 0 if left out.",
-                )
-                .optional(Quantity::angle("direction of the first"), first);
+                keys.key("first_deg", "Direction of the first robot from the centre, in degrees; default: 0.")
+                    .optional(Quantity::angle("direction of the first"), first);
                 keys.key(
                     "facing_deg",
                     "Heading of each against its direction from the middle, in degrees: 0, if left out, looks outwards, \
@@ -282,9 +279,9 @@ impl Form for Layout {
                 if !area_keys(keys, area) {
                     return;
                 }
-                keys.key("clearance_mm", "Smallest distance from walls and others in mm; 0 if left out.")
+                keys.key("clearance_mm", "Minimum distance from walls and other bodies in mm; default: 0.")
                     .optional(Bounded(Quantity::length("clearance")), clearance);
-                keys.key("heading_deg", "Heading of all in degrees; drawn, too, if left out.").maybe(HEADING, heading);
+                keys.key("heading_deg", "Heading of all in degrees; default: random.").maybe(HEADING, heading);
             }
         }
     }
@@ -299,7 +296,7 @@ fn area_keys(keys: &mut Keys<'_>, area: &mut Option<[DVec2; 2]>) -> bool {
         let missing = ["from_mm", "to_mm"].into_iter().filter(|key| is_given && !section.has(key));
         missing.for_each(|key| reader.missing(section, key));
     }
-    keys.key("from_mm", "A corner of the rectangle that the bodies stand in, x and y in mm; the floor if left out.")
+    keys.key("from_mm", "A corner of the rectangle that contains the bodies, x and y in mm; default: the floor.")
         .maybe(POINT, &mut from);
     keys.key("to_mm", "The opposite corner.").maybe(POINT, &mut to);
     *area = from.zip(to).map(|(from, to)| [from.min(to), from.max(to)]);
@@ -340,7 +337,7 @@ impl Form for ObjectLine {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("ObjectForm", "A passive object.");
         keys.span(&mut self.span);
-        keys.key("name", "Its name in the paths of drawn values; its number in the file if left out.")
+        keys.key("name", "Its name in the paths of drawn values; default: its number in the file.")
             .maybe(TEXT, &mut self.name);
         keys.key(
             "type",
@@ -350,17 +347,17 @@ impl Form for ObjectLine {
         keys.mention(&["count"]);
         if keys.reading().is_none() {
             // A list repeats its entries before they are read.
-            keys.key("count", "How many of them; 1 if left out. Each is drawn for itself.")
+            keys.key("count", "Number of copies; default: 1. Each copy has its own random values.")
                 .maybe(0..=MAX_REPETITIONS, &mut None::<u32>);
         }
         if !scatter_keys(keys, &mut self.scatter, &["x_mm", "y_mm", "heading_deg"]) {
             let place = &mut self.pose.position;
             keys.key("x_mm", "Place along x in mm.").expected(POINT[0], &mut place.x);
             keys.key("y_mm", "Place along y in mm.").expected(POINT[1], &mut place.y);
-            keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; 0 if left out.")
+            keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; default: 0.")
                 .strictly(FACING, &mut self.pose.heading);
         }
-        keys.key("friction", "Coefficient of friction on the floor; that of the type if left out.")
+        keys.key("friction", "Coefficient of friction on the floor; default: from the type.")
             .maybe(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
     }
 }
@@ -376,7 +373,7 @@ pub(crate) const MAX_REPETITIONS: i64 = 100_000;
 /// Declares `layout`, which replaces the keys `others`; returns true if the position is random.
 pub(crate) fn scatter_keys(keys: &mut Keys<'_>, scatter: &mut Option<Scatter>, others: &[&'static str]) -> bool {
     let is_said = keys.reading().is_some_and(|(_, section)| section.has("layout"));
-    keys.key("layout", "Random place, in place of a stated one.").maybe(SCATTER, scatter);
+    keys.key("layout", "Random position instead of x_mm, y_mm.").maybe(SCATTER, scatter);
     if is_said {
         if scatter.is_none() {
             keys.refuse();
@@ -400,7 +397,7 @@ impl Form for ReachableSpec {
             .required(WHEREABOUTS, &mut self.from);
         keys.key("to", "End of the way: a robot or object by its path, as `object.1`, or [x, y] in mm.")
             .required(WHEREABOUTS, &mut self.to);
-        keys.key("width_mm", "Width of the way in mm; if left out, that of the robot at its start.")
+        keys.key("width_mm", "Width of the path in mm; default: the diameter of the robot `from`.")
             .maybe(Bounded(Quantity::size("width")), &mut self.width);
     }
 }
@@ -428,7 +425,7 @@ impl Form for StartSpec {
         keys.form("StartForm", "A place where a robot may start.");
         keys.span(&mut self.span);
         place_keys(keys, &mut self.pose.position);
-        keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; 0 if left out.")
+        keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; default: 0.")
             .optional(FACING, &mut self.pose.heading);
         keys.key("letter", "Letter by which robots choose it.").maybe(Word, &mut self.letter);
     }
@@ -446,9 +443,8 @@ impl Form for MarkerSpec {
         let mut colour = [red, green, blue];
         keys.span(&mut self.span);
         place_keys(keys, &mut self.position);
-        keys.key("colour", "Red, green and blue, 0 to 255; red if left out.").optional(Shades, &mut colour);
-        keys.key("opacity", "0 for nothing to see, 255, if left out, for nothing to see through.")
-            .optional(0..=255, &mut opacity);
+        keys.key("colour", "Red, green and blue, 0 to 255; default: red.").optional(Shades, &mut colour);
+        keys.key("opacity", "Opacity, 0 (invisible) to 255 (opaque); default: 255.").optional(0..=255, &mut opacity);
         let [red, green, blue] = colour;
         self.colour = [red, green, blue, opacity];
     }

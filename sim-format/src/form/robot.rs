@@ -25,15 +25,15 @@ impl Form for RobiSpec {
         keys.key("file", "A `.robi`, with the companion beside it; no other key then.")
             .maybe(TEXT, &mut None::<PathRef>);
         keys.key("name", "Name under which robots have it; required without a `file`.").expected(TEXT, &mut self.name);
-        keys.key("diameter_mm", "Diameter of the body in mm; 180 if left out.")
+        keys.key("diameter_mm", "Diameter of the body in mm; default: 180.")
             .always(Quantity::size("diameter"), &mut self.diameter);
         limits(keys, self);
         keys.key(
             "axis_mm",
-            "Place of the wheel axis on the robot's x axis in mm, positive ahead of the centre; 0 if left out.",
+            "Position of the wheel axis on the robot's x axis in mm, positive ahead of the centre; default: 0.",
         )
         .optional(Quantity::coordinate("axis offset"), &mut self.axis_offset);
-        keys.key("centre_of_mass_mm", "Centre of mass, x forward, y left, z up, in mm; 0 if left out.")
+        keys.key("centre_of_mass_mm", "Centre of mass, x forward, y left, z up, in mm; default: 0.")
             .optional(PLACE, &mut self.centre_of_mass);
         keys.key("model", "The body's looks.").maybe(PART, &mut self.model);
         keys.key("collider", "The body's shape in space; contacts are those of the disc.")
@@ -74,9 +74,9 @@ pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
 
 /// Declares the limits of the drive's speeds.
 fn limits(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
-    keys.key("max_speed_mm_per_s", "Largest speed in mm/s; 600 if left out.")
+    keys.key("max_speed_mm_per_s", "Maximum speed in mm/s; default: 600.")
         .always(Quantity::speed("largest speed"), &mut robi.max_speed);
-    keys.key("max_turn_deg_per_s", "Largest turning speed in degrees/s; 300 if left out.")
+    keys.key("max_turn_deg_per_s", "Maximum turning speed in degrees/s; default: 300.")
         .always(Quantity::rate("largest turning speed"), &mut robi.max_turn);
 }
 
@@ -98,37 +98,37 @@ fn devices(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     keys.key("servo", "Servos.").list(PARTS, &mut robi.servos);
     keys.key("compass", "The compass.").maybe(PART, &mut robi.compass);
     keys.key("lcd", "The colour display of RoBIOS-7.").optional(PART, &mut robi.lcd);
-    keys.key("input", "What inputs read that nothing simulated drives.").optional(PART, &mut robi.inputs);
-    keys.key("serial", "What is connected to serial interfaces 1 to 16.").list(SERIALS, &mut robi.serials);
+    keys.key("input", "Readings of inputs that no simulated device drives.").optional(PART, &mut robi.inputs);
+    keys.key("serial", "Devices at the serial interfaces 1 to 16.").list(SERIALS, &mut robi.serials);
     keys.key("hdt", "Numbers under which programs ask for devices.").list(HDT, &mut robi.hdt);
 }
 
 fn body_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
     keys.form("BodyForm", "Mass, traction and friction of a robot.");
-    keys.key("mass_kg", "Mass in kg; 1 if left out.").always(Bounded(Quantity::mass("mass")), &mut robi.mass);
-    keys.key("traction", "Coefficient of friction between wheels and floor; 0.6 if left out.")
+    keys.key("mass_kg", "Mass in kg; default: 1.").always(Bounded(Quantity::mass("mass")), &mut robi.mass);
+    keys.key("traction", "Coefficient of friction between wheels and floor; default: 0.6.")
         .always(Bounded(Quantity::number("traction", 0.0, 100.0)), &mut robi.traction);
-    keys.key("friction", "Coefficient of friction between body and walls; 0.3 if left out.")
+    keys.key("friction", "Coefficient of friction between body and walls; default: 0.3.")
         .optional(Bounded(Quantity::number("friction", 0.0, 100.0)), &mut robi.friction);
 }
 
 impl Form for WheelSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("WheelForm", "The wheels.");
-        keys.key("diameter_mm", "Diameter in mm; 50 if left out.")
+        keys.key("diameter_mm", "Diameter in mm; default: 50.")
             .always(Quantity::size("wheel diameter"), &mut self.diameter);
-        keys.key("max_rate_deg_per_s", "Largest turning rate in degrees/s; 3600 if left out.")
+        keys.key("max_rate_deg_per_s", "Maximum turning rate in degrees/s; default: 3600.")
             .always(Quantity::rate("largest rate"), &mut self.max_rate);
-        keys.key("ticks_per_turn", "Encoder ticks per turn; 1000 if left out.")
+        keys.key("ticks_per_turn", "Encoder ticks per turn; default: 1000.")
             .always(Quantity::number("encoder ticks", 1e-3, 1e9), &mut self.ticks_per_turn);
-        keys.key("track_mm", "Distance between left and right wheels in mm; 90 if left out.")
+        keys.key("track_mm", "Distance between left and right wheels in mm; default: 90.")
             .always(Quantity::size("track"), &mut self.track);
     }
 }
 
 fn drive_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
     keys.form("DriveForm", "The drive.");
-    keys.key("kind", "Its kind; differential if left out.").always(Word, &mut robi.drive.kind);
+    keys.key("kind", "Its kind; default: differential.").always(Word, &mut robi.drive.kind);
     let wheelbase = wheelbase_of(robi);
     let drive = &mut robi.drive;
     let mut steering = drive.steering.take().map(|text| PathRef { text, ..PathRef::default() });
@@ -168,14 +168,14 @@ fn drive_keys(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
     let mut said = Some(drive.wheelbase).filter(|said| *said != usual && keys.reading().is_none());
     keys.key(
         "wheelbase_mm",
-        "Distance between front and rear wheels in mm; of a car 0.6 of the diameter if left out, else the track.",
+        "Distance between front and rear wheels in mm; default: 0.6 of the diameter for a car, otherwise the track.",
     )
     .maybe(Quantity::size("wheelbase"), &mut said);
     drive.wheelbase = said.unwrap_or(drive.wheelbase);
     let steer = Quantity::angle("largest steering angle").within(0.1, 85.0);
-    keys.key("max_steer_deg", "Steering angle at the servo's ends in degrees; 45 if left out.")
+    keys.key("max_steer_deg", "Steering angle at the servo's ends in degrees; default: 45.")
         .always(Bounded(steer), &mut drive.max_steer);
-    keys.key("wheel_lag_ms", "Time constant between a wheel's command and its speed in ms; 0 if left out.")
+    keys.key("wheel_lag_ms", "Time constant between a wheel's command and its speed in ms; default: 0.")
         .optional(Bounded(Quantity::milliseconds("lag of the wheels")), &mut drive.wheel_lag);
 }
 
@@ -185,14 +185,14 @@ const DRAG: [Quantity; 2] = [Quantity::number("linear drag", 1e-6, 1e6), Quantit
 impl Form for HullSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("HullForm", "A hull under water. Drags are linear and quadratic, in N per m/s and per (m/s)^2.");
-        keys.key("thrust_n", "Force of a thruster at its greatest rate in N; 20 if left out.")
+        keys.key("thrust_n", "Force of a thruster at its greatest rate in N; default: 20.")
             .optional(Bounded(Quantity::number("thrust", 1e-6, 1e6)), &mut self.thrust);
         let [ahead, aside, turn, up] = &mut self.drag;
-        keys.key("drag_ahead", "Drag ahead and backwards; [10, 40] if left out.").optional(DRAG, ahead);
-        keys.key("drag_aside", "Drag to the side; [30, 150] if left out.").optional(DRAG, aside);
-        keys.key("drag_turn", "Drag of a turn, in N m per rad/s and per (rad/s)^2; [4, 12] if left out.")
+        keys.key("drag_ahead", "Drag ahead and backwards; default: [10, 40].").optional(DRAG, ahead);
+        keys.key("drag_aside", "Drag to the side; default: [30, 150].").optional(DRAG, aside);
+        keys.key("drag_turn", "Drag of a turn, in N m per rad/s and per (rad/s)^2; default: [4, 12].")
             .optional(DRAG, turn);
-        keys.key("drag_up", "Drag up and down; [30, 150] if left out.").optional(DRAG, up);
+        keys.key("drag_up", "Drag up and down; default: [30, 150].").optional(DRAG, up);
     }
 }
 

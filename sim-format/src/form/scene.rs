@@ -35,18 +35,17 @@ impl Form for SimSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form(
             "SceneForm",
-            "A scene of eyesim: a world, robots with their programs, objects, and what a run needs besides.",
+            "A scene of eyesim: a world, robots with their programs, objects, and settings of the run.",
         );
-        keys.key("scene", "What the scene says about its run; the command line goes before it.")
-            .optional(PART, &mut self.run);
+        keys.key("scene", "Settings of the run; the command line overrides them.").optional(PART, &mut self.run);
         let mut world = WorldTable::of(self);
         keys.key("world", "The world: a file, or described in place by its walls or by the drawing of a maze.")
             .required(PART, &mut world);
         if keys.reading().is_some() {
             world.put_into(self);
         }
-        keys.key("settings", "What the window shows.").optional(PART, &mut self.settings);
-        keys.key("radio", "What carries messages between robots.")
+        keys.key("settings", "Settings of the window.").optional(PART, &mut self.settings);
+        keys.key("radio", "Medium of the messages between robots.")
             .optional(Part("medium = \"aloha\", baud = 9600"), &mut self.radio);
         robots(keys, self);
         keys.key("object", "Passive objects.").list(PARTS, &mut self.objects);
@@ -59,12 +58,12 @@ impl Form for SimSpec {
 
 impl Form for RunSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("RunForm", "What a scene says about its run.");
-        keys.key("seed", "Seed of all random numbers; 0 if left out.").maybe(SEED, &mut self.seed);
+        keys.form("RunForm", "Settings of the run of a scene.");
+        keys.key("seed", "Seed of all random numbers; default: 0.").maybe(SEED, &mut self.seed);
         let slot = Quantity::milliseconds("length of a slot").within(1e-3, MAX_SLOT_MS);
-        keys.key("slot_ms", "Length of a time slot in milliseconds, a multiple of 0.001; 50 if left out.")
+        keys.key("slot_ms", "Length of a time slot in milliseconds, a multiple of 0.001; default: 50.")
             .maybe(WholeMicros(slot), &mut self.slot);
-        keys.key("until_s", "Simulated seconds at which the run ends; 600 if left out.").maybe(UNTIL, &mut self.until);
+        keys.key("until_s", "Simulated seconds at which the run ends; default: 600.").maybe(UNTIL, &mut self.until);
         keys.key("costs", "Virtual time that RoBIOS calls take: a file, or a table for each generation of the API.")
             .maybe(COSTS, &mut self.costs);
         keys.key(
@@ -78,16 +77,19 @@ impl Form for RunSpec {
              out.",
         )
         .maybe(6..=7, &mut self.api);
-        keys.key("dialect", "EyeSim whose conventions the scene and its programs follow; `vr2023` if left out.")
-            .maybe(Word, &mut self.dialect);
+        keys.key(
+            "dialect",
+            "Version of EyeSim whose conventions the scene and its programs follow; default: `vr2023`.",
+        )
+        .maybe(Word, &mut self.dialect);
         keys.key(
             "noise",
-            "What errors devices and drives have: `none` (if left out), `mild`, `real`, `harsh`, a file, or a profile.",
+            "Errors of devices and drives: `none` (default), `mild`, `real`, `harsh`, a file, or an inline profile.",
         )
         .maybe(NOISE, &mut self.noise);
-        keys.key("contact", "Motion of a robot that is pushed against a wall; `slide` if left out.")
+        keys.key("contact", "Motion of a robot that is pushed against a wall; default: `slide`.")
             .maybe(Word, &mut self.contact);
-        keys.key("wall_friction", "Coefficient of friction of the walls; robots slide with the lower one of this and their own; that of the robot if left out.")
+        keys.key("wall_friction", "Coefficient of friction of the walls; a robot slides with the lower of this value and its own; default: the robot's value.")
             .maybe(Bounded(Quantity::number("friction of the walls", 0.0, 100.0)), &mut self.wall_friction);
     }
 }
@@ -154,7 +156,7 @@ const COSTS: Custom<CostsRef> = Custom {
     describe: |definitions| {
         definition(definitions, "CostsForm", |definitions| {
             let mut table = Kind::<CostTable>::describe(&PART, definitions);
-            table["description"] = "In place.".into();
+            table["description"] = "Inline table.".into();
             let file = json!({ "description": "A file.", "type": "string" });
             json!({ "description": "A cost table.", "anyOf": [file, table] })
         })
@@ -186,7 +188,7 @@ impl Words for ContactKind {
 
 impl Form for CostTable {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("GenerationsForm", "A cost table in place: microseconds of a call by the name of the function, or by the beginning of names and `*`.");
+        keys.form("GenerationsForm", "An inline cost table: microseconds of a call by the name of the function, or by the beginning of names and `*`.");
         keys.key("robios6", "RoBIOS 6.").list(CostsOf("robios6"), &mut self.entries);
         keys.key("robios7", "RoBIOS 7.").list(CostsOf("robios7"), &mut self.entries);
         self.entries.sort_by_key(|entry| entry.span);
@@ -221,32 +223,32 @@ impl Kind<Vec<CostEntry>> for CostsOf {
 
 impl Form for Settings {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("SettingsForm", "What the window shows.");
-        keys.key("beams", "The beams of distance sensors; false if left out.").flag(&mut self.shows_beams);
-        keys.key("trace", "The paths of the robots; false if left out.").flag(&mut self.shows_trace);
+        keys.form("SettingsForm", "Settings of the window.");
+        keys.key("beams", "The beams of distance sensors; default: false.").flag(&mut self.shows_beams);
+        keys.key("trace", "The paths of the robots; default: false.").flag(&mut self.shows_trace);
     }
 }
 
 impl Form for RadioModel {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("RadioForm", "What carries messages between robots.");
-        keys.key("medium", "How the robots share the medium; `free` if left out.").optional(Word, &mut self.medium);
-        keys.key("baud", "Bits a second, of which a byte takes ten; 115200 if left out.")
+        keys.form("RadioForm", "Medium of the messages between robots.");
+        keys.key("medium", "Access of the robots to the medium; default: `free`.").optional(Word, &mut self.medium);
+        keys.key("baud", "Baud rate, bits per second, ten bits per byte; default: 115200.")
             .optional(1..=MAX_BAUD, &mut self.baud);
         keys.key(
             "latency_ms",
-            "Time from the end of a transmission to its arrival in milliseconds, a multiple of 0.001; 0 if left out.",
+            "Time from the end of a transmission to its arrival in milliseconds, a multiple of 0.001; default: 0.",
         )
         .optional(WholeMicros(Quantity::milliseconds("latency")), &mut self.latency);
-        keys.key("range_mm", "How far a message is heard in mm; everywhere if left out.")
+        keys.key("range_mm", "Maximum distance at which a message is received, in mm; default: unlimited.")
             .maybe(Bounded(Quantity::size("range")), &mut self.range);
-        keys.key("line_of_sight", "Walls stop messages; false if left out.").flag(&mut self.line_of_sight);
+        keys.key("line_of_sight", "Walls stop messages; default: false.").flag(&mut self.line_of_sight);
     }
 }
 
 impl Words for Medium {
     const NAME: &'static str = "MediumForm";
-    const ABOUT: &'static str = "How robots share the medium that carries their messages.";
+    const ABOUT: &'static str = "Access of the robots to the radio medium.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
         (Medium::Free, "free", "Nobody disturbs anybody."),
         (Medium::Aloha, "aloha", "Of messages that overlap at a receiver none is heard."),
@@ -345,8 +347,8 @@ fn entries<F: Clone>(files: &[PathRef], inline: &[(F, Span)]) -> Vec<TypeEntry<F
 fn robots(keys: &mut Keys<'_>, sim: &mut SimSpec) {
     let mut robot_types = entries(&sim.robot_types, &sim.inline.robot_types);
     let mut object_types = entries(&sim.object_types, &sim.inline.object_types);
-    keys.key("robot_type", "Robot types: files, or described in place.").list(TypeEntries, &mut robot_types);
-    keys.key("object_type", "Object types: files, or described in place.").list(TypeEntries, &mut object_types);
+    keys.key("robot_type", "Robot types: files, or inline descriptions.").list(TypeEntries, &mut robot_types);
+    keys.key("object_type", "Object types: files, or inline descriptions.").list(TypeEntries, &mut object_types);
     let mut lines: Vec<RobotLine> = sim.robots.iter().chain(&sim.named).cloned().collect();
     if let Some((reader, section)) = keys.reading() {
         let mut names = BTreeSet::new();

@@ -34,14 +34,14 @@ pub(crate) fn device(keys: &mut Keys<'_>, about: &'static str, name: &mut String
 
 pub(crate) fn number(keys: &mut Keys<'_>, id: &mut Option<i32>) {
     let any = Loose(i64::from(i32::MIN)..=i64::from(i32::MAX));
-    keys.key("id", "Its number for programs; that of `hdt_sem.h` if left out.").maybe(any, id);
+    keys.key("id", "Its number for programs; default: from `hdt_sem.h`.").maybe(any, id);
 }
 
 /// Declares the position of a device on the body.
 pub(crate) fn position(keys: &mut Keys<'_>, [x, y, z]: [Quantity; 3], position: &mut DVec3) {
-    keys.key("x_mm", "Place forward of the robot's centre in mm; 0 if left out.").optional(x, &mut position.x);
-    keys.key("y_mm", "Place to the left in mm; 0 if left out.").optional(y, &mut position.y);
-    keys.key("z_mm", "Height in mm; 0 if left out.").optional(z, &mut position.z);
+    keys.key("x_mm", "Position forward of the robot's centre in mm; default: 0.").optional(x, &mut position.x);
+    keys.key("y_mm", "Position to the left in mm; default: 0.").optional(y, &mut position.y);
+    keys.key("z_mm", "Height in mm; default: 0.").optional(z, &mut position.z);
 }
 
 /// Declares a 3D pose on the body or on a link.
@@ -49,21 +49,23 @@ fn mount(keys: &mut Keys<'_>, mount: &mut MountSpec) {
     let MountSpec { on, position, roll, pitch, yaw } = mount;
     let [x, y, z] = PLACE;
     link_of(keys, on);
-    keys.key("x_mm", "Place forward in mm; 0 if left out.").optional(x, &mut position.x);
-    keys.key("y_mm", "Place to the left in mm; 0 if left out.").optional(y, &mut position.y);
-    keys.key("z_mm", "Place upwards in mm; of a laser scanner 100 if left out, else 0.").optional(z, &mut position.z);
+    keys.key("x_mm", "Position forward in mm; default: 0.").optional(x, &mut position.x);
+    keys.key("y_mm", "Position to the left in mm; default: 0.").optional(y, &mut position.y);
+    keys.key("z_mm", "Position upwards in mm; default: 100 for a laser scanner, otherwise 0.")
+        .optional(z, &mut position.z);
     keys.key(
         "roll_deg",
-        "Turn about x, the left side upwards, in degrees; the first of the three turns; 0 if left out.",
+        "Rotation about x, left side upwards, in degrees; the first of the three rotations; default: 0.",
     )
     .optional(Quantity::angle("roll"), roll);
-    keys.key("pitch_deg", "Turn upwards in degrees, the second; 0 if left out.").optional(PITCH, pitch);
-    keys.key("yaw_deg", "Turn to the left in degrees, the third; 0 if left out.").optional(Quantity::angle("yaw"), yaw);
+    keys.key("pitch_deg", "Rotation upwards in degrees, the second; default: 0.").optional(PITCH, pitch);
+    keys.key("yaw_deg", "Rotation to the left in degrees, the third; default: 0.")
+        .optional(Quantity::angle("yaw"), yaw);
 }
 
 /// Declares the link that a device is mounted on.
 pub(crate) fn link_of(keys: &mut Keys<'_>, on: &mut Option<PathRef>) {
-    keys.key("on", "The link that it sits on; `body` if left out.").maybe(TEXT, on);
+    keys.key("on", "The link on which it is mounted; default: `body`.").maybe(TEXT, on);
     on.take_if(|link| link.text == BODY);
 }
 
@@ -78,9 +80,9 @@ impl Form for Surface {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("SurfaceForm", "How a surface reflects.");
         let share = |name| Bounded(Quantity::number(name, 0.0, 1.0));
-        keys.key("reflectivity", "Share of the energy that comes back, 0 to 1; 1 if left out.")
+        keys.key("reflectivity", "Fraction of the energy that is reflected, 0 to 1; default: 1.")
             .optional(share("reflectivity"), &mut self.reflectivity);
-        keys.key("specular", "Share of that which is reflected as by a mirror, 0 to 1; 0 if left out.")
+        keys.key("specular", "Fraction of the reflected energy that is reflected specularly, 0 to 1; default: 0.")
             .optional(share("specular share"), &mut self.specular);
     }
 }
@@ -94,9 +96,9 @@ impl Form for LinkSpec {
         keys.key("name", "Its name, by which sensors and links sit on it.").required(TEXT, &mut self.name);
         mount(keys, &mut self.mount);
         keys.mention(&["servo"]);
-        keys.key("axis", "Axis that the servo turns it about: x rolls, y pitches (upwards), z, if left out, yaws.")
+        keys.key("axis", "Axis about which the servo turns the link: x rolls, y pitches (upwards), z (default) yaws.")
             .optional(Word, &mut axis);
-        keys.key("servo", "The servo whose angle it has; a fixed link if left out.").maybe(TEXT, &mut servo);
+        keys.key("servo", "The servo that turns the link; default: none, a fixed link.").maybe(TEXT, &mut servo);
         if let Some((reader, section)) = keys.reading()
             && section.has("axis")
             && !section.has("servo")
@@ -120,10 +122,10 @@ impl Form for PsdSpec {
         link_of(keys, &mut self.on);
         position(keys, PLACE, &mut self.position);
         keys.mention(&["pitch_deg"]);
-        keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; 0 if left out.")
+        keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; default: 0.")
             .optional(Quantity::angle("angle of the sensor"), &mut self.angle);
-        keys.key("pitch_deg", "Angle of the beam upwards in degrees; 0 if left out.").optional(PITCH, &mut self.pitch);
-        keys.key("range_mm", "Range in mm; 800 if left out.")
+        keys.key("pitch_deg", "Angle of the beam upwards in degrees; default: 0.").optional(PITCH, &mut self.pitch);
+        keys.key("range_mm", "Range in mm; default: 800.")
             .always(Quantity::size("range of the sensor"), &mut self.range);
     }
 }
@@ -142,14 +144,14 @@ impl Form for LidarSpec {
         keys.form("LidarForm", "The laser scanner.");
         keys.span(&mut self.span);
         mount(keys, &mut self.mount);
-        keys.key("range_mm", "Greatest distance along a ray in mm; 9999 if left out.")
+        keys.key("range_mm", "Maximum distance along a ray in mm; default: 9999.")
             .optional(Quantity::size("range of the scanner"), &mut self.range);
         keys.mention(&["tilt_deg", "sweep_deg"]);
-        keys.key("points", "Points of a scan; 360 if left out.")
+        keys.key("points", "Points of a scan; default: 360.")
             .always(Loose(1..=i64::from(MAX_LIDAR_POINTS)), &mut self.points);
-        keys.key("tilt_deg", "Angle of the scanning plane above the floor plane in degrees; 0 if left out.")
+        keys.key("tilt_deg", "Angle of the scanning plane above the floor plane in degrees; default: 0.")
             .optional(LIDAR_TILT, &mut self.tilt);
-        keys.key("sweep_deg", "Angle that a scan covers in degrees; 360 if left out.")
+        keys.key("sweep_deg", "Angle that a scan covers in degrees; default: 360.")
             .always(LIDAR_SWEEP, &mut self.sweep);
     }
 }
@@ -219,7 +221,7 @@ impl Form for RangeSpec {
             keys.form("SonarForm", "A sonar: an ultrasonic sensor with a beam.");
             keys.mention(&["preset", "min_mm", "max_mm", "half_angle_deg", "threshold", "rays", "side_lobes", "bus"]);
             device(keys, "Its name, such as `SONAR_FRONT`.", &mut self.name, &mut self.id);
-            keys.key("preset", "The device whose values it has where it says nothing else; `SRF08` if left out.")
+            keys.key("preset", "The device whose values are the defaults; default: `SRF08`.")
                 .maybe(Word, &mut None::<SonarPreset>);
         } else {
             keys.form("EchoForm", "A range sensor with one ray: a laser, an ultrasonic or a reflectance sensor.");
@@ -234,9 +236,9 @@ impl Form for RangeSpec {
             }
             RangeModel::Sonar(sonar) => sonar_keys(keys, sonar, self.bus.get_or_insert(1)),
         }
-        keys.key("sigma", "Standard deviation of its noise, a share of what it measures; 0.01 if left out.")
+        keys.key("sigma", "Standard deviation of its noise, relative to the reading; default: 0.01.")
             .optional(Bounded(Quantity::number("standard deviation", 0.0, 1e3)), &mut self.sigma);
-        keys.key("mean", "Mean of its noise, a share of what it measures; 0 if left out.")
+        keys.key("mean", "Mean of its noise, relative to the reading; default: 0.")
             .optional(Bounded(Quantity::number("mean", -1e3, 1e3)), &mut self.mean);
     }
 }
@@ -244,13 +246,13 @@ impl Form for RangeSpec {
 fn echo_keys(keys: &mut Keys<'_>, echo: &mut Echo) {
     let incidence = Quantity::angle("greatest incidence").within(0.0, 90.0);
     let about = [
-        "Least distance in mm; of an ultrasonic sensor 100 if left out, else 0.",
-        "Greatest distance in mm; of a laser 2000 if left out, else 1000.",
+        "Minimum distance in mm; default: 100 for an ultrasonic sensor, otherwise 0.",
+        "Maximum distance in mm; default: 2000 for a laser, otherwise 1000.",
     ];
     limits(keys, about, [&mut echo.min, &mut echo.max]);
     keys.key(
         "incidence_deg",
-        "Greatest angle of incidence in degrees; of a laser 45 if left out, of an ultrasonic sensor 15, else 90.",
+        "Maximum angle of incidence in degrees; default: 45 for a laser, 15 for an ultrasonic sensor, otherwise 90.",
     )
     .optional(Bounded(incidence), &mut echo.incidence);
 }
@@ -258,16 +260,13 @@ fn echo_keys(keys: &mut Keys<'_>, echo: &mut Echo) {
 fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
     let half_angle = Quantity::angle("half of the beam's angle").within(0.1, 90.0);
     let about = [
-        "Least distance in mm; that of the preset if left out: 30.",
-        "Greatest distance in mm; that of the preset if left out: 6000.",
+        "Minimum distance in mm; default: from the preset, 30.",
+        "Maximum distance in mm; default: from the preset, 6000.",
     ];
     limits(keys, about, [&mut sonar.min, &mut sonar.max]);
-    keys.key(
-        "half_angle_deg",
-        "Half of the beam's angle in degrees, where it has fallen by 6 dB; that of the preset if left out: 27.5.",
-    )
-    .optional(Bounded(half_angle), &mut sonar.half_angle);
-    keys.key("side_lobes", "A ring of sensitivity around the main lobe; none if left out.")
+    keys.key("half_angle_deg", "Half of the beam's angle at -6 dB, in degrees; default: from the preset, 27.5.")
+        .optional(Bounded(half_angle), &mut sonar.half_angle);
+    keys.key("side_lobes", "A ring of sensitivity around the main lobe; default: none.")
         .maybe(PART, &mut sonar.side_lobes);
     keys.key(
         "threshold",
@@ -275,8 +274,8 @@ fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
          preset if\nleft out.",
     )
     .optional(Bounded(Quantity::number("threshold", 0.0, 1e9)), &mut sonar.threshold);
-    keys.key("bus", "The bus that it is on, which has room for 16; 1 if left out.").optional(1..=MAX_BUS, bus);
-    keys.key("rays", "Rays of its fan; that of the preset if left out: 64.").optional(1..=MAX_RAYS, &mut sonar.rays);
+    keys.key("bus", "Its bus, with at most 16 sonars on each; default: 1.").optional(1..=MAX_BUS, bus);
+    keys.key("rays", "Rays of its fan; default: from the preset, 64.").optional(1..=MAX_RAYS, &mut sonar.rays);
 }
 
 /// Declares minimum and maximum distance. A pair that leaves an empty range is reported and ignored.

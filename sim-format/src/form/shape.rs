@@ -15,7 +15,7 @@ impl Form for ModelSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("ModelForm", "A mesh file and how it is put into the body's frame.");
         keys.key("file", "The mesh file.").required(TEXT, &mut self.path);
-        keys.key("offset_mm", "Place of the mesh's origin, x forward, y left, z up, in mm; 0 if left out.")
+        keys.key("offset_mm", "Position of the mesh's origin, x forward, y left, z up, in mm; default: 0.")
             .optional(PLACE, &mut self.offset);
         turns(keys, &mut self.turns);
     }
@@ -23,7 +23,7 @@ impl Form for ModelSpec {
 
 /// Declares the rotation of a mesh.
 pub(crate) fn turns(keys: &mut Keys<'_>, turns: &mut DVec3) {
-    keys.key("turns_deg", "Turns about the axes of the mesh file, in degrees; 0 if left out.").optional(TURNS, turns);
+    keys.key("turns_deg", "Turns about the axes of the mesh file, in degrees; default: 0.").optional(TURNS, turns);
 }
 
 impl Form for Collider {
@@ -40,7 +40,7 @@ impl Form for Collider {
         | Self::Sphere { centre, .. }
         | Self::Capsule { centre, .. }
         | Self::Cylinder { centre, .. }) = self;
-        keys.key("centre_mm", "Its centre, x forward, y left, z up, in mm; 0 if left out.").optional(PLACE, centre);
+        keys.key("centre_mm", "Its centre, x forward, y left, z up, in mm; default: 0.").optional(PLACE, centre);
         match self {
             Self::Box { size, .. } => {
                 keys.key("size_mm", "Its full sizes along x, y and z in mm.").required(SIZES, size)
@@ -50,7 +50,7 @@ impl Form for Collider {
                 radius(keys, width);
                 keys.key("height_mm", "Its full length in mm, with the half spheres.")
                     .required(Quantity::size("height"), height);
-                keys.key("axis", "Along which it lies; z if left out.").always(Word, axis);
+                keys.key("axis", "Direction of its axis; default: z.").always(Word, axis);
                 // A shorter one becomes a sphere, as in robi files.
                 *height = height.max(2.0 * *width);
             }

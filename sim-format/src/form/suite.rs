@@ -26,35 +26,35 @@ const LINGER: Bounded = Bounded(Quantity::seconds("time").within(0.0, 1e9));
 impl Form for SuiteSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("SuiteForm", "A suite of eyesim: a scene, and the cases in which it is run and judged.");
-        keys.key("suite", "What all cases have in common.").required(PartOf(common), self);
+        keys.key("suite", "Settings of all cases.").required(PartOf(common), self);
         keys.key("matrix", "Lists of values; the cases are their combinations.").optional(PART, &mut self.matrix);
         keys.key("limits", "Limits of each case.").optional(PART, &mut self.limits);
-        keys.key("check", "Conditions that a case must meet, besides those of the scene.")
+        keys.key("check", "Conditions that a case must meet, in addition to those of the scene.")
             .list(PARTS, &mut self.checks);
     }
 }
 
 /// Declares the keys of `[suite]`.
 fn common(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
-    keys.form("CommonForm", "What all cases of a suite have in common.");
-    keys.key("scene", "The scene, from the suite's folder; left out only if the matrix has scenes.")
+    keys.form("CommonForm", "Settings of all cases of a suite.");
+    keys.key("scene", "The scene, relative to the suite's folder; optional only if the matrix has scenes.")
         .maybe(TEXT, &mut suite.scene);
     keys.key(
         "programs",
-        "Programs of robots in place of the scene's: `1=solve.c`, or `solve.c` for those without one.",
+        "Programs of robots instead of the scene's: `1=solve.c`, or `solve.c` for robots without one.",
     )
     .list(REFERENCES, &mut suite.programs);
-    keys.key("forbid", "Functions of RoBIOS that fail for all programs, besides those of the scene: names, in which `*` stands for any letters.")
+    keys.key("forbid", "RoBIOS functions that fail for all programs, in addition to those of the scene: names, in which `*` stands for any letters.")
         .list(REFERENCES, &mut suite.forbid);
     keys.key(
         "submit",
         "Files of a submission that become programs in `eyesim grade`: `{ 1 = [\"*.c\", \"*.cpp\"] }` for robot 1.",
     )
     .list(SUBMIT, &mut suite.submit);
-    keys.key("until_s", "Simulated seconds at which a case ends; those of the scene if left out.")
+    keys.key("until_s", "Simulated time in seconds at which a case ends; default: from the scene.")
         .maybe(UNTIL, &mut suite.until);
     let mut linger = suite.linger.seconds();
-    keys.key("linger_s", "Simulated seconds that a case goes on after its last program has ended; 0 if left out.")
+    keys.key("linger_s", "Simulated seconds for which a case continues after its last program has ended; default: 0.")
         .optional(LINGER, &mut linger);
     suite.linger = Time::from_seconds_ceil(linger);
     keys.key("keys", "Keys and touches: `2.5:KEY1`, `3:TOUCH(60,40)`, for robot 2 `2:2.5:KEY1`.")
@@ -65,7 +65,7 @@ fn common(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
     )
     .list(TEXTS, &mut suite.arguments);
     keys.key("stdin", "File with the standard input of the programs.").maybe(TEXT, &mut suite.stdin);
-    keys.key("pass_rate", "Share of seeds that must pass, 0 to 1; 1 if left out.")
+    keys.key("pass_rate", "Fraction of seeds that must pass, 0 to 1; default: 1.")
         .optional(Bounded(Quantity::number("pass_rate", 0.0, 1.0)), &mut suite.pass_rate);
 }
 
@@ -73,17 +73,17 @@ impl Form for LimitSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("LimitsForm", "Limits of each case of a suite.");
         let processor = |name| Bounded(Quantity::seconds(name).within(1e-3, MAX_PROCESSOR_S));
-        keys.key("slot_processor_s", "Processor seconds that a program may compute within one slot; 10 if left out.")
+        keys.key("slot_processor_s", "Processor seconds that a program may compute within one slot; default: 10.")
             .optional(processor("processor time"), &mut self.slot_processor);
-        keys.key("processor_s", "Processor seconds of a whole case; 60 if left out.")
+        keys.key("processor_s", "Processor seconds of a whole case; default: 60.")
             .optional(processor("processor time"), &mut self.processor);
         let megabytes = |name, least| Bounded(Quantity::number(name, least, MAX_MEGABYTES));
         let mut memory = self.memory.map(|bytes| bytes as f64 / 1e6);
-        keys.key("memory_mb", "Megabytes of memory of a case; each case gets a process of its own then.")
+        keys.key("memory_mb", "Megabytes of memory of a case; each case then runs in its own process.")
             .maybe(megabytes("memory", 64.0), &mut memory);
         self.memory = memory.map(|megabytes| (megabytes * 1e6).round() as u64);
         let mut output = self.output as f64 / 1e6;
-        keys.key("output_mb", "Megabytes that each program may print before the rest is cut; 10 if left out.")
+        keys.key("output_mb", "Megabytes that each program may print; further output is discarded; default: 10.")
             .optional(megabytes("output", 0.0), &mut output);
         self.output = (output * 1e6).round() as u64;
     }
@@ -93,11 +93,11 @@ impl Form for Matrix {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form(
             "MatrixForm",
-            "Lists of values; the cases are their combinations, those of the last list follow each other.",
+            "Lists of values; the cases are their combinations; the values of the last list vary fastest.",
         );
         keys.span(&mut self.span);
-        keys.key("scene", "Scenes, in place of that of the suite.").list(TEXTS, &mut self.scene);
-        keys.key("world", "Files of worlds, in place of the scene's.").list(TEXTS, &mut self.world);
+        keys.key("scene", "Scenes, instead of the suite's scene.").list(TEXTS, &mut self.scene);
+        keys.key("world", "Files of worlds, instead of the scene's world.").list(TEXTS, &mut self.world);
         keys.key("set", "Values of the scene by the path of their keys: `\"robot[0].x_mm\" = [500, 900]`.")
             .list(VALUES_OF_SCENE, &mut self.set);
         keys.key("parameter", "Values for `{NAME}` in the arguments of programs.").list(VALUES, &mut self.parameter);
@@ -106,7 +106,7 @@ impl Form for Matrix {
         keys.key("seed", "Seeds: numbers and ranges such as `\"1..20\"`, both ends included.")
             .list(SEEDS, &mut self.seed);
         keys.key("zip", "Names of lists that advance together: `[[\"world\", \"noise\"]]`.").list(ZIP, &mut self.zip);
-        keys.key("exclude", "Combinations that are left out: `[{ seed = 3, noise = \"real\" }]`.")
+        keys.key("exclude", "Combinations to omit: `[{ seed = 3, noise = \"real\" }]`.")
             .list(EXCLUDE, &mut self.exclude);
     }
 }

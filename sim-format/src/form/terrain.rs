@@ -140,10 +140,10 @@ fn mesh(keys: &mut Keys<'_>, model: &mut ModelSpec, scale: &mut f64) {
     keys.form("PlacedTerrainForm", "A mesh file with its place in the world.");
     keys.mention(&["scale_mm"]);
     keys.key("file", "The mesh file.").required(TEXT, &mut model.path);
-    keys.key("offset_mm", "Place of the mesh's origin in the world in mm; 0 if left out.")
+    keys.key("offset_mm", "Position of the mesh's origin in the world in mm; default: 0.")
         .optional(PLACE, &mut model.offset);
     turns(keys, &mut model.turns);
-    keys.key("scale_mm", "Length of the mesh's unit in mm; 1000 if left out.").optional(MESH_UNIT, scale);
+    keys.key("scale_mm", "Length of the mesh's unit in mm; default: 1000.").optional(MESH_UNIT, scale);
 }
 
 /// Declares the extent of a terrain: the corner with the minimum x and y, and the size from there.
@@ -151,7 +151,7 @@ fn extent(keys: &mut Keys<'_>, about: &'static str, (origin, base): (&mut DVec2,
     let mut offset = origin.extend(*base);
     keys.key("offset_mm", about).optional(PLACE, &mut offset);
     (*origin, *base) = (offset.truncate(), offset.z);
-    keys.key("size_mm", "Width along x and along y in mm; that of the floor if left out.").optional(SIDES, size);
+    keys.key("size_mm", "Width along x and along y in mm; default: that of the floor.").optional(SIDES, size);
 }
 
 fn image(keys: &mut Keys<'_>, image: &mut TerrainImage) {
@@ -162,7 +162,7 @@ fn image(keys: &mut Keys<'_>, image: &mut TerrainImage) {
         "The image file: a grey png of 8 or 16 bits. The middles of its pixels are the corners of the terrain's cells.",
     )
     .required(IMAGE, path);
-    let about = "Place of the lower left corner in mm, and height of black; 0 if left out.";
+    let about = "Position of the lower left corner in mm, and height of black; default: 0.";
     extent(keys, about, (origin, base), size);
     keys.key("height_mm", "As much higher than black is white, in mm.")
         .required(Quantity::coordinate("height"), height);
@@ -172,15 +172,14 @@ fn relief(keys: &mut Keys<'_>, made: &mut Relief) {
     keys.form("FunctionTerrainForm", "Ground that is drawn from a seed: a smooth relief, with or without boulders.");
     let Relief { seed, origin, size, base, cell, relief, length, boulders, clear } = made;
     let mut function = if boulders.is_some() { Function::Boulders } else { Function::Hills };
-    keys.key("function", "What is drawn.").required(Word, &mut function);
-    keys.key("seed", "What it is drawn from; 0 if left out.").optional(0..=i64::MAX, seed);
-    let about = "Place of the lower left corner in mm, and height of the lowest ground; 0 if left out.";
+    keys.key("function", "Function that generates the terrain.").required(Word, &mut function);
+    keys.key("seed", "Seed of its random numbers; default: 0.").optional(0..=i64::MAX, seed);
+    let about = "Position of the lower left corner in mm, and height of the lowest ground; default: 0.";
     extent(keys, about, (origin, base), size);
-    keys.key("cell_mm", "Greatest side of a cell in mm; 50 if left out.")
-        .optional(Quantity::size("side of a cell"), cell);
-    keys.key("relief_mm", "From the lowest to the highest place of the smooth relief in mm; 100 if left out.")
+    keys.key("cell_mm", "Maximum side of a cell in mm; default: 50.").optional(Quantity::size("side of a cell"), cell);
+    keys.key("relief_mm", "Height difference of the smooth relief in mm; default: 100.")
         .optional(Quantity::length("height of the relief"), relief);
-    keys.key("length_mm", "Length of the longest hills in mm; 2000 if left out.")
+    keys.key("length_mm", "Length of the longest hills in mm; default: 2000.")
         .optional(Quantity::size("length of a hill"), length);
     let usual = DEFAULT_BOULDERS;
     let mut drawn = boulders.unwrap_or(usual);
@@ -189,11 +188,11 @@ fn relief(keys: &mut Keys<'_>, made: &mut Relief) {
     {
         reader.exclude(section, "function = \"hills\"", &OF_BOULDERS);
     } else {
-        keys.key("boulders", "Number of boulders; 40 if left out.")
+        keys.key("boulders", "Number of boulders; default: 40.")
             .optional(0..=i64::from(MAX_BOULDERS), &mut drawn.count);
-        keys.key("radius_mm", "Least and greatest half length of a boulder in mm; 100 and 400 if left out.")
+        keys.key("radius_mm", "Minimum and maximum half length of a boulder in mm; default: 100 and 400.")
             .optional(Between(Quantity::size("half length of a boulder")), &mut drawn.radius);
-        keys.key("height_mm", "Least and greatest height of a boulder in mm; 50 and 300 if left out.")
+        keys.key("height_mm", "Minimum and maximum height of a boulder in mm; default: 50 and 300.")
             .optional(Between(Quantity::length("height of a boulder")), &mut drawn.height);
     }
     *boulders = Some(drawn).filter(|_| function == Function::Boulders);
@@ -252,11 +251,11 @@ impl Form for Disc {
 fn steps(keys: &mut Keys<'_>, steps: &mut Steps) {
     keys.form("StepsTerrainForm", "Level ground with stairs and blocks.");
     let Steps { origin, size, base, stairs, blocks } = steps;
-    let about = "Place of the lower left corner in mm, and height of the ground; 0 if left out.";
+    let about = "Position of the lower left corner in mm, and height of the ground; default: 0.";
     extent(keys, about, (origin, base), size);
     // Without blocks this key must be printed, since it selects the source of the terrain.
     let mut flights = Some(std::mem::take(stairs)).filter(|stairs| !stairs.is_empty() || blocks.is_empty());
-    keys.key("stairs", "Flights of stairs; may be left out beside blocks.").maybe(PARTS, &mut flights);
+    keys.key("stairs", "Flights of stairs; optional if there are blocks.").maybe(PARTS, &mut flights);
     *stairs = flights.unwrap_or_default();
     keys.key("block", "Single blocks.").list(PARTS, blocks);
 }
@@ -265,7 +264,7 @@ impl Form for Stairs {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("StairsForm", "A flight of stairs.");
         keys.key("from_mm", "Middle of the foot of the first step, x and y in mm.").required(POINT, &mut self.from);
-        keys.key("direction_deg", "The way up: 0, 90, 180 or 270 degrees; 0 if left out.")
+        keys.key("direction_deg", "Direction upstairs: 0, 90, 180 or 270 degrees; default: 0.")
             .strictly(QUARTER_TURN, &mut self.way);
         keys.key("count", "Number of steps.").required(1..=i64::from(MAX_STEPS), &mut self.count);
         keys.key("step_height_mm", "Height of each in mm.")
@@ -273,10 +272,10 @@ impl Form for Stairs {
         keys.key("step_depth_mm", "Depth of each in mm.").required(Quantity::size("depth of a step"), &mut self.depth);
         keys.key("width_mm", "Width across the way in mm.").required(Quantity::size("width"), &mut self.width);
         let mut landing = Some(self.landing).filter(|landing| *landing != self.depth && keys.reading().is_none());
-        keys.key("landing_mm", "Depth of the uppermost in mm; that of the others if left out.")
+        keys.key("landing_mm", "Depth of the last step in mm; default: as the other steps.")
             .maybe(Quantity::size("depth of the landing"), &mut landing);
         self.landing = landing.unwrap_or(self.depth);
-        keys.key("down", "Whether as many steps go down again behind it; no if left out.")
+        keys.key("down", "Stairs go down again with the same number of steps; default: false.")
             .optional(Flag, &mut self.goes_down);
     }
 }
@@ -306,7 +305,7 @@ impl Form for Block {
         keys.form("BlockForm", "A block with level top and vertical sides.");
         let Bounds { min: mut from, max: mut to } = self.bounds;
         keys.key("from_mm", "One corner, x and y in mm.").required(POINT, &mut from);
-        keys.key("to_mm", "The opposite one, x and y in mm.").required(POINT, &mut to);
+        keys.key("to_mm", "The opposite corner, x and y in mm.").required(POINT, &mut to);
         let is_flat = keys.is_complete() && from.cmpeq(to).any();
         keys.key("height_mm", "Its height above the ground in mm.")
             .required(Quantity::size("height"), &mut self.height);

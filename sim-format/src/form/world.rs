@@ -94,7 +94,7 @@ impl Form for WorldTable {
         keys.key("file", "A `.wld`, a `.maz` or a map of another program; no other key but `kind`, `cell_mm`, `colour`, `light` and `sky` then.")
             .maybe(TEXT, &mut self.file);
         if is_file || !is_read {
-            keys.key("kind", "How a file is read whose extension does not say: `world` if left out.")
+            keys.key("kind", "Kind of a file whose extension does not determine it; default: `world`.")
                 .maybe(Word, &mut self.kind);
         }
         if is_file {
@@ -161,7 +161,7 @@ impl WorldTable {
              same.",
         )
         .maybe(TerrainTable(world.floor), &mut world.terrain);
-        keys.key("water_mm", "Depth of the water over the floor in mm; dry land if left out.")
+        keys.key("water_mm", "Depth of the water over the floor in mm; default: dry land.")
             .maybe(WATER, &mut world.water);
         looks(keys, &mut world.looks);
         if keys.reading().is_none() {
@@ -188,7 +188,7 @@ impl Words for WorldKind {
 fn cell(keys: &mut Keys<'_>, cell: &mut Option<f64>) {
     keys.key(
         "cell_mm",
-        "Side of the cells in mm: of a world that is a maze of walls, of a `.maz` in place of what the file says, of a `.map`, or of the pixels of an image.",
+        "Cell size in mm: of a world that is a maze of walls; of a `.maz`, overriding the file; of a `.map`; or of the pixels of an image.",
     )
     .maybe(Quantity::size("cell size"), cell);
 }
@@ -196,9 +196,8 @@ fn cell(keys: &mut Keys<'_>, cell: &mut Option<f64>) {
 /// Declares properties of a world that only cameras see.
 fn looks(keys: &mut Keys<'_>, looks: &mut LooksSpec) {
     keys.key("colour", "Red, green and blue of a floor without an image, 0 to 255.").maybe(Shades, &mut looks.colour);
-    keys.key("light", "The light that cameras see by.")
-        .optional(Part("azimuth_deg = -120, shadows = true"), &mut looks.light);
-    keys.key("sky", "What cameras see where nothing stands.")
+    keys.key("light", "The light for cameras.").optional(Part("azimuth_deg = -120, shadows = true"), &mut looks.light);
+    keys.key("sky", "Background of camera images.")
         .optional(Part("horizon = [200, 210, 220], ground = [90, 90, 80]"), &mut looks.sky);
 }
 
@@ -208,22 +207,19 @@ impl Form for LightSpec {
         let azimuth = Quantity::angle("azimuth of the sun").within(-360.0, 360.0);
         let elevation = Quantity::angle("elevation of the sun").within(1.0, 90.0);
         let ambient = Quantity::number("share of ambient light", 0.0, 1.0);
-        keys.key(
-            "azimuth_deg",
-            "Direction in degrees in which the sun stands, counter-clockwise from x; -120 if left out.",
-        )
-        .optional(Bounded(azimuth), &mut self.azimuth);
-        keys.key("elevation_deg", "Its angle above the floor in degrees; 50 if left out.")
+        keys.key("azimuth_deg", "Direction of the sun in degrees, counter-clockwise from x; default: -120.")
+            .optional(Bounded(azimuth), &mut self.azimuth);
+        keys.key("elevation_deg", "Its angle above the floor in degrees; default: 50.")
             .optional(Bounded(elevation), &mut self.elevation);
-        keys.key("ambient", "Share of the light that comes evenly from everywhere; 0.4 if left out.")
+        keys.key("ambient", "Fraction of the light that is uniform; default: 0.4.")
             .optional(Bounded(ambient), &mut self.ambient);
-        keys.key("shadows", "Whether things cast shadows; false if left out.").optional(Flag, &mut self.shadows);
+        keys.key("shadows", "Bodies cast shadows; default: false.").optional(Flag, &mut self.shadows);
     }
 }
 
 impl Form for SkySpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("SkyForm", "What is seen where nothing stands: red, green and blue, 0 to 255.");
+        keys.form("SkyForm", "Colours of the background: red, green and blue, 0 to 255.");
         keys.key("horizon", "The sky at the horizon.").optional(Shades, &mut self.horizon);
         keys.key("zenith", "The sky straight above.").optional(Shades, &mut self.zenith);
         keys.key("ground", "The ground beyond the floor.").optional(Shades, &mut self.ground);
@@ -242,12 +238,12 @@ impl Form for WallSpec {
             keys.key("from_mm", "One end, x and y in mm.").expected(POINT, &mut self.from);
             keys.key("to_mm", "The other end, x and y in mm.").expected(POINT, &mut self.to);
         }
-        keys.key("thickness_mm", "Thickness in mm, half of it on either side; 0 if left out.")
+        keys.key("thickness_mm", "Thickness in mm, half of it on either side; default: 0.")
             .optional(Bounded(Quantity::length("thickness")), &mut self.thickness);
-        keys.key("height_mm", "Height above the floor in mm; 200 if left out.")
+        keys.key("height_mm", "Height above the floor in mm; default: 200.")
             .optional(Bounded(Quantity::size("height")), &mut self.height);
         keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Shades, &mut self.colour);
-        keys.key("surface", "How it reflects; as the world says if left out.").maybe(PART, &mut self.surface);
+        keys.key("surface", "Reflection of sound; default: from the world.").maybe(PART, &mut self.surface);
         let is_point = keys.is_complete() && self.from == self.to && self.scatter.is_none();
         if let Some((reader, section)) = keys.reading()
             && is_point
@@ -267,14 +263,14 @@ fn random_keys(keys: &mut Keys<'_>, random: &mut Option<(f64, Scatter)>) -> bool
     keys.mention(&["count"]);
     if keys.reading().is_none() {
         // A list repeats its entries before they are read.
-        keys.key("count", "How many of them; 1 if left out. Each is drawn for itself.")
+        keys.key("count", "Number of copies; default: 1. Each copy has its own random values.")
             .maybe(0..=MAX_REPETITIONS, &mut None::<u32>);
     }
     if is_said || keys.reading().is_none() {
         keys.key("length_mm", "Length in mm of a wall with a random place.")
             .maybe(Bounded(Quantity::size("length")), &mut length);
     }
-    keys.key("layout", "Random place, in place of both ends.").maybe(SCATTER, &mut scatter);
+    keys.key("layout", "Random position instead of both ends.").maybe(SCATTER, &mut scatter);
     if !is_said {
         return random.is_some();
     }
