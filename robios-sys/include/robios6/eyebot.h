@@ -1,6 +1,6 @@
 /* RoBIOS 6 for robot programs.
  *
- * Every call takes effect, and reads what it reads, at its end. Those that wait say so; the others return at once.
+ * Every call takes effect, and takes its readings, at its end. Calls that wait say so; all others return immediately.
  * [any task of the robot] marks who may call a function: all may be called from timer functions too, where those
  * that wait are errors. No call keeps a pointer. Null pointers and wrong handles give the documented failure.
  *
@@ -77,9 +77,9 @@
 #define PSD_OUT_OF_RANGE    9999 /* PSDGet: nothing within the sensor's range. */
 #define BROADCAST              0 /* RADIOSend: to every robot. */
 #define MAXMSGLEN             35 /* The longest message of the radio, in bytes. */
-#define SPACE_CODE             0 /* IRTVInit: bits are told by the length of the pause between pulses. */
-#define PULSE_CODE             1 /* IRTVInit: bits are told by the length of the pulses. */
-#define MANCHESTER_CODE        2 /* IRTVInit: bits are told by the direction of an edge. */
+#define SPACE_CODE             0 /* IRTVInit: bits are distinguished by the length of the pause between pulses. */
+#define PULSE_CODE             1 /* IRTVInit: bits are distinguished by the length of the pulses. */
+#define MANCHESTER_CODE        2 /* IRTVInit: bits are distinguished by the direction of an edge. */
 #define RAW_CODE               3 /* IRTVInit: codes are a raw sequence of lengths. */
 #define DEFAULT_MODE           0 /* IRTVInit: only complete codes count. */
 #define SLOPPY_MODE            1 /* IRTVInit: incomplete codes count. */
@@ -97,8 +97,8 @@ extern "C" {
  * Source: RoBIOS 6 library, system functions. */
 char *OSVersion(void);
 
-/* Shows an error, text and number, on the LCD and in the record of the run. message: the text. number: the number
- * shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
+/* Shows an error, text and number, on the LCD and in the trace of the run. message: the text. number: the number
+ * shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and continues.
  * Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, system functions. */
@@ -109,7 +109,7 @@ int OSError(const char *message, int number, BOOL dead);
  * Source: RoBIOS 6 library, system functions. */
 int OSMachineType(void);
 
-/* The clock rate of the processor. Returns it in Hz.
+/* The clock rate of the processor. Returns the rate in Hz.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, system functions. */
 int OSMachineSpeed(void);
@@ -125,23 +125,23 @@ char *OSMachineName(void);
  * Source: RoBIOS 6 library, system functions. */
 BYTE OSMachineID(void);
 
-/* Lets interrupts through again: timers run. Returns 0.
+/* Enables interrupts again: timers run. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, system functions. */
 int OSEnable(void);
 
-/* Holds interrupts back: timers do not run until OSEnable. Returns 0.
+/* Disables interrupts: timers do not run until OSEnable. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, system functions. */
 int OSDisable(void);
 
 /* Value of a system variable; 0 if it was never set.
- * num: which one, 0 to 15. Returns the value, 0 for another num.
+ * num: its number, 0 to 15. Returns the value, 0 for another num.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, system functions. */
 int OSGetVar(int num);
 
-/* Sets a system variable of this robot. num: which one, 0 to 15. value: any number. Returns 0, or -1 for another num.
+/* Sets a system variable of this robot. num: its number, 0 to 15. value: any number. Returns 0, or -1 for another num.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, system functions. */
 int OSPutVar(int num, int value);
@@ -153,7 +153,7 @@ int OSPutVar(int num, int value);
  * Source: RoBIOS 6 library, hardware description table; layout of an entry: our choice. */
 int HDT_Validate(void);
 
-/* Looks a device up.
+/* Searches for a device.
  * type_id: HDT_MOTOR and so on, 0 for any. semantics: MOTOR_LEFT and so on.
  * Returns a pointer to an HDT_entry_type that stays valid until the next call, or 0 if there is no such
  * device.
@@ -161,9 +161,9 @@ int HDT_Validate(void);
  * Source: RoBIOS 6 library, hardware description table; layout of an entry: our choice. */
 void *HDT_FindEntry(TypeID type_id, DeviceSemantics semantics);
 
-/* Looks the n-th device of a kind up, for going through all of them.
- * type_id: HDT_MOTOR and so on. index: 0 for the first one. entry: where the device goes.
- * Returns 0, or -1 if there are not as many or a pointer is 0.
+/* Finds the n-th device of a kind, to iterate over all of them.
+ * type_id: HDT_MOTOR and so on. index: 0 for the first one. entry: set to the device.
+ * Returns 0, or -1 if there are fewer devices or a pointer is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, hardware description table; layout of an entry: our choice. */
 int HDT_FindTable(TypeID type_id, int index, HDT_entry_type *entry);
@@ -188,7 +188,7 @@ int LCDPrintf(const char *format, ...) EYESIM_PRINTF(1, 2);
  * Source: RoBIOS 6 library, LCD output. */
 int LCDSetPrintf(int row, int column, const char *format, ...) EYESIM_PRINTF(3, 4);
 
-/* Clears the LCD and puts the cursor to the top left; the menu is cleared too. Returns 0.
+/* Clears the LCD and moves the cursor to the top left; the menu is cleared too. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, LCD output. */
 int LCDClear(void);
@@ -296,7 +296,7 @@ int LCDMenuI(int pos, const char *s);
 
 /* Sets a pixel.
  * row: 0 (top) to 63. col: 0 (left) to 127. val: 0 clear, 1 set, 2 invert.
- * Returns 0, or -1 if it is not on the LCD or val is another.
+ * Returns 0, or -1 if it is not on the LCD or for another val.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, LCD output. */
 int LCDSetPixel(int row, int col, int val);
@@ -327,7 +327,7 @@ int LCDArea(int x1, int y1, int x2, int y2, int col);
 
 /* ---- KEY: the four keys under the LCD ---- */
 
-/* Waits for a key and stores its code. buf: set to KEY1 to KEY4. Returns 0, or -1 at once if buf is 0.
+/* Waits for a key and stores its code. buf: set to KEY1 to KEY4. Returns 0, or -1 immediately if buf is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, key input. */
 int KEYGetBuf(char *buf);
@@ -343,7 +343,7 @@ int KEYGet(void);
 int KEYRead(void);
 
 /* Waits for a certain key; other keys are discarded.
- * excode: KEY1 to KEY4, several OR-ed, or ANYKEY. Returns 0, or -1 at once for another excode.
+ * excode: KEY1 to KEY4, several OR-ed, or ANYKEY. Returns 0, or -1 immediately for another excode.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, key input. */
 int KEYWait(int excode);
@@ -368,7 +368,7 @@ int CAMRelease(void);
 int CAMGetFrame(image *buf);
 
 /* Takes a colour image and waits for it.
- * convert: 0 leaves red, green, blue; 1 turns it to 8-bit grey at the start of the same buffer.
+ * convert: 0 leaves red, green, blue; 1 converts it to 8-bit grey at the start of the same buffer.
  * Returns 0, or -1 if there is no colour camera or buf is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, camera. */
@@ -427,7 +427,7 @@ int IPLaplace(image *src, image *dest);
  * Source: RoBIOS 6 library, image processing. */
 int IPSobel(image *src, image *dest);
 
-/* Turns grey to black and white with a pattern of 2 x 2. Returns 0, or -1 if a pointer is 0.
+/* Converts grey to black and white with a pattern of 2 x 2. Returns 0, or -1 if a pointer is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, image processing. */
 int IPDither(image *src, image *dest);
@@ -437,7 +437,7 @@ int IPDither(image *src, image *dest);
  * Source: RoBIOS 6 library, image processing. */
 int IPDiffer(image *current, image *last, image *dest);
 
-/* Turns colour to grey. Returns 0, or -1 if a pointer is 0.
+/* Converts colour to grey. Returns 0, or -1 if a pointer is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, image processing. */
 int IPColor2Grey(colimage *src, image *dest);
@@ -505,12 +505,12 @@ int OSGetUID(struct tcb *thread);
 int OSKill(struct tcb *thread);
 
 /* Ends the current task; without multi-tasking, and from the first task, the program, as exit(code) does. code: exit
- * code of the program. Returns nothing: the call does not come back.
+ * code of the program. Returns nothing: the call does not return.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSExit(int code);
 
-/* Shows a text and stops the robot forever. message: the text. Returns nothing: the call does not come back.
+/* Shows a text and stops the robot forever. message: the text. Returns nothing: the call does not return.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, multi-tasking. */
 int OSPanic(const char *message);
@@ -714,12 +714,12 @@ int PSDRelease(void);
 
 /* Starts measuring.
  * bitmask: handles, OR-ed. cycle: TRUE measures continuously, FALSE once.
- * Returns 0, 1 if another measurement is still running, or -1 if bitmask has a bit that is not a handle.
+ * Returns 0, 1 if another measurement is still in progress, or -1 if bitmask has a bit that is not a handle.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, position sensing devices. */
 int PSDStart(PSDHandle bitmask, BOOL cycle);
 
-/* Ends measuring after the cycle that is running. Returns 0.
+/* Stops measuring at the end of the cycle in progress. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, position sensing devices. */
 int PSDStop(void);
@@ -905,7 +905,7 @@ float VWDriveRemain(VWHandle handle);
  * Source: RoBIOS 6 library, VW interface. */
 int VWDriveDone(VWHandle handle);
 
-/* Waits until the drive has ended. Returns 0, or -1 at once if handle is invalid.
+/* Waits until the drive has ended. Returns 0, or -1 immediately if handle is invalid.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, VW interface. */
 int VWDriveWait(VWHandle handle);
@@ -1121,7 +1121,7 @@ int RADIOCheck();
 
 /* Waits for a message, which may be damaged: there is no checksum. id: set to the address of its sender; may be 0.
  * bytesReceived: set to its length; may be 0. buffer: at least MAXMSGLEN bytes; a longer message is cut to these.
- * Returns 0, or -1 at once if the radio is off or buffer is 0.
+ * Returns 0, or -1 immediately if the radio is off or buffer is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer);

@@ -1,6 +1,6 @@
 /* RoBIOS-7 for robot programs.
  *
- * Every call takes effect, and reads what it reads, at its end. Those that wait say so; the others return at once.
+ * Every call takes effect, and takes its readings, at its end. Calls that wait say so; all others return immediately.
  * [any task of the robot] marks who may call a function: all may be called from timer functions too, where those
  * that wait are errors. No call keeps a pointer. Null pointers and wrong handles give the documented failure.
  *
@@ -213,13 +213,13 @@ COLOR LCDGetPixel(int x, int y);
 int LCDLine(int x1, int y1, int x2, int y2, COLOR col);
 
 /* Draws a rectangle between two corners. x1, x2: pixels to the right of the left edge. y1, y2: pixels below the upper
- * edge. fill: if not 0, filled; else its edge. Returns 0.
+ * edge. fill: if not 0, filled; otherwise only its edge. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDArea(int x1, int y1, int x2, int y2, COLOR col, int fill);
 
 /* Draws a circle. x1, y1: its centre, pixels to the right of the left edge and below the upper edge. size: its radius
- * in pixels. fill: if not 0, filled; else its edge. Returns 0.
+ * in pixels. fill: if not 0, filled; otherwise only its edge. Returns 0.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDCircle(int x1, int y1, int size, COLOR col, int fill);
@@ -467,8 +467,8 @@ int OSMachineName(char *buf);
  * Source: RoBIOS-7 library, system functions and timer. */
 int OSMachineID(void);
 
-/* Shows an error, text and number, on the display and in the record of the run. message: the text. number: the number
- * shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
+/* Shows an error, text and number, on the display and in the trace of the run. message: the text. number: the number
+ * shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and continues.
  * Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, system functions and timer. */
@@ -622,7 +622,7 @@ int PSDGetRaw(int psd);
 
 /* ---- LIDAR: the laser scanner ---- */
 
-/* Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) lies straight
+/* Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) is straight
  * ahead. distance: set to as many distances in millimetres as LIDARSet has set, initially 360; 9999 if out of range.
  * Returns 0, 1 if there is no scanner.
  * [any task of the robot]  Pointers belong to the program and are not kept.
@@ -750,7 +750,7 @@ int VWDrive(int dx, int dy, int lin_speed);
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWRemain(void);
 
-/* Checks whether the drive is done. Returns 1 when it is done or there was none, 0 while it goes on, -1 on failure.
+/* Checks whether the drive is done. Returns 1 when it is done or there was none, 0 while it is in progress, -1 on failure.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWDone(void);
@@ -813,13 +813,13 @@ int ANALOGRead(int channel);
 int ANALOGVoltage(void);
 
 /* Starts to record a channel at 1 kHz; does not wait. channel: 0 to 8. iterations: number of values, 1 to 1048576.
- * Returns 0, 1 if there is no such channel or it records.
+ * Returns 0, 1 if there is no such channel or a recording is in progress.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, digital and analog I/O. */
 int ANALOGRecord(int channel, int iterations);
 
 /* Moves the whole recording to a buffer. buffer: one byte a value, the upper 8 bits. Returns the number of bytes, 0
- * while the recording goes on.
+ * while the recording is in progress.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, digital and analog I/O. */
 int ANALOGTransfer(BYTE *buffer);
@@ -866,7 +866,7 @@ int RADIOGetID(void);
 int RADIOSend(int id, const char *buf);
 
 /* Waits for a message, which may be damaged: there is no checksum. id: set to the address of its sender; may be NULL.
- * buf: set to the text up to its first 0, cut to fit, and a final 0. size: capacity of buf. Returns 0, or 1 at once if
+ * buf: set to the text up to its first 0, cut to fit, and a final 0. size: capacity of buf. Returns 0, or 1 immediately if
  * the radio is off, buf is NULL or has no room.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, radio communication. */

@@ -179,7 +179,7 @@ fn eyebot_header(generation: &Generation) -> String {
     let mut text = format!(
         "/* {title} for robot programs.\n\
          \x20*\n\
-         \x20* Every call takes effect, and reads what it reads, at its end. Those that wait say so; the others return at once.\n\
+         \x20* Every call takes effect, and takes its readings, at its end. Calls that wait say so; all others return immediately.\n\
          \x20* [any task of the robot] marks who may call a function: all may be called from timer functions too, where those\n\
          \x20* that wait are errors. No call keeps a pointer. Null pointers and wrong handles give the documented failure.\n\
          \x20*\n\

@@ -142,11 +142,11 @@ constants! {
     /// The longest message of the radio, in bytes.
     MAXMSGLEN: i32 = 35;
 
-    /// `IRTVInit`: bits are told by the length of the pause between pulses.
+    /// `IRTVInit`: bits are distinguished by the length of the pause between pulses.
     SPACE_CODE: i32 = 0;
-    /// `IRTVInit`: bits are told by the length of the pulses.
+    /// `IRTVInit`: bits are distinguished by the length of the pulses.
     PULSE_CODE: i32 = 1;
-    /// `IRTVInit`: bits are told by the direction of an edge.
+    /// `IRTVInit`: bits are distinguished by the direction of an edge.
     MANCHESTER_CODE: i32 = 2;
     /// `IRTVInit`: codes are a raw sequence of lengths.
     RAW_CODE: i32 = 3;

@@ -15,15 +15,15 @@ function_table! {
         /// to. Returns the text, such as `6.5`.
         fn OSVersion(text: OutBytes) -> i32 = 0, c "char *OSVersion(void)";
 
-        /// Shows an error, text and number, on the LCD and in the record of the run. message: the text. number: the number
-        /// shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
+        /// Shows an error, text and number, on the LCD and in the trace of the run. message: the text. number: the number
+        /// shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and continues.
         /// Returns 0.
         fn OSError(message: Text, number: i32, dead: Bool) -> i32 = -1;
 
         /// The kind of machine. Returns VEHICLE, PLATFORM or WALKER.
         fn OSMachineType() -> i32 = VEHICLE;
 
-        /// The clock rate of the processor. Returns it in Hz.
+        /// The clock rate of the processor. Returns the rate in Hz.
         fn OSMachineSpeed() -> i32 = 25_000_000;
 
         /// The name of the robot as text. In C the text stays valid and unchanged until the program ends; it may not be written
@@ -33,17 +33,17 @@ function_table! {
         /// The robot's number, unique in the scene; also its address on the radio. Returns 1 to 255.
         fn OSMachineID() -> u8 = 0;
 
-        /// Lets interrupts through again: timers run. Returns 0.
+        /// Enables interrupts again: timers run. Returns 0.
         fn OSEnable() -> i32 = -1;
 
-        /// Holds interrupts back: timers do not run until OSEnable. Returns 0.
+        /// Disables interrupts: timers do not run until OSEnable. Returns 0.
         fn OSDisable() -> i32 = -1;
 
         /// Value of a system variable; 0 if it was never set.
-        /// num: which one, 0 to 15. Returns the value, 0 for another num.
+        /// num: its number, 0 to 15. Returns the value, 0 for another num.
         fn OSGetVar(num: i32) -> i32 = 0;
 
-        /// Sets a system variable of this robot. num: which one, 0 to 15. value: any number. Returns 0, or -1 for another num.
+        /// Sets a system variable of this robot. num: its number, 0 to 15. value: any number. Returns 0, or -1 for another num.
         fn OSPutVar(num: i32, value: i32) -> i32 = -1;
     }
 
@@ -51,16 +51,16 @@ function_table! {
         /// Checks the device table. Returns 0 if it is valid.
         fn HDT_Validate() -> i32 = -1;
 
-        /// Looks a device up.
+        /// Searches for a device.
         /// type_id: HDT_MOTOR and so on, 0 for any. semantics: MOTOR_LEFT and so on.
         /// Returns a pointer to an HDT_entry_type that stays valid until the next call, or 0 if there is no such
         /// device.
         fn HDT_FindEntry(type_id: TypeID, semantics: DeviceSemantics, entry: Out<HDTEntry>) -> i32 = 0,
             c "void *HDT_FindEntry(TypeID type_id, DeviceSemantics semantics)";
 
-        /// Looks the n-th device of a kind up, for going through all of them.
-        /// type_id: HDT_MOTOR and so on. index: 0 for the first one. entry: where the device goes.
-        /// Returns 0, or -1 if there are not as many or a pointer is 0.
+        /// Finds the n-th device of a kind, to iterate over all of them.
+        /// type_id: HDT_MOTOR and so on. index: 0 for the first one. entry: set to the device.
+        /// Returns 0, or -1 if there are fewer devices or a pointer is 0.
         fn HDT_FindTable(type_id: TypeID, index: i32, entry: Out<HDTEntry>) -> i32 = -1;
 
         /// Number of devices of a kind.
@@ -78,7 +78,7 @@ function_table! {
         fn LCDSetPrintf(row: i32, column: i32, text: Text) -> i32 = -1,
             c "int LCDSetPrintf(int row, int column, const char *format, ...)";
 
-        /// Clears the LCD and puts the cursor to the top left; the menu is cleared too. Returns 0.
+        /// Clears the LCD and moves the cursor to the top left; the menu is cleared too. Returns 0.
         fn LCDClear() -> i32 = -1;
 
         /// Writes a character at the cursor, which moves on. c: the character. Returns 0.
@@ -148,7 +148,7 @@ function_table! {
 
         /// Sets a pixel.
         /// row: 0 (top) to 63. col: 0 (left) to 127. val: 0 clear, 1 set, 2 invert.
-        /// Returns 0, or -1 if it is not on the LCD or val is another.
+        /// Returns 0, or -1 if it is not on the LCD or for another val.
         fn LCDSetPixel(row: i32, col: i32, val: i32) -> i32 = -1;
 
         /// Inverts a pixel.
@@ -169,7 +169,7 @@ function_table! {
     }
 
     family KEY "the four keys under the LCD", source "RoBIOS 6 library, key input" {
-        /// Waits for a key and stores its code. buf: set to KEY1 to KEY4. Returns 0, or -1 at once if buf is 0.
+        /// Waits for a key and stores its code. buf: set to KEY1 to KEY4. Returns 0, or -1 immediately if buf is 0.
         fn KEYGetBuf(buf: Out<Char>) -> i32 = -1;
 
         /// Waits for a key. Returns its code, KEY1 to KEY4.
@@ -179,7 +179,7 @@ function_table! {
         fn KEYRead() -> i32 = 0;
 
         /// Waits for a certain key; other keys are discarded.
-        /// excode: KEY1 to KEY4, several OR-ed, or ANYKEY. Returns 0, or -1 at once for another excode.
+        /// excode: KEY1 to KEY4, several OR-ed, or ANYKEY. Returns 0, or -1 immediately for another excode.
         fn KEYWait(excode: i32) -> i32 = -1;
     }
 
@@ -196,7 +196,7 @@ function_table! {
         fn CAMGetFrame(buf: Out<Image>) -> i32 = -1;
 
         /// Takes a colour image and waits for it.
-        /// convert: 0 leaves red, green, blue; 1 turns it to 8-bit grey at the start of the same buffer.
+        /// convert: 0 leaves red, green, blue; 1 converts it to 8-bit grey at the start of the same buffer.
         /// Returns 0, or -1 if there is no colour camera or buf is 0.
         fn CAMGetColFrame(buf: Out<ColImage>, convert: i32) -> i32 = -1;
 
@@ -235,13 +235,13 @@ function_table! {
         /// Sobel operator. src and dest may be the same. Returns 0, or -1 if a pointer is 0.
         fn IPSobel(src: In<Image>, dest: Out<Image>) -> i32 = -1;
 
-        /// Turns grey to black and white with a pattern of 2 x 2. Returns 0, or -1 if a pointer is 0.
+        /// Converts grey to black and white with a pattern of 2 x 2. Returns 0, or -1 if a pointer is 0.
         fn IPDither(src: In<Image>, dest: Out<Image>) -> i32 = -1;
 
         /// Absolute difference of two images. Returns 0, or -1 if a pointer is 0.
         fn IPDiffer(current: In<Image>, last: In<Image>, dest: Out<Image>) -> i32 = -1;
 
-        /// Turns colour to grey. Returns 0, or -1 if a pointer is 0.
+        /// Converts colour to grey. Returns 0, or -1 if a pointer is 0.
         fn IPColor2Grey(src: In<ColImage>, dest: Out<Image>) -> i32 = -1;
     }
 
@@ -288,10 +288,10 @@ function_table! {
         fn OSKill(thread: Task) -> i32 = -1, c "int OSKill(struct tcb *thread)";
 
         /// Ends the current task; without multi-tasking, and from the first task, the program, as exit(code) does. code: exit
-        /// code of the program. Returns nothing: the call does not come back.
+        /// code of the program. Returns nothing: the call does not return.
         fn OSExit(code: i32) -> i32 = -1, c "int OSExit(int code)";
 
-        /// Shows a text and stops the robot forever. message: the text. Returns nothing: the call does not come back.
+        /// Shows a text and stops the robot forever. message: the text. Returns nothing: the call does not return.
         fn OSPanic(message: Text) -> i32 = -1, c "int OSPanic(const char *message)";
 
         /// Lets the other tasks run for a time; without multi-tasking the same as OSWait.
@@ -426,10 +426,10 @@ function_table! {
 
         /// Starts measuring.
         /// bitmask: handles, OR-ed. cycle: TRUE measures continuously, FALSE once.
-        /// Returns 0, 1 if another measurement is still running, or -1 if bitmask has a bit that is not a handle.
+        /// Returns 0, 1 if another measurement is still in progress, or -1 if bitmask has a bit that is not a handle.
         fn PSDStart(bitmask: PSDHandle, cycle: Bool) -> i32 = -1;
 
-        /// Ends measuring after the cycle that is running. Returns 0.
+        /// Stops measuring at the end of the cycle in progress. Returns 0.
         fn PSDStop() -> i32 = -1;
 
         /// Checks whether there is a valid result, that is after the first complete cycle. Returns TRUE or FALSE.
@@ -555,7 +555,7 @@ function_table! {
         /// Checks whether the drive has ended. Returns 1 if it has ended, 0 if it is in progress, -1 if handle is invalid.
         fn VWDriveDone(handle: VWHandle) -> i32 = -1;
 
-        /// Waits until the drive has ended. Returns 0, or -1 at once if handle is invalid.
+        /// Waits until the drive has ended. Returns 0, or -1 immediately if handle is invalid.
         fn VWDriveWait(handle: VWHandle) -> i32 = -1;
 
         /// Checks whether a motor is stalled. Returns 1 if one is, 0 if none is or there is no command, -1 if handle is invalid.
@@ -701,7 +701,7 @@ function_table! {
 
         /// Waits for a message, which may be damaged: there is no checksum. id: set to the address of its sender; may be 0.
         /// bytesReceived: set to its length; may be 0. buffer: at least MAXMSGLEN bytes; a longer message is cut to these.
-        /// Returns 0, or -1 at once if the radio is off or buffer is 0.
+        /// Returns 0, or -1 immediately if the radio is off or buffer is 0.
         fn RADIORecv(id: Out<Byte>, bytesReceived: Out<i32>, buffer: OutBytes) -> i32 = -1,
             c "int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer)";
 

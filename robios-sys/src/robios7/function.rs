@@ -73,11 +73,11 @@ function_table! {
         fn LCDLine(x1: i32, y1: i32, x2: i32, y2: i32, col: Color) -> i32 = 1;
 
         /// Draws a rectangle between two corners. x1, x2: pixels to the right of the left edge. y1, y2: pixels below the upper
-        /// edge. fill: if not 0, filled; else its edge. Returns 0.
+        /// edge. fill: if not 0, filled; otherwise only its edge. Returns 0.
         fn LCDArea(x1: i32, y1: i32, x2: i32, y2: i32, col: Color, fill: i32) -> i32 = 1;
 
         /// Draws a circle. x1, y1: its centre, pixels to the right of the left edge and below the upper edge. size: its radius
-        /// in pixels. fill: if not 0, filled; else its edge. Returns 0.
+        /// in pixels. fill: if not 0, filled; otherwise only its edge. Returns 0.
         fn LCDCircle(x1: i32, y1: i32, size: i32, col: Color, fill: i32) -> i32 = 1;
 
         /// Inverts one pixel. x: pixels to the right of the left edge. y: pixels below the upper edge. Returns 0.
@@ -245,8 +245,8 @@ function_table! {
         /// The robot's number, unique in the scene; also its address on the radio. Returns the number, from 1.
         fn OSMachineID() -> i32 = 0;
 
-        /// Shows an error, text and number, on the display and in the record of the run. message: the text. number: the number
-        /// shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
+        /// Shows an error, text and number, on the display and in the trace of the run. message: the text. number: the number
+        /// shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and continues.
         /// Returns 0.
         fn OSError(message: Text, number: i32, dead: i32) -> i32 = 1;
 
@@ -346,7 +346,7 @@ function_table! {
     }
 
     family LIDAR "the laser scanner", source "RoBIOS-7 library, LIDAR" {
-        /// Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) lies straight
+        /// Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) is straight
         /// ahead. distance: set to as many distances in millimetres as LIDARSet has set, initially 360; 9999 if out of range.
         /// Returns 0, 1 if there is no scanner.
         fn LIDARGet(distance: OutInts) -> i32 = 1, c "int LIDARGet(int distance[])";
@@ -432,7 +432,7 @@ function_table! {
         /// Remainder of the drive. Returns mm, for a turn degrees; 0 when it is done.
         fn VWRemain() -> i32 = 0;
 
-        /// Checks whether the drive is done. Returns 1 when it is done or there was none, 0 while it goes on, -1 on failure.
+        /// Checks whether the drive is done. Returns 1 when it is done or there was none, 0 while it is in progress, -1 on failure.
         fn VWDone() -> i32 = -1;
 
         /// Waits for the drive's end. Returns 0, -1 on failure.
@@ -473,11 +473,11 @@ function_table! {
         fn ANALOGVoltage() -> i32 = 0;
 
         /// Starts to record a channel at 1 kHz; does not wait. channel: 0 to 8. iterations: number of values, 1 to 1048576.
-        /// Returns 0, 1 if there is no such channel or it records.
+        /// Returns 0, 1 if there is no such channel or a recording is in progress.
         fn ANALOGRecord(channel: i32, iterations: i32) -> i32 = 1;
 
         /// Moves the whole recording to a buffer. buffer: one byte a value, the upper 8 bits. Returns the number of bytes, 0
-        /// while the recording goes on.
+        /// while the recording is in progress.
         fn ANALOGTransfer(buffer: OutBytes) -> i32 = 0, c "int ANALOGTransfer(BYTE *buffer)";
     }
 
@@ -508,7 +508,7 @@ function_table! {
         fn RADIOSend(id: i32, buf: Text) -> i32 = 1;
 
         /// Waits for a message, which may be damaged: there is no checksum. id: set to the address of its sender; may be NULL.
-        /// buf: set to the text up to its first 0, cut to fit, and a final 0. size: capacity of buf. Returns 0, or 1 at once if
+        /// buf: set to the text up to its first 0, cut to fit, and a final 0. size: capacity of buf. Returns 0, or 1 immediately if
         /// the radio is off, buf is NULL or has no room.
         fn RADIOReceive(id: Out<i32>, buf: OutBytes) -> i32 = 1, c "int RADIOReceive(int *id, char *buf, int size)";
 
