@@ -64,7 +64,7 @@ codes! {
     FaultTarget = "fault-target": "a fault refers to something that does not exist",
     FileCase = "file-case": "a file name that differs from the file on disk in upper and lower case",
     FileEncoding = "file-encoding": "the file is not UTF-8",
-    FileKind = "file-kind": "the name does not say which kind of file this is",
+    FileKind = "file-kind": "the extension of a file name is unknown or missing",
     FileMissing = "file-missing": "a file is not found",
     FileMore = "file-more": "the file has more mistakes than are listed",
     FileMoved = "file-moved": "an absolute path does not exist; a file nearby matches its last parts",
