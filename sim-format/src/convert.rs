@@ -205,7 +205,8 @@ pub fn convert_with(
     let (Some(source), Some(target)) = (FileFormat::of(from), FileFormat::of(to)) else {
         let name = if FileFormat::of(from).is_none() { from } else { to };
         let expected = "a name that ends in .sim, .toml, .wld, .maz, .robi, .esObj, .yaml, .pgm or .pbm, or a source in .map, .scen, .world, .num or .txt";
-        return Converted::refused(Code::FileKind, name, "the name does not say which kind of file this is", expected);
+        let message = "the extension of the file name is unknown or missing";
+        return Converted::refused(Code::FileKind, name, message, expected);
     };
     let mut conversion = Conversion { from, to, files, options, lost: Sink::new(from), outputs: Vec::new() };
     let loaded = match (source, target) {

@@ -464,10 +464,10 @@ fn programs_of_checks_are_looked_for_before_the_run() {
             assert!(ran.code != Some(0) && (ran.stdout.clone() + &ran.stderr).contains(said), "{said}: {ran:#?}");
         }
     };
-    check("`grade` is not there");
+    check("`grade` does not exist");
     scratch.write("grade", "no program");
     check("`grade` cannot be started: expected a program in Python");
     std::fs::remove_file(scratch.path().join("grade")).expect("a file");
     std::fs::create_dir(scratch.path().join("grade")).expect("a folder");
-    check("`grade` is no file");
+    check("`grade` is not a file");
 }

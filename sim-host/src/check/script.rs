@@ -56,11 +56,11 @@ pub fn path_of(folder: &str, program: &str) -> Result<PathBuf, String> {
 /// The command that runs the program at `path`.
 fn command(path: &Path) -> Result<Command, String> {
     let metadata = fs::metadata(path).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => "is not there".to_owned(),
+        io::ErrorKind::NotFound => "does not exist".to_owned(),
         _ => format!("cannot be read: {error}"),
     })?;
     if !metadata.is_file() {
-        return Err("is no file".to_owned());
+        return Err("is not a file".to_owned());
     }
     let path = std::path::absolute(path).map_err(|error| error.to_string())?;
     let mut head = Vec::new();

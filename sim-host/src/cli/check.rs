@@ -224,14 +224,14 @@ fn on_file(code: Code, name: &str, message: &str, expected: &str) -> Diagnostic 
 
 fn unknown_kind(name: &str) -> Diagnostic {
     let expected = "a name that ends in .sim, .scene.toml, .suite.toml, .noise.toml, .robi, .toml, .wld, .maz, .maze or .esObj, \
-         or of a map or maze of others: .yaml, .pgm, .pbm, .map, .scen, .world, .num, .txt";
+         or of a map or maze of another program: .yaml, .pgm, .pbm, .map, .scen, .world, .num, .txt";
     let is_program =
         Language::of(Path::new(name)).is_some() || [".py", ".rs", ".so"].iter().any(|it| name.ends_with(it));
     let message = match is_program {
         true => {
             "this is a program: `eyesim run` builds it with the scene that names it, and `eyesim cc` a program in C alone"
         }
-        false => "the name does not say which kind of file this is",
+        false => "the extension of the file name is unknown or missing",
     };
     on_file(Code::FileKind, name, message, expected)
 }

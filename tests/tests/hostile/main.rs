@@ -276,9 +276,9 @@ fn the_page_lists_every_case() {
 fn page(cases: &[Case], told: &[Vec<String>]) -> String {
     let mut page = String::from(
         "# Hostile programs\n\n\
-         Each of these robot programs runs as robot 2 between two good ones (`--timeout 0.5`), in a process of its own, on a\n\
-         thread and on a fiber of `eyesim` (in C; on a thread if the program cannot run on a fiber). No run hangs, none ends\n\
-         with exit code 0 without a complete record, and none changes the record of another robot. The cells give the exit code\n\
+         Each of these robot programs runs as robot 2 between two good ones (`--timeout 0.5`), in its own process, on a\n\
+         thread and on a fiber of `eyesim` (in C; on a thread if the program cannot run on a fiber). No run hangs, no run ends\n\
+         with exit code 0 without a complete trace, and no run changes the trace of another robot. The cells give the exit code\n\
          of `eyesim`, then the outcome of robot 2 and its reason. `--exec auto`, the default, chooses a process for programs\n\
          whose imports show that they could end or stop `eyesim`; on a thread or fiber (`--exec thread` or `fiber`) such a\n\
          program may end `eyesim` with a signal, and programs that stop their process (`raise(SIGSTOP)`) are not run there.\n\n\
