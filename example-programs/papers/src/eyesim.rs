@@ -413,7 +413,7 @@ fn salt(frames: &Trace) -> anyhow::Result<Claim> {
     let [black, white, _] = only(frames, 1)?;
     let p = binomial(white as u64, (black + white) as u64, SALT);
     let number = format!("{:.2} % of {:.0}, p {p:.2}", 100.0 * white / (black + white), black + white);
-    let ours = "white pixels among them against a share of 30 %, which the profile sets (the paper leaves it open)";
+    let ours = "white pixels among these, compared with the 30 % that the profile sets (the paper gives no number)";
     Ok(claim("5", "a replaced pixel is randomly white or black", ours, number, p >= REJECT))
 }
 

@@ -183,7 +183,7 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     page.text(
         "The same walks with the sensor on the thigh, looking down by 40 degrees, and on the body, level, as on a robot with wheels. \
          The thigh swings by 24 degrees forward at most, so its sensor always looks down by more than 15 degrees: the ultrasonic sensor \
-         never meets the face of the obstacle head on, and the robot walks into it. The sensor on the body sees nothing lower than \
+         never meets the face of the obstacle head on, and the robot collides with it. The sensor on the body sees nothing lower than \
          itself: neither ground nor obstacle.",
     );
     page.table(places(&walks));
@@ -285,7 +285,7 @@ fn cycle(walk: &Walk) -> anyhow::Result<Figure> {
     let chart = Chart {
         name: "figure-7".to_owned(),
         title: "Joint angles of the right leg from one footfall to the next".to_owned(),
-        x_label: "share of the cycle, %".to_owned(),
+        x_label: "fraction of the cycle, %".to_owned(),
         y_label: "angle, degrees".to_owned(),
         x_scale: Scale::Linear,
         y_scale: Scale::Linear,
@@ -388,7 +388,7 @@ fn places(walks: &Walks) -> Table {
         "elsewhere",
         "no echo",
         "profile error, mean (mm)",
-        "profile error, greatest (mm)",
+        "profile error, maximum (mm)",
         "stops before the obstacle (m)",
     ];
     let mut table = Table::new("places", "All walks", &head);
@@ -401,7 +401,8 @@ fn places(walks: &Walks) -> Table {
                 let nothing = walk.samples.iter().filter(|sample| sample.point.is_none()).count();
                 let has_points = nothing < walk.samples.len();
                 let error = |metres: f64| if has_points { format!("{:.1}", 1000.0 * metres) } else { "-".to_owned() };
-                let end = if walk.touches.is_empty() { format!("{:.2}", walk.gap) } else { "walks into it".to_owned() };
+                let end =
+                    if walk.touches.is_empty() { format!("{:.2}", walk.gap) } else { "collides with it".to_owned() };
                 table.row([
                     place.name().to_owned(),
                     kind.name().to_owned(),
@@ -530,7 +531,7 @@ fn no_point_at_the_limit(walks: &Walks, make: &Make<'_>) -> Claim {
             }
         }
     }
-    let paper = "a reading of the greatest distance (no echo) adds no point to the profile";
+    let paper = "a reading of the maximum distance (no echo) adds no point to the profile";
     let number = format!("{points} points from {limits} such readings");
     make("6.2", paper, "all walks with the sensor on the tibia".to_owned(), number, points == 0 && limits > 0)
 }
@@ -586,7 +587,6 @@ fn stops(walks: &Walks, make: &Make<'_>) -> Claim {
         touches += walk.touches.len();
     }
     let paper = "the walk stops before robot and obstacle collide";
-    let ours =
-        "least distance of the body's centre from the obstacle, and touches, in all walks with the sensor on the tibia";
+    let ours = "minimum distance of the body's centre from the obstacle, and touches, in all walks with the sensor on the tibia";
     make("6.3", paper, ours.to_owned(), format!("{least:.2} m, {touches} touches"), touches == 0 && least > 0.3)
 }

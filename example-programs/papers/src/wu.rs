@@ -92,12 +92,12 @@ fn claim(place: &str, paper: &str, ours: &str, number: String, holds: bool, weig
     Claim { place, paper, ours, number, holds, weight, basis: Basis::Found }
 }
 
-/// Least share of observed cells that are right, and least precision and recall of occupied cells, in the room without noise.
+/// Least fraction of observed cells that are right, and least precision and recall of occupied cells, in the room without noise.
 pub const LEAST: (f64, f64, f64) = (0.95, 0.8, 0.7);
 
 fn room_accuracy(room: &Mapped) -> Claim {
     let score = room.score(Kind::Wu);
-    let ours = "share of observed cells that are right, in the room without noise";
+    let ours = "fraction of observed cells that are right, in the room without noise";
     claim(
         "Features (1)",
         "the accuracy of the model is improved",
@@ -110,7 +110,7 @@ fn room_accuracy(room: &Mapped) -> Claim {
 
 fn room_precision(room: &Mapped) -> Claim {
     let precision = room.score(Kind::Wu).precision;
-    let ours = "precision: share of cells marked occupied with a wall in them or in a neighbour";
+    let ours = "precision: fraction of the cells marked occupied that have a wall in them or in a neighbour";
     claim(
         "Features (1)",
         "the accuracy of the model is improved",
@@ -123,7 +123,7 @@ fn room_precision(room: &Mapped) -> Claim {
 
 fn room_recall(room: &Mapped) -> Claim {
     let recall = room.score(Kind::Wu).recall;
-    let ours = "recall: share of wall cells that are marked occupied or have such a neighbour";
+    let ours = "recall: fraction of the wall cells that are marked occupied or have such a neighbour";
     claim("Summary", "the completeness of the map", ours, percent(recall), recall >= LEAST.2, Weight::Must)
 }
 

@@ -321,7 +321,7 @@ fn claims(results: &[Results]) -> Vec<Claim> {
         "4",
         "the lead of TSK over the grid is greater if just a few samples are available",
         format!(
-            "lead of TSK over the grid's best projection as a share of the grid's error, with {} readings minus with {}",
+            "lead of TSK over the grid's best projection as a fraction of the grid's error, with {} readings minus with {}",
             few.readings, many.readings
         ),
         format!("{:.1} % ({:.1} to {:.1})", -100.0 * mean, -100.0 * high, -100.0 * low),

@@ -109,8 +109,8 @@ fn find<'a>(all: &'a [Walks], noise: &str, planner: usize) -> &'a Walks {
 }
 
 fn differences(all: &[Walks]) -> Table {
-    let caption = "Each planner minus A* alone, terrain by terrain, with 95 % intervals: share of walks that fail (do not arrive, or touch), and touches of a walk";
-    let mut table = Table::new("equations", caption, &["noise", "planner", "share that fails", "touches of a walk"]);
+    let caption = "Each planner minus A* alone, terrain by terrain, with 95 % intervals: fraction of walks that fail (do not arrive, or touch), and touches of a walk";
+    let mut table = Table::new("equations", caption, &["noise", "planner", "fraction that fails", "touches of a walk"]);
     for walks in all.iter().filter(|walks| walks.planner != ALONE) {
         let alone = find(all, walks.noise, ALONE);
         let of = |of: fn(&Walks) -> Vec<f64>| {
@@ -131,7 +131,7 @@ fn claim(all: &[Walks], noise: &str) -> Claim {
         place: "5".to_owned(),
         paper: "the robot avoids obstacles by the perception vectors of Eq. 4 and 5".to_owned(),
         ours: format!(
-            "noise `{noise}`: share of walks that fail, with both equations minus with A* alone, over {} terrains",
+            "noise `{noise}`: fraction of walks that fail, with both equations minus with A* alone, over {} terrains",
             difference.cases
         ),
         number: format!("{mean:+.2} ({low:+.2} to {high:+.2})"),
