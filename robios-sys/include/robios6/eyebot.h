@@ -277,7 +277,7 @@ int LCDPutGraphic(image *buf);
 int LCDPutColorGraphic(colimage *buf);
 
 /* Sets all 128 x 64 pixels.
- * buf: 1024 bytes, 16 a row, the left pixel in the highest bit, 1 is black. Returns 0, or -1 if buf is 0.
+ * buf: 1024 bytes, 16 per row, the left pixel in the highest bit, 1 is black. Returns 0, or -1 if buf is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, LCD output. */
 int LCDPutImage(BYTE *buf);
@@ -809,7 +809,7 @@ int QUADReset(QuadHandle handle);
  * Source: RoBIOS 6 library, encoders. */
 int QUADRead(QuadHandle handle);
 
-/* The motor that belongs to an encoder.
+/* The motor of an encoder's wheel.
  * semantics: QUAD_LEFT and so on. Returns MOTOR_LEFT and so on, or 0 if the robot has no such encoder.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, encoders. */
@@ -957,18 +957,18 @@ int IRRead(IRHandle handle);
 
 /* ---- Latch: latches, parallel port, analogue inputs ---- */
 
-/* Reads an input latch. n: which one, 0 to 3. Returns its byte, 0 for another n.
+/* Reads an input latch. n: its number, 0 to 3. Returns its byte, 0 for another n.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, latches, parallel port and A/D. */
 BYTE OSReadInLatch(int n);
 
-/* Writes an output latch: new = (old & mask) | value. n: which one, 0 to 3. mask: bits to keep. value: bits to set.
+/* Writes an output latch: new = (old & mask) | value. n: its number, 0 to 3. mask: bits to keep. value: bits to set.
  * Returns the old byte, 0 for another n.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, latches, parallel port and A/D. */
 BYTE OSWriteOutLatch(int n, BYTE mask, BYTE value);
 
-/* Reads an output latch. n: which one, 0 to 3. Returns its byte, 0 for another n.
+/* Reads an output latch. n: its number, 0 to 3. Returns its byte, 0 for another n.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, latches, parallel port and A/D. */
 BYTE OSReadOutLatch(int n);
@@ -1025,7 +1025,7 @@ int COMPASSStart(BOOL cycle);
  * Source: RoBIOS 6 library, compass. */
 int COMPASSCheck(void);
 
-/* Ends measuring. Returns 0, or 1 if it is not ready.
+/* Stops measuring. Returns 0, or 1 if it is not ready.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, compass. */
 int COMPASSStop(void);
@@ -1058,7 +1058,7 @@ int IRTVInitHDT(DeviceSemantics semantics);
 /* Starts receiving.
  * type_code: SPACE_CODE, PULSE_CODE, MANCHESTER_CODE or RAW_CODE. length: bits of a code.
  * tog_mask: bits that toggle. inv_mask: bits that are inverted. mode: DEFAULT_MODE, SLOPPY_MODE or
- * REPCODE_MODE. bufsize: codes that the buffer holds, 1 to 4. delay: hundredths of a second before a key repeats.
+ * REPCODE_MODE. bufsize: capacity of the buffer in codes, 1 to 4. delay: hundredths of a second before a key repeats.
  * Returns 0, or not 0 if the robot has no receiver.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS 6 library, infrared remote control. */
@@ -1109,7 +1109,7 @@ int RADIOTerm(void);
 
 /* Sends a message, without waiting for the transmission and without acknowledgement. id: the receiver, BROADCAST for
  * all robots. byteCount: 0 to MAXMSGLEN. buffer: the bytes. Returns 0, or 1 if the radio is off, the message is too
- * long, buffer is 0, or 1024 bytes wait to be sent already.
+ * long, buffer is 0, or 1024 bytes are already waiting to be sent.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIOSend(BYTE id, int byteCount, BYTE *buffer);
@@ -1131,7 +1131,7 @@ int RADIORecv(BYTE *id, int *bytesReceived, BYTE *buffer);
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
 int RADIOGetIoctl(RadioIOParameters *p);
 
-/* Changes the settings of the radio, before RADIOInit. p: the settings; speed and id count, the others are kept.
+/* Changes the settings of the radio, before RADIOInit. p: the settings; speed and id have an effect, the others are only stored.
  * Returns 0, or -1 if p is 0, a setting is invalid, or the radio is on; then nothing changes.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, radio communication; fields of RadioStatus: our choice. */
@@ -1151,7 +1151,7 @@ int RADIOGetStatus(RadioStatus *s);
  * Source: our choice: RoBIOS has none. */
 float PSDGetSignal(PSDHandle handle);
 
-/* Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) lies straight
+/* Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) is straight
  * ahead. distance: set to distances in millimetres, 9999 if out of range. size: capacity of distance; as many points
  * as fit are written. Returns the number of points of the scan, or -1 if there is no scanner or distance is 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.

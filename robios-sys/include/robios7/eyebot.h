@@ -259,18 +259,18 @@ int LCDImageSize(int t);
  * Source: RoBIOS-7 library, LCD output. */
 int LCDImageStart(int x, int y, int xs, int ys);
 
-/* Shows a colour image of the size that LCDImageStart or LCDImageSize has set. img: 3 bytes a pixel: red, green, blue.
+/* Shows a colour image of the size that LCDImageStart or LCDImageSize has set. img: 3 bytes per pixel: red, green, blue.
  * Returns 0, 1 if img is NULL.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDImage(BYTE *img);
 
-/* Shows a grey image. g: 1 byte a pixel, 0 is black. Returns 0, 1 if g is NULL.
+/* Shows a grey image. g: 1 byte per pixel, 0 is black. Returns 0, 1 if g is NULL.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDImageGray(BYTE *g);
 
-/* Shows a binary image. b: 1 byte a pixel: 0 is white, everything else black. Returns 0, 1 if b is NULL.
+/* Shows a binary image. b: 1 byte per pixel: 0 is white, everything else black. Returns 0, 1 if b is NULL.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, LCD output. */
 int LCDImageBinary(BYTE *b);
@@ -292,7 +292,7 @@ int KEYGet(void);
  * Source: RoBIOS-7 library, keys. */
 int KEYRead(void);
 
-/* Waits for one of some keys and discards other keys. key: keys, or-ed, or ANYKEY. Returns the key,
+/* Waits for one of the given keys and discards other keys. key: keys, or-ed, or ANYKEY. Returns the key,
  * KEY_INVALID if there is no such key.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, keys. */
@@ -323,7 +323,7 @@ int CAMInit(int resolution);
  * Source: RoBIOS-7 library, camera. */
 int CAMRelease(void);
 
-/* Takes a colour image, row 0 on top. buf: CAMSIZE bytes, 3 a pixel: red, green, blue. Returns 0, 1 if there is no
+/* Takes a colour image, row 0 on top. buf: CAMSIZE bytes, 3 per pixel: red, green, blue. Returns 0, 1 if there is no
  * camera.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, camera. */
@@ -447,7 +447,7 @@ int OSVersion(char *buf);
  * Source: RoBIOS-7 library, system functions and timer. */
 int OSVersionIO(char *buf);
 
-/* The clock rate of the processor. Returns it in Hz.
+/* The clock rate of the processor. Returns the rate in Hz.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, system functions and timer. */
 int OSMachineSpeed(void);
@@ -485,7 +485,7 @@ int OSWait(int n);
  * Source: RoBIOS-7 library, system functions and timer. */
 TIMER OSAttachTimer(int scale, TimerFnc fct);
 
-/* Ends a timer. Returns 0, 1 if there is none of that number.
+/* Stops a timer. Returns 0, 1 if there is no timer with this number.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, system functions and timer. */
 int OSDetachTimer(TIMER t);
@@ -818,7 +818,7 @@ int ANALOGVoltage(void);
  * Source: RoBIOS-7 library, digital and analog I/O. */
 int ANALOGRecord(int channel, int iterations);
 
-/* Moves the whole recording to a buffer. buffer: one byte a value, the upper 8 bits. Returns the number of bytes, 0
+/* Moves the whole recording to a buffer. buffer: one byte per value, the upper 8 bits. Returns the number of bytes, 0
  * while the recording is in progress.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, digital and analog I/O. */

@@ -135,7 +135,7 @@ function_table! {
         fn LCDPutColorGraphic(buf: InOut<ColImage>) -> i32 = -1;
 
         /// Sets all 128 x 64 pixels.
-        /// buf: 1024 bytes, 16 a row, the left pixel in the highest bit, 1 is black. Returns 0, or -1 if buf is 0.
+        /// buf: 1024 bytes, 16 per row, the left pixel in the highest bit, 1 is black. Returns 0, or -1 if buf is 0.
         fn LCDPutImage(buf: In<BitImage>) -> i32 = -1;
 
         /// Writes the texts of the menu, above the keys. s1, s2, s3, s4: at most 4 characters each; "" (or 0) leaves an entry
@@ -491,7 +491,7 @@ function_table! {
         /// Count of an encoder since its reset, increasing when the wheel turns forward. Returns ticks; 0 if handle is invalid.
         fn QUADRead(handle: QuadHandle) -> i32 = 0;
 
-        /// The motor that belongs to an encoder.
+        /// The motor of an encoder's wheel.
         /// semantics: QUAD_LEFT and so on. Returns MOTOR_LEFT and so on, or 0 if the robot has no such encoder.
         fn QUADGetMotor(semantics: DeviceSemantics) -> DeviceSemantics = 0;
 
@@ -591,14 +591,14 @@ function_table! {
     }
 
     family Latch "latches, parallel port, analogue inputs", source "RoBIOS 6 library, latches, parallel port and A/D" {
-        /// Reads an input latch. n: which one, 0 to 3. Returns its byte, 0 for another n.
+        /// Reads an input latch. n: its number, 0 to 3. Returns its byte, 0 for another n.
         fn OSReadInLatch(n: i32) -> u8 = 0;
 
-        /// Writes an output latch: new = (old & mask) | value. n: which one, 0 to 3. mask: bits to keep. value: bits to set.
+        /// Writes an output latch: new = (old & mask) | value. n: its number, 0 to 3. mask: bits to keep. value: bits to set.
         /// Returns the old byte, 0 for another n.
         fn OSWriteOutLatch(n: i32, mask: Byte, value: Byte) -> u8 = 0;
 
-        /// Reads an output latch. n: which one, 0 to 3. Returns its byte, 0 for another n.
+        /// Reads an output latch. n: its number, 0 to 3. Returns its byte, 0 for another n.
         fn OSReadOutLatch(n: i32) -> u8 = 0;
 
         /// Reads the data byte of the parallel port. Returns the byte.
@@ -633,7 +633,7 @@ function_table! {
         /// Checks whether a result is available. Returns 1 if it is, otherwise 0.
         fn COMPASSCheck() -> i32 = 0;
 
-        /// Ends measuring. Returns 0, or 1 if it is not ready.
+        /// Stops measuring. Returns 0, or 1 if it is not ready.
         fn COMPASSStop() -> i32 = 1;
 
         /// Releases the compass. Returns 0, or 1 if it is not ready.
@@ -656,7 +656,7 @@ function_table! {
         /// Starts receiving.
         /// type_code: SPACE_CODE, PULSE_CODE, MANCHESTER_CODE or RAW_CODE. length: bits of a code.
         /// tog_mask: bits that toggle. inv_mask: bits that are inverted. mode: DEFAULT_MODE, SLOPPY_MODE or
-        /// REPCODE_MODE. bufsize: codes that the buffer holds, 1 to 4. delay: hundredths of a second before a key repeats.
+        /// REPCODE_MODE. bufsize: capacity of the buffer in codes, 1 to 4. delay: hundredths of a second before a key repeats.
         /// Returns 0, or not 0 if the robot has no receiver.
         fn IRTVInit(type_code: i32, length: i32, tog_mask: i32, inv_mask: i32, mode: i32, bufsize: i32, delay: i32)
             -> i32 = -1;
@@ -693,7 +693,7 @@ function_table! {
 
         /// Sends a message, without waiting for the transmission and without acknowledgement. id: the receiver, BROADCAST for
         /// all robots. byteCount: 0 to MAXMSGLEN. buffer: the bytes. Returns 0, or 1 if the radio is off, the message is too
-        /// long, buffer is 0, or 1024 bytes wait to be sent already.
+        /// long, buffer is 0, or 1024 bytes are already waiting to be sent.
         fn RADIOSend(id: Byte, buffer: Bytes) -> i32 = 1, c "int RADIOSend(BYTE id, int byteCount, BYTE *buffer)";
 
         /// Counts the messages that wait to be received. Returns their number; 0 if the radio is off.
@@ -708,7 +708,7 @@ function_table! {
         /// Reads the settings of the radio. p: set to the settings. Returns 0, or -1 if p is 0.
         fn RADIOGetIoctl(p: Out<RadioIOParameters>) -> i32 = -1;
 
-        /// Changes the settings of the radio, before RADIOInit. p: the settings; speed and id count, the others are kept.
+        /// Changes the settings of the radio, before RADIOInit. p: the settings; speed and id have an effect, the others are only stored.
         /// Returns 0, or -1 if p is 0, a setting is invalid, or the radio is on; then nothing changes.
         fn RADIOSetIoctl(p: In<RadioIOParameters>) -> i32 = -1;
 
@@ -721,7 +721,7 @@ function_table! {
         /// Returns the signal, -1 if handle is invalid, or nothing has been measured.
         fn PSDGetSignal(handle: PSDHandle) -> f32 = -1.0;
 
-        /// Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) lies straight
+        /// Scans once with the laser scanner, from left to right; the middle point (of n, that of index n/2) is straight
         /// ahead. distance: set to distances in millimetres, 9999 if out of range. size: capacity of distance; as many points
         /// as fit are written. Returns the number of points of the scan, or -1 if there is no scanner or distance is 0.
         fn LIDARScan(distance: OutInts) -> i32 = -1, c "int LIDARScan(int distance[], int size)";

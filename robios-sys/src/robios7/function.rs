@@ -103,14 +103,14 @@ function_table! {
         /// ys: columns and rows in pixels. Returns 0, 1 for a size below 1 or of more pixels than CAM5MP.
         fn LCDImageStart(x: i32, y: i32, xs: i32, ys: i32) -> i32 = 1, c "int LCDImageStart(int x, int y, int xs, int ys)";
 
-        /// Shows a colour image of the size that LCDImageStart or LCDImageSize has set. img: 3 bytes a pixel: red, green, blue.
+        /// Shows a colour image of the size that LCDImageStart or LCDImageSize has set. img: 3 bytes per pixel: red, green, blue.
         /// Returns 0, 1 if img is NULL.
         fn LCDImage(width_px: i32, height_px: i32, img: Bytes) -> i32 = 1, c "int LCDImage(BYTE *img)";
 
-        /// Shows a grey image. g: 1 byte a pixel, 0 is black. Returns 0, 1 if g is NULL.
+        /// Shows a grey image. g: 1 byte per pixel, 0 is black. Returns 0, 1 if g is NULL.
         fn LCDImageGray(width_px: i32, height_px: i32, g: Bytes) -> i32 = 1, c "int LCDImageGray(BYTE *g)";
 
-        /// Shows a binary image. b: 1 byte a pixel: 0 is white, everything else black. Returns 0, 1 if b is NULL.
+        /// Shows a binary image. b: 1 byte per pixel: 0 is white, everything else black. Returns 0, 1 if b is NULL.
         fn LCDImageBinary(width_px: i32, height_px: i32, b: Bytes) -> i32 = 1, c "int LCDImageBinary(BYTE *b)";
 
         /// Shows the drawings made while LCD_NOAUTOREFRESH is set. Returns 0.
@@ -124,7 +124,7 @@ function_table! {
         /// The key that was pressed, without waiting. Returns KEY1, KEY2, KEY3 or KEY4; NOKEY if none was.
         fn KEYRead() -> i32 = 0;
 
-        /// Waits for one of some keys and discards other keys. key: keys, or-ed, or ANYKEY. Returns the key,
+        /// Waits for one of the given keys and discards other keys. key: keys, or-ed, or ANYKEY. Returns the key,
         /// KEY_INVALID if there is no such key.
         fn KEYWait(key: i32) -> i32 = KEY_INVALID;
 
@@ -145,7 +145,7 @@ function_table! {
         /// Switches the camera off. Returns 0, 1 if there is no camera.
         fn CAMRelease() -> i32 = 1;
 
-        /// Takes a colour image, row 0 on top. buf: CAMSIZE bytes, 3 a pixel: red, green, blue. Returns 0, 1 if there is no
+        /// Takes a colour image, row 0 on top. buf: CAMSIZE bytes, 3 per pixel: red, green, blue. Returns 0, 1 if there is no
         /// camera.
         fn CAMGet(buf: OutBytes) -> i32 = 1, c "int CAMGet(BYTE *buf)";
 
@@ -233,7 +233,7 @@ function_table! {
         /// The version of the input and output board as text. buf: at least 32 bytes, set to the text. Returns 0.
         fn OSVersionIO(buf: OutBytes) -> i32 = 1, c "int OSVersionIO(char *buf)";
 
-        /// The clock rate of the processor. Returns it in Hz.
+        /// The clock rate of the processor. Returns the rate in Hz.
         fn OSMachineSpeed() -> i32 = 700_000_000;
 
         /// The kind of machine. Returns VEHICLE, PLATFORM or WALKER.
@@ -257,7 +257,7 @@ function_table! {
         /// fct: the function; it must not wait. Returns the timer, 0 if there are too many timers.
         fn OSAttachTimer(scale: i32, fct: Callback) -> Timer = 0;
 
-        /// Ends a timer. Returns 0, 1 if there is none of that number.
+        /// Stops a timer. Returns 0, 1 if there is no timer with this number.
         fn OSDetachTimer(t: Timer) -> i32 = 1;
 
         /// Sets the robot's clock. hrs: 0 to 23. mins, secs: 0 to 59. Returns 0, 1 for an invalid time.
@@ -476,7 +476,7 @@ function_table! {
         /// Returns 0, 1 if there is no such channel or a recording is in progress.
         fn ANALOGRecord(channel: i32, iterations: i32) -> i32 = 1;
 
-        /// Moves the whole recording to a buffer. buffer: one byte a value, the upper 8 bits. Returns the number of bytes, 0
+        /// Moves the whole recording to a buffer. buffer: one byte per value, the upper 8 bits. Returns the number of bytes, 0
         /// while the recording is in progress.
         fn ANALOGTransfer(buffer: OutBytes) -> i32 = 0, c "int ANALOGTransfer(BYTE *buffer)";
     }
