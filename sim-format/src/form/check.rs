@@ -291,7 +291,7 @@ fn refuse_few(keys: &mut Keys<'_>, key: &'static str, count: usize, least: usize
 }
 
 fn by_key(keys: &mut Keys<'_>, by: &mut Option<Time>) {
-    keys.key("by_s", "Simulated time in seconds by which the condition must be met; default: the end of the run.")
+    keys.key("by_s", "Simulated seconds by which the condition must be met; default: the end of the run.")
         .maybe(UNTIL, by);
 }
 

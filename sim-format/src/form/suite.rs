@@ -51,7 +51,7 @@ fn common(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
         "Files of a submission that become programs in `eyesim grade`: `{ 1 = [\"*.c\", \"*.cpp\"] }` for robot 1.",
     )
     .list(SUBMIT, &mut suite.submit);
-    keys.key("until_s", "Simulated time in seconds at which a case ends; default: from the scene.")
+    keys.key("until_s", "Simulated seconds at which a case ends; default: from the scene.")
         .maybe(UNTIL, &mut suite.until);
     let mut linger = suite.linger.seconds();
     keys.key("linger_s", "Simulated seconds for which a case continues after its last program has ended; default: 0.")
