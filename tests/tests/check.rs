@@ -84,7 +84,7 @@ fn people_see_the_line_and_no_colour_unless_they_want_it() {
     ] {
         assert!(plain.contains(part), "{part} in {plain}");
     }
-    assert!(plain.ends_with("1 warning in 1 file\n`eyesim explain wld-wall-arity` tells more\n"), "{plain}");
+    assert!(plain.ends_with("1 warning in 1 file\nSee `eyesim explain wld-wall-arity`\n"), "{plain}");
     assert!(!plain.contains('\x1b'), "{plain:?}");
     let coloured = check(&scratch, &["warned.wld", "--format", "human", "--color", "always"]).stdout;
     assert!(coloured.contains("\x1b[38;5;32;1mwarning[wld-wall-arity]\x1b[0m"), "{coloured:?}");

@@ -71,7 +71,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
         checked.notes.iter().for_each(|note| text.push_str(&format!("{note}\n")));
         text.push_str(&format!("{}\n", checked.summary()));
         if let Some(first) = checked.diagnostics.first().filter(|_| args.format.is_human(screen)) {
-            text.push_str(&format!("`eyesim explain {}` tells more\n", first.code));
+            text.push_str(&format!("See `eyesim explain {}`\n", first.code));
         }
     }
     diagnostic::print(&text)?;

@@ -72,7 +72,7 @@ pub struct GradeArgs {
     pub quiet: bool,
 }
 
-const AFTER_HELP: &str = "Exit codes: 0 graded, whatever the points, 2 usage or file errors, 130 interrupted: the same command \
+const AFTER_HELP: &str = "Exit codes: 0 graded, regardless of the points, 2 usage or file errors, 130 interrupted: the same command \
                           continues.";
 
 /// Folder of cached results, in the output folder.

@@ -57,7 +57,7 @@ pub const EXIT_INTERRUPTED: u8 = 130;
 /// Time within which this process must end once its command is done.
 const END_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Simulates mobile robots in the manner of EyeSim: robot programs written against RoBIOS, run in lockstep.
+/// Simulates mobile robots like EyeSim: robot programs written against RoBIOS, run in lockstep.
 #[derive(Parser)]
 #[command(name = "eyesim", version, about, after_help = EXIT_CODES)]
 struct Cli {
@@ -78,7 +78,7 @@ enum Command {
     Sweep(sweep::SweepArgs),
     /// Grade submissions by a suite, each built and run separately: writes pages, tables, and results for grading services
     Grade(grade::GradeArgs),
-    /// Run a sim file in the window: watch it in 3D in a browser, and take part in it
+    /// Run a sim file in the window: watch it in 3D in a browser, and intervene
     #[cfg(feature = "window")]
     View(Box<view::ViewArgs>),
     #[cfg(not(feature = "window"))]

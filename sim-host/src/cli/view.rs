@@ -73,7 +73,7 @@ pub struct ViewArgs {
 }
 
 const AFTER_HELP: &str = "The window stays open when the run is over, until Ctrl-C. `--listen 0.0.0.0` prints two addresses: the \
-                          class's, which only watches, and the teacher's, which may act.";
+                          class's address, which may only watch, and the teacher's address, which may act.";
 
 /// Address at which other machines may watch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

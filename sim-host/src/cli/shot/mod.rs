@@ -71,10 +71,10 @@ pub struct ShotArgs {
     bare: bool,
 }
 
-const AFTER_HELP: &str = "What is shown: the scene from above; `--robot 2` what robot 2 sees, `--from X,Y,Z --to X,Y,Z` the scene \
-                          from anywhere, `--lcd 2` the display of robot 2.";
+const AFTER_HELP: &str = "The picture shows the scene from above; with `--robot 2` the camera view of robot 2, with `--from X,Y,Z --to X,Y,Z` \
+                          the scene from this viewpoint, with `--lcd 2` the display of robot 2.";
 
-const ROBOT_HELP: &str = "Show what this robot sees";
+const ROBOT_HELP: &str = "Show the camera view of this robot";
 
 /// Subject of the picture.
 enum Subject {
