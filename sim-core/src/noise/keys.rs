@@ -61,7 +61,7 @@ pub const RANGE: Keys<RangeNoise> = &[
     key("bias_mm", "Error of all readings in mm.", offset("bias"), |range| &mut range.bias),
     key(
         "bias_sigma_mm",
-        "Standard deviation in mm, between sensors, of an error of all readings of a sensor.",
+        "Standard deviation of a constant error, drawn once for each sensor, in mm.",
         spread("standard deviation of the bias"),
         |range| &mut range.bias_sigma,
     ),
@@ -72,13 +72,11 @@ pub const RANGE: Keys<RangeNoise> = &[
         probability("probability of an outlier"),
         |range| &mut range.outlier,
     ),
-    key("dropout", "Probability of a reading of nothing.", probability("probability of a drop-out"), |range| {
-        &mut range.dropout
-    }),
-    key("drift_mm", "Error in mm at the start of the run, which dies away.", offset("drift"), |range| &mut range.drift),
+    key("dropout", "Probability of no return.", probability("probability of a drop-out"), |range| &mut range.dropout),
+    key("drift_mm", "Error at the start of the run in mm, which decays.", offset("drift"), |range| &mut range.drift),
     key(
         "drift_s",
-        "Time in s in which it dies away to 1/e; 60 if left out.",
+        "Time in s in which the drift decays to 1/e; default: 60.",
         Quantity::seconds("time of the drift").within(1e-3, 1e9),
         |range| &mut range.drift_time,
     ),
@@ -87,7 +85,7 @@ pub const RANGE: Keys<RangeNoise> = &[
 /// Keys of distance sensors whose own model has noise.
 pub const OWN: Keys<RangeNoise> = &[key(
     "device",
-    "Share of that noise, of which the sensor's own `sigma` and `mean` say how much it is; 1 for all of it.",
+    "Factor on the sensor's own noise, which its `sigma` and `mean` define; 1: unchanged.",
     Quantity::number("share of the device's own noise", 0.0, 1000.0),
     |range| &mut range.device,
 )];
@@ -100,7 +98,7 @@ pub const COMPASS: Keys<AngleNoise> = &[
     key("bias_deg", "Error of all readings in degrees.", turn("bias", -360.0), |angle| &mut angle.bias),
     key(
         "bias_sigma_deg",
-        "Standard deviation in degrees, between compasses, of an error of all readings of a compass.",
+        "Standard deviation of a constant error, drawn once for each compass, in degrees.",
         turn("standard deviation of the bias", 0.0),
         |angle| &mut angle.bias_sigma,
     ),
@@ -127,7 +125,9 @@ pub const CAMERA: Keys<ImageNoise> = &[
         probability("probability of salt and pepper"),
         |image| &mut image.salt_and_pepper,
     ),
-    key("salt", "Share of white among those; 0.5 if left out.", probability("share of salt"), |image| &mut image.salt),
+    key("salt", "Fraction of white pixels among these; default: 0.5.", probability("share of salt"), |image| {
+        &mut image.salt
+    }),
     key(
         "hundreds_and_thousands",
         "Probability of a pixel of random colour.",
@@ -140,25 +140,28 @@ pub const CAMERA: Keys<ImageNoise> = &[
 pub const DRIVE: Keys<MotionNoise> = &[
     key(
         "left_percent",
-        "By how many percent the left wheels are larger than their nominal diameter.",
+        "Excess of the left wheels over their nominal diameter in percent.",
         Quantity::percent("error of the left wheels", -50.0, 100.0),
         |motion| &mut motion.left,
     ),
     key(
         "right_percent",
-        "By how many percent the right wheels are larger than their nominal diameter.",
+        "Excess of the right wheels over their nominal diameter in percent.",
         Quantity::percent("error of the right wheels", -50.0, 100.0),
         |motion| &mut motion.right,
     ),
     key(
         "diameter_sigma_percent",
-        "Standard deviation of that in percent, drawn once for each wheel.",
+        "Standard deviation of a further excess in percent, drawn once for each wheel.",
         Quantity::percent("standard deviation of the diameters", 0.0, 5.0),
         |motion| &mut motion.diameter_sigma,
     ),
-    key("slip_percent", "Slip in percent of a wheel's way.", Quantity::percent("slip", -100.0, 100.0), |motion| {
-        &mut motion.slip
-    }),
+    key(
+        "slip_percent",
+        "Slip ratio in percent of the rolled distance.",
+        Quantity::percent("slip", -100.0, 100.0),
+        |motion| &mut motion.slip,
+    ),
     key(
         "slip_sigma_percent",
         "Standard deviation of the slip in percent, drawn for each wheel every 10 ms.",
@@ -188,13 +191,13 @@ pub const DRIVE: Keys<MotionNoise> = &[
     ),
     key(
         "distance_bound_mm",
-        "Greatest error in mm of the distance of a drive; each drive's own is uniform.",
+        "Maximum error of the distance of a drive in mm; the error of each drive is uniform within this bound.",
         spread("bound of the distance"),
         |motion| &mut motion.bound.length,
     ),
     key(
         "angle_bound_deg",
-        "Greatest error in degrees of the angle of a drive; each drive's own is uniform.",
+        "Maximum error of the angle of a drive in degrees; the error of each drive is uniform within this bound.",
         turn("bound of the angle", 0.0),
         |motion| &mut motion.bound.angle,
     ),

@@ -84,8 +84,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             let mut ends = gate.to_vec();
             keys.key(
                 "gate_mm",
-                "Both ends of the gate, [x, y] each, in mm. Passages from its right to its left, seen from the first end to the \
-                 second, count; passages back are subtracted.",
+                "Both ends of the gate, [x, y] each, in mm. A passage counts from the right side to the left side, looking from the first end to the second; passages in the opposite direction are subtracted.",
             )
             .required(CORNERS, &mut ends);
             if let [from, to] = ends[..] {

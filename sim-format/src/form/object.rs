@@ -26,8 +26,7 @@ impl Form for ObjectType {
             .always(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
         keys.key(
             "rolling",
-            "Coefficient of rolling resistance; 0.02 if left out of a type of spheres alone, which rolls, else none: it \
-             slides.",
+            "Coefficient of rolling resistance; default: 0.02 if all colliders are spheres, otherwise none: the object slides.",
         )
         .maybe(Bounded(Quantity::number("rolling resistance", 0.0, 1e6)), &mut self.rolling);
         keys.key("restitution", "Coefficient of restitution; default: 0.3.")

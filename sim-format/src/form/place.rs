@@ -270,8 +270,7 @@ impl Form for Layout {
                     .optional(Quantity::angle("direction of the first"), first);
                 keys.key(
                     "facing_deg",
-                    "Heading of each against its direction from the middle, in degrees: 0, if left out, looks outwards, \
-                     180 inwards.",
+                    "Heading of each robot relative to its direction from the centre, in degrees: 0 (default) outwards, 180 inwards.",
                 )
                 .optional(HEADING, facing);
             }

@@ -73,8 +73,7 @@ impl Form for RunSpec {
         .list(REFERENCES, &mut self.forbid);
         keys.key(
             "api",
-            "Generation of the RoBIOS API that programs are written for, 6 or 7; that of the functions they call if left \
-             out.",
+            "Generation of the RoBIOS API that programs are written for, 6 or 7; default: from the functions that they call.",
         )
         .maybe(6..=7, &mut self.api);
         keys.key(

@@ -270,8 +270,7 @@ fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
         .maybe(PART, &mut sonar.side_lobes);
     keys.key(
         "threshold",
-        "Least energy of an echo that it notices, in units of what a perfect reflector 1 m ahead returns; that of the \
-         preset if\nleft out.",
+        "Minimum energy of an audible echo; a perfect reflector 1 m ahead returns 1; default: from the preset.",
     )
     .optional(Bounded(Quantity::number("threshold", 0.0, 1e9)), &mut sonar.threshold);
     keys.key("bus", "Its bus, with at most 16 sonars on each; default: 1.").optional(1..=MAX_BUS, bus);

@@ -96,9 +96,9 @@ fn draw_schema() -> Json {
     json!({
         "description": "A value that is drawn from the seed.",
         "oneOf": [
-            table("Between both ends; whole if both are.", "uniform", json!({ "uniform": pair })),
+            table("A number between both ends; an integer if both ends are integers.", "uniform", json!({ "uniform": pair })),
             table(
-                "Of a normal distribution: mean and standard deviation, drawn again until it is within the limits.",
+                "A number of the normal distribution with this mean and standard deviation, drawn again until it is within the limits.",
                 "normal",
                 json!({ "normal": pair, "min": number, "max": number }),
             ),
