@@ -768,6 +768,29 @@ const CASES: &[Case] = &[
         "mine.cpp",
         "#include \"eyebot.h\"\nint main()\n{\n  int speed;\n  VWSetSpeed(speed, 0);\n}\n",
     ),
+    case(
+        "the end of a list passed over",
+        "mine.c",
+        "struct wall { int mm; struct wall *next; };\nstruct wall first = {300, 0};\nint main(void)\n{\n  struct wall *wall = &first;\n  return \
+         wall->next->mm;\n}\n",
+    ),
+    case(
+        "the end of a list passed over",
+        "mine.cpp",
+        "struct Wall { int mm = 300; Wall *next = nullptr; };\nWall first;\nint main()\n{\n  Wall *wall = &first;\n  return \
+         wall->next->mm;\n}\n",
+    ),
+    case(
+        "the end of a list passed over",
+        "mine.py",
+        "class Wall:\n    next = None\n    mm = 300\nprint(Wall().next.mm)\n",
+    ),
+    case(
+        "a speed of the other generation",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  VWSetSpeed(vw, 100, 0);\n  VWWait();\n  return \
+         0;\n}\n",
+    ),
     case("a variable without a value", "mine.py", "from eye import *\nVWSetSpeed(speed, 0)\n"),
     case("a variable without a value", "mine", "let speed: i32;\n    println!(\"{speed}\");"),
     case(
