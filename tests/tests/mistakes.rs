@@ -771,14 +771,12 @@ const CASES: &[Case] = &[
     case(
         "the end of a list passed over",
         "mine.c",
-        "struct wall { int mm; struct wall *next; };\nstruct wall first = {300, 0};\nint main(void)\n{\n  struct wall *wall = &first;\n  return \
-         wall->next->mm;\n}\n",
+        "#include <stdio.h>\nstruct wall { int mm; struct wall *next; };\nint main(void)\n{\n  struct wall first = {300, NULL};\n  struct wall *wall = &first;\n  printf(\"%d\\n\", wall->next->mm);\n  return 0;\n}\n",
     ),
     case(
         "the end of a list passed over",
         "mine.cpp",
-        "struct Wall { int mm = 300; Wall *next = nullptr; };\nWall first;\nint main()\n{\n  Wall *wall = &first;\n  return \
-         wall->next->mm;\n}\n",
+        "#include <iostream>\nstruct Wall { int mm = 300; Wall *next = nullptr; };\nint main()\n{\n  Wall first;\n  Wall *wall = &first;\n  std::cout << wall->next->mm << std::endl;\n}\n",
     ),
     case(
         "the end of a list passed over",
