@@ -768,6 +768,27 @@ const CASES: &[Case] = &[
         "mine.cpp",
         "#include \"eyebot.h\"\nint main()\n{\n  int speed;\n  VWSetSpeed(speed, 0);\n}\n",
     ),
+    case(
+        "the end of a list passed over",
+        "mine.c",
+        "#include <stdio.h>\nstruct wall { int mm; struct wall *next; };\nint main(void)\n{\n  struct wall first = {300, NULL};\n  struct wall *wall = &first;\n  printf(\"%d\\n\", wall->next->mm);\n  return 0;\n}\n",
+    ),
+    case(
+        "the end of a list passed over",
+        "mine.cpp",
+        "#include <iostream>\nstruct Wall { int mm = 300; Wall *next = nullptr; };\nint main()\n{\n  Wall first;\n  Wall *wall = &first;\n  std::cout << wall->next->mm << std::endl;\n}\n",
+    ),
+    case(
+        "the end of a list passed over",
+        "mine.py",
+        "class Wall:\n    next = None\n    mm = 300\nprint(Wall().next.mm)\n",
+    ),
+    case(
+        "a speed of the other generation",
+        "mine.c",
+        "#include \"eyebot.h\"\nint main(void)\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  VWSetSpeed(vw, 100, 0);\n  VWWait();\n  return \
+         0;\n}\n",
+    ),
     case("a variable without a value", "mine.py", "from eye import *\nVWSetSpeed(speed, 0)\n"),
     case("a variable without a value", "mine", "let speed: i32;\n    println!(\"{speed}\");"),
     case(

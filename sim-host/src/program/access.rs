@@ -2,10 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::code::{STATEMENTS, code_only, is_name};
+use super::code::{STATEMENTS, begins_function, code_only, is_name};
 
 /// Number of pointers of a line after which its scan ends.
 const MAX_POINTERS: usize = 3;
+
+/// Number of lines above a line that are looked at for the values of its variables.
+const MAX_LINES_ABOVE: usize = 30;
 
 /// Words, besides [`STATEMENTS`], with which no declaration begins that this scan reads.
 const NO_TYPES: [&str; 10] =
@@ -34,9 +37,65 @@ pub struct IndexedArray {
     pub is_inside: bool,
 }
 
-/// The accesses of line `line`, from 1, of `source`. `None` if it may have others: through members of types that it does not show, references, results of functions,
-/// names that are not declared above it, what a macro hides, or functions of the C library that a compiler replaces by its own code.
+/// The accesses of line `line`, from 1, of `source`. `None` if it may have others: through members of types that it does not show, references,
+/// results of functions, names that are not declared above it, what a macro hides, or functions of the C library that a compiler replaces by
+/// its own code.
+///
+/// A compiler may read a variable's value only where the variable is used: the pointers of the lines count that set variables of the line.
 pub fn accesses_of(source: &str, line: usize) -> Option<Accesses> {
+    let mut found = accesses_in(source, line)?;
+    let code = code_only(source);
+    let lines: Vec<&str> = code.lines().collect();
+    let mut names: BTreeSet<&str> = words(lines.get(line.checked_sub(1)?)?).collect();
+    for earlier in (1..line).rev().take(MAX_LINES_ABOVE) {
+        if found.pointers.is_empty() || found.pointers.len() >= MAX_POINTERS {
+            break;
+        }
+        let text = lines[earlier - 1];
+        if begins_function(text) {
+            return (!is_given_a_value(text, &names, &lines)).then_some(found);
+        }
+        if names.iter().any(|name| sets(text, name)) {
+            for pointer in accesses_in(source, earlier)?.pointers {
+                found.add_pointer(&pointer)?;
+            }
+            names.extend(words(text));
+        }
+    }
+    Some(found)
+}
+
+/// The words of a line of code.
+fn words(code: &str) -> impl Iterator<Item = &str> {
+    code.split(|c| !is_name(c)).filter(|word| word.starts_with(|c: char| c.is_alphabetic() || c == '_'))
+}
+
+/// Returns true if a line of code contains `name =`.
+fn sets(code: &str, name: &str) -> bool {
+    code.match_indices(name).any(|(at, _)| {
+        let value = code[at + name.len()..].trim_start().strip_prefix('=');
+        !code[..at].ends_with(|c| is_name(c) || c == '.' || c == '>')
+            && value.is_some_and(|value| !value.starts_with('='))
+    })
+}
+
+/// Returns true if one of `names` is a parameter, no pointer, of the function that begins with `head`, and a call of the function gives it
+/// what a pointer or an array holds.
+fn is_given_a_value(head: &str, names: &BTreeSet<&str>, lines: &[&str]) -> bool {
+    let Some((before, parameters)) = head.split_once('(') else { return false };
+    let is_number = |parameter: &&str| {
+        !parameter.contains(['*', '[']) && words(parameter).last().is_some_and(|name| names.contains(name))
+    };
+    let has_number = parameters.split(',').any(|parameter| is_number(&parameter));
+    let is_head = |line: &str| line == head || begins_function(line.trim_end().trim_end_matches(';'));
+    let call = format!("{}(", words(before).last().unwrap_or_default());
+    let reads =
+        |line: &&str| line.split(&call).skip(1).any(|values| values.contains(['*', '[']) || values.contains("->"));
+    has_number && lines.iter().filter(|line| !is_head(line)).any(reads)
+}
+
+/// The accesses of a line itself, see [`accesses_of`].
+fn accesses_in(source: &str, line: usize) -> Option<Accesses> {
     let end = source.split_inclusive('\n').take(line).map(str::len).sum();
     let text = source.get(..end)?;
     let (code, macros) = without_directives(code_only(text));
@@ -318,7 +377,7 @@ impl<'a> Scan<'a> {
                 self.pending = self.parameters(end);
             }
             at = end;
-            while !matches!(self.text_at(at), "," | ";" | ")" | "}" | ":" | "") {
+            while !matches!(self.text_at(at), "," | ";" | ")" | "}" | "") {
                 at = self.behind(at);
             }
             if self.text_at(at) != "," {
@@ -618,6 +677,7 @@ mod tests {
         check("  *best = d[0];", &["best"]);
         check("  { int best[3]; { best[1] = root->n; } }", &["root"]);
         check("  { int best[3]; } *best = 3;", &["best"]);
+        check("  int *p = best ? d : 0, *q = p; *q = *p;", &["q", "p"]);
         check("  for (int *p = d; p; p++) sum += *p;", &["p"]);
         assert_eq!(pointers(other, "  *x = 3;"), None);
         assert_eq!(
@@ -628,6 +688,18 @@ mod tests {
         let class =
             "class Robot {\npublic:\n  Robot(int *start) : place(start) {}\n  int *place;\n  void f(int *p)\n  {";
         assert_eq!(pointers(class, "*p = *place; // *start"), Some(vec!["p".to_owned(), "place".to_owned()]));
+    }
+
+    #[test]
+    fn values_are_read_where_they_are_used() {
+        let above = "int other(int *p)\n{\n  v = *p;\n}\nint sum(int *p, int *q, int n)\n{\n  int v = *p;\n  int w = v, x = 3;\n  x = n;";
+        assert_eq!(pointers(above, "  return w + *q;"), Some(vec!["q".to_owned(), "p".to_owned()]));
+        assert_eq!(pointers(above, "  return n + *q;"), Some(vec!["q".to_owned()]));
+        let called = |call: &str| {
+            pointers(&format!("int sum(int *, int *, int);\nint f() {{ {call} }}\n{above}"), "  return n + *q;")
+        };
+        assert_eq!(called("sum(a, b, 3);"), Some(vec!["q".to_owned()]));
+        assert_eq!(called("sum(a, b, r->x);"), None);
     }
 
     #[test]
