@@ -77,9 +77,9 @@
 #define PSD_OUT_OF_RANGE    9999 /* PSDGet: nothing within the sensor's range. */
 #define BROADCAST              0 /* RADIOSend: to every robot. */
 #define MAXMSGLEN             35 /* The longest message of the radio, in bytes. */
-#define SPACE_CODE             0 /* IRTVInit: bits are told by the length of the pause between pulses. */
-#define PULSE_CODE             1 /* IRTVInit: bits are told by the length of the pulses. */
-#define MANCHESTER_CODE        2 /* IRTVInit: bits are told by the direction of an edge. */
+#define SPACE_CODE             0 /* IRTVInit: bits are encoded by the length of the pause between pulses. */
+#define PULSE_CODE             1 /* IRTVInit: bits are encoded by the length of the pulses. */
+#define MANCHESTER_CODE        2 /* IRTVInit: bits are encoded by the direction of an edge. */
 #define RAW_CODE               3 /* IRTVInit: codes are a raw sequence of lengths. */
 #define DEFAULT_MODE           0 /* IRTVInit: only complete codes count. */
 #define SLOPPY_MODE            1 /* IRTVInit: incomplete codes count. */
@@ -98,7 +98,7 @@ extern "C" {
 char *OSVersion(void);
 
 /* Shows an error, text and number, on the LCD and in the record of the run. message: the text. number: the number
- * shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
+ * shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and continues.
  * Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS 6 library, system functions. */

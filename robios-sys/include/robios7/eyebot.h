@@ -468,7 +468,7 @@ int OSMachineName(char *buf);
 int OSMachineID(void);
 
 /* Shows an error, text and number, on the display and in the record of the run. message: the text. number: the number
- * shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
+ * shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and continues.
  * Returns 0.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, system functions and timer. */
@@ -750,7 +750,7 @@ int VWDrive(int dx, int dy, int lin_speed);
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWRemain(void);
 
-/* Checks whether the drive is done. Returns 1 when it is done or there was none, 0 while it goes on, -1 on failure.
+/* Checks whether the drive is done. Returns 1 when it is done or there was none, 0 while it continues, -1 on failure.
  * [any task of the robot]  No pointers.
  * Source: RoBIOS-7 library, V-Omega driving. */
 int VWDone(void);
@@ -819,7 +819,7 @@ int ANALOGVoltage(void);
 int ANALOGRecord(int channel, int iterations);
 
 /* Moves the whole recording to a buffer. buffer: one byte a value, the upper 8 bits. Returns the number of bytes, 0
- * while the recording goes on.
+ * while the recording continues.
  * [any task of the robot]  Pointers belong to the program and are not kept.
  * Source: RoBIOS-7 library, digital and analog I/O. */
 int ANALOGTransfer(BYTE *buffer);

@@ -1,4 +1,4 @@
-//! The constants of RoBIOS 6. Numbers that programs or data files show are the original ones; the others are ours.
+//! The constants of RoBIOS 6. Numbers that occur in programs or data files are those of the original RoBIOS; the others are ours.
 
 use crate::constant::constants;
 
@@ -142,11 +142,11 @@ constants! {
     /// The longest message of the radio, in bytes.
     MAXMSGLEN: i32 = 35;
 
-    /// `IRTVInit`: bits are told by the length of the pause between pulses.
+    /// `IRTVInit`: bits are encoded by the length of the pause between pulses.
     SPACE_CODE: i32 = 0;
-    /// `IRTVInit`: bits are told by the length of the pulses.
+    /// `IRTVInit`: bits are encoded by the length of the pulses.
     PULSE_CODE: i32 = 1;
-    /// `IRTVInit`: bits are told by the direction of an edge.
+    /// `IRTVInit`: bits are encoded by the direction of an edge.
     MANCHESTER_CODE: i32 = 2;
     /// `IRTVInit`: codes are a raw sequence of lengths.
     RAW_CODE: i32 = 3;

@@ -16,7 +16,7 @@ function_table! {
         fn OSVersion(text: OutBytes) -> i32 = 0, c "char *OSVersion(void)";
 
         /// Shows an error, text and number, on the LCD and in the record of the run. message: the text. number: the number
-        /// shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
+        /// shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and continues.
         /// Returns 0.
         fn OSError(message: Text, number: i32, dead: Bool) -> i32 = -1;
 

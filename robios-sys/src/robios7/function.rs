@@ -246,7 +246,7 @@ function_table! {
         fn OSMachineID() -> i32 = 0;
 
         /// Shows an error, text and number, on the display and in the record of the run. message: the text. number: the number
-        /// shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and goes on.
+        /// shown after it. dead: if not 0, the robot stops here forever; otherwise the program waits for a key and continues.
         /// Returns 0.
         fn OSError(message: Text, number: i32, dead: i32) -> i32 = 1;
 
@@ -432,7 +432,7 @@ function_table! {
         /// Remainder of the drive. Returns mm, for a turn degrees; 0 when it is done.
         fn VWRemain() -> i32 = 0;
 
-        /// Checks whether the drive is done. Returns 1 when it is done or there was none, 0 while it goes on, -1 on failure.
+        /// Checks whether the drive is done. Returns 1 when it is done or there was none, 0 while it continues, -1 on failure.
         fn VWDone() -> i32 = -1;
 
         /// Waits for the drive's end. Returns 0, -1 on failure.
@@ -477,7 +477,7 @@ function_table! {
         fn ANALOGRecord(channel: i32, iterations: i32) -> i32 = 1;
 
         /// Moves the whole recording to a buffer. buffer: one byte a value, the upper 8 bits. Returns the number of bytes, 0
-        /// while the recording goes on.
+        /// while the recording continues.
         fn ANALOGTransfer(buffer: OutBytes) -> i32 = 0, c "int ANALOGTransfer(BYTE *buffer)";
     }
 

@@ -77,11 +77,11 @@ impl Words for Axis {
 impl Form for Surface {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("SurfaceForm", "How a surface reflects.");
-        let share = |name| Bounded(Quantity::number(name, 0.0, 1.0));
+        let fraction = |name| Bounded(Quantity::number(name, 0.0, 1.0));
         keys.key("reflectivity", "Share of the energy that comes back, 0 to 1; 1 if left out.")
-            .optional(share("reflectivity"), &mut self.reflectivity);
+            .optional(fraction("reflectivity"), &mut self.reflectivity);
         keys.key("specular", "Share of that which is reflected as by a mirror, 0 to 1; 0 if left out.")
-            .optional(share("specular share"), &mut self.specular);
+            .optional(fraction("specular share"), &mut self.specular);
     }
 }
 
