@@ -15,7 +15,7 @@ fn main() {
     fs::write(out.join("embedded.rs"), embedded(&out)).expect("the page is written beside the crate's output");
 }
 
-/// The page's files as a Rust expression; an empty slice if the page is left out.
+/// The page's files as a Rust expression; an empty slice if the page is omitted.
 fn embedded(out: &Path) -> String {
     let is_release = env::var("PROFILE").is_ok_and(|profile| profile == "release");
     if !is_release || env::var("EYESIM_PAGE").is_ok_and(|page| page == "skip") {

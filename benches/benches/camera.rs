@@ -152,7 +152,7 @@ fn write_scene(folder: &Path, mesh: &Mesh) {
     for (number, material) in mesh.materials.iter().enumerate() {
         let texture = material.texture.as_ref().expect("all have one");
         let (width, height) = texture.size();
-        let pixels = (0..width * height).flat_map(|place| texture.pixel(place % width, place / width));
+        let pixels = (0..width * height).flat_map(|index| texture.pixel(index % width, index / width));
         let file = folder.join(format!("texture{number}.rgba"));
         fs::write(file, pixels.collect::<Vec<u8>>()).expect("the target folder can be written");
     }

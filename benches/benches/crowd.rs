@@ -50,7 +50,7 @@ fn main() {
 struct Run {
     simulated: f64,
     real: f64,
-    /// Greatest resident memory in KiB, if the system reports it.
+    /// Maximum resident memory in KiB, if the system reports it.
     peak: Option<u64>,
 }
 
@@ -126,7 +126,7 @@ fn waiting(is_smoke_test: bool) {
     println!("crowd/waiting  {:>9.1} ns a slot for a robot that waits", each * 1e9);
 }
 
-/// A hundred robots that tell all others eight bytes in each slot, and the same number of calls without a radio.
+/// A hundred robots that send eight bytes to all others in each slot, and the same number of calls without a radio.
 fn radio(is_smoke_test: bool) {
     const ROBOTS: usize = 100;
     let scratch = Scratch::new();
@@ -181,8 +181,8 @@ fn swarm(is_smoke_test: bool) {
     }
     for (robots, seconds) in if is_smoke_test { &SIZES[1..2] } else { &SIZES[..] } {
         benches::swarm::write(*robots, scratch.path()).expect("the scene can be written");
-        for (exec, workers, most) in WAYS {
-            if *robots > most {
+        for (exec, workers, max_robots) in WAYS {
+            if *robots > max_robots {
                 continue;
             }
             let options = ["swarm.sim", "--exec", exec, "--threads", workers];
@@ -222,7 +222,7 @@ fn run_with(scratch: &Scratch, options: &[&str], seconds: f64) -> Run {
     Run { simulated: number(&report, "sim_time_s"), real: number(&report, "real_time_s"), peak }
 }
 
-/// Waits for the end of `child`; its greatest resident memory in KiB, as Linux tells it.
+/// Waits for the end of `child`; its maximum resident memory in KiB, as reported by Linux.
 fn watch(child: &mut Child) -> Option<u64> {
     let path = format!("/proc/{}/status", child.id());
     let mut peak = None;

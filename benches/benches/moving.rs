@@ -11,10 +11,10 @@ use std::hint::black_box;
 fn bodies(count: usize) -> (Bounds, Vec<(RobotId, Bounds)>) {
     let mut random = Random::new(4);
     let arena = Bounds { min: DVec2::ZERO, max: DVec2::splat((count as f64).sqrt()) };
-    let body = |place| {
+    let body = |index| {
         let start = random.point_in(arena);
         let end = start + random.direction() * random.between(0.0, 0.025);
-        (RobotId::from_index(place), Bounds::of_disc(start, 0.1).union(Bounds::of_disc(end, 0.1)))
+        (RobotId::from_index(index), Bounds::of_disc(start, 0.1).union(Bounds::of_disc(end, 0.1)))
     };
     (arena, (0..count).map(body).collect())
 }

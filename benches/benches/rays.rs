@@ -60,12 +60,12 @@ fn build(criterion: &mut Criterion) {
 /// The walls, and among them as many robots.
 fn world(robots: u32) -> World {
     let walls = Arc::new(Walls::new(benches::walls()));
-    let places = benches::psd_rays(robots as usize);
-    let motion = |place: usize| {
-        let start = Pose { position: places[place].origin, ..Pose::default() };
-        Motion::new(RobotId::from_index(place), Arc::new(model()), Arc::clone(&walls), start)
+    let rays = benches::psd_rays(robots as usize);
+    let motion = |index: usize| {
+        let start = Pose { position: rays[index].origin, ..Pose::default() };
+        Motion::new(RobotId::from_index(index), Arc::new(model()), Arc::clone(&walls), start)
     };
-    let mut motions: Vec<Motion> = (0..places.len()).map(motion).collect();
+    let mut motions: Vec<Motion> = (0..rays.len()).map(motion).collect();
     World::new(Arc::clone(&walls), Time::from_millis(50), &mut motions)
 }
 

@@ -12,9 +12,9 @@ use sim_format::{MemoryFiles, load_scene, preset};
 /// A closed room of 20 m with a robot that looks in eight directions, with the noise profile of this name.
 fn scene(noise: &str) -> SceneSpec {
     let corners = ["[0, 0]", "[20000, 0]", "[20000, 20000]", "[0, 20000]"];
-    let wall = |place: usize| format!("{{ from_mm = {}, to_mm = {} }}", corners[place], corners[(place + 1) % 4]);
+    let wall = |index: usize| format!("{{ from_mm = {}, to_mm = {} }}", corners[index], corners[(index + 1) % 4]);
     let walls: Vec<String> = (0..4).map(wall).collect();
-    let sensor = |place: i32| format!("{{ name = \"PSD{place}\", angle_deg = {}, range_mm = 9999 }}", 45 * place);
+    let sensor = |index: i32| format!("{{ name = \"PSD{index}\", angle_deg = {}, range_mm = 9999 }}", 45 * index);
     let sensors: Vec<String> = (0..8).map(sensor).collect();
     let scene = format!(
         "[world]\nfloor_mm = [20000, 20000]\nwall = [{}]\n\

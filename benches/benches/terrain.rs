@@ -90,8 +90,8 @@ fn main() {
             }
         }
         for (name, caster) in casters.iter().filter(|_| !scene.edges.is_empty()) {
-            let share = 100.0 * leaks(&scene, caster) as f64 / scene.edges.len() as f64;
-            println!("  {:<12} {name:<13} {share:>8.3} % of {} leak", "edges", scene.edges.len());
+            let percent = 100.0 * leaks(&scene, caster) as f64 / scene.edges.len() as f64;
+            println!("  {:<12} {name:<13} {percent:>8.3} % of {} leak", "edges", scene.edges.len());
         }
     }
 }
@@ -233,7 +233,7 @@ fn write(folder: &Path, name: &str, numbers: impl Iterator<Item = f64>) {
     fs::write(folder.join(name).with_extension("f64"), bytes).expect("the target folder can be written");
 }
 
-/// Number of rays whose hits disagree: a hit against none, or distances that differ by more than 1 mm; and the greatest
+/// Number of rays whose hits disagree: a hit against none, or distances that differ by more than 1 mm; and the maximum
 /// error of the rest, m.
 fn errors(set: &Set, distances: &[f64]) -> (usize, f64) {
     let agree = |one: f64, other: f64| one == other || (one - other).abs() <= 1e-3;

@@ -55,8 +55,8 @@ fn over_terrain(random: &mut Random, above: f64) -> DVec3 {
 }
 
 fn towards(azimuth: f64, elevation: f64) -> DVec3 {
-    let ((sin, cos), (up, flat)) = (math::sin_cos(azimuth), math::sin_cos(elevation));
-    DVec3::new(flat * cos, flat * sin, up)
+    let ((sin, cos), (up, horizontal)) = (math::sin_cos(azimuth), math::sin_cos(elevation));
+    DVec3::new(horizontal * cos, horizontal * sin, up)
 }
 
 /// The rays cast at the terrain, by kind.
@@ -127,15 +127,15 @@ pub fn edge_rays(count: usize) -> Vec<Ray3> {
         let (column, row) = (1 + random.below(CELLS - 2), 1 + random.below(CELLS - 2));
         let corner = grid_point(column, row);
         let other = [grid_point(column + 1, row), grid_point(column, row + 1), grid_point(column + 1, row + 1)];
-        let share = [0.0, 0.5, 0.25, random.between(0.0, 1.0)][turn % 4];
-        let target = corner + share * (other[random.below(3)] - corner);
+        let fraction = [0.0, 0.5, 0.25, random.between(0.0, 1.0)][turn % 4];
+        let target = corner + fraction * (other[random.below(3)] - corner);
         // Every third one from straight above, as sensors on a grid look down.
-        let aside = if turn.is_multiple_of(3) {
+        let horizontal_offset = if turn.is_multiple_of(3) {
             DVec3::ZERO
         } else {
             random.direction().extend(0.0) * random.between(0.0, 6.0)
         };
-        let origin = target + aside + 8.0 * DVec3::Z;
+        let origin = target + horizontal_offset + 8.0 * DVec3::Z;
         let offset = target - origin;
         Ray3 { origin, direction: offset.normalize_or_zero(), range: offset.length() + 1.0 }
     };
@@ -155,8 +155,8 @@ pub fn diagonal_rays(walls: &[Segment], count: usize) -> Vec<Ray3> {
     let mut random = Random::new(36);
     let mut ray = || {
         let wall = walls[random.below(walls.len())];
-        let share = [0.25, 0.5, 0.75][random.below(3)];
-        let target = wall.a.lerp(wall.b, share).extend(share);
+        let fraction = [0.25, 0.5, 0.75][random.below(3)];
+        let target = wall.a.lerp(wall.b, fraction).extend(fraction);
         let mut cell = || random.below(9) as f64 - 4.0;
         let origin = (wall.a.floor() + DVec2::new(0.5 + cell(), 0.5 + cell())).extend(0.5);
         let offset = target - origin;

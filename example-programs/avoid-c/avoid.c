@@ -9,7 +9,7 @@
 #define RATE    2.0  /* rad/s */
 #define SECONDS 60
 
-static const DeviceSemantics places[SENSORS] = {  /* from left to right */
+static const DeviceSemantics mounts[SENSORS] = {  /* from left to right */
   PSD_LEFTDIAG, PSD_FRONTLEFT, PSD_FRONT, PSD_FRONTRIGHT, PSD_RIGHTDIAG
 };
 static PSDHandle psd[SENSORS];
@@ -39,7 +39,7 @@ int main(void)
   int i, turns = 0;
 
   for (i = 0; i < SENSORS; i++) {
-    psd[i] = PSDInit(places[i]);
+    psd[i] = PSDInit(mounts[i]);
     if (!vw || !psd[i])
       return OSError("device missing", i, TRUE);
     all |= psd[i];

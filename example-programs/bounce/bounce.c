@@ -1,4 +1,4 @@
-/* Drives until it bumps into something, backs off, turns away and goes on; stops after a minute. */
+/* Drives until it bumps into something, backs off, turns away and continues; stops after a minute. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"

@@ -1,5 +1,5 @@
 /* Plans with the brushfire algorithm: a fire starts at all walls at once; fronts from different sides meet on the Voronoi diagram,
- * which has the greatest clearance from all walls. The robot drives along it. Optional arguments: the goal, X Y in mm. */
+ * which has the maximum clearance from all walls. The robot drives along it. Optional arguments: the goal, X Y in mm. */
 #define WORLD "../../worlds/small.maz"
 #include "../plan/plan.h"
 
@@ -63,7 +63,7 @@ static void find_ridges(void)
 }
 
 /* Finds the cheapest path, cell by cell. Returns the number of cells, 0 if there is no path. */
-static int find_way(Cell start, Cell goal, Cell *way)
+static int find_route(Cell start, Cell goal, Cell *route)
 {
   static double cost[GRID][GRID];
   static Cell before[GRID][GRID];
@@ -103,7 +103,7 @@ static int find_way(Cell start, Cell goal, Cell *way)
     return 0;
   for (i = goal.row, j = goal.column; ; ) {
     Cell last;
-    way[count++] = (Cell){i, j};
+    route[count++] = (Cell){i, j};
     if (i == start.row && j == start.column)
       break;
     last = before[i][j];
@@ -111,21 +111,21 @@ static int find_way(Cell start, Cell goal, Cell *way)
     j = last.column;
   }
   for (k = 0; k < count / 2; k++) {
-    Cell swap = way[k];
-    way[k] = way[count - 1 - k];
-    way[count - 1 - k] = swap;
+    Cell swap = route[k];
+    route[k] = route[count - 1 - k];
+    route[count - 1 - k] = swap;
   }
   return count;
 }
 
 /* Simplifies a path to its corners: the cells between two corners lie within 1.5 cells of the straight line (Douglas and Peucker). */
-static int corners(const Cell *way, int first, int last, Point *path, int count)
+static int corners(const Cell *route, int first, int last, Point *path, int count)
 {
-  double dx = way[last].column - way[first].column, dy = way[last].row - way[first].row, length = hypot(dx, dy);
+  double dx = route[last].column - route[first].column, dy = route[last].row - route[first].row, length = hypot(dx, dy);
   double farthest = 0;
   int i, at = first;
   for (i = first + 1; i < last; i++) {
-    double x = way[i].column - way[first].column, y = way[i].row - way[first].row;
+    double x = route[i].column - route[first].column, y = route[i].row - route[first].row;
     double off = length > 0 ? fabs(dx * y - dy * x) / length : hypot(x, y);
     if (off > farthest) {
       farthest = off;
@@ -133,11 +133,11 @@ static int corners(const Cell *way, int first, int last, Point *path, int count)
     }
   }
   if (farthest > 1.5) {
-    count = corners(way, first, at, path, count);
-    return corners(way, at, last, path, count);
+    count = corners(route, first, at, path, count);
+    return corners(route, at, last, path, count);
   }
   if (count < MAX_POINTS)
-    path[count++] = cell_centre(way[last].row, way[last].column);
+    path[count++] = cell_centre(route[last].row, route[last].column);
   return count;
 }
 
@@ -148,7 +148,7 @@ static Cell cell_at(Point p)
 
 int main(int argc, char *argv[])
 {
-  static Cell way[GRID * GRID];
+  static Cell route[GRID * GRID];
   static Point path[MAX_POINTS];
   Point goal = {1260, 1260}, start = start_in_world();
   int count, points, row, column, i;
@@ -163,12 +163,12 @@ int main(int argc, char *argv[])
     for (column = 0; column < GRID; column++)
       if (is_ridge[row][column])
         LCDPixel(pixel_x(column * CELL), pixel_y(row * CELL), YELLOW);
-  count = find_way(cell_at(start), cell_at(goal), way);
+  count = find_route(cell_at(start), cell_at(goal), route);
   if (count == 0) {
     LCDPrintf("no way\n");
     return 1;
   }
-  points = corners(way, 0, count - 1, path, 0);
+  points = corners(route, 0, count - 1, path, 0);
   path[points++] = goal;
   draw_path(path, points, RED);
   for (i = 0; i < points; i++)

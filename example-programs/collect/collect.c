@@ -59,30 +59,30 @@ static int choose(void)
   return best;
 }
 
-/* Returns the distance of the nearest obstacle ahead and its direction, by the laser scanner. The target of the robot, `way` mm away
+/* Returns the distance of the nearest obstacle ahead and its direction, by the laser scanner. The target of the robot, `target_distance` mm away
  * at `goal` degrees, is no obstacle. */
-static int obstacle(int goal, double way, int *direction)
+static int obstacle(int goal, double target_distance, int *direction)
 {
   int at, best = 9999;
   LIDARGet(scan);
   for (at = -70; at <= 70; at++)
-    if (scan[180 - at] < best && (abs(at - goal) > 30 || scan[180 - at] < way - 100)) {
+    if (scan[180 - at] < best && (abs(at - goal) > 30 || scan[180 - at] < target_distance - 100)) {
       best = scan[180 - at];
       *direction = at;
     }
   return best;
 }
 
-/* Drives one step towards a place, clear of walls and other robots. Returns 1 if the place is within `near` mm. */
-static int step_to(Pose to, int near)
+/* Drives one step towards a place, clear of walls and other robots. Returns 1 if the place is within `tolerance` mm. */
+static int step_to(Pose to, int tolerance)
 {
   Pose own = robot_pose(0);
-  double way = distance(own, to);
+  double target_distance = distance(own, to);
   int turn = (int)lround(remainder(atan2(to.y - own.y, to.x - own.x) * 180 / M_PI - own.phi, 360));
-  int direction = 0, ahead = obstacle(turn, way, &direction);
+  int direction = 0, ahead = obstacle(turn, target_distance, &direction);
   int speed = SPEED, rate = turn * 2 > 90 ? 90 : turn * 2 < -90 ? -90 : turn * 2;
 
-  if (way < near) {
+  if (target_distance < tolerance) {
     VWSetSpeed(0, 0);
     return 1;
   }
@@ -98,11 +98,11 @@ static int step_to(Pose to, int near)
 }
 
 /* Drives to a place for at most `time` ms. Returns 1 if the robot has arrived. */
-static int go(Pose to, int near, int time)
+static int go(Pose to, int tolerance, int time)
 {
   int end = OSGetCount() + time;
   while (OSGetCount() < end)
-    if (step_to(to, near))
+    if (step_to(to, tolerance))
       return 1;
   VWSetSpeed(0, 0);
   return 0;

@@ -70,7 +70,7 @@ static int listen(int leader)
 static void steer(void)
 {
   PositionType at;
-  double x, y, distance, way, speed, angle;
+  double x, y, distance, trail_length, speed, angle;
   unsigned i;
 
   VWGetPosition(vw, &at);
@@ -83,10 +83,10 @@ static void steer(void)
     if (distance > AHEAD)
       break;
   }
-  way = distance;
+  trail_length = distance;
   for (i = first + 1; i < end; i++)
-    way += hypot(trail_x[i % POINTS] - trail_x[(i - 1) % POINTS], trail_y[i % POINTS] - trail_y[(i - 1) % POINTS]);
-  speed = fmin(fmax(GAIN * (way - GAP), 0), FASTEST);
+    trail_length += hypot(trail_x[i % POINTS] - trail_x[(i - 1) % POINTS], trail_y[i % POINTS] - trail_y[(i - 1) % POINTS]);
+  speed = fmin(fmax(GAIN * (trail_length - GAP), 0), FASTEST);
   angle = remainder(atan2(y, x) - at.phi, 2 * M_PI);
   VWSetSpeed(vw, speed, speed * 2 * sin(angle) / distance);  /* an arc through the target point */
 }

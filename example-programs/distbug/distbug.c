@@ -35,15 +35,15 @@ static int nearest(int right, int left, int *direction)
 }
 
 /* Distance that the robot can drive in a direction. */
-static int free_way(int direction)
+static int free_distance(int direction)
 {
-  int at, way = 9999;
+  int at, room = 9999;
   for (at = -85; at <= 85; at++) {
     double distance = distance_at(direction + at), angle = at * M_PI / 180;
-    if (fabs(distance * sin(angle)) < HALF_WIDTH && distance * cos(angle) < way)
-      way = (int)(distance * cos(angle));
+    if (fabs(distance * sin(angle)) < HALF_WIDTH && distance * cos(angle) < room)
+      room = (int)(distance * cos(angle));
   }
-  return way;
+  return room;
 }
 
 static int limited(double value, int limit)
@@ -70,7 +70,7 @@ int main(int argc, char *argv[])
   LCDPrintf("goal %d %d\n", goal_x, goal_y);
   LIDARSet(360, 0, POINTS);
   for (;;) {
-    int turn, way;
+    int turn, room;
     LIDARGet(scan);
     VWGetPosition(&x, &y, &phi);
     to_goal = hypot(goal_x - x, goal_y - y);
@@ -81,10 +81,10 @@ int main(int argc, char *argv[])
     turn = (int)lround(remainder(atan2(goal_y - y, goal_x - x) * 180 / M_PI - phi, 360));
 
     if (!is_following) {
-      way = free_way(0);
+      room = free_distance(0);
       if (abs(turn) > 20) {
         VWSetSpeed(0, limited(3.0 * turn, 90));
-      } else if (way < NEAR && way < to_goal) {
+      } else if (room < NEAR && room < to_goal) {
         is_following = 1;
         has_left_hit = 0;
         hit_x = x;
@@ -103,8 +103,8 @@ int main(int argc, char *argv[])
         return 1;
       }
       /* It leaves only where it will get nearer than ever before, so it cannot go around in circles. */
-      way = free_way(turn);
-      if (way > NEAR && (to_goal - (way - NEAR) <= nearest_yet - STEP || way >= to_goal) && from_hit > 100) {
+      room = free_distance(turn);
+      if (room > NEAR && (to_goal - (room - NEAR) <= nearest_yet - STEP || room >= to_goal) && from_hit > 100) {
         is_following = 0;
         LCDPrintf("leave: %d mm left\n", (int)to_goal);
       } else {

@@ -14,7 +14,7 @@
 #define CAMERA_X 62    /* of the S4, mm */
 #define CAMERA_Z 60
 #define CONTRAST 50    /* least contrast between road and marking */
-#define WIDEST 60      /* greatest width of a marking, mm */
+#define WIDEST 60      /* maximum width of a marking, mm */
 #define SPEED 300      /* mm/s */
 #define ROUND (360 + 90) /* degrees: a lap turns the robot by 360; 90 more, since it may have begun before a bend */
 
@@ -23,21 +23,21 @@ static const int rows[ROWS] = {66, 62, 58, 54, 50}; /* of the image, from near t
 
 static BYTE image[QQVGA_PIXELS];
 
-typedef struct { double x, y; } Place; /* on the floor: mm ahead of the robot's middle and to its left */
+typedef struct { double x, y; } Point; /* on the floor: mm ahead of the robot's middle and to its left */
 
 static double radians(double degrees)
 {
   return degrees * M_PI / 180;
 }
 
-/* Place on the floor that a pixel shows, if it shows the floor. The camera has a field of view of 60 degrees. */
-static Place place_of(double column, int row)
+/* Point on the floor that a pixel shows, if it shows the floor. The camera has a field of view of 60 degrees. */
+static Point place_of(double column, int row)
 {
   double focal = QQVGA_X / 2 / tan(radians(30)), tilt = radians(TILT);
   double left = (QQVGA_X / 2 - 0.5 - column) / focal, up = (QQVGA_Y / 2 - 0.5 - row) / focal;
   double ahead = cos(tilt) - up * sin(tilt), down = -sin(tilt) - up * cos(tilt);
-  Place place = {CAMERA_X + ahead * CAMERA_Z / down, left * CAMERA_Z / down};
-  return place;
+  Point point = {CAMERA_X + ahead * CAMERA_Z / down, left * CAMERA_Z / down};
+  return point;
 }
 
 static int middle_of(int a, int b, int c)
@@ -91,13 +91,13 @@ static int markings(int row, double middle, double *left, double *right)
 
 /* Finds the middle of the lane, row by row from near to far, and marks it on the display. Returns the number of rows that show it.
  * `target` becomes the middle in the last of these rows; `middle`, in mm to the left, that in the first, kept from image to image. */
-static int find_lane(double *middle, Place *target)
+static int find_lane(double *middle, Point *target)
 {
   double at = *middle, left = 0, right = 0;
   int i, seen = 0;
   for (i = 0; i < ROWS; i++) {
     int found = markings(rows[i], at, &left, &right);
-    Place first = place_of(0, rows[i]), second = place_of(1, rows[i]);
+    Point first = place_of(0, rows[i]), second = place_of(1, rows[i]);
     int column;
     if (found == 0)
       continue;
@@ -124,7 +124,7 @@ int main(void)
   OSWait(500);
   VWGetPosition(&x, &y, &last);
   while (abs(turned) < ROUND && lost < 50) {
-    Place target;
+    Point target;
     CAMGetGray(image);
     LCDImageGray(image);
     if (find_lane(&middle, &target) > 0) {

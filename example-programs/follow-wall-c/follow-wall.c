@@ -6,15 +6,15 @@
 
 #define KEPT_MM  300   /* the distance that the diagonal sensor keeps */
 #define LOST_MM  500   /* a farther wall is not the one being followed */
-#define AHEAD_MM 250   /* the least distance to a wall ahead */
+#define AHEAD_MM 250   /* the minimum distance to a wall ahead */
 #define SPEED    0.2   /* m/s */
 #define RATE     1.2   /* rad/s, the fastest turn */
 #define CORNER   0.55  /* rad/s, around a corner: at SPEED a circle of 0.36 m */
 #define FACTOR   0.006 /* rad/s for a millimetre */
 
-static double limit(double value, double most)
+static double limit(double value, double max)
 {
-  return value > most ? most : value < -most ? -most : value;
+  return value > max ? max : value < -max ? -max : value;
 }
 
 int main(void)

@@ -29,9 +29,9 @@ static void update(Signal *signal, double value)
   signal->value = value;
 }
 
-static int limited(double percent, int most)
+static int limited(double percent, int max)
 {
-  return percent > most ? most : percent < -most ? -most : (int)percent;
+  return percent > max ? max : percent < -max ? -max : (int)percent;
 }
 
 static Signal height; /* m */

@@ -66,7 +66,7 @@ static int square_at(Point p)
 }
 
 /* A*: finds the squares from `start` to `goal`, both included. Returns their number, 0 if there is no path. */
-static int find_way(int start, int goal, int way[MAX_SQUARES])
+static int find_route(int start, int goal, int route[MAX_SQUARES])
 {
   static double cost[MAX_SQUARES];
   static int before[MAX_SQUARES];
@@ -97,7 +97,7 @@ static int find_way(int start, int goal, int way[MAX_SQUARES])
   for (count = 0, i = goal; i >= 0; i = before[i])
     count++;
   for (best = count, i = goal; i >= 0; i = before[i])
-    way[--best] = i;
+    route[--best] = i;
   return count;
 }
 
@@ -113,7 +113,7 @@ static void draw_squares(void)
 
 int main(int argc, char *argv[])
 {
-  static int way[MAX_SQUARES];
+  static int route[MAX_SQUARES];
   static Point path[MAX_SQUARES + 1];
   Point goal = {3600, 2600}, start = start_in_world();
   int from, to, count, i;
@@ -126,13 +126,13 @@ int main(int argc, char *argv[])
   draw_squares();
   from = square_at(start);
   to = square_at(goal);
-  count = from < 0 || to < 0 ? 0 : find_way(from, to, way);
+  count = from < 0 || to < 0 ? 0 : find_route(from, to, route);
   if (count == 0) {
     LCDPrintf("no way\n");
     return 1;
   }
   for (i = 0; i < count; i++)
-    path[i] = centre(way[i]);
+    path[i] = centre(route[i]);
   path[count] = goal;
   draw_path(path, count + 1, RED);
   LCDSetPrintf(0, 0, "%d squares, way of %d\n", square_count, count);

@@ -36,7 +36,7 @@ static void sense(void)
   }
 }
 
-static int least(int a, int b) { return a < b ? a : b; }
+static int min(int a, int b) { return a < b ? a : b; }
 
 static void steer(void)
 {
@@ -45,15 +45,15 @@ static void steer(void)
   for (;;) {
     OSSemP(&measured);
     OSSemP(&access);
-    left = least(distance[0], distance[1]);
-    right = least(distance[3], distance[4]);
-    ahead = least(distance[2], least(distance[1], distance[3]));
+    left = min(distance[0], distance[1]);
+    right = min(distance[3], distance[4]);
+    ahead = min(distance[2], min(distance[1], distance[3]));
     OSSemV(&access);
     if (ahead < NEAR_MM) {
       VWSetSpeed(vw, 0, side * RATE);
     } else {
       side = left < right ? -1 : 1;  /* the side with more room, kept until the way is free */
-      VWSetSpeed(vw, SPEED * least(ahead, left + right) / FAR_MM, RATE * (left - right) / FAR_MM);
+      VWSetSpeed(vw, SPEED * min(ahead, left + right) / FAR_MM, RATE * (left - right) / FAR_MM);
     }
     commands++;
   }

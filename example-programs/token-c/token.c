@@ -66,7 +66,7 @@ static void pass(unsigned hop)
     send(next, TOKEN, hop);
     end = OSGetCount() + TIMEOUT;
     while (is_message(end))
-      if (receive() == hop || taken > hop)  /* the token may come round before its acknowledgement */
+      if (receive() == hop || taken > hop)  /* the token may return before our own transmission is acknowledged */
         return;
   }
 }

@@ -57,7 +57,7 @@ pub const TARGETS: &[Target] = &[
 /// # Panics
 /// If there is no such target, or the input breaks an invariant.
 pub fn check(target: &str, input: &[u8]) {
-    let known = TARGETS.iter().find(|known| known.name == target);
-    let target = known.unwrap_or_else(|| panic!("`{target}` is no target"));
+    let entry = TARGETS.iter().find(|entry| entry.name == target);
+    let target = entry.unwrap_or_else(|| panic!("`{target}` is no target"));
     (target.check)(input);
 }

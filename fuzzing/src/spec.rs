@@ -47,8 +47,8 @@ pub fn world(world: &WorldSpec, lines: &Lines<'_>) {
     for start in &world.starts {
         pose(&start.pose, &start);
         inside(start.span, lines, &start);
-        let known = start.letter.is_none_or(|letter| letter.is_ascii_uppercase());
-        assert!(known, "a start letter in upper case: {start:?}");
+        let is_uppercase = start.letter.is_none_or(|letter| letter.is_ascii_uppercase());
+        assert!(is_uppercase, "a start letter in upper case: {start:?}");
     }
     objects(&world.objects, lines);
     if let Some(texture) = &world.texture {
@@ -179,8 +179,8 @@ pub fn robi(robi: &RobiSpec) {
         point(leg.hip, &leg);
         size(leg.thigh, &leg);
         size(leg.shank, &leg);
-        let (least, most) = build::leg(leg).standing_heights();
-        assert!((least..=most).contains(&leg.hip.z), "{leg:?}");
+        let (min, max) = build::leg(leg).standing_heights();
+        assert!((min..=max).contains(&leg.hip.z), "{leg:?}");
     }
     for gait in robi.legs.iter().flat_map(|legs| &legs.gaits) {
         assert!(gait.period > 0.0 && gait.duty > 0.0 && gait.duty < 1.0, "{gait:?}");

@@ -3,7 +3,7 @@
 use sim_core::spec::Span;
 use sim_format::{Code, Diagnostic};
 
-/// Greatest number of diagnostics kept per file: 1000, and one with the count of the others.
+/// Maximum number of diagnostics kept per file: 1000, and one with the count of the others.
 const MAX_KEPT: usize = 1001;
 
 /// Panics unless the `diagnostics` of `text` are valid: each with words, a span within the text and the right line and column;
@@ -40,14 +40,14 @@ impl<'t> Lines<'t> {
     pub fn new(text: &'t str) -> Self {
         let bytes = text.as_bytes();
         let mut starts = vec![0];
-        for (place, byte) in bytes.iter().enumerate() {
+        for (index, byte) in bytes.iter().enumerate() {
             let is_end = match byte {
                 b'\n' => true,
-                b'\r' => bytes.get(place + 1) != Some(&b'\n'),
+                b'\r' => bytes.get(index + 1) != Some(&b'\n'),
                 _ => false,
             };
             if is_end {
-                starts.push(place + 1);
+                starts.push(index + 1);
             }
         }
         Self { text, starts }
@@ -65,7 +65,7 @@ impl<'t> Lines<'t> {
         let before = &self.text[self.starts[expected - 1]..start];
         let is_first = expected == 1;
         let before = if is_first { before.strip_prefix('\u{feff}').unwrap_or(before) } else { before };
-        let place = (expected, before.chars().count() + 1);
-        assert_eq!((line as usize, column as usize), place, "line and column of {what:?}");
+        let location = (expected, before.chars().count() + 1);
+        assert_eq!((line as usize, column as usize), location, "line and column of {what:?}");
     }
 }

@@ -70,8 +70,8 @@ fn serve(program: &RemoteProgram) {
         let line = program.own_source_line(&broken.addresses);
         assert!(line.is_none_or(|line| !line.file.as_os_str().is_empty()), "a line of no file");
     }
-    let place = program.place_of(&program.call_site());
-    assert!(place.is_none_or(|place| !place.is_empty()), "a place without words");
+    let location = program.place_of(&program.call_site());
+    assert!(location.is_none_or(|location| !location.is_empty()), "a place without words");
 }
 
 /// Writes a record each time the process has the turn, and at last the end of `main`.

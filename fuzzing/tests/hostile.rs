@@ -176,9 +176,9 @@ fn numbers_of_any_size_hold() {
             for number in NUMBERS {
                 check(target, line.replace('#', number).as_bytes());
                 // One number at a time, so that one error does not hide another.
-                let places: Vec<usize> = line.match_indices('#').map(|(place, _)| place).collect();
-                for &place in &places {
-                    let one = format!("{}{number}{}", &line[..place], line[place + 1..].replace('#', "1"));
+                let positions: Vec<usize> = line.match_indices('#').map(|(position, _)| position).collect();
+                for &position in &positions {
+                    let one = format!("{}{number}{}", &line[..position], line[position + 1..].replace('#', "1"));
                     let one = one.replace('#', "1");
                     check(target, one.as_bytes());
                 }

@@ -63,12 +63,12 @@ enum Change {
 }
 
 fn change() -> impl Strategy<Value = Change> {
-    let place = any::<Index>;
+    let index = any::<Index>;
     prop_oneof![
-        (place(), any::<u8>()).prop_map(|(at, byte)| Change::Byte(at, byte)),
-        (place(), place()).prop_map(|(from, to)| Change::Remove(from, to)),
-        (place(), place()).prop_map(|(at, piece)| Change::Insert(at, piece)),
-        (place(), place(), place()).prop_map(|(from, to, at)| Change::Copy(from, to, at)),
+        (index(), any::<u8>()).prop_map(|(at, byte)| Change::Byte(at, byte)),
+        (index(), index()).prop_map(|(from, to)| Change::Remove(from, to)),
+        (index(), index()).prop_map(|(at, piece)| Change::Insert(at, piece)),
+        (index(), index(), index()).prop_map(|(from, to, at)| Change::Copy(from, to, at)),
     ]
 }
 
@@ -76,20 +76,20 @@ fn apply(change: &Change, bytes: &mut Vec<u8>) {
     let at = |index: &Index| index.index(bytes.len() + 1);
     let range = |from: &Index, to: &Index| at(from).min(at(to))..at(from).max(at(to));
     match change {
-        Change::Byte(place, byte) => {
-            let place = at(place);
-            if let Some(old) = bytes.get_mut(place) {
+        Change::Byte(position, byte) => {
+            let position = at(position);
+            if let Some(old) = bytes.get_mut(position) {
                 *old = *byte;
             }
         }
         Change::Remove(from, to) => drop(bytes.drain(range(from, to))),
-        Change::Insert(place, piece) => {
-            let place = at(place);
-            drop(bytes.splice(place..place, PIECES[piece.index(PIECES.len())].bytes()));
+        Change::Insert(position, piece) => {
+            let position = at(position);
+            drop(bytes.splice(position..position, PIECES[piece.index(PIECES.len())].bytes()));
         }
-        Change::Copy(from, to, place) => {
-            let (copy, place) = (bytes[range(from, to)].to_vec(), at(place));
-            drop(bytes.splice(place..place, copy));
+        Change::Copy(from, to, position) => {
+            let (copy, position) = (bytes[range(from, to)].to_vec(), at(position));
+            drop(bytes.splice(position..position, copy));
         }
     }
 }
@@ -103,9 +103,9 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
 
 /// Input with a `Debug` output as a byte string.
 #[derive(Clone)]
-struct Shown(Vec<u8>);
+struct ByteString(Vec<u8>);
 
-impl std::fmt::Debug for Shown {
+impl std::fmt::Debug for ByteString {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "b\"{}\"", self.0.escape_ascii())
     }
@@ -118,7 +118,7 @@ fn changed_seeds_hold() {
         let input = (any::<Index>(), prop::collection::vec(change(), 1..12)).prop_map(|(seed, changes)| {
             let mut bytes = seeds[seed.index(seeds.len())].clone();
             changes.iter().for_each(|change| apply(change, &mut bytes));
-            Shown(bytes)
+            ByteString(bytes)
         });
         let mut runner = proptest::test_runner::TestRunner::new(ProptestConfig {
             cases: 512,

@@ -1,4 +1,4 @@
-"""Judges the way: until it comes to the last waypoint, the robot's centre is never farther than 40 mm from the spline.
+"""Judges the way: until it reaches the last waypoint, the robot's centre is never farther than 40 mm from the spline.
 
 The spline is that of Catmull and Rom through the start and the waypoints: the direction in each point is half the way from the point before
 it to the point behind it; the first point stands for the one before it, and so does the last one.
@@ -7,7 +7,7 @@ import json
 import math
 import sys
 
-MOST, PARTS, COUNT = 0.04, 100, 5
+MAX_DISTANCE, PARTS, COUNT = 0.04, 100, 5
 
 report, trace = sys.argv[1:]
 drawn = {item["path"]: item["value"] for item in json.load(open(report))["drawn"]}
@@ -32,8 +32,8 @@ for line in open(trace):
         if off > worst:
             worst, at = off, event["t_s"]
         done = math.dist(pose, points[-1]) <= 0.06 and event["t_s"] > 5
-message = f"at most {1000 * worst:.0f} mm from the spline, {1000 * MOST:.0f} are allowed"
+message = f"at most {1000 * worst:.0f} mm from the spline, {1000 * MAX_DISTANCE:.0f} are allowed"
 if not done:
     message = "it does not come to the last waypoint"
-verdict = {"passed": done and worst <= MOST, "message": message}
+verdict = {"passed": done and worst <= MAX_DISTANCE, "message": message}
 print(json.dumps(verdict | ({"at_s": at} if at else {})))

@@ -6,7 +6,7 @@ import json
 import math
 import sys
 
-MOST = 0.09  # m
+MAX_DISTANCE = 0.09  # m
 
 
 def off(x, y):
@@ -23,6 +23,6 @@ if not poses:
 else:
     worst = max(poses, key=lambda pose: off(pose["x_m"], pose["y_m"]))
     distance = off(worst["x_m"], worst["y_m"])
-    message = f"{1000 * distance:.0f} mm from the middle of the lane, at most {1000 * MOST:.0f} are allowed"
-    verdict = {"passed": distance <= MOST, "message": message, "at_s": worst["t_s"]}
+    message = f"{1000 * distance:.0f} mm from the middle of the lane, at most {1000 * MAX_DISTANCE:.0f} are allowed"
+    verdict = {"passed": distance <= MAX_DISTANCE, "message": message, "at_s": worst["t_s"]}
 print(json.dumps(verdict))

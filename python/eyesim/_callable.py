@@ -119,7 +119,7 @@ class _Robot:
     def _refuse(self) -> None:
         self._refusals += 1
         if self._refusals > _MAX_REFUSALS:
-            # The program catches what should end it: it is left behind, and need not compute.
+            # The program catches what should end it: it is abandoned, and need not compute.
             threading.Event().wait()
         raise _Overdue if self.is_overdue else self.eye._Stop
 

@@ -29,7 +29,7 @@ def _forward(name: str, function: _Any) -> _Any:
 
 
 class _Library:
-    """The library of the original, as programs with ctypes have it."""
+    """EyeSim VR's library, as programs load it with ctypes."""
 
     def __getattr__(self, name: str) -> _Any:
         return getattr(_present().lib, name)
@@ -45,7 +45,7 @@ lib = _Library()
 
 
 def __getattr__(name: str) -> _Any:
-    """Constants, what calls such as `CAMInit` set, and names that the original imports: a program's own ones stay."""
+    """Constants, what calls such as `CAMInit` set, and names that EyeSim VR's `eye.py` imports: a program's own ones stay."""
     if name in vars(_outside):
         return getattr(_present(), name)
     own = getattr(_outside, name)

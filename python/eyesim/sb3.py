@@ -69,7 +69,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
         return observations, rewards.astype(np.float32), done, infos
 
     def close(self) -> None:
-        """Does nothing: memory is given back with the last reference."""
+        """Does nothing: memory is freed with the last reference."""
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         """The attribute of this environment, once for each simulation."""

@@ -23,7 +23,7 @@ use super::simulation::{self as python, length, range, range_count, reach};
 const ROWS_AT_ONCE: usize = 4;
 
 /// One simulation in a step, its part, and the speed and turning speed of each robot.
-type Row<'a> = (&'a mut Member, Part, &'a [f64]);
+type Row<'a> = (&'a mut Member, StepKind, &'a [f64]);
 
 /// Count of the numbers that follow a robot's ranges: x, y, heading, forward speed, turning speed.
 const STATE: usize = 5;
@@ -86,7 +86,7 @@ struct Member {
 
 /// What a member does in a step.
 #[derive(Clone, Copy)]
-enum Part {
+enum StepKind {
     /// Its robots drive.
     Drive,
     /// Its next episode begins.
@@ -95,7 +95,7 @@ enum Part {
     Rest,
 }
 
-impl Part {
+impl StepKind {
     /// The part with this number in a buffer.
     fn of_number(number: u8) -> Result<Self, String> {
         match number {
@@ -229,7 +229,7 @@ impl Batch {
             let expected = format!("actions {} numbers, parts {count}", count * size.robots * 2);
             return Err(error(py, format!("buffers of another size: expected {expected}")));
         }
-        let parts = parts.into_iter().map(Part::of_number).collect::<Result<Vec<_>, _>>();
+        let parts = parts.into_iter().map(StepKind::of_number).collect::<Result<Vec<_>, _>>();
         let parts = parts.map_err(|failed| error(py, failed))?;
         let Self { beginnings, members, workers, .. } = self;
         let actions = actions.chunks(size.robots * 2);
@@ -292,7 +292,7 @@ impl Batch {
             let mut count = 0;
             while start.elapsed() < real {
                 let actions = if count == 0 || is_commanded { &actions[..] } else { &[] };
-                member.step(&self.beginnings, Part::Drive, actions, period, self.size)?;
+                member.step(&self.beginnings, StepKind::Drive, actions, period, self.size)?;
                 count += 1;
             }
             Ok(count)
@@ -353,21 +353,21 @@ impl Member {
     fn step(
         &mut self,
         beginnings: &Beginnings,
-        part: Part,
+        part: StepKind,
         actions: &[f64],
         period: Time,
         size: Size,
     ) -> Result<(), String> {
         match part {
-            Part::Rest => return Ok(()),
-            Part::Begin => {
+            StepKind::Rest => return Ok(()),
+            StepKind::Begin => {
                 let seed = episode_seed(self.root, self.episodes);
                 self.simulation = beginnings.begin(&self.simulation, seed)?;
                 self.episodes += 1;
                 self.steps = 0;
                 self.contacts.fill(0);
             }
-            Part::Drive => {
+            StepKind::Drive => {
                 for (action, id) in actions.chunks(2).zip(1..) {
                     let command = Command::Twist(Twist::new(action[0], action[1]));
                     self.simulation.command(RobotId(id), command).map_err(|failed| format!("robot {id}: {failed}"))?;

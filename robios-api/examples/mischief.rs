@@ -6,8 +6,8 @@ robios_api::program!(main);
 
 fn main(robot: &Robot) -> Result<(), String> {
     let _last_words = LastWords(robot.clone());
-    let way = robot.arguments().first().map(String::as_str);
-    match way {
+    let kind = robot.arguments().first().map(String::as_str);
+    match kind {
         None => Ok(()),
         Some("panic") => panic!("out of cheese"),
         Some("error") => Err("the battery is flat".to_owned()),

@@ -312,7 +312,7 @@ fn install_hook() {
 fn shown(panic: &PanicHookInfo<'_>) -> String {
     let text = panic.payload_as_str().unwrap_or("a panic without a text");
     match panic.location() {
-        Some(place) => format!("{place}: {text}"),
+        Some(location) => format!("{location}: {text}"),
         None => text.to_owned(),
     }
 }

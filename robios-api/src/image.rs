@@ -234,8 +234,8 @@ mod tests {
 
     #[test]
     fn places_go_from_left_to_right_and_down() {
-        let places: Vec<_> = ImageSize::new(2, 2).places().map(|Pixel { x, y }| (x, y)).collect();
-        assert_eq!(places, [(0, 0), (1, 0), (0, 1), (1, 1)]);
+        let pixels: Vec<_> = ImageSize::new(2, 2).places().map(|Pixel { x, y }| (x, y)).collect();
+        assert_eq!(pixels, [(0, 0), (1, 0), (0, 1), (1, 1)]);
         let depth = DepthImage { size: ImageSize::new(2, 1), mm: vec![f32::INFINITY, 250.0] };
         assert_eq!(depth.distances().collect::<Vec<_>>(), [None, Some(Length::millimetres(250.0))]);
         assert_eq!(depth.distance(Pixel { x: 1, y: 0 }), Some(Length::millimetres(250.0)));

@@ -95,8 +95,8 @@ impl Infrared {
     /// Returns true if an object is near.
     #[track_caller]
     pub fn is_near(&self) -> bool {
-        let near: i32 = robios!(&self.robot, IRRead(self.handle));
-        near == 1
+        let value: i32 = robios!(&self.robot, IRRead(self.handle));
+        value == 1
     }
 }
 

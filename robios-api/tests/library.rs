@@ -40,8 +40,8 @@ fn mischief_library() -> String {
     format!("examples/{}mischief{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
 }
 
-fn mischief(way: &str) -> Run {
-    run(&mischief_library(), Fake::new().argument(way).until(5.seconds()))
+fn mischief(kind: &str) -> Run {
+    run(&mischief_library(), Fake::new().argument(kind).until(5.seconds()))
 }
 
 #[test]
@@ -76,8 +76,8 @@ fn a_panic_stays_inside_and_says_where() {
     let run = mischief("panic");
     let End::Failed { exit_code, reason } = run.end() else { panic!("{:?}", run.end()) };
     assert_eq!(*exit_code, EXIT_PANICKED);
-    let place = reason.strip_prefix("panicked at ").and_then(|rest| rest.strip_suffix(": out of cheese"));
-    assert!(place.is_some_and(|place| place.contains("mischief.rs:")), "{reason}");
+    let location = reason.strip_prefix("panicked at ").and_then(|rest| rest.strip_suffix(": out of cheese"));
+    assert!(location.is_some_and(|location| location.contains("mischief.rs:")), "{reason}");
     assert_eq!(run.console(), "bye\n");
 }
 
@@ -96,8 +96,8 @@ fn an_error_is_told_with_its_text() {
 
 #[test]
 fn a_program_without_end_is_left() {
-    for way in ["loop", "wait"] {
-        let run = mischief(way).expect_time_up();
+    for kind in ["loop", "wait"] {
+        let run = mischief(kind).expect_time_up();
         assert_eq!(run.time(), 5.seconds());
     }
     assert!(matches!(mischief("wait").end(), End::TimeUp { during } if during == "KEYWait(8)"));

@@ -96,15 +96,15 @@ mod types {
     use serde::{Deserialize, Serialize};
 
     #[derive(Debug, PartialEq, Serialize, Deserialize)]
-    enum Said {
+    enum Report {
         Nothing,
         Pose { x_mm: i32, y_mm: i32, name: String },
         Many(Vec<u16>),
     }
 
-    fn all() -> [Said; 3] {
-        let pose = Said::Pose { x_mm: -300, y_mm: 0, name: "scout".to_owned() };
-        [Said::Nothing, pose, Said::Many(vec![0, 1, 500])]
+    fn all() -> [Report; 3] {
+        let pose = Report::Pose { x_mm: -300, y_mm: 0, name: "scout".to_owned() };
+        [Report::Nothing, pose, Report::Many(vec![0, 1, 500])]
     }
 
     /// Echoes every message.
@@ -118,9 +118,9 @@ mod types {
             let radio = robot.radio()?;
             for said in all() {
                 radio.send_as(RobotNumber(2), &said)?;
-                assert_eq!(radio.receive_as::<Said>()?, (RobotNumber(2), said));
+                assert_eq!(radio.receive_as::<Report>()?, (RobotNumber(2), said));
             }
-            assert!(radio.send_as(RobotNumber(2), &Said::Many(vec![0; 100])).is_err(), "too long");
+            assert!(radio.send_as(RobotNumber(2), &Report::Many(vec![0; 100])).is_err(), "too long");
             Ok(())
         });
         run.expect_finished();
@@ -128,7 +128,7 @@ mod types {
             let radio = robot.radio()?;
             for said in all() {
                 radio.send_as(RobotNumber(2), &said)?;
-                assert_eq!(radio.receive_as::<Said>()?, (RobotNumber(2), said));
+                assert_eq!(radio.receive_as::<Report>()?, (RobotNumber(2), said));
             }
             Ok(())
         });
@@ -150,7 +150,7 @@ mod types {
             pairs.map(|bits| inverted(&bits)).chain(cut).collect()
         }
         let (mut values, mut errors) = (0, 0);
-        let mut count = |result: Result<Said>| match result {
+        let mut count = |result: Result<Report>| match result {
             Ok(_) => values += 1,
             Err(Error::Garbled { from, .. }) => {
                 assert_eq!(from, RobotNumber(2));

@@ -46,11 +46,11 @@ fn positions_come_and_go_in_whole_numbers() {
         drive.set_speed(0.25.metres_per_second(), 0.degrees_per_second())?;
         robot.sleep(2.seconds());
         assert_eq!(drive.velocity().forward, 0.25.metres_per_second());
-        let way = drive.position().y - said.y;
-        assert!((way - 0.5.metres()).abs() < 1.5.millimetres(), "{way}");
+        let distance = drive.position().y - said.y;
+        assert!((distance - 0.5.metres()).abs() < 1.5.millimetres(), "{distance}");
         assert_eq!(drive.stall(), None);
         let (ahead, left) =
-            drive.position().ahead_and_left_of(Position { x: 0.metres(), y: way + said.y, phi: 0.degrees() });
+            drive.position().ahead_and_left_of(Position { x: 0.metres(), y: distance + said.y, phi: 0.degrees() });
         assert!(ahead.abs() < 2.millimetres() && (left - 1.metres()).abs() < 2.millimetres(), "{ahead} {left}");
         drive.stop()
     });

@@ -61,8 +61,8 @@ fn a_panic_says_where_and_what() {
     }
     let line = line!() - 2;
     let run = Fake::new().run(fall);
-    let place = format!("panicked at {}:{line}:", file!());
-    assert!(run.expect_failed().starts_with(&place), "{}", run.expect_failed());
+    let location = format!("panicked at {}:{line}:", file!());
+    assert!(run.expect_failed().starts_with(&location), "{}", run.expect_failed());
     assert!(run.expect_failed().ends_with(": no floor"));
 }
 

@@ -91,7 +91,7 @@ fn tasks_of_cooperative_mode_change_where_they_say() {
             task.ready(robot)?;
         }
         tasks.reschedule()?;
-        assert_eq!(count.get(robot), 6, "`main` goes on when no task is ready");
+        assert_eq!(count.get(robot), 6, "`main` continues when no task is ready");
         Ok(())
     });
     let run = run.expect_finished();
@@ -169,14 +169,14 @@ fn who_has_a_value_locked_is_alone_with_it() {
 
 #[test]
 fn what_a_killed_task_has_is_let_go() {
-    struct Told(Arc<AtomicU32>);
-    impl Drop for Told {
+    struct DropCounter(Arc<AtomicU32>);
+    impl Drop for DropCounter {
         fn drop(&mut self) {
             self.0.fetch_add(1, Ordering::Relaxed);
         }
     }
     let dropped = Arc::new(AtomicU32::new(0));
-    let told = || Told(Arc::clone(&dropped));
+    let told = || DropCounter(Arc::clone(&dropped));
     let (begun, never, left) = (told(), told(), told());
     let run = Fake::new().run(move |robot| -> Result {
         let tasks = robot.multi_tasking(TaskMode::Preemptive)?;

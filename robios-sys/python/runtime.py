@@ -66,7 +66,7 @@ _NULL = 0xFFFFFFFF
 
 
 class _Stop(BaseException):
-    """The program must be left."""
+    """Raised to unwind the program when the host stops it."""
 
 
 class _Channel:
@@ -116,16 +116,16 @@ _Number.__name__ = "int"
 
 
 class _Values(tuple):
-    """What C writes through pointers: a tuple, whose items can be set as those of the list that the original gives."""
+    """Output parameters of a C call: a tuple with item assignment, for programs written for EyeSim VR's lists."""
 
     def __setitem__(self, index, value):
         index = range(len(self))[index]
         value = _Number(value) if type(value) is int else value
         # The tuple was made for this caller, so that no other code has seen it.
-        place = id(self) + tuple.__basicsize__ + index * _ctypes.sizeof(_ctypes.c_void_p)
+        address = id(self) + tuple.__basicsize__ + index * _ctypes.sizeof(_ctypes.c_void_p)
         _ctypes.pythonapi.Py_IncRef(_ctypes.py_object(value))
         old = tuple.__getitem__(self, index)
-        _ctypes.c_void_p.from_address(place).value = id(value)
+        _ctypes.c_void_p.from_address(address).value = id(value)
         _ctypes.pythonapi.Py_DecRef(_ctypes.py_object(old))
 
     def __eq__(self, other):
@@ -146,7 +146,7 @@ class _Values(tuple):
 
 
 def _unpacked_into():
-    """How many names the program unpacks the object into whose `__iter__` asks; None if it does something else."""
+    """Number of targets if the caller of `__iter__` unpacks the object, read from its bytecode; otherwise None."""
     frame = _sys._getframe(2)
     code, at = frame.f_code.co_code, frame.f_lasti
     return code[at + 1] if 0 <= at < len(code) and code[at] == _opcode.opmap["UNPACK_SEQUENCE"] else None
@@ -173,8 +173,8 @@ class _Object(_Values):
         return tuple.__getitem__(self, 2 if index == 3 else index)
 
 
-# The latest arrays given for lists: `ctypes.cast` makes a pointer to one without keeping it.
-_lent = _collections.deque(maxlen=64)
+# Keeps recent temporary arrays alive: `ctypes.cast` does not hold a reference.
+_recent_arrays = _collections.deque(maxlen=64)
 
 
 class _Numbers(list):
@@ -182,13 +182,13 @@ class _Numbers(list):
 
     @property
     def _as_parameter_(self):
-        lent = (_ctypes.c_int * len(self))(*self)
-        _lent.append(lent)
-        return lent
+        array = (_ctypes.c_int * len(self))(*self)
+        _recent_arrays.append(array)
+        return array
 
 
 class _Addresses(_Numbers):
-    """The addresses of `RADIOStatus`; unpacked into two names it is their number and the list, as in the original."""
+    """The addresses of `RADIOStatus`; unpacked into two names it is their number and the list, as in EyeSim VR."""
 
     def __iter__(self):
         return iter((_Number(len(self)), _Numbers(self[:])) if _unpacked_into() == 2 else self[:])
@@ -316,13 +316,13 @@ def _memory(value, size, name):
 
 
 def _takes(target):
-    """Whether a value can be written to what the program gives for one."""
+    """True for an output argument: an object to which a value can be written."""
     kinds = (_REFERENCE, _POINTER, _SIMPLE, _ctypes.Array, list, bytearray, memoryview, _array.array)
     return isinstance(target, kinds) or hasattr(target, "data_as") or hasattr(target, "__array_interface__")
 
 
 def _fill(target, data, name):
-    """Writes bytes to a buffer or image of the program."""
+    """Writes bytes to an output argument: a buffer or image."""
     target, data = _pointee(target), bytes(data)
     if target is None:
         return
@@ -348,7 +348,7 @@ def _fill(target, data, name):
 
 
 def _store(target, values, name):
-    """Writes numbers to what the program gives for them: a value or pointer of ctypes, an array, a list."""
+    """Writes numbers to an output argument: a value or pointer of ctypes, an array, a list."""
     target = _pointee(target)
     if target is None:
         return
@@ -365,7 +365,7 @@ def _store(target, values, name):
 
 
 def _result_is_dropped():
-    """Whether the program drops the result of the function of this module that asks through another one."""
+    """True if the program discards the return value of the module's function that called the caller; read from the bytecode."""
     frame = _sys._getframe(3)
     code, after = frame.f_code.co_code, frame.f_lasti + 2
     while after < len(code) and code[after] == _opcode.opmap.get("CACHE"):
@@ -377,7 +377,7 @@ _remarked = set()
 
 
 def _remark(text):
-    """Tells the user of a likely mistake in the line of the program, each once."""
+    """Prints a hint with the program's line, once per text."""
     frame = _sys._getframe(1)
     while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
@@ -387,7 +387,7 @@ def _remark(text):
 
 
 def _out(name, written, *targets):
-    """What a call has written, if the program gives nothing that could take it; else the call's result."""
+    """The outputs of a call if the program passes no output argument; otherwise stores them there and returns the result."""
     count = len(targets)
     if not any(_takes(target) for target in targets):
         if any(target is not None for target in targets) and _result_is_dropped():
@@ -409,7 +409,7 @@ def _store_one(target, value, name):
 
 
 def _out_image(name, data, size, width, height, target, result=0):
-    """An image as the result, or in what the program gives to be filled."""
+    """Returns an image, or stores it in the output argument."""
     if target is None or not _takes(target):
         return _image(data, size, width, height)
     _fill(target, data[:size], name)
@@ -432,13 +432,13 @@ def _out_numbers(name, values, target, result):
 
 
 class _Turns:
-    """Lets one thread at a time use the channel, in the order in which they come."""
+    """A fair lock of the channel: threads acquire it in the order of their requests."""
 
     def __init__(self):
         self.guard, self.waiting, self.owner = _thread.allocate_lock(), [], None
 
     def enter(self):
-        """Waits for the turn; False if the thread has it already, in a function that the simulator has called."""
+        """Acquires the channel; False if the thread holds it already, in a function that the simulator has called."""
         own = _thread.get_ident()
         if self.owner == own:
             return False
@@ -465,7 +465,7 @@ _let_others_run = _time.sleep
 
 
 def _exchange(kind, body):
-    """Sends a message and gives the body of the answer; functions that the simulator calls run in between."""
+    """Sends a message and returns the body of the answer; functions that the simulator calls run in between."""
     global _is_stopped
     while True:
         _channel.send(kind, body)
@@ -496,12 +496,12 @@ _raised = None
 
 
 def _refuse():
-    """Does not make a call of a program that must be left."""
+    """Refuses calls after a stop."""
     raise _Stop
 
 
 def _place():
-    """File and line of the program that is in a call."""
+    """File and line of the call in the program."""
     frame = _sys._getframe(1)
     while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
@@ -530,7 +530,7 @@ _SLICE_US = 10000
 
 
 def _waits(name, values):
-    """A call that waits in a program with threads: the others call in between. None if it is to be made as ever."""
+    """A call that waits in a program with threads: the others call in between. None if the normal blocking call should be used."""
     if name == "OSWait" or name == "sleep_us":
         until = _now_us() + (1000 if name == "OSWait" else 1) * int(values[0])
         left = until - _now_us()
@@ -549,7 +549,7 @@ def _waits(name, values):
 
 
 def _call(row, *values):
-    """Calls a function of a list: what it writes, in order, then its result."""
+    """Calls a table function; returns its outputs in order, then its result."""
     if row[0] in _WAITING and _has_threads() and _turns.owner != _thread.get_ident():
         answer = _waits(row[0], values)
         if answer is not None:
@@ -573,7 +573,7 @@ def _tell_cut(name, value):
     global _has_told_cut
     if not _has_told_cut:
         _has_told_cut = True
-        _call(_support_noticed, f"`{name}`: {value:g} becomes 0: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`".encode())
+        _call(_support_hint, f"`{name}`: {value:g} becomes 0: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`".encode())
 
 
 def _request(row, values):
@@ -618,7 +618,7 @@ def _request(row, values):
         answer = _exchange(_CALL, b"".join(body))
     except _Stop:
         if _raised is not None:
-            # The call was abandoned because a timer's function raised an exception, which the program now gets.
+            # The call was abandoned because a timer's function raised an exception, which is raised in the program now.
             raised, _raised, _is_stopped = _raised, None, False
             raise raised from None
         raise
@@ -808,7 +808,7 @@ def _plane(typecode, values):
 
 
 def CAMGetDepth():
-    """How far away what each pixel of the last image shows is: along the line of sight, in mm, infinite for the sky. An
+    """Depth image of the last image: the distance along each pixel's ray, in mm, infinite for the sky. An
     array of CAMPIXELS numbers, row 0 on top; None if no image has been taken."""
     values, result = _call(_CAMGetDepth, CAMPIXELS)
     return _plane("f", values) if result == 0 else None
@@ -822,20 +822,20 @@ def CAMGetLabels():
 
 
 def LEGGetJoint(leg, joint, degrees=None):
-    """The angle of a joint, now, in degrees; both from 1. None if there is no such leg or joint."""
+    """The angle of a joint, now, in degrees; leg and joint numbers start at 1. None if there is no such leg or joint."""
     written = _call(_LEGGetJoint, leg, joint, None)
     return _out("LEGGetJoint", written, degrees) if written[-1] == 0 or _takes(degrees) else None
 
 
 def LEGGetLink(leg, link, pose=None):
-    """Where a link of a leg is, now, in the frame of the body: [x, y, z, roll, pitch, yaw] in mm and degrees; leg and link
+    """Pose of a link of a leg, now, in the frame of the body: [x, y, z, roll, pitch, yaw] in mm and degrees; leg and link
     from 1. None if there is no such leg or link."""
     values, result = _call(_LEGGetLink, leg, link, 6)
     return _out_numbers("LEGGetLink", values, pose, result) if result == 0 or _takes(pose) else None
 
 
 def LEGGetHeight(mm=None):
-    """How high the body's frame is above the world's floor, now, in mm. None if there are no legs."""
+    """Height of the body's frame above the world's floor, now, in mm. None if there are no legs."""
     written = _call(_LEGGetHeight, None)
     return _out("LEGGetHeight", written, mm) if written[-1] == 0 or _takes(mm) else None
 
@@ -972,7 +972,7 @@ def SERSend(interface, buf, size=None):
 
 
 def SERReceive(interface, buf=None, size=256):
-    """What has come in, as bytes, at most 255. Does not wait."""
+    """The received bytes, at most 255. Does not wait."""
     data, length = _call(_SERReceive, interface, min(256, max(1, _whole(size))))
     if buf is None or not _takes(buf):
         return bytes(data[:length])
@@ -1004,7 +1004,7 @@ def LIDARSet(range, tilt, points):
 
 
 def ANALOGTransfer(buffer=None):
-    """The recording of ANALOGRecord; empty while it goes on."""
+    """The recording of ANALOGRecord; empty while it continues."""
     data, length = _call(_ANALOGTransfer, 1 << 20)
     if buffer is None or not _takes(buffer):
         return data[:length]
@@ -1043,7 +1043,7 @@ def RADIOStatus(IDlist=None):
 
 
 def SIMGetRobot(id=0, x=None, y=None, z=None, phi=None):
-    """True pose of a robot, 0 for the own one: mm, mm, mm, degrees."""
+    """Ground-truth pose of a robot, 0 means the calling robot: mm, mm, mm, degrees."""
     return _out("SIMGetRobot", _call(_SIMGetRobot, id, None, None, None, None), x, y, z, phi)
 
 
@@ -1074,7 +1074,7 @@ def _pose(name, arguments, forms):
 
 
 def SIMGetPose(x=None, y=None, phi=None):
-    """True pose of this robot: mm, mm, degrees."""
+    """Ground-truth pose of this robot: mm, mm, degrees."""
     own_x, own_y, _z, own_phi = _call(_SIMGetRobot, 0, None, None, None, None)
     return _out("SIMGetPose", [own_x, own_y, own_phi], x, y, phi)
 
@@ -1099,11 +1099,11 @@ MOTORPIDoff = MOTORPIDOff
 LCDFontSize = LCDSetFontSize
 VWDriveRemain, VWDriveDone, VWDriveWait, VWDriveReady = VWRemain, VWDone, VWWait, VWDone
 
-# ---- the library of the original, for programs that call it with ctypes ----
+# ---- EyeSim VR's library, for programs that call it with ctypes ----
 
 
 class _Foreign:
-    """A function as ctypes has it: it gets what C gets. What is said of its types changes nothing."""
+    """A function with the interface of ctypes. Setting `argtypes` or `restype` has no effect."""
 
     argtypes = restype = errcheck = None
 
@@ -1119,7 +1119,7 @@ class _Foreign:
 
 
 class _Library:
-    """What `ctypes.CDLL` gives for the original's library."""
+    """Replacement of `ctypes.CDLL` for EyeSim VR's library."""
 
     _name, _handle = "libeyesim.so", 0
 
@@ -1134,7 +1134,7 @@ class _Library:
 
 
 def _cdll(loader):
-    """The class `CDLL` that gives this library for the original's name, and others as ever."""
+    """The class `CDLL`, which returns this library for the name of EyeSim VR's; other libraries load normally."""
 
     class CDLL(loader):
         """Loads a library."""
@@ -1149,7 +1149,7 @@ def _cdll(loader):
 lib = _Library()
 _functions = {name: value for name, value in globals().items() if name[:2].isupper() and hasattr(value, "__code__")}
 
-# Further names of the original; a name that the program has already defined is kept.
+# Further names of EyeSim VR's `eye.py`; a name that the program has already defined is kept.
 _ELSE = {"ctypes": _ctypes, "sys": _sys, "os": _os}
 _ELSE.update((_name, getattr(_ctypes, _name)) for _name in dir(_ctypes) if not _name.startswith("_"))
 __all__ = [_name for _name in dir() if not _name.startswith("_") and _name != "annotations"] + [*_ELSE, "np"]
@@ -1183,7 +1183,7 @@ class _Console:
     encoding, errors, closed, newlines = "utf-8", "replace", False, None
 
     def __init__(self, stream):
-        self.stream, self.lines = stream, {}  # by thread what it has begun
+        self.stream, self.lines = stream, {}  # incomplete line per thread
 
     def write(self, text):
         if not isinstance(text, str):
@@ -1211,7 +1211,7 @@ class _Console:
         self.flush()
 
     def finish(self):
-        """Shows what any thread has begun."""
+        """Prints the incomplete lines of all threads."""
         for own in sorted(self.lines):
             self._send(self.lines.pop(own))
 
@@ -1221,7 +1221,7 @@ class _Console:
         try:
             _call(_support_console, self.stream, text)
         except _Stop:
-            pass  # the next call of RoBIOS leaves the program
+            pass  # the next call of RoBIOS raises _Stop
 
     def isatty(self):
         return False
@@ -1375,11 +1375,11 @@ def _replace_surroundings():
 
 _CLOCKS = ("time", "monotonic", "perf_counter", "process_time", "thread_time")
 _IMPORTING = 32
-_imports = 0  # under way
+_imports = 0  # in progress
 
 
 def _watch_imports(channel):
-    """Tells the simulator when a module is imported: a module that computes long for that is no endless loop."""
+    """Reports imports to the simulator: a module that computes for long while it is imported is no endless loop."""
     import importlib._bootstrap as bootstrap
 
     find_and_load = bootstrap._find_and_load
@@ -1410,7 +1410,7 @@ _own_files = {__file__}
 
 
 def _own_frames(report):
-    """Leaves the frames of these files, which the program knows nothing of, out of a report of an exception."""
+    """Removes internal frames from a traceback."""
     while report is not None:
         report.stack[:] = [frame for frame in report.stack if frame.filename not in _own_files]
         _own_frames(report.__cause__)
@@ -1421,7 +1421,7 @@ _PLACE, _PLACE_READY, _PLACE_ASKED, _PLACE_TOLD = 40, 1, 2, 3
 
 
 def _tell_place(_signal_number, frame):
-    """Tells where the program is: it goes on if the simulator has asked, and ends if it has used up its processor time."""
+    """Answers the simulator's liveness check with the current line; ends the program if its processor time is used up."""
     if _channel is None or _channel.turn.value == 1:
         return
     while frame is not None and frame.f_code.co_filename in _own_files:
@@ -1447,7 +1447,7 @@ def _die_with_host(channel):
 
 
 def _similar_name(error, trace):
-    """The known name most similar to one that there is not, as newer Pythons suggest it; None if there is none."""
+    """Closest existing name for an undefined one, as newer Pythons suggest it; None if there is none."""
     import builtins
     import difflib
 
@@ -1472,7 +1472,7 @@ def _similar_name(error, trace):
 
 
 def _advice(error, trace):
-    """What to write instead; None where nothing is known."""
+    """Suggested replacement; None if there is none."""
     if isinstance(error, RecursionError):
         return "the function calls itself for ever: it needs an `if` with a `return` before the call"
     if isinstance(error, IndexError) and "index out of range" in str(error):
@@ -1500,7 +1500,7 @@ _STARTS = ("while", "for", "if", "elif", "else", "def", "return", "import", "fro
 
 
 def _advice_on_syntax(line):
-    """What to write instead of a line that is no Python; None where nothing is known."""
+    """Suggested replacement for a syntax error; None if there is none."""
     import difflib
     import re
 
@@ -1515,7 +1515,7 @@ def _advice_on_syntax(line):
 
 
 def _missing_import(error, trace):
-    """What to write for a name of this module that the program has not imported, or of RoBIOS 6; None for other errors."""
+    """Suggestion for a name of this module that the program has not imported, or of RoBIOS 6; None for other errors."""
     name = getattr(error, "name", None) or (str(error).split("'") + [None] * 2)[1]
     if isinstance(error, (NameError, AttributeError)) and name in _OF_ROBIOS6:
         return "it belongs to RoBIOS 6, which C and C++ have; Python has RoBIOS-7, whose devices need no handle and no `...Init`"
@@ -1529,7 +1529,7 @@ def _missing_import(error, trace):
 
 
 def _tell_error(path):
-    """Prints the traceback of the program's own frames, and tells the simulator what the program failed with."""
+    """Prints the traceback of the program's own frames, and reports the exception to the simulator."""
     import traceback
 
     kind, error, trace = _sys.exc_info()
@@ -1560,7 +1560,7 @@ def _tell_error(path):
 
 
 def _exit_code_of(program, path):
-    """Calls the program, which is in a file; tells the simulator if it fails. Its exit code."""
+    """Runs the program, which is in a file; reports a failure to the simulator. Returns its exit code."""
     try:
         program()
     except _Stop:
@@ -1581,7 +1581,7 @@ _ONLY_TREE = 0x400  # `ast.PyCF_ONLY_AST`, without the import
 
 
 def _remark_on_missing_parentheses(tree, file):
-    """Tells of statements that only name a function of this module: `VWWait` in place of `VWWait()`."""
+    """Reports statements that only name a function of this module: `VWWait` instead of `VWWait()`."""
     for part in ("body", "orelse", "finalbody", "handlers"):
         statements = getattr(tree, part, ())
         for statement in statements if isinstance(statements, list) else ():
@@ -1617,7 +1617,7 @@ def _run(path):
             threading._shutdown()  # waits for threads that are no daemons
         atexit._run_exitfuncs()
     except BaseException:
-        pass  # nobody is left to tell
+        pass  # the host has gone
     _turns.enter()  # threads that are daemons call nothing any more
     for stream in _consoles:
         stream.finish()

@@ -41,9 +41,9 @@ struct eyesim_support {
     int32_t (*task_yield)(void *robot, int32_t *result);
     int32_t (*task_turn)(void *robot, int32_t *result);
     int32_t (*input)(void *robot, struct eyesim_room bytes, int32_t *result);
-    int32_t (*unopened)(void *robot, struct eyesim_bytes name, int32_t error, int32_t *result);
-    int32_t (*noticed)(void *robot, struct eyesim_bytes text, int32_t *result);
-    int32_t (*unopened_by)(void *robot, struct eyesim_bytes name, int32_t error, struct eyesim_bytes stack, int32_t *result);
+    int32_t (*open_failed)(void *robot, struct eyesim_bytes name, int32_t error, int32_t *result);
+    int32_t (*hint)(void *robot, struct eyesim_bytes text, int32_t *result);
+    int32_t (*open_failed_at)(void *robot, struct eyesim_bytes name, int32_t error, struct eyesim_bytes stack, int32_t *result);
     int32_t (*unfinished)(void *robot, int32_t stream, struct eyesim_bytes bytes, int32_t *result);
     int32_t (*read_at_end)(void *robot, struct eyesim_bytes stack, int32_t *result);
 };

@@ -1,6 +1,6 @@
 // C++ part of the shim, for programs with parts in C++: compiled by the C++ compiler and linked beside shim.c.
 //
-// It leaves a stopped program by forced unwinding, as pthread_exit does, so that destructors of automatic
+// It exits from a stopped program by forced unwinding, as pthread_exit does, so that destructors of automatic
 // objects run; it reports uncaught exceptions; and it feeds std::random_device from the robot's own stream.
 #include <cxxabi.h>
 #include <unwind.h>
@@ -15,13 +15,13 @@
 #define HIDDEN __attribute__((visibility("hidden")))
 #define NAMED(name) __asm__(#name) __attribute__((weak))
 
-struct frame;
+struct exit_point;
 
 // Defined in shim.c.
 extern "C" {
-HIDDEN [[noreturn]] void eyesim_jump(struct frame *frame);
+HIDDEN [[noreturn]] void eyesim_jump(struct exit_point *exit_point);
 HIDDEN [[noreturn]] void eyesim_uncaught(const char *text, const void *const *stack, std::size_t depth);
-HIDDEN bool eyesim_is_left();
+HIDDEN bool eyesim_is_unwinding();
 HIDDEN std::uint32_t eyesim_entropy();
 HIDDEN std::size_t eyesim_stack(const void **addresses, std::size_t room);
 HIDDEN void *eyesim_allocated(std::size_t len, const void *caller);
@@ -29,28 +29,28 @@ HIDDEN void *eyesim_allocated(std::size_t len, const void *caller);
 
 namespace {
 
-// Exception that leaves the program; its type is private, so that no handler names it.
+// Exception that unwinds the program; its type is private, so that no handler names it.
 struct StopException {
     _Unwind_Exception exception; // first: the unwinder hands it back
-    struct frame *frame;
+    struct exit_point *exit_point;
 };
 
 // Called for each unwound frame, the innermost first.
 _Unwind_Reason_Code step(int, _Unwind_Action actions, _Unwind_Exception_Class, _Unwind_Exception *,
-                         _Unwind_Context *context, void *frame)
+                         _Unwind_Context *context, void *exit_point)
 {
     // The stack grows down: everything above the frame belongs to the host.
     const bool is_out = (actions & _UA_END_OF_STACK) != 0 ||
-                        _Unwind_GetCFA(context) >= reinterpret_cast<std::uintptr_t>(frame);
+                        _Unwind_GetCFA(context) >= reinterpret_cast<std::uintptr_t>(exit_point);
     if (is_out)
-        eyesim_jump(static_cast<struct frame *>(frame));
+        eyesim_jump(static_cast<struct exit_point *>(exit_point));
     return _URC_NO_REASON;
 }
 
-// Called if a `catch (...)` does not rethrow: the rest of the stack is left without destructors.
+// Called if a `catch (...)` does not rethrow: the rest of the stack is dropped without destructors.
 void not_rethrown(_Unwind_Reason_Code, _Unwind_Exception *exception)
 {
-    eyesim_jump(reinterpret_cast<StopException *>(exception)->frame);
+    eyesim_jump(reinterpret_cast<StopException *>(exception)->exit_point);
 }
 
 // Demangled name of a type. May allocate, since the program has ended.
@@ -82,7 +82,7 @@ _Unwind_Reason_Code add_to(_Unwind_Context *context, void *stack)
     char text[512];
     const void *stack[64];
     // Unwinding has met a function that throws nothing: a destructor, or one that is `noexcept`.
-    if (eyesim_is_left())
+    if (eyesim_is_unwinding())
         eyesim_uncaught(nullptr, nullptr, 0);
     const std::size_t depth = eyesim_stack(stack, sizeof stack / sizeof *stack);
     const std::type_info *type = abi::__cxa_current_exception_type();
@@ -115,15 +115,15 @@ extern "C" HIDDEN void eyesim_report_uncaught()
     std::set_terminate(uncaught);
 }
 
-// Runs the destructors between here and `frame`, and jumps there. Returns if the stack cannot be walked.
-extern "C" HIDDEN void eyesim_unwind(struct frame *frame)
+// Runs the destructors between here and `exit_point`, and jumps there. Returns if the stack cannot be walked.
+extern "C" HIDDEN void eyesim_unwind(struct exit_point *exit_point)
 {
     StopException *leaving = static_cast<StopException *>(std::calloc(1, sizeof(StopException)));
     if (leaving == nullptr)
         return;
-    leaving->frame = frame;
+    leaving->exit_point = exit_point;
     leaving->exception.exception_cleanup = not_rethrown;
-    _Unwind_ForcedUnwind(&leaving->exception, step, frame);
+    _Unwind_ForcedUnwind(&leaving->exception, step, exit_point);
 }
 
 namespace {

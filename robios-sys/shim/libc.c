@@ -40,27 +40,27 @@ enum {
     FAILED_HEAP = 8
 };
 
-/* ---- console: lines go to the host; no text is left in a FILE ---- */
+/* ---- console: lines go to the host; no text stays in a FILE ---- */
 
 /* The streams of this library, instead of the host's. */
 WEAK FILE *stdin;
 WEAK FILE *stdout;
 WEAK FILE *stderr;
 
-/* Sends the collected text. Never leaves the program, since a FILE may be in use. */
+/* Sends the collected text. Never exits the program, since a FILE may be in use. */
 static void send_line(struct eyesim_console *console)
 {
     int32_t result = 0;
     const size_t used = console->used;
-    console->used = 0; /* before the call, which may not return: the host shows what is left */
+    console->used = 0; /* before the call, which may not return: the host prints the remaining text */
     if (used > 0 && self.host != NULL) {
-        struct frame *frame = self.frame;
+        struct exit_point *exit_point = self.exit_point;
         const void *site = self.call_site.address;
         int32_t status;
         self.call_site.address = __builtin_return_address(0);
         status = self.host->support->console(self.robot, console->stream, bytes_of(console->line, used), &result);
         self.call_site.address = site;
-        self.frame = frame;
+        self.exit_point = exit_point;
         if (status == EYESIM_STOP)
             self.stop_pending = 1;
     }
@@ -89,27 +89,27 @@ static ssize_t cookie_write(void *console, const char *bytes, size_t len)
 }
 
 #ifdef EYESIM_CPP
-/* The C++ library's streams read by their own calls: the place in the program is that of a call further out. Told once. */
-static void tell_reader(void)
+/* The C++ library's streams read by their own calls: the call site in the program is further out. Reported once. */
+static void report_reader(void)
 {
     const void *stack[24];
     int32_t result;
     size_t depth;
-    if (self.has_told_reader)
+    if (self.reader_reported)
         return;
-    self.has_told_reader = 1;
+    self.reader_reported = 1;
     depth = eyesim_stack(stack, sizeof stack / sizeof *stack);
     self.host->support->read_at_end(self.robot, bytes_of(stack, depth * sizeof *stack), &result);
 }
 #endif
 
-/* Reads standard input. Never leaves the program, since a FILE may be in use. */
+/* Reads standard input. Never exits the program, since a FILE may be in use. */
 static ssize_t cookie_read(void *console, char *bytes, size_t len)
 {
     int32_t count = 0;
     (void)console;
-    if (may_call() && !self.is_leaving) {
-        struct frame *frame = self.frame;
+    if (may_call() && !self.is_exiting) {
+        struct exit_point *exit_point = self.exit_point;
         const void *site = self.call_site.address;
         int32_t status;
         send_line(OUT); /* a prompt */
@@ -117,10 +117,10 @@ static ssize_t cookie_read(void *console, char *bytes, size_t len)
         status = self.host->support->input(self.robot, room_of(bytes, len), &count);
 #ifdef EYESIM_CPP
         if (status != EYESIM_STOP && count == 0)
-            tell_reader();
+            report_reader();
 #endif
         self.call_site.address = site;
-        self.frame = frame;
+        self.exit_point = exit_point;
         if (status == EYESIM_STOP) {
             self.stop_pending = 1;
             count = 0;
@@ -177,12 +177,12 @@ static void flush_console(void)
     send_line(ERR);
 }
 
-/* Runs after output, with no FILE in use: leaves the program if the host has stopped it, and lets other tasks run. */
+/* Runs after output, with no FILE in use: exits the program if the host has stopped it, and lets other tasks run. */
 static int written(int result)
 {
-    if (self.stop_pending && !self.frame->is_left)
-        leave(EYESIM_EXIT_STOPPED);
-    turn();
+    if (self.stop_pending && !self.exit_point->is_unwinding)
+        exit_program(EYESIM_EXIT_STOPPED);
+    yield_if_due();
     return result;
 }
 
@@ -309,8 +309,8 @@ LIBC(int, __dprintf_chk, (int descriptor, int flag, const char *format, ...))
     WITH_ARGUMENTS(format, print_to(descriptor, format, arguments));
 }
 
-/* Reading functions are interposed so that a program at the end of its standard input asks the host again each time, which tells
- * the user, and so that it can be stopped there. The outermost one notes where the program has called it (READER). */
+/* Reading functions are interposed so that a program at the end of its standard input asks the host again each time, which reports
+ * it, and so that it can be stopped there. The outermost one records its call site (READER). */
 #define READER (self.reader = self.reader != NULL ? self.reader : __builtin_return_address(0))
 static void begin_reading(FILE *stream)
 {
@@ -470,14 +470,14 @@ LIBC(FILE *, fopen, (const char *name, const char *mode))
     if (stream == NULL) {
         int error = errno;
         int32_t result = 0;
-        SUPPORT(unopened, text_of(name), error, &result);
+        SUPPORT(open_failed, text_of(name), error, &result);
         errno = error;
     }
     return stream;
 }
 
 #ifdef EYESIM_CPP
-/* The C++ library's streams open their files by it, and a program that does not ask them reads nothing: the user is told at once. */
+/* Opens the files of the C++ library's streams. A program that does not check a stream reads nothing, so a failure is reported immediately. */
 LIBC(FILE *, fopen64, (const char *name, const char *mode))
 {
     FILE *stream = _IO_fopen(name, mode);
@@ -486,7 +486,7 @@ LIBC(FILE *, fopen64, (const char *name, const char *mode))
         int32_t result = 0;
         const void *stack[16];
         const size_t depth = eyesim_stack(stack, sizeof stack / sizeof *stack);
-        SUPPORT(unopened_by, text_of(name), error, bytes_of(stack, depth * sizeof *stack), &result);
+        SUPPORT(open_failed_at, text_of(name), error, bytes_of(stack, depth * sizeof *stack), &result);
         errno = error;
     }
     return stream;
@@ -588,7 +588,7 @@ static int add_at_end(struct at_end **list, struct at_end function)
     if (added == NULL)
         return -1;
     *added = function;
-    added->before = *list;
+    added->previous = *list;
     *list = added;
     return 0;
 }
@@ -599,9 +599,9 @@ static void call_at_end(struct at_end **list, int exit_code)
     while (*list != NULL) {
         struct at_end function = **list;
         free(*list);
-        *list = function.before;
-        if (function.plain != NULL)
-            function.plain();
+        *list = function.previous;
+        if (function.without_data != NULL)
+            function.without_data();
         else if (function.with_data != NULL)
             function.with_data(function.data);
         else
@@ -632,7 +632,7 @@ static void destroy_at_end(void)
     while (self.at_end != NULL) {
         struct at_end function = *self.at_end;
         free(self.at_end);
-        self.at_end = function.before;
+        self.at_end = function.previous;
         if (function.with_data != NULL)
             function.with_data(function.data);
     }
@@ -647,40 +647,40 @@ static _Noreturn void end_program(int exit_code)
         end_thread();
         call_at_end(&self.at_end, exit_code);
     }
-    leave(exit_code);
+    exit_program(exit_code);
 }
 
-/* Reports that the program cannot go on, and leaves it without running any more of its code. `stack` has `depth` return
+/* Reports that the program cannot continue, and exits it without running any more of its code. `stack` has `depth` return
    addresses of the calls in progress, the innermost first. */
 static _Noreturn void fail_in(const void *const *stack, size_t depth, int32_t kind, const char *text)
 {
     int32_t result;
     flush_console();
     SUPPORT(failed, kind, text_of(text), bytes_of(stack, depth * sizeof *stack), &result);
-    leave(EYESIM_EXIT_ABORTED);
+    exit_program(EYESIM_EXIT_ABORTED);
 }
 static _Noreturn void fail_at(const void *address, int32_t kind, const char *text) { fail_in(&address, 1, kind, text); }
 static _Noreturn void fail(int32_t kind, const char *text) { fail_in(NULL, 0, kind, text); }
 
 LIBC_NORETURN(exit, (int exit_code)) { end_program(exit_code); }
-LIBC_NORETURN(_exit, (int exit_code)) { leave(exit_code); }
-LIBC_NORETURN(_Exit, (int exit_code)) { leave(exit_code); }
+LIBC_NORETURN(_exit, (int exit_code)) { exit_program(exit_code); }
+LIBC_NORETURN(_Exit, (int exit_code)) { exit_program(exit_code); }
 LIBC_NORETURN(quick_exit, (int exit_code))
 {
     if (self.host != NULL)
         call_at_end(&self.at_quick_exit, exit_code);
-    leave(exit_code);
+    exit_program(exit_code);
 }
 LIBC_NORETURN(abort, (void)) { fail_at(__builtin_return_address(0), FAILED_ABORT, "abort() was called"); }
 
 LIBC(int, atexit, (void (*function)(void)))
 {
-    struct at_end added = {.plain = function};
+    struct at_end added = {.without_data = function};
     return add_at_end(&self.at_end, added);
 }
 LIBC(int, at_quick_exit, (void (*function)(void)))
 {
-    struct at_end added = {.plain = function};
+    struct at_end added = {.without_data = function};
     return add_at_end(&self.at_quick_exit, added);
 }
 LIBC(int, on_exit, (void (*function)(int, void *), void *data))
@@ -718,7 +718,7 @@ LIBC_NORETURN(__assert_perror_fail, (int number, const char *file, unsigned line
 }
 LIBC_NORETURN(__stack_chk_fail, (void))
 {
-    check_frame();
+    check_exit_point();
     fail_at(__builtin_return_address(0), FAILED_STACK, "stack smashing detected: a local array was overrun");
 }
 LIBC_NORETURN(__chk_fail, (void)) { fail(FAILED_STACK, "buffer overflow detected"); }
@@ -791,7 +791,7 @@ LIBC(void, error, (int exit_code, int number, const char *format, ...))
         end_program(exit_code);
 }
 
-/* ---- memory: behind each block lies a guard, which tells of an overrun when the block is given back ---- */
+/* ---- memory: a guard zone behind each block reveals an overrun when the block is freed ---- */
 
 extern void *__libc_calloc(size_t count, size_t len);
 extern void *__libc_realloc(void *memory, size_t len);
@@ -799,12 +799,12 @@ extern void __libc_free(void *memory);
 
 /* Last bytes of a guarded block; those between the program's bytes and these are GUARD_BYTE. */
 struct guard {
-    size_t len; /* what the program has asked for */
-    uintptr_t mark;
+    size_t len; /* as requested by the program */
+    uintptr_t canary;
 };
 #define GUARD_BYTE 0xa5
 #define GUARD_LEN (32 + sizeof(struct guard))
-#define MARK_OF_BLOCK(memory) ((uintptr_t)(memory) ^ (uintptr_t)0x9e3779b97f4a7c15)
+#define CANARY_OF_BLOCK(memory) ((uintptr_t)(memory) ^ (uintptr_t)0x9e3779b97f4a7c15)
 
 #ifdef EYESIM_CPP
 #define ALLOCATES "`new`, `malloc` or a container"
@@ -823,15 +823,15 @@ static size_t size_word(const void *memory)
 }
 #define SIZE_BITS (~(size_t)7)
 
-/* This word can be none: sizes are multiples of 16 from 32 on, and those of 4 GiB and more whole pages with a bit for them. */
+/* True if this word cannot be a size word: sizes are multiples of 16 from 32 on, and those of 4 GiB and more whole pages with a bit for them. */
 static int is_lost(const void *memory)
 {
     const size_t word = memory == NULL ? 32 : size_word(memory);
     return word < 32 || (word & 8) != 0 || (word >> 32 != 0 && (word & 0xfff) != 2);
 }
 
-/* The block that the program has got last. What it writes far beyond the end of this one, the C library finds first, and ends the
- * program with words of its own: it is looked at before. */
+/* The block allocated last. A write far beyond its end is detected by glibc first, which aborts the program with a message of its own:
+ * this block is checked before glibc can. */
 static struct {
     void *memory; /* NULL for none */
     const char *end;
@@ -839,24 +839,24 @@ static struct {
     const void *caller;
 } newest;
 
-/* Blocks from this length on may be mapped alone, and vanish while they are looked at. */
+/* Blocks of at least this length may have a mapping of their own, which may be unmapped while they are checked. */
 #define LONG_BLOCK ((size_t)64 << 10)
 
-/* Breaks the program, at the line that has got the newest block, if it was written beyond its guard and over the C library's word behind the
- * block, too. An overrun that ends before this word is told when the block is given back. */
+/* Breaks the program, at the line that allocated the newest block, if a write went beyond its guard zone and over glibc's size word behind
+ * the block. An overrun that ends before this word is reported when the block is freed. */
 static void check_newest(void)
 {
     char text[192];
     struct guard guard;
     int32_t result;
-    if (newest.memory == NULL || !may_call() || self.is_leaving)
+    if (newest.memory == NULL || !may_call() || self.is_exiting)
         return;
     if ((size_word(newest.memory) & SIZE_BITS) != newest.size) {
-        newest.memory = NULL; /* written over from below, or given back or made longer by a function of the C library */
+        newest.memory = NULL; /* overwritten from below, or freed or grown by a function of the C library */
         return;
     }
     memcpy(&guard, newest.end, sizeof guard);
-    if ((guard.mark == MARK_OF_BLOCK(newest.memory) && guard.len == newest.len) || !is_lost(newest.end + sizeof guard + sizeof(size_t)))
+    if ((guard.canary == CANARY_OF_BLOCK(newest.memory) && guard.len == newest.len) || !is_lost(newest.end + sizeof guard + sizeof(size_t)))
         return;
     newest.memory = NULL;
     snprintf(text, sizeof text, "a loop or an index in a later line goes far beyond the end of the %zu bytes that are reserved", newest.len);
@@ -871,10 +871,10 @@ static void forget_block(const void *memory)
         newest.memory = NULL;
 }
 
-/* Sets the guard of a block of `len` bytes, which the program gets for a call that returns to `caller`; passes the block on. */
+/* Sets the guard of a block of `len` bytes, which the program gets for a call that returns to `caller`; returns the block. */
 static void *guarded(void *memory, size_t len, const void *caller)
 {
-    struct guard guard = {len, MARK_OF_BLOCK(memory)};
+    struct guard guard = {len, CANARY_OF_BLOCK(memory)};
     char *end;
     if (memory != NULL) {
         end = end_of_block(memory);
@@ -900,7 +900,7 @@ static int is_overrun(void *memory, size_t *len)
         return 0;
     end = end_of_block(memory);
     memcpy(&guard, end, sizeof guard);
-    if (guard.mark != MARK_OF_BLOCK(memory) || guard.len > (size_t)(end - (char *)memory))
+    if (guard.canary != CANARY_OF_BLOCK(memory) || guard.len > (size_t)(end - (char *)memory))
         return 0; /* of a function of the C library, or overrun beyond the guard */
     memset((char *)end, 0, sizeof guard);
     for (byte = (char *)memory + guard.len; byte < end; byte++)
@@ -911,7 +911,7 @@ static int is_overrun(void *memory, size_t *len)
     return 0;
 }
 
-/* Looks at a block before it is given back to the C library. */
+/* Checks a block before the C library frees it. */
 PART void check_block(void *memory)
 {
     char text[128];
@@ -923,7 +923,7 @@ PART void check_block(void *memory)
         fail_at(__builtin_return_address(0), FAILED_HEAP, "memory before this block was written beyond its end, or the pointer is none of " ALLOCATES);
     if (is_overrun(memory, &len)) {
         snprintf(text, sizeof text, "the program has written beyond the end of these %zu bytes of " ALLOCATES, len);
-        SUPPORT(noticed, text_of(text), &result);
+        SUPPORT(hint, text_of(text), &result);
     }
 }
 
@@ -1087,26 +1087,26 @@ LIBC(size_t, __fread_chk, (void *to, size_t room, size_t size, size_t count, FIL
 /* ---- jumps: one out of a timer's function would leave the host in the middle of the call that the timer interrupts ---- */
 
 /* Stack pointer to which a jump leads; 0 if unknown. The C library hides it with a secret of the thread. */
-static uintptr_t target_of(const struct __jmp_buf_tag *place)
+static uintptr_t target_of(const struct __jmp_buf_tag *buffer)
 {
 #if defined __x86_64__ && defined __GLIBC__
-    uintptr_t hidden = (uintptr_t)place->__jmpbuf[6], secret;
+    uintptr_t hidden = (uintptr_t)buffer->__jmpbuf[6], secret;
     __asm__("mov %%fs:0x30, %0" : "=r"(secret));
     return (hidden >> 17 | hidden << 47) ^ secret;
 #else
-    (void)place;
+    (void)buffer;
     return 0;
 #endif
 }
 
-LIBC_NORETURN(longjmp, (struct __jmp_buf_tag * place, int value))
+LIBC_NORETURN(longjmp, (struct __jmp_buf_tag * buffer, int value))
 {
-    if (may_call() && self.frame->outer != NULL && target_of(place) > (uintptr_t)self.frame)
+    if (may_call() && self.exit_point->outer != NULL && target_of(buffer) > (uintptr_t)self.exit_point)
         fail(0, "longjmp out of a timer's function: the call that it interrupts would never end");
-    _longjmp(place, value);
+    _longjmp(buffer, value);
 }
-LIBC_NORETURN(siglongjmp, (struct __jmp_buf_tag * place, int value)) { libc_longjmp(place, value); }
-LIBC_NORETURN(__longjmp_chk, (struct __jmp_buf_tag * place, int value)) { libc_longjmp(place, value); }
+LIBC_NORETURN(siglongjmp, (struct __jmp_buf_tag * buffer, int value)) { libc_longjmp(buffer, value); }
+LIBC_NORETURN(__longjmp_chk, (struct __jmp_buf_tag * buffer, int value)) { libc_longjmp(buffer, value); }
 
 /* ---- random numbers: the robot's own streams ---- */
 
@@ -1133,7 +1133,7 @@ static struct {
     int is_seeded;
     uint64_t state, multiplier;
     uint16_t addend;
-    unsigned short before[3];
+    unsigned short previous[3];
 } lcg = {0, 0, 0x5DEECE66D, 0xB, {0}};
 
 static uint64_t joined(const unsigned short state[3])
@@ -1186,9 +1186,9 @@ LIBC(long, jrand48, (unsigned short state[3])) { return (int32_t)(step_given(sta
 LIBC(void, srand48, (long value)) { start((uint64_t)(uint32_t)value << 16 | 0x330E); }
 LIBC(unsigned short *, seed48, (unsigned short state[3]))
 {
-    split(lcg.state, lcg.before);
+    split(lcg.state, lcg.previous);
     start(joined(state));
-    return lcg.before;
+    return lcg.previous;
 }
 LIBC(void, lcong48, (unsigned short parameters[7]))
 {
@@ -1425,9 +1425,9 @@ LIBC(useconds_t, ualarm, (useconds_t first, useconds_t next))
     refused("ualarm");
     return 0;
 }
-LIBC(int, setitimer, (int which, const struct itimerval *to, struct itimerval *before))
+LIBC(int, setitimer, (int which, const struct itimerval *to, struct itimerval *old))
 {
-    (void)which, (void)to, (void)before;
+    (void)which, (void)to, (void)old;
     return refused("setitimer");
 }
 LIBC(int, clock_settime, (clockid_t id, const struct timespec *to))

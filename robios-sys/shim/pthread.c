@@ -24,7 +24,7 @@ struct task {
     struct task *next;
     int32_t number;
     const void *thread; /* which runs it */
-    struct frame *base;
+    struct exit_point *base;
     const void *site;   /* where it called the function that it is in */
     void *(*start)(void *);
     int (*start_c11)(void *);
@@ -44,7 +44,7 @@ static struct task main_task = {.number = 1};
 static struct task *tasks = &main_task;
 static int other_tasks; /* that have not ended, besides main's */
 
-static struct task *this_task(void) { return may_call() ? self.frame->task : &main_task; }
+static struct task *this_task(void) { return may_call() ? self.exit_point->task : &main_task; }
 
 static struct task *task_numbered(pthread_t number)
 {
@@ -54,9 +54,9 @@ static struct task *task_numbered(pthread_t number)
     return task;
 }
 
-/* The innermost frame of the flow that runs: of the task on whose stack this function does. Several tasks may share a thread;
- * stacks do not overlap, and the first frame of a task is the highest one on its stack that is the program's. */
-static struct frame *frame_of_flow(void)
+/* The innermost exit point of the running flow: of the task on whose stack this function runs. Several tasks may share a thread;
+ * stacks do not overlap, and the first exit point of a task is the highest one on its stack. */
+static struct exit_point *exit_point_of_flow(void)
 {
     const char *here = __builtin_frame_address(0);
     const void *thread = this_thread();
@@ -64,7 +64,7 @@ static struct frame *frame_of_flow(void)
     for (task = tasks; task != NULL; task = task->next)
         if (task->thread == thread && here < (const char *)task->base && (own == NULL || task->base < own->base))
             own = task;
-    return own == NULL || (self.frame != NULL && self.frame->task == own) ? self.frame : own->base;
+    return own == NULL || (self.exit_point != NULL && self.exit_point->task == own) ? self.exit_point : own->base;
 }
 
 /* ---- calls ---- */
@@ -73,11 +73,11 @@ static struct frame *frame_of_flow(void)
 #define TASK_CALL(status, name, ...)                                                                                    \
     do {                                                                                                                \
         status = 0;                                                                                                     \
-        if (reaches_host()) {                                                                                               \
-            struct frame *frame_ = self.frame;                                                                          \
-            self.call_site.address = frame_->task->site;                                                                \
+        if (reaches_host()) {                                                                                           \
+            struct exit_point *exit_point_ = self.exit_point;                                                           \
+            self.call_site.address = exit_point_->task->site;                                                           \
             status = self.host->support->name(self.robot, __VA_ARGS__);                                                 \
-            self.frame = frame_;                                                                                        \
+            self.exit_point = exit_point_;                                                                              \
         }                                                                                                               \
     } while (0)
 
@@ -133,7 +133,7 @@ static int32_t wake_all(const void *key)
 }
 
 /* Lets other tasks run if a tick has passed; called after a section in which tasks must not switch. */
-static void turn(void)
+static void yield_if_due(void)
 {
     int32_t status, result;
     if (other_tasks == 0)
@@ -182,12 +182,12 @@ static void call_destructors(struct task *task)
 /* Removes a task that cannot be joined any more. */
 static void forget(struct task *task)
 {
-    struct task **place = &tasks;
-    while (*place != task)
-        place = &(*place)->next;
+    struct task **link = &tasks;
+    while (*link != task)
+        link = &(*link)->next;
     if (task == &main_task)
         return;
-    *place = task->next;
+    *link = task->next;
     free(task);
 }
 
@@ -216,18 +216,18 @@ _Noreturn void jump_to_handler(__pthread_unwind_buf_t *handler, int value) __asm
 static _Noreturn void unwind_task(struct task *task)
 {
     __pthread_unwind_buf_t *handler = task->cleanup;
-    if (self.frame->outer != NULL)
+    if (self.exit_point->outer != NULL)
         fail(0, "a timer function would end the task that it interrupts");
     if (handler != NULL) {
         task->cleanup = handler->__pad[0];
         jump_to_handler(handler, 1);
     }
-    if (task->start_plain != NULL && !task->base->is_left) {
-        task->base->is_left = 1;
-        task->base->jump_value = TASK_ENDS;
+    if (task->start_plain != NULL && !task->base->is_unwinding) {
+        task->base->is_unwinding = 1;
+        task->base->jump_value = EXIT_TASK;
         eyesim_unwind(task->base);
     }
-    _longjmp(task->base->place, TASK_ENDS);
+    _longjmp(task->base->jump_buffer, EXIT_TASK);
 }
 
 static _Noreturn void end_task(struct task *task, void *result)
@@ -253,24 +253,24 @@ static __attribute__((noinline)) void *start_outermost(struct task *task)
 static int32_t run_task(void *data)
 {
     struct task *const task = data;
-    struct frame frame = {.task = task, .thread = this_thread(), .mark = MARK_OF(&frame)};
-    task->thread = frame.thread;
-    task->base = &frame;
+    struct exit_point exit_point = {.task = task, .thread = this_thread(), .canary = CANARY_OF(&exit_point)};
+    task->thread = exit_point.thread;
+    task->base = &exit_point;
     task->has_begun = 1;
-    self.frame = &frame;
-    switch (setjmp(frame.place)) {
+    self.exit_point = &exit_point;
+    switch (setjmp(exit_point.jump_buffer)) {
     case 0:
         task->result = start_outermost(task);
         /* fall through */
-    case TASK_ENDS:
+    case EXIT_TASK:
         task->refuses_cancel = task->is_ending = 1;
         end_thread();
         call_destructors(task);
         remove_task(task);
-        self.frame = NULL;
+        self.exit_point = NULL;
         return 0;
     default:
-        self.frame = NULL;
+        self.exit_point = NULL;
         return EYESIM_STOP;
     }
 }
@@ -288,11 +288,11 @@ static void end_main_task(void)
 
 static void add_task(struct task *task, int32_t number)
 {
-    struct task **place = &tasks;
+    struct task **link = &tasks;
     task->number = number;
-    while (*place != NULL)
-        place = &(*place)->next;
-    *place = task;
+    while (*link != NULL)
+        link = &(*link)->next;
+    *link = task;
     other_tasks++;
 }
 
@@ -436,9 +436,9 @@ LIBC(int, pthread_once, (pthread_once_t *once, void (*function)(void)))
 
 static int is_cancelled(void)
 {
-    struct task *task = self.frame == NULL ? NULL : self.frame->task;
-    return task != NULL && task->is_cancelled && !task->refuses_cancel && self.frame->outer == NULL &&
-           !self.is_leaving && may_call();
+    struct task *task = self.exit_point == NULL ? NULL : self.exit_point->task;
+    return task != NULL && task->is_cancelled && !task->refuses_cancel && self.exit_point->outer == NULL &&
+           !self.is_exiting && may_call();
 }
 
 static _Noreturn void cancel_self(void) { end_task(this_task(), PTHREAD_CANCELED); }
@@ -447,7 +447,7 @@ static _Noreturn void stop(void)
 {
     if (is_cancelled())
         cancel_self();
-    leave(EYESIM_EXIT_STOPPED);
+    exit_program(EYESIM_EXIT_STOPPED);
 }
 
 LIBC(int, pthread_cancel, (pthread_t which))
@@ -468,23 +468,23 @@ LIBC(void, pthread_testcancel, (void))
     if (is_cancelled())
         cancel_self();
 }
-LIBC(int, pthread_setcancelstate, (int state, int *before))
+LIBC(int, pthread_setcancelstate, (int state, int *old))
 {
     struct task *task = BEGIN();
     if (state != PTHREAD_CANCEL_ENABLE && state != PTHREAD_CANCEL_DISABLE)
         return EINVAL;
-    if (before != NULL)
-        *before = task->refuses_cancel ? PTHREAD_CANCEL_DISABLE : PTHREAD_CANCEL_ENABLE;
+    if (old != NULL)
+        *old = task->refuses_cancel ? PTHREAD_CANCEL_DISABLE : PTHREAD_CANCEL_ENABLE;
     task->refuses_cancel = state == PTHREAD_CANCEL_DISABLE;
     return 0;
 }
-LIBC(int, pthread_setcanceltype, (int type, int *before))
+LIBC(int, pthread_setcanceltype, (int type, int *old))
 {
     struct task *task = BEGIN();
     if (type != PTHREAD_CANCEL_DEFERRED && type != PTHREAD_CANCEL_ASYNCHRONOUS)
         return EINVAL;
-    if (before != NULL)
-        *before = task->cancel_type;
+    if (old != NULL)
+        *old = task->cancel_type;
     task->cancel_type = type;
     return 0;
 }
@@ -719,21 +719,21 @@ static struct stream_lock *stream_locks;
 
 static struct stream_lock **lock_of(const FILE *stream)
 {
-    struct stream_lock **place = &stream_locks;
-    while (*place != NULL && (*place)->stream != stream)
-        place = &(*place)->next;
-    return place;
+    struct stream_lock **link = &stream_locks;
+    while (*link != NULL && (*link)->stream != stream)
+        link = &(*link)->next;
+    return link;
 }
 
 static int lock_stream(struct task *me, FILE *stream, int may_wait)
 {
-    struct stream_lock **place = lock_of(stream), *lock = *place;
+    struct stream_lock **link = lock_of(stream), *lock = *link;
     if (lock == NULL) {
         if ((lock = calloc(1, sizeof *lock)) == NULL)
             return ENOMEM;
         lock->stream = stream;
         lock->owner = me->number;
-        *place = lock;
+        *link = lock;
     }
     if (lock->owner != me->number) {
         if (!may_wait)
@@ -749,11 +749,11 @@ LIBC(int, ftrylockfile, (FILE *stream)) { return lock_stream(BEGIN(), stream, 0)
 LIBC(void, funlockfile, (FILE *stream))
 {
     struct task *me = BEGIN();
-    struct stream_lock **place = lock_of(stream), *lock = *place;
+    struct stream_lock **link = lock_of(stream), *lock = *link;
     if (lock == NULL || lock->owner != me->number || --lock->count > 0)
         return;
     if ((lock->owner = wake(lock)) == 0) {
-        *place = lock->next;
+        *link = lock->next;
         free(lock);
     }
 }

@@ -28,7 +28,7 @@
 
 #define WEAK __attribute__((weak))
 #define HIDDEN __attribute__((visibility("hidden")))
-#define MOST_IGNORED_CALLS 10000
+#define MAX_IGNORED_CALLS 10000
 
 /* Marks a function as the outermost frame: unwinding, also in search of exception handlers, stops there. */
 #if defined __x86_64__
@@ -43,26 +43,26 @@
 #define OUTERMOST ((void)0)
 #endif
 
-/* Target of a jump that leaves the program: the start of its task, or of the running timer function. */
-struct frame {
-    jmp_buf place;
-    struct frame *outer;
+/* longjmp target that exits the program or a task: the start of the task, or of the running timer function. */
+struct exit_point {
+    jmp_buf jump_buffer;
+    struct exit_point *outer;
     struct task *task;
-    const void *thread; /* which runs it */
-    int is_left; /* by unwinding, which runs destructors */
-    int jump_value; /* what unwinding brings to it in the end; 0 is LEAVES */
-    uintptr_t mark; /* MARK_OF(frame) unless the stack was overwritten */
+    const void *thread; /* the thread that runs it */
+    int is_unwinding; /* destructors are running */
+    int jump_value; /* value passed to longjmp after unwinding; 0 stands for EXIT_PROGRAM */
+    uintptr_t canary; /* CANARY_OF(exit_point) unless the stack was overwritten */
 };
 
-#define MARK_OF(frame) ((uintptr_t)(frame) ^ (uintptr_t)0x5AFEF4A3E5EEDull)
+#define CANARY_OF(exit_point) ((uintptr_t)(exit_point) ^ (uintptr_t)0x5AFEF4A3E5EEDull)
 
-/* Values that longjmp passes to a frame. */
-enum { LEAVES = 1, TASK_ENDS = 2 };
+/* Values that longjmp passes to an exit point. */
+enum { EXIT_PROGRAM = 1, EXIT_TASK = 2 };
 
 /* A function to be called when the program ends. */
 struct at_end {
-    struct at_end *before;
-    void (*plain)(void);
+    struct at_end *previous;
+    void (*without_data)(void);
     void (*with_data)(void *data);
     void (*with_code)(int code, void *data);
     void *data;
@@ -71,16 +71,16 @@ struct at_end {
 static struct {
     const struct eyesim_host *host; /* NULL while the program does not run */
     void *robot;
-    struct frame *frame;
+    struct exit_point *exit_point;
     struct at_end *at_end;
     struct at_end *at_quick_exit;
-    int is_leaving;
+    int is_exiting;
     int exit_code;
-    int ignored_calls; /* of destructors of a program that is being left */
-    int stop_pending; /* the host has stopped the program while it could not be left */
+    int ignored_calls; /* calls from destructors of a program that is exiting */
+    int stop_pending; /* the host has stopped the program while unwinding was not possible */
     struct eyesim_console consoles[2]; /* standard output and standard error, which the host reads if the program breaks */
-    const void *reader; /* where the program has called the function that reads standard input */
-    int has_told_reader; /* see tell_reader */
+    const void *reader; /* call site of the function that reads standard input */
+    int reader_reported; /* see report_reader */
     struct eyesim_call_site call_site;
 } self = {.consoles = {{.stream = 1}, {.stream = 2}}};
 
@@ -96,7 +96,7 @@ static inline const void *this_thread(void)
 #elif defined __aarch64__
     __asm__("mrs %0, tpidr_el0" : "=r"(thread));
 #else
-#error "how does a thread know itself here?"
+#error "no thread pointer for this architecture"
 #endif
     return thread;
 }
@@ -104,12 +104,12 @@ static inline const void *this_thread(void)
 /* True if the program may call the host: it is running, and the caller is on the thread of its current task, not on one of OpenMP. */
 static inline int may_call(void)
 {
-    return self.host != NULL && self.frame != NULL && self.frame->thread == this_thread();
+    return self.host != NULL && self.exit_point != NULL && self.exit_point->thread == this_thread();
 }
 
-/* ---- leaving the program ---- */
+/* ---- exit from the program ---- */
 
-/* Functions that fault where the program cannot be left any more. The host tells the reason by the function's name:
+/* Traps for a stack that cannot be unwound. The host maps the name of the trap to its message:
  * sim-host/src/executive/program_status.rs. */
 #define TRAP(name)                                                                                                      \
     static __attribute__((noinline, noclone, noreturn, cold)) void name(void)                                           \
@@ -121,16 +121,16 @@ TRAP(eyesim_trap_stack_smashed)
 TRAP(eyesim_trap_off_task)
 TRAP(eyesim_trap_heap_lost)
 
-/* Stops here if the frame that is the target of the way out has been overwritten. */
-static inline void check_frame(void)
+/* Traps if the exit point on the stack has been overwritten. */
+static inline void check_exit_point(void)
 {
-    if (self.frame != NULL && self.frame->mark != MARK_OF(self.frame))
+    if (self.exit_point != NULL && self.exit_point->canary != CANARY_OF(self.exit_point))
         eyesim_trap_stack_smashed();
 }
 
 #ifdef EYESIM_CPP
-/* In cpp.cpp: runs the destructors between here and `frame`, and jumps there. Returns if it cannot. */
-HIDDEN void eyesim_unwind(struct frame *frame);
+/* In cpp.cpp: runs the destructors between here and `exit_point`, and jumps there. Returns if it cannot. */
+HIDDEN void eyesim_unwind(struct exit_point *exit_point);
 
 /* In cpp.cpp: stores the return addresses of the calls in progress, the innermost first; returns their number. */
 HIDDEN size_t eyesim_stack(const void **addresses, size_t room);
@@ -138,55 +138,55 @@ HIDDEN size_t eyesim_stack(const void **addresses, size_t room);
 /* In cpp.cpp: reports exceptions that the program does not catch, those of constructors included. */
 HIDDEN void eyesim_report_uncaught(void);
 
-/* Jumps to a frame at the end of unwinding. */
-HIDDEN _Noreturn void eyesim_jump(struct frame *frame)
+/* Jumps to an exit point at the end of unwinding. */
+HIDDEN _Noreturn void eyesim_jump(struct exit_point *exit_point)
 {
-    _longjmp(frame->place, frame->jump_value);
+    _longjmp(exit_point->jump_buffer, exit_point->jump_value);
 }
 #else
-#define eyesim_unwind(frame) ((void)(frame))
+#define eyesim_unwind(exit_point) ((void)(exit_point))
 #endif
 
 /* Ends the program from any call depth; the first exit code counts. */
-static _Noreturn void leave(int exit_code)
+static _Noreturn void exit_program(int exit_code)
 {
-    if (!self.is_leaving) {
-        self.is_leaving = 1;
+    if (!self.is_exiting) {
+        self.is_exiting = 1;
         self.exit_code = exit_code;
     }
-    check_frame();
-    if (self.frame == NULL || self.frame->thread != this_thread())
+    check_exit_point();
+    if (self.exit_point == NULL || self.exit_point->thread != this_thread())
         eyesim_trap_off_task();
-    if (exit_code == EYESIM_EXIT_STOPPED && !self.frame->is_left) {
-        self.frame->is_left = 1;
-        eyesim_unwind(self.frame);
+    if (exit_code == EYESIM_EXIT_STOPPED && !self.exit_point->is_unwinding) {
+        self.exit_point->is_unwinding = 1;
+        eyesim_unwind(self.exit_point);
     }
-    _longjmp(self.frame->place, LEAVES);
+    _longjmp(self.exit_point->jump_buffer, EXIT_PROGRAM);
 }
 
 /* Handles a stop by the host: the running task was killed or cancelled, or else the program must end. */
 static _Noreturn void stop(void);
 
 static int is_cancelled(void);
-static struct frame *frame_of_flow(void);
-static void turn(void);
+static struct exit_point *exit_point_of_flow(void);
+static void yield_if_due(void);
 static _Noreturn void cancel_self(void);
 
 /* True if a call reaches the host: not outside of the run, and not from destructors while the program ends.
- * A destructor that waits in a loop is left after MOST_IGNORED_CALLS calls. */
+ * A destructor that waits in a loop is abandoned after MAX_IGNORED_CALLS calls. */
 static int reaches_host(void)
 {
-    if (!may_call() || !self.is_leaving)
+    if (!may_call() || !self.is_exiting)
         return may_call();
-    if (++self.ignored_calls > MOST_IGNORED_CALLS)
-        _longjmp(self.frame->place, LEAVES);
+    if (++self.ignored_calls > MAX_IGNORED_CALLS)
+        _longjmp(self.exit_point->jump_buffer, EXIT_PROGRAM);
     return 0;
 }
 
-/* Runs after each call: tasks switch only inside calls, so `frame` is that of the task that continues. */
-static void returned(int32_t status, struct frame *frame)
+/* Runs after each call: tasks switch only inside calls, so `exit_point` is that of the task that continues. */
+static void returned(int32_t status, struct exit_point *exit_point)
 {
-    self.frame = frame;
+    self.exit_point = exit_point;
     if (status == EYESIM_STOP || is_cancelled())
         stop();
 }
@@ -194,9 +194,9 @@ static void returned(int32_t status, struct frame *frame)
 #define CALL(table, name, ...)                                                                                          \
     do {                                                                                                                \
         if (reaches_host()) {                                                                                           \
-            struct frame *frame_ = self.frame;                                                                          \
+            struct exit_point *exit_point_ = self.exit_point;                                                           \
             self.call_site.address = __builtin_return_address(0);                                                       \
-            returned(self.host->table->name(self.robot, __VA_ARGS__), frame_);                                          \
+            returned(self.host->table->name(self.robot, __VA_ARGS__), exit_point_);                                     \
         }                                                                                                               \
     } while (0)
 #if EYESIM_ROBIOS == 7
@@ -241,26 +241,26 @@ static __attribute__((noinline)) void call_outermost(TimerFnc function)
     __asm__ volatile("");
 }
 
-/* Calls a function of the program for the host. Leaving the program stops here, because frames of the host lie below. */
+/* Calls a function of the program for the host. Unwinding of the program stops here, because frames of the host lie below. */
 static int32_t called_back(void *data)
 {
     TimerFnc function;
-    struct frame frame;
+    struct exit_point exit_point;
     const struct eyesim_call_site outer_site = self.call_site;
     memcpy(&function, &data, sizeof function);
-    frame.outer = frame_of_flow();
-    frame.task = frame.outer->task;
-    frame.thread = this_thread();
-    frame.is_left = frame.jump_value = 0;
-    frame.mark = MARK_OF(&frame);
-    self.frame = &frame;
-    if (setjmp(frame.place) == 0) {
+    exit_point.outer = exit_point_of_flow();
+    exit_point.task = exit_point.outer->task;
+    exit_point.thread = this_thread();
+    exit_point.is_unwinding = exit_point.jump_value = 0;
+    exit_point.canary = CANARY_OF(&exit_point);
+    self.exit_point = &exit_point;
+    if (setjmp(exit_point.jump_buffer) == 0) {
         call_outermost(function);
-        self.frame = frame.outer;
+        self.exit_point = exit_point.outer;
         self.call_site = outer_site;
         return self.stop_pending ? EYESIM_STOP : 0;
     }
-    self.frame = frame.outer;
+    self.exit_point = exit_point.outer;
     return EYESIM_STOP;
 }
 
@@ -342,12 +342,12 @@ HIDDEN _Noreturn void eyesim_uncaught(const char *text, const void *const *stack
 {
     if (text != NULL)
         fail_in(stack, depth, FAILED_EXCEPTION, text);
-    if (!self.is_leaving && self.frame->jump_value == TASK_ENDS)
-        _longjmp(self.frame->place, TASK_ENDS);
-    leave(EYESIM_EXIT_STOPPED);
+    if (!self.is_exiting && self.exit_point->jump_value == EXIT_TASK)
+        _longjmp(self.exit_point->jump_buffer, EXIT_TASK);
+    exit_program(EYESIM_EXIT_STOPPED);
 }
 
-HIDDEN _Bool eyesim_is_left(void) { return self.frame != NULL && self.frame->is_left; }
+HIDDEN _Bool eyesim_is_unwinding(void) { return self.exit_point != NULL && self.exit_point->is_unwinding; }
 
 HIDDEN uint32_t eyesim_entropy(void) { return (uint32_t)random_bits(ENTROPY); }
 #endif
@@ -412,34 +412,34 @@ static __attribute__((noinline)) _Noreturn void run_program(int argc, char **arg
 
 static int run(const struct eyesim_host *host, void *robot, int argc, const char *const *argv)
 {
-    struct frame frame;
+    struct exit_point exit_point;
     char **arguments = copied_arguments(argc, argv);
-    frame.outer = NULL;
-    frame.task = &main_task;
-    frame.thread = main_task.thread = this_thread();
-    frame.is_left = frame.jump_value = 0;
-    frame.mark = MARK_OF(&frame);
-    main_task.base = &frame;
-    self.is_leaving = self.stop_pending = self.ignored_calls = 0;
+    exit_point.outer = NULL;
+    exit_point.task = &main_task;
+    exit_point.thread = main_task.thread = this_thread();
+    exit_point.is_unwinding = exit_point.jump_value = 0;
+    exit_point.canary = CANARY_OF(&exit_point);
+    main_task.base = &exit_point;
+    self.is_exiting = self.stop_pending = self.ignored_calls = 0;
     self.reader = NULL;
-    self.has_told_reader = 0;
+    self.reader_reported = 0;
     self.host = host;
     self.robot = robot;
-    self.frame = &frame;
-    switch (setjmp(frame.place)) {
+    self.exit_point = &exit_point;
+    switch (setjmp(exit_point.jump_buffer)) {
     case 0:
         if (arguments == NULL)
             fail(1, "no memory for the arguments");
         run_program(argc, arguments);
-    case TASK_ENDS:
+    case EXIT_TASK:
         end_main_task();
         end_program(0);
     }
 #ifdef EYESIM_CPP
-    if (frame.is_left && setjmp(frame.place) == 0)
+    if (exit_point.is_unwinding && setjmp(exit_point.jump_buffer) == 0)
         destroy_at_end();
 #endif
-    self.frame = NULL;
+    self.exit_point = NULL;
     flush_console();
     self.host = NULL;
     return self.exit_code;

@@ -29,7 +29,7 @@ pub const EXIT_PANICKED: c_int = 101;
 /// [`Program::run`] calls the constructors as a part of the program.
 pub const CONSTRUCTOR_TAGS: [u32; 2] = [0x6579_0001, 0x6579_0002];
 
-/// Status of a call: the program goes on or must end.
+/// Status of a call: the program continues or must end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 #[must_use]

@@ -15,7 +15,7 @@ pub trait Param {
     /// Form in the ABI, passed by value.
     type Abi: Copy;
     /// Form held by the thunk while the method runs.
-    type Held;
+    type Storage;
     /// Form passed to the method.
     type View<'a>;
 
@@ -23,16 +23,16 @@ pub trait Param {
     ///
     /// # Safety
     /// A pointer in `abi` is null or may be read as its kind says.
-    unsafe fn take(abi: Self::Abi) -> Self::Held;
+    unsafe fn take(abi: Self::Abi) -> Self::Storage;
 
     /// Argument for the method.
-    fn view(held: &mut Self::Held) -> Self::View<'_>;
+    fn view(held: &mut Self::Storage) -> Self::View<'_>;
 
     /// Writes the outputs set by the method, after it has returned.
     ///
     /// # Safety
     /// A pointer in `abi` is null or may be written as its kind says.
-    unsafe fn give(abi: Self::Abi, held: Self::Held) {
+    unsafe fn give(abi: Self::Abi, held: Self::Storage) {
         let _ = (abi, held);
     }
 
@@ -40,19 +40,19 @@ pub trait Param {
     ///
     /// # Errors
     /// Errors of the formatter.
-    fn show(held: &Self::Held, f: &mut Formatter<'_>) -> fmt::Result;
+    fn show(held: &Self::Storage, f: &mut Formatter<'_>) -> fmt::Result;
 
     /// In the program's process: appends to a request the part of the argument that the method needs.
-    fn write_request(held: &Self::Held, request: &mut Vec<u8>);
+    fn write_request(held: &Self::Storage, request: &mut Vec<u8>);
 
     /// In the host: reads an argument written by [`write_request`](Self::write_request).
     ///
     /// # Errors
     /// [`Malformed`] if the bytes do not encode such an argument.
-    fn read_request(request: &mut Request<'_>) -> Result<Self::Held, Malformed>;
+    fn read_request(request: &mut Request<'_>) -> Result<Self::Storage, Malformed>;
 
     /// In the host: appends to a reply the outputs set by the method.
-    fn write_reply(held: &Self::Held, reply: &mut Vec<u8>) {
+    fn write_reply(held: &Self::Storage, reply: &mut Vec<u8>) {
         let _ = (held, reply);
     }
 
@@ -60,7 +60,7 @@ pub trait Param {
     ///
     /// # Errors
     /// [`Malformed`] if the bytes do not encode such outputs.
-    fn read_reply(held: &mut Self::Held, reply: &mut Reader<'_>) -> Result<(), Malformed> {
+    fn read_reply(held: &mut Self::Storage, reply: &mut Reader<'_>) -> Result<(), Malformed> {
         let _ = (held, reply);
         Ok(())
     }
@@ -88,7 +88,7 @@ macro_rules! plain {
     ($($number:ty),*) => {$(
         impl Param for $number {
             type Abi = Self;
-            type Held = Self;
+            type Storage = Self;
             type View<'a> = Self;
             unsafe fn take(abi: Self) -> Self {
                 abi
@@ -182,26 +182,26 @@ pub enum Text {}
 
 impl Param for Text {
     type Abi = ByteSlice;
-    type Held = Option<Vec<u8>>;
+    type Storage = Option<Vec<u8>>;
     type View<'a> = Option<&'a [u8]>;
 
-    unsafe fn take(abi: ByteSlice) -> Self::Held {
+    unsafe fn take(abi: ByteSlice) -> Self::Storage {
         // SAFETY: the caller vouches for pointer and length.
         unsafe { copied(abi) }
     }
-    fn view(held: &mut Self::Held) -> Option<&[u8]> {
+    fn view(held: &mut Self::Storage) -> Option<&[u8]> {
         held.as_deref()
     }
-    fn show(held: &Self::Held, f: &mut Formatter<'_>) -> fmt::Result {
+    fn show(held: &Self::Storage, f: &mut Formatter<'_>) -> fmt::Result {
         match held {
             Some(bytes) => write!(f, "\"{}\"", bytes.escape_ascii()),
             None => f.write_str("NULL"),
         }
     }
-    fn write_request(held: &Self::Held, request: &mut Vec<u8>) {
+    fn write_request(held: &Self::Storage, request: &mut Vec<u8>) {
         put_bytes(held.as_deref(), request);
     }
-    fn read_request(request: &mut Request<'_>) -> Result<Self::Held, Malformed> {
+    fn read_request(request: &mut Request<'_>) -> Result<Self::Storage, Malformed> {
         Ok(request.arguments.bytes()?.map(<[u8]>::to_vec))
     }
 }
@@ -212,26 +212,26 @@ pub enum Bytes {}
 
 impl Param for Bytes {
     type Abi = ByteSlice;
-    type Held = Option<Vec<u8>>;
+    type Storage = Option<Vec<u8>>;
     type View<'a> = Option<&'a [u8]>;
 
-    unsafe fn take(abi: ByteSlice) -> Self::Held {
+    unsafe fn take(abi: ByteSlice) -> Self::Storage {
         // SAFETY: the caller vouches for pointer and length.
         unsafe { copied(abi) }
     }
-    fn view(held: &mut Self::Held) -> Option<&[u8]> {
+    fn view(held: &mut Self::Storage) -> Option<&[u8]> {
         held.as_deref()
     }
-    fn show(held: &Self::Held, f: &mut Formatter<'_>) -> fmt::Result {
+    fn show(held: &Self::Storage, f: &mut Formatter<'_>) -> fmt::Result {
         match held {
             Some(bytes) => write!(f, "[{} bytes]", bytes.len()),
             None => f.write_str("NULL"),
         }
     }
-    fn write_request(held: &Self::Held, request: &mut Vec<u8>) {
+    fn write_request(held: &Self::Storage, request: &mut Vec<u8>) {
         put_bytes(held.as_deref(), request);
     }
-    fn read_request(request: &mut Request<'_>) -> Result<Self::Held, Malformed> {
+    fn read_request(request: &mut Request<'_>) -> Result<Self::Storage, Malformed> {
         Ok(request.arguments.bytes()?.map(<[u8]>::to_vec))
     }
 }
@@ -254,7 +254,7 @@ pub struct In<T>(std::marker::PhantomData<T>);
 
 impl<T: Plain> Param for In<T> {
     type Abi = *const T;
-    type Held = Option<T>;
+    type Storage = Option<T>;
     type View<'a> = Option<&'a T>;
 
     unsafe fn take(abi: *const T) -> Option<T> {
@@ -296,7 +296,7 @@ pub struct InOut<T>(std::marker::PhantomData<T>);
 
 impl<T: Plain> Param for InOut<T> {
     type Abi = *mut T;
-    type Held = Option<T>;
+    type Storage = Option<T>;
     type View<'a> = Option<&'a mut T>;
 
     unsafe fn take(abi: *mut T) -> Option<T> {
@@ -372,7 +372,7 @@ impl<T> Out<T> {
 
 impl<T: Plain + ShowOut> Param for Out<T> {
     type Abi = *mut T;
-    type Held = Self;
+    type Storage = Self;
     type View<'a> = &'a mut Self;
 
     unsafe fn take(abi: *mut T) -> Self {
@@ -485,7 +485,7 @@ impl OutBytes {
 
 impl Param for OutBytes {
     type Abi = ByteBuffer;
-    type Held = Self;
+    type Storage = Self;
     type View<'a> = &'a mut Self;
 
     unsafe fn take(abi: ByteBuffer) -> Self {
@@ -585,7 +585,7 @@ impl<T: Copy> OutNumbers<T> {
 
 impl<T: Plain> Param for OutNumbers<T> {
     type Abi = ByteBuffer;
-    type Held = Self;
+    type Storage = Self;
     type View<'a> = &'a mut Self;
 
     unsafe fn take(abi: ByteBuffer) -> Self {
@@ -662,7 +662,7 @@ impl Callback {
 
 impl Param for Callback {
     type Abi = Self;
-    type Held = Self;
+    type Storage = Self;
     type View<'a> = Option<Self>;
 
     unsafe fn take(abi: Self) -> Self {
@@ -685,7 +685,7 @@ impl Param for Callback {
 }
 
 /// An argument, displayed for a log of calls.
-pub(crate) struct ShownArgument<'a, P: Param>(pub &'a P::Held);
+pub(crate) struct ShownArgument<'a, P: Param>(pub &'a P::Storage);
 
 impl<P: Param> Display for ShownArgument<'_, P> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {

@@ -134,24 +134,24 @@ crate::table::function_table! {
         fn task_turn() -> i32 = 0;
 
         /// Reads from standard input: the rest of the current line with its end, at most as many bytes as fit.
-        /// Waits for a line where somebody may still type one. Returns the number of bytes, 0 at the end of the input.
+        /// Waits for a line while the input is interactive. Returns the number of bytes, 0 at the end of the input.
         fn input(bytes: OutBytes) -> i32 = 0;
 
-        /// Tells that the program could not open the file of this name, with the number of the system's error, so that a fault by the null
-        /// pointer which it got can be explained. No time passes. Returns 0.
-        fn unopened(name: Text, error: i32) -> i32 = 0;
+        /// Records that the program could not open the file of this name, with the system's error number, so that a later null-pointer
+        /// fault can be explained. No time passes. Returns 0.
+        fn open_failed(name: Text, error: i32) -> i32 = 0;
 
-        /// Tells the user of a mistake in the program that it survives, once for each place. No time passes. Returns 0.
-        fn noticed(text: Text) -> i32 = 0;
+        /// Reports a likely mistake in the program as a hint, once for each call site. No time passes. Returns 0.
+        fn hint(text: Text) -> i32 = 0;
 
-        /// As `unopened`, for a file of which the program learns nothing by itself, such as that of a `std::ifstream`: the user is told at
-        /// once. `stack` is as for `failed`. No time passes. Returns 0.
-        fn unopened_by(name: Text, error: i32, stack: Bytes) -> i32 = 0;
+        /// As `open_failed`, for a file whose failure the program does not see, such as that of a `std::ifstream`: it is reported
+        /// immediately. `stack` is as for `failed`. No time passes. Returns 0.
+        fn open_failed_at(name: Text, error: i32, stack: Bytes) -> i32 = 0;
 
         /// As `console`, for the text since the last end of a line of a program that breaks. No time passes. Returns 0.
         fn unfinished(stream: i32, bytes: Bytes) -> i32 = 0;
 
-        /// Tells where the program has just read at the end of its standard input, if the place of the call is none of its own code, as with
+        /// Reports where the program has just read at the end of its standard input, if the call site is not in its own code, as with
         /// `std::cin`. `stack` is as for `failed`. No time passes. Returns 0.
         fn read_at_end(stack: Bytes) -> i32 = 0;
     }

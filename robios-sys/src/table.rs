@@ -344,7 +344,7 @@ macro_rules! function_table {
             $($(
                 pub fn $name<H: $Trait>(
                     host: &H,
-                    $($parameter: &mut <$kind as Param>::Held,)*
+                    $($parameter: &mut <$kind as Param>::Storage,)*
                 ) -> Result<$result, $crate::abi::Stop> {
                     let outcome = $crate::table::guarded(host, stringify!($name), || {
                         if host.forbid($Call::TABLE, $Call::$name.index())? {

@@ -355,8 +355,8 @@ int main(int n, char **a)
     // The generator fixed by POSIX: X = 0x5DEECE66D X + 0xB from 0x1330E, the high 31 bits.
     let x1 = (0x5_DEEC_E66D_u64.wrapping_mul(0x1330E) + 0xB) & 0xFFFF_FFFF_FFFF;
     assert!(printed(1, &[]).contains(&format!("| {} ", x1 >> 17)));
-    let given = 0x0003_0002_0001_u64;
-    let next = (0x5_DEEC_E66D_u64.wrapping_mul(given) + 0xB) & 0xFFFF_FFFF_FFFF;
+    let argument = 0x0003_0002_0001_u64;
+    let next = (0x5_DEEC_E66D_u64.wrapping_mul(argument) + 0xB) & 0xFFFF_FFFF_FFFF;
     assert!(printed(1, &[]).ends_with(&format!(" {}", next >> 17)));
 
     // Two copies at the same time give the same numbers as each alone.

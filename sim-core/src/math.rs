@@ -65,7 +65,7 @@ pub fn ln_1p(x: f64) -> f64 {
     libm::log1p(x)
 }
 
-/// 1 - erf(x), without cancellation for large x: twice the share of a normal distribution beyond sqrt(2) x.
+/// 1 - erf(x), without cancellation for large x: twice the fraction of a normal distribution beyond sqrt(2) x.
 pub fn erfc(x: f64) -> f64 {
     libm::erfc(x)
 }

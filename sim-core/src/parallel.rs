@@ -40,13 +40,13 @@ mod tests {
     #[test]
     fn reused_memory_stays_in_place() {
         let spare: Vec<usize> = Vec::with_capacity(100);
-        let place = spare.as_ptr().addr();
+        let address = spare.as_ptr().addr();
         let value = 3;
         let mut references: Vec<&i32> = reuse(spare);
         references.push(&value);
-        assert_eq!((references.as_ptr().addr(), references.capacity()), (place, 100));
+        assert_eq!((references.as_ptr().addr(), references.capacity()), (address, 100));
         assert_eq!(references, [&3]);
         let back: Vec<usize> = reuse(references);
-        assert_eq!((back.as_ptr().addr(), back.len()), (place, 0));
+        assert_eq!((back.as_ptr().addr(), back.len()), (address, 0));
     }
 }

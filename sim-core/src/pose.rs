@@ -225,10 +225,10 @@ impl Pose3 {
     /// The yaw of a frame whose x axis is vertical is undefined and returned as 0.
     pub fn angles(&self) -> [f64; 3] {
         let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.rotation;
-        let level = math::hypot(x.x, x.y);
-        let pitch = math::atan2(x.z, level);
+        let horizontal = math::hypot(x.x, x.y);
+        let pitch = math::atan2(x.z, horizontal);
         // The tolerance is a millionth of the resolution of a joint.
-        if level < 1e-12 {
+        if horizontal < 1e-12 {
             return [math::atan2(-z.y, y.y), pitch, 0.0];
         }
         [math::atan2(y.z, z.z), pitch, math::atan2(x.y, x.x)]

@@ -2,7 +2,7 @@
 //!
 //! The world does not change during a slot: robots query the motion published at the start of the slot
 //! ([`World::cast`], [`World::touching`]), each at its own virtual time. At the end of the slot, [`World::advance`]
-//! resolves the contacts between bodies, publishes the changes and goes on to the next slot.
+//! resolves the contacts between bodies, publishes the changes and continues with the next slot.
 
 mod lifetime;
 mod near;
@@ -33,7 +33,7 @@ pub use lifetime::Lifetime;
 pub use objects::ObjectStep;
 use objects::Objects;
 pub use ray::{HitSurface, Ray, RayHit, Tilt};
-use settle::{ContactResolution, Course, TrueMotions};
+use settle::{ContactResolution, SlotMotion, TrueMotions};
 use space::IndexedSpace;
 pub use space::{Space, ThickWall};
 pub use touch::{LegClearance, LegContact};
@@ -196,13 +196,13 @@ impl World {
         let others = (0..self.tracks.len()).map(RobotId::from_index);
         let others = others.filter(|other| *other != robot && self.is_robot_present(*other, at));
         let reached = |other: RobotId| {
-            let way = self.tracks[other.index()].centre(at) - position;
-            let distance = way.length();
+            let offset = self.tracks[other.index()].centre(at) - position;
+            let distance = offset.length();
             if range.is_some_and(|range| distance > range) {
                 return Err(Loss::Range);
             }
             let is_hidden =
-                line_of_sight && distance > 0.0 && self.walls.cast(position, way / distance, distance).is_some();
+                line_of_sight && distance > 0.0 && self.walls.cast(position, offset / distance, distance).is_some();
             if is_hidden { Err(Loss::Sight) } else { Ok(()) }
         };
         others.filter_map(|other| Some((other, reached(other).err()?))).collect()
@@ -377,9 +377,9 @@ impl World {
                 }
             }
         };
-        let near = Bounds::of_disc(centre, radius + TOUCH);
-        self.resting.visit_in(&near, &mut look_at);
-        self.moving.visit_in(&near, &mut look_at);
+        let bounds = Bounds::of_disc(centre, radius + TOUCH);
+        self.resting.visit_in(&bounds, &mut look_at);
+        self.moving.visit_in(&bounds, &mut look_at);
         bodies.sort_by_key(|body| body.robot);
         bodies.dedup_by_key(|body| body.robot);
         bodies
@@ -441,12 +441,12 @@ impl World {
     pub(crate) fn publications(&mut self) -> impl Iterator<Item = Publication<'_>> {
         let is_alone = self.has_single_robot();
         let mut tracks = self.tracks.iter_mut().enumerate();
-        self.truth.active_mut().iter_mut().map(move |course| {
-            let index = course.robot.index();
+        self.truth.active_mut().iter_mut().map(move |slot_motion| {
+            let index = slot_motion.robot.index();
             let track = tracks.find(|(other, _)| *other == index);
             let track = track.map(|(_, track)| track).expect("each robot has a track");
             track.is_alone = is_alone;
-            Publication { course, track }
+            Publication { slot_motion, track }
         })
     }
 
@@ -472,7 +472,7 @@ impl World {
             self.quiescence =
                 Quiescence { revision: motion.revision(), until: motion.steady_until(end).min(end + MAX_QUIESCENCE) };
             let (from, to) = (end - HISTORY, self.slot_end().max(self.quiescence.until));
-            let published = self.publications().filter(|publication| publication.course.published.is_some());
+            let published = self.publications().filter(|publication| publication.slot_motion.published.is_some());
             published.for_each(|publication| publication.refresh(from, to));
         }
         let truth = std::mem::take(&mut self.truth);
@@ -576,8 +576,8 @@ impl World {
         self.are_resting.resize(self.tracks.len(), false);
         for index in 0..self.tracks.len() {
             let robot = RobotId::from_index(index);
-            let course = published.and_then(|published| published.course(robot));
-            let (bounds, is_resting) = match course.and_then(|course| course.published) {
+            let slot_motion = published.and_then(|published| published.slot_motion(robot));
+            let (bounds, is_resting) = match slot_motion.and_then(|slot_motion| slot_motion.published) {
                 Some(published) => published,
                 None if self.are_resting[index] => continue,
                 None => {
@@ -623,23 +623,23 @@ impl World {
 
 /// Publication of an active robot at the end of a slot.
 pub(crate) struct Publication<'a> {
-    course: &'a mut Course,
+    slot_motion: &'a mut SlotMotion,
     track: &'a mut Track,
 }
 
 impl Publication<'_> {
     /// Robot of the motion.
     pub fn robot(&self) -> RobotId {
-        self.course.robot
+        self.slot_motion.robot
     }
 
     /// Ends the slot at `end` for `motion`, shows the contacts that began in it, in order of time, and publishes the motion up to
     /// `following`.
     pub fn publish(self, motion: &mut Motion, end: Time, following: Time, mut show: impl FnMut(Contact)) {
-        let impacts = self.course.impacts.take().unwrap_or_else(|| motion.commit(end));
+        let impacts = self.slot_motion.impacts.take().unwrap_or_else(|| motion.commit(end));
         for impact in impacts.into_iter().filter(|impact| impact.fresh) {
             let Impact { time, thing: with, point, .. } = impact;
-            show(Contact { time, robot: self.course.robot, with, point });
+            show(Contact { time, robot: self.slot_motion.robot, with, point });
         }
         if self.track.is_alone && self.track.publish_plan(motion, end, following) {
             return;
@@ -653,7 +653,7 @@ impl Publication<'_> {
     /// Computes the bounds of the motion published from `from` to `to`.
     fn refresh(self, from: Time, to: Time) {
         self.track.refresh(from, to);
-        self.course.published = Some((self.track.bounds(), self.track.is_resting()));
+        self.slot_motion.published = Some((self.track.bounds(), self.track.is_resting()));
     }
 }
 

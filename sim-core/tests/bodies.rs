@@ -132,10 +132,10 @@ fn a_resting_robot_stops_one_that_pushes_and_does_not_move() {
     scene.run(1.0);
     let now = scene.world.slot_start();
     assert!(is_skin(scene.gap(0, 1)) && scene.motions[0].contacts(now) == 1);
-    let met = scene.position(0);
+    let position = scene.position(0);
     scene.twist(0, -0.2, 0.0);
     scene.run(1.0);
-    assert!((scene.position(0) - met + DVec2::new(0.2, 0.0)).length() < 1e-12 && !scene.is_stalled(0));
+    assert!((scene.position(0) - position + DVec2::new(0.2, 0.0)).length() < 1e-12 && !scene.is_stalled(0));
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn a_contact_with_a_robot_is_known_from_the_end_of_its_slot_on() {
     scene.run(1.6);
     let [impact] = scene.motions[0].impacts(Time::ZERO, Time::from_millis(1_600))[..] else { panic!("one impact") };
     assert!((impact.time.seconds() - 0.8 / 0.51).abs() < 1e-5, "{impact:?}");
-    assert_eq!(impact.known, Time::from_millis(1_600));
+    assert_eq!(impact.known_at, Time::from_millis(1_600));
     // A query that ended after the impact but before the end of its slot still gets it in the next query.
     assert_eq!(scene.motions[0].impacts(Time::from_millis(1_590), Time::from_millis(1_600)), [impact]);
     assert_eq!(scene.motions[0].impacts(Time::from_millis(1_601), Time::from_millis(1_650)), []);
@@ -191,8 +191,8 @@ fn commands_after_a_contact_are_obeyed_from_the_contact() {
     scene.twist(0, 1.0, 0.0);
     scene.command(0, Time::from_millis(400), Command::Twist(Twist::new(2.0, 0.1)));
     scene.command(0, Time::from_millis(500), Command::Twist(Twist::new(-0.5, 0.0)));
-    let told = scene.motions[0].pose(Time::from_millis(390));
-    assert!(told.position.x > 0.3, "the program has seen itself drive through: {told:?}");
+    let pose = scene.motions[0].pose(Time::from_millis(390));
+    assert!(pose.position.x > 0.3, "the program has seen itself drive through: {pose:?}");
     scene.advance();
     let truth = 0.3 - SKIN - 0.5 * 0.5;
     assert!((scene.position(0).x - truth).abs() < 1e-8, "{:?}", scene.position(0));
@@ -270,8 +270,8 @@ fn the_order_of_the_motions_says_nothing() {
                 }
             }
         }
-        let places: Vec<_> = (0..poses.len()).map(|robot| scene.position(robot)).collect();
-        (places, scene.contacts)
+        let positions: Vec<_> = (0..poses.len()).map(|robot| scene.position(robot)).collect();
+        (positions, scene.contacts)
     };
     let reference = run(0);
     assert!(reference.1.len() > 100, "a crowd: {} contacts", reference.1.len());

@@ -19,12 +19,13 @@ fn contact(walls: &[Segment], start: Pose, twist: Twist, radius: f64, duration: 
 #[test]
 fn contacts_are_those_of_brute_force() {
     let mut random = Random::new(7);
-    let place = Bounds { min: DVec2::splat(-2.0), max: DVec2::splat(2.0) };
+    let bounds = Bounds { min: DVec2::splat(-2.0), max: DVec2::splat(2.0) };
     let (mut contacts, mut free) = (0, 0);
     for _ in 0..20_000 {
         let count = 1 + random.below(4);
-        let walls: Vec<_> = (0..count).map(|_| Segment::new(random.point_in(place), random.point_in(place))).collect();
-        let position = random.point_in(place);
+        let walls: Vec<_> =
+            (0..count).map(|_| Segment::new(random.point_in(bounds), random.point_in(bounds))).collect();
+        let position = random.point_in(bounds);
         let start = Pose { position, ..Pose::new(0.0, 0.0, random.between(-PI, PI)) };
         let radius = random.between(0.01, 0.3);
         // Only discs that start clear of all walls: contact at the start has different rules.
@@ -83,14 +84,14 @@ fn nothing_tunnels() {
     let wall = Segment::new(DVec2::new(1e3, -1.0), DVec2::new(1e3, 1.0));
     for speed in [1e-3, 1.0, 1e2, 1e6, 1e12] {
         let found = contact(&[wall], Pose::default(), Twist::new(speed, 0.0), 0.05, f64::INFINITY);
-        let way = found.expect("a contact") * speed;
-        assert!((way - (1e3 - 0.05 - SKIN)).abs() < 1e-12 * 1e3, "within rounding: {way}");
+        let distance = found.expect("a contact") * speed;
+        assert!((distance - (1e3 - 0.05 - SKIN)).abs() < 1e-12 * 1e3, "within rounding: {distance}");
     }
     // A post, hit in full, hit by a hair, and missed by a hair.
     let post = Segment::new(DVec2::new(2.0, 0.0), DVec2::new(2.0, 0.0));
-    for (aside, meets) in [(0.0, true), (0.1 - 1e-9, true), (0.1 + SKIN - 1e-9, true), (0.1 + SKIN + 1e-9, false)] {
-        let start = Pose::new(0.0, aside, 0.0);
-        assert_eq!(contact(&[post], start, Twist::new(100.0, 0.0), 0.1, 1.0).is_some(), meets, "{aside}");
+    for (offset, meets) in [(0.0, true), (0.1 - 1e-9, true), (0.1 + SKIN - 1e-9, true), (0.1 + SKIN + 1e-9, false)] {
+        let start = Pose::new(0.0, offset, 0.0);
+        assert_eq!(contact(&[post], start, Twist::new(100.0, 0.0), 0.1, 1.0).is_some(), meets, "{offset}");
     }
 }
 
@@ -123,8 +124,8 @@ fn a_disc_in_contact_may_do_all_but_approach() {
         }
         assert_eq!(contact(&[wall], Pose::new(0.0, radius + gap, 0.3), Twist::new(0.0, 5.0), radius, 9.0), None);
         // Away on an arc that returns to the wall at the end of the turn.
-        let away = contact(&[wall], Pose::new(0.0, radius + gap, 0.0), Twist::new(0.2, 1.0), radius, f64::INFINITY);
-        assert!(away.is_none_or(|after| after > 0.9 * TAU), "gap {gap}: {away:?}");
+        let leaving = contact(&[wall], Pose::new(0.0, radius + gap, 0.0), Twist::new(0.2, 1.0), radius, f64::INFINITY);
+        assert!(leaving.is_none_or(|after| after > 0.9 * TAU), "gap {gap}: {leaving:?}");
         let into = contact(&[wall], Pose::new(0.0, radius + gap, 0.0), Twist::new(0.2, -1.0), radius, f64::INFINITY);
         assert_eq!(into, Some(0.0), "gap {gap}");
     }
@@ -146,8 +147,8 @@ fn the_rounding_of_a_heading_does_not_stop_a_drive_along_a_wall() {
 #[test]
 fn a_centre_inside_a_wall_may_not_cross_it() {
     let wall = Segment::new(DVec2::new(-1.0, 0.0), DVec2::new(1.0, 0.0));
-    let across = contact(&[wall], Pose::new(0.0, -0.01, PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0);
-    assert_eq!(across, Some(0.0));
+    let crossing = contact(&[wall], Pose::new(0.0, -0.01, PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0);
+    assert_eq!(crossing, Some(0.0));
     assert_eq!(contact(&[wall], Pose::new(0.0, -0.01, -PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0), None);
     // From the line itself either side leads away.
     assert_eq!(contact(&[wall], Pose::new(0.0, 0.0, PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0), None);
@@ -170,12 +171,12 @@ fn numbers_at_the_edge_give_no_nonsense() {
 #[test]
 fn two_moving_discs_touch_where_sampling_says() {
     let mut random = Random::new(11);
-    let place = Bounds { min: DVec2::splat(-1.0), max: DVec2::splat(1.0) };
+    let bounds = Bounds { min: DVec2::splat(-1.0), max: DVec2::splat(1.0) };
     let span = 2.0;
     let mut contacts = 0;
     for case in 0..3_000 {
         let mut disc = || {
-            let pose = Pose { position: random.point_in(place), ..Pose::new(0.0, 0.0, random.between(-PI, PI)) };
+            let pose = Pose { position: random.point_in(bounds), ..Pose::new(0.0, 0.0, random.between(-PI, PI)) };
             let omega = if random.chance(0.3) { 0.0 } else { random.between(-8.0, 8.0) };
             let twist = Twist { vx: random.between(-1.0, 1.0), vy: random.between(-0.3, 0.3), omega };
             let path = if random.chance(0.1) { Path::resting(pose.position) } else { Path::new(&pose, twist) };

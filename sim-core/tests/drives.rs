@@ -46,13 +46,13 @@ fn racer() -> Model {
 }
 
 /// A robot alone in the plane, driven by a program that waits for each drive.
-struct Course {
+struct Rig {
     world: World,
     motion: Motion,
     at: Time,
 }
 
-impl Course {
+impl Rig {
     fn new(model: Model, slot: Time, start: Pose) -> Self {
         model.check().expect("a sound model");
         let walls = Arc::new(Walls::new(vec![]));
@@ -89,9 +89,9 @@ impl Course {
         assert!((remaining - whole.abs()).abs() <= 1e-15 * whole.abs(), "{remaining} m or rad of {displacement:?}");
         for part in 1..=5 {
             self.go_on(Time(start.0 + (end - start).0 * part / 5));
-            let left = self.motion.drive_remaining(self.at);
-            assert!((0.0..=remaining).contains(&left), "{left} after {remaining} of {displacement:?}");
-            remaining = left;
+            let to_go = self.motion.drive_remaining(self.at);
+            assert!((0.0..=remaining).contains(&to_go), "{to_go} after {remaining} of {displacement:?}");
+            remaining = to_go;
         }
         assert!(remaining == 0.0 && self.motion.is_drive_done(end) && self.motion.drive_end() == Some(end));
         assert_eq!(self.motion.speed(end), Twist::ZERO, "it stands");
@@ -111,9 +111,9 @@ impl Course {
 }
 
 fn assert_close(found: Pose, expected: Pose, command: Twist) {
-    let apart = found.heading.turned(-expected.heading.remainder()).remainder();
+    let angle = found.heading.turned(-expected.heading.remainder()).remainder();
     assert!(
-        (found.position - expected.position).length() < MARK && apart.abs() < MARK,
+        (found.position - expected.position).length() < MARK && angle.abs() < MARK,
         "{found:?} for {expected:?} after {command:?}"
     );
     // A heading of almost exactly half a turn may be counted as the next turn.
@@ -163,10 +163,10 @@ proptest! {
         slot in slot(),
         heading in -PI..PI,
     ) {
-        let mut course = Course::new(racer(), slot, Pose::new(3.0, -2.0, heading));
+        let mut rig = Rig::new(racer(), slot, Pose::new(3.0, -2.0, heading));
         for (displacement, speed, pause) in drives {
-            course.check(displacement, speed);
-            course.go_on(course.at + Time(pause));
+            rig.check(displacement, speed);
+            rig.go_on(rig.at + Time(pause));
         }
     }
 
@@ -177,21 +177,21 @@ proptest! {
         lag in 0.005..0.3_f64,
         slot in slot(),
     ) {
-        let mut course = Course::new(Model { wheel_lag: lag, ..racer() }, slot, Pose::new(1.0, 1.0, 0.4));
-        course.check(displacement, speed);
+        let mut rig = Rig::new(Model { wheel_lag: lag, ..racer() }, slot, Pose::new(1.0, 1.0, 0.4));
+        rig.check(displacement, speed);
     }
 
     #[test]
     fn vwdrive_ends_at_its_point(x in -40.0..40.0_f64, y in -40.0..40.0_f64, slot in slot(), speed in 0.05..0.5_f64) {
         let start = Pose::new(1.0, 2.0, 0.7);
-        let mut course = Course::new(Model { axis_offset: 0.0, ..racer() }, slot, start);
+        let mut rig = Rig::new(Model { axis_offset: 0.0, ..racer() }, slot, start);
         let displacement = arc_to(DVec2::new(x, y));
-        course.drive(displacement, speed);
-        let (odometry, truth) = (course.motion.odometry(course.at), course.motion.pose(course.at));
+        rig.drive(displacement, speed);
+        let (odometry, truth) = (rig.motion.odometry(rig.at), rig.motion.pose(rig.at));
         prop_assert!((odometry.position - DVec2::new(x, y)).length() < MARK, "{odometry:?}");
         let heading = Heading::new(2.0 * math::atan2(y, x));
-        let apart = odometry.heading.turned(-heading.remainder()).remainder();
-        prop_assert!(apart.abs() < MARK, "{odometry:?} for {heading:?}");
+        let angle = odometry.heading.turned(-heading.remainder()).remainder();
+        prop_assert!(angle.abs() < MARK, "{odometry:?} for {heading:?}");
         prop_assert!((truth.position - start.transform_point(DVec2::new(x, y))).length() < MARK, "{truth:?}");
     }
 
@@ -218,11 +218,11 @@ proptest! {
         share in 0.0..1.0_f64,
         slot in slot(),
     ) {
-        let mut course = Course::new(racer(), slot, Pose::default());
-        course.command(Command::Drive { displacement: first, duration: 0.0 });
-        let (start, end) = (course.at, course.motion.drive_end().expect("an end"));
-        course.go_on(Time(start.0 + ((end - start).0 as f64 * share) as i64));
-        course.check(second, 0.4);
+        let mut rig = Rig::new(racer(), slot, Pose::default());
+        rig.command(Command::Drive { displacement: first, duration: 0.0 });
+        let (start, end) = (rig.at, rig.motion.drive_end().expect("an end"));
+        rig.go_on(Time(start.0 + ((end - start).0 as f64 * share) as i64));
+        rig.check(second, 0.4);
     }
 }
 
@@ -236,9 +236,9 @@ fn the_commands_of_the_course_end_on_their_mark() {
         (arc_to(DVec2::new(0.4, -0.3)), 0.15),
     ];
     for slot in [1_000, 20_000, 50_000, 333_333] {
-        let mut course = Course::new(model(), Time(slot), Pose::new(1.0, 1.0, 0.0));
+        let mut rig = Rig::new(model(), Time(slot), Pose::new(1.0, 1.0, 0.0));
         for (displacement, speed) in commands {
-            course.check(displacement, speed);
+            rig.check(displacement, speed);
         }
     }
 }
@@ -247,35 +247,35 @@ fn the_commands_of_the_course_end_on_their_mark() {
 fn a_drive_with_lag_and_controllers_ends_on_its_mark() {
     let gains = Gains { vv: 7.0, tv: 0.3, vw: 10.0, tw: 0.1 };
     for displacement in [Twist::new(0.5, 0.0), Twist::new(0.0, -2.0), Twist::new(-4.0, 0.0)] {
-        let mut course = Course::new(Model { wheel_lag: 0.1, ..model() }, Time(50_000), Pose::default());
-        course.motion.start_control(Time::ZERO, gains).expect("sound gains");
-        course.check(displacement, 0.3);
+        let mut rig = Rig::new(Model { wheel_lag: 0.1, ..model() }, Time(50_000), Pose::default());
+        rig.motion.start_control(Time::ZERO, gains).expect("sound gains");
+        rig.check(displacement, 0.3);
     }
 }
 
 #[test]
 fn one_motor_at_a_time_keeps_the_others_as_they_are() {
-    let mut course = Course::new(Model { max_speed: 9.0, ..model() }, Time(50_000), Pose::default());
+    let mut rig = Rig::new(Model { max_speed: 9.0, ..model() }, Time(50_000), Pose::default());
     let rates = |motion: &mut Motion, at: Time| {
         let (before, after) = (motion.wheel_angles(at), motion.wheel_angles(at + Time(1_000_000)));
         [0, 1].map(|wheel: usize| ((after[wheel] - before[wheel]) * 1e9).round() / 1e9)
     };
-    course.command(Command::Twist(Twist::new(0.11, 0.0)));
-    assert_eq!(rates(&mut course.motion, course.at), [4.0, 4.0]);
-    course.command(Command::Wheel { wheel: 0, rate: -2.5 });
-    assert_eq!(rates(&mut course.motion, course.at), [-2.5, 4.0]);
-    course.command(Command::WheelSpeed { wheel: 1, rate: 7.0 });
-    assert_eq!(rates(&mut course.motion, course.at), [-2.5, 7.0]);
-    course.command(Command::Wheel { wheel: 1, rate: 1e9 });
-    assert_eq!(rates(&mut course.motion, course.at), [-2.5, 60.0], "within the limit of the wheels");
-    course.command(Command::Halt);
-    course.command(Command::Wheel { wheel: 1, rate: 1.0 });
-    assert_eq!(rates(&mut course.motion, course.at), [0.0, 1.0]);
+    rig.command(Command::Twist(Twist::new(0.11, 0.0)));
+    assert_eq!(rates(&mut rig.motion, rig.at), [4.0, 4.0]);
+    rig.command(Command::Wheel { wheel: 0, rate: -2.5 });
+    assert_eq!(rates(&mut rig.motion, rig.at), [-2.5, 4.0]);
+    rig.command(Command::WheelSpeed { wheel: 1, rate: 7.0 });
+    assert_eq!(rates(&mut rig.motion, rig.at), [-2.5, 7.0]);
+    rig.command(Command::Wheel { wheel: 1, rate: 1e9 });
+    assert_eq!(rates(&mut rig.motion, rig.at), [-2.5, 60.0], "within the limit of the wheels");
+    rig.command(Command::Halt);
+    rig.command(Command::Wheel { wheel: 1, rate: 1.0 });
+    assert_eq!(rates(&mut rig.motion, rig.at), [0.0, 1.0]);
     // After a drive, which the command to one motor replaces.
-    course.command(Command::Drive { displacement: Twist::new(1.1, 0.0), duration: 4.0 });
-    course.command(Command::Wheel { wheel: 0, rate: 0.0 });
-    assert_eq!(rates(&mut course.motion, course.at), [0.0, 10.0]);
-    assert!(course.motion.is_drive_done(course.at));
+    rig.command(Command::Drive { displacement: Twist::new(1.1, 0.0), duration: 4.0 });
+    rig.command(Command::Wheel { wheel: 0, rate: 0.0 });
+    assert_eq!(rates(&mut rig.motion, rig.at), [0.0, 10.0]);
+    assert!(rig.motion.is_drive_done(rig.at));
 
     for (command, error) in [
         (Command::Wheel { wheel: 2, rate: 1.0 }, CommandError::NoWheel { wheels: 2 }),
@@ -283,14 +283,14 @@ fn one_motor_at_a_time_keeps_the_others_as_they_are() {
         (Command::Wheel { wheel: 0, rate: f64::NAN }, CommandError::NotFinite),
         (Command::WheelSpeed { wheel: 0, rate: f64::INFINITY }, CommandError::NotFinite),
     ] {
-        assert_eq!(course.motion.command(course.at, command, &[]), Err(error));
+        assert_eq!(rig.motion.command(rig.at, command, &[]), Err(error));
     }
     let pid = Pid { p: 1.0, i: 1.0, d: 0.0 };
-    assert_eq!(course.motion.start_wheel_control(course.at, 2, pid), Err(CommandError::NoWheel { wheels: 2 }));
-    assert_eq!(course.motion.stop_wheel_control(course.at, 2), Err(CommandError::NoWheel { wheels: 2 }));
+    assert_eq!(rig.motion.start_wheel_control(rig.at, 2, pid), Err(CommandError::NoWheel { wheels: 2 }));
+    assert_eq!(rig.motion.stop_wheel_control(rig.at, 2), Err(CommandError::NoWheel { wheels: 2 }));
     for bad in [f64::NAN, -1.0, f64::INFINITY, 1e13] {
         let pid = Pid { i: bad, ..pid };
-        assert_eq!(course.motion.start_wheel_control(course.at, 0, pid), Err(CommandError::NotFinite));
+        assert_eq!(rig.motion.start_wheel_control(rig.at, 0, pid), Err(CommandError::NotFinite));
     }
 }
 
@@ -309,14 +309,14 @@ fn wheel_rates(motion: &mut Motion, ticks: i64) -> Vec<Wheels> {
 fn a_wheel_with_a_controller_reaches_its_rate_and_one_without_follows_its_lag() {
     let lame = Model { wheel_lag: 0.1, ..model() };
     let pid = Pid { p: 4.0, i: 40.0, d: 0.02 };
-    let mut course = Course::new(lame, Time(50_000), Pose::default());
-    course.motion.start_wheel_control(Time::ZERO, 0, pid).expect("sound");
-    course.at = Time(3_000);
-    course.command(Command::WheelSpeed { wheel: 0, rate: 20.0 });
-    course.command(Command::WheelSpeed { wheel: 1, rate: 20.0 });
-    let rates = wheel_rates(&mut course.motion, 400);
+    let mut rig = Rig::new(lame, Time(50_000), Pose::default());
+    rig.motion.start_wheel_control(Time::ZERO, 0, pid).expect("sound");
+    rig.at = Time(3_000);
+    rig.command(Command::WheelSpeed { wheel: 0, rate: 20.0 });
+    rig.command(Command::WheelSpeed { wheel: 1, rate: 20.0 });
+    let rates = wheel_rates(&mut rig.motion, 400);
     // The difference equation, written out for the first ticks.
-    let share = 1.0 - math::exp(-0.1);
+    let gain = 1.0 - math::exp(-0.1);
     let (mut rate, mut last, mut sum) = (0.0_f64, 0.0_f64, 0.0_f64);
     for (tick, found) in rates.iter().take(8).enumerate() {
         let error = 20.0 - rate;
@@ -326,7 +326,7 @@ fn a_wheel_with_a_controller_reaches_its_rate_and_one_without_follows_its_lag() 
             sum = grown;
         }
         last = rate;
-        rate += share * (out.min(60.0) - rate);
+        rate += gain * (out.min(60.0) - rate);
         assert!((found[0] - rate).abs() < 1e-9, "tick {tick}: {} for {rate}", found[0]);
         let open = 20.0 * (1.0 - math::exp(-0.1 * (tick as f64 + 1.0)));
         assert!((found[1] - open).abs() < 1e-9, "tick {tick}: {}", found[1]);
@@ -336,41 +336,39 @@ fn a_wheel_with_a_controller_reaches_its_rate_and_one_without_follows_its_lag() 
     assert!((rates[399][0] - 20.0).abs() < 1e-9, "{:?}", rates[399]);
     // Settled: no more pieces, and the encoder counts at the rate to the bit.
     let at = Time(6_000_000);
-    assert!(
-        (course.motion.wheel_angles(at + Time(1_000_000))[0] - course.motion.wheel_angles(at)[0] - 20.0).abs() < 1e-12
-    );
+    assert!((rig.motion.wheel_angles(at + Time(1_000_000))[0] - rig.motion.wheel_angles(at)[0] - 20.0).abs() < 1e-12);
 }
 
 #[test]
 fn proportional_action_alone_leaves_an_error_and_saturation_does_not_wind_up() {
     let lame = Model { wheel_lag: 0.1, ..model() };
-    let mut course = Course::new(lame.clone(), Time(50_000), Pose::default());
-    course.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 0.0, d: 0.0 }).expect("sound");
-    course.at = Time::ZERO;
-    course.command(Command::WheelSpeed { wheel: 0, rate: 12.0 });
-    let rates = wheel_rates(&mut course.motion, 300);
+    let mut rig = Rig::new(lame.clone(), Time(50_000), Pose::default());
+    rig.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 0.0, d: 0.0 }).expect("sound");
+    rig.at = Time::ZERO;
+    rig.command(Command::WheelSpeed { wheel: 0, rate: 12.0 });
+    let rates = wheel_rates(&mut rig.motion, 300);
     assert!((rates[299][0] - 12.0 * 3.0 / 4.0).abs() < 1e-9, "{:?}", rates[299]);
     // Open-loop commands (MOTORDrive) bypass the controller.
-    let mut course = Course::new(lame, Time(50_000), Pose::default());
-    course.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 20.0, d: 0.0 }).expect("sound");
-    course.at = Time::ZERO;
-    course.command(Command::Wheel { wheel: 0, rate: 12.0 });
-    let rates = wheel_rates(&mut course.motion, 20);
+    let mut rig = Rig::new(lame, Time(50_000), Pose::default());
+    rig.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 20.0, d: 0.0 }).expect("sound");
+    rig.at = Time::ZERO;
+    rig.command(Command::Wheel { wheel: 0, rate: 12.0 });
+    let rates = wheel_rates(&mut rig.motion, 20);
     assert!((rates[9][0] - 12.0 * (1.0 - math::exp(-1.1))).abs() < 1e-9, "{:?}", rates[9]);
     // At the limit for two seconds, then slow: no integrator windup.
-    course.go_on(Time(1_000_000));
-    course.command(Command::WheelSpeed { wheel: 0, rate: 60.0 });
-    course.go_on(Time(3_000_000));
-    course.command(Command::WheelSpeed { wheel: 0, rate: 6.0 });
+    rig.go_on(Time(1_000_000));
+    rig.command(Command::WheelSpeed { wheel: 0, rate: 60.0 });
+    rig.go_on(Time(3_000_000));
+    rig.command(Command::WheelSpeed { wheel: 0, rate: 6.0 });
     let at = Time(3_500_000);
-    let rate = (course.motion.wheel_angles(at + TICK)[0] - course.motion.wheel_angles(at)[0]) / 0.01;
+    let rate = (rig.motion.wheel_angles(at + TICK)[0] - rig.motion.wheel_angles(at)[0]) / 0.01;
     assert!((rate - 6.0).abs() < 1.0, "{rate} rad/s half a second after the command");
     // With the controller stopped, the wheel follows open-loop commands at once.
-    course.at = Time(6_000_000);
-    course.motion.stop_wheel_control(course.at, 0).expect("sound");
-    course.command(Command::WheelSpeed { wheel: 0, rate: 0.0 });
+    rig.at = Time(6_000_000);
+    rig.motion.stop_wheel_control(rig.at, 0).expect("sound");
+    rig.command(Command::WheelSpeed { wheel: 0, rate: 0.0 });
     let rates = |motion: &mut Motion, at: Time| (motion.wheel_angles(at + TICK)[0] - motion.wheel_angles(at)[0]) / 0.01;
-    let (first, tenth) = (rates(&mut course.motion, Time(6_000_000)), rates(&mut course.motion, Time(6_090_000)));
+    let (first, tenth) = (rates(&mut rig.motion, Time(6_000_000)), rates(&mut rig.motion, Time(6_090_000)));
     assert!((tenth / first - math::exp(-0.9)).abs() < 1e-9, "{first}, {tenth}");
 }
 

@@ -229,11 +229,11 @@ fn check_spread(poses: &[Pose], noise: TwistNoise, ticks: f64) {
     let speed_squared = noise.speed * noise.speed + (noise.speed_share * 0.2) * (noise.speed_share * 0.2);
     let turn_squared = noise.turn * noise.turn;
     // The spread of the heading shortens the distance on average: a second-order effect.
-    let across = 0.04 * h.powi(4) * turn_squared * (ticks.powi(3) / 3.0 - ticks / 12.0);
+    let lateral_variance = 0.04 * h.powi(4) * turn_squared * (ticks.powi(3) / 3.0 - ticks / 12.0);
     let heading = h * h * ticks * turn_squared;
     let shortening = 0.2 * ticks * h * heading / 4.0;
     check_normal("along", &of(|pose| pose.position.x), 0.2 * ticks * h - shortening, h * h * ticks * speed_squared);
-    check_normal("across", &of(|pose| pose.position.y), 0.0, across);
+    check_normal("across", &of(|pose| pose.position.y), 0.0, lateral_variance);
     check_normal("heading", &of(|pose| pose.heading.radians()), 0.0, heading);
 }
 
@@ -241,17 +241,17 @@ fn check_spread(poses: &[Pose], noise: TwistNoise, ticks: f64) {
 fn the_spread_of_command_noise_is_that_of_the_formula() {
     let noise = TwistNoise { speed: 0.05, speed_share: 0.3, turn: 0.05, turn_share: 0.4 };
     let ends = ends(Imperfection { command: noise, ..Imperfection::default() }, 200);
-    let (truth, belief): (Vec<_>, Vec<_>) = ends.into_iter().unzip();
+    let (truth, odometry): (Vec<_>, Vec<_>) = ends.into_iter().unzip();
     check_spread(&truth, noise, 200.0);
-    assert!(belief.iter().all(|pose| (pose.position - DVec2::new(0.4, 0.0)).length() < 1e-14));
+    assert!(odometry.iter().all(|pose| (pose.position - DVec2::new(0.4, 0.0)).length() < 1e-14));
 }
 
 #[test]
 fn the_spread_of_odometry_noise_is_that_of_the_formula() {
     let noise = TwistNoise { speed: 0.05, speed_share: 0.3, turn: 0.05, turn_share: 0.4 };
     let ends = ends(Imperfection { odometry: noise, ..Imperfection::default() }, 200);
-    let (truth, belief): (Vec<_>, Vec<_>) = ends.into_iter().unzip();
-    check_spread(&belief, noise, 200.0);
+    let (truth, odometry): (Vec<_>, Vec<_>) = ends.into_iter().unzip();
+    check_spread(&odometry, noise, 200.0);
     assert!(truth.iter().all(|pose| (pose.position - DVec2::new(0.4, 0.0)).length() < 1e-14));
 }
 
@@ -261,21 +261,21 @@ fn the_spread_of_slip_is_that_of_the_formula() {
     let imperfection = Imperfection { slip: 0.1, slip_deviation: deviation, ..Imperfection::default() };
     let truth: Vec<_> = ends(imperfection, 100).into_iter().map(|end| end.0).collect();
     // The wheels slip independently: half of each error enters the speed, the difference over the track the turning speed.
-    let way = 0.2 * TICK.seconds() * deviation;
-    let heading = 2.0 * (way / 0.1) * (way / 0.1) * 100.0;
+    let distance = 0.2 * TICK.seconds() * deviation;
+    let heading = 2.0 * (distance / 0.1) * (distance / 0.1) * 100.0;
     check_normal("heading", &truth.iter().map(|pose| pose.heading.radians()).collect::<Vec<_>>(), 0.0, heading);
     let shortening = 0.18 * heading / 4.0;
     let along: Vec<_> = truth.iter().map(|pose| pose.position.x).collect();
-    check_normal("along", &along, 0.18 - shortening, 0.5 * way * way * 100.0);
+    check_normal("along", &along, 0.18 - shortening, 0.5 * distance * distance * 100.0);
 }
 
 #[test]
 fn slip_commands_and_odometry_draw_from_streams_of_their_own() {
     let noise = TwistNoise { speed: 0.05, turn: 0.05, ..TwistNoise::default() };
     let both = Imperfection { command: noise, odometry: noise, ..Imperfection::default() };
-    let (truth, belief): (Vec<_>, Vec<_>) = ends(both, 20).into_iter().unzip();
+    let (truth, odometry): (Vec<_>, Vec<_>) = ends(both, 20).into_iter().unzip();
     let product: Vec<_> =
-        truth.iter().zip(&belief).map(|(a, b)| (a.position.x - 0.04) * (b.position.x - 0.04)).collect();
+        truth.iter().zip(&odometry).map(|(a, b)| (a.position.x - 0.04) * (b.position.x - 0.04)).collect();
     let (covariance, of_product) = moments(&product);
     assert!(covariance.abs() < 5.0 * (of_product / product.len() as f64).sqrt(), "covariance {covariance}");
     // Noise of one kind does not change the other.
@@ -333,10 +333,10 @@ fn script(slot: Time, question: Option<i64>, imperfection: Imperfection) -> Vec<
     let car = Model { kind: DriveKind::Ackermann, ..model() };
     let mut results = Vec::new();
     // One robot at a time: contacts between robots depend on the slot.
-    for (place, model) in [model(), lame, omni, car].into_iter().enumerate() {
+    for (index, model) in [model(), lame, omni, car].into_iter().enumerate() {
         let motion = Motion::new(RobotId(1), Arc::new(model), walls.clone(), Pose::new(0.1, -0.05, 0.3));
-        let mut motion = motion.with_imperfection(place as u64, imperfection).expect("sound");
-        if place == 1 {
+        let mut motion = motion.with_imperfection(index as u64, imperfection).expect("sound");
+        if index == 1 {
             motion.start_control(Time::ZERO, Gains { vv: 2.0, tv: 0.3, vw: 2.0, tw: 0.1 }).expect("sound");
         }
         let mut world = World::new(walls.clone(), slot, [&mut motion]);
@@ -561,7 +561,7 @@ fn a_drive_ends_at_its_mark_however_errors_change_on_the_way() {
 }
 
 /// Errors of two drives, one after the other, in runs with different seeds: metres for straight lines, radians for turns. Checks that odometry
-/// tells the same.
+/// gives the same result.
 fn misses(bound: DriveBound, first: Twist, second: Twist) -> Vec<[f64; 2]> {
     let run = |seed| {
         let mut motion = robot(model(), vec![], seed, Imperfection { bound, ..Imperfection::default() });
@@ -586,13 +586,13 @@ fn misses(bound: DriveBound, first: Twist, second: Twist) -> Vec<[f64; 2]> {
     (0..2000).map(run).collect()
 }
 
-/// Greatest distance of the empirical distribution of `sample` from the uniform one between -1 and 1 (Kolmogorov and Smirnov).
+/// Maximum distance of the empirical distribution of `sample` from the uniform one between -1 and 1 (Kolmogorov and Smirnov).
 fn off_uniform(mut sample: Vec<f64>) -> f64 {
     sample.sort_by(f64::total_cmp);
     let count = sample.len() as f64;
     let off = |(index, value): (usize, &f64)| {
-        let share = (value + 1.0) / 2.0;
-        (share - index as f64 / count).abs().max((share - (index + 1) as f64 / count).abs())
+        let fraction = (value + 1.0) / 2.0;
+        (fraction - index as f64 / count).abs().max((fraction - (index + 1) as f64 / count).abs())
     };
     sample.iter().enumerate().map(off).fold(0.0, f64::max)
 }

@@ -25,15 +25,15 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(kind: Kind, slot: Time, poses: &[Pose]) -> Self {
+    fn new(kind: DriveVariant, slot: Time, poses: &[Pose]) -> Self {
         let corner = |x: f64, y: f64| DVec2::new(x, y);
         let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
         let walls = Arc::new(Walls::new((0..4).map(|i| Segment::new(corners[i], corners[(i + 1) % 4])).collect()));
-        let wheel_lag = if kind == Kind::Lagging { 0.05 } else { 0.0 };
+        let wheel_lag = if kind == DriveVariant::Lagging { 0.05 } else { 0.0 };
         let model = Arc::new(Model { wheel_lag, ..model() });
         let noise = TwistNoise { speed: 0.05, turn: 0.05, ..TwistNoise::default() };
         let erring = Imperfection { command: noise, ..Imperfection::default() };
-        let imperfection = if kind == Kind::Erring { erring } else { Imperfection::default() };
+        let imperfection = if kind == DriveVariant::Erring { erring } else { Imperfection::default() };
         let mut motions: Vec<Motion> = (0..)
             .zip(poses)
             .map(|(index, pose)| {
@@ -52,10 +52,10 @@ impl Scene {
         let motion = &mut self.motions[0];
         let before = (now - Time(90_000)).max(Time::ZERO);
         let public = [before, now, self.world.slot_end() - Time(1)].map(|at| self.world.robot_pose(LONE, at));
-        let seen = self.world.cast(OTHER, &Ray::flat(DVec2::ZERO, ray, 5.0), now);
+        let hit = self.world.cast(OTHER, &Ray::flat(DVec2::ZERO, ray, 5.0), now);
         let truth = (motion.state(now), motion.speed(now), motion.is_active(), motion.is_stalled(now));
         let history = (motion.contacts(now), motion.impacts(before, now), motion.drive_end());
-        format!("{contacts:?} {public:?} {seen:?} {truth:?} {history:?}")
+        format!("{contacts:?} {public:?} {hit:?} {truth:?} {history:?}")
     }
 }
 
@@ -85,7 +85,7 @@ fn seen_beside_an_object(mut world: World) -> Vec<String> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+enum DriveVariant {
     Perfect,
     Lagging,
     Erring,
@@ -94,7 +94,7 @@ enum Kind {
 #[test]
 fn a_lone_robot_is_as_one_that_is_not_alone() {
     let far = Pose::new(1_000.0, 0.0, 0.0);
-    for (seed, kind) in [Kind::Perfect, Kind::Lagging, Kind::Erring].into_iter().enumerate() {
+    for (seed, kind) in [DriveVariant::Perfect, DriveVariant::Lagging, DriveVariant::Erring].into_iter().enumerate() {
         let mut contacts = 0;
         for slot in [317, 10_000, 50_000, 730_000] {
             let mut random = Random::new(seed as u64);
@@ -139,7 +139,7 @@ fn a_lone_robot_is_as_one_that_is_not_alone() {
 #[test]
 fn a_robot_that_was_alone_and_has_left_is_forgotten_once() {
     let slot = Time(50_000);
-    let mut scene = Scene::new(Kind::Erring, slot, &[Pose::default()]);
+    let mut scene = Scene::new(DriveVariant::Erring, slot, &[Pose::default()]);
     scene.motions[0].command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.5)), &[]).expect("a sound command");
     for _ in 0..3 {
         scene.world.advance(&mut [&mut scene.motions[0]]);
@@ -155,6 +155,6 @@ fn a_robot_that_was_alone_and_has_left_is_forgotten_once() {
     scene.world.add_robot(&mut motion, None);
     let eye = DVec2::new(-0.9, 0.0);
     let to_robot = motion.pose(now).position - eye;
-    let seen = scene.world.cast(LONE, &Ray::flat(eye, to_robot.normalize_or_zero(), 5.0), now).expect("a robot");
-    assert_eq!(seen.thing, Thing::Robot(OTHER));
+    let hit = scene.world.cast(LONE, &Ray::flat(eye, to_robot.normalize_or_zero(), 5.0), now).expect("a robot");
+    assert_eq!(hit.thing, Thing::Robot(OTHER));
 }

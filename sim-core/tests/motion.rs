@@ -284,7 +284,7 @@ fn an_ackermann_drive_refuses_what_it_cannot_steer() {
     assert_eq!(motion.command(Time::ZERO, tight, &[]), Err(CommandError::TooTight { min_radius_mm: 160 }));
     let wide = Command::Drive { displacement: Twist::new(0.16, 1.0), duration: 1.0 };
     motion.command(Time::ZERO, wide, &[]).expect("the tightest curve");
-    // A speed with too tight a curve is driven at the greatest steering angle.
+    // A speed with too tight a curve is driven at the maximum steering angle.
     motion.command(Time(1), Command::Twist(Twist::new(0.1, 3.0)), &[]).expect("sound");
     assert_eq!(motion.steering(Time(1)), PI / 4.0);
     assert!((motion.speed(Time(1)).omega - 0.1 / 0.16).abs() < 1e-12);
@@ -315,10 +315,10 @@ fn wheels_turn_with_the_way_and_stand_still_at_a_wall() {
     let mut motion = robot(model(), room(2.0), Pose::new(1.0, 1.0, 0.0));
     motion.command(Time::ZERO, Command::Wheels([10.0, 10.0, 0.0, 0.0]), &[]).expect("sound");
     let at = Time::from_millis(60_000);
-    let way = motion.pose(at).position.x - 1.0;
-    assert!((motion.wheel_angles(at)[0] - way / 0.027).abs() < 1e-12);
-    assert!((motion.odometry(at).position.x - way).abs() < 1e-15);
-    assert_eq!(motion.path_length(at), way);
+    let distance = motion.pose(at).position.x - 1.0;
+    assert!((motion.wheel_angles(at)[0] - distance / 0.027).abs() < 1e-12);
+    assert!((motion.odometry(at).position.x - distance).abs() < 1e-15);
+    assert_eq!(motion.path_length(at), distance);
     motion.set_odometry(at, Pose::new(5.0, 6.0, 0.5)).expect("sound");
     assert_eq!(motion.odometry(at), Pose::new(5.0, 6.0, 0.5));
     assert!(motion.is_stalled(at) && motion.contacts(at) == 1, "setting the odometry moves nothing");

@@ -55,11 +55,11 @@ fn ways_to_a_stop_are_those_of_constant_deceleration() {
             let mut bodies = Bodies::new(&Walls::new(vec![]), [(ball(0.02, 0.05, resistance, 0.5), Pose::default())]);
             bodies.set_velocity(id(1), DVec2::new(0.6, 0.8) * speed, 0.0);
             run(&mut bodies, 10_000);
-            let way = speed * speed / (2.0 * coefficient * GRAVITY);
-            let covered = position(&bodies, 1).length();
+            let distance = speed * speed / (2.0 * coefficient * GRAVITY);
+            let path_length = position(&bodies, 1).length();
             assert!(
-                (covered - way).abs() < 1e-12,
-                "{resistance:?} {speed} m/s: {covered} for {way}, within a picometre"
+                (path_length - distance).abs() < 1e-12,
+                "{resistance:?} {speed} m/s: {path_length} for {distance}, within a picometre"
             );
             assert!(bodies.state(id(1)).is_resting() && bodies.is_asleep(id(1)), "it rests and sleeps");
         }
@@ -106,7 +106,7 @@ fn a_wall_gives_back_the_restitution() {
     }
 }
 
-/// Greatest relative rise of the energy within a step, and the ratio of the final to the initial energy.
+/// Maximum relative rise of the energy within a step, and the ratio of the final to the initial energy.
 fn watch_energy(bodies: &mut Bodies, steps: usize) -> (f64, f64) {
     let start = bodies.energy();
     let (mut last, mut rise) = (start, 0.0_f64);
@@ -200,7 +200,7 @@ fn a_row_of_touching_crates_takes_a_blow() {
     let crate_ = object(Shape::Rectangle { half: DVec2::splat(0.05) }, 0.5, FREE, 1.0);
     let shot = ball(0.03, 0.2, FREE, 1.0);
     let mut objects: Vec<_> =
-        (0..6).map(|place| (crate_.clone(), Pose::new(0.5 + 0.1 * f64::from(place), 0.5, 0.0))).collect();
+        (0..6).map(|index| (crate_.clone(), Pose::new(0.5 + 0.1 * f64::from(index), 0.5, 0.0))).collect();
     objects.push((shot, Pose::new(0.3, 0.51, 0.0)));
     let mut bodies = Bodies::new(&room(1.3, 1.0), objects);
     bodies.set_velocity(id(7), DVec2::new(3.0, 0.0), 0.0);
@@ -215,7 +215,7 @@ fn fast_balls_pass_neither_walls_nor_each_other() {
     let shot = ball(0.002, 0.01, FREE, 1.0);
     let mut random = Random(3);
     let objects: Vec<_> =
-        (0..20).map(|place| (shot.clone(), Pose::new(0.05 + 0.045 * f64::from(place), 0.5, 0.0))).collect();
+        (0..20).map(|index| (shot.clone(), Pose::new(0.05 + 0.045 * f64::from(index), 0.5, 0.0))).collect();
     let mut bodies = Bodies::new(&room(1.0, 1.0), objects);
     for number in 1..=20 {
         bodies.set_velocity(id(number), DVec2::new(random.next(), random.next()) * 50.0, 0.0);

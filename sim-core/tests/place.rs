@@ -130,15 +130,15 @@ fn placing_changes_the_true_pose_and_nothing_that_the_robot_counts() {
         scene.command(0, Time(7), Command::Drive { displacement: Twist::new(0.8, 1.0), duration: 2.0 });
         let at = Time(712_345);
         let before = scene.motions[0].state(at);
-        let place = Pose::new(3.0, 0.7, -2.0);
-        scene.motions[0].place(at, place).expect("a sound place");
+        let target = Pose::new(3.0, 0.7, -2.0);
+        scene.motions[0].place(at, target).expect("a sound place");
         let motion = &mut scene.motions[0];
         let after = motion.state(at);
         let pose = motion.pose(at);
-        assert!((pose.position - place.position).length() < 1e-15 && pose.heading == place.heading, "{pose:?}");
+        assert!((pose.position - target.position).length() < 1e-15 && pose.heading == target.heading, "{pose:?}");
         assert_eq!((after.odometry, after.wheels, after.path), (before.odometry, before.wheels, before.path));
         assert_eq!(motion.state(at - Time(1)).world_from_axle.heading.turns(), 0, "what has been stays");
-        assert!(motion.pose(at - Time(1)).position.distance(place.position) > 1.0);
+        assert!(motion.pose(at - Time(1)).position.distance(target.position) > 1.0);
         assert!(motion.is_drive_done(at) && !motion.is_moving(at) && motion.drive_remaining(at) == 0.0);
         assert_eq!(motion.speed(at), Twist::ZERO);
         scene.run(1.0);
@@ -181,7 +181,7 @@ fn others_see_it_from_the_next_slot_on_and_never_between() {
     let (middle, old, new) = (DVec2::new(2.0, 0.5), DVec2::new(1.0, 0.5), DVec2::new(3.0, 0.5));
     let first = Thing::Robot(RobotId(1));
     let looks = |scene: &Scene, at: Time| {
-        [old, middle, new].map(|place| matches!(scene.sees(place, DVec2::Y, at), (_, thing) if thing == first))
+        [old, middle, new].map(|point| matches!(scene.sees(point, DVec2::Y, at), (_, thing) if thing == first))
     };
     for micros in [0, 19_999, 20_000, 49_999] {
         assert_eq!(looks(&scene, Time(micros)), [true, false, false], "{micros} us");
@@ -193,8 +193,10 @@ fn others_see_it_from_the_next_slot_on_and_never_between() {
     {
         assert_eq!(looks(&scene, Time(micros)), expected, "{micros} us");
     }
-    let seen = scene.world.robot_pose(RobotId(1), Time(50_000));
-    assert!((seen.position - DVec2::new(3.0, 1.0)).length() < 1e-15 && seen.heading.remainder() == 1.0);
+    let observed_pose = scene.world.robot_pose(RobotId(1), Time(50_000));
+    assert!(
+        (observed_pose.position - DVec2::new(3.0, 1.0)).length() < 1e-15 && observed_pose.heading.remainder() == 1.0
+    );
     assert!((scene.sees(new, DVec2::Y, Time(50_000)).0 - 0.4).abs() < 1e-12);
     scene.run(0.3);
     assert_eq!(looks(&scene, scene.world.slot_start()), [false, false, true]);
@@ -251,9 +253,9 @@ fn way_out_of_a_robot(depth: f64, heading: f64) -> f64 {
     scene.drive(0, SLOT, 0.5, 0.0);
     let stalls = scene.motions[0].is_stalled(SLOT);
     scene.run(0.4);
-    let way = scene.position(0).distance(deep.position);
-    assert_eq!(way < 0.1, stalls, "{depth} m deep, heading {heading}: {way} m");
-    way
+    let distance = scene.position(0).distance(deep.position);
+    assert_eq!(distance < 0.1, stalls, "{depth} m deep, heading {heading}: {distance} m");
+    distance
 }
 
 #[test]
@@ -262,13 +264,16 @@ fn placed_onto_a_robot_it_can_leave_but_not_go_deeper() {
     for depth in [0.05, 0.15, 0.199] {
         for &heading in &headings {
             let leaves = heading > PI / 2.0 - 1e-9 && heading < 1.5 * PI + 1e-9;
-            let way = way_out_of_a_robot(depth, heading);
-            assert!((way - if leaves { 0.2 } else { 0.0 }).abs() < 1e-9, "{depth} m deep, heading {heading}: {way}");
+            let distance = way_out_of_a_robot(depth, heading);
+            assert!(
+                (distance - if leaves { 0.2 } else { 0.0 }).abs() < 1e-9,
+                "{depth} m deep, heading {heading}: {distance}"
+            );
         }
     }
     // With equal centres, rounding decides the direction of the other one.
-    let ways = headings.iter().filter(|&&heading| way_out_of_a_robot(2.0 * RADIUS, heading) > 0.1).count();
-    assert!(ways >= 5, "{ways} of 12 headings");
+    let exits = headings.iter().filter(|&&heading| way_out_of_a_robot(2.0 * RADIUS, heading) > 0.1).count();
+    assert!(exits >= 5, "{exits} of 12 headings");
 }
 
 #[test]
@@ -343,12 +348,18 @@ fn published_poses_are_true_at_any_instant_of_the_slot() {
             let at = Time(slot * 50_000 + micros);
             for robot in [0, 1] {
                 let truth = scene.motions[robot].pose(at);
-                let seen = scene.world.robot_pose(RobotId::from_index(robot), at);
-                assert!((seen.position - truth.position).length() < 1e-15, "{seen:?} for {truth:?} at {at:?}");
-                let apart = seen.heading.turned(-truth.heading.remainder()).remainder();
-                assert!(apart.abs() < 1e-15 && seen.heading.turns() == truth.heading.turns(), "{seen:?}, {truth:?}");
+                let observed_pose = scene.world.robot_pose(RobotId::from_index(robot), at);
+                assert!(
+                    (observed_pose.position - truth.position).length() < 1e-15,
+                    "{observed_pose:?} for {truth:?} at {at:?}"
+                );
+                let difference = observed_pose.heading.turned(-truth.heading.remainder()).remainder();
+                assert!(
+                    difference.abs() < 1e-15 && observed_pose.heading.turns() == truth.heading.turns(),
+                    "{observed_pose:?}, {truth:?}"
+                );
                 let body = scene.world.body(RobotId::from_index(robot), at);
-                assert_eq!(body.centre, seen.position);
+                assert_eq!(body.centre, observed_pose.position);
             }
         }
         scene.advance();
@@ -362,19 +373,19 @@ fn an_object_is_where_it_was_placed_from_the_next_slot_on() {
     assert_eq!(scene.world.moved_objects(), []);
     let (now, end) = (scene.world.slot_start(), scene.world.slot_end());
     scene.world.place_object(CRATE, Pose::new(9.0, 9.0, 9.0)).expect("sound");
-    let place = Pose::new(3.0, 0.5, -1.0);
-    scene.world.place_object(CRATE, place).expect("sound");
+    let target = Pose::new(3.0, 0.5, -1.0);
+    scene.world.place_object(CRATE, target).expect("sound");
     assert_eq!(scene.world.object_pose(CRATE, now), Pose::new(1.0, 1.0, 0.0));
     scene.advance();
     assert_eq!(scene.world.moved_objects(), [CRATE], "the other one sleeps on");
     assert_eq!(scene.world.object_pose(CRATE, end - Time(1)), Pose::new(1.0, 1.0, 0.0));
-    assert_eq!(scene.world.object_pose(CRATE, end), place);
+    assert_eq!(scene.world.object_pose(CRATE, end), target);
     assert_eq!(scene.sees(DVec2::new(3.0, 2.0), DVec2::NEG_Y, end).1, Thing::Object(CRATE));
     assert_ne!(scene.sees(DVec2::new(1.0, 2.0), DVec2::NEG_Y, end).1, Thing::Object(CRATE));
     for _ in 0..10 {
         scene.advance();
         assert_eq!(scene.world.moved_objects(), []);
-        assert_eq!(scene.world.object_state(CRATE).world_from_object, place);
+        assert_eq!(scene.world.object_state(CRATE).world_from_object, target);
     }
     assert!(!scene.world.is_object_moving());
 }
@@ -405,16 +416,16 @@ fn a_moving_object_rests_where_it_is_placed_and_can_be_pushed_there() {
     scene.run(0.5);
     assert!(scene.world.is_object_moving());
     // 2 mm outside the robot's rim.
-    let place = Pose::new(2.0 + RADIUS + 0.02 + 0.002, 1.0, 0.0);
-    scene.world.place_object(BALL, place).expect("sound");
+    let target = Pose::new(2.0 + RADIUS + 0.02 + 0.002, 1.0, 0.0);
+    scene.world.place_object(BALL, target).expect("sound");
     scene.advance();
-    assert_eq!(scene.world.object_state(BALL).world_from_object, place);
+    assert_eq!(scene.world.object_state(BALL).world_from_object, target);
     assert!(scene.world.object_state(BALL).is_resting());
     let now = scene.world.slot_start();
     scene.drive(0, now, 0.3, 0.0);
     scene.run(0.5);
     assert_eq!(scene.contacts.len(), 1);
-    assert!(scene.world.object_state(BALL).world_from_object.position.x > place.position.x + 0.1);
+    assert!(scene.world.object_state(BALL).world_from_object.position.x > target.position.x + 0.1);
 }
 
 #[test]

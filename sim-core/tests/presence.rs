@@ -117,10 +117,10 @@ fn o(number: u32) -> ObjectId {
 }
 
 /// Hit of a ray in the plane, and of a ray in three dimensions.
-type Met = (Option<(f64, Thing)>, Option<f64>);
+type RayHits = (Option<(f64, Thing)>, Option<f64>);
 
 /// Hits of rays from random origins.
-fn look(world: &World, at: Time) -> Vec<Met> {
+fn look(world: &World, at: Time) -> Vec<RayHits> {
     let mut random = Random::new(7);
     let ray = |_| {
         let origin = DVec2::new(random.between(-2.0, 2.0), random.between(-2.0, 2.0));
@@ -310,8 +310,8 @@ fn shapes_of_newcomers_are_their_own() {
     scene.world.add_robot(&mut motion, Some(low));
     let footprint = Shape::Disc { radius: 0.05 };
     let prism = Solid::Prism { footprint, body_from_footprint: Pose::default(), bottom: 0.0, top: 0.1 };
-    let flat = Arc::new(Figure { solids: vec![prism], surface: Surface::default() });
-    scene.world.add_object(ball(0.05), place(2.0, 0.0), Some(flat)).expect("a place");
+    let low_body = Arc::new(Figure { solids: vec![prism], surface: Surface::default() });
+    scene.world.add_object(ball(0.05), place(2.0, 0.0), Some(low_body)).expect("a place");
     let at = SLOT + SLOT;
     let sees = |x: f64, z: f64| scene.world.cast(r(9), &Ray::new(DVec3::new(x, 0.0, z), DVec3::X, 1.0), at).is_some();
     assert!(sees(0.5, 0.05) && !sees(0.5, 0.15), "a low robot");

@@ -136,15 +136,15 @@ fn a_heavy_crate_stalls_the_wheels_and_stays_where_it_is() {
     assert!(!scene.motions[0].is_moving(now));
     let (object, robot) = (scene.object().x, scene.robot(0).position.x);
     // After the impact both moved on at 0.08 m/s, until 0.5 kg times gravity stopped them.
-    let way = 0.08 * 0.08 / (2.0 * 0.5 * GRAVITY / 5.0);
-    assert!((object - 0.3 - way).abs() < 2e-4, "{object} for {}", 0.3 + way);
+    let distance = 0.08 * 0.08 / (2.0 * 0.5 * GRAVITY / 5.0);
+    assert!((object - 0.3 - distance).abs() < 2e-4, "{object} for {}", 0.3 + distance);
     let wheels = scene.motions[0].wheel_angles(now);
     scene.run(60.0);
     assert_eq!((scene.object().x, scene.robot(0).position.x), (object, robot), "nothing creeps");
     let now = scene.world.slot_start();
     assert_eq!(scene.motions[0].wheel_angles(now), wheels);
     assert!((robot + RADIUS + 0.05 - object).abs() < 2e-4);
-    assert_eq!(scene.contacts.len(), 1, "one contact that goes on");
+    assert_eq!(scene.contacts.len(), 1, "one lasting contact");
     scene.command(0, ahead(-0.2));
     assert!(!scene.motions[0].is_stalled(now), "away it may go at once");
     scene.run(1.0);
@@ -220,9 +220,9 @@ fn slots_of_any_length_give_nearly_the_same() {
     let reference = outcome(Time::from_millis(1));
     for slot in [Time(500), Time(1_250), Time::from_millis(10), Time::from_millis(50), Time::from_millis(100)] {
         let other = outcome(slot);
-        let apart = [(other.0 - reference.0), (other.1 - reference.1), (other.2 - reference.2)].map(DVec2::length);
-        println!("slots of {slot}: {apart:?}");
-        assert!(apart.iter().all(|metres| *metres < 5e-3), "{slot}: {apart:?}");
+        let distances = [(other.0 - reference.0), (other.1 - reference.1), (other.2 - reference.2)].map(DVec2::length);
+        println!("slots of {slot}: {distances:?}");
+        assert!(distances.iter().all(|metres| *metres < 5e-3), "{slot}: {distances:?}");
     }
 }
 
@@ -241,8 +241,8 @@ fn rays_meet_objects_by_their_public_way() {
     scene.world.set_object_velocity(BOX, DVec2::new(0.0, -0.4), 0.0);
     let at = Time::from_millis(20);
     let hit = see(&scene, DVec2::ZERO, DVec2::Y, at).expect("the ball");
-    let covered = 0.4 * 0.02 - 0.5 * 0.1 * GRAVITY * 0.02 * 0.02;
-    assert!((hit.distance - (0.5 - covered - 0.02)).abs() < 1e-12, "{hit:?}");
+    let distance = 0.4 * 0.02 - 0.5 * 0.1 * GRAVITY * 0.02 * 0.02;
+    assert!((hit.distance - (0.5 - distance - 0.02)).abs() < 1e-12, "{hit:?}");
     scene.run(0.05);
     let late = see(&scene, DVec2::ZERO, DVec2::Y, at).expect("the ball as it was");
     assert_eq!(late, hit);
@@ -261,9 +261,9 @@ fn a_standing_robot_is_not_pushed() {
     // 0.35 m to the robot, rebound at half the speed, then away from it for the rest of the time.
     let deceleration = 0.01 * GRAVITY;
     let there = (1.0 - 2.0 * deceleration * 0.35).sqrt();
-    let left = 0.5 * there - deceleration * (2.0 - (1.0 - there) / deceleration);
+    let remaining_distance = 0.5 * there - deceleration * (2.0 - (1.0 - there) / deceleration);
     let velocity = scene.world.object_state(BOX).velocity.x;
-    assert!((velocity - left).abs() < 1e-3, "{velocity} for {left}");
+    assert!((velocity - remaining_distance).abs() < 1e-3, "{velocity} for {remaining_distance}");
 }
 
 #[test]

@@ -80,13 +80,14 @@ fn every_reading_in_a_room_is_the_analytic_one() {
         let world = room(corner, Surface::ROUGH);
         let mut echoes = [0; 3];
         for case in 0..10_000 {
-            let place = random.point_in(Bounds { min: DVec2::splat(0.3), max: ROOM.truncate() - DVec2::splat(0.3) });
+            let position_2d =
+                random.point_in(Bounds { min: DVec2::splat(0.3), max: ROOM.truncate() - DVec2::splat(0.3) });
             let heading = random.between(-PI, PI);
             let offset = DVec3::new(random.between(-0.2, 0.2), random.between(-0.2, 0.2), random.between(0.05, 2.4));
             let (roll, pitch, yaw) =
                 (random.between(-PI, PI), random.between(-FRAC_PI_2, FRAC_PI_2), random.between(-PI, PI));
             let posture = Posture {
-                world_from_robot: Pose { position: corner + place, ..Pose::new(0.0, 0.0, heading) },
+                world_from_robot: Pose { position: corner + position_2d, ..Pose::new(0.0, 0.0, heading) },
                 ..Posture::default()
             };
             let read = |model| {
@@ -95,13 +96,13 @@ fn every_reading_in_a_room_is_the_analytic_one() {
             };
             let (sin, cos) = math::sin_cos(heading);
             let origin = DVec3::new(
-                place.x + cos * offset.x - sin * offset.y,
-                place.y + sin * offset.x + cos * offset.y,
+                position_2d.x + cos * offset.x - sin * offset.y,
+                position_2d.y + sin * offset.x + cos * offset.y,
                 offset.z,
             );
-            let (level, rise) = (math::cos(pitch), math::sin(pitch));
+            let (horizontal, rise) = (math::cos(pitch), math::sin(pitch));
             let bearing = heading + yaw;
-            let direction = DVec3::new(math::cos(bearing) * level, math::sin(bearing) * level, rise);
+            let direction = DVec3::new(math::cos(bearing) * horizontal, math::sin(bearing) * horizontal, rise);
             let (distance, alpha) = in_box(origin, direction);
 
             let context = format!("{case} at {corner}");
@@ -140,15 +141,15 @@ fn a_sonar_among_mirrors_hears_the_nearest_that_faces_it() {
         let world = room(corner, Surface::SMOOTH);
         let (mut heard, mut silent) = (0, 0);
         for case in 0..10_000 {
-            let place = DVec3::new(random.between(0.1, 3.9), random.between(0.1, 2.9), random.between(0.1, 2.4));
+            let position = DVec3::new(random.between(0.1, 3.9), random.between(0.1, 2.9), random.between(0.1, 2.4));
             let (pitch, yaw) = (random.between(-FRAC_PI_2, FRAC_PI_2), random.between(-PI, PI));
-            let pose = Pose3::from_angles(place + corner.extend(0.0), random.between(-PI, PI), pitch, yaw);
+            let pose = Pose3::from_angles(position + corner.extend(0.0), random.between(-PI, PI), pitch, yaw);
             let found = RangeModel::Sonar(sonar).read(&world, ME, &pose, Time::ZERO, 0.0);
 
             // A mirror returns an echo only from the foot of the perpendicular.
             let forward = pose.forward();
-            let feet =
-                (0..3).flat_map(|axis| [(place[axis], -forward[axis]), (ROOM[axis] - place[axis], forward[axis])]);
+            let feet = (0..3)
+                .flat_map(|axis| [(position[axis], -forward[axis]), (ROOM[axis] - position[axis], forward[axis])]);
             let heard_at = feet.filter(|&(distance, cos)| {
                 let angle = math::atan2((1.0 - cos * cos).max(0.0).sqrt(), cos);
                 let half = angle / sonar.half_angle;
@@ -397,8 +398,8 @@ fn a_level_scanner_sees_meshes_where_they_are() {
     let robot = Pose::new(1.0, 1.0, 0.3);
     for (tilt, height, range) in [(0.0, 0.1, 9.0), (-0.3, 0.4, 9.0), (0.2, 0.4, 9.0), (-0.1, 0.4, 2.0)] {
         let scan = Scan::new(Mount::new(0.1, 0.0, 0.2), Fan { sweep: 2.0 * PI, points: 36, tilt, height, range });
-        let place = Pose3::from_angles(DVec3::new(0.1, 0.0, height), 0.0, 0.0, 0.2);
-        let sensor = Pose3::from_planar(&robot, 0.0).then(&place);
+        let mount = Pose3::from_angles(DVec3::new(0.1, 0.0, height), 0.0, 0.0, 0.2);
+        let sensor = Pose3::from_planar(&robot, 0.0).then(&mount);
         for (ray, found) in scan.distances(&world, ME, &robot, Time::ZERO).into_iter().enumerate() {
             let (sin, cos) = math::sin_cos(scan.bearing(ray as u32));
             let local = DVec3::new(cos * math::cos(tilt), sin * math::cos(tilt), math::sin(tilt));
@@ -435,8 +436,8 @@ fn a_movable_mesh_is_seen_beyond_its_footprint() {
         .with_objects(objects)
         .with_space(Space { objects: vec![Arc::new(figure)], ..Space::default() });
     for (y, expected) in [(0.0, Some(2.0)), (0.4, Some(2.0)), (0.9, Some(2.0)), (-0.9, None), (1.1, None)] {
-        let met = world.cast(ME, &Ray::new(DVec3::new(0.0, y, 0.3), DVec3::X, 9.0), Time::ZERO);
-        assert_eq!(met.map(|met| met.distance), expected, "{y}");
+        let hit = world.cast(ME, &Ray::new(DVec3::new(0.0, y, 0.3), DVec3::X, 9.0), Time::ZERO);
+        assert_eq!(hit.map(|hit| hit.distance), expected, "{y}");
     }
 }
 
@@ -476,18 +477,18 @@ fn a_sonar_hears_the_faces_of_a_mesh_that_its_fan_meets() {
     let sonar = Sonar { rays: 256, ..Sonar::srf08() };
     let mut random = Random::new(34);
     let (walls, mesh) = (room(DVec2::ZERO, Surface::SMOOTH), mesh_room(DVec2::ZERO, Surface::SMOOTH));
-    let mut heard = 0;
+    let mut echoes = 0;
     for case in 0..1000 {
-        let place = DVec3::new(random.between(0.5, 3.5), random.between(0.5, 2.5), random.between(0.5, 2.0));
-        let pose = Pose3::from_angles(place, 0.0, random.between(-1.0, 1.0), random.between(-PI, PI));
+        let position = DVec3::new(random.between(0.5, 3.5), random.between(0.5, 2.5), random.between(0.5, 2.0));
+        let pose = Pose3::from_angles(position, 0.0, random.between(-1.0, 1.0), random.between(-PI, PI));
         let read = |world| RangeModel::Sonar(sonar).read(world, ME, &pose, Time::ZERO, 0.0).distance;
         match (read(&walls), read(&mesh)) {
             (Some(exact), Some(found)) => {
                 assert!((found - exact).abs() < 1e-9, "{case}: {found} for {exact}");
-                heard += 1;
+                echoes += 1;
             }
             (exact, found) => assert_eq!(found, exact, "{case}"),
         }
     }
-    assert!(heard > 500, "{heard}");
+    assert!(echoes > 500, "{echoes}");
 }

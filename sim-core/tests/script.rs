@@ -68,21 +68,21 @@ fn script() -> impl Strategy<Value = Vec<(i64, usize, Command)>> {
 /// Four robots in a room of 3 m with boxes, clear of all obstacles and of each other.
 fn scene(model: &Model, walls: &[Segment], slot: Time, gains: Option<Gains>) -> (World, Vec<Motion>) {
     let starts = (0..30).flat_map(|i| (0..30).map(move |j| DVec2::new(f64::from(i), f64::from(j)) * 0.1));
-    let is_clear = |place: &DVec2| {
-        place.min_element() > 0.2
-            && place.max_element() < 2.8
-            && oracle::clearance(walls, *place, model.body_radius) > 0.01
+    let is_clear = |point: &DVec2| {
+        point.min_element() > 0.2
+            && point.max_element() < 2.8
+            && oracle::clearance(walls, *point, model.body_radius) > 0.01
     };
-    let mut places: Vec<DVec2> = Vec::new();
+    let mut positions: Vec<DVec2> = Vec::new();
     for start in starts.filter(is_clear) {
-        if places.len() < 4 && places.iter().all(|place| place.distance(start) > 2.0 * model.body_radius + 0.01) {
-            places.push(start);
+        if positions.len() < 4 && positions.iter().all(|point| point.distance(start) > 2.0 * model.body_radius + 0.01) {
+            positions.push(start);
         }
     }
     let (shared, model) = (Arc::new(Walls::new(walls.to_vec())), Arc::new(model.clone()));
     let mut motions: Vec<_> = (0..)
         .map(RobotId::from_index)
-        .zip(places)
+        .zip(positions)
         .map(|(id, position)| {
             let pose = Pose { position, ..Pose::new(0.0, 0.0, f64::from(id.0)) };
             let mut motion = Motion::new(id, model.clone(), shared.clone(), pose);

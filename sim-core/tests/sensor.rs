@@ -28,15 +28,15 @@ fn a_reading_in_a_room_is_the_analytic_one() {
     for corner in [DVec2::ZERO, DVec2::new(1e4, -1e4)] {
         let world = room(corner);
         for _ in 0..10_000 {
-            let place = random.point_in(Bounds { min: DVec2::splat(0.3), max: DVec2::new(3.7, 2.7) });
+            let centre_point = random.point_in(Bounds { min: DVec2::splat(0.3), max: DVec2::new(3.7, 2.7) });
             let heading = random.between(-PI, PI);
             let (x, y, angle) = (random.between(-0.2, 0.2), random.between(-0.2, 0.2), random.between(-PI, PI));
             let beam = Beam { mount: Mount::new(x, y, angle), range: 9.0 };
-            let pose = Pose { position: corner + place, ..Pose::new(0.0, 0.0, heading) };
+            let pose = Pose { position: corner + centre_point, ..Pose::new(0.0, 0.0, heading) };
             let found = beam.distance(&world, RobotId(1), &pose, Time::ZERO).expect("walls all around");
 
             let (sin, cos) = (libm::sin(heading), libm::cos(heading));
-            let (ox, oy) = (place.x + cos * x - sin * y, place.y + sin * x + cos * y);
+            let (ox, oy) = (centre_point.x + cos * x - sin * y, centre_point.y + sin * x + cos * y);
             let (dx, dy) = (libm::cos(heading + angle), libm::sin(heading + angle));
             let to_x = if dx > 0.0 { (4.0 - ox) / dx } else { -ox / dx };
             let to_y = if dy > 0.0 { (3.0 - oy) / dy } else { -oy / dy };
@@ -81,7 +81,7 @@ fn a_level_psd_of_a_robi_sees_what_its_beam_sees_to_the_bit() {
         let world_from_robot = Pose::new(random.between(0.3, 3.7), random.between(0.3, 2.7), random.between(-9.0, 9.0));
         let posture = Posture { world_from_robot, ..Posture::default() };
         let reading = range_sensors(&robi)[0].read(&world, RobotId(1), &posture, Time::ZERO, 0.0);
-        let seen = beam.distance(&world, RobotId(1), &world_from_robot, Time::ZERO);
-        assert_eq!(reading.distance.map(f64::to_bits), seen.map(f64::to_bits), "{psd:?}");
+        let distance = beam.distance(&world, RobotId(1), &world_from_robot, Time::ZERO);
+        assert_eq!(reading.distance.map(f64::to_bits), distance.map(f64::to_bits), "{psd:?}");
     }
 }

@@ -68,10 +68,10 @@ fn outside_the_cone_a_disc_slides_at_the_speed_of_the_formula() {
             let angle = degrees.to_radians();
             let mut motion = robot(&walls, friction, below(0.05, angle));
             twist(&mut motion, Time::ZERO, 0.3, 0.0);
-            let met = 0.05 / (0.3 * math::sin(angle));
+            let impact_time = 0.05 / (0.3 * math::sin(angle));
             let along = (math::cos(angle) - friction * math::sin(angle)).max(0.0);
-            let end = met + 4.0;
-            let expected = DVec2::new(0.3 * (met * math::cos(angle) + 4.0 * along), -RADIUS - SKIN);
+            let end = impact_time + 4.0;
+            let expected = DVec2::new(0.3 * (impact_time * math::cos(angle) + 4.0 * along), -RADIUS - SKIN);
             let at = seconds(end);
             let found = motion.pose(at);
             assert!((found.position - expected).length() < 1e-6, "{degrees} degrees, {friction}: {found:?}");
@@ -243,7 +243,7 @@ fn closed_forms_agree_with_a_reference_in_small_steps() {
 #[test]
 fn random_rooms_agree_with_the_reference() {
     let mut random = Random::new(77);
-    let place = Bounds { min: DVec2::splat(-0.6), max: DVec2::splat(0.6) };
+    let bounds = Bounds { min: DVec2::splat(-0.6), max: DVec2::splat(0.6) };
     let outline = [
         wall(-0.8, -0.8, 0.8, -0.8),
         wall(0.8, -0.8, 0.8, 0.8),
@@ -254,9 +254,9 @@ fn random_rooms_agree_with_the_reference() {
     for index in 0..1_200 {
         let count = 1 + random.below(4);
         let mut walls: Vec<_> =
-            (0..count).map(|_| Segment::new(random.point_in(place), random.point_in(place))).collect();
+            (0..count).map(|_| Segment::new(random.point_in(bounds), random.point_in(bounds))).collect();
         walls.extend(outline);
-        let position = random.point_in(place);
+        let position = random.point_in(bounds);
         if oracle::clearance(&walls, position, RADIUS) < 1e-3 {
             continue;
         }
@@ -286,8 +286,8 @@ fn forces_lie_in_the_friction_cone_and_no_contact_gives_energy() {
             let (before, after) = (motion.pose(at - Time(1)).position, motion.pose(at + Time(1)).position);
             let velocity = (after - before) / 2e-6;
             let slip = case.free_velocity(at.seconds()) - velocity;
-            let near = |wall: &&Segment| (centre - wall.nearest_point(centre)).length() < RADIUS + 2.0 * SKIN;
-            let touched: Vec<&Segment> = case.walls.iter().filter(near).collect();
+            let is_touching = |wall: &&Segment| (centre - wall.nearest_point(centre)).length() < RADIUS + 2.0 * SKIN;
+            let touched: Vec<&Segment> = case.walls.iter().filter(is_touching).collect();
             let [wall] = touched[..] else { continue };
             let offset = centre - wall.nearest_point(centre);
             let normal = offset.normalize_or_zero();
@@ -422,8 +422,8 @@ fn run(slot: Time, commands: &[(i64, f64, f64, bool)], friction: f64, offset: f6
             let until = world.slot_end();
             world.advance(&mut [&mut motion]);
             let centre = motion.pose(until).position;
-            let seen = world.robot_pose(RobotId(1), until).position;
-            assert!((seen - centre).length() < 1e-12, "what others see: {seen} for {centre}");
+            let position = world.robot_pose(RobotId(1), until).position;
+            assert!((position - centre).length() < 1e-12, "what others see: {position} for {centre}");
             let gap = oracle::clearance(&walls, centre, RADIUS);
             assert!(gap > SKIN - 2e-9, "gap {gap} at {until}");
         }
@@ -486,8 +486,8 @@ fn what_the_window_draws_is_where_the_robot_is() {
             let stretches: Vec<_> = world.stretches(RobotId(1)).collect();
             let stretch = stretches.iter().rfind(|stretch| stretch.start <= at).unwrap_or(&stretches[0]);
             let gone = (at - stretch.start).seconds().min(stretch.after);
-            let drawn = stretch.from.moved(stretch.twist.scaled(gone));
-            let off = (drawn.position - motion.pose(at).position).length();
+            let expected = stretch.from.moved(stretch.twist.scaled(gone));
+            let off = (expected.position - motion.pose(at).position).length();
             // Between a line and the circle of 0.3 m/s and 0.4 rad/s through its ends in 50 ms: v w t^2 / 8.
             assert!(off < 4e-5, "{off} m off at {at}");
         }
@@ -516,9 +516,9 @@ fn crowd(seed: u64, slot: Time, crates: &[f64]) {
     ];
     let shared = Arc::new(Walls::new(walls.clone()));
     let mut random = Random::new(seed);
-    let places = [(0.2, 0.2), (0.5, 0.2), (0.2, 0.6), (1.5, 0.3), (1.7, 1.2), (0.5, 1.2)];
+    let positions = [(0.2, 0.2), (0.5, 0.2), (0.2, 0.6), (1.5, 0.3), (1.7, 1.2), (0.5, 1.2)];
     let mut motions: Vec<Motion> = (0..)
-        .zip(places)
+        .zip(positions)
         .map(|(index, (x, y))| {
             let motion =
                 Motion::new(RobotId::from_index(index), Arc::new(model()), shared.clone(), Pose::new(x, y, 0.0));
@@ -562,8 +562,8 @@ fn crowd(seed: u64, slot: Time, crates: &[f64]) {
             }
         }
     }
-    let way: f64 = motions.iter_mut().map(|motion| motion.path_length(world.slot_start())).sum();
-    assert!(way > 5.0, "{way} m together");
+    let distance: f64 = motions.iter_mut().map(|motion| motion.path_length(world.slot_start())).sum();
+    assert!(distance > 5.0, "{distance} m together");
 }
 
 #[test]

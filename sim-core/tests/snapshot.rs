@@ -1,4 +1,4 @@
-//! A clone of a running world evolves as the original does, to the bit, and neither affects the other.
+//! A clone of a running world evolves like its source, to the bit, and neither affects the other.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use sim_core::{
 const ROOM: f64 = 1.2;
 
 /// A pose in the room: x and y, m, and the heading, rad.
-type Place = (f64, f64, f64);
+type Start = (f64, f64, f64);
 
 /// An operation on a world at an instant of a slot.
 #[derive(Clone, Debug)]
@@ -35,15 +35,15 @@ enum Action {
     Send(bool),
     Switch,
     Kick(f64, f64),
-    PlaceObject(Place),
-    PlaceRobot(Place),
-    AddObject(Place),
-    AddRobot(Place),
+    PlaceObject(Start),
+    PlaceRobot(Start),
+    AddObject(Start),
+    AddRobot(Start),
     RemoveObject,
     RemoveRobot,
 }
 
-/// Slot, index of the robot or object, time as a share of the slot, and the action.
+/// Slot, index of the robot or object, time as a fraction of the slot, and the action.
 type Entry = (usize, usize, f64, Action);
 
 #[derive(Clone, Debug)]
@@ -52,29 +52,29 @@ struct Script {
     medium: Medium,
     seed: u64,
     is_perfect: bool,
-    robots: Vec<(Place, bool)>,
-    objects: Vec<(Place, usize)>,
+    robots: Vec<(Start, bool)>,
+    objects: Vec<(Start, usize)>,
     entries: Vec<Entry>,
 }
 
 const SLOTS: usize = 40;
 
-fn place() -> impl Strategy<Value = Place> {
+fn start() -> impl Strategy<Value = Start> {
     (-0.9..0.9, -0.9..0.9, -PI..PI)
 }
 
 fn action() -> impl Strategy<Value = Action> {
     prop_oneof![
         6 => (-0.6..0.6, -3.0..3.0).prop_map(|(v, w)| Action::Go(v, w)),
-        3 => (-0.5..0.5, -2.0..2.0).prop_map(|(way, turn)| Action::Drive(way, turn)),
+        3 => (-0.5..0.5, -2.0..2.0).prop_map(|(distance, turn)| Action::Drive(distance, turn)),
         1 => Just(Action::Halt),
         6 => any::<bool>().prop_map(Action::Send),
         2 => Just(Action::Switch),
         2 => (-1.0..1.0, -9.0..9.0).prop_map(|(v, w)| Action::Kick(v, w)),
-        1 => place().prop_map(Action::PlaceObject),
-        1 => place().prop_map(Action::PlaceRobot),
-        1 => place().prop_map(Action::AddObject),
-        1 => place().prop_map(Action::AddRobot),
+        1 => start().prop_map(Action::PlaceObject),
+        1 => start().prop_map(Action::PlaceRobot),
+        1 => start().prop_map(Action::AddObject),
+        1 => start().prop_map(Action::AddRobot),
         1 => Just(Action::RemoveObject),
         1 => Just(Action::RemoveRobot),
     ]
@@ -83,8 +83,8 @@ fn action() -> impl Strategy<Value = Action> {
 fn script() -> impl Strategy<Value = Script> {
     let slot = prop_oneof![Just(7), Just(20), Just(50)].prop_map(Time::from_millis);
     let medium = prop_oneof![Just(Medium::Free), Just(Medium::Aloha), Just(Medium::TokenRing)];
-    let robots = prop::collection::vec((place(), prop::bool::weighted(0.2)), 1..5);
-    let objects = prop::collection::vec((place(), 0_usize..3), 0..6);
+    let robots = prop::collection::vec((start(), prop::bool::weighted(0.2)), 1..5);
+    let objects = prop::collection::vec((start(), 0_usize..3), 0..6);
     let entries = prop::collection::vec((0..SLOTS, 0_usize..16, 0.0..1.0, action()), 0..60);
     (slot, medium, any::<u64>(), any::<bool>(), robots, objects, entries).prop_map(
         |(slot, medium, seed, is_perfect, robots, objects, entries)| Script {
@@ -161,7 +161,7 @@ fn properties(kind: usize) -> Arc<Properties> {
     })
 }
 
-fn pose((x, y, heading): Place) -> Pose {
+fn pose((x, y, heading): Start) -> Pose {
     Pose::new(x, y, heading)
 }
 
@@ -182,11 +182,11 @@ impl Simulation {
         let mut segments: Vec<_> = (0..4).map(|side| Segment::new(corners[side], corners[(side + 1) % 4])).collect();
         segments.push(Segment::new(DVec2::new(-0.2, 0.3), DVec2::new(0.4, 0.5)));
         let walls = Arc::new(Walls::new(segments).with_heights(vec![0.5, 0.5, 0.5, 0.5, 0.2]));
-        let motion = |(index, (place, has_legs)): (usize, &(Place, bool))| {
-            motion(&script, &walls, RobotId::from_index(index), *place, *has_legs)
+        let motion = |(index, (start, has_legs)): (usize, &(Start, bool))| {
+            motion(&script, &walls, RobotId::from_index(index), *start, *has_legs)
         };
         let mut motions: Vec<_> = script.robots.iter().enumerate().map(motion).collect();
-        let objects = script.objects.iter().map(|(place, kind)| (properties(*kind), pose(*place)));
+        let objects = script.objects.iter().map(|(start, kind)| (properties(*kind), pose(*start)));
         let radio = RadioModel {
             medium: script.medium,
             baud: 19_200,
@@ -207,30 +207,30 @@ impl Simulation {
 
     /// Advances by one slot; returns all observable state.
     fn step(&mut self) -> Vec<String> {
-        let mut seen = Vec::new();
+        let mut observations = Vec::new();
         let start = self.world.slot_start();
         let script = Arc::clone(&self.script);
         let mut entries: Vec<&Entry> = script.entries.iter().filter(|(slot, ..)| *slot == self.slot).collect();
         entries.sort_by(|one, other| one.2.total_cmp(&other.2));
         for (_, whom, share, action) in entries {
             let at = start + Time((share * script.slot.0 as f64) as i64);
-            seen.push(self.act(*whom, at, action));
+            observations.push(self.act(*whom, at, action));
         }
-        self.look(&mut seen);
+        self.look(&mut observations);
         let end = self.world.slot_end();
-        self.exchange(end, &mut seen);
+        self.exchange(end, &mut observations);
         let is_there = |motion: &&mut Motion| self.world.is_robot_present(motion.id(), start);
         let mut active: Vec<_> = self.motions.iter_mut().filter(is_there).filter(|motion| motion.is_active()).collect();
-        seen.extend(self.world.advance(&mut active).iter().map(|contact| format!("{contact:?}")));
+        observations.extend(self.world.advance(&mut active).iter().map(|contact| format!("{contact:?}")));
         for motion in &mut self.motions {
-            seen.push(format!("{:?} {:?}", motion.state(end), motion.stance(end)));
+            observations.push(format!("{:?} {:?}", motion.state(end), motion.stance(end)));
         }
         for object in (0..self.world.object_count()).map(ObjectId::from_index) {
-            seen.push(format!("{:?}", self.world.object_state(object)));
+            observations.push(format!("{:?}", self.world.object_state(object)));
         }
-        seen.push(format!("{:?} {}", self.world.moved_objects(), self.world.is_object_moving()));
+        observations.push(format!("{:?} {}", self.world.moved_objects(), self.world.is_object_moving()));
         self.slot += 1;
-        seen
+        observations
     }
 
     /// Carries out an action if possible; returns the result.
@@ -243,7 +243,7 @@ impl Simulation {
         let motion = &mut self.motions[robot.index()];
         let command = match *action {
             Action::Go(v, w) => Command::Twist(Twist::new(v, w)),
-            Action::Drive(way, turn) => Command::Drive { displacement: Twist::new(way, turn), duration: 0.6 },
+            Action::Drive(distance, turn) => Command::Drive { displacement: Twist::new(distance, turn), duration: 0.6 },
             Action::Halt => Command::Halt,
             _ => return self.intervene(robot, object, at, action),
         };
@@ -275,19 +275,19 @@ impl Simulation {
                 self.world.set_object_velocity(object, DVec2::new(*v, 0.3), *w);
                 String::new()
             }
-            (Action::PlaceObject(place), Some(object)) => {
-                format!("{:?}", self.world.place_object(object, pose(*place)))
+            (Action::PlaceObject(start), Some(object)) => {
+                format!("{:?}", self.world.place_object(object, pose(*start)))
             }
-            (Action::PlaceRobot(place), _) if is_there => {
-                format!("{:?}", self.motions[robot.index()].place(at, pose(*place)))
+            (Action::PlaceRobot(start), _) if is_there => {
+                format!("{:?}", self.motions[robot.index()].place(at, pose(*start)))
             }
-            (Action::AddObject(place), _) => {
+            (Action::AddObject(start), _) => {
                 let figure = Figure::cylinder(0.05, 0.15, Surface::SMOOTH);
-                format!("{:?}", self.world.add_object(properties(0), pose(*place), Some(Arc::new(figure))))
+                format!("{:?}", self.world.add_object(properties(0), pose(*start), Some(Arc::new(figure))))
             }
-            (Action::AddRobot(place), _) => {
+            (Action::AddRobot(start), _) => {
                 let id = RobotId::from_index(self.motions.len());
-                let motion = motion(&self.script, &self.walls, id, *place, false);
+                let motion = motion(&self.script, &self.walls, id, *start, false);
                 let mut motion = motion.starting_at(self.world.slot_start());
                 self.world.add_robot(&mut motion, None);
                 self.motions.push(motion);
@@ -335,7 +335,7 @@ impl Simulation {
         }
         let deliveries = channel.exchange(end, sendings);
         seen.push(format!("{deliveries:?} {:?}", channel.due()));
-        for (robot, sequence) in channel.take_left() {
+        for (robot, sequence) in channel.take_departed() {
             self.stations[robot.index()].has_left(sequence);
         }
         for delivery in deliveries {
@@ -351,9 +351,9 @@ impl Simulation {
     }
 }
 
-fn motion(script: &Script, walls: &Arc<Walls>, id: RobotId, place: Place, has_legs: bool) -> Motion {
+fn motion(script: &Script, walls: &Arc<Walls>, id: RobotId, start: Start, has_legs: bool) -> Motion {
     let kind = if has_legs { DriveKind::Legged } else { DriveKind::Differential };
-    let motion = Motion::new(id, Arc::new(model(kind)), Arc::clone(walls), pose(place));
+    let motion = Motion::new(id, Arc::new(model(kind)), Arc::clone(walls), pose(start));
     let motion = if has_legs { motion.with_legs(legs(), Arc::new(Ground::Flat)) } else { motion };
     if script.is_perfect {
         return motion;

@@ -30,8 +30,8 @@ fn miss(scene: &SceneSpec, seed: u64) -> f64 {
     let start = simulation.pose(robot);
     simulation.command(robot, Command::Twist(Twist::new(0.3, 0.5))).expect("the robot drives");
     simulation.advance_to(Time::from_millis(10_000));
-    let believed = start.compose(&simulation.odometry(robot));
-    (simulation.pose(robot).position - believed.position).length()
+    let odometry = start.compose(&simulation.odometry(robot));
+    (simulation.pose(robot).position - odometry.position).length()
 }
 
 fn main() {
@@ -49,11 +49,11 @@ fn main() {
         threads.into_iter().flat_map(|thread| thread.join().expect("no run panics")).collect()
     });
     misses.sort_unstable_by(f64::total_cmp);
-    let share = |part: f64| misses[(part * (misses.len() - 1) as f64) as usize];
+    let quantile = |part: f64| misses[(part * (misses.len() - 1) as f64) as usize];
     println!(
         "{SEEDS} seeds, miss in m: median {:.4}, 90 % below {:.4}, most {:.4}",
-        share(0.5),
-        share(0.9),
-        share(1.0)
+        quantile(0.5),
+        quantile(0.9),
+        quantile(1.0)
     );
 }

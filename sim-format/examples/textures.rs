@@ -73,8 +73,8 @@ fn floor(size: DVec2, pixel: f64, colour: impl Fn(DVec2) -> Colour) -> RgbImage 
     let [width, height] = (size / pixel).round().to_array().map(|count| count as u32);
     RgbImage::from_fn(width, height, |column, row| {
         let mut sum = [0_u32; 3];
-        for place in 0..SIDE * SIDE {
-            let within = DVec2::new(f64::from(place % SIDE), f64::from(place / SIDE)) + 0.5;
+        for index in 0..SIDE * SIDE {
+            let within = DVec2::new(f64::from(index % SIDE), f64::from(index / SIDE)) + 0.5;
             let at = DVec2::new(f64::from(column), f64::from(height - 1 - row)) + within / f64::from(SIDE);
             let shades = colour(at * pixel);
             sum.iter_mut().zip(shades).for_each(|(sum, shade)| *sum += u32::from(shade));
@@ -86,11 +86,11 @@ fn floor(size: DVec2, pixel: f64, colour: impl Fn(DVec2) -> Colour) -> RgbImage 
 /// Points of the closed line of [`track`].
 pub fn track_line() -> Vec<DVec2> {
     const STEPS: u32 = 500;
-    let place = |step| {
+    let point = |step| {
         let (sin, cos) = math::sin_cos(TAU * f64::from(step) / f64::from(STEPS));
         DVec2::new(1.5 + 1.15 * cos, 1.176 + 0.62 * sin + 0.18 * (cos * cos - sin * sin))
     };
-    (0..STEPS).map(place).collect()
+    (0..STEPS).map(point).collect()
 }
 
 /// A dark closed line, 25 mm wide, on a light floor of 3 x 2 m; it bends to both sides, with radii from 0.19 m.
@@ -100,13 +100,14 @@ fn track() -> RgbImage {
     let distance = |at: DVec2| {
         let pairs = line.iter().zip(line.iter().cycle().skip(1));
         // Only parts near the line.
-        let near = pairs.filter(|(a, _)| (**a - at).abs().max_element() < 4.0 * HALF);
-        near.map(|(a, b)| {
-            let along = *b - *a;
-            let share = ((at - *a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-            at.distance(*a + share * along)
-        })
-        .fold(f64::INFINITY, f64::min)
+        let nearby = pairs.filter(|(a, _)| (**a - at).abs().max_element() < 4.0 * HALF);
+        nearby
+            .map(|(a, b)| {
+                let along = *b - *a;
+                let fraction = ((at - *a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+                at.distance(*a + fraction * along)
+            })
+            .fold(f64::INFINITY, f64::min)
     };
     floor(DVec2::new(3.0, 2.0), 0.0025, |at| if distance(at) < HALF { [24, 24, 28] } else { [232, 229, 220] })
 }

@@ -65,7 +65,7 @@ pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
 
 /// Robots and objects: first the world's, then the sim file's in the order of their lines.
 fn bodies(scene: &SceneSpec, of_world: usize) -> Vec<Body> {
-    let object = |(place, object): (usize, &ObjectSpec)| {
+    let object = |(index, object): (usize, &ObjectSpec)| {
         let (offset, radius) = inner_disc(&object.kind)?;
         Some(Body {
             what: format!("`{}`", object.kind.name),
@@ -74,7 +74,7 @@ fn bodies(scene: &SceneSpec, of_world: usize) -> Vec<Body> {
             centre: object.pose.transform_point(offset),
             radius,
             span: object.span,
-            is_of_sim: place >= of_world,
+            is_of_sim: index >= of_world,
         })
     };
     let robots = scene.robots.iter().map(|robot| Body {
@@ -195,8 +195,8 @@ fn limit(level: i32) -> f64 {
 }
 
 fn overlap(one: &Body, other: &Body) -> bool {
-    let apart = (one.centre - other.centre).length();
-    !(one.is_fixed && other.is_fixed) && apart < one.radius + other.radius - SKIN
+    let distance = (one.centre - other.centre).length();
+    !(one.is_fixed && other.is_fixed) && distance < one.radius + other.radius - SKIN
 }
 
 #[cfg(test)]

@@ -43,14 +43,14 @@ impl Reader {
             robi.psds.iter_mut().for_each(|psd| psd.range = range);
         }
         let names: Vec<String> = robi.psds.iter().map(|psd| psd.name.clone()).collect();
-        let places: BTreeMap<&str, usize> = names.iter().map(String::as_str).zip(0..).collect();
+        let indices: BTreeMap<&str, usize> = names.iter().map(String::as_str).zip(0..).collect();
         let names = || names.iter().map(String::as_str).take(MAX_LISTED).chain(["range_mm"]);
         for (key, value) in section.table {
             if key.get_ref() == "range_mm" {
                 continue;
             }
             let span = self.span(key.span());
-            let Some(psd) = places.get(key.get_ref().as_ref()).and_then(|place| robi.psds.get_mut(*place)) else {
+            let Some(psd) = indices.get(key.get_ref().as_ref()).and_then(|index| robi.psds.get_mut(*index)) else {
                 let message = format!("`{}` is neither a PSD of the robi nor `range_mm`", key.get_ref());
                 let expected = format!("one of {}", names().collect::<Vec<_>>().join(", "));
                 let suggestion = line::nearest(key.get_ref(), names()).map(|name| format!("write `{name}`"));
@@ -80,13 +80,13 @@ impl Reader {
     }
 
     fn doubles_of<'d>(&mut self, devices: impl Iterator<Item = (&'static str, &'d str, Option<i32>, Span)>) {
-        let mut given = UsedNames::default();
+        let mut used_names = UsedNames::default();
         for (kind, name, id, span) in devices {
-            if given.line_of(name, id).is_some() {
+            if used_names.line_of(name, id).is_some() {
                 let message = format!("the name or number of {kind} `{name}` was already given");
                 self.sink.warn(Code::RobiDeviceTwice, span, message, "each name and each number once");
             }
-            given.add(name, id, span.line);
+            used_names.add(name, id, span.line);
         }
     }
 }

@@ -60,8 +60,8 @@ pub fn sim(sim: &SimSpec) -> SimSpec {
     sim.faults.iter_mut().for_each(|fault| fault.span = Span::default());
     sim.reachable.iter_mut().for_each(|demand| {
         demand.span = Span::default();
-        for place in [&mut demand.from, &mut demand.to] {
-            if let Whereabouts::Thing(path) = place {
+        for point in [&mut demand.from, &mut demand.to] {
+            if let Whereabouts::Thing(path) = point {
                 forget(path);
             }
         }

@@ -123,8 +123,8 @@ fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[LiveEntity]) {
     let mut lines: Vec<usize> = (0..sim.objects.len()).collect();
     let mut gone = Vec::new();
     for spec in scene.objects.iter().rev() {
-        let place = lines.iter().rposition(|line| sim.objects[*line].span == spec.span);
-        let line = place.map(|place| lines.remove(place));
+        let index = lines.iter().rposition(|line| sim.objects[*line].span == spec.span);
+        let line = index.map(|index| lines.remove(index));
         if spec.kind.is_fixed {
             continue;
         }
@@ -770,8 +770,8 @@ mod tests {
             (Some(RobotId(2)), "LabBot".to_owned(), 1500.0, None),
         ];
         assert_eq!(known, expected, "{text}");
-        let places: Vec<f64> = sim.objects.iter().map(|line| (line.pose.position.x * 1000.0).round()).collect();
-        assert_eq!(places, [400.0, 1750.0], "the first has gone, the third has come: {text}");
+        let positions: Vec<f64> = sim.objects.iter().map(|line| (line.pose.position.x * 1000.0).round()).collect();
+        assert_eq!(positions, [400.0, 1750.0], "the first has gone, the third has come: {text}");
     }
 
     #[test]

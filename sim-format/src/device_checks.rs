@@ -60,10 +60,10 @@ impl Reader {
                 "link `{}` refers to the servo `{}`, which the robot does not have",
                 link.name, turn.servo.text
             );
-            let known: Vec<&str> = servos.iter().map(String::as_str).take(MAX_LISTED).collect();
-            let expected = match known.as_slice() {
+            let names: Vec<&str> = servos.iter().map(String::as_str).take(MAX_LISTED).collect();
+            let expected = match names.as_slice() {
                 [] => "a table `[[servo]]` of this name".to_owned(),
-                known => format!("one of {}, or a table `[[servo]]` of this name", known.join(", ")),
+                names => format!("one of {}, or a table `[[servo]]` of this name", names.join(", ")),
             };
             let nearest = line::nearest(&turn.servo.text, servos.iter().map(String::as_str));
             let suggestion = nearest.map(|name| format!("write `{name}`"));
@@ -104,10 +104,10 @@ impl Reader {
     /// Reports a missing link, and moves the device or link mounted on it to the body.
     fn check_link(&mut self, on: &mut Option<PathRef>, names: &BTreeMap<String, usize>) {
         let Some(wanted) = on.take_if(|wanted| !names.contains_key(&wanted.text)) else { return };
-        let known = || [BODY].into_iter().chain(names.keys().map(String::as_str));
+        let link_names = || [BODY].into_iter().chain(names.keys().map(String::as_str));
         let message = format!("there is no link `{}`", wanted.text);
-        let expected = format!("one of {}", known().take(MAX_LISTED).collect::<Vec<_>>().join(", "));
-        let suggestion = line::nearest(&wanted.text, known()).map(|name| format!("write `{name}`"));
+        let expected = format!("one of {}", link_names().take(MAX_LISTED).collect::<Vec<_>>().join(", "));
+        let suggestion = line::nearest(&wanted.text, link_names()).map(|name| format!("write `{name}`"));
         self.sink.error(Code::LinkUnknown, wanted.span, message, expected).suggestion = suggestion;
     }
 
@@ -116,7 +116,7 @@ impl Reader {
         let count = links.len();
         let parent = |link: &LinkSpec| {
             let on = link.mount.on.as_ref().and_then(|on| names.get(&on.text).copied());
-            on.filter(|place| *place < count)
+            on.filter(|index| *index < count)
         };
         // For each link, the start from which it was first reached.
         let mut reached: Vec<Option<usize>> = vec![None; links.len()];

@@ -107,10 +107,10 @@ impl Sink {
             expected: expected.into(),
             suggestion: None,
         };
-        let place = self.diagnostics.len();
-        if place < MAX_KEPT {
+        let index = self.diagnostics.len();
+        if index < MAX_KEPT {
             self.diagnostics.push(diagnostic);
-            return &mut self.diagnostics[place];
+            return &mut self.diagnostics[index];
         }
         self.left_out += 1;
         let worst = self.last_left_out.take().map_or(severity, |last| last.severity.max(severity));

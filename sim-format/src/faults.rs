@@ -33,8 +33,8 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
             FaultKind::Noise { parameter, value } => {
                 let error = Profile::default().set_parameter(parameter, *value).err();
                 error.map(|error| {
-                    let known = Profile::default().parameters();
-                    let names: Vec<String> = known.into_iter().map(|known| known.name()).collect();
+                    let parameters = Profile::default().parameters();
+                    let names: Vec<String> = parameters.into_iter().map(|parameters| parameters.name()).collect();
                     let close = line::nearest(parameter, names.iter().map(String::as_str)).map(str::to_owned);
                     (
                         error.to_string(),
@@ -59,12 +59,12 @@ fn unknown_sensor(
     name: &str,
     is_meant: impl Fn(SensorId) -> bool,
 ) -> Option<(String, String, Option<String>)> {
-    let known: Vec<&str> = switch::sensors(robi).filter(|(_, kind)| is_meant(*kind)).map(|(name, _)| name).collect();
-    if known.contains(&name) {
+    let sensors: Vec<&str> = switch::sensors(robi).filter(|(_, kind)| is_meant(*kind)).map(|(name, _)| name).collect();
+    if sensors.contains(&name) {
         return None;
     }
     let message = format!("`{}` has no sensor `{name}` that this fault could concern", robi.name);
-    let list = known.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    let expected = if known.is_empty() { "another fault: it has none".to_owned() } else { format!("one of {list}") };
-    Some((message, expected, line::nearest(name, known).map(str::to_owned)))
+    let list = sensors.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let expected = if sensors.is_empty() { "another fault: it has none".to_owned() } else { format!("one of {list}") };
+    Some((message, expected, line::nearest(name, sensors).map(str::to_owned)))
 }

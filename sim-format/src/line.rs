@@ -51,12 +51,12 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
 /// Byte offsets of the starts of a text's lines; lines end as in [`lines`].
 pub(super) fn line_starts(text: &str) -> Vec<usize> {
     let bytes = text.as_bytes();
-    let ends = (0..bytes.len()).filter(|&place| match bytes[place] {
+    let ends = (0..bytes.len()).filter(|&index| match bytes[index] {
         b'\n' => true,
-        b'\r' => bytes.get(place + 1) != Some(&b'\n'),
+        b'\r' => bytes.get(index + 1) != Some(&b'\n'),
         _ => false,
     });
-    std::iter::once(0).chain(ends.map(|place| place + 1)).collect()
+    std::iter::once(0).chain(ends.map(|index| index + 1)).collect()
 }
 
 impl<'a> Line<'a> {
@@ -85,9 +85,9 @@ impl<'a> Line<'a> {
             let ends = |c: char| quote.map_or(c.is_whitespace() || c == ';', |quote| c == quote);
             let mut end = self.text.len();
             let mut is_unclosed = quote.is_some();
-            while let Some(&((place, character), _)) = characters.peek() {
+            while let Some(&((index, character), _)) = characters.peek() {
                 if ends(character) {
-                    (end, is_unclosed) = (place, false);
+                    (end, is_unclosed) = (index, false);
                     break;
                 }
                 characters.next();

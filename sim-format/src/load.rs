@@ -232,9 +232,9 @@ fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt
     loader.profiles(path, &folder, &mut sim);
     let mut world = loader.world(&sim, &folder);
     loader.solids(path, world.as_mut(), &mut sim.inline.object_types);
-    let placed = place::place(&mut loader, &sim, &folder, world.as_ref(), attempt);
+    let placement = place::place(&mut loader, &sim, &folder, world.as_ref(), attempt);
     if let Some(world) = &mut world {
-        world.walls = placed.walls;
+        world.walls = placement.walls;
     }
     let costs = sim.run.costs.take().and_then(|costs| loader.costs(path, &folder, costs));
     checks::set_folder(&mut sim.checks, &folder);
@@ -242,23 +242,23 @@ fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt
         file: path.to_owned(),
         folder,
         world: world.unwrap_or_default(),
-        robots: placed.robots,
-        objects: placed.objects,
+        robots: placement.robots,
+        objects: placement.objects,
         markers: sim.markers,
         settings: sim.settings,
         run: RunSpec { costs, ..sim.run },
         radio: sim.radio,
         checks: sim.checks,
         faults: sim.faults,
-        drawn: sim.drawn.into_iter().chain(placed.drawn).collect(),
+        drawn: sim.drawn.into_iter().chain(placement.drawn).collect(),
     };
     loader.diagnostics.extend(unknown_sensors(&scene.robots));
     loader.wheels_on_terrain(&scene);
     loader.hulls_in_water(&scene);
     loader.diagnostics.extend(checks::check(&scene));
     loader.diagnostics.extend(faults::check(&scene));
-    loader.diagnostics.extend(clearance::check(&scene, placed.of_world));
-    (loader.finish(scene), own, placed.may_retry)
+    loader.diagnostics.extend(clearance::check(&scene, placement.of_world));
+    (loader.finish(scene), own, placement.may_retry)
 }
 
 /// Reads only a world file of any kind; the scene of the result has no robots.
@@ -377,14 +377,14 @@ impl<'a> Loader<'a> {
             return String::new();
         }
         let (text, invalid) = decode(&bytes);
-        if let Some(place) = invalid {
-            let starts = line::line_starts(&text[..place]);
-            let line = &text[starts.last().copied().unwrap_or_default()..place];
+        if let Some(index) = invalid {
+            let starts = line::line_starts(&text[..index]);
+            let line = &text[starts.last().copied().unwrap_or_default()..index];
             // A byte order mark counts only at the start of the text.
             let line = if starts.len() == 1 { line.trim_start_matches('\u{feff}') } else { line };
             let span = Span {
-                start: place,
-                end: place + char::REPLACEMENT_CHARACTER.len_utf8(),
+                start: index,
+                end: index + char::REPLACEMENT_CHARACTER.len_utf8(),
                 line: starts.len() as u32,
                 column: line.chars().count() as u32 + 1,
             };
@@ -414,15 +414,15 @@ impl<'a> Loader<'a> {
         folder: &str,
         reference: &PathRef,
     ) -> Option<(String, Vec<u8>)> {
-        let places = path::candidates(&reference.text, folder, self.files.home());
+        let candidates = path::candidates(&reference.text, folder, self.files.home());
         let mut sink = Sink::new(file);
         let mut found = None;
-        for place in &places {
-            match self.files.read(place) {
-                Ok(bytes) => found = Some((place.clone(), bytes)),
+        for candidate in &candidates {
+            match self.files.read(candidate) {
+                Ok(bytes) => found = Some((candidate.clone(), bytes)),
                 Err(FileError::Missing) => continue,
                 Err(error) => {
-                    let message = format!("`{place}` cannot be read: {error}");
+                    let message = format!("`{candidate}` cannot be read: {error}");
                     sink.report(severity, error.code(), reference.span, message, "a file that can be read");
                     self.diagnostics.extend(sink.finish());
                     return None;
@@ -431,23 +431,24 @@ impl<'a> Loader<'a> {
             break;
         }
         if found.is_none() {
-            found = places.iter().find_map(|place| self.in_other_case(place));
-            if let Some((place, _)) = &found {
-                let message = format!("`{}` is found only as `{place}`: upper and lower case differ", reference.text);
+            found = candidates.iter().find_map(|candidate| self.in_other_case(candidate));
+            if let Some((candidate, _)) = &found {
+                let message =
+                    format!("`{}` is found only as `{candidate}`: upper and lower case differ", reference.text);
                 sink.warn(Code::FileCase, reference.span, message, "the name as the file has it");
             }
         }
         if found.is_none() {
             let ends = path::moved(&reference.text, folder, self.files.home());
-            let exact = ends.iter().find_map(|place| Some((place.clone(), self.files.read(place).ok()?)));
-            found = exact.or_else(|| ends.iter().find_map(|place| self.in_other_case(place)));
-            if let Some((place, _)) = &found {
-                let message = format!("`{}` is not found; `{place}` is taken instead", reference.text);
+            let exact = ends.iter().find_map(|candidate| Some((candidate.clone(), self.files.read(candidate).ok()?)));
+            found = exact.or_else(|| ends.iter().find_map(|candidate| self.in_other_case(candidate)));
+            if let Some((candidate, _)) = &found {
+                let message = format!("`{}` is not found; `{candidate}` is taken instead", reference.text);
                 sink.warn(Code::FileMoved, reference.span, message, "a name relative to this file");
             }
         }
         if found.is_none() {
-            let message = format!("`{}` is not found; tried {}", reference.text, tried(&places));
+            let message = format!("`{}` is not found; tried {}", reference.text, tried(&candidates));
             let expected = "a file relative to this one, to the working folder or to the installation (`%sim%`)";
             let diagnostic = sink.report(severity, Code::FileMissing, reference.span, message, expected);
             let stem = path::stem(&reference.text);
@@ -455,7 +456,7 @@ impl<'a> Loader<'a> {
             let built_in = built_in.filter(|_| path::extension(&reference.text) == "robi");
             diagnostic.suggestion = match built_in {
                 Some(name) => Some(format!("`{name}` is built in: write `{name} X Y PHI PROGRAM`")),
-                None => self.similar(&places).map(|name| format!("there is `{name}`")),
+                None => self.similar(&candidates).map(|name| format!("there is `{name}`")),
             };
         }
         self.diagnostics.extend(sink.finish());
@@ -463,10 +464,10 @@ impl<'a> Loader<'a> {
     }
 
     /// File whose path differs from `place` only in letter case.
-    fn in_other_case(&self, place: &str) -> Option<(String, Vec<u8>)> {
-        let root = if place.starts_with('/') { "/" } else { "" };
+    fn in_other_case(&self, wanted: &str) -> Option<(String, Vec<u8>)> {
+        let root = if wanted.starts_with('/') { "/" } else { "" };
         let mut path = root.to_owned();
-        for part in place.split('/').filter(|part| !part.is_empty()) {
+        for part in wanted.split('/').filter(|part| !part.is_empty()) {
             let name = if part == ".." {
                 part.to_owned()
             } else {
@@ -485,12 +486,12 @@ impl<'a> Loader<'a> {
     }
 
     /// File with a similar name in one of the folders tried.
-    fn similar(&self, places: &[String]) -> Option<String> {
-        places.iter().find_map(|place| {
-            let mut names = self.files.list(path::folder_of(place));
+    fn similar(&self, paths: &[String]) -> Option<String> {
+        paths.iter().find_map(|path| {
+            let mut names = self.files.list(path::folder_of(path));
             names.sort_unstable();
-            let folder = &place[..place.len() - path::file_name(place).len()];
-            let nearest = line::nearest(path::file_name(place), names.iter().map(String::as_str))?;
+            let folder = &path[..path.len() - path::file_name(path).len()];
+            let nearest = line::nearest(path::file_name(path), names.iter().map(String::as_str))?;
             Some(format!("{folder}{nearest}"))
         })
     }
@@ -626,10 +627,10 @@ impl Loader<'_> {
     fn serial_files(&mut self, file: &str, folder: &str, robi: &mut RobiSpec) {
         for serial in &mut robi.serials {
             if let SerialLine::File { path, bytes } = &mut serial.line
-                && let Some((place, content)) = self.find(file, folder, path)
+                && let Some((found_path, content)) = self.find(file, folder, path)
             {
                 *bytes = content.as_slice().into();
-                self.inputs.push(InputFile { path: place, bytes: content });
+                self.inputs.push(InputFile { path: found_path, bytes: content });
             }
         }
     }
@@ -734,9 +735,9 @@ impl FileError {
     }
 }
 
-fn tried(places: &[String]) -> String {
-    if places.is_empty() {
+fn tried(paths: &[String]) -> String {
+    if paths.is_empty() {
         return "nothing, since the installation's folder is unknown".to_owned();
     }
-    places.iter().map(|place| format!("`{place}`")).collect::<Vec<_>>().join(", ")
+    paths.iter().map(|path| format!("`{path}`")).collect::<Vec<_>>().join(", ")
 }

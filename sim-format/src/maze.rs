@@ -260,8 +260,8 @@ impl Grid {
         let fits = |grid: &Grid| {
             rows.iter().all(|row| {
                 let characters = || characters(row).take_while(|(_, c, _)| !is_comment(*c));
-                let is_on_line = |place| matches!(grid.place(place), Some(ColumnRole::Wall(_)));
-                characters().all(|(place, c, _)| c != '|' || is_on_line(place))
+                let is_on_line = |column| matches!(grid.place(column), Some(ColumnRole::Wall(_)));
+                characters().all(|(column, c, _)| c != '|' || is_on_line(column))
                     && characters().take(grid.indent as usize).all(|(_, c, _)| c == ' ')
             })
         };
@@ -291,7 +291,7 @@ impl Grid {
 fn characters<'a>(line: &Line<'a>) -> impl Iterator<Item = (u32, char, Span)> + use<'a> {
     let line = *line;
     let characters = line.text.trim_end().char_indices().zip(0..);
-    characters.map(move |((byte, character), place)| (place, character, line.character_span(byte, place + 1)))
+    characters.map(move |((byte, character), column)| (column, character, line.character_span(byte, column + 1)))
 }
 
 fn is_comment(character: char) -> bool {
@@ -317,11 +317,11 @@ impl Drawing {
 
     fn row(&mut self, sink: &mut Sink, row: u32, line: &Line<'_>) {
         let mut has_odd_wall = false;
-        for (place, character, span) in characters(line) {
-            let Some(place) = self.grid.place(place) else {
+        for (text_column, character, span) in characters(line) {
+            let Some(text_column) = self.grid.place(text_column) else {
                 continue;
             };
-            match (character, place) {
+            match (character, text_column) {
                 (' ' | '.', _) => {}
                 ('|', ColumnRole::Wall(column)) => {
                     self.columns = self.columns.max(column);
@@ -342,7 +342,7 @@ impl Drawing {
                 ('_', ColumnRole::Wall(0)) => {}
                 ('_', ColumnRole::Wall(column)) => self.floor_line(row, column - 1, span),
                 (comment, _) if is_comment(comment) => break,
-                (letter, place) => self.letter(sink, row, place, letter, span),
+                (letter, text_column) => self.letter(sink, row, text_column, letter, span),
             }
         }
     }
@@ -380,13 +380,13 @@ impl Drawing {
 
     /// Warns about the first gap in the border of a maze of `last` rows that is more than three quarters closed.
     fn check_border(&self, sink: &mut Sink, last: u32, span_of_row: impl Fn(u32) -> Span) {
-        let upright: BTreeSet<(u32, u32)> = self.vertical.iter().map(|(column, row, _)| (*column, *row)).collect();
-        let level: BTreeSet<(u32, u32)> = self.horizontal.iter().map(|(row, column, _)| (*row, *column)).collect();
+        let vertical: BTreeSet<(u32, u32)> = self.vertical.iter().map(|(column, row, _)| (*column, *row)).collect();
+        let horizontal: BTreeSet<(u32, u32)> = self.horizontal.iter().map(|(row, column, _)| (*row, *column)).collect();
         let sides = (1..=last).flat_map(|row| {
-            [("left", 0), ("right", self.columns)].map(|(side, column)| (side, row, upright.contains(&(column, row))))
+            [("left", 0), ("right", self.columns)].map(|(side, column)| (side, row, vertical.contains(&(column, row))))
         });
         let ends = (0..self.columns).flat_map(|column| {
-            [("upper", 0), ("lower", last)].map(|(side, row)| (side, row, level.contains(&(row, column))))
+            [("upper", 0), ("lower", last)].map(|(side, row)| (side, row, horizontal.contains(&(row, column))))
         });
         let edges: Vec<(&str, u32, bool)> = sides.chain(ends).collect();
         let open = edges.iter().filter(|(.., is_closed)| !is_closed).count();
@@ -410,12 +410,13 @@ impl Drawing {
         self.vertical.sort_unstable();
         self.horizontal.sort_unstable();
         // The upper border is row 0; a vertical piece begins at the lower edge of its row.
-        let upright = runs(&self.vertical).map(|(column, first, end, span)| {
+        let vertical = runs(&self.vertical).map(|(column, first, end, span)| {
             let top = first.saturating_sub(1);
             (corner(column, end - 1), corner(column, top), span)
         });
-        let level = runs(&self.horizontal).map(|(row, first, end, span)| (corner(first, row), corner(end, row), span));
-        let walls = upright.chain(level).filter(|(from, to, _)| from != to).map(|(from, to, span)| WallSpec {
+        let horizontal =
+            runs(&self.horizontal).map(|(row, first, end, span)| (corner(first, row), corner(end, row), span));
+        let walls = vertical.chain(horizontal).filter(|(from, to, _)| from != to).map(|(from, to, span)| WallSpec {
             from,
             to,
             thickness: 0.0,

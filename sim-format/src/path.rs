@@ -24,23 +24,23 @@ const INSTALLED: [&str; 3] = ["", "worlds", "robis"];
 /// directory it is run from; `..` removes the part before it, even if that part is a link.
 pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
-    let mut places = Vec::new();
+    let mut paths = Vec::new();
     if let Some(rest) = strip_installation(&text) {
-        places.extend(home.map(|home| join(home, rest)));
+        paths.extend(home.map(|home| join(home, rest)));
     } else if is_absolute(&text) {
-        places.push(normalised(&text));
+        paths.push(normalised(&text));
         if text.starts_with('/') {
-            places.extend(home.map(|home| join(home, &text)));
+            paths.extend(home.map(|home| join(home, &text)));
         }
     } else {
-        places.push(join(folder, &text));
-        places.push(normalised(&text));
-        places.extend(home.iter().flat_map(|home| INSTALLED.map(|folder| join(&join(home, folder), &text))));
+        paths.push(join(folder, &text));
+        paths.push(normalised(&text));
+        paths.extend(home.iter().flat_map(|home| INSTALLED.map(|folder| join(&join(home, folder), &text))));
     }
     let mut unique: Vec<String> = Vec::new();
-    for place in places {
-        if !unique.contains(&place) {
-            unique.push(place);
+    for path in paths {
+        if !unique.contains(&path) {
+            unique.push(path);
         }
     }
     unique
@@ -57,23 +57,23 @@ pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String>
     }
     let parts: Vec<&str> = text.split('/').filter(|part| !part.is_empty()).collect();
     let above = ["..", "../.."].map(|up| join(folder, up));
-    let mut places: Vec<String> = Vec::new();
+    let mut paths: Vec<String> = Vec::new();
     for first in 0..parts.len() {
         let end = parts[first..].join("/");
-        places.push(join(folder, &end));
+        paths.push(join(folder, &end));
         if first + 1 < parts.len() {
-            places.extend(above.iter().map(|folder| join(folder, &end)));
+            paths.extend(above.iter().map(|folder| join(folder, &end)));
         }
-        places.extend(home.map(|home| join(home, &end)));
+        paths.extend(home.map(|home| join(home, &end)));
     }
-    places
+    paths
 }
 
 /// Folder part of a path; empty for the working folder.
 pub fn folder_of(path: &str) -> &str {
     match path.rfind('/') {
         Some(0) => "/",
-        Some(place) => &path[..place],
+        Some(end) => &path[..end],
         None => "",
     }
 }
@@ -81,7 +81,7 @@ pub fn folder_of(path: &str) -> &str {
 /// Extension of a path in lower case, without the dot; empty if it has none.
 pub(super) fn extension(path: &str) -> String {
     let name = file_name(path);
-    name.rfind('.').map_or(String::new(), |place| name[place + 1..].to_lowercase())
+    name.rfind('.').map_or(String::new(), |dot| name[dot + 1..].to_lowercase())
 }
 
 /// The path with another extension: `robis/S4.robi` with `toml` is `robis/S4.toml`.
@@ -186,9 +186,9 @@ mod tests {
 
     #[test]
     fn relative_names_are_tried_beside_the_file_first() {
-        let places = candidates(r"..\worlds\a.wld", "sims/x", Some("/opt/eyesim"));
+        let paths = candidates(r"..\worlds\a.wld", "sims/x", Some("/opt/eyesim"));
         let expected = ["sims/worlds/a.wld", "../worlds/a.wld", "/opt/worlds/a.wld", "/opt/eyesim/worlds/a.wld"];
-        assert_eq!(places, expected);
+        assert_eq!(paths, expected);
     }
 
     #[test]
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn files_of_another_machine_lie_below_the_same_folders() {
-        let places = moved(r"C:\eyesim\signs\stop.esObj", "a/sims", Some("/opt/e"));
+        let paths = moved(r"C:\eyesim\signs\stop.esObj", "a/sims", Some("/opt/e"));
         let expected = [
             "a/sims/signs/stop.esObj",
             "a/signs/stop.esObj",
@@ -215,8 +215,8 @@ mod tests {
             "a/sims/stop.esObj",
             "/opt/e/stop.esObj",
         ];
-        assert_eq!(places[places.len() - expected.len()..], expected);
-        assert_eq!(places[0], "a/sims/C:/eyesim/signs/stop.esObj");
+        assert_eq!(paths[paths.len() - expected.len()..], expected);
+        assert_eq!(paths[0], "a/sims/C:/eyesim/signs/stop.esObj");
         assert_eq!(moved("signs/stop.esObj", "a", None), [""; 0]);
     }
 

@@ -154,17 +154,17 @@ struct Member {
 /// Generator of numbers for robots without one.
 struct Ids {
     last: u32,
-    given: BTreeSet<RobotId>,
+    given_ids: BTreeSet<RobotId>,
 }
 
 impl Ids {
-    fn besides(given: impl Iterator<Item = RobotId>) -> Self {
-        Self { last: 0, given: given.collect() }
+    fn besides(given_ids: impl Iterator<Item = RobotId>) -> Self {
+        Self { last: 0, given_ids: given_ids.collect() }
     }
 
     fn next(&mut self) -> RobotId {
         self.last += 1;
-        while self.given.contains(&RobotId(self.last)) {
+        while self.given_ids.contains(&RobotId(self.last)) {
             self.last += 1;
         }
         RobotId(self.last)
@@ -217,18 +217,18 @@ impl Placer<'_> {
         if path::extension(&path.text) == "esobj" {
             return loader.object_type(&self.sim.file, self.folder, path);
         }
-        if let Some(known) = self.shapes.get(&path.text) {
-            return Some(Arc::clone(known));
+        if let Some(object) = self.shapes.get(&path.text) {
+            return Some(Arc::clone(object));
         }
         let name = path::stem(&path.text);
-        let known = builtin::object(if name.eq_ignore_ascii_case("ball") { "Soccer" } else { name });
-        if known.is_none() {
+        let object = builtin::object(if name.eq_ignore_ascii_case("ball") { "Soccer" } else { name });
+        if object.is_none() {
             let message = format!("the shape of `{}` is not known: an upright cylinder of 100 mm is taken", path.text);
             let expected = "a mesh named can, ball, soccer, crate or golf, or an .esObj file with a collider";
             self.sink.warn(Code::SimObjectShape, path.span, message, expected);
         }
         let model = ModelSpec { path: path.clone(), offset: DVec3::ZERO, turns: DVec3::ZERO };
-        let shape = known.map_or_else(|| ObjectType::with_defaults(&path.text), Arc::unwrap_or_clone);
+        let shape = object.map_or_else(|| ObjectType::with_defaults(&path.text), Arc::unwrap_or_clone);
         let file = self.sim.file.clone();
         let kind = Arc::new(ObjectType { file, name: name.to_owned(), model: Some(model), ..shape });
         self.shapes.insert(path.text.clone(), Arc::clone(&kind));
@@ -356,14 +356,14 @@ impl Placer<'_> {
             .map(|entity| (self.pose(*entity).position, self.reach(*entity)))
             .collect();
         let space = |walls: &[WallSpec]| {
-            let placed = walls.iter().filter(|wall| !is_random(wall));
-            let mut space = FreeSpace::new(placed, world.floor, widest + clearance);
+            let placed_walls = walls.iter().filter(|wall| !is_random(wall));
+            let mut space = FreeSpace::new(placed_walls, world.floor, widest + clearance);
             fixed.iter().for_each(|(centre, reach)| space.take(*centre, *reach));
             space
         };
         self.scatter_walls(&space(&walls), &mut walls);
         let mut space = space(&walls);
-        let (mut full, mut placed) = (None, BTreeSet::new());
+        let (mut full, mut placed_walls) = (None, BTreeSet::new());
         self.scattered.sort_by_key(|(entity, _)| *entity);
         for (entity, scatter) in self.scattered.clone() {
             let span = self.span(entity);
@@ -384,9 +384,9 @@ impl Placer<'_> {
                 Entity::Robot(index) => self.robots[index].start = pose,
                 Entity::Object(index) => self.objects[index].pose = pose,
             }
-            placed.insert(entity);
+            placed_walls.insert(entity);
         }
-        self.drop_unplaced(&random, &placed);
+        self.drop_unplaced(&random, &placed_walls);
         walls
     }
 
@@ -408,8 +408,8 @@ impl Placer<'_> {
             let path = self.sim.wall_paths.get(index).cloned().unwrap_or_default();
             let mut stream = self.stream(&path);
             let Some(found) = space.place_wall(&mut stream, (length, wall.thickness), &scatter, &added) else {
-                let placed = added.iter().filter(|other| other.span == wall.span).count();
-                self.no_room(wall.span, &format!("there is room for {placed} of these walls"), "walls");
+                let count = added.iter().filter(|other| other.span == wall.span).count();
+                self.no_room(wall.span, &format!("there is room for {count} of these walls"), "walls");
                 full = Some(wall.span);
                 continue;
             };
@@ -438,8 +438,8 @@ impl Placer<'_> {
             ("y_mm", number::mm(pose.position.y)),
             ("heading_deg", number::heading(pose.heading)),
         ];
-        let drawn = values.map(|(key, value)| Drawn { path: format!("{path}.{key}"), value: value.into() });
-        self.drawn.extend(drawn);
+        let draws = values.map(|(key, value)| Drawn { path: format!("{path}.{key}"), value: value.into() });
+        self.drawn.extend(draws);
     }
 
     fn pose(&self, entity: Entity) -> Pose {
@@ -597,44 +597,44 @@ impl Placer<'_> {
 /// Starts of a world, with those taken by robots.
 struct Starts<'a> {
     world: Option<&'a WorldSpec>,
-    taken: Vec<bool>,
+    is_taken: Vec<bool>,
 }
 
 impl<'a> Starts<'a> {
     fn new(world: Option<&'a WorldSpec>) -> Self {
-        Self { world, taken: vec![false; world.map_or(0, |world| world.starts.len())] }
+        Self { world, is_taken: vec![false; world.map_or(0, |world| world.starts.len())] }
     }
 
     /// Takes the first free start.
     fn next(&mut self) -> Option<Pose> {
-        let place = self.taken.iter().position(|taken| !taken)?;
-        self.taken[place] = true;
-        Some(self.world?.starts[place].pose)
+        let index = self.is_taken.iter().position(|is_taken| !is_taken)?;
+        self.is_taken[index] = true;
+        Some(self.world?.starts[index].pose)
     }
 
     /// The start of a maze in EyeSim VR of 2018: the cell of the last letter, regardless of the letter; the robot faces along x.
     fn of_2018(&mut self) -> Option<Pose> {
         let starts = &self.world?.starts;
-        let place = (0..starts.len()).rfind(|place| starts[*place].letter.is_some())?;
-        self.taken[place] = true;
-        let at = starts[place].pose.position;
+        let index = (0..starts.len()).rfind(|index| starts[*index].letter.is_some())?;
+        self.is_taken[index] = true;
+        let at = starts[index].pose.position;
         Some(Pose::new(at.x, at.y, 0.0))
     }
 
     /// Takes the first free start with this letter; if all are taken, returns the first, so that two robots of one letter share a cell.
     fn of_letter(&mut self, letter: char) -> Option<Pose> {
         let starts = &self.world?.starts;
-        let mut places = (0..starts.len()).filter(|place| starts[*place].letter == Some(letter));
-        let first = places.clone().next()?;
-        let place = places.find(|place| !self.taken[*place]).unwrap_or(first);
-        self.taken[place] = true;
-        Some(starts[place].pose)
+        let mut indices = (0..starts.len()).filter(|index| starts[*index].letter == Some(letter));
+        let first = indices.clone().next()?;
+        let index = indices.find(|index| !self.is_taken[*index]).unwrap_or(first);
+        self.is_taken[index] = true;
+        Some(starts[index].pose)
     }
 }
 
 /// A position of a demand, worded for messages.
-fn written(place: &Whereabouts) -> String {
-    match place {
+fn written(whereabouts: &Whereabouts) -> String {
+    match whereabouts {
         Whereabouts::Thing(path) => format!("`{}`", path.text),
         Whereabouts::Point(point) => format!("({}, {}) mm", number::mm(point.x), number::mm(point.y)),
     }

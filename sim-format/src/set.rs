@@ -106,9 +106,9 @@ impl Reader {
 }
 
 fn set_in<'t>(table: &mut DeTable<'t>, key: &'t str, rest: &[Step<'t>], value: DeValue<'t>) -> Result<(), String> {
-    let place = table.iter_mut().find(|(known, _)| known.get_ref() == key).map(|(_, value)| value);
-    match (place, rest) {
-        (Some(place), _) => set_at(place, key, rest, value),
+    let entry = table.iter_mut().find(|(known, _)| known.get_ref() == key).map(|(_, value)| value);
+    match (entry, rest) {
+        (Some(entry), _) => set_at(entry, key, rest, value),
         (None, []) => {
             table.insert(Spanned::new(SET, key.into()), Spanned::new(SET, unplaced(value)));
             Ok(())

@@ -143,7 +143,7 @@ impl Reader {
                 if words.len() > 1 { format!("\"{text}\"") } else { text }
             };
             let ends_type = |word: &Word<'_>| word.text.to_ascii_lowercase().ends_with(".robi");
-            let of_type = rest[..names - 1].iter().position(ends_type).map_or(1, |place| place + 1);
+            let of_type = rest[..names - 1].iter().position(ends_type).map_or(1, |index| index + 1);
             let line = [text(&rest[..of_type]), text(&rest[of_type..names])].join(" ");
             let numbers = rest[names..].iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
             self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM).suggestion =
@@ -228,8 +228,8 @@ impl Reader {
             }
             return;
         }
-        let known = KEYWORDS.iter().chain(&builtin::ROBOTS).chain(&builtin::OBJECTS).copied();
-        let nearest = line::nearest(first.text, known);
+        let keywords = KEYWORDS.iter().chain(&builtin::ROBOTS).chain(&builtin::OBJECTS).copied();
+        let nearest = line::nearest(first.text, keywords);
         // A misspelt world or robot line loses that world or robot.
         let is_lost = nearest.is_some_and(|word| VITAL.contains(&word) || builtin::ROBOTS.contains(&word));
         let severity = if is_lost { Severity::Error } else { Severity::Warning };
@@ -301,8 +301,8 @@ impl Reader {
             self.sink.error(Code::SimMarkerArity, span, message, MARKER_FORM);
             return;
         }
-        let (place, shades) = rest.split_at(2);
-        let position = line::numbers(&mut self.sink, Severity::Error, place, &[POSE[0], POSE[1]]);
+        let (coordinates, shades) = rest.split_at(2);
+        let position = line::numbers(&mut self.sink, Severity::Error, coordinates, &[POSE[0], POSE[1]]);
         let mut colour = MARKER_COLOUR;
         for ((shade, word), quantity) in colour.iter_mut().zip(shades).zip(&COLOUR) {
             if let Some(value) = line::number(&mut self.sink, Severity::Error, word, quantity) {

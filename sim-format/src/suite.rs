@@ -49,7 +49,7 @@ pub struct SuiteSpec {
     pub arguments: Vec<String>,
     /// File with the standard input of the programs.
     pub stdin: Option<PathRef>,
-    /// Share of seeds that must pass, 0 to 1.
+    /// Fraction of seeds that must pass, 0 to 1.
     pub pass_rate: f64,
     /// Values in which the cases differ.
     pub matrix: Matrix,
@@ -246,8 +246,8 @@ impl Matrix {
         };
         let is_excluded = |indices: &Vec<usize>| {
             let label_of = |name: &String| {
-                let place = axes.iter().position(|axis| axis.name == *name)?;
-                Some(axes[place].label(indices[place]))
+                let axis_index = axes.iter().position(|axis| axis.name == *name)?;
+                Some(axes[axis_index].label(indices[axis_index]))
             };
             self.exclude.iter().any(|left_out| left_out.iter().all(|(name, value)| label_of(name) == Some(value)))
         };
@@ -373,12 +373,12 @@ impl Reader {
                 self.sink.error(Code::SuiteAxis, matrix.span, message, "each name once");
             }
         }
-        let known = || names.iter().copied().collect::<Vec<_>>().join(", ");
+        let list = || names.iter().copied().collect::<Vec<_>>().join(", ");
         let of_zip = matrix.zip.iter().flatten();
         for name in of_zip.chain(matrix.exclude.iter().flat_map(BTreeMap::keys)) {
             if !names.contains(name.as_str()) {
                 let message = format!("the matrix has no values of `{name}`");
-                self.sink.error(Code::SuiteAxis, matrix.span, message, format!("one of {}", known()));
+                self.sink.error(Code::SuiteAxis, matrix.span, message, format!("one of {}", list()));
             }
         }
         let mut zipped = BTreeSet::new();
@@ -407,10 +407,10 @@ impl Reader {
     fn settle_parameters(&mut self, suite: &SuiteSpec) {
         let parameters = &suite.matrix.parameter;
         for parameter in parameters {
-            let place = format!("{{{}}}", parameter.name);
-            if !suite.arguments.iter().any(|text| text.contains(&place)) {
-                let message = format!("no argument of a program has the parameter `{place}`");
-                let expected = format!("`arguments = [\"--{} {place}\"]` in `[suite]`", parameter.name);
+            let placeholder = format!("{{{}}}", parameter.name);
+            if !suite.arguments.iter().any(|text| text.contains(&placeholder)) {
+                let message = format!("no argument of a program has the parameter `{placeholder}`");
+                let expected = format!("`arguments = [\"--{} {placeholder}\"]` in `[suite]`", parameter.name);
                 self.sink.error(Code::SuiteParameter, parameter.span, message, expected);
             }
         }

@@ -30,13 +30,13 @@ pub(super) struct Section<'a, 'i> {
     pub(super) name: &'static str,
     pub(super) table: &'a DeTable<'i>,
     pub(super) span: Span,
-    known: Vec<&'static str>,
+    known_keys: Vec<&'static str>,
 }
 
 impl<'a, 'i> Section<'a, 'i> {
     /// Section of a whole document.
     pub(super) fn root(table: &'a DeTable<'i>) -> Self {
-        Section { name: "", table, span: Span::default(), known: Vec::new() }
+        Section { name: "", table, span: Span::default(), known_keys: Vec::new() }
     }
 
     /// Returns true if the table has this key, without marking the key as known.
@@ -46,8 +46,8 @@ impl<'a, 'i> Section<'a, 'i> {
 
     /// Value of a key; marks the key as known.
     pub(super) fn get(&mut self, key: &'static str) -> Option<&'a Spanned<DeValue<'i>>> {
-        if !self.known.contains(&key) {
-            self.known.push(key);
+        if !self.known_keys.contains(&key) {
+            self.known_keys.push(key);
         }
         self.table.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| value)
     }
@@ -87,8 +87,8 @@ fn first_of_sim(text: &str) -> Option<Span> {
     let line = line::lines(text).find(|line| !line.words().is_empty())?;
     let words = line.words();
     let (first, rest) = words.split_first()?;
-    let mut known = sim::KEYWORDS.iter().chain(&builtin::ROBOTS);
-    let is_known = known.any(|keyword| keyword.eq_ignore_ascii_case(first.text));
+    let mut keywords = sim::KEYWORDS.iter().chain(&builtin::ROBOTS);
+    let is_known = keywords.any(|keyword| keyword.eq_ignore_ascii_case(first.text));
     (is_known && rest.first().is_some_and(|word| !word.text.starts_with('='))).then_some(first.span)
 }
 
@@ -251,13 +251,13 @@ impl Reader {
             self.wrong_type(key, value, &expected);
             return None;
         };
-        let place = words.iter().position(|word| *word == text);
-        if place.is_none() {
+        let index = words.iter().position(|word| *word == text);
+        if index.is_none() {
             let suggestion = line::nearest(text, words.iter().copied()).map(|word| format!("write `{word}`"));
             let message = format!("`{text}` is no {key}");
             self.sink.error(Code::TomlChoice, self.span(value.span()), message, expected).suggestion = suggestion;
         }
-        place
+        index
     }
 
     /// Array of `N` numbers.
@@ -407,7 +407,7 @@ impl Reader {
     ) -> Option<Section<'a, 'i>> {
         let span = self.span(value.span());
         match value.get_ref() {
-            DeValue::Table(table) => Some(Section { name: key, table, span, known: Vec::new() }),
+            DeValue::Table(table) => Some(Section { name: key, table, span, known_keys: Vec::new() }),
             _ => {
                 self.wrong_type(key, value, expected);
                 None
@@ -434,16 +434,16 @@ impl Reader {
     pub(super) fn unknown_keys(&mut self, section: &Section<'_, '_>) {
         for (key, _) in section.table {
             let name = key.get_ref().as_ref();
-            if section.known.contains(&name) {
+            if section.known_keys.contains(&name) {
                 continue;
             }
-            let place = if section.name.is_empty() { String::new() } else { format!(" in `{}`", section.name) };
-            let message = format!("unknown key `{name}`{place}");
-            let expected = format!("one of {}", section.known.join(", "));
-            let known = || section.known.iter().copied();
+            let suffix = if section.name.is_empty() { String::new() } else { format!(" in `{}`", section.name) };
+            let message = format!("unknown key `{name}`{suffix}");
+            let expected = format!("one of {}", section.known_keys.join(", "));
+            let keys = || section.known_keys.iter().copied();
             // A key that lacks only its unit counts as similar as well.
-            let whole = known().find(|key| key.strip_prefix(name).is_some_and(|unit| unit.starts_with('_')));
-            let nearest = line::nearest(name, known()).or(whole);
+            let whole = keys().find(|key| key.strip_prefix(name).is_some_and(|unit| unit.starts_with('_')));
+            let nearest = line::nearest(name, keys()).or(whole);
             let suggestion = nearest.map(|key| format!("write `{key}`"));
             // A setting is never meant for a future version or for another program.
             let severity = if key.span() == SET { Severity::Error } else { Severity::Warning };

@@ -34,7 +34,7 @@ impl LoadedType {
 
 /// Types of a scene by name.
 pub(super) struct Types {
-    by_name: BTreeMap<String, Known>,
+    by_name: BTreeMap<String, KnownType>,
     /// Names by their lower-case form.
     by_lower_case: BTreeMap<String, Vec<String>>,
     /// For each type in a nearby file that is not loaded, by its name, the line that would load it; filled at the first
@@ -43,7 +43,7 @@ pub(super) struct Types {
     form: SceneForm,
 }
 
-struct Known {
+struct KnownType {
     kind: LoadedType,
     /// Span of the reference that loads the type; `None` for a built-in type.
     loaded: Option<Span>,
@@ -92,9 +92,9 @@ impl Types {
 
     fn take(&mut self, sink: &mut Sink, kind: LoadedType, span: Span) {
         let name = kind.name();
-        let is_reserved = builtin::ROBOTS.iter().chain(&builtin::OBJECTS).any(|known| known.eq_ignore_ascii_case(name));
-        let known = self.by_name.get(name);
-        let message = match known.map(|known| (known.kind.file(), known.loaded)) {
+        let is_reserved = builtin::ROBOTS.iter().chain(&builtin::OBJECTS).any(|entry| entry.eq_ignore_ascii_case(name));
+        let entry = self.by_name.get(name);
+        let message = match entry.map(|entry| (entry.kind.file(), entry.loaded)) {
             _ if is_reserved => format!("`{}` is a type named `{name}`, but that name is built in", kind.file()),
             // The line loads the same file a second time.
             Some((file, _)) if file == kind.file() => return,
@@ -108,25 +108,25 @@ impl Types {
     fn add(&mut self, kind: LoadedType, loaded: Option<Span>) {
         let name = kind.name().to_owned();
         self.by_lower_case.entry(name.to_lowercase()).or_default().push(name.clone());
-        self.by_name.insert(name, Known { kind, loaded });
+        self.by_name.insert(name, KnownType { kind, loaded });
     }
 
     /// Type named by `reference`. Warns if the name differs in case or the type is loaded only further below.
     pub(super) fn find(&self, sink: &mut Sink, reference: &PathRef) -> Option<LoadedType> {
-        let mut known = self.by_name.get(&reference.text);
-        if known.is_none()
+        let mut entry = self.by_name.get(&reference.text);
+        if entry.is_none()
             && let Some([name]) = self.by_lower_case.get(&reference.text.to_lowercase()).map(Vec::as_slice)
         {
-            known = self.by_name.get(name);
+            entry = self.by_name.get(name);
             // EyeSim VR reads the names of its built-in types case-insensitively.
-            if known.is_some_and(|known| known.loaded.is_some()) {
+            if entry.is_some_and(|entry| entry.loaded.is_some()) {
                 let message = format!("`{}` is loaded as `{name}`: upper and lower case differ", reference.text);
                 sink.warn(Code::SimTypeCase, reference.span, message, "the name as the type's file has it");
             }
         }
-        let known = known?;
+        let entry = entry?;
         if let Some(loaded) =
-            known.loaded.filter(|loaded| self.form == SceneForm::Sim && loaded.start > reference.span.start)
+            entry.loaded.filter(|loaded| self.form == SceneForm::Sim && loaded.start > reference.span.start)
         {
             let message = format!("`{}` is loaded only further below, in line {}", reference.text, loaded.line);
             sink.warn(
@@ -136,7 +136,7 @@ impl Types {
                 "the line that loads a type above those that use it",
             );
         }
-        Some(known.kind.clone())
+        Some(entry.kind.clone())
     }
 
     /// Reports that no type has the name in `reference`, with a suggestion.
@@ -216,10 +216,10 @@ fn nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
                 _ => continue,
             };
             files += 1;
-            let place = format!("{below}{name}");
-            if let Ok(bytes) = loader.files.read(&path::join(folder, &place)) {
+            let relative = format!("{below}{name}");
+            if let Ok(bytes) = loader.files.read(&path::join(folder, &relative)) {
                 let type_name = read(&name, &super::decode(&bytes).0);
-                let quoted = if place.contains(' ') { format!("\"{place}\"") } else { place };
+                let quoted = if relative.contains(' ') { format!("\"{relative}\"") } else { relative };
                 lines.entry(type_name).or_insert_with(|| format!("{keyword} {quoted}"));
             }
         }

@@ -137,10 +137,10 @@ impl Page {
     fn severities(&self) -> Vec<Severity> {
         let line = self.text.lines().nth(2).unwrap_or_default();
         let stated = line.split("**").nth(1).unwrap_or_default();
-        let known = [("error", Severity::Error), ("warning", Severity::Warning)];
+        let severities = [("error", Severity::Error), ("warning", Severity::Warning)];
         stated
             .split(" or ")
-            .filter_map(|word| known.iter().find(|(name, _)| *name == word).map(|known| known.1))
+            .filter_map(|word| severities.iter().find(|(name, _)| *name == word).map(|severities| severities.1))
             .collect()
     }
 

@@ -160,9 +160,9 @@ fn starts_of_our_worlds_hold_the_largest_robot_that_they_are_made_for() {
 fn reachable(maze: &WorldSpec) -> Vec<(i32, i32)> {
     let cell = maze.cell.expect("a maze");
     let walls = walls(maze);
-    let place = |position: DVec2| ((position.x / cell).floor() as i32, (position.y / cell).floor() as i32);
+    let cell_of = |position: DVec2| ((position.x / cell).floor() as i32, (position.y / cell).floor() as i32);
     let centre = |(x, y): (i32, i32)| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) * cell;
-    let mut seen = vec![place(maze.starts[0].pose.position)];
+    let mut seen = vec![cell_of(maze.starts[0].pose.position)];
     let mut next = 0;
     while let Some(&(x, y)) = seen.get(next) {
         next += 1;

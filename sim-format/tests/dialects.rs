@@ -150,15 +150,16 @@ fn robots_of_every_dialect_are_what_their_files_say() {
 #[test]
 fn devices_of_every_dialect_are_what_their_files_say() {
     let Some(corpus) = corpus() else { return };
-    let near = |a: DVec3, b: [f64; 3]| assert!((a * 1000.0 - DVec3::from_array(b)).length() < 1e-9, "{a} is not {b:?}");
+    let assert_close =
+        |a: DVec3, b: [f64; 3]| assert!((a * 1000.0 - DVec3::from_array(b)).length() < 1e-9, "{a} is not {b:?}");
 
     let (labbot, _) = robi(&corpus, "vr-2018/Test Assets/robots/LabBot/LabBot.robi");
     assert_eq!((labbot.mass, labbot.psds[2].id, labbot.max_speed), (50.0, Some(3), 0.4));
-    near(labbot.centre_of_mass, [-50.0, 0.0, 30.0]);
-    near(labbot.psds[1].position, [45.0, 27.0, 40.0]);
+    assert_close(labbot.centre_of_mass, [-50.0, 0.0, 30.0]);
+    assert_close(labbot.psds[1].position, [45.0, 27.0, 40.0]);
     assert_eq!(labbot.lidar.map(|lidar| (lidar.points, lidar.tilt)), Some((360, 0.0)));
     let model = labbot.model.expect("a model");
-    near(model.offset, [0.0, -14.0, 0.0]);
+    assert_close(model.offset, [0.0, -14.0, 0.0]);
     let camera = labbot.camera.expect("a camera");
     assert!(
         matches!(camera.pan, JointSpec::Servo { ref name, from, to } if name == "SERVO1" && from == -to),
@@ -170,7 +171,7 @@ fn devices_of_every_dialect_are_what_their_files_say() {
 
     let (blue, _) = robi(&corpus, "vr-2025/Sims/Updated_Robots/S4blue.robi");
     let camera = blue.camera.expect("a camera");
-    near(camera.position, [62.0, 0.0, 60.0]);
+    assert_close(camera.position, [62.0, 0.0, 60.0]);
     assert_eq!((camera.image, camera.lens), (Some([482, 162]), Lens::Fisheye { fov: 150.0_f64.to_radians() }));
     let ids: Vec<_> = blue.psds.iter().map(|psd| (psd.id, psd.angle.to_degrees().round())).collect();
     assert_eq!(ids, [(Some(1), 0.0), (Some(2), 90.0), (Some(3), -90.0), (Some(4), 180.0)]);
@@ -189,11 +190,11 @@ fn devices_of_every_dialect_are_what_their_files_say() {
 /// Drawing of a maze's walls with cells of `pitch - 1` characters, without trailing blanks.
 fn draw(maze: &WorldSpec, pitch: usize) -> Vec<String> {
     let cell = maze.cell.expect("a maze");
-    let place = |position: DVec2| [position.x, position.y].map(|at| (at / cell).round() as usize);
-    let [columns, rows] = place(maze.floor);
+    let cell_of = |position: DVec2| [position.x, position.y].map(|at| (at / cell).round() as usize);
+    let [columns, rows] = cell_of(maze.floor);
     let mut drawing = vec![vec![' '; pitch * columns + 1]; rows + 1];
     for wall in &maze.walls {
-        let [from, to] = [wall.from.min(wall.to), wall.from.max(wall.to)].map(place);
+        let [from, to] = [wall.from.min(wall.to), wall.from.max(wall.to)].map(cell_of);
         for row in from[1]..to[1] {
             drawing[rows - row][pitch * from[0]] = '|';
         }
@@ -210,15 +211,15 @@ fn walls_of(text: &str, pitch: usize) -> Vec<String> {
     let rows = text.lines().filter(|line| line.starts_with(['|', ' ', '_']) && !line.trim().is_empty());
     let walls = |row: &str| {
         let mut walls: Vec<char> = row.chars().map(|c| if matches!(c, '|' | '_') { c } else { ' ' }).collect();
-        for (place, character) in row.chars().enumerate() {
+        for (column, character) in row.chars().enumerate() {
             match character {
-                '_' if place == 0 => walls[place] = ' ',
-                '_' if place % pitch == 0 => {
-                    walls[place] = ' ';
-                    walls[place + 1 - pitch..place].fill('_');
+                '_' if column == 0 => walls[column] = ' ',
+                '_' if column % pitch == 0 => {
+                    walls[column] = ' ';
+                    walls[column + 1 - pitch..column].fill('_');
                 }
-                'S' | 'U' | 'R' | 'D' | 'L' | 'O' | 'X' if place % pitch == 0 => walls[place - 1] = '_',
-                'S' | 'U' | 'R' | 'D' | 'L' | 'O' | 'X' => walls[place] = '_',
+                'S' | 'U' | 'R' | 'D' | 'L' | 'O' | 'X' if column % pitch == 0 => walls[column - 1] = '_',
+                'S' | 'U' | 'R' | 'D' | 'L' | 'O' | 'X' => walls[column] = '_',
                 _ => {}
             }
         }

@@ -66,7 +66,7 @@ fn legs_are_seen_where_their_joints_put_them() {
     assert!(of_legs.iter().all(|part| scenery.parts()[*part].label == Label::Robot(spec.id)));
     let twist = Command::Twist(Twist { vx: 0.2, vy: 0.05, omega: 0.1 });
     motion.command(Time::ZERO, twist, &[]).expect("a walk");
-    let mut places = Vec::new();
+    let mut positions = Vec::new();
     for _ in 0..300 {
         let at = world.slot_start();
         let posed = scenery.pose_at(&world, at);
@@ -78,10 +78,10 @@ fn legs_are_seen_where_their_joints_put_them() {
         for (point, foot) in [tip, sole].into_iter().zip(&stance.feet).filter(|(_, foot)| foot.is_down) {
             assert!(point.distance(foot.point) < 1e-3, "at {at}: {point} is not on the foot's place {}", foot.point);
         }
-        places.push(tip);
+        positions.push(tip);
         world.advance(&mut [&mut motion]);
     }
-    let highest = places.iter().map(|place| place.z).fold(0.0, f64::max);
+    let highest = positions.iter().map(|position| position.z).fold(0.0, f64::max);
     assert!(highest > 0.01, "the leg is lifted, by {highest} m");
-    assert!(places[0].distance(places[299]) > 0.3, "it walks");
+    assert!(positions[0].distance(positions[299]) > 0.3, "it walks");
 }

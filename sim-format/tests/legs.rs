@@ -31,8 +31,8 @@ fn model(legs: &Legs) -> Model {
         track: 0.1,
         wheelbase: 0.1,
         axis_offset: 0.0,
-        max_speed: legs.greatest_speed(gait),
-        max_turn: legs.greatest_turn(gait),
+        max_speed: legs.max_speed(gait),
+        max_turn: legs.max_turn_rate(gait),
         body_radius: 0.3,
         wheel_lag: 0.0,
         max_steering: 0.7,
@@ -132,7 +132,7 @@ fn touched(legs: &Legs, links: &[Link], stance: &Stance, pose: &Pose) -> Vec<DVe
 }
 
 /// Walks for `seconds`, queried every 5 ms, and checks that feet on the ground touch it and do not move, by forward kinematics.
-/// Returns the number of steps and the greatest joint rate, rad/s.
+/// Returns the number of steps and the maximum joint rate, rad/s.
 fn check(legs: &Arc<Legs>, motion: &mut Motion, from: Time, seconds: f64) -> (usize, f64) {
     check_on(legs, &Ground::Flat, motion, from, seconds)
 }
@@ -226,8 +226,8 @@ fn a_walk_that_stops_ends_with_the_feet_under_the_hips() {
         check(&legs, &mut motion, Time::ZERO, 14.0);
         let (pose, stance) = (motion.pose(Time(14_000_000)), motion.stance(Time(14_000_000)));
         for (leg, foot) in legs.legs.iter().zip(&stance.feet) {
-            let place = pose.transform_point(leg.hip.truncate());
-            assert!((foot.point.truncate() - place).length() < 6e-3 && foot.is_down, "{foot:?} {place}");
+            let hip = pose.transform_point(leg.hip.truncate());
+            assert!((foot.point.truncate() - hip).length() < 6e-3 && foot.is_down, "{foot:?} {hip}");
         }
         assert!(stance.lift.abs() < 1e-3);
         // The robot then rests.
@@ -303,7 +303,7 @@ fn legs_refuse_what_they_cannot_do() {
 
 /// A program's command to its robot.
 #[derive(Clone, Copy, Debug)]
-enum Said {
+enum LegInput {
     Twist(Twist),
     Drive(Twist, f64),
     Halt,
@@ -311,32 +311,32 @@ enum Said {
     Legs(LegCommand),
 }
 
-fn say(motion: &mut Motion, at: Time, said: Said) {
+fn say(motion: &mut Motion, at: Time, said: LegInput) {
     match said {
-        Said::Twist(twist) => motion.command(at, Command::Twist(twist), &[]).expect("can be driven"),
-        Said::Drive(displacement, duration) => {
+        LegInput::Twist(twist) => motion.command(at, Command::Twist(twist), &[]).expect("can be driven"),
+        LegInput::Drive(displacement, duration) => {
             motion.command(at, Command::Drive { displacement, duration }, &[]).expect("can be driven");
         }
-        Said::Halt => motion.command(at, Command::Halt, &[]).expect("can be driven"),
-        Said::Place(pose) => motion.place(at, pose).expect("a place"),
+        LegInput::Halt => motion.command(at, Command::Halt, &[]).expect("can be driven"),
+        LegInput::Place(pose) => motion.place(at, pose).expect("a place"),
         // Another robot may not have this leg or gait.
-        Said::Legs(command) => drop(motion.command_legs(at, command)),
+        LegInput::Legs(command) => drop(motion.command_legs(at, command)),
     }
 }
 
-fn saying() -> impl Strategy<Value = Said> {
+fn saying() -> impl Strategy<Value = LegInput> {
     let twist = (-1.0..1.0, -1.0..1.0, -2.0..2.0).prop_map(|(vx, vy, omega)| Twist { vx, vy, omega });
     let correction = (0..4usize, -0.1..0.1, -0.1..0.1, 0.0..0.1);
     let correction =
         correction.prop_map(|(leg, x, y, lift)| LegCommand::ShiftFoothold { leg, shift: DVec2::new(x, y), lift });
     prop_oneof![
-        6 => twist.clone().prop_map(Said::Twist),
-        3 => (twist, 0.0..3.0).prop_map(|(twist, duration)| Said::Drive(twist, duration)),
-        2 => Just(Said::Halt),
-        1 => (-9.0..9.0, -9.0..9.0, -PI..PI).prop_map(|(x, y, phi)| Said::Place(Pose::new(x, y, phi))),
-        2 => correction.prop_map(Said::Legs),
-        1 => (0.0..0.2).prop_map(|height| Said::Legs(LegCommand::StepHeight(height))),
-        1 => (0..2usize).prop_map(|gait| Said::Legs(LegCommand::Gait(gait))),
+        6 => twist.clone().prop_map(LegInput::Twist),
+        3 => (twist, 0.0..3.0).prop_map(|(twist, duration)| LegInput::Drive(twist, duration)),
+        2 => Just(LegInput::Halt),
+        1 => (-9.0..9.0, -9.0..9.0, -PI..PI).prop_map(|(x, y, phi)| LegInput::Place(Pose::new(x, y, phi))),
+        2 => correction.prop_map(LegInput::Legs),
+        1 => (0.0..0.2).prop_map(|height| LegInput::Legs(LegCommand::StepHeight(height))),
+        1 => (0..2usize).prop_map(|gait| LegInput::Legs(LegCommand::Gait(gait))),
     ]
 }
 
@@ -412,19 +412,22 @@ fn a_natural_walk_is_near_its_source() {
     check(&legs, &mut motion, Time::ZERO, 8.0);
     let falls = motion.take_footfalls(Time(8_000_000));
     let strike = falls.iter().rfind(|fall| fall.leg == 0 && fall.time < Time(6_500_000)).expect("it walks").time;
-    let (mut squares, mut most) = ([0.0; 3], [0.0f64; 3]);
+    let (mut squares, mut max_error) = ([0.0; 3], [0.0f64; 3]);
     for percent in 0..100 {
         let phase = f64::from(percent) / 100.0;
         let stance = motion.stance(strike + Time(i64::from(percent) * legs.gaits[0].period.0 / 100));
         for (joint, (found, source)) in stance.joints[2..5].iter().zip(natural_angles(phase)).enumerate() {
             let off = (found - source).to_degrees();
             squares[joint] += off * off / 100.0;
-            most[joint] = most[joint].max(off.abs());
+            max_error[joint] = max_error[joint].max(off.abs());
         }
     }
     let rms = squares.map(f64::sqrt);
-    println!("{speed} m/s: thigh, knee, ankle differ by {rms:?} degrees (rms), {most:?} (most)");
-    assert!(rms.iter().all(|rms| *rms < 6.0) && most.iter().all(|most| *most < 18.0), "{rms:?} {most:?}");
+    println!("{speed} m/s: thigh, knee, ankle differ by {rms:?} degrees (rms), {max_error:?} (most)");
+    assert!(
+        rms.iter().all(|rms| *rms < 6.0) && max_error.iter().all(|max_error| *max_error < 18.0),
+        "{rms:?} {max_error:?}"
+    );
 }
 
 /// Biped of 1.75 m height, as in robis/biped.toml.
@@ -445,7 +448,7 @@ fn a_sensor_on_the_shank_meets_the_floor_as_in_the_paper() {
     let mut motion = walker(&legs);
     motion.command(Time(0), Command::Twist(Twist::new(speed, 0.0)), &[]).expect("can be driven");
     let mount = Pose3 { position: DVec3::new(0.05, 0.0, -0.03), ..Pose3::IDENTITY };
-    let (mut least, mut most, mut heights) = (f64::MAX, 0.0f64, [f64::MAX, 0.0f64]);
+    let (mut min_height, mut max_height, mut heights) = (f64::MAX, 0.0f64, [f64::MAX, 0.0f64]);
     for index in 0..4400 {
         let at = Time(4_400_000 + index * 1_000);
         let (pose, stance) = (motion.pose(at), motion.stance(at));
@@ -455,11 +458,11 @@ fn a_sensor_on_the_shank_meets_the_floor_as_in_the_paper() {
         heights = [heights[0].min(sensor.position.z), heights[1].max(sensor.position.z)];
         if down > 0.0 && sensor.position.z / down <= 2.0 {
             let incidence = math::atan2((1.0 - down * down).sqrt(), down).to_degrees();
-            (least, most) = (least.min(incidence), most.max(incidence));
+            (min_height, max_height) = (min_height.min(incidence), max_height.max(incidence));
         }
     }
-    println!("incidence {least} to {most} degrees at {speed} m/s, sensor {heights:?} m high");
-    assert!((least - 33.0).abs() < 5.0 && (most - 78.0).abs() < 5.0, "{least} to {most}");
+    println!("incidence {min_height} to {max_height} degrees at {speed} m/s, sensor {heights:?} m high");
+    assert!((min_height - 33.0).abs() < 5.0 && (max_height - 78.0).abs() < 5.0, "{min_height} to {max_height}");
 }
 
 #[test]
@@ -491,8 +494,8 @@ fn wheels_in_the_place_of_feet_roll_along() {
         let at = Time(index * 20_000);
         let (pose, stance) = (motion.pose(at), motion.stance(at));
         for (leg, foot) in legs.legs.iter().zip(&stance.feet).skip(2) {
-            let place = pose.transform_point(leg.hip.truncate());
-            assert!(foot.is_down && (foot.point - place.extend(0.0)).length() < 1e-12);
+            let hip = pose.transform_point(leg.hip.truncate());
+            assert!(foot.is_down && (foot.point - hip.extend(0.0)).length() < 1e-12);
         }
     }
     assert!(motion.take_footfalls(Time(4_000_000)).iter().all(|fall| fall.leg < 2));

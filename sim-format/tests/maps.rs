@@ -108,9 +108,9 @@ fn a_map_is_written_in_many_ways() {
 
 #[test]
 fn mistakes_of_a_map_are_told_with_their_place() {
-    type Said = (&'static str, u32, u32, Severity);
+    type Expected = (&'static str, u32, u32, Severity);
     let (warning, error) = (Severity::Warning, Severity::Error);
-    let cases: [(String, &[Said]); 15] = [
+    let cases: [(String, &[Expected]); 15] = [
         (String::new(), &[("map-key", 0, 0, error); 1]),
         (YAML.replace("image: a.pgm\n", ""), &[("map-key", 0, 0, error)]),
         (YAML.replace("a.pgm", "b.pgm"), &[("file-missing", 1, 8, error)]),
@@ -129,7 +129,7 @@ fn mistakes_of_a_map_are_told_with_their_place() {
     ];
     for (yaml, expected) in cases {
         let loaded = of_yaml(&yaml, PGM.as_bytes());
-        let said: Vec<Said> = loaded
+        let said: Vec<Expected> = loaded
             .diagnostics
             .iter()
             .map(|said| (said.code.name(), said.span.line, said.span.column, said.severity))
@@ -158,8 +158,8 @@ fn images_are_read_in_all_their_forms() {
     ];
     for image in images {
         let loaded = of_yaml(YAML, &image);
-        let shown = image.escape_ascii().to_string();
-        assert_eq!((codes(&loaded), ends(&loaded.scene.world)), (vec![], expected.clone()), "{shown}");
+        let text = image.escape_ascii().to_string();
+        assert_eq!((codes(&loaded), ends(&loaded.scene.world)), (vec![], expected.clone()), "{text}");
     }
     let bitmap = load(&[("a.pbm", b"P1 3 2 001100")]);
     assert_eq!(bitmap.scene.world.floor, DVec2::new(3.0 * 0.05, 0.1), "pixels of 50 mm");
@@ -200,8 +200,8 @@ fn broken_images_are_errors_and_take_no_memory() {
     ];
     for (image, code) in images {
         let loaded = of_yaml(YAML, image);
-        let shown = image.escape_ascii().to_string();
-        assert_eq!((codes(&loaded), loaded.has_errors()), (vec![code], true), "{shown}");
+        let text = image.escape_ascii().to_string();
+        assert_eq!((codes(&loaded), loaded.has_errors()), (vec![code], true), "{text}");
         assert_eq!(loaded.diagnostics[0].file, "a.pgm");
     }
     let said = &of_yaml(YAML, b"P2\n3 2\n255\n0 0 0\n0 x 0\n").diagnostics[0];
@@ -281,7 +281,7 @@ fn a_scene_becomes_a_map_of_what_its_robots_reach() {
     let files: MemoryFiles = [("s.scene.toml", scene)].into_iter().collect();
     let options = ConvertOptions { map_cell: Some(0.25), ..ConvertOptions::default() };
     let converted = run(&files, "s.scene.toml", "s.pgm", options);
-    let shown = |bytes: &[u8]| {
+    let text = |bytes: &[u8]| {
         bytes
             .iter()
             .map(|level| match level {
@@ -294,8 +294,8 @@ fn a_scene_becomes_a_map_of_what_its_robots_reach() {
     let image = &converted.outputs[0].bytes;
     assert!(image.starts_with(b"P5\n5 6\n255\n"), "{}", image.escape_ascii());
     // The right half cannot be reached.
-    assert_eq!(shown(&image[11..16]), "?##??");
-    assert_eq!(shown(&image[16..21]), "#..#?");
+    assert_eq!(text(&image[11..16]), "?##??");
+    assert_eq!(text(&image[16..21]), "#..#?");
 }
 
 /// Cells of a grid that is free where the bits say so.
@@ -469,9 +469,9 @@ fn drawn(walls: &[u8], side: usize, goals: &[[usize; 2]]) -> String {
 /// Steps from the start to the nearest goal of a drawing, by walking over its characters: nothing of the reader is used.
 fn steps_on_characters(text: &str, goals: &[[usize; 2]]) -> Option<u32> {
     let rows: Vec<Vec<char>> = text.lines().map(|line| line.chars().collect()).collect();
-    let place = |[x, y]: [usize; 2]| (rows.len() - 2 - 2 * y, 4 * x + 2);
+    let cell_of = |[x, y]: [usize; 2]| (rows.len() - 2 - 2 * y, 4 * x + 2);
     let mut costs = vec![vec![u32::MAX; rows[0].len()]; rows.len()];
-    let start = place([0, 0]);
+    let start = cell_of([0, 0]);
     costs[start.0][start.1] = 0;
     let mut open = VecDeque::from([start]);
     while let Some((row, column)) = open.pop_front() {
@@ -488,7 +488,12 @@ fn steps_on_characters(text: &str, goals: &[[usize; 2]]) -> Option<u32> {
             }
         }
     }
-    goals.iter().map(|goal| place(*goal)).map(|(row, column)| costs[row][column]).filter(|cost| *cost < u32::MAX).min()
+    goals
+        .iter()
+        .map(|goal| cell_of(*goal))
+        .map(|(row, column)| costs[row][column])
+        .filter(|cost| *cost < u32::MAX)
+        .min()
 }
 
 const MIDDLE: [[usize; 2]; 4] = [[7, 7], [7, 8], [8, 7], [8, 8]];
@@ -710,7 +715,7 @@ fn scenarios_become_a_suite() {
 #[test]
 fn lines_that_are_no_scenarios_are_told() {
     let line = "0\ta.map\t4\t3\t0\t0\t3\t2\t5\n";
-    for (text, place) in [
+    for (text, location) in [
         (String::new(), (0, 0)),
         (line.to_owned(), (1, 1)),
         (format!("version 2\n{line}"), (1, 1)),
@@ -721,8 +726,8 @@ fn lines_that_are_no_scenarios_are_told() {
         (format!("version 1\n{}", line.replace("0\ta", "-1\ta")), (2, 1)),
     ] {
         let (_, said) = read_scenarios("a.scen", &text);
-        let places: Vec<_> = said.iter().map(|said| (said.code.name(), said.span.line, said.span.column)).collect();
-        assert_eq!(places, [("scen-line", place.0, place.1)], "{text}");
+        let locations: Vec<_> = said.iter().map(|said| (said.code.name(), said.span.line, said.span.column)).collect();
+        assert_eq!(locations, [("scen-line", location.0, location.1)], "{text}");
     }
 }
 

@@ -46,20 +46,20 @@ impl Drawing {
             rows = in_usual_columns(&rows);
         }
         let width = |row: &Vec<char>| {
-            let cells = (0..row.len()).filter(|&place| match row[place] {
+            let cells = (0..row.len()).filter(|&column| match row[column] {
                 ' ' | '.' => false,
-                '_' => place > 0,
+                '_' => column > 0,
                 _ => true,
             });
-            cells.map(|place| place.div_ceil(2)).max().unwrap_or(0)
+            cells.map(|column| column.div_ceil(2)).max().unwrap_or(0)
         };
         let columns = rows.iter().map(width).max().unwrap_or(0) as i32;
         Self { rows, columns }
     }
 
-    fn at(&self, row: i32, place: i32) -> char {
+    fn at(&self, row: i32, column: i32) -> char {
         let row = usize::try_from(row).ok().and_then(|row| self.rows.get(row));
-        let character = usize::try_from(place).ok().and_then(|place| row?.get(place));
+        let character = usize::try_from(column).ok().and_then(|column| row?.get(column));
         character.copied().unwrap_or(' ')
     }
 
@@ -75,7 +75,7 @@ impl Drawing {
         if from.0 == to.0 {
             // In an odd column a wall counts for the line on its right.
             let line = 2 * from.1.max(to.1);
-            from.0 > 0 && [line, line - 1].iter().any(|place| self.at(from.0, *place) == '|')
+            from.0 > 0 && [line, line - 1].iter().any(|line_index| self.at(from.0, *line_index) == '|')
         } else {
             self.has_floor((from.0.min(to.0), from.1))
         }
@@ -83,9 +83,9 @@ impl Drawing {
 
     /// Cells with a robot's start letter, in the order of the text.
     fn starts(&self) -> Vec<Cell> {
-        let places = (0..).zip(&self.rows).flat_map(|(row, characters)| (0..).zip(characters).map(move |p| (row, p)));
-        let letters = places.filter(|(_, (_, character))| "surdlSURDL".contains(**character));
-        letters.map(|(row, (place, _))| (row, (place + 1) / 2 - 1)).collect()
+        let cells = (0..).zip(&self.rows).flat_map(|(row, characters)| (0..).zip(characters).map(move |p| (row, p)));
+        let letters = cells.filter(|(_, (_, character))| "surdlSURDL".contains(**character));
+        letters.map(|(row, (index, _))| (row, (index + 1) / 2 - 1)).collect()
     }
 
     /// Neighbours of a cell, including cells just outside the maze.
@@ -118,12 +118,12 @@ impl Drawing {
 /// Rows normalised to walls at even positions, from 0: a drawing with all walls at odd positions is indented, one with walls at
 /// positions 0, 3, 6, ... has cells of two characters.
 fn in_usual_columns(rows: &[Vec<char>]) -> Vec<Vec<char>> {
-    let walls = || rows.iter().flat_map(|row| (0..row.len()).filter(|&place| row[place] == '|'));
-    if walls().all(|place| place % 2 == 0) {
+    let walls = || rows.iter().flat_map(|row| (0..row.len()).filter(|&column| row[column] == '|'));
+    if walls().all(|column| column % 2 == 0) {
         rows.to_vec()
-    } else if walls().all(|place| place % 2 == 1) && rows.iter().all(|row| row.first().is_none_or(|&c| c == ' ')) {
+    } else if walls().all(|column| column % 2 == 1) && rows.iter().all(|row| row.first().is_none_or(|&c| c == ' ')) {
         rows.iter().map(|row| row.iter().copied().skip(1).collect()).collect()
-    } else if walls().all(|place| place % 3 == 0) {
+    } else if walls().all(|column| column % 3 == 0) {
         let narrow = |cell: &[char]| {
             let inner = cell.iter().skip(1);
             let letter = inner.clone().find(|c| c.is_ascii_alphabetic()).copied();
@@ -166,9 +166,10 @@ impl Robot {
 
     /// Drives straight from the centre of `from` to that of `to`; returns true if the robot arrives.
     fn drives(&self, from: Cell, to: Cell) -> bool {
-        let way = WAYS.iter().position(|way| *way == (to.0 - from.0, to.1 - from.1)).expect("a neighbour");
+        let direction =
+            WAYS.iter().position(|direction| *direction == (to.0 - from.0, to.1 - from.1)).expect("a neighbour");
         let middle = self.middle(from);
-        let start = Pose::new(middle.x, middle.y, way as f64 * FRAC_PI_2);
+        let start = Pose::new(middle.x, middle.y, direction as f64 * FRAC_PI_2);
         let mut motion = Motion::new(RobotId(1), self.model.clone(), self.walls.clone(), start);
         let displacement = Twist { vx: self.cell, ..Twist::default() };
         let drive = Command::Drive { displacement, duration: 0.0 };
@@ -187,17 +188,17 @@ fn compare(name: &str, text: &str) -> (WorldSpec, Vec<BTreeSet<Cell>>) {
     assert!((world.floor - size).abs().max_element() < 1e-9, "{name}: floor {} is not {size}\n{text}", world.floor);
     let robot = Robot::new(&world, &drawing);
     let starts = drawing.starts();
-    let places: Vec<DVec2> = world.starts.iter().map(|start| start.pose.position).collect();
-    assert_eq!(places.len(), starts.len(), "{name}: starts {places:?}\n{text}");
+    let positions: Vec<DVec2> = world.starts.iter().map(|start| start.pose.position).collect();
+    assert_eq!(positions.len(), starts.len(), "{name}: starts {positions:?}\n{text}");
     let mut reached = Vec::new();
     for start in starts {
         assert!(
-            places.iter().any(|place| (*place - robot.middle(start)).length() < 1e-9),
+            positions.iter().any(|position| (*position - robot.middle(start)).length() < 1e-9),
             "{name}: no start in {start:?}"
         );
-        let drawn = drawing.flood(start, |from, to| !drawing.has_wall(from, to));
+        let reachable = drawing.flood(start, |from, to| !drawing.has_wall(from, to));
         let driven = drawing.flood(start, |from, to| robot.drives(from, to));
-        assert_eq!(driven, drawn, "{name}: cells driven to and cells drawn, from {start:?}\n{text}");
+        assert_eq!(driven, reachable, "{name}: cells driven to and cells drawn, from {start:?}\n{text}");
         reached.push(driven);
     }
     (world, reached)
@@ -282,7 +283,7 @@ fn maze() -> impl Strategy<Value = String> {
             let density = if is_open { 25 } else { 45 };
             let mut lines: Vec<Vec<char>> = Vec::new();
             for row in 0..=rows {
-                let draw = |place: usize| match (place % 2, walls[15 * row + place] < density) {
+                let draw = |column: usize| match (column % 2, walls[15 * row + column] < density) {
                     (0, true) if row > 0 => '|',
                     (1, true) => '_',
                     _ => ' ',
@@ -292,9 +293,9 @@ fn maze() -> impl Strategy<Value = String> {
             // A blank border or row would not count.
             lines[0][1] = '_';
             lines[1..].iter_mut().for_each(|line| line[0] = '|');
-            for (row, place, letter) in letters {
-                if row <= rows && place <= 2 * columns {
-                    lines[row][place] = letter;
+            for (row, column, letter) in letters {
+                if row <= rows && column <= 2 * columns {
+                    lines[row][column] = letter;
                 }
             }
             let mut texts: Vec<String> = lines.iter().map(|line| line.iter().collect()).collect();

@@ -83,8 +83,8 @@ fn the_meshes_of_the_corpus_are_read() {
         let mut reader = MeshReader::new(&Disk);
         let read = reader.object(&kind).unwrap_or_else(|| panic!("{mesh} is read"));
         let (diagnostics, _) = reader.finish();
-        let told: Vec<String> = diagnostics.iter().map(|diagnostic| diagnostic.code.to_string()).collect();
-        assert_eq!(told, codes, "{mesh}: {diagnostics:#?}");
+        let reported_codes: Vec<String> = diagnostics.iter().map(|diagnostic| diagnostic.code.to_string()).collect();
+        assert_eq!(reported_codes, codes, "{mesh}: {diagnostics:#?}");
         assert_eq!((read.triangles.len(), read.materials.len()), (triangles, materials), "{mesh}");
         let (_, high) = read.bounds().expect("a mesh has a size");
         assert!((high.z - height).abs() < 1e-9, "{mesh}: {} m", high.z);
@@ -112,8 +112,8 @@ fn the_stop_sign_can_be_read() {
         let (ab, ac) = (b - a, c - a);
         let (uv_b, uv_c) = ((uv[1] - uv[0]).as_dvec2(), (uv[2] - uv[0]).as_dvec2());
         // Both spans have the same sense of rotation exactly if the image is not mirrored.
-        let seen = (-ab.y) * ac.z - ab.z * (-ac.y);
-        assert!(seen * uv_b.perp_dot(uv_c) > 0.0, "{a} {b} {c}: {uv:?}");
+        let orientation = (-ab.y) * ac.z - ab.z * (-ac.y);
+        assert!(orientation * uv_b.perp_dot(uv_c) > 0.0, "{a} {b} {c}: {uv:?}");
     }
     assert!(faces >= 3, "{faces} faces looked at");
 }

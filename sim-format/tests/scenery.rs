@@ -254,8 +254,8 @@ fn the_heading_of_a_body_is_seen_from_every_side_and_from_above() {
         let scenery = alone(looks(&robi));
         let middle = DVec3::new(0.0, 0.0, 0.2 * robi.diameter);
         let count = |angle: f64, is: &dyn Fn([u8; 3]) -> bool| {
-            let way = DVec3::new(math::cos(angle), math::sin(angle), 0.3);
-            let picture = seen(&scenery, middle + 3.0 * robi.diameter * way, middle, [80, 60]);
+            let direction = DVec3::new(math::cos(angle), math::sin(angle), 0.3);
+            let picture = seen(&scenery, middle + 3.0 * robi.diameter * direction, middle, [80, 60]);
             picture.pixels().iter().filter(|pixel| is(**pixel)).count()
         };
         let [front, left, back, right] = [0.0, 0.25, 0.5, 0.75].map(|turn| turn * TAU);
@@ -269,8 +269,8 @@ fn the_heading_of_a_body_is_seen_from_every_side_and_from_above() {
         assert!(count(right, &is_green) > 2, "{name} from its right");
         let picture = seen(&scenery, DVec3::new(0.0, 0.0, 4.0 * robi.diameter), DVec3::ZERO, [80, 80]);
         let mean = |is: &dyn Fn([u8; 3]) -> bool| {
-            let places = (0..80).flat_map(|row| (0..80).map(move |column| (column, row)));
-            let hits = places.filter(|(column, row)| is(*picture.pixel(*column, *row)));
+            let pixels = (0..80).flat_map(|row| (0..80).map(move |column| (column, row)));
+            let hits = pixels.filter(|(column, row)| is(*picture.pixel(*column, *row)));
             let hits: Vec<DVec2> = hits.map(|(column, row)| DVec2::new(f64::from(column), f64::from(row))).collect();
             hits.iter().sum::<DVec2>() / hits.len() as f64
         };

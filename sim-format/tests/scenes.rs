@@ -59,10 +59,10 @@ impl Files for Corpus {
 }
 
 /// Diagnostic of a line: `E` or `W` for the severity, the code, the line.
-type Said = (char, &'static str, u32);
+type Reported = (char, &'static str, u32);
 
 /// Diagnostics of the sim file itself, in order; of successive equal ones the first.
-fn said(file: &str, loaded: &Loaded) -> Vec<Said> {
+fn said(file: &str, loaded: &Loaded) -> Vec<Reported> {
     let of_sim = loaded.diagnostics.iter().filter(|diagnostic| diagnostic.file == file);
     let mut said: Vec<_> = of_sim
         .map(|diagnostic| {
@@ -76,7 +76,7 @@ fn said(file: &str, loaded: &Loaded) -> Vec<Said> {
 }
 
 /// Known defects of the corpus; its other scenes have none.
-const DEFECTS: &[(&str, &[Said])] = &[
+const DEFECTS: &[(&str, &[Reported])] = &[
     // Absolute paths of the author's machine; the files were moved along with the scene.
     ("vr-2018/123.sim", &[('W', "sim-robot-missing", 0), ('W', "file-moved", 4)]),
     ("vr-2018/Test Assets/MySim.sim", &[('W', "file-moved", 4)]),
@@ -147,8 +147,8 @@ fn every_line_that_places_something_does() {
         let text = String::from_utf8(corpus.read(&file).expect("a scene")).expect("a text");
         let lines = text.lines().map(|line| line.trim().to_lowercase());
         let count = |names: &[&str]| {
-            let places = |line: &String| line.split_whitespace().next().is_some_and(|word| names.contains(&word));
-            lines.clone().filter(places).count()
+            let is_entity = |line: &String| line.split_whitespace().next().is_some_and(|word| names.contains(&word));
+            lines.clone().filter(is_entity).count()
         };
         let robots = count(&["labbot", "s4", "s4bot", "s4blue"]);
         let classic =

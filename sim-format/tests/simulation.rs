@@ -247,17 +247,17 @@ fn a_thousand_side_by_side_are_each_as_alone() {
         for half in 0..2 {
             let alone = &alone;
             scope.spawn(move || {
-                let mut many: Vec<_> = (0..500).map(|place| (simulation(place % 10, 50), 0_u64, place % 10)).collect();
+                let mut many: Vec<_> = (0..500).map(|index| (simulation(index % 10, 50), 0_u64, index % 10)).collect();
                 // A linear congruential generator chooses the order of steps.
                 let mut state: u64 = half;
                 while !many.is_empty() {
                     state = state.wrapping_mul(6_364_136_223_846_793_005_u64).wrapping_add(1_442_695_040_888_963_407);
-                    let place = (state >> 33) as usize % many.len();
-                    let (simulation, step, _) = &mut many[place];
+                    let index = (state >> 33) as usize % many.len();
+                    let (simulation, step, _) = &mut many[index];
                     steps(simulation, *step, *step + 1);
                     *step += 1;
                     if *step == FEW {
-                        let (simulation, _, seed) = many.swap_remove(place);
+                        let (simulation, _, seed) = many.swap_remove(index);
                         assert_eq!(seen(&simulation), alone[seed as usize]);
                     }
                 }

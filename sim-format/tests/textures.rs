@@ -34,6 +34,6 @@ fn the_terrains_are_those_that_the_command_draws() {
 #[test]
 fn a_robot_starts_on_the_line() {
     let start = glam::DVec2::new(1.5, 0.376);
-    let nearest = drawn::track_line().into_iter().map(|place| place.distance(start)).fold(f64::INFINITY, f64::min);
+    let nearest = drawn::track_line().into_iter().map(|point| point.distance(start)).fold(f64::INFINITY, f64::min);
     assert!(nearest < 0.001, "{nearest} m from the line");
 }

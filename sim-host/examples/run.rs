@@ -27,8 +27,8 @@ fn main() -> Result<(), Error> {
         if running.scheduler.advance_to(time) == Progress::Over {
             break;
         }
-        let place = running.scheduler.run().world().robot_pose(RobotId(1), time).position;
-        println!("after {time}: robot 1 is at {:.3} m, {:.3} m", place.x, place.y);
+        let position = running.scheduler.run().world().robot_pose(RobotId(1), time).position;
+        println!("after {time}: robot 1 is at {:.3} m, {:.3} m", position.x, position.y);
     }
     let stepped = running.finish();
     assert_eq!(stepped.report.digest, finished.report.digest, "the same run");

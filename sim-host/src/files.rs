@@ -82,8 +82,8 @@ impl Files for DiskFiles {
         let path = self.real.get(path).map_or(Path::new(path), PathBuf::as_path);
         let is_text =
             path.extension().is_some_and(|extension| TEXTS.iter().any(|text| extension.eq_ignore_ascii_case(text)));
-        let most = if is_text { MAX_TEXT_MEBIBYTES } else { MAX_MEBIBYTES };
-        read_at_most(path, most).map_err(file_error)
+        let max_mebibytes = if is_text { MAX_TEXT_MEBIBYTES } else { MAX_MEBIBYTES };
+        read_bounded(path, max_mebibytes).map_err(file_error)
     }
 
     fn list(&self, folder: &str) -> Vec<String> {
@@ -113,14 +113,14 @@ pub fn open_regular(path: &Path) -> io::Result<File> {
 /// # Errors
 /// The file cannot be read, or is larger than 256 MiB.
 pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
-    read_at_most(path, MAX_MEBIBYTES)
+    read_bounded(path, MAX_MEBIBYTES)
 }
 
-fn read_at_most(path: &Path, most_mebibytes: u64) -> io::Result<Vec<u8>> {
+fn read_bounded(path: &Path, max_mebibytes: u64) -> io::Result<Vec<u8>> {
     let mut file = open_regular(path)?;
     let length = file.metadata()?.len();
-    if length > most_mebibytes << 20 {
-        return Err(io::Error::other(format!("it is larger than {most_mebibytes} MiB")));
+    if length > max_mebibytes << 20 {
+        return Err(io::Error::other(format!("it is larger than {max_mebibytes} MiB")));
     }
     let mut bytes = Vec::with_capacity(length as usize);
     file.read_to_end(&mut bytes)?;

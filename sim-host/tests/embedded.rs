@@ -99,8 +99,8 @@ fn calls_take_virtual_time_and_end_with_the_program() {
 #[test]
 fn a_program_is_told_to_stop_where_it_computes() {
     let main = |program: &Program, _: Arc<dyn Calls>| {
-        let told = program.stopped.1.lock().recv_timeout(Duration::from_secs(60));
-        assert_eq!(told, Ok(RobotId(1)));
+        let message = program.stopped.1.lock().recv_timeout(Duration::from_secs(60));
+        assert_eq!(message, Ok(RobotId(1)));
         EmbeddedEnd::Overdue("it.py:7".into())
     };
     let report = run(main, Time::from_millis(5_000));

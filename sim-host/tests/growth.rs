@@ -41,7 +41,7 @@ int main(void) {
 
 /// Resources of the process that grow if a run leaks.
 #[derive(Debug, PartialEq, Eq)]
-struct Held {
+struct ResourceUse {
     threads: usize,
     descriptors: usize,
     mappings: usize,
@@ -49,10 +49,10 @@ struct Held {
     handlers: String,
 }
 
-fn held() -> Held {
+fn held() -> ResourceUse {
     let count = |folder: &str| fs::read_dir(folder).expect("a folder of the kernel").count();
     let status = fs::read_to_string("/proc/self/status").expect("the kernel tells");
-    Held {
+    ResourceUse {
         threads: count("/proc/self/task"),
         descriptors: count("/proc/self/fd"),
         mappings: fs::read_to_string("/proc/self/maps").expect("the kernel tells").lines().count(),

@@ -12,15 +12,15 @@ use sim_host::program::{Builder, Cache, Kits, Loader, Prepared, SearchPath, Tool
 
 /// A folder that is kept between test runs, so that cargo need not build `robios-api` each time.
 fn place(name: &str) -> PathBuf {
-    let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(place.join("programs"));
-    fs::create_dir_all(place.join("programs")).expect("a folder");
-    place
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(folder.join("programs"));
+    fs::create_dir_all(folder.join("programs")).expect("a folder");
+    folder
 }
 
 /// Writes a new program with the real command, reads its scene and builds the program that the scene names.
-fn new(place: &Path, name: &str, language: &str, api: &str) -> Arc<Prepared> {
-    let folder = place.join("programs");
+fn new(parent: &Path, name: &str, language: &str, api: &str) -> Arc<Prepared> {
+    let folder = parent.join("programs");
     let eyesim = Command::new(env!("CARGO_BIN_EXE_eyesim"))
         .args(["new", name, "--lang", language, "--api", api, "--path"])
         .arg(&folder)
@@ -32,7 +32,7 @@ fn new(place: &Path, name: &str, language: &str, api: &str) -> Arc<Prepared> {
     assert!(loaded.diagnostics.is_empty(), "{:?}", loaded.diagnostics);
     let search = SearchPath { sim_folder: sim.parent().map(Path::to_owned), ..SearchPath::default() };
     let found = find_program(loaded.scene.robots[0].program_name(), &search).unwrap_or_else(|error| panic!("{error}"));
-    let cache = Cache::open(&place.join("cache")).expect("a cache");
+    let cache = Cache::open(&parent.join("cache")).expect("a cache");
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
     let prepared = prepare(&builder, &[found]).pop().expect("a result").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(prepared.output, "", "the compiler warns");
@@ -41,15 +41,15 @@ fn new(place: &Path, name: &str, language: &str, api: &str) -> Arc<Prepared> {
 }
 
 /// Runs the scene and checks the report: the program has seen its four walls and ended without a contact.
-fn check_run(place: &Path, name: &str) {
-    let folder = place.join("programs").join(name);
+fn check_run(parent: &Path, name: &str) {
+    let folder = parent.join("programs").join(name);
     let report = folder.join("report.json");
     let eyesim = Command::new(env!("CARGO_BIN_EXE_eyesim"))
         .arg("run")
         .arg(folder.join(format!("{name}.sim")))
         .arg("--report")
         .arg(&report)
-        .env("EYESIM_CACHE", place.join("cache"))
+        .env("EYESIM_CACHE", parent.join("cache"))
         .output()
         .expect("eyesim runs");
     assert!(eyesim.status.success(), "{}", String::from_utf8_lossy(&eyesim.stderr));
@@ -73,16 +73,16 @@ fn check(language: &str, compiler: &str) {
     if !is_there(compiler) {
         return;
     }
-    let place = place(&format!("new-{language}"));
+    let folder = place(&format!("new-{language}"));
     for (api, name) in [("6", "maze"), ("7", "wall")] {
-        let prepared = new(&place, name, language, api);
+        let prepared = new(&folder, name, language, api);
         assert_eq!(prepared.name, name);
         let mut loader = Loader::new().expect("a run folder");
         for _ in 0..12 {
             loader.load(&prepared, &[], None).unwrap_or_else(|error| panic!("{error}"));
         }
-        check_run(&place, name);
-        check_editor_settings(&place.join("programs").join(name));
+        check_run(&folder, name);
+        check_editor_settings(&folder.join("programs").join(name));
     }
 }
 

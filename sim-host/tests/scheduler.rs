@@ -281,8 +281,8 @@ fn a_run_without_programs_lends_a_simulation() {
     let running = ready.and_then(|ready| ready.start(Observers { sinks, ..Observers::default() }));
     let mut running = running.unwrap_or_else(|error| panic!("{error}"));
     let run = &mut running.scheduler;
-    let place = Action::PlaceObject { object: 1, x_m: 0.62, y_m: 0.5, phi_rad: 1.0 };
-    run.act(Time::ZERO, &place).expect("a place");
+    let placement = Action::PlaceObject { object: 1, x_m: 0.62, y_m: 0.5, phi_rad: 1.0 };
+    run.act(Time::ZERO, &placement).expect("a place");
     run.advance_to(Time::from_millis(400));
 
     let at = run.boundary().following;

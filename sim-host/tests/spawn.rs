@@ -52,7 +52,7 @@ const KEY: &str = r#"
 int main(void) { pthread_cleanup_push(bye, "key"); KEYGet(); pthread_cleanup_pop(1); return 0; }
 "#;
 
-struct Ran {
+struct RunResult {
     ended: Ended,
     /// Lines of the trace.
     lines: Vec<Value>,
@@ -60,7 +60,7 @@ struct Ran {
     answers: Vec<Option<String>>,
 }
 
-impl Ran {
+impl RunResult {
     fn of(&self, robot: u32) -> impl Iterator<Item = &Value> {
         self.lines.iter().filter(move |line| line["robot"] == robot)
     }
@@ -87,7 +87,7 @@ fn room(robots: &str, programs: &[(&str, &str)]) -> tempfile::TempDir {
 }
 
 /// Runs the scene for at most 10 s with these actions and their times in ms.
-fn run(folder: &tempfile::TempDir, workers: usize, actions: &[(i64, Action)]) -> Ran {
+fn run(folder: &tempfile::TempDir, workers: usize, actions: &[(i64, Action)]) -> RunResult {
     let folder = folder.path();
     let until = Some(Time::from_millis(10_000));
     let options = Options { workers: NonZeroUsize::new(workers), until, ..Options::default() };
@@ -108,7 +108,7 @@ fn run(folder: &tempfile::TempDir, workers: usize, actions: &[(i64, Action)]) ->
     let ended = running.finish().ended;
     let text = std::fs::read_to_string(trace_file).expect("a trace");
     let lines = text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    Ran { ended, lines, answers }
+    RunResult { ended, lines, answers }
 }
 
 fn add_robot(kind: &str, program_of: Option<u32>, x_m: f64, y_m: f64) -> Action {
@@ -128,11 +128,11 @@ fn a_spawned_robot_drives() {
     let outcomes: Vec<_> = ran.ended.robots.iter().map(|robot| robot.outcome).collect();
     assert_eq!(outcomes, [Outcome::Finished, Outcome::Finished, Outcome::NoProgram]);
     assert_eq!((ran.lcd(1).trim(), ran.lcd(2).trim()), ("0", "205"), "virtual time goes on for the new one");
-    let place = ran.ended.robots[1].pose.position;
-    assert!((place.x - 1.5).abs() < 1e-9 && place.y == 1.5, "it has driven its metre: {place}");
-    let taken = ran.ended.robots[1].virtual_time.seconds() - 2.05;
+    let position = ran.ended.robots[1].pose.position;
+    assert!((position.x - 1.5).abs() < 1e-9 && position.y == 1.5, "it has driven its metre: {position}");
+    let elapsed = ran.ended.robots[1].virtual_time.seconds() - 2.05;
     let first = ran.ended.robots[0].virtual_time.seconds();
-    assert!((taken - first).abs() < 1e-6, "as long as the first one took: {taken} s, {first} s");
+    assert!((elapsed - first).abs() < 1e-6, "as long as the first one took: {elapsed} s, {first} s");
     let mut events = ran.of(2).map(|line| (line["event"].as_str().unwrap_or_default(), line["t_s"].as_f64()));
     assert_eq!(events.next(), Some(("program_started", Some(2.05))));
     assert_eq!(events.next(), Some(("pose", Some(2.05))), "where it came");

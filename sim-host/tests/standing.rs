@@ -114,9 +114,9 @@ fn a_robot_without_a_program_is_seen_and_hit_where_it_stands() {
     assert_eq!(events(folder.path(), 2), expected);
     // Its start is recorded in the first slot, with that of the others.
     let text = std::fs::read_to_string(folder.path().join("trace.jsonl")).expect("a trace");
-    let place = |part: &str| text.find(part).unwrap_or_else(|| panic!("`{part}` in {text}"));
-    let start = place(r#""robot":2,"seq":0,"event":"program_started","program":"""#);
-    assert!(start < place(r#"{"event":"slot""#), "{text}");
+    let offset_of = |part: &str| text.find(part).unwrap_or_else(|| panic!("`{part}` in {text}"));
+    let start = offset_of(r#""robot":2,"seq":0,"event":"program_started","program":"""#);
+    assert!(start < offset_of(r#"{"event":"slot""#), "{text}");
 }
 
 #[test]
@@ -141,8 +141,8 @@ fn the_arguments_of_the_scene_reach_main() {
         scene.robots[0].arguments = vec!["-k".into(), "0 5".into()];
         scene.robots[2].arguments = vec![String::new()];
     });
-    let shown: Vec<String> = ended.robots.iter().map(|robot| robot.panel.lines().remove(0)).collect();
-    assert_eq!(shown, ["3 echo -k 0 5", "1 echo", "2 echo"]);
+    let panels: Vec<String> = ended.robots.iter().map(|robot| robot.panel.lines().remove(0)).collect();
+    assert_eq!(panels, ["3 echo -k 0 5", "1 echo", "2 echo"]);
     assert!(ended.robots.iter().all(|robot| robot.exit_code == Some(0)), "argv ends with a null pointer");
 }
 

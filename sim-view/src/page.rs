@@ -108,8 +108,8 @@ impl Page {
         // JSON has `<` only within strings.
         let recording = recording.replace('<', "\\u003c");
         let element = format!("<script type=\"application/json\" id=\"recording\">{recording}</script>\n");
-        let place = page.rfind("</body>").ok_or_else(|| NoPage("the page has no `</body>`".to_owned()))?;
-        Ok(format!("{}{element}{}", &page[..place], &page[place..]))
+        let end = page.rfind("</body>").ok_or_else(|| NoPage("the page has no `</body>`".to_owned()))?;
+        Ok(format!("{}{element}{}", &page[..end], &page[end..]))
     }
 }
 

@@ -316,8 +316,8 @@ fn a_flood_of_commands_is_refused() {
 
 #[test]
 fn ports_and_addresses() {
-    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = taken.local_addr().unwrap().to_string();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
     let error = Window::open(options(&address, Access::Local), page()).err().unwrap();
     assert!(matches!(error, OpenError::Taken(_)));
     assert!(error.to_string().starts_with(&format!("`{address}` is taken by another program")), "{error}");

@@ -32,13 +32,13 @@ fn hello_is_answered_with_all_there_is_to_see() {
         welcome,
         json!({ "type": "welcome", "protocol": PROTOCOL, "version": "1.2.3", "title": "a scene", "may_act": true })
     );
-    let shown = page.hear();
+    let message = page.hear();
     assert_eq!(
-        (&shown["type"], &shown["run"], &shown["robots"][0]["name"]),
+        (&message["type"], &message["run"], &message["robots"][0]["name"]),
         (&json!("scene"), &json!(1), &json!("one"))
     );
-    let shown = page.hear();
-    assert_eq!((&shown["type"], &shown["t_s"]), (&json!("snapshot"), &json!(2.5)));
+    let message = page.hear();
+    assert_eq!((&message["type"], &message["t_s"]), (&json!("snapshot"), &json!(2.5)));
     let told = page.hear();
     let expected =
         json!({ "number": 1, "t_s": 1.0, "robot": 1, "kind": "contact", "text": "event \"1\"", "fields": { "n": 1 } });
@@ -99,9 +99,9 @@ fn only_who_has_the_token_may_act() {
 fn commands_are_answered_by_their_numbers() {
     let window = local();
     let (mut page, _) = Client::hello(&window, None);
-    let place = json!({ "do": "place_robot", "robot": 1, "x_m": 0.1, "y_m": 0.2, "phi_rad": 0.3 });
+    let placement = json!({ "do": "place_robot", "robot": 1, "x_m": 0.1, "y_m": 0.2, "phi_rad": 0.3 });
     for (number, command) in [
-        (1, json!({ "command": "act", "action": place })),
+        (1, json!({ "command": "act", "action": placement })),
         (2, json!({ "command": "speed", "factor": null })),
         (3, json!({ "command": "restart", "seed": { "number": "18446744073709551615" } })),
     ] {
@@ -159,16 +159,16 @@ fn display_comes_once_and_to_each_page() {
     let (mut page, _) = Client::hello(&window, None);
     page.hear_type("snapshot");
     page.look(Some(1), false);
-    let shown = page.hear_type("detail");
-    assert_eq!((&shown["robot"], &shown["lcd"]["url"]), (&json!(1), &json!("data:a")));
+    let message = page.hear_type("detail");
+    assert_eq!((&message["robot"], &message["lcd"]["url"]), (&json!(1), &json!("data:a")));
     window.show(snapshot(1.0), vec![detail(1, 1.0, None)]);
-    let shown = page.hear_type("detail");
-    assert_eq!((&shown["t_s"], &shown["lcd"]), (&json!(1.0), &json!(null)));
+    let message = page.hear_type("detail");
+    assert_eq!((&message["t_s"], &message["lcd"]), (&json!(1.0), &json!(null)));
 
     let (mut late, _) = Client::hello(&window, None);
     late.look(Some(1), false);
-    let shown = late.hear_type("detail");
-    assert_eq!((&shown["t_s"], &shown["lcd"]["url"]), (&json!(1.0), &json!("data:a")));
+    let message = late.hear_type("detail");
+    assert_eq!((&message["t_s"], &message["lcd"]["url"]), (&json!(1.0), &json!("data:a")));
 
     // A picture that is overtaken by a later detail without one is not lost.
     window.show(snapshot(2.0), vec![detail(1, 2.0, Some("data:c"))]);
@@ -176,9 +176,9 @@ fn display_comes_once_and_to_each_page() {
     for page in [&mut page, &mut late] {
         let mut pictures = Vec::new();
         loop {
-            let shown = page.hear_type("detail");
-            pictures.extend(shown["lcd"]["url"].as_str().map(String::from));
-            if shown["t_s"] == 3.0 {
+            let message = page.hear_type("detail");
+            pictures.extend(message["lcd"]["url"].as_str().map(String::from));
+            if message["t_s"] == 3.0 {
                 break;
             }
         }
@@ -195,8 +195,8 @@ fn display_comes_once_and_to_each_page() {
     let mut of_next_run = detail(1, 0.0, None);
     of_next_run.run = 2;
     window.show(snapshot(0.0), vec![of_next_run]);
-    let shown = page.hear_type("detail");
-    assert_eq!((&shown["run"], &shown["lcd"]), (&json!(2), &json!(null)));
+    let message = page.hear_type("detail");
+    assert_eq!((&message["run"], &message["lcd"]), (&json!(2), &json!(null)));
 }
 
 #[test]
@@ -207,9 +207,9 @@ fn events_are_kept_and_counted() {
     let (mut page, _) = Client::hello(&window, None);
     let (mut missed, mut numbers) = (0, Vec::new());
     while numbers.len() < 20_000 {
-        let told = page.hear_type("events");
-        missed += told["missed"].as_u64().unwrap();
-        let events = told["events"].as_array().unwrap();
+        let message = page.hear_type("events");
+        missed += message["missed"].as_u64().unwrap();
+        let events = message["events"].as_array().unwrap();
         assert!(events.len() <= 1_000);
         numbers.extend(events.iter().map(|event| event["number"].as_u64().unwrap()));
     }
@@ -217,17 +217,17 @@ fn events_are_kept_and_counted() {
     assert!(numbers.iter().copied().eq(5_001..=25_000));
 
     window.tell(vec![event(25_001, "contact", 1)]);
-    let told = page.hear_type("events");
-    assert_eq!((&told["events"][0]["number"], &told["missed"]), (&json!(25_001), &json!(0)));
+    let message = page.hear_type("events");
+    assert_eq!((&message["events"][0]["number"], &message["missed"]), (&json!(25_001), &json!(0)));
 
     window.show_scene(scene(2));
     window.tell(vec![event(1, "contact", 1)]);
     let (mut late, _) = Client::hello(&window, None);
     for page in [&mut page, &mut late] {
         assert_eq!(page.hear_type("scene")["run"], 2);
-        let told = page.hear_type("events");
-        assert_eq!(told["events"].as_array().unwrap().len(), 1);
-        assert_eq!((&told["events"][0]["number"], &told["missed"]), (&json!(1), &json!(0)));
+        let message = page.hear_type("events");
+        assert_eq!(message["events"].as_array().unwrap().len(), 1);
+        assert_eq!((&message["events"][0]["number"], &message["missed"]), (&json!(1), &json!(0)));
     }
 }
 
@@ -277,14 +277,14 @@ fn a_page_that_stalls_holds_up_nobody() {
     }
     window.tell(vec![event(1, "contact", 1)]);
     while page.hear_type("snapshot")["t_s"] != f64::from(LAST) {}
-    let mut shown = 0;
+    let mut count = 0;
     loop {
-        shown += 1;
+        count += 1;
         if stalled.hear_type("snapshot")["t_s"] == f64::from(LAST) {
             break;
         }
     }
-    assert!(shown < LAST / 2, "{shown} snapshots have waited for the page");
+    assert!(count < LAST / 2, "{count} snapshots have waited for the page");
     assert_eq!(stalled.hear_type("events")["events"][0]["number"], 1);
 }
 

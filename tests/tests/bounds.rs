@@ -1,4 +1,4 @@
-//! Limits on the resources of a program: they are reported, and the run goes on or ends in time.
+//! Limits on the resources of a program: they are reported, and the run continues or ends in time.
 
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -59,8 +59,8 @@ fn pipes_and_devices_in_place_of_programs_are_refused_at_once() {
         scratch.write("include.c", include);
         scratch.write("device.c", include);
         if let Some(pipe) = pipe {
-            let made = Command::new("mkfifo").arg(scratch.path().join(pipe)).status().expect("mkfifo");
-            assert!(made.success());
+            let status = Command::new("mkfifo").arg(scratch.path().join(pipe)).status().expect("mkfifo");
+            assert!(status.success());
         }
         if let Some(device) = device {
             let path = scratch.path().join(device);
@@ -153,7 +153,7 @@ fn a_programs_floats_are_not_the_hosts() {
 const SYSTEM: &str = "#define _GNU_SOURCE\n#include <fcntl.h>\n#include <fenv.h>\n#include <setjmp.h>\n#include <signal.h>\n#include <stdio.h>\n\
                       #include <stdlib.h>\n#include <string.h>\n#include <sys/syscall.h>\n#include <unistd.h>\n#include \"eyebot.h\"\n";
 
-/// Runs a program beside a good one on this kind of flow: exit code, what is told of it, and the outcome of the good one.
+/// Runs a program beside a good one on this kind of flow: exit code, its messages, and the outcome of the good one.
 fn told(program: &str, exec: &str) -> (Option<i32>, String, Value) {
     let scratch = Scratch::new();
     scratch.write("bad.c", &format!("{SYSTEM}{program}\n"));
@@ -168,7 +168,7 @@ fn told(program: &str, exec: &str) -> (Option<i32>, String, Value) {
     (ran.code, format!("{reason}\n{}{}", ran.stdout, ran.stderr), report["robots"][0]["outcome"].clone())
 }
 
-/// Programs whose ends used to be told wrongly, late or never: `main` after a wait of 0.2 s, then words for either kind of flow.
+/// Programs whose ends used to be reported wrongly, late or never: `main` after a wait of 0.2 s, then words for either kind of flow.
 const ENDS: &[(&str, &str)] = &[
     (
         "static void h(int s) { (void)s; }\nint main(void) { OSWait(20); signal(SIGSEGV, h);\n*(volatile int *)0 = 1; return 0; }",
@@ -263,10 +263,10 @@ fn processes_of_programs_do_not_outlive_the_run() {
         let (_, said, _) = told(&sleeper, exec);
         let list =
             Command::new("sh").args(["-c", &format!("grep -l 9{tag} /proc/[0-9]*/cmdline 2>/dev/null")]).output();
-        let left = String::from_utf8_lossy(&list.expect("a shell").stdout).into_owned();
-        let left: Vec<&str> = left.lines().filter(|path| !path.contains("/self/")).collect();
+        let remaining = String::from_utf8_lossy(&list.expect("a shell").stdout).into_owned();
+        let remaining: Vec<&str> = remaining.lines().filter(|path| !path.contains("/self/")).collect();
         let lives = |path: &&&str| std::fs::read_to_string(path).is_ok_and(|line| line.starts_with("sleep"));
-        assert_eq!(left.iter().filter(lives).count(), 0, "{exec}: {said}");
+        assert_eq!(remaining.iter().filter(lives).count(), 0, "{exec}: {said}");
     }
 }
 

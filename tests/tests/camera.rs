@@ -486,15 +486,15 @@ fn without_a_camera_nothing_is_read_for_one() {
     // With one, the warning comes once, in the slot of the first image, for either robot.
     scratch.write("one.c", WANDERER);
     scratch.eyesim(&["run", "a.sim", "-q"]);
-    let told: Vec<Ran> =
+    let runs: Vec<Ran> =
         ["1", "2"].iter().map(|threads| scratch.eyesim(&["run", "a.sim", "-q", "--threads", threads])).collect();
     assert_eq!(
-        told[0].stderr.matches("missing.png").count(),
-        told[1].stderr.matches("missing.png").count(),
-        "{told:#?}"
+        runs[0].stderr.matches("missing.png").count(),
+        runs[1].stderr.matches("missing.png").count(),
+        "{runs:#?}"
     );
-    assert!(told[0].stderr.contains("missing.png"), "{told:#?}");
-    assert_eq!(told[0].stderr, told[1].stderr);
+    assert!(runs[0].stderr.contains("missing.png"), "{runs:#?}");
+    assert_eq!(runs[0].stderr, runs[1].stderr);
     let strict = refused(&scratch, &["run", "a.sim", "--strict", "-q"], 2);
     assert!(strict.contains("the scene is not run on: 1 warning"), "{strict}");
 

@@ -151,8 +151,8 @@ fn a_missing_program_is_a_warning_to_check_and_an_error_to_run() {
     assert!(ran.stdout.contains("a.sim:2:13: warning[program-missing]: program `gone.c` is not found"), "{ran:#?}");
     let ran = scratch.eyesim(&["run", "a.sim"]);
     assert_eq!(ran.code, Some(2), "{ran:#?}");
-    for place in ["a.sim:2:13: error[program-missing]", "a.sim:3:13: error[program-missing]"] {
-        assert!(ran.stderr.contains(place), "{ran:#?}");
+    for location in ["a.sim:2:13: error[program-missing]", "a.sim:3:13: error[program-missing]"] {
+        assert!(ran.stderr.contains(location), "{ran:#?}");
     }
     assert!(ran.stderr.ends_with("error: the scene is not run: 2 errors in 1 file\n"), "{ran:#?}");
 }

@@ -57,7 +57,7 @@ const CURVE: &str = "VWCurve(700, 80, 170); VWWait(); VWStraight(400, 230); VWWa
 
 #[test]
 fn verdicts_and_instants_are_the_same_for_every_slot_length() {
-    // Where the curve ends, and the greatest y of the line after it, with closed forms: the robot turns left by 80 degrees.
+    // Where the curve ends, and the maximum y of the line after it, with closed forms: the robot turns left by 80 degrees.
     let turn = 80_f64.to_radians();
     let (radius, (sin, cos)) = (0.7 / turn, turn.sin_cos());
     let end = [500.0 + 1e3 * radius * sin, 500.0 + 1e3 * radius * (1.0 - cos)];
@@ -138,7 +138,7 @@ fn a_failing_student_sees_what_where_and_when() {
     let ran = scratch.eyesim(&["run", "a.scene.toml", "--slot=20", "--report", "r.json"]);
     assert_eq!(ran.code, Some(1), "{ran:#?}");
     let lines: Vec<&str> = ran.stdout.lines().skip_while(|line| !line.starts_with("checks: ")).collect();
-    let [head, goal, touches, tells, way, view] = lines[..] else { panic!("{lines:#?}") };
+    let [head, goal, touches, tells, path, view] = lines[..] else { panic!("{lines:#?}") };
     assert!(head.starts_with("checks: 0 of 4 passed, 1.") && head.ends_with(" of 10 points"), "{head}");
     assert!(
         goal.starts_with("FAILED  the goal")
@@ -152,7 +152,7 @@ fn a_failing_student_sees_what_where_and_when() {
         "{touches}"
     );
     assert!(tells.contains("r1 printed no `found` in one line"), "{tells}");
-    assert!(way.starts_with("FAILED  a short way") && way.contains("/2"), "{way}");
+    assert!(path.starts_with("FAILED  a short way") && path.contains("/2"), "{path}");
     assert!(view.starts_with("to see it: eyesim view a.scene.toml --slot=20 --at "), "{view}");
 }
 
@@ -304,8 +304,8 @@ fn the_gap_between_two_robots_is_that_of_two_circles_that_pass() {
         assert_eq!(checks[0]["passed"], is_met, "{:#}", checks[0]);
         assert!(checks[0] == checks[1] && checks[0] == checks[2], "{checks:#?}");
     }
-    let place = run(gap + 0.001, "50")["x_m"].as_f64().expect("a place");
-    assert!((place - 1.0).abs() < 0.02, "{place} m");
+    let position = run(gap + 0.001, "50")["x_m"].as_f64().expect("a place");
+    assert!((position - 1.0).abs() < 0.02, "{position} m");
 }
 
 #[test]

@@ -225,7 +225,7 @@ fn the_drive_through_a_field_of_cylinders_gets_its_score() {
     assert!(ran.code == Some(0) && ran.stdout.contains("2 passed"), "{ran:#?}");
     // The world is what its generator writes.
     let generator = root().join("docs/examples/barn/generate.py");
-    let made = std::process::Command::new("python3").arg(generator).arg("7").output().expect("python3");
-    let kept = std::fs::read(root().join("docs/examples/barn/field.world")).expect("the world");
-    assert!(made.status.success() && made.stdout == kept, "{}", String::from_utf8_lossy(&made.stderr));
+    let status = std::process::Command::new("python3").arg(generator).arg("7").output().expect("python3");
+    let committed = std::fs::read(root().join("docs/examples/barn/field.world")).expect("the world");
+    assert!(status.status.success() && status.stdout == committed, "{}", String::from_utf8_lossy(&status.stderr));
 }

@@ -60,10 +60,10 @@ fn a_program_stops_at_a_line_and_a_function_and_the_run_is_the_same() {
     let commands = ["print before", "continue", "print number", "finish", "shell sleep 2", "continue"];
     let ran = debug(&scratch, &["--break", &stop, "--break", "twice"], &commands);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
-    let shown = format!("{}{}", ran.stdout, ran.stderr);
-    assert!(shown.contains(&format!("drive.c:{line}\n")), "{shown}");
-    assert!(shown.contains("twice (number=21)"), "{shown}");
-    assert!(shown.contains("Value returned is $3 = 42"), "{shown}");
+    let output = format!("{}{}", ran.stdout, ran.stderr);
+    assert!(output.contains(&format!("drive.c:{line}\n")), "{output}");
+    assert!(output.contains("twice (number=21)"), "{output}");
+    assert!(output.contains("Value returned is $3 = 42"), "{output}");
     // Two seconds at the prompt take no virtual time: the run equals that of `eyesim run`.
     let debugged = report(&scratch, "debug.json");
     let plain = scratch.report("scene.sim", &[], 0);
@@ -78,10 +78,10 @@ fn without_a_place_it_stops_at_the_beginning() {
     }
     let scratch = Scratch::new();
     let ran = debug(&scratch, &[], &["backtrace 1", "kill"]);
-    let shown = format!("{}{}", ran.stdout, ran.stderr);
-    assert!(shown.contains("main ()") && shown.contains("drive.c:"), "{shown}");
+    let output = format!("{}{}", ran.stdout, ran.stderr);
+    assert!(output.contains("main ()") && output.contains("drive.c:"), "{output}");
     // The debugger was left: that robot ends, the others go on.
-    assert_eq!(ran.code, Some(1), "{shown}");
+    assert_eq!(ran.code, Some(1), "{output}");
     let report = report(&scratch, "debug.json");
     let outcomes: Vec<&str> =
         report["robots"].as_array().expect("robots").iter().filter_map(|r| r["outcome"].as_str()).collect();

@@ -141,14 +141,14 @@ fn robots_with_numbers_give_the_same_run_in_whatever_order_they_are_listed() {
         (5, RING, AVOID_C, "layout = { kind = \"random\" }"),
         (6, RING, AVOID_C, ""),
     ];
-    let run = |name: &str, places: [usize; 6], has_ids: bool| {
+    let run = |name: &str, indices: [usize; 6], has_ids: bool| {
         let mut scene = "[scene]\nseed = 3\nnoise = \"real\"\n[world]\nfloor_mm = [3000, 3000]\n\
                          wall = [{ from_mm = [0, 0], to_mm = [3000, 0] }, { from_mm = [3000, 0], to_mm = [3000, 3000] },\n\
                          { from_mm = [3000, 3000], to_mm = [0, 3000] }, { from_mm = [0, 3000], to_mm = [0, 0] }]\n\
                          start = [{ x_mm = 1500, y_mm = 300 }, { x_mm = 2500, y_mm = 1500, heading_deg = 90 },\n\
                          { x_mm = 1500, y_mm = 1500, heading_deg = 200 }]\n"
             .to_owned();
-        for (id, kind, program, keys) in places.map(|place| robots[place]) {
+        for (id, kind, program, keys) in indices.map(|index| robots[index]) {
             let id = if has_ids { format!("id = {id}\n") } else { String::new() };
             scene += &format!("[[robot]]\ntype = \"{kind}\"\nprogram = \"{program}\"\n{id}{keys}\n");
         }

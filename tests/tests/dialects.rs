@@ -417,11 +417,11 @@ fn our_own_form_gives_programs_their_arguments() {
         let report = scratch.report("scene.scene.toml", args, 0);
         report["robots"].as_array().expect("robots").clone()
     };
-    let shown = |robot: &Value| robot["lcd"][0].as_str().expect("a line").trim_end().to_owned();
+    let lcd_line = |robot: &Value| robot["lcd"][0].as_str().expect("a line").trim_end().to_owned();
     let robots = run(&[]);
     let (x, y, phi_deg) = end_of_hook(600.0, 600.0, 90.0, 10.0);
     assert_at(&robots[0], x, y, phi_deg);
-    assert_eq!([shown(&robots[1]), shown(&robots[2])], ["echo|-k|0 5|", "echo|-k|0 5|"]);
+    assert_eq!([lcd_line(&robots[1]), lcd_line(&robots[2])], ["echo|-k|0 5|", "echo|-k|0 5|"]);
     assert_at(&robots[1], 1500.0, 2000.0, 0.0);
     assert_at(&robots[2], 2000.0, 2000.0, 0.0);
     assert_eq!(robots[3]["outcome"], "no_program");
@@ -429,8 +429,8 @@ fn our_own_form_gives_programs_their_arguments() {
     assert!((number(&robots[4], "path_m") - 0.4).abs() < 1e-6, "{:#}", robots[4]);
 
     let robots = run(&["--args", "3:other", "--args", "5:0.2", "--program", "4=echo.c"]);
-    assert_eq!([shown(&robots[1]), shown(&robots[2])], ["echo|-k|0 5|", "echo|other|"]);
-    assert_eq!(shown(&robots[3]), "echo|");
+    assert_eq!([lcd_line(&robots[1]), lcd_line(&robots[2])], ["echo|-k|0 5|", "echo|other|"]);
+    assert_eq!(lcd_line(&robots[3]), "echo|");
     assert!((number(&robots[4], "path_m") - 0.8).abs() < 1e-6, "{:#}", robots[4]);
 }
 
@@ -468,7 +468,7 @@ fn a_dialect_is_told_by_its_lines_and_mixing_them_harms_nothing() {
     }
 }
 
-/// Tells the heading, turns by SIMSetRobot as `phi` says, and tells it again.
+/// Prints the heading, turns by SIMSetRobot to `phi`, and prints it again.
 fn turner(phi: i32) -> String {
     format!(
         "#include \"eyebot.h\"\nint main() {{\n    int x, y, z, phi;\n    SIMGetRobot(0, &x, &y, &z, &phi);\n    \
@@ -487,7 +487,7 @@ fn a_program_of_2018_faces_y_at_0_and_one_of_today_x() {
         let end = ["x_m", "y_m"].map(|key| (number(&robot["pose"], key) * 1000.0).round());
         (lcd(0), lcd(1), end)
     };
-    // By the source of 2018: what is told is 360 - (90 - heading), what is set is 90 - heading.
+    // By the source of 2018: the value read is 360 - (90 - heading), the value set is 90 - heading.
     let of_2018 = |first: &str, second: &str, end| (first.to_owned(), second.to_owned(), end);
     scratch.write("turn.c", &turner(0));
     scratch.write("a.sim", "world room.wld\nS4 500 500 0 turn.x\n");
@@ -515,7 +515,7 @@ fn a_program_of_2018_faces_y_at_0_and_one_of_today_x() {
     assert!(refused.code == Some(2) && refused.stderr.contains("expected vr2018, vr2023 or classic"), "{refused:#?}");
 }
 
-/// Drives one cell of 360 mm and tells what is ahead.
+/// Drives one cell of 360 mm and prints what is ahead.
 const STEP: &str =
     "#include \"eyebot.h\"\nint main() { VWStraight(360, 200); VWWait(); LCDPrintf(\"%d\", PSDGet(1)); return 0; }\n";
 
@@ -572,10 +572,11 @@ fn a_robot_that_leaves_through_a_gap_is_told_with_its_instant() {
         scratch.write("a.sim", &format!("world m.maz\nS4 S {heading} out.x\n"));
         let checked = scratch.eyesim(&["check", "m.maz"]);
         assert!(checked.stdout.contains("maz-gap"), "{checked:#?}");
-        let left = |slot: &str| number(&scratch.report("a.sim", &["--slot", slot], 0)["robots"][0], "left_floor_s");
+        let left_floor_s =
+            |slot: &str| number(&scratch.report("a.sim", &["--slot", slot], 0)["robots"][0], "left_floor_s");
         // At 100 mm/s after the start of the call's end.
-        assert!((left("50") - distance / 100.0).abs() < 0.01, "{}", left("50"));
-        assert_eq!(left("50"), left("1"), "whatever the slots");
+        assert!((left_floor_s("50") - distance / 100.0).abs() < 0.01, "{}", left_floor_s("50"));
+        assert_eq!(left_floor_s("50"), left_floor_s("1"), "whatever the slots");
         let ran = scratch.eyesim(&["run", "a.sim"]);
         assert_eq!(ran.stderr.matches("has left the floor at (").count(), 1, "{ran:#?}");
     }

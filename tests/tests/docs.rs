@@ -45,8 +45,8 @@ fn links(text: &str) -> Vec<&str> {
 
 /// The anchor that a heading gets: lower case, blanks to hyphens, punctuation dropped.
 fn anchor(heading: &str) -> String {
-    let kept = heading.trim().to_lowercase();
-    kept.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
+    let slug = heading.trim().to_lowercase();
+    slug.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).map(|c| if c == ' ' { '-' } else { c }).collect()
 }
 
 /// Error of a link on a page, if any.

@@ -176,8 +176,8 @@ fn an_unfinished_line_is_shown_before_the_break_of_its_own_robot() {
         scratch.write("part.c", source);
         write_scene(&scratch, &["part.c", "part.c", "part.c"]);
         let ran = scratch.eyesim(&["run", "scene.sim", "--exec", exec]);
-        let shown: Vec<&str> = ran.stdout.lines().filter(|line| line.starts_with('[')).collect();
-        assert_eq!(shown, ["[r2 1.000 s] robot 2"], "{exec}: {ran:#?}");
+        let lines: Vec<&str> = ran.stdout.lines().filter(|line| line.starts_with('[')).collect();
+        assert_eq!(lines, ["[r2 1.000 s] robot 2"], "{exec}: {ran:#?}");
         assert!(ran.stderr.contains("[r2 1.000 s] error 2\n"), "{exec}: {ran:#?}");
         ran.stdout.lines().find(|line| line.starts_with("digest")).map(str::to_owned)
     });
@@ -215,8 +215,8 @@ fn memory_written_beyond_its_end_is_told_where_it_is_given_back() {
         assert!(hint.contains("beyond the end of these 10 bytes") && hint.contains("alone.c:7"), "{exec}: {hint}");
         let far = run_alone(newest, &["--exec", exec])["robots"][0].clone();
         let reason = far["reason"].as_str().expect("a reason");
-        let told = "far beyond the end of the 16 bytes that are reserved at alone.c:3";
-        assert!(far["outcome"] == "failed" && reason.contains(told), "{exec}: {reason}");
+        let message = "far beyond the end of the 16 bytes that are reserved at alone.c:3";
+        assert!(far["outcome"] == "failed" && reason.contains(message), "{exec}: {reason}");
         let large = robot(400);
         assert_eq!(large["outcome"], "failed", "{exec}: {large:#}");
         let reason = large["reason"].as_str().expect("a reason");

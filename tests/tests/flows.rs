@@ -1,6 +1,6 @@
 //! Random scenes give the same digest on fibers, threads and processes, with one worker and two.
 //!
-//! The programs of a scene have tasks, globals, cameras, radio and random numbers; `EYESIM_SCENES=200` tries that many scenes in place of
+//! The programs of a scene have tasks, globals, cameras, radio and random numbers; `EYESIM_SCENES=200` tries that many scenes instead of
 //! a few.
 
 use std::fmt::Write as _;

@@ -112,9 +112,10 @@ fn a_check_says_what_a_forbidden_call_costs() {
     let ran = scratch.eyesim(&["run", "a.scene.toml", "--trace", "a.jsonl"]);
     assert_eq!(ran.code, Some(1), "{ran:#?}");
     assert!(ran.stdout.contains("FAILED  no cheating  0/2  4 times, allowed is none, first at"), "{ran:#?}");
-    let told: Vec<Value> = scratch.trace("a.jsonl").into_iter().filter(|line| line["event"] == "forbidden").collect();
-    assert_eq!(told.len(), 4);
-    assert_eq!(told[1]["function"], "SIMSetRobot");
+    let forbidden_events: Vec<Value> =
+        scratch.trace("a.jsonl").into_iter().filter(|line| line["event"] == "forbidden").collect();
+    assert_eq!(forbidden_events.len(), 4);
+    assert_eq!(forbidden_events[1]["function"], "SIMSetRobot");
 
     // A suite forbids what its scene allows, and its lines that repeat a case forbid it as well.
     let scratch = room("", "");
@@ -150,16 +151,16 @@ fn unknown_functions_are_told_with_what_was_meant() {
         for command in ["run", "check"] {
             let ran = scratch.eyesim(&[command, "a.scene.toml"]);
             assert!(ran.code != Some(0) && ran.code != Some(3), "{forbid}: {ran:#?}");
-            let told = ran.stdout + &ran.stderr;
-            assert!(told.contains(said) && told.contains(meant), "{forbid}: {told}");
+            let output = ran.stdout + &ran.stderr;
+            assert!(output.contains(said) && output.contains(meant), "{forbid}: {output}");
         }
         let scratch = room("", "");
         scratch.write("a.suite.toml", &format!("[suite]\nscene = \"a.scene.toml\"\n{forbid}\n"));
         for command in ["test", "check"] {
             let ran = scratch.eyesim(&[command, "a.suite.toml"]);
             assert!(ran.code != Some(0) && ran.code != Some(3), "{forbid}: {ran:#?}");
-            let told = ran.stdout + &ran.stderr;
-            assert!(told.contains(said) && told.contains(meant), "{forbid}: {told}");
+            let output = ran.stdout + &ran.stderr;
+            assert!(output.contains(said) && output.contains(meant), "{forbid}: {output}");
         }
     }
     let ran = room("", "").eyesim(&["run", "a.scene.toml", "--forbid", "OSWait,SINGetRobot"]);

@@ -76,8 +76,8 @@ fn functions_of_both_generations_are_a_mistake_that_names_them() {
 fn cc_builds_for_the_generation_that_is_said_or_told() {
     let scratch = Scratch::new();
     scratch.write("maze.c", OF_7);
-    let told = scratch.eyesim(&["cc", "maze.c", "-o", "maze.so"]);
-    assert_eq!((told.code, told.stderr.as_str()), (Some(0), "maze.c: RoBIOS-7 (VWStraight, VWWait)\n"));
+    let ran = scratch.eyesim(&["cc", "maze.c", "-o", "maze.so"]);
+    assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), "maze.c: RoBIOS-7 (VWStraight, VWWait)\n"));
     let refused = scratch.eyesim(&["cc", "--api", "6", "maze.c", "-o", "maze.so"]);
     assert!(refused.stderr.contains("this program is built for RoBIOS 6"), "{refused:#?}");
     // The library carries its generation.

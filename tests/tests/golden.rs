@@ -56,12 +56,12 @@ fn digest(golden: &Golden, more: &[&str]) -> String {
 fn changed(goldens: &[Golden], more: &[&str]) -> Vec<(usize, String)> {
     let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
-        while let place = next.fetch_add(1, Ordering::Relaxed)
-            && let Some(golden) = goldens.get(place)
+        while let index = next.fetch_add(1, Ordering::Relaxed)
+            && let Some(golden) = goldens.get(index)
         {
             let digest = digest(golden, more);
             if digest != golden.digest {
-                found.lock().expect("no run has panicked").push((place, digest));
+                found.lock().expect("no run has panicked").push((index, digest));
             }
         }
     };
@@ -76,7 +76,7 @@ fn assert_golden(more: &[&str]) {
     let mut goldens = goldens();
     let changed = changed(&goldens, more);
     if std::env::var("INSTA_UPDATE").is_ok_and(|how| how == "always") {
-        changed.into_iter().for_each(|(place, digest)| goldens[place].digest = digest);
+        changed.into_iter().for_each(|(index, digest)| goldens[index].digest = digest);
         let text = goldens.iter().fold(String::new(), |mut text, Golden { scene, digest, options }| {
             let _ = writeln!(text, "{}", format!("{scene} {digest} {}", options.join(" ")).trim_end());
             text
@@ -84,7 +84,7 @@ fn assert_golden(more: &[&str]) {
         return std::fs::write(list_path(), text).expect("the list can be written");
     }
     let lines: Vec<String> =
-        changed.iter().map(|(place, digest)| format!("{}: now {digest}", goldens[*place].scene)).collect();
+        changed.iter().map(|(index, digest)| format!("{}: now {digest}", goldens[*index].scene)).collect();
     assert!(lines.is_empty(), "with {more:?} these runs are no longer what they were:\n{}", lines.join("\n"));
 }
 

@@ -74,7 +74,7 @@ fn result(folder: &Path, prefix: &str) -> Value {
 /// Checks a document against the fields that Gradescope documents.
 fn validate(results: &Value) {
     let fields = results.as_object().expect("an object");
-    let known = [
+    let keys = [
         "score",
         "execution_time",
         "output",
@@ -86,7 +86,7 @@ fn validate(results: &Value) {
         "extra_data",
         "tests",
     ];
-    assert!(fields.keys().all(|key| known.contains(&key.as_str())), "{results:#}");
+    assert!(fields.keys().all(|key| keys.contains(&key.as_str())), "{results:#}");
     let visibilities = ["visible", "hidden", "after_due_date", "after_published"];
     let is_visibility = |value: &Value| visibilities.contains(&value.as_str().expect("a visibility"));
     assert!(results["score"].is_f64() && results["output"].is_string(), "{results:#}");
@@ -94,10 +94,10 @@ fn validate(results: &Value) {
     let tests = results["tests"].as_array().expect("tests");
     assert!(!tests.is_empty());
     for test in tests {
-        let known = ["name", "score", "max_score", "status", "output", "visibility"];
-        assert!(test.as_object().expect("an object").keys().all(|key| known.contains(&key.as_str())), "{test:#}");
-        let [score, most] = ["score", "max_score"].map(|key| test[key].as_f64().expect("a number"));
-        assert!((0.0..=most).contains(&score), "{test:#}");
+        let keys = ["name", "score", "max_score", "status", "output", "visibility"];
+        assert!(test.as_object().expect("an object").keys().all(|key| keys.contains(&key.as_str())), "{test:#}");
+        let [score, max_score] = ["score", "max_score"].map(|key| test[key].as_f64().expect("a number"));
+        assert!((0.0..=max_score).contains(&score), "{test:#}");
         assert!(["passed", "failed"].contains(&test["status"].as_str().expect("a status")));
         assert!(test["name"].is_string() && test["output"].is_string() && is_visibility(&test["visibility"]));
     }
@@ -125,7 +125,7 @@ fn verdicts(scratch: &Scratch, output: &str) -> BTreeMap<String, (Vec<String>, V
     grades.into_values().map(of_row).collect()
 }
 
-/// A place where a class is graded: the lab, somebody's home, a cache, a temporary folder; all of one user.
+/// Folders in which a class is graded: the lab, a user's home, a cache, a temporary folder; all of one user.
 struct Office {
     scratch: Scratch,
     user: Option<u32>,
@@ -156,13 +156,13 @@ impl Office {
             chown_all(path, user);
             command.uid(user).gid(user);
         }
-        let kept = || ["home", "lab", "in"].map(|folder| listing(&path.join(folder)));
-        let before = kept();
+        let listings = || ["home", "lab", "in"].map(|folder| listing(&path.join(folder)));
+        let before = listings();
         let ran = Ran::from(command.output().expect("a shell"));
         assert_eq!(ran.code, Some(0), "{args:?}: {ran:#?}");
-        assert_eq!(kept(), before, "nothing outside of the scratch folders is touched");
-        let left: Vec<_> = std::fs::read_dir(path.join("tmp")).expect("a folder").collect();
-        assert!(left.is_empty(), "{left:?}");
+        assert_eq!(listings(), before, "nothing outside of the scratch folders is touched");
+        let remaining: Vec<_> = std::fs::read_dir(path.join("tmp")).expect("a folder").collect();
+        assert!(remaining.is_empty(), "{remaining:?}");
         assert_eq!(processes_in(path), Vec::<String>::new(), "nothing is left running");
         ran
     }
@@ -220,7 +220,7 @@ fn grade_class(office: &Office, is_all: bool) {
         write_class(scratch, &folder, &some, order);
         office.grade(&["--submissions", &folder, "-o", &output, "-j", jobs]);
         for (name, verdict) in verdicts(scratch, &output) {
-            // Of two limits that a submission exceeds, either may be told.
+            // Of two limits that a submission exceeds, either may be reported.
             if cases.iter().any(|case| case.name == name && case.expected == ("failed", "")) {
                 assert_eq!(found.get(&name).map(|(row, _)| &row[..5]), Some(&verdict.0[..5]), "{name}");
                 continue;
@@ -376,10 +376,10 @@ fn forbidden_calls_are_named_to_students() {
     let way = "SIMSetRobot(0, 1400, 500, 0, 0); SIMSetRobot(0, 1400, 500, 0, 0); VWStraight(900, 200); VWWait();";
     scratch.write("in/ana.c", &String::from_utf8(program(way)).expect("a text"));
     grade(&scratch, &["--submissions", "in", "-o", "out"]);
-    let told = "r1 `SIMSetRobot` 2 times";
-    assert!(scratch.read("out/students/ana/index.html").contains(told));
+    let message = "r1 `SIMSetRobot` 2 times";
+    assert!(scratch.read("out/students/ana/index.html").contains(message));
     let results = result(&scratch.path().join("out/students/ana"), "");
-    assert!(results["output"].as_str().expect("a text").contains(told), "{results:#}");
+    assert!(results["output"].as_str().expect("a text").contains(message), "{results:#}");
     assert_eq!(results["score"], 4.0, "that alone costs nothing");
 }
 

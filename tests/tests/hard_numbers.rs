@@ -1,4 +1,4 @@
-//! Extreme numbers as arguments of the functions of both generations: the run goes on, and the robot drives to its mark.
+//! Extreme numbers as arguments of the functions of both generations: the run continues, and the robot drives to its mark.
 
 use std::collections::BTreeSet;
 

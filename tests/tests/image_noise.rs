@@ -54,7 +54,7 @@ struct Statistics {
     deviation: f64,
     /// Standard deviation over the channels that are too far from black and white to be clipped.
     uncut: f64,
-    /// Shares of pixels that differ, that are white and that are black.
+    /// Fractions of pixels that differ, that are white and that are black.
     changed: f64,
     white: f64,
     black: f64,
@@ -73,7 +73,7 @@ impl Statistics {
             (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
         };
         let pixels = original.width() * original.height();
-        let share = |is_counted: &dyn Fn([u8; 3], [u8; 3]) -> bool| {
+        let fraction = |is_counted: &dyn Fn([u8; 3], [u8; 3]) -> bool| {
             let count = original.pixels().zip(picture.pixels()).filter(|(from, to)| is_counted(from.0, to.0)).count();
             count as f64 / f64::from(pixels)
         };
@@ -83,15 +83,15 @@ impl Statistics {
             mean: mean(&all),
             deviation: deviation(&all),
             uncut: deviation(&differences(&|level| (clear..=255 - clear).contains(&level))),
-            changed: share(&|from, to| from != to),
-            white: share(&|_, to| to == [255; 3]),
-            black: share(&|_, to| to == [0; 3]),
+            changed: fraction(&|from, to| from != to),
+            white: fraction(&|_, to| to == [255; 3]),
+            black: fraction(&|_, to| to == [0; 3]),
         }
     }
 
     /// Its row in the table of the page.
     fn row(&self, name: &str) -> String {
-        let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+        let percent = |fraction: f64| format!("{:.2} %", 100.0 * fraction);
         let Self { mean, deviation, uncut, changed, white, black } = self;
         format!(
             "| `{name}` | {mean:.2} | {deviation:.2} | {uncut:.2} | {} | {} | {} |",
@@ -135,7 +135,7 @@ fn the_noise_is_that_of_the_profiles() {
     let original = read(&committed(), "none");
     let of = |name| Statistics::new(&original, &read(&committed(), name));
     let pixels = f64::from(original.width() * original.height());
-    let error = |share: f64| (share * (1.0 - share) / pixels).sqrt();
+    let error = |fraction: f64| (fraction * (1.0 - fraction) / pixels).sqrt();
 
     let gaussian = of("gaussian");
     // Rounding adds 1/12 to the variance. At least half of the channels are not cut.

@@ -5,7 +5,7 @@ use std::process::Stdio;
 
 use tests::{Scratch, root, write_scene};
 
-/// Programs that read a name and two numbers, then everything else, and tell all of it.
+/// Programs that read a name and two numbers, then everything else, and print all of it.
 const READERS: [(&str, &str); 7] = [
     (
         "scanf.c",

@@ -31,13 +31,13 @@ fn judge(folder: &str, few: &str, robot: &str, with_mistakes: [Solution<'_>; 2])
     }
     let [c, python] = ["c", "py"].map(|extension| format!("{name}.{extension}"));
     let solutions = [(c.as_str(), POINTS, &[][..]), (&python, POINTS, &[])].into_iter().chain(with_mistakes);
-    let mut known = BTreeSet::new();
+    let mut known_names = BTreeSet::new();
     for (program, points, missed) in solutions {
         judge_solution(&scratch, &suite_name, &format!("{robot}=solutions/{program}"), points, missed);
-        known.insert(program.to_owned());
+        known_names.insert(program.to_owned());
     }
     let names = files(&lab.join("solutions")).into_iter().map(|path| file_name(&path).to_owned());
-    assert_eq!(names.collect::<BTreeSet<_>>(), known, "solutions of {folder}");
+    assert_eq!(names.collect::<BTreeSet<_>>(), known_names, "solutions of {folder}");
 }
 
 fn judge_solution(scratch: &Scratch, suite: &str, program: &str, points: f64, missed: &[&str]) {

@@ -12,9 +12,9 @@ fn the_page_shows_the_files() {
     for program in PROGRAMS {
         let path = root().join("example-programs/approach").join(program);
         let text = std::fs::read_to_string(&path).expect("a program");
-        // Its unit test is left out.
-        let shown = text.split("\n#[cfg(test)]").next().expect("a part");
-        assert!(page.contains(&format!("\n{shown}```\n")), "copy `{program}` to docs/four-languages.md");
+        // Its unit test is omitted.
+        let source = text.split("\n#[cfg(test)]").next().expect("a part");
+        assert!(page.contains(&format!("\n{source}```\n")), "copy `{program}` to docs/four-languages.md");
     }
 }
 

@@ -200,8 +200,8 @@ fn a_walk_is_the_same_on_threads_in_processes_and_for_every_slot() {
         let (report, trace) = run(&scratch, args);
         // Poses and postures are written at the ends of slots.
         let of_slots = ["pose", "posture", "slot", "header"];
-        let told = trace.iter().filter(|event| !of_slots.iter().any(|kind| event["event"] == **kind));
-        let told: Vec<String> = told
+        let events = trace.iter().filter(|event| !of_slots.iter().any(|kind| event["event"] == **kind));
+        let events: Vec<String> = events
             .map(|event| {
                 let mut event = event.clone();
                 let fields = event.as_object_mut().expect("an object");
@@ -209,17 +209,17 @@ fn a_walk_is_the_same_on_threads_in_processes_and_for_every_slot() {
                 event.to_string()
             })
             .collect();
-        (report["digest"].clone(), told)
+        (report["digest"].clone(), events)
     };
-    let (digest, told) = walked(&[]);
-    assert!(told.iter().filter(|line| line.contains("\"footfall\"")).count() > 10, "{told:?}");
+    let (digest, events) = walked(&[]);
+    assert!(events.iter().filter(|line| line.contains("\"footfall\"")).count() > 10, "{events:?}");
     for args in [&["--threads", "1"][..], &["--threads", "4"], &["--exec", "process"]] {
         assert_eq!(walked(args).0, digest, "{args:?}");
     }
     for slot in ["1", "7.3", "1000"] {
         let (_, same) = walked(&["--slot", slot]);
         // The end of the run is that of a slot.
-        assert_eq!(same[..same.len() - 1], told[..told.len() - 1], "slots of {slot} ms");
+        assert_eq!(same[..same.len() - 1], events[..events.len() - 1], "slots of {slot} ms");
     }
     let ran = scratch.eyesim(&["run", "legs.scene.toml", "--trace", "again.jsonl", "--record", "walk.mcap"]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);

@@ -106,11 +106,11 @@ impl Editor {
     }
 
     fn at(&mut self, method: &str, name: &str, line: u32, character: u32) -> Value {
-        let place = json!({
+        let params = json!({
             "textDocument": { "uri": self.uri(name) },
             "position": { "line": line, "character": character },
         });
-        self.ask(method, place)
+        self.ask(method, params)
     }
 
     fn labels(&mut self, name: &str, line: u32, character: u32) -> Vec<String> {
@@ -137,8 +137,8 @@ fn mistakes_follow_the_typing_and_go_when_they_are_mended() {
     editor.open("x.sim", SIM);
     assert_eq!(editor.diagnostics_of("x.sim"), Vec::<Value>::new());
     editor.change("x.sim", "wrld a.wld\nS4 500 500 90 drive.c\n");
-    let told = editor.diagnostics_of("x.sim");
-    let (first, code) = (&told[0], told[0]["code"].as_str().expect("a code"));
+    let diagnostics = editor.diagnostics_of("x.sim");
+    let (first, code) = (&diagnostics[0], diagnostics[0]["code"].as_str().expect("a code"));
     assert_eq!(
         (&first["range"]["start"], &first["severity"]),
         (&json!({ "line": 0, "character": 0 }), &json!(1)),
@@ -187,8 +187,8 @@ fn words_complete_are_explained_and_lead_to_their_files() {
     let hover = editor.at("textDocument/hover", "x.sim", 0, 1);
     assert!(hover["contents"]["value"].as_str().expect("a text").contains("the world"), "{hover}");
     for (name, line, character) in [("x.sim", 0, 8), ("x.scene.toml", 1, 10)] {
-        let place = editor.at("textDocument/definition", name, line, character);
-        assert_eq!(place["uri"], editor.uri("a.wld"), "{name}");
+        let target = editor.at("textDocument/definition", name, line, character);
+        assert_eq!(target["uri"], editor.uri("a.wld"), "{name}");
     }
     let program = editor.at("textDocument/definition", "x.sim", 1, 16);
     assert_eq!(program["uri"], editor.uri("drive.c"));
@@ -202,7 +202,7 @@ fn odd_clients_do_no_harm() {
     assert_eq!(editor.ask("textDocument/hover", json!({ "what": 1 }))["code"], -32602);
     assert_eq!(editor.at("textDocument/hover", "never-opened.sim", 3, 4), Value::Null);
     editor.tell("textDocument/didOpen", json!({ "no": "document" }));
-    // A TOML file of somebody else gets no diagnostics.
+    // A TOML file that is not eyesim's gets no diagnostics.
     editor.open("Cargo.toml", "[package]\nname = 1\n");
     assert_eq!(editor.diagnostics_of("Cargo.toml"), Vec::<Value>::new());
     editor.open("ü b.wld", "floor 1 1\nwörld 𝒜 1\n");

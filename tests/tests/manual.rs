@@ -113,8 +113,8 @@ fn the_wall_is_followed_all_round() {
             assert!((radius..0.45).contains(&away), "{away} m from the wall at {pose:?}");
         }
         for corner in corners {
-            let near = |pose: &[f64; 3]| (pose[0] - corner[0]).hypot(pose[1] - corner[1]) < 0.55;
-            assert!(poses[start..].iter().any(near), "never near the corner {corner:?}");
+            let is_near = |pose: &[f64; 3]| (pose[0] - corner[0]).hypot(pose[1] - corner[1]) < 0.55;
+            assert!(poses[start..].iter().any(is_near), "never near the corner {corner:?}");
         }
         let (first, last) = (poses[start], poses.last().expect("a pose"));
         assert!((first[0] - last[0]).hypot(first[1] - last[1]) < 0.4, "ends at {last:?}, began at {first:?}");

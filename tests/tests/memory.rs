@@ -1,13 +1,13 @@
 //! Long runs of many robots need no more memory than short ones.
 //!
-//! `EYESIM_HOUR=1` runs 1,000 robots for an hour of simulated time in place of some robots for some minutes.
+//! `EYESIM_HOUR=1` runs 1,000 robots for an hour of simulated time instead of some robots for some minutes.
 
 use std::io::{BufRead as _, BufReader};
 use std::process::{Command, Stdio};
 
 use tests::{Scratch, eyesim_path, write_crowd};
 
-/// Drives about; the first robot tells each minute.
+/// Drives about; the first robot prints each minute.
 const PROGRAM: &str = r#"
 #include "eyebot.h"
 static unsigned periods;

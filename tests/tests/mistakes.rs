@@ -876,9 +876,9 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
         !note && !table && !traceback
     };
     let lines: Vec<&str> = printed.lines().filter(is_message).collect();
-    // Python tells the place above the message, the innermost last.
+    // Python prints the location above the message, the innermost last.
     let is_place = |line: &&&str| line.contains(" s]   File ");
-    if let Some(message) = lines.iter().position(|line| !is_place(&line)).filter(|place| *place > 0) {
+    if let Some(message) = lines.iter().position(|line| !is_place(&line)).filter(|index| *index > 0) {
         return lines[message - 1..=message].join("\n");
     }
     let first = lines.first().copied().unwrap_or_default();
@@ -897,10 +897,10 @@ fn first_lines(scratch: &Scratch, case: &Case) -> String {
         let words = ["error: ", "error[", "did you mean", "--> "];
         words.iter().any(|word| line.contains(word)) && !line.starts_with("collect2")
     };
-    let place =
+    let index =
         lines.iter().find(|line| line.trim_start().starts_with("--> ")).filter(|_| first.starts_with("warning: "));
-    let more = if let Some(place) = place {
-        vec![*place]
+    let more = if let Some(index) = index {
+        vec![*index]
     } else if ["not compile", "not link", "not build"].iter().any(|word| first.contains(word)) {
         lines[1..].iter().filter(is_error).take(if case.program == "mine" { 2 } else { 1 }).copied().collect()
     } else {

@@ -1,5 +1,5 @@
 //! Every name of the headers of both generations and of `eye.py`, in programs that are generated from the signatures: each
-//! function is called once in each form that the original allows, each constant and type is used. A name that fails is told.
+//! function is called once in each form that EyeSim VR allows, each constant and type is used. A name that fails is reported.
 
 use std::collections::BTreeSet;
 
@@ -223,7 +223,7 @@ impl Program {
         }
     }
 
-    /// Runs the program and asserts that it has used all names; tells those that failed: by what it prints, or by the lines that a
+    /// Runs the program and asserts that it has used all names; reports those that failed: by what it prints, or by the lines that a
     /// compiler's message or the report of a fault names.
     fn run(&self, file: &str, sim: &str, args: &[&str]) -> Ran {
         let scratch = Scratch::new();
@@ -239,8 +239,8 @@ impl Program {
         let mut failed: BTreeSet<&str> =
             said.lines().filter_map(|line| Some(line.strip_prefix("[r")?.split_once("failed: ")?.1)).collect();
         let mark = format!("{file}:");
-        let places = said.split(&mark).skip(1);
-        let lines = places.filter_map(|rest| rest.split(|c: char| !c.is_ascii_digit()).next()?.parse::<usize>().ok());
+        let mentions = said.split(&mark).skip(1);
+        let lines = mentions.filter_map(|rest| rest.split(|c: char| !c.is_ascii_digit()).next()?.parse::<usize>().ok());
         if ran.code != Some(0) {
             failed.extend(lines.filter_map(|line| self.names.get(line - 1)));
         }
@@ -601,7 +601,7 @@ fn argument_in_python(role: Role, name: &str, form: Form) -> String {
     }
 }
 
-/// Uses of results that the original's allow.
+/// Uses of results that those of EyeSim VR allow.
 const USES: &str = r#"
 from eye import *
 import eye, json, math, struct, sys
@@ -701,7 +701,7 @@ fn add_python_calls(program: &mut Program, signature: &Signature) {
             (true, Some(Role::OutNumber(_))) if *name == "KEYReadXY" => "assert r is None or len(r) == 2".to_owned(),
             (true, Some(Role::OutNumber(_))) if *name == "RADIOCheck" => "number(r)".to_owned(),
             (true, _) if *name == "RADIOReceive" => "number(r[0]), text(r[1])".to_owned(),
-            // Four numbers where it is unpacked into four names, as tested below; else those of the original.
+            // Four numbers where it is unpacked into four names, as tested below; else those of EyeSim VR.
             (true, Some(Role::OutNumber(_))) if *name == "SIMGetObject" => "values(r, 3)".to_owned(),
             (true, Some(Role::OutNumber(_))) => format!("values(r, {})", outs.len()),
             (true, Some(Role::OutText)) if *name == "SERReceive" => "r.decode()".to_owned(),

@@ -232,7 +232,7 @@ fn threads_and_slots_and_repetition_change_nothing() {
 fn profiles_that_are_wrong_are_refused_with_the_place_and_what_is_expected() {
     let scratch = Scratch::new();
     write(&scratch);
-    for (profile, place, expected) in [
+    for (profile, place_word, expected) in [
         ("[psd]\nsigma_mm = -3\n", "2:12: error[number-range]", "a number in mm from 0 to 1000000"),
         ("[compass]\n\nsigma_deg = nan\n", "3:13: error[number-range]", "a number in degrees from 0 to 360"),
         ("[drive]\nv_sigma_mm_s = inf\n", "2:16: error[number-range]", "a number in mm/s from 0 to 100000"),
@@ -247,7 +247,7 @@ fn profiles_that_are_wrong_are_refused_with_the_place_and_what_is_expected() {
         scratch.write("wrong.noise.toml", profile);
         let ran = scratch.eyesim(&["run", "a.scene.toml", "--noise", "wrong.noise.toml"]);
         assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{profile}: {ran:#?}");
-        assert!(ran.stderr.contains(&format!("wrong.noise.toml:{place}")), "{profile}: {ran:#?}");
+        assert!(ran.stderr.contains(&format!("wrong.noise.toml:{place_word}")), "{profile}: {ran:#?}");
         let checked = scratch.eyesim(&["check", "--format", "json", "wrong.noise.toml"]);
         let said: Value = serde_json::from_str(&checked.stdout).expect("JSON");
         let said = said[0]["expected"].as_str().expect("what is expected");

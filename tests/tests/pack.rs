@@ -73,8 +73,8 @@ fn a_packed_suite_has_the_same_rows_elsewhere() {
     let ran =
         other.command(&["test", "lab.zip", "-q"]).env("TMPDIR", temporary.path()).status().expect("eyesim starts");
     assert!(ran.success());
-    let left: Vec<_> = std::fs::read_dir(temporary.path()).expect("a folder").flatten().collect();
-    assert!(left.is_empty(), "{left:?}");
+    let remaining: Vec<_> = std::fs::read_dir(temporary.path()).expect("a folder").flatten().collect();
+    assert!(remaining.is_empty(), "{remaining:?}");
 }
 
 #[test]
@@ -140,9 +140,9 @@ fn another_user_gets_the_same_digest() {
     let folder = tempfile::Builder::new().prefix("eyesim-other-user-").tempdir_in("/tmp").expect("a folder");
     let all = std::os::unix::fs::PermissionsExt::from_mode(0o777);
     std::fs::set_permissions(folder.path(), all).expect("rights");
-    let place = |name: &str| folder.path().join(name);
-    std::fs::copy(tests::eyesim_path(), place("eyesim")).expect("a copy");
-    std::fs::copy(course.path().join("lab.zip"), place("lab.zip")).expect("a copy");
+    let path_of = |name: &str| folder.path().join(name);
+    std::fs::copy(tests::eyesim_path(), path_of("eyesim")).expect("a copy");
+    std::fs::copy(course.path().join("lab.zip"), path_of("lab.zip")).expect("a copy");
     let mut command = std::process::Command::new("setpriv");
     command.args(["--reuid=65534", "--regid=65534", "--clear-groups", "./eyesim", "run", "lab.zip", "--noise", "real"]);
     command.args(["--report", "r.json"]).current_dir(folder.path());
@@ -150,6 +150,6 @@ fn another_user_gets_the_same_digest() {
     command.env_clear().envs(kept).env("HOME", folder.path()).env("TMPDIR", folder.path());
     let ran = command.output().expect("a run");
     assert!(ran.status.success(), "{ran:#?}");
-    let here: Value = serde_json::from_slice(&std::fs::read(place("r.json")).expect("a report")).expect("JSON");
+    let here: Value = serde_json::from_slice(&std::fs::read(path_of("r.json")).expect("a report")).expect("JSON");
     assert_eq!(here["digest"], there["digest"]);
 }

@@ -188,7 +188,7 @@ fn robios_7_answers_as_documented() {
 
 #[test]
 fn what_robots_do_with_a_wait_in_a_timer_or_beside_a_drive() {
-    // A timer goes on while its program waits for a message, and the message is taken at its time.
+    // A timer continues while its program waits for a message, and the message is taken at its time.
     let scratch = row(&["sender.c", "receiver.c"], "[radio]\nbaud = 1200\n");
     scratch.write("sender.c", SENDER);
     let with_timer = RECEIVER

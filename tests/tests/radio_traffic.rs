@@ -100,11 +100,11 @@ fn check_traffic(trace: &[Value], slot: i64, baud: i64, latency: i64) -> usize {
     for event in trace.iter().filter(|event| event["event"] == "radio_received") {
         let (robot, from, number) = (integer(event, "robot"), integer(event, "from"), integer(event, "message"));
         let (visible, arrived, loss) = &all[&(from, number)].fates[&robot];
-        let taken = micros(&event["t_s"]);
-        assert!(*visible <= taken && loss.is_none(), "{event}");
+        let received_at = micros(&event["t_s"]);
+        assert!(*visible <= received_at && loss.is_none(), "{event}");
         // A message that arrived before the last one taken cannot have been visible then.
         let key = (*arrived, from, number);
-        if let Some((before, when)) = last.insert(robot, (key, taken)) {
+        if let Some((before, when)) = last.insert(robot, (key, received_at)) {
             assert!(before < key || *visible > when, "{event} after {before:?}");
         }
         received += 1;
@@ -138,15 +138,15 @@ fn messages_come_when_they_should_and_the_same_everywhere() {
 fn the_order_in_which_robots_are_listed_changes_nothing() {
     let robots = [("six.c", 300, 500), ("seven.c", 1700, 2000), ("six.c", 2300, 2000), ("seven.c", 3500, 3500)];
     for medium in ["free", "aloha", "token_ring"] {
-        let run = |places: [usize; 4], threads: &str| {
-            let robot = |place: usize| {
-                let ((program, x, y), id) = (robots[place], place + 1);
+        let run = |positions: [usize; 4], threads: &str| {
+            let robot = |position: usize| {
+                let ((program, x, y), id) = (robots[position], position + 1);
                 format!("[[robot]]\ntype = \"S4\"\nprogram = \"{program}\"\nid = {id}\nx_mm = {x}\ny_mm = {y}\n")
             };
             let tables = format!(
                 "[scene]\nseed = 4\nnoise = {{ radio = {{ bit_error_rate = 1e-4, packet_loss = 0.05 }} }}\n\
                  [radio]\nmedium = \"{medium}\"\nlatency_ms = 1\nrange_mm = 4000\nline_of_sight = true\n{}",
-                places.map(robot).concat()
+                positions.map(robot).concat()
             );
             let scratch = scene(&[], &tables);
             scratch.write("six.c", RANDOM_6);
@@ -159,11 +159,11 @@ fn the_order_in_which_robots_are_listed_changes_nothing() {
         for event in ["radio_sent", "radio_arrived", "radio_lost", "radio_received"] {
             assert!(events.iter().filter(|it| it["event"] == event).count() > 20, "{medium}: {event}");
         }
-        for (places, threads) in [([3, 2, 1, 0], "1"), ([2, 0, 3, 1], "2")] {
-            let (other_digest, other_events) = run(places, threads);
+        for (positions, threads) in [([3, 2, 1, 0], "1"), ([2, 0, 3, 1], "2")] {
+            let (other_digest, other_events) = run(positions, threads);
             let differs = events.iter().zip(&other_events).find(|(one, other)| one != other);
-            assert!(differs.is_none() && events.len() == other_events.len(), "{medium} {places:?}: {differs:?}");
-            assert_eq!(digest, other_digest, "{medium} {places:?}");
+            assert!(differs.is_none() && events.len() == other_events.len(), "{medium} {positions:?}: {differs:?}");
+            assert_eq!(digest, other_digest, "{medium} {positions:?}");
         }
     }
 }
@@ -279,8 +279,8 @@ fn of_messages_that_meet_in_the_air_none_is_heard() {
         scratch.write("listener.c", listener);
         let (_, trace) = traced(&scratch, &["--api", "7"], 0);
         assert_eq!(causes(&trace), expected, "{medium} {first} {second}");
-        let heard = trace.iter().filter(|event| event["event"] == "radio_arrived").count();
-        assert_eq!(heard, 2 - expected.len(), "{medium} {first} {second}");
+        let arrivals = trace.iter().filter(|event| event["event"] == "radio_arrived").count();
+        assert_eq!(arrivals, 2 - expected.len(), "{medium} {first} {second}");
     }
 }
 
@@ -323,9 +323,9 @@ fn other_media_give_one_digest_however_they_are_run() {
             }
         }
         let arrived = trace.iter().filter(|event| event["event"] == "radio_arrived").count();
-        let seen = |cause: &str| causes(&trace).iter().any(|it| it == cause);
-        assert!(arrived > 100 && seen("packet") && seen("range"), "{medium}: {arrived}");
-        assert_eq!(seen("collision"), medium == "aloha");
+        let has_cause = |cause: &str| causes(&trace).iter().any(|it| it == cause);
+        assert!(arrived > 100 && has_cause("packet") && has_cause("range"), "{medium}: {arrived}");
+        assert_eq!(has_cause("collision"), medium == "aloha");
         for args in [&["--threads", "1"][..], &["--threads", "2"], &["--exec", "process"]] {
             assert_eq!(traced(&scratch, &[args, &["--until", "5"]].concat(), 0).0, digest, "{medium} {args:?}");
         }

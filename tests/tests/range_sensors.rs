@@ -56,8 +56,8 @@ fn readings(down: f64) -> [f64; 4] {
 
 /// Angle of the arm below the horizon at a position of its servo, in rad.
 fn arm(position: f64) -> f64 {
-    let share = if position <= 127.0 { (position - 127.0) / 127.0 } else { (position - 128.0) / 127.0 };
-    (30.0 - 30.0 * share).to_radians()
+    let fraction = if position <= 127.0 { (position - 127.0) / 127.0 } else { (position - 128.0) / 127.0 };
+    (30.0 - 30.0 * fraction).to_radians()
 }
 
 /// Compares lines `POSITION LASER ULTRASONIC REFLECTANCE SIGNAL` with the closed forms.

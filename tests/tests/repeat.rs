@@ -208,15 +208,15 @@ fn an_object_that_is_put_elsewhere_is_seen_there() {
     scratch
         .write("box.esObj", "name Box\nmass 1 0 50 0\ncollider box 0 50 0 100 100 100\nfriction 0.5\nrestitution 0\n");
     scratch.write("box.sim", "world room.wld\nobject box.esObj\nBox 3000 3000 0\nrobi bot.robi look.c 400 400 0\n");
-    let place = |x_m: f64| json!({"do": "place_object", "object": 1, "x_m": x_m, "y_m": 0.4, "phi_rad": 0.0});
-    let report = run(&scratch, "box.sim", &[(0.7, place(0.7)), (1.2, place(0.9))], &[], 0);
+    let action = |x_m: f64| json!({"do": "place_object", "object": 1, "x_m": x_m, "y_m": 0.4, "phi_rad": 0.0});
+    let report = run(&scratch, "box.sim", &[(0.7, action(0.7)), (1.2, action(0.9))], &[], 0);
     // The sensor sits 60 mm ahead of the centre at 400 mm; the near side of the box is 50 mm before its middle.
     let line = report["robots"][0]["lcd"][0].as_str().expect("a line");
     assert_eq!(line.split_whitespace().collect::<Vec<_>>(), ["9999", "190", "390", "390"]);
     assert_eq!(number(&report["objects"][0], "pose.x_m"), 0.9);
-    let placed = events(&scratch, "object_placed");
+    let placements = events(&scratch, "object_placed");
     assert_eq!(
-        placed.iter().map(|it| (it["t_s"].as_f64(), it["by"].as_u64())).collect::<Vec<_>>(),
+        placements.iter().map(|it| (it["t_s"].as_f64(), it["by"].as_u64())).collect::<Vec<_>>(),
         [(Some(0.7), Some(0)), (Some(1.2), Some(0))]
     );
     assert_same_again(&scratch, &report, &[]);
@@ -321,17 +321,17 @@ fn random_hand(seed: u64) -> Vec<(f64, Value)> {
     let mut actions: Vec<(f64, Value)> = (0..30)
         .map(|_| {
             let t_s = f64::from(below(800)) * 0.05;
-            let (robot, place) = (1 + below(3), [(); 3].map(|()| f64::from(below(1000)) * 1e-3));
-            let [x_m, y_m, phi_rad] = [0.2 + 3.6 * place[0], 0.2 + 3.6 * place[1], 7.0 * place[2]];
+            let (robot, position) = (1 + below(3), [(); 3].map(|()| f64::from(below(1000)) * 1e-3));
+            let [x_m, y_m, phi_rad] = [0.2 + 3.6 * position[0], 0.2 + 3.6 * position[1], 7.0 * position[2]];
             let action = match below(6) {
                 0 => press(robot, ["KEY1", "KEY4", "TOUCH(10,10)", "IRTV_OK"][below(4) as usize]),
                 1 => place_robot(robot, x_m, y_m, phi_rad),
                 2 => json!({"do": "place_object", "object": 1, "x_m": x_m, "y_m": y_m, "phi_rad": phi_rad}),
-                3 => set_noise((below(2) == 0).then_some(robot), "psd.sigma_mm", 20.0 * place[0]),
+                3 => set_noise((below(2) == 0).then_some(robot), "psd.sigma_mm", 20.0 * position[0]),
                 4 => set_noise(
                     Some(robot),
                     ["drive.slip_percent", "drive.v_sigma_percent", "odometry.v_sigma_mm_s"][below(3) as usize],
-                    9.0 * place[1],
+                    9.0 * position[1],
                 ),
                 _ => switch(robot, ["PSD_FRONT", "QUAD_LEFT"][below(2) as usize], below(2) == 0),
             };

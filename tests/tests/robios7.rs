@@ -59,7 +59,7 @@ fn call_every_function(name: &str) {
     let scratch = bare(name, &text_of("every-function.c"));
     let (lines, _) = printed(&scratch, &["--keys", KEYS], 0);
     assert!(lines.last().is_some_and(|line| line.ends_with(" 0 failures")), "{lines:#?}");
-    // Once more with a millisecond for each call, the unit in which the log of calls tells the time.
+    // Once more with a millisecond for each call, the unit of the times in the log of calls.
     scratch.write("costs.toml", "[robios7]\n\"*\" = 1000\n");
     let ran = scratch.eyesim(&["run", "bare.sim", "--keys", KEYS, "--costs", "costs.toml", "-v"]);
     let mut called = BTreeSet::new();
@@ -352,7 +352,7 @@ fn motors_go_on_when_a_program_has_ended_with_0() {
         let robot = &report["robots"][0];
         (tests::number(robot, "path_m"), report["sim_time_s"].as_f64().expect("a time"))
     };
-    // A drive with an end is completed; a speed goes on for the time of `--linger`.
+    // A drive with an end is completed; a speed continues for the time of `--linger`.
     let (path, time) = end("VWStraight(500, 250);", &[], 0);
     assert!((path - 0.5).abs() < 1e-9 && (2.0..2.1).contains(&time), "{path} m in {time} s");
     let (path, time) = end("VWSetSpeed(100, 10);", &[], 0);

@@ -312,8 +312,8 @@ fn robots_and_objects_are_put_elsewhere() {
     let (report, trace) = run(&scratch);
     assert_eq!(number(&report["robots"][2], "pose.x_m"), 2.5);
     assert!(number(&report, "sim_time_s") < 20.0, "nobody waits for a drive that is over");
-    let placed: Vec<_> = events(&trace, "placed").map(|line| (number(line, "robot"), number(line, "by"))).collect();
-    assert_eq!(placed, [(1.0, 1.0), (2.0, 1.0), (2.0, 1.0), (3.0, 1.0)]);
+    let placements: Vec<_> = events(&trace, "placed").map(|line| (number(line, "robot"), number(line, "by"))).collect();
+    assert_eq!(placements, [(1.0, 1.0), (2.0, 1.0), (2.0, 1.0), (3.0, 1.0)]);
     assert_eq!(events(&trace, "object_placed").count(), 1);
     let ran = scratch.eyesim(&["run", "scene.sim", "--plot", "run.svg"]);
     assert_eq!(ran.code, Some(0), "{ran:#?}");
@@ -323,12 +323,12 @@ fn robots_and_objects_are_put_elsewhere() {
 
 #[test]
 fn whoever_asks_last_is_obeyed_whatever_the_threads() {
-    let place = |y: i32| {
+    let program = |y: i32| {
         format!(
             "int main(void)\n{{\n    for (int i = 0; i < 40; i++) {{ SIMSetRobot(3, 1000 + 20 * i, {y}, 0, i); SIMSetObject(5, 2000, {y}, 0, 0); }}\n    rest(); return 0;\n}}\n"
         )
     };
-    let scratch = company(&place(2500), &place(3500));
+    let scratch = company(&program(2500), &program(3500));
     let digest = |threads: &str| {
         scratch.report("scene.sim", &["--threads", threads], 0)["digest"].as_str().expect("a digest").to_owned()
     };

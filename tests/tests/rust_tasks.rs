@@ -81,7 +81,7 @@ fn line_of(text: &str) -> usize {
 }
 
 /// A scene with a robot for each way; a folder of its own has its program built once.
-fn write_ways(scratch: &Scratch, ways: &[&str]) {
+fn write_modes(scratch: &Scratch, modes: &[&str]) {
     let api = root().join("robios-api");
     scratch.write(
         "ways/Cargo.toml",
@@ -91,13 +91,13 @@ fn write_ways(scratch: &Scratch, ways: &[&str]) {
         ),
     );
     scratch.write("ways/src/lib.rs", PROGRAM);
-    let robot = |(index, way): (usize, &&str)| {
+    let robot = |(index, mode): (usize, &&str)| {
         format!(
-            "[[robot]]\ntype = \"%sim%/robis/feeler.robi\"\nprogram = \"ways\"\narguments = [\"{way}\"]\nx_mm = {}\ny_mm = 500\n",
+            "[[robot]]\ntype = \"%sim%/robis/feeler.robi\"\nprogram = \"ways\"\narguments = [\"{mode}\"]\nx_mm = {}\ny_mm = 500\n",
             500 + 500 * index
         )
     };
-    let robots: String = ways.iter().enumerate().map(robot).collect();
+    let robots: String = modes.iter().enumerate().map(robot).collect();
     let world = "[scene]\nuntil_s = 10\n[world]\nfile = \"%sim%/worlds/empty.wld\"\n";
     scratch.write("ways.scene.toml", &format!("{world}{robots}"));
 }
@@ -125,18 +125,18 @@ fn reason(robot: &Value) -> &str {
 
 #[test]
 fn tasks_fail_and_end_as_they_should() {
-    let ways = ["panic", "error", "deadlock", "kill", "leave"];
+    let modes = ["panic", "error", "deadlock", "kill", "leave"];
     let scratch = Scratch::new();
-    write_ways(&scratch, &ways);
+    write_modes(&scratch, &modes);
     let (robots, digest) = run(&scratch, &[]);
     let [(panicked, panicked_lines), (error, _), (deadlock, _), (kill, kill_lines), (leave, leave_lines)] = &robots[..]
     else {
         panic!("five robots")
     };
 
-    let place = format!("src/lib.rs:{}:", line_of("out of cheese"));
+    let location = format!("src/lib.rs:{}:", line_of("out of cheese"));
     assert!(reason(panicked).starts_with("task `doomed`: panicked: "), "{panicked:#}");
-    assert!(reason(panicked).contains(&place) && reason(panicked).ends_with("out of cheese"), "{panicked:#}");
+    assert!(reason(panicked).contains(&location) && reason(panicked).ends_with("out of cheese"), "{panicked:#}");
     assert_eq!(panicked_lines, &["doomed let go", "main let go"]);
     assert!(reason(error).contains("no PSD sensor `PsdAt::Back`"), "{error:#}");
     for told in ["deadlock", "left", "right", "semaphore 1", "semaphore 2"] {

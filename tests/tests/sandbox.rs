@@ -56,7 +56,7 @@ fn folders() -> Scratch {
 }
 
 /// Runs the scene with `bad` as the program of robot 2 in a sandbox, as `user`; checks that the others have reached their goals, that
-/// nothing of the run's folder and the victim's was touched and that no process is left. Gives the report and what was said.
+/// nothing of the run's folder and the victim's was touched and that no process is left. Returns the report and the messages.
 fn run_bad(scratch: &Scratch, bad: &str, user: Option<u32>, more: &[&str]) -> (Value, Ran) {
     scratch.write("run/programs/bad.c", bad);
     if let Some(user) = user {
@@ -74,8 +74,8 @@ fn run_bad(scratch: &Scratch, bad: &str, user: Option<u32>, more: &[&str]) -> (V
     for good in [0, 2] {
         assert_eq!(report["robots"][good]["outcome"], "finished", "{ran:#?}");
     }
-    let left: Vec<_> = std::fs::read_dir(scratch.path().join("tmp")).expect("a folder").collect();
-    assert!(left.is_empty(), "{left:?}");
+    let remaining: Vec<_> = std::fs::read_dir(scratch.path().join("tmp")).expect("a folder").collect();
+    assert!(remaining.is_empty(), "{remaining:?}");
     assert_eq!(processes_in(scratch.path()), Vec::<String>::new(), "nothing is left running");
     (report, ran)
 }
@@ -222,7 +222,7 @@ fn hostile_programs_end_alone() {
 }
 
 /// Random system calls change nothing outside, and no other robot. `EYESIM_FUZZ_SECONDS=600 cargo test --workspace --test sandbox random`
-/// goes on for that time; `EYESIM_FUZZ_SEED` sets the first seed.
+/// continues for that time; `EYESIM_FUZZ_SEED` sets the first seed.
 #[test]
 fn random_system_calls_reach_nothing() {
     if tests::lacks_sandbox() {

@@ -179,9 +179,9 @@ fn a_list_menu_scrolls_and_is_touched() {
         ]
     );
     let trace = scratch.trace("t.jsonl");
-    let taken: Vec<&str> =
+    let calls: Vec<&str> =
         trace.iter().filter(|line| line["event"] == "key").map(|line| line["key"].as_str().expect("a name")).collect();
-    assert_eq!(taken, ["KEY_LISTDN", "KEY_LISTDN", "KEY_LIST2", "KEY4", "TOUCH(160,120)"]);
+    assert_eq!(calls, ["KEY_LISTDN", "KEY_LISTDN", "KEY_LIST2", "KEY4", "TOUCH(160,120)"]);
     let printed = trace.iter().find(|line| line["event"] == "stdout").expect("a line");
     assert_eq!(printed["text"].as_str().map(str::trim), Some("item 3 1"));
 }

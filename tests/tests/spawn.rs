@@ -92,12 +92,12 @@ fn a_run_that_grows_is_the_same_on_threads_and_in_processes() {
     assert_eq!(times("virtual_time_s")[0], 2.05);
     assert_eq!((&report["robots"][2]["added_s"], &report["objects"][0]["added_s"]), (&json!(1.0), &json!(1.0)));
     assert!(number(&report["objects"][0], "pose.x_m") > 0.7, "the robot has pushed the ball: {:#}", report["objects"]);
-    let heard = scratch.trace("trace.jsonl").into_iter();
-    let heard: Vec<Value> = heard.filter(|line| line["event"] == "radio_received").collect();
+    let messages = scratch.trace("trace.jsonl").into_iter();
+    let messages: Vec<Value> = messages.filter(|line| line["event"] == "radio_received").collect();
     let from =
-        |from: u32| heard.iter().filter(move |line| line["from"] == from).filter_map(|line| line["t_s"].as_f64());
+        |from: u32| messages.iter().filter(move |line| line["from"] == from).filter_map(|line| line["t_s"].as_f64());
     assert!(from(3).count() > 5 && from(3).all(|t| t > 1.0 && t < 4.7), "the third is heard while it is there");
-    assert!(from(2).all(|t| t < 2.7), "the second is not heard any more: {heard:#?}");
+    assert!(from(2).all(|t| t < 2.7), "the second is not heard any more: {messages:#?}");
     for args in [&["--threads", "2"][..], &["--exec", "process"], &["--exec", "process", "--threads", "1"]] {
         let other = run(args);
         assert_eq!(other["robots"], report["robots"], "{args:?}");

@@ -78,17 +78,17 @@ fn a_hint_has_the_line_of_the_program_on_the_terminal_and_in_the_report() {
         let scratch = Scratch::new();
         scratch.write(name, text);
         scratch.write("scene.sim", &format!("world %sim%/worlds/empty.wld\nS4 500 500 0 {name}\n"));
-        for place in ["fiber", "thread", "process"] {
-            let ran = scratch.eyesim(&["run", "scene.sim", "--exec", place, "--report", "report.json"]);
+        for execution in ["fiber", "thread", "process"] {
+            let ran = scratch.eyesim(&["run", "scene.sim", "--exec", execution, "--report", "report.json"]);
             let line = line_with(&ran.stderr, "hint: ");
             assert!(
                 line.contains(&format!(" s] {name}:5: hint: a drive replaces the one before")),
-                "{place}: {ran:#?}"
+                "{execution}: {ran:#?}"
             );
             let report: serde_json::Value = serde_json::from_str(&scratch.read("report.json")).expect("a report");
             let hint = &report["robots"][0]["hints"][0];
-            assert_eq!(hint["at"], format!("{name}:5"), "{place}: {report:#}");
-            assert!(hint["text"].as_str().expect("a text").starts_with("a drive replaces"), "{place}: {report:#}");
+            assert_eq!(hint["at"], format!("{name}:5"), "{execution}: {report:#}");
+            assert!(hint["text"].as_str().expect("a text").starts_with("a drive replaces"), "{execution}: {report:#}");
         }
     }
 }
@@ -96,26 +96,26 @@ fn a_hint_has_the_line_of_the_program_on_the_terminal_and_in_the_report() {
 #[test]
 fn standard_input_is_read_at_a_line() {
     let text = "#include <stdio.h>\n#include \"eyebot.h\"\nint main(void)\n{\n  int n = 0;\n  LCDClear();\n  scanf(\"%d\", &n);\n  return n;\n}\n";
-    for place in ["fiber", "thread", "process"] {
+    for execution in ["fiber", "thread", "process"] {
         let scratch = Scratch::new();
         scratch.write("mine.c", text);
         write_scene(&scratch, &["mine.c"]);
-        let ran = scratch.eyesim(&["run", "scene.sim", "--exec", place]);
-        assert!(line_with(&ran.stderr, "standard input").contains(" s] mine.c:7: hint: "), "{place}: {ran:#?}");
+        let ran = scratch.eyesim(&["run", "scene.sim", "--exec", execution]);
+        assert!(line_with(&ran.stderr, "standard input").contains(" s] mine.c:7: hint: "), "{execution}: {ran:#?}");
     }
 }
 
 #[test]
 fn the_file_that_fopen_did_not_find_is_named_where_its_null_pointer_is_used() {
     let text = "#include <stdio.h>\nint main(void)\n{\n  char line[80];\n  FILE *map = fopen(\"map.txt\", \"r\");\n  fgets(line, 80, map);\n  return 0;\n}\n";
-    for place in ["fiber", "process"] {
+    for execution in ["fiber", "process"] {
         let scratch = Scratch::new();
         scratch.write("mine.c", text);
         write_scene(&scratch, &["mine.c"]);
-        let ran = scratch.eyesim(&["run", "scene.sim", "--exec", place]);
+        let ran = scratch.eyesim(&["run", "scene.sim", "--exec", execution]);
         let line = line_with(&ran.stderr, "null pointer used");
         let why = "at mine.c:6; `fopen` has returned NULL before: there is no file `map.txt` in `";
-        assert!(line.contains(why) && line.contains("`, the folder in which eyesim runs"), "{place}: {ran:#?}");
+        assert!(line.contains(why) && line.contains("`, the folder in which eyesim runs"), "{execution}: {ran:#?}");
     }
 }
 
@@ -123,17 +123,17 @@ fn the_file_that_fopen_did_not_find_is_named_where_its_null_pointer_is_used() {
 fn a_program_that_breaks_the_heap_ends_with_a_message() {
     let text = "#include <stdio.h>\n#include <stdlib.h>\nint main(void)\n{\n  int *map = malloc(4 * sizeof(int));\n  \
                 for (int i = 0; i <= 400; i++)\n    map[i] = i;\n  printf(\"%d\\n\", map[3]);\n  free(map);\n  return 0;\n}\n";
-    for place in ["fiber", "thread", "process"] {
+    for execution in ["fiber", "thread", "process"] {
         let (messages, code) = {
             let scratch = Scratch::new();
             scratch.write("mine.c", text);
             write_scene(&scratch, &["mine.c"]);
-            let ran = scratch.eyesim(&["run", "scene.sim", "--exec", place]);
+            let ran = scratch.eyesim(&["run", "scene.sim", "--exec", execution]);
             (ran.stderr, ran.code)
         };
-        assert_eq!(code, Some(1), "{place}: {messages}");
+        assert_eq!(code, Some(1), "{execution}: {messages}");
         let line = line_with(&messages, "far beyond the end of the 16 bytes");
-        assert!(line.contains("reserved at mine.c:5"), "{place}: {messages}");
+        assert!(line.contains("reserved at mine.c:5"), "{execution}: {messages}");
     }
 }
 

@@ -378,7 +378,7 @@ fn tables_have_what_rows_say() {
     assert!(csv.starts_with(head), "{csv}");
     assert!(csv.contains("\"noise=none,seed=1\",noise=none,1,passed,1,1,,,"), "{csv}");
     assert_eq!(csv.lines().count(), 5);
-    // Two folders with the same rows give each once; with others, it is told.
+    // Two folders with the same rows give each once; with others, it is reported.
     into(&scratch, "again", &["--shard", "1/2"]);
     sweep(&scratch, &["merge", "again", "out", "-o", "both.csv"], 0);
     assert_eq!(scratch.read("both.csv"), csv);

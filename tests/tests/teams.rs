@@ -6,13 +6,13 @@ use serde_json::Value;
 use tests::{Scratch, number, root};
 
 /// A run of a sample scene with these arguments, in which every robot's program ends.
-struct Ran {
+struct SampleRun {
     robots: Vec<Value>,
     trace: Vec<Value>,
     digest: String,
 }
 
-fn run(name: &str, args: &[&str]) -> Ran {
+fn run(name: &str, args: &[&str]) -> SampleRun {
     let scratch = Scratch::new();
     let scene = root().join("sims").join(name);
     let args = [&["--trace", "t.jsonl"], args].concat();
@@ -22,10 +22,10 @@ fn run(name: &str, args: &[&str]) -> Ran {
         assert_eq!((&robot["outcome"], &robot["contacts"]), (&Value::from("finished"), &Value::from(0)), "{robot:#}");
     }
     let digest = report["digest"].as_str().expect("a digest").to_owned();
-    Ran { robots, trace: scratch.trace("t.jsonl"), digest }
+    SampleRun { robots, trace: scratch.trace("t.jsonl"), digest }
 }
 
-impl Ran {
+impl SampleRun {
     /// The events of a kind, in order.
     fn events(&self, kind: &str) -> impl Iterator<Item = &Value> {
         self.trace.iter().filter(move |line| line["event"] == kind)
@@ -90,8 +90,8 @@ fn a_token_goes_round_ten_robots_a_thousand_times_and_none_is_lost() {
     }
     assert_eq!(fates.len(), sent);
     // A fifth is lost, within five standard deviations.
-    let share = f64::from(lost) / sent as f64;
-    assert!((share - 0.2).abs() < 5.0 * (0.2 * 0.8 / sent as f64).sqrt(), "{lost} of {sent} are lost");
+    let fraction = f64::from(lost) / sent as f64;
+    assert!((fraction - 0.2).abs() < 5.0 * (0.2 * 0.8 / sent as f64).sqrt(), "{lost} of {sent} are lost");
     // Every token beyond the first of its hop is a repeat that its robot has counted.
     let repeats: u64 = (1..=10).map(|robot| numbers(ran.lines(robot)[0])[1]).sum();
     assert_eq!(tokens, 10_000 + repeats);
@@ -112,13 +112,13 @@ fn a_convoy_keeps_to_the_trail_of_its_leader() {
         let farthest = ran.events("pose").map(off).fold(0.0, f64::max);
         assert!(farthest < 0.03, "seed {seed}: {farthest} m off the trail");
         // In the end all stand one behind the other on the left circle.
-        let places: Vec<[f64; 2]> =
+        let positions: Vec<[f64; 2]> =
             ran.robots.iter().map(|robot| ["pose.x_m", "pose.y_m"].map(|path| number(robot, path))).collect();
-        for pair in places.windows(2) {
+        for pair in positions.windows(2) {
             let gap = ((pair[0][0] - pair[1][0]).powi(2) + (pair[0][1] - pair[1][1]).powi(2)).sqrt();
             assert!((0.30..0.40).contains(&gap), "seed {seed}: a gap of {gap} m");
         }
-        assert!((places[0][0] - 0.4).abs() < 1e-3 && (places[0][1] - 1.2).abs() < 1e-3, "{places:?}");
+        assert!((positions[0][0] - 0.4).abs() < 1e-3 && (positions[0][1] - 1.2).abs() < 1e-3, "{positions:?}");
     }
 }
 

@@ -96,7 +96,7 @@ fn the_line_is_followed_once_around() {
             [1.5 + 1.15 * cos, 1.176 + 0.62 * sin + 0.18 * (cos * cos - sin * sin)]
         })
         .collect();
-    let off = |at: &[f64; 2]| line.iter().map(|place| distance(*place, *at)).fold(f64::INFINITY, f64::min);
+    let off = |at: &[f64; 2]| line.iter().map(|point| distance(*point, *at)).fold(f64::INFINITY, f64::min);
     for args in [&[][..], &["--noise", "real"]] {
         let farthest = largest(around("follow-line.sim", [1.5, 1.1], args).iter().map(off));
         println!("{args:?}: at most {:.0} mm from the line", 1000.0 * farthest);
@@ -144,16 +144,18 @@ fn motion_is_seen_when_and_where_it_is() {
     let path = scene("motion.sim");
     scratch.report(&path, &["--noise", "real", "--trace", "t.jsonl"], 0);
     let trace = scratch.trace("t.jsonl");
-    let seen: Vec<Vec<f64>> = printed(&trace).iter().map(|line| numbers(line)).collect();
-    assert_eq!(seen.len(), 2, "there and back: {seen:?}");
+    let observations: Vec<Vec<f64>> = printed(&trace).iter().map(|line| numbers(line)).collect();
+    assert_eq!(observations.len(), 2, "there and back: {observations:?}");
     // The camera is 1.14 m from the way, and sees 30 degrees to either side; the passer-by's radius is 0.09 m.
     let half_width = 1.14 / 3.0_f64.sqrt() + 0.09;
     let enters = passes(&trace, 2.0 - half_width, 1.0, 0.0);
     let returns = passes(&trace, 2.0 + half_width, -1.0, passes(&trace, 2.0 + half_width, 1.0, 0.0));
     for ([at, column, ..], truth, columns) in
-        [(&seen[0], enters, 1.0..20.0), (&seen[1], returns, 60.0..81.0)].map(|(seen, truth, columns)| {
-            (<[f64; 3]>::try_from(seen.as_slice()).expect("time, column, row"), truth, columns)
-        })
+        [(&observations[0], enters, 1.0..20.0), (&observations[1], returns, 60.0..81.0)].map(
+            |(observations, truth, columns)| {
+                (<[f64; 3]>::try_from(observations.as_slice()).expect("time, column, row"), truth, columns)
+            },
+        )
     {
         assert!((-0.1..0.8).contains(&(at - truth)), "seen at {at} s, came at {truth} s");
         assert!(columns.contains(&column), "column {column}");

@@ -1,4 +1,4 @@
-//! Submarines in a pool: motion, contacts and depth, as programs, reports, traces and pictures tell them.
+//! Submarines in a pool: motion, contacts and depth, as seen in programs, reports, traces and pictures.
 #![allow(clippy::disallowed_methods, reason = "angles by hand, compared within a tolerance")]
 
 use tests::{Scratch, number, root};
@@ -20,10 +20,10 @@ fn a_lap_of_the_pool_on_mako() {
     // It goes once around the middle, in all quarters, some 0.9 m above the floor.
     let trace = scratch.trace("trace.jsonl");
     let of = |kind: &'static str| trace.iter().filter(move |event| event["event"] == kind);
-    let places: Vec<[f64; 2]> =
+    let positions: Vec<[f64; 2]> =
         of("pose").map(|event| [number(event, "x_m") - 5.0, number(event, "y_m") - 3.0]).collect();
     let turned = |[[x, y], [to_x, to_y]]: [[f64; 2]; 2]| (x * to_y - y * to_x).atan2(x * to_x + y * to_y);
-    let around: f64 = places.windows(2).map(|pair| turned([pair[0], pair[1]])).sum();
+    let around: f64 = positions.windows(2).map(|pair| turned([pair[0], pair[1]])).sum();
     assert!((around - std::f64::consts::TAU).abs() < 0.5, "around by {around} rad");
     let under_way = of("posture").filter(|event| (15.0..50.0).contains(&number(event, "t_s")));
     for event in under_way {

@@ -471,8 +471,8 @@ fn a_recorded_run_is_served() {
         let truth = number(&report["robots"][1], path);
         assert!(last.is_some_and(|last| (last - truth).abs() < 2e-3), "within 2 mm: {last:?}, {truth}");
     }
-    let shown = recording.robots[0].lcd.last().expect("a display");
-    assert!(shown.lines.iter().any(|line| line.contains("GO")), "{shown:?}");
+    let display = recording.robots[0].lcd.last().expect("a display");
+    assert!(display.lines.iter().any(|line| line.contains("GO")), "{display:?}");
     assert_eq!(recording.robots[0].standings[0].standing, Standing::Running);
     drop(served);
 
@@ -507,8 +507,8 @@ fn what_is_no_trace_is_refused() {
 #[test]
 fn what_cannot_be_served_is_said() {
     let scratch = scene_of(&[("rover.c", ROVER)]);
-    let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
-    let port = taken.local_addr().expect("an address").port().to_string();
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = listener.local_addr().expect("an address").port().to_string();
     let ran = scratch.eyesim(&["view", "scene.sim", "--no-open", "--port", &port]);
     assert!(ran.code == Some(2) && ran.stderr.contains(&port) && ran.stderr.contains("taken"), "{ran:#?}");
     std::fs::remove_file(scratch.path().join("rover.c")).expect("a file");
@@ -567,7 +567,7 @@ fn legs_move_in_the_page_and_in_a_replay() {
     page.until("a stride", |page| page.snapshot.as_ref().is_some_and(|snapshot| snapshot.t_s > 3.0));
     let (scene, snapshot) = (page.scene.clone().expect("a scene"), page.snapshot.clone().expect("a snapshot"));
     let on_links =
-        scene.parts.iter().filter(|part| matches!(part.place, sim_view::protocol::Place::Link { robot: 1, .. }));
+        scene.parts.iter().filter(|part| matches!(part.place, sim_view::protocol::Attachment::Link { robot: 1, .. }));
     assert_eq!(on_links.count(), 6, "thigh, shank and foot of two legs");
     let (robot, state) = (&scene.robots[0], &snapshot.robots[0]);
     assert_eq!((robot.links.len(), robot.standing_rad.len(), state.joints_rad.len()), (10, 10, 10));

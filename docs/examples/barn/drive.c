@@ -18,8 +18,8 @@ static int room(int direction)
     int room = AHEAD;
     for (int i = 0; i < 360; i++) {
         double angle = (180 - i - direction) / DEGREES;
-        double along = scan[i] * cos(angle), aside = fabs(scan[i] * sin(angle));
-        if (along > 0 && aside < HALF_WIDTH && along < room) room = (int)along;
+        double along = scan[i] * cos(angle), lateral = fabs(scan[i] * sin(angle));
+        if (along > 0 && lateral < HALF_WIDTH && along < room) room = (int)along;
     }
     return room;
 }
@@ -35,11 +35,11 @@ int main(void)
         LIDARGet(scan);
         int wanted = (int)lround(atan2(dy, dx) * DEGREES) - phi;
         int best = 0;
-        double least = 1e9;
+        double min_cost = 1e9;
         for (int direction = -120; direction <= 120; direction += 3) {
             int off = abs((direction - wanted + 540) % 360 - 180);
             double cost = off + 0.3 * abs(direction) + 2.0 * (AHEAD - room(direction));
-            if (cost < least) least = cost, best = direction;
+            if (cost < min_cost) min_cost = cost, best = direction;
         }
         int speed = 400 - 5 * abs(best);
         VWSetSpeed(speed < 0 ? 0 : speed, 2 * best);

@@ -2,8 +2,8 @@
 
     python3 generate.py SEED > field.world
 
-The robot starts at (-2.25, 3) and has to come to (-2.25, 13). A way of at least 0.9 m in width leads through the field; a comment in the
-world tells its length.
+The robot starts at (-2.25, 3) and has to reach (-2.25, 13). A path of at least 0.9 m in width leads through the field; a comment in the
+world gives its length.
 """
 
 import math

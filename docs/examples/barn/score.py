@@ -1,6 +1,6 @@
-"""The score of the BARN challenge: 1 * OT / clip(AT, 2 OT, 8 OT) for a run that comes to the goal without a contact, else 0.
+"""The score of the BARN challenge: 1 * OT / clip(AT, 2 OT, 8 OT) for a run that reaches the goal without a contact, else 0.
 
-OT is the length of the way in the world's comment, driven at 2 m/s; AT is the time at which the program ended. Arguments: the world, the
+OT is the time for the optimal path at 2 m/s, whose length is in a comment of the world file; AT is the time at which the program ended. Arguments: the world, the
 goal in millimetres, the report, the trace.
 """
 
@@ -12,9 +12,9 @@ import sys
 world, x, y, report, _ = sys.argv[1:]
 optimal = float(re.search(r"length of the way: ([\d.]+)", open(world).read()).group(1)) / 2
 robot = json.load(open(report))["robots"][0]
-away = math.hypot(robot["pose"]["x_m"] - float(x) / 1000, robot["pose"]["y_m"] - float(y) / 1000)
+distance = math.hypot(robot["pose"]["x_m"] - float(x) / 1000, robot["pose"]["y_m"] - float(y) / 1000)
 actual = robot["virtual_time_s"]
-success = robot["outcome"] == "finished" and away <= 0.3 and robot["contacts"] == 0
+success = robot["outcome"] == "finished" and distance <= 0.3 and robot["contacts"] == 0
 score = optimal / min(max(actual, 2 * optimal), 8 * optimal) if success else 0
-message = f"score {score:.4f}: OT {optimal:.3f} s, AT {actual:.3f} s, {away:.3f} m from the goal, {robot['contacts']} contacts"
+message = f"score {score:.4f}: OT {optimal:.3f} s, AT {actual:.3f} s, {distance:.3f} m from the goal, {robot['contacts']} contacts"
 print(json.dumps({"passed": success, "points": score, "message": message}))

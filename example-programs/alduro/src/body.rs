@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// Mounting pose of a sonar on the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mount {
-    pub place: Vector3<f64>,
+    pub position: Vector3<f64>,
     pub yaw: f64,
     pub pitch: f64,
 }
@@ -49,24 +49,24 @@ pub const OPERATOR_CLEARANCE: f64 = 1.6;
 pub fn mount(number: usize) -> Mount {
     if number < AROUND {
         let yaw = number as f64 * 2.0 * PI / AROUND as f64;
-        let place = Vector3::new(RING * math::cos(yaw), RING * math::sin(yaw), RING_HEIGHT);
-        return Mount { place, yaw, pitch: RING_PITCH };
+        let position = Vector3::new(RING * math::cos(yaw), RING * math::sin(yaw), RING_HEIGHT);
+        return Mount { position, yaw, pitch: RING_PITCH };
     }
     let (x, y) = CORNER;
     let [x, y] = [[x, y], [x, -y], [-x, y], [-x, -y]][number - AROUND];
-    Mount { place: Vector3::new(x, y, CORNER_HEIGHT), yaw: 0.0, pitch: -FRAC_PI_2 }
+    Mount { position: Vector3::new(x, y, CORNER_HEIGHT), yaw: 0.0, pitch: -FRAC_PI_2 }
 }
 
 impl Pose {
     /// Transforms a point from the robot's frame to the odometry frame.
-    pub fn place(&self, in_robot: &Vector3<f64>) -> Vector3<f64> {
-        let place = self.ground.outward(in_robot.xy().into());
-        Vector3::new(place.x, place.y, self.lift + in_robot.z)
+    pub fn to_odometry(&self, in_robot: &Vector3<f64>) -> Vector3<f64> {
+        let point = self.ground.outward(in_robot.xy().into());
+        Vector3::new(point.x, point.y, self.lift + in_robot.z)
     }
 
     /// Pose of a sonar in the odometry frame.
     pub fn sonar(&self, mount: &Mount) -> SonarPose {
-        SonarPose::new(self.place(&mount.place), self.ground.heading + mount.yaw, mount.pitch)
+        SonarPose::new(self.to_odometry(&mount.position), self.ground.heading + mount.yaw, mount.pitch)
     }
 }
 
@@ -90,8 +90,8 @@ mod tests {
             assert_eq!(sonars.len(), SONARS);
             for sonar in sonars {
                 let mount = mount(number(sonar, "id") as usize - 1);
-                let place = ["x_mm", "y_mm", "z_mm"].map(|key| number(sonar, key) / 1e3);
-                assert!((mount.place - Vector3::from(place)).norm() < 1e-3, "{path}: {sonar} is at {mount:?}");
+                let position = ["x_mm", "y_mm", "z_mm"].map(|key| number(sonar, key) / 1e3);
+                assert!((mount.position - Vector3::from(position)).norm() < 1e-3, "{path}: {sonar} is at {mount:?}");
                 let turn = math::sin((mount.yaw - number(sonar, "yaw_deg").to_radians()) / 2.0);
                 let tilt = mount.pitch - number(sonar, "pitch_deg").to_radians();
                 assert!(turn.abs() < 1e-9 && tilt.abs() < 1e-9, "{path}: {sonar} looks to {mount:?}");

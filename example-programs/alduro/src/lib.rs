@@ -144,7 +144,7 @@ fn state(legs: &Legs, leg: Leg) -> Result<LegState> {
 }
 
 /// Prints the map: a line `map X Y HEADING LOW_X LOW_Y CELL COLUMNS` (estimated pose of the robot and centre of the cell with the
-/// least x and y, in the odometry frame; side of a cell; m and rad), then a line `row` of heights in cm for each row from the least y.
+/// minimum x and y, in the odometry frame; side of a cell; m and rad), then a line `row` of heights in cm for each row from the minimum y.
 fn tell(robot: &Robot, pose: &Pose, map: &LocalMap) {
     let partition = map.surface().partition();
     let (x, y) = partition.centre(partition.low);

@@ -76,19 +76,21 @@ impl Dome {
 /// Distance of the first echo that an SRF08 hears, m, by the model of docs/sensors.md.
 fn heard(domes: &[Dome], sonar: &SonarPose) -> Option<f64> {
     const RAYS: usize = 80;
-    let near: Vec<&Dome> = domes
+    let nearby: Vec<&Dome> = domes
         .iter()
         .filter(|dome| math::hypot(dome.x - sonar.origin.x, dome.y - sonar.origin.y) < 6.0 + dome.radius)
         .collect();
-    let aside = sonar.axis.cross(&if sonar.axis.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() }).normalize();
-    let up = sonar.axis.cross(&aside);
+    let perpendicular =
+        sonar.axis.cross(&if sonar.axis.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() }).normalize();
+    let up = sonar.axis.cross(&perpendicular);
     let mut nearest = f64::INFINITY;
     for ray in 0..RAYS {
         let (off, turn) = (1.1 * (ray as f64 / RAYS as f64).sqrt(), ray as f64 * 2.4);
-        let direction = sonar.axis * math::cos(off) + (aside * math::cos(turn) + up * math::sin(turn)) * math::sin(off);
+        let direction =
+            sonar.axis * math::cos(off) + (perpendicular * math::cos(turn) + up * math::sin(turn)) * math::sin(off);
         let ground = (direction.z < 0.0).then(|| (-sonar.origin.z / direction.z, -direction.z));
-        let met = near.iter().filter_map(|dome| dome.met(&sonar.origin, &direction)).chain(ground);
-        let Some((r, cosine)) = met.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+        let distances = nearby.iter().filter_map(|dome| dome.met(&sonar.origin, &direction)).chain(ground);
+        let Some((r, cosine)) = distances.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
         let ratio = off / (27.5 / 180.0 * PI);
         let gain = math::exp(-2.0 * LN_2 * ratio * ratio);
         if r < 6.0 && gain * gain / (r * r) * cosine >= 0.00186 {
@@ -115,15 +117,15 @@ impl Ground {
                 top: numbers.between(0.15, 1.8),
             };
             let middle = Point::new(dome.x, dome.y);
-            if [START, GOAL].iter().all(|place| (middle - place).norm() > dome.radius + 3.5) {
+            if [START, GOAL].iter().all(|end| (middle - end).norm() > dome.radius + 3.5) {
                 domes.push(dome);
             }
         }
         Self(domes)
     }
 
-    fn height(&self, place: Point) -> f64 {
-        self.0.iter().map(|dome| dome.height(place.x, place.y)).fold(0.0, f64::max)
+    fn height(&self, point: Point) -> f64 {
+        self.0.iter().map(|dome| dome.height(point.x, point.y)).fold(0.0, f64::max)
     }
 
     /// Length of the shortest path that keeps 2 m from all that is higher than 0.5 m.
@@ -141,30 +143,30 @@ const UNDER: [(f64, f64); 9] =
 
 struct Outcome {
     length: f64,
-    /// Greatest height of the ground at the points [`UNDER`], m.
+    /// Maximum height of the ground at the points [`UNDER`], m.
     under: f64,
-    left: f64,
+    remaining_distance: f64,
 }
 
 /// Simulates a walk with 1 % of the echoes lost, errors of 0.5 %, and a drift of the heading that odometry does not see.
 fn walk(ground: &Ground, numbers: &mut Numbers) -> Outcome {
     let mut planner = Planner::new(0.0, Corrections::Both);
     let mut truth = Pose { ground: pose::Pose { position: START, heading: 0.0 }, lift: 0.0 };
-    let mut believed = truth;
-    let mut outcome = Outcome { length: 0.0, under: 0.0, left: 36.0 };
+    let mut estimate = truth;
+    let mut outcome = Outcome { length: 0.0, under: 0.0, remaining_distance: 36.0 };
     let feet = [(1.2, 0.8), (1.2, -0.8), (-1.2, 0.8), (-1.2, -0.8)];
     for _ in 0..1200 {
         let readings: Vec<Reading> = (0..SONARS)
             .map(|sonar| {
                 let distance = heard(&ground.0, &truth.sonar(&body::mount(sonar)));
                 let distance = distance.filter(|_| numbers.next() > 0.01).map(|d| d * (1.0 + 0.005 * numbers.normal()));
-                Reading { sonar, pose: believed, distance }
+                Reading { sonar, pose: estimate, distance }
             })
             .collect();
         planner.observe(&readings);
-        let way = GOAL - truth.ground.position;
-        outcome.left = way.norm();
-        if outcome.left < 0.5 {
+        let to_goal = GOAL - truth.ground.position;
+        outcome.remaining_distance = to_goal.norm();
+        if outcome.remaining_distance < 0.5 {
             break;
         }
         let legs = feet.map(|(x, y)| LegState {
@@ -172,17 +174,17 @@ fn walk(ground: &Ground, numbers: &mut Numbers) -> Outcome {
             tip: Vector3::new(x, y, 0.0),
             is_in_the_air: true,
         });
-        let bearing = math::atan2(way.y, way.x) - truth.ground.heading;
-        let orders = planner.plan(&believed, believed.ground.heading + bearing, outcome.left, &legs);
-        for pose in [&mut truth.ground, &mut believed.ground] {
+        let bearing = math::atan2(to_goal.y, to_goal.x) - truth.ground.heading;
+        let orders = planner.plan(&estimate, estimate.ground.heading + bearing, outcome.remaining_distance, &legs);
+        for pose in [&mut truth.ground, &mut estimate.ground] {
             pose.position += 0.25 * rotated(orders.velocity, pose.heading);
             pose.heading += 0.25 * orders.turn;
         }
         truth.ground.heading += 0.004 * numbers.normal();
         outcome.length += 0.25 * orders.velocity.norm();
         for (x, y) in UNDER {
-            let place = truth.ground.position + rotated(Vector2::new(x, y), truth.ground.heading);
-            outcome.under = outcome.under.max(ground.height(place));
+            let point = truth.ground.position + rotated(Vector2::new(x, y), truth.ground.heading);
+            outcome.under = outcome.under.max(ground.height(point));
         }
     }
     outcome
@@ -194,7 +196,7 @@ fn it_arrives_between_boulders_without_treading_on_a_high_one() {
         let mut numbers = Numbers::new(seed);
         let ground = Ground::new(&mut numbers, 18);
         let shortest = ground.shortest().expect("a way with room");
-        let Outcome { length, under, left } = walk(&ground, &mut numbers);
+        let Outcome { length, under, remaining_distance: left } = walk(&ground, &mut numbers);
         assert!(left < 0.5, "seed {seed}: {left:.1} m left");
         assert!(under < 0.5, "seed {seed}: {under:.2} m under it");
         assert!(length < 1.5 * shortest, "seed {seed}: {length:.1} m, {shortest:.1} m at best");

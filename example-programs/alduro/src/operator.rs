@@ -28,15 +28,15 @@ pub struct Command {
 /// robot needs `needed` m of clearance.
 pub fn look(is_high: &Grid<bool>, robot: Point, goal: Point, needed: f64) -> Command {
     let room = distances(is_high, |is_high| *is_high);
-    let way = way(&room, robot, goal, needed);
-    let ahead: Vec<Point> = way.into_iter().take_while(|point| (point - robot).norm() <= AHEAD).collect();
+    let path = path_to(&room, robot, goal, needed);
+    let ahead: Vec<Point> = path.into_iter().take_while(|point| (point - robot).norm() <= AHEAD).collect();
     let target = *ahead.last().unwrap_or(&goal);
     let room = ahead.iter().filter_map(|point| room.at(*point)).copied().fold(f64::INFINITY, f64::min);
     Command { direction: math::atan2(target.y - robot.y, target.x - robot.x), room }
 }
 
 /// Points of the cheapest path over the map, without the robot's own cell; with the goal, if it is on the map.
-fn way(room: &Grid<f64>, robot: Point, goal: Point, needed: f64) -> Vec<Point> {
+fn path_to(room: &Grid<f64>, robot: Point, goal: Point, needed: f64) -> Vec<Point> {
     let frame = room.frame();
     let factor = |cell: Cell| Some(1.0 + DEAR * (1.0 - room[cell] / needed).max(0.0));
     let Some(start) = frame.cell_at(robot) else { return Vec::new() };
@@ -83,8 +83,8 @@ mod tests {
     fn a_free_way_is_taken_straight() {
         let free = look_from(ROBOT, Point::new(30.25, 0.25), |_| false);
         assert!(free.direction.abs() < 1e-12 && free.room == f64::INFINITY, "{free:?}");
-        let near = look_from(ROBOT, Point::new(0.6, 0.95), |_| false);
-        assert!((near.direction - math::atan2(0.7, 0.35)).abs() < 1e-12, "the goal itself: {near:?}");
+        let at_goal = look_from(ROBOT, Point::new(0.6, 0.95), |_| false);
+        assert!((at_goal.direction - math::atan2(0.7, 0.35)).abs() < 1e-12, "the goal itself: {at_goal:?}");
         let beside = look_from(ROBOT, Point::new(30.25, 0.25), |point| point.y > 3.0);
         assert!(beside.direction.abs() < 1e-12 && (beside.room - 3.0).abs() < 1e-12, "{beside:?}");
     }

@@ -66,11 +66,11 @@ fn vector<const N: usize>(offset: Vector<N>, reach: f64, membership: f64) -> Opt
         .then(|| offset / length * (membership * (reach - length) / reach))
 }
 
-/// Direction of the sum of all vectors, with the greatest of their lengths; `none` if the sum is zero.
+/// Direction of the sum of all vectors, with the maximum of their lengths; `none` if the sum is zero.
 fn combined<const N: usize>(vectors: impl Iterator<Item = Vector<N>>, none: Vector<N>) -> Vector<N> {
-    let (sum, greatest) = vectors.fold((none, 0.0f64), |(sum, greatest), p| (sum + p, greatest.max(p.norm())));
+    let (sum, norm_max) = vectors.fold((none, 0.0f64), |(sum, norm_max), p| (sum + p, norm_max.max(p.norm())));
     let length = sum.norm();
-    if length > 0.0 { sum * (greatest / length) } else { none }
+    if length > 0.0 { sum * (norm_max / length) } else { none }
 }
 
 #[cfg(test)]

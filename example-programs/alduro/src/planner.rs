@@ -29,7 +29,7 @@ const BLOCKING_MEMBERSHIP: f64 = 0.5;
 /// Half angle about its line of sight within which a sonar reliably hears high obstacles, rad: a little less than half the angle between
 /// two sonars. The gap between two sonars is cleared when the robot has moved on.
 const CLEAR_ANGLE: f64 = 12.0 / 180.0 * PI;
-/// Greatest range up to which cells are cleared, m: sonars reliably hear high obstacles within it.
+/// Maximum range up to which cells are cleared, m: sonars reliably hear high obstacles within it.
 const CLEAR_RANGE: f64 = 3.5;
 /// Range up to which cells are cleared if there is no echo, m: that may be a dropout.
 const CLEAR_RANGE_NO_ECHO: f64 = 2.0;
@@ -44,7 +44,7 @@ const LOW_REACH: f64 = 1.0;
 const AHEAD_S: f64 = 0.5;
 /// Shift of a foothold for a P_H of length 1, m.
 const SHIFT: f64 = 0.6;
-/// Greatest shift of a leg, m; the body takes the excess.
+/// Maximum shift of a leg, m; the body takes the excess.
 const LEG_LIMIT: f64 = 0.2;
 /// Speed of the body for each metre of excess, the shift that the legs could not take, 1/s.
 const BODY_GAIN: f64 = 1.5;
@@ -53,10 +53,10 @@ const LIFT: f64 = 0.4;
 /// Speed of the body on a free way, m/s.
 const SPEED: f64 = 0.3;
 /// Least speed, m/s, however near a high obstacle is: a slow approach may show that it is a phantom.
-const LEAST_SPEED: f64 = 0.06;
+const MIN_SPEED: f64 = 0.06;
 /// Gain of the controller that holds the first heading, rad/s per rad.
 const HEADING_GAIN: f64 = 0.8;
-/// Greatest yaw rate, rad/s.
+/// Maximum yaw rate, rad/s.
 const MAX_YAW_RATE: f64 = 0.1;
 
 /// Current state of a leg, in the robot's frame.
@@ -175,8 +175,8 @@ impl Planner {
         let is_high = patches.map(|patch| HEIGHTS.high(patch.z - pose.lift) >= BLOCKING_MEMBERSHIP);
         let goal = pose.ground.position + direction(bearing) * distance;
         let command = operator::look(&is_high, pose.ground.position, goal, body::OPERATOR_CLEARANCE);
-        let speed = (SPEED * command.room / body::OPERATOR_CLEARANCE).clamp(LEAST_SPEED, SPEED).min(distance);
-        let wanted = direction(command.direction) * speed;
+        let speed = (SPEED * command.room / body::OPERATOR_CLEARANCE).clamp(MIN_SPEED, SPEED).min(distance);
+        let desired_velocity = direction(command.direction) * speed;
 
         let mut excess = Vector2::zeros();
         let corrections = legs
@@ -187,7 +187,7 @@ impl Planner {
                 correction
             })
             .collect();
-        self.velocity = limited(wanted + excess * BODY_GAIN, SPEED);
+        self.velocity = limited(desired_velocity + excess * BODY_GAIN, SPEED);
         let heading = pose.ground.heading;
         let turn = (HEADING_GAIN * pose::wrapped(self.heading - heading)).clamp(-MAX_YAW_RATE, MAX_YAW_RATE);
         Orders { velocity: rotated(self.velocity, -heading), turn, corrections }
@@ -197,13 +197,13 @@ impl Planner {
     /// the leg's limit, in the odometry frame.
     fn correct(&self, pose: &Pose, leg: &LegState, patches: &[Patch]) -> (Vector3<f64>, Vector2<f64>) {
         let above = |patch: &Patch| patch.z - pose.lift;
-        let shank = pose.place(&leg.shank);
+        let shank = pose.to_odometry(&leg.shank);
         let high = patches.iter().map(|patch| (*patch, HEIGHTS.high(above(patch))));
-        let away = match self.corrections {
+        let repulsion = match self.corrections {
             Corrections::Both | Corrections::High => -SHIFT * perception::high(shank.xy(), HIGH_REACH, high),
             Corrections::Low | Corrections::Neither => Vector2::zeros(),
         };
-        let shift = limited(away, LEG_LIMIT);
+        let shift = limited(repulsion, LEG_LIMIT);
         let is_lifted = leg.is_in_the_air && matches!(self.corrections, Corrections::Both | Corrections::Low);
         let lift = match is_lifted {
             true => {
@@ -211,20 +211,20 @@ impl Planner {
                 let ahead = 2.0 * AHEAD_S * self.velocity;
                 let low = patches.iter().map(|patch| (*patch, HEIGHTS.low(above(patch))));
                 let perceived =
-                    perception::low(pose.place(&leg.tip), Vector3::new(ahead.x, ahead.y, 0.0), LOW_REACH, low);
+                    perception::low(pose.to_odometry(&leg.tip), Vector3::new(ahead.x, ahead.y, 0.0), LOW_REACH, low);
                 LIFT * perceived.norm()
             }
             false => 0.0,
         };
         let in_robot = rotated(shift, -pose.ground.heading);
-        (in_robot.push(lift), away - shift)
+        (in_robot.push(lift), repulsion - shift)
     }
 }
 
 /// The vector, shortened to `most` if it is longer.
-fn limited(vector: Vector2<f64>, most: f64) -> Vector2<f64> {
+fn limited(vector: Vector2<f64>, max_length: f64) -> Vector2<f64> {
     let length = vector.norm();
-    if length > most { vector * (most / length) } else { vector }
+    if length > max_length { vector * (max_length / length) } else { vector }
 }
 
 #[cfg(test)]
@@ -246,8 +246,8 @@ mod tests {
 
     /// A patch of the map at a point of the robot's frame.
     fn patch(x: f64, y: f64, z: f64) -> Patch {
-        let place = pose().place(&Vector3::new(x, y, z));
-        Patch { x: place.x, y: place.y, z: place.z, sigma: 0.1 }
+        let point = pose().to_odometry(&Vector3::new(x, y, z));
+        Patch { x: point.x, y: point.y, z: point.z, sigma: 0.1 }
     }
 
     #[test]

@@ -43,8 +43,8 @@ fn main(robot: &Robot) -> Result<(), Box<dyn Error>> {
 
 fn lead(robot: &Robot, drive: &Drive, radio: &Radio) -> Result {
     for angle in [360.degrees(), -360.degrees(), 180.degrees()] {
-        let way = RADIUS * angle.abs().as_radians();
-        drive.curve(way, angle, 0.2.metres_per_second())?;
+        let arc_length = RADIUS * angle.abs().as_radians();
+        drive.curve(arc_length, angle, 0.2.metres_per_second())?;
         while !drive.is_done() {
             broadcast_pose(drive, radio)?;
             robot.sleep(PERIOD);
@@ -58,8 +58,8 @@ fn follow(robot: &Robot, drive: &Drive, radio: &Radio, leader: RobotNumber) -> R
     let mut last = robot.now() + 10.seconds();
     while robot.now() < last + SILENCE {
         while let Some(message) = radio.try_receive()? {
-            if let (true, Some(place)) = (message.from == leader, place_of(&message.bytes)) {
-                trail.0.push_back(place);
+            if let (true, Some(position)) = (message.from == leader, position_of(&message.bytes)) {
+                trail.0.push_back(position);
                 last = robot.now();
             }
         }
@@ -79,7 +79,7 @@ fn broadcast_pose(drive: &Drive, radio: &Radio) -> Result {
     radio.broadcast(&[x, y].concat())
 }
 
-fn place_of(message: &[u8]) -> Option<Position> {
+fn position_of(message: &[u8]) -> Option<Position> {
     let &[a, b, c, d] = message else { return None };
     let [x, y] = [[a, b], [c, d]].map(|bytes| f64::from(i16::from_le_bytes(bytes)).millimetres());
     Some(Position { x, y, ..Position::default() })
@@ -97,9 +97,12 @@ impl Trail {
         }
         let target = *self.0.front()?;
         let distance = target.distance_to(at);
-        let places = self.0.iter();
-        let way = places.clone().zip(places.skip(1)).fold(distance, |way, (from, to)| way + from.distance_to(*to));
-        let speed = (1.5 * (way - GAP).as_metres()).clamp(0.0, 0.35);
+        let positions = self.0.iter();
+        let length = positions
+            .clone()
+            .zip(positions.skip(1))
+            .fold(distance, |length, (from, to)| length + from.distance_to(*to));
+        let speed = (1.5 * (length - GAP).as_metres()).clamp(0.0, 0.35);
         let angle = Angle::towards(target.x - at.x, target.y - at.y) - at.phi;
         // An arc through the target point.
         let rate = speed * 2.0 * angle.sin() / distance.as_metres();
@@ -118,23 +121,23 @@ mod tests {
         let run =
             Fake::new().argument("500").argument("0").argument("0").until(200.seconds()).run(main).expect_finished();
         assert!((run.position().y - 2.0 * RADIUS).abs() < 1.millimetres());
-        let way: Vec<Position> = run.sent().iter().filter_map(|sent| place_of(&sent.bytes)).collect();
-        let lowest = way.iter().map(|at| at.y).fold(0.metres(), Length::min);
+        let path: Vec<Position> = run.sent().iter().filter_map(|sent| position_of(&sent.bytes)).collect();
+        let lowest = path.iter().map(|at| at.y).fold(0.metres(), Length::min);
         assert!((lowest + 2.0 * RADIUS).abs() < 5.millimetres());
-        assert_eq!(way[0].x, 500.millimetres());
+        assert_eq!(path[0].x, 500.millimetres());
     }
 
     #[test]
     fn a_trail_is_followed_with_a_gap() {
-        let place = |x: f64| Position { x: x.metres(), ..Position::default() };
-        let trail = || Trail((1..=10).map(|index| place(0.1 * f64::from(index))).collect());
-        let (speed, rate) = trail().steer(place(0.0)).expect("a trail");
+        let position_at = |x: f64| Position { x: x.metres(), ..Position::default() };
+        let trail = || Trail((1..=10).map(|index| position_at(0.1 * f64::from(index))).collect());
+        let (speed, rate) = trail().steer(position_at(0.0)).expect("a trail");
         assert_eq!((speed, rate), (0.35.metres_per_second(), 0.radians_per_second()));
-        let (_, rate) = trail().steer(Position { y: 0.05.metres(), ..place(0.0) }).expect("a trail");
+        let (_, rate) = trail().steer(Position { y: 0.05.metres(), ..position_at(0.0) }).expect("a trail");
         assert!(rate < 0.radians_per_second(), "back to it, to the right");
-        let mut rest = Trail((6..=10).map(|index| place(0.1 * f64::from(index))).collect());
-        let (speed, _) = rest.steer(place(0.69)).expect("a trail");
+        let mut rest = Trail((6..=10).map(|index| position_at(0.1 * f64::from(index))).collect());
+        let (speed, _) = rest.steer(position_at(0.69)).expect("a trail");
         assert_eq!((speed, rest.0.len()), (0.metres_per_second(), 2), "near enough");
-        assert!(Trail::default().steer(place(0.0)).is_none());
+        assert!(Trail::default().steer(position_at(0.0)).is_none());
     }
 }

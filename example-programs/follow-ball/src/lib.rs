@@ -13,17 +13,17 @@ robios_api::program!(main);
 
 /// The hue of orange.
 const ORANGE: u8 = 65;
-/// Greatest difference from the wanted hue.
+/// Maximum difference from the wanted hue.
 const HUE_TOLERANCE: u8 = 10;
-const LEAST_SATURATION: u8 = 175;
+const MIN_SATURATION: u8 = 175;
 /// The hue of darker, nearly black pixels is arbitrary.
-const LEAST_INTENSITY: u8 = 25;
+const MIN_INTENSITY: u8 = 25;
 
 const RADIUS: Length = Length::metres(0.05);
 /// Distance from the camera to the ball's middle at which the robot stops.
 const STOP: Length = Length::metres(0.13);
 const SPEED: Speed = Speed::metres_per_second(0.25);
-/// Turn rate of the search, and greatest turn rate.
+/// Turn rate of the search, and maximum turn rate.
 const TURN: TurnRate = TurnRate::degrees_per_second(60.0);
 /// Time of a full turn at [`TURN`], 6 s, and a margin.
 const FULL_TURN_TIME: Duration = Duration::from_millis(6700);
@@ -83,7 +83,7 @@ fn mask_of([hue, saturation, intensity]: &[GrayImage; 3], wanted: u8) -> GrayIma
     let pixels = hue.bytes().iter().zip(saturation.bytes()).zip(intensity.bytes());
     for (is_ball, ((hue, saturation), intensity)) in mask.bytes_mut().iter_mut().zip(pixels) {
         *is_ball = u8::from(
-            hue.abs_diff(wanted) <= HUE_TOLERANCE && *saturation >= LEAST_SATURATION && *intensity >= LEAST_INTENSITY,
+            hue.abs_diff(wanted) <= HUE_TOLERANCE && *saturation >= MIN_SATURATION && *intensity >= MIN_INTENSITY,
         );
     }
     mask
@@ -106,9 +106,9 @@ fn show(lcd: Lcd<'_>, image: &ColorImage, mask: &GrayImage, ball: Option<Ball>) 
 /// Drives up to 0.7 m ahead but leaves 0.3 m free in front; backs up 0.1 m if there is less.
 fn move_on(robot: &Robot) -> Result {
     let room = robot.psd(PsdAt::Front)?.distance().map_or(0.7.metres(), |free| free - 0.3.metres());
-    let way = if room < Length::ZERO { -0.1.metres() } else { room.min(0.7.metres()) };
+    let distance = if room < Length::ZERO { -0.1.metres() } else { room.min(0.7.metres()) };
     let drive = robot.drive();
-    drive.straight(way, SPEED)?;
+    drive.straight(distance, SPEED)?;
     while !drive.is_done() && drive.stall().is_none() {
         robot.sleep(50.millis());
     }
@@ -116,13 +116,13 @@ fn move_on(robot: &Robot) -> Result {
 }
 
 fn main(robot: &Robot) -> Result {
-    let wanted = robot.arguments().first().and_then(|hue| hue.parse().ok()).unwrap_or(ORANGE);
+    let target_hue = robot.arguments().first().and_then(|hue| hue.parse().ok()).unwrap_or(ORANGE);
     let (drive, lcd, camera) = (robot.drive(), robot.lcd(), robot.camera(SIZE)?);
     // Direction of the search: 1 to the left, -1 to the right, where the ball was last seen.
     let (mut last_seen, mut search_sign) = (robot.now(), 1.0);
     loop {
         let image = camera.color()?;
-        let mask = mask_of(&robot.images().to_hsi(&image), wanted);
+        let mask = mask_of(&robot.images().to_hsi(&image), target_hue);
         let ball = Ball::find(&mask);
         show(lcd, &image, &mask, ball)?;
         if drive.stall().is_some() {

@@ -11,10 +11,10 @@ robios_api::program!(main);
 const KEPT: Length = Length::metres(0.3);
 /// Readings beyond this are not of the wall being followed.
 const LOST: Length = Length::metres(0.5);
-/// The least distance to a wall ahead.
+/// The minimum distance to a wall ahead.
 const AHEAD: Length = Length::metres(0.25);
 const CRUISE: Speed = Speed::metres_per_second(0.2);
-/// Greatest turn rate, reached at a distance error of half of `KEPT`.
+/// Maximum turn rate, reached at a distance error of half of `KEPT`.
 const TURN: TurnRate = TurnRate::radians_per_second(1.0);
 /// Around a corner: with `CRUISE` a circle of 0.36 m.
 const CORNER: TurnRate = TurnRate::radians_per_second(0.55);

@@ -140,7 +140,7 @@ impl Search {
     }
 }
 
-/// An open cell; the cheapest comes first, ties are broken by the least cell.
+/// An open cell; the cheapest comes first, ties are broken by the minimum cell.
 struct Open {
     total: f64,
     cell: Cell,
@@ -250,9 +250,9 @@ mod tests {
             let cell = |index: usize| Cell::new(index % columns, index / columns % rows);
             let (start, goal) = (cell(ends.0), cell(ends.1));
             let expected = brute_force(&map, start);
-            let near = |a: f64, b: f64| a == b || (a - b).abs() < 1e-9;
+            let is_close = |a: f64, b: f64| a == b || (a - b).abs() < 1e-9;
             for (cell, cost) in costs(&frame, |cell| map[cell], start).iter() {
-                prop_assert!(near(*cost, expected[cell]), "{:?}", cell);
+                prop_assert!(is_close(*cost, expected[cell]), "{:?}", cell);
             }
             let found = [
                 shortest_path(&frame, |cell| map[cell], start, goal),
@@ -263,13 +263,13 @@ mod tests {
                     prop_assert!(expected[goal].is_infinite());
                     continue;
                 };
-                prop_assert!(near(path.cost, expected[goal]));
+                prop_assert!(is_close(path.cost, expected[goal]));
                 prop_assert_eq!((path.cells[0], path.cells[path.cells.len() - 1]), (start, goal));
                 let mut cost = 0.0;
                 for step in path.cells.windows(2) {
                     cost += octile(step[0], step[1]) * 0.5 * map[step[1]].expect("enters only free cells");
                 }
-                prop_assert!(near(cost, path.cost));
+                prop_assert!(is_close(cost, path.cost));
             }
         }
     }

@@ -51,10 +51,10 @@ fn sweep<T>(
     grid: &Grid<T>,
     is_feature: impl Fn(&T) -> bool,
     distances: &mut Grid<Option<i64>>,
-    way: impl Iterator<Item = Cell>,
+    line: impl Iterator<Item = Cell>,
 ) {
     let mut since: Option<i64> = None;
-    for cell in way {
+    for cell in line {
         since = if is_feature(&grid[cell]) { Some(0) } else { since.map(|steps| steps + 1) };
         distances[cell] = match (distances[cell], since) {
             (Some(old), Some(new)) => Some(old.min(new)),
@@ -127,10 +127,10 @@ mod tests {
         fn agrees_with_brute_force(
             (columns, rows, features) in (1usize..14, 1usize..14)
                 .prop_flat_map(|(columns, rows)| (Just(columns), Just(rows), prop::collection::vec(0u8..10, columns * rows))),
-            share in 0u8..10,
+            fraction in 0u8..10,
         ) {
             let frame = Frame::new(Point::origin(), 1.0, columns, rows);
-            let grid = Grid::from_fn(frame, |cell| features[cell.row * columns + cell.column] < share);
+            let grid = Grid::from_fn(frame, |cell| features[cell.row * columns + cell.column] < fraction);
             prop_assert_eq!(squared_in_cells(&grid, |is_feature| *is_feature), brute_force(&grid));
         }
     }

@@ -21,8 +21,8 @@ pub struct SonarPose {
 impl SonarPose {
     /// At `origin`, looking to `yaw` (counter-clockwise from x) and up by `pitch`, rad.
     pub fn new(origin: Vector3<f64>, yaw: f64, pitch: f64) -> Self {
-        let level = math::cos(pitch);
-        Self { origin, axis: Vector3::new(level * math::cos(yaw), level * math::sin(yaw), math::sin(pitch)) }
+        let horizontal = math::cos(pitch);
+        Self { origin, axis: Vector3::new(horizontal * math::cos(yaw), horizontal * math::sin(yaw), math::sin(pitch)) }
     }
 
     /// The point `distance` m ahead.
@@ -52,9 +52,9 @@ pub enum Side {
 pub struct SonarModel {
     /// Angle from the line of sight at which the gain has fallen to a quarter, rad.
     pub half_angle: f64,
-    /// Greatest error of a reading as a share of it: two standard deviations of the Gaussian over r (our choice).
+    /// Maximum error of a reading as a fraction of it: two standard deviations of the Gaussian over r (our choice).
     pub epsilon: f64,
-    /// Greatest distance that it measures, m: r_max.
+    /// Maximum distance that it measures, m: r_max.
     pub max: f64,
     /// Memberships below this count as 0.
     pub least: f64,
@@ -63,9 +63,9 @@ pub struct SonarModel {
 /// Projection of a reading's fuzzy set at a point of the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadow {
-    /// The greatest membership over all heights at that point.
+    /// The maximum membership over all heights at that point.
     pub membership: f64,
-    /// The height of the greatest membership, m.
+    /// The height of the maximum membership, m.
     pub height: f64,
 }
 
@@ -134,15 +134,15 @@ impl SonarModel {
         (self.half_angle * (-math::ln(self.least) / (2.0 * LN_2)).sqrt()).min(FRAC_PI_2)
     }
 
-    /// Least and greatest x and y, as shares of a distance, that points within the aperture have at up to this distance, relative to the
+    /// Minimum and maximum x and y, as fractions of a distance, that points within the aperture have at up to this distance, relative to the
     /// sonar; a little more, so that rounding excludes none.
     pub(crate) fn extents(&self, sonar: &SonarPose) -> [[f64; 2]; 2] {
         let aperture = self.aperture();
-        let greatest = |along: f64| {
+        let max_component = |along: f64| {
             let angle = math::acos(along.clamp(-1.0, 1.0));
             if angle <= aperture { 1.0 } else { math::cos(angle - aperture).max(0.0) }
         };
-        [sonar.axis.x, sonar.axis.y].map(|along| [-greatest(-along) - 1e-6, greatest(along) + 1e-6])
+        [sonar.axis.x, sonar.axis.y].map(|along| [-max_component(-along) - 1e-6, max_component(along) + 1e-6])
     }
 }
 
@@ -188,9 +188,9 @@ mod tests {
         let middle = model.shadow(&down(3.0), 2.0, 0.0, 0.0, Side::MostPossible).unwrap();
         assert!((middle.membership - 1.0).abs() < 1e-12 && (middle.height - 1.0).abs() < 1e-12);
         // 0.6, 0.8, 1 in thirds: the cap rises to its rim.
-        let aside = model.shadow(&down(3.0), 2.0, 0.0, 1.2 * 0.5, Side::MostPossible).unwrap();
-        assert!((aside.height - (3.0 - (4.0f64 - 0.36).sqrt())).abs() < 1e-12);
-        assert!((aside.membership - model.membership_of_alpha(math::asin(0.3))).abs() < 1e-12);
+        let off_axis = model.shadow(&down(3.0), 2.0, 0.0, 1.2 * 0.5, Side::MostPossible).unwrap();
+        assert!((off_axis.height - (3.0 - (4.0f64 - 0.36).sqrt())).abs() < 1e-12);
+        assert!((off_axis.membership - model.membership_of_alpha(math::asin(0.3))).abs() < 1e-12);
         assert_eq!(model.shadow(&down(3.0), 2.0, 1.9, 0.0, Side::MostPossible), None);
         assert_eq!(model.shadow(&down(3.0), 2.0, 2.1, 0.0, Side::MostPossible), None);
     }

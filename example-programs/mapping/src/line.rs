@@ -18,13 +18,13 @@ pub fn supercover(frame: &Frame, from: Point, to: Point) -> Vec<Cell> {
     let (from, to) = (frame.in_cells(from), frame.in_cells(to));
     let (left, right) = if from.x <= to.x { (from, to) } else { (to, from) };
     let y_at = |x: f64| {
-        let share = if right.x > left.x { ((x - left.x) / (right.x - left.x)).clamp(0.0, 1.0) } else { 0.0 };
-        left.y + share * (right.y - left.y)
+        let fraction = if right.x > left.x { ((x - left.x) / (right.x - left.x)).clamp(0.0, 1.0) } else { 0.0 };
+        left.y + fraction * (right.y - left.y)
     };
     // One cell more to each side, since a point on an edge belongs to both cells; then each cell is tested exactly.
-    let range = |least: f64, greatest: f64, count: usize| {
+    let range = |min: f64, max: f64, count: usize| {
         let bound = |coordinate: f64| coordinate.clamp(0.0, count as f64) as usize;
-        bound(least.floor() - 1.0)..bound(greatest.floor() + 2.0)
+        bound(min.floor() - 1.0)..bound(max.floor() + 2.0)
     };
     let mut cells = Vec::new();
     for column in range(left.x, right.x, frame.columns()) {
@@ -41,7 +41,7 @@ pub fn supercover(frame: &Frame, from: Point, to: Point) -> Vec<Cell> {
 /// Returns true if the closed square of a cell touches a line, in units of cells (separating axis test).
 fn touches(cell: Cell, from: Point, to: Point) -> bool {
     let (x, y) = (cell.column as f64, cell.row as f64);
-    let overlaps = |a: f64, b: f64, least: f64| a.max(b) >= least && a.min(b) <= least + 1.0;
+    let overlaps = |a: f64, b: f64, min: f64| a.max(b) >= min && a.min(b) <= min + 1.0;
     let along = to - from;
     let side = |x: f64, y: f64| along.x * (y - from.y) - along.y * (x - from.x);
     let sides = [side(x, y), side(x + 1.0, y), side(x, y + 1.0), side(x + 1.0, y + 1.0)];
@@ -114,8 +114,8 @@ mod tests {
         let (mut first, mut last) = ((0, 1), (1, 1));
         let less = |a: (i64, i64), b: (i64, i64)| a.0 * b.1 < b.0 * a.1;
         let low = (cell.column as i64 * 8, cell.row as i64 * 8);
-        for (start, way, low) in [(from.0, to.0 - from.0, low.0), (from.1, to.1 - from.1, low.1)] {
-            for (p, q) in [(way, low + 8 - start), (-way, start - low)] {
+        for (start, step, low) in [(from.0, to.0 - from.0, low.0), (from.1, to.1 - from.1, low.1)] {
+            for (p, q) in [(step, low + 8 - start), (-step, start - low)] {
                 // p * t <= q
                 match p.signum() {
                     0 if q < 0 => return false,
@@ -189,8 +189,8 @@ mod tests {
             }
             // DDA passes only cells that the line touches, point by point only such cells and their neighbours.
             prop_assert!(by_dda.iter().all(|cell| touched.contains(cell)));
-            let near = |a: Cell, b: Cell| a.column.abs_diff(b.column) + a.row.abs_diff(b.row) <= 1;
-            prop_assert!(by_points.iter().all(|cell| touched.iter().any(|other| near(*cell, *other))));
+            let is_adjacent = |a: Cell, b: Cell| a.column.abs_diff(b.column) + a.row.abs_diff(b.row) <= 1;
+            prop_assert!(by_points.iter().all(|cell| touched.iter().any(|other| is_adjacent(*cell, *other))));
             // The deviation of point by point is at most one step: |F| <= max(X, Y).
             let (all_x, all_y) = (wide as i64, high as i64);
             for cell in &by_points {

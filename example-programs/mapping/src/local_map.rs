@@ -44,7 +44,7 @@ impl LocalMap {
     /// Moves the map along with a body that is now at (x, y); cells that fall out are forgotten.
     pub fn follow(&mut self, x: f64, y: f64) {
         let partition = *self.tsk.partition();
-        let (column, row) = partition.place(x, y);
+        let (column, row) = partition.cell_index(x, y);
         let low = (column - partition.columns as i64 / 2, row - partition.rows as i64 / 2);
         if low != partition.low {
             self.tsk.move_to(low);
@@ -73,18 +73,18 @@ impl LocalMap {
         let yaw = math::atan2(sonar.axis.y, sonar.axis.x);
         // The cell of the echo is not before it.
         let before = distance - partition.cell;
-        for place in partition.places_around(sonar.origin.x, sonar.origin.y, before.max(0.0)) {
-            let Some(slot) = partition.slot(place) else { continue };
-            let (x, y) = partition.centre(place);
+        for index in partition.cells_around(sonar.origin.x, sonar.origin.y, before.max(0.0)) {
+            let Some(slot) = partition.slot(index) else { continue };
+            let (x, y) = partition.centre(index);
             let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
             let turn = math::atan2(dy, dx) - yaw;
-            let aside = math::atan2(math::sin(turn), math::cos(turn)).abs();
-            if aside > half_angle || math::hypot(dx, dy) > before {
+            let off_axis_angle = math::atan2(math::sin(turn), math::cos(turn)).abs();
+            if off_axis_angle > half_angle || math::hypot(dx, dy) > before {
                 continue;
             }
             if self.tsk.height(x, y).is_some_and(|estimate| estimate > height) {
-                let gain = self.model.membership_of_alpha(aside);
-                let activation = Activation { place, slot, weight: 1.0, x, y, height };
+                let gain = self.model.membership_of_alpha(off_axis_angle);
+                let activation = Activation { cell_index: index, slot, weight: 1.0, x, y, height };
                 self.tsk.take_one(&activation, gain * gain);
             }
         }
@@ -95,10 +95,10 @@ impl LocalMap {
         self.tsk.height(x, y)
     }
 
-    /// All cells, row by row from the least y.
+    /// All cells, row by row from the minimum y.
     pub fn patches(&self) -> impl Iterator<Item = Patch> {
-        self.tsk.partition().places().filter_map(|place| {
-            let (x, y) = self.tsk.partition().centre(place);
+        self.tsk.partition().cells().filter_map(|index| {
+            let (x, y) = self.tsk.partition().centre(index);
             Some(Patch { x, y, z: self.tsk.height(x, y)?, sigma: self.tsk.sigma(x, y)? })
         })
     }

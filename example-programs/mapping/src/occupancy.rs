@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use crate::inverse::{SonarModel, SonarPose};
 use crate::math;
-use crate::tsk::{Partition, Place};
+use crate::tsk::{CellIndex, Partition};
 
 /// The grid: boxes stacked over the cells of a partition.
 #[derive(Clone, Debug)]
@@ -43,20 +43,20 @@ impl OccupancyGrid {
     pub fn fuse(&mut self, model: &SonarModel, sonar: &SonarPose, measured: f64) {
         let reach = model.epsilon * measured;
         let widest = reach + 0.5 * (self.step + 2.0 * self.partition.cell);
-        let most = measured + widest;
-        let beam = Beam {
+        let max_distance = measured + widest;
+        let beam = BeamParameters {
             along_z: sonar.axis.z as f32,
-            least_cosine: math::cos(model.aperture()) as f32,
+            min_cosine: math::cos(model.aperture()) as f32,
             steepness: (2.0 * LN_2 / (model.half_angle * model.half_angle)) as f32,
             measured: measured as f32,
             reach: reach as f32,
             step: self.step as f32,
         };
-        let [east, north] = model.extents(sonar).map(|range| range.map(|share| share * most));
+        let [east, north] = model.extents(sonar).map(|range| range.map(|fraction| fraction * max_distance));
         let mut hits = Vec::new();
-        for place in self.partition.places_within(sonar.origin.x, sonar.origin.y, east, north) {
-            let Some(slot) = self.partition.slot(place) else { continue };
-            let (x, y) = self.partition.centre(place);
+        for index in self.partition.cells_within(sonar.origin.x, sonar.origin.y, east, north) {
+            let Some(slot) = self.partition.slot(index) else { continue };
+            let (x, y) = self.partition.centre(index);
             let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
             let level = dx * dx + dy * dy;
             let along = dx * sonar.axis.x + dy * sonar.axis.y;
@@ -73,7 +73,7 @@ impl OccupancyGrid {
                 let gain = beam.empties(&column, layer as u32);
                 *empty += gain - *empty * gain;
             }
-            let (outer, inner) = (shell(most, level), shell((measured - widest).max(0.0), level));
+            let (outer, inner) = (shell(max_distance, level), shell((measured - widest).max(0.0), level));
             let (low, high) = (-inner.1, inner.1);
             // Two caps of the shell, one layer of overlap apart or joined to one where the inner sphere does not reach.
             let lower = self.layers_between(sonar.origin.z, section, (outer.0, low));
@@ -104,7 +104,7 @@ impl OccupancyGrid {
     /// The upper face of the highest occupied box at (x, y), m: the paper's projection onto the plane. `None` where no
     /// box is occupied, or outside.
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
-        let slot = self.partition.slot(self.partition.place(x, y))?;
+        let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let layer = (0..self.layers).rev().find(|layer| self.is_occupied(slot, *layer))?;
         Some(self.middle(layer) + self.step / 2.0)
     }
@@ -112,7 +112,7 @@ impl OccupancyGrid {
     /// The middle of the box at (x, y) that is most certainly occupied, m: another projection than the paper's. `None` where none
     /// is occupied, or outside.
     pub fn likeliest_height(&self, x: f64, y: f64) -> Option<f64> {
-        let slot = self.partition.slot(self.partition.place(x, y))?;
+        let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let certainty = |layer: &usize| {
             let index = slot * self.layers + layer;
             f64::from(self.occupied[index]) - f64::from(self.empty[index])
@@ -126,7 +126,7 @@ impl OccupancyGrid {
     /// The mean height at (x, y) of the boxes that are occupied, weighted by how much more certainly they are occupied than empty, m:
     /// another projection than the paper's. `None` where none is occupied, or outside.
     pub fn mean_height(&self, x: f64, y: f64) -> Option<f64> {
-        let slot = self.partition.slot(self.partition.place(x, y))?;
+        let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let weighted = (0..self.layers).filter(|layer| self.is_occupied(slot, *layer)).map(|layer| {
             let index = slot * self.layers + layer;
             (f64::from(self.occupied[index]) - f64::from(self.empty[index]), self.middle(layer))
@@ -136,9 +136,9 @@ impl OccupancyGrid {
     }
 
     /// Certainty (empty, occupied) of the box of a cell with the height `z`; `None` outside.
-    pub fn certainty(&self, place: Place, z: f64) -> Option<(f64, f64)> {
+    pub fn certainty(&self, cell_index: CellIndex, z: f64) -> Option<(f64, f64)> {
         let layer = ((z - self.bottom) / self.step).floor();
-        let index = self.partition.slot(place)? * self.layers + layer as usize;
+        let index = self.partition.slot(cell_index)? * self.layers + layer as usize;
         ((0.0..self.layers as f64).contains(&layer))
             .then(|| (f64::from(self.empty[index]), f64::from(self.occupied[index])))
     }
@@ -169,15 +169,15 @@ impl OccupancyGrid {
 }
 
 /// Numbers of a reading, in single precision: a grid of fine boxes has hundreds of millions of them in its beams.
-struct Beam {
+struct BeamParameters {
     /// Component of the line of sight along z.
     along_z: f32,
     /// Cosine of the aperture.
-    least_cosine: f32,
+    min_cosine: f32,
     /// Factor k of the gain exp(-k alpha^2).
     steepness: f32,
     measured: f32,
-    /// Greatest error of the reading, m.
+    /// Maximum error of the reading, m.
     reach: f32,
     /// Height of a box, m.
     step: f32,
@@ -195,7 +195,7 @@ struct Column {
     first: f32,
 }
 
-impl Beam {
+impl BeamParameters {
     /// Distance of the box in a layer, its gain (0 outside the beam), and half the range of distances that count as in it.
     #[inline]
     fn look(&self, column: &Column, layer: u32) -> (f32, f32, f32) {
@@ -205,7 +205,7 @@ impl Beam {
         let cosine = (column.along + dz * self.along_z) / r;
         // Half the extent of a box along the ray through its middle: the box is met from r - half to r + half.
         let band = self.reach + 0.5 * (column.spread + dz.abs() * self.step) / r;
-        let gain = if cosine < self.least_cosine { 0.0 } else { gaussian(self.steepness, cosine) };
+        let gain = if cosine < self.min_cosine { 0.0 } else { gaussian(self.steepness, cosine) };
         (r, gain, band)
     }
 
@@ -344,7 +344,7 @@ mod tests {
     fn every_box_has_what_its_distance_and_angle_say() {
         let (cell, step, layers) = (0.2, 0.15, 20);
         let partition = Partition { cell, columns: 24, rows: 24, low: (-12, -12) };
-        for (pitch, least, measured) in [
+        for (pitch, min, measured) in [
             (-FRAC_PI_2, 0.05, 1.3),
             (-1.1, 0.05, 1.4),
             (-0.9, 0.6, 1.2),
@@ -352,15 +352,15 @@ mod tests {
             (0.8, 0.2, 1.1),
             (1.4, 1e-3, 0.1),
         ] {
-            let model = SonarModel { least, ..SonarModel::srf08() };
+            let model = SonarModel { least: min, ..SonarModel::srf08() };
             let sonar = SonarPose::new(Vector3::new(0.03, -0.04, 1.41), 0.7, pitch);
             let mut grid = OccupancyGrid::new(partition, 0.0, step, layers);
             grid.fuse(&model, &sonar, measured);
             let mut hits = Vec::new();
-            for place in partition.places() {
+            for cell_index in partition.cells() {
                 for layer in 0..layers {
-                    let index = partition.slot(place).unwrap() * layers + layer;
-                    let (x, y) = partition.centre(place);
+                    let index = partition.slot(cell_index).unwrap() * layers + layer;
+                    let (x, y) = partition.centre(cell_index);
                     let offset = Vector3::new(x, y, grid.middle(layer)) - sonar.origin;
                     let r = offset.norm();
                     let cosine = offset.dot(&sonar.axis) / r;
@@ -375,7 +375,10 @@ mod tests {
                     let nearness = r / (measured - band);
                     let empty = if r < measured - band { gain * (1.0 - nearness * nearness) } else { 0.0 };
                     let found = f64::from(grid.empty[index]);
-                    assert!(near_edge || (found - empty).abs() < 3e-4, "{pitch} {place:?} {layer}: {found} {empty}");
+                    assert!(
+                        near_edge || (found - empty).abs() < 3e-4,
+                        "{pitch} {cell_index:?} {layer}: {found} {empty}"
+                    );
                     let ratio = (r - measured) / band;
                     hits.push((index, (1.0 - ratio * ratio).max(0.0) * gain * (1.0 - empty)));
                 }

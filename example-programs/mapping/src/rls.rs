@@ -110,10 +110,10 @@ impl Rls {
         let error = value - regressor.iter().map(|(index, factor)| factor * self.parameters[*index]).sum::<f64>();
         // Forgetting acts only along the measured direction, and only so far that the covariance does not grow.
         let forgotten = predicted / self.forgetting;
-        let kept = (forgotten * variance / (forgotten + variance)).min(predicted);
+        let posterior = (forgotten * variance / (forgotten + variance)).min(predicted);
         let scale = forgotten / (predicted * (forgotten + variance));
-        // The update of a measurement with this variance leaves `kept` of the predicted variance.
-        let effective = predicted * kept / (predicted - kept);
+        // The update of a measurement with this variance leaves `posterior` of the predicted variance.
+        let effective = predicted * posterior / (predicted - posterior);
         match effective.is_finite() && effective > 0.0 {
             true => self.factor(effective),
             false => self.find_gain(),
@@ -220,10 +220,10 @@ impl Rls {
             }
             let before = self.diagonal[j];
             let after = before + weight * a * a;
-            let share = weight * a / after;
+            let fraction = weight * a / after;
             for (u, entry) in self.upper[start(j)..start(j) + j].iter_mut().zip(&mut *dyad) {
                 *entry -= a * *u;
-                *u += share * *entry;
+                *u += fraction * *entry;
             }
             self.diagonal[j] = after;
             weight *= before / after;

@@ -5,7 +5,7 @@ use crate::grid::{Cell, Grid};
 /// Least probability at which a cell counts as occupied: that of Wu et al. 2013, Eq. 2.
 pub const OCCUPIED: f64 = 0.6;
 
-/// Greatest probability at which a cell counts as free: that of Wu et al. 2013, Eq. 2.
+/// Maximum probability at which a cell counts as free: that of Wu et al. 2013, Eq. 2.
 pub const FREE: f64 = 0.4;
 
 /// Classification of a cell by a map.
@@ -52,10 +52,10 @@ pub struct Score {
     pub wrong: usize,
     /// Free cells and surfaces that the map leaves unknown.
     pub unknown: usize,
-    /// Share of the cells classified as occupied that are a surface or have one as a neighbour; NaN if no cell is classified as
+    /// Fraction of the cells classified as occupied that are a surface or have one as a neighbour; NaN if no cell is classified as
     /// occupied.
     pub precision: f64,
-    /// Share of the surfaces that are classified as occupied or have such a neighbour; NaN if there is no surface.
+    /// Fraction of the surfaces that are classified as occupied or have such a neighbour; NaN if there is no surface.
     pub recall: f64,
 }
 
@@ -88,7 +88,7 @@ impl Score {
         }
     }
 
-    /// Share of right cells among those classified as free or occupied.
+    /// Fraction of right cells among those classified as free or occupied.
     pub fn accuracy(&self) -> f64 {
         self.right as f64 / (self.right + self.wrong) as f64
     }

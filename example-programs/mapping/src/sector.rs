@@ -1,7 +1,7 @@
 //! Map of Wu et al. 2013: lines between the readings of neighbouring sonars, drawn into a grid.
 //!
 //! Sonars sit on the rim of a round robot, a sector apart, each with a beam as wide as its sector. A reading is an arc that the
-//! nearest surface of its sector touches somewhere; the neighbours' readings tell where. A [`Fan`] converts readings to a [`Model`] of
+//! nearest surface of its sector touches somewhere; the neighbours' readings determine where. A [`Fan`] converts readings to a [`Model`] of
 //! lines; a [`SectorMap`] draws the models of a stop into a local grid (Eq. 2 and 3) and merges it into the global one (Eq. 4).
 //!
 //! Source: Wu et al. 2013, "Environmental Modeling Based on Ultrasonic Ranging". Each item, and `docs/mapping.md`, names the errors
@@ -29,7 +29,7 @@ pub struct Fan {
     pub radius: f64,
     /// Least distance that a sonar hears, R_min.
     pub nearest: f64,
-    /// Greatest distance that a sonar hears, R_max.
+    /// Maximum distance that a sonar hears, R_max.
     pub farthest: f64,
 }
 
@@ -53,9 +53,9 @@ pub enum Case {
     /// Continuous on both sides, with one neighbour nearer and the other farther (Figure 2a): a wall whose foot is in
     /// the nearer neighbour's sector.
     WallBeside,
-    /// Continuous on both sides, the least reading (Figure 2b): a wall whose foot is in the sector.
+    /// Continuous on both sides, the minimum reading (Figure 2b): a wall whose foot is in the sector.
     WallAhead,
-    /// Continuous on both sides, the greatest reading (Figure 2c): a corner.
+    /// Continuous on both sides, the maximum reading (Figure 2c): a corner.
     Corner,
     /// Fault on the far side: continuous on one side alone, with a nearer neighbour there (Figure 3a).
     FaultBeyond,
@@ -85,10 +85,10 @@ pub struct Model {
     pub lines: Vec<Line>,
 }
 
-/// Share of a sector, about its middle, that the short line of a fault on both sides covers. The paper says only "short": our choice.
+/// Fraction of a sector, about its middle, that the short line of a fault on both sides covers. The paper says only "short": our choice.
 const SHORT: f64 = 0.5;
 
-/// Greatest difference of readings that count as equal, in metres: two steps of a sonar with a resolution of 1 cm. Our choice.
+/// Maximum difference of readings that count as equal, in metres: two steps of a sonar with a resolution of 1 cm. Our choice.
 pub const SAME: f64 = 0.02;
 
 impl Fan {
@@ -182,8 +182,8 @@ impl Fan {
 
     /// Probabilities of the cells of a line and of the free cells before it, for the reading of their sector (Eq. 2).
     pub fn probabilities(&self, distance: f64) -> (f64, f64) {
-        let share = ((distance - self.nearest) / (self.farthest - self.nearest)).clamp(0.0, 1.0);
-        ((1.0 - share * share).max(0.6), (share * share).min(0.4))
+        let fraction = ((distance - self.nearest) / (self.farthest - self.nearest)).clamp(0.0, 1.0);
+        ((1.0 - fraction * fraction).max(0.6), (fraction * fraction).min(0.4))
     }
 
     /// Probability of the cells of a sector without an echo (Eq. 3): the mean of two probabilities, that of free cells
@@ -399,10 +399,10 @@ struct Sector {
     model: Model,
 }
 
-/// Greatest deviation of neighbours from being a sector apart, as a share of a sector.
+/// Maximum deviation of neighbours from being a sector apart, as a fraction of a sector.
 const TOLERANCE: f64 = 0.2;
 
-/// Share of a sector, about its middle, within which its sonar surely hears.
+/// Fraction of a sector, about its middle, within which its sonar surely hears.
 const CORE: f64 = 0.8;
 
 impl Sector {
@@ -631,7 +631,7 @@ mod tests {
         assert_eq!(by_equation_4, wrong);
         by_log_odds.add(cell, log_odds(right));
         assert!(by_log_odds.probabilities()[cell] < 0.05);
-        // Only what is said with more confidence than the error changes it.
+        // Only a value with more confidence than the error changes it.
         assert_eq!(updated(wrong, 0.01), 0.01);
     }
 
@@ -694,8 +694,8 @@ mod tests {
         ) {
             let model = FAN.model(right, Some(own), left);
             for line in &model.lines {
-                for share in [0.0, 0.25, 0.5, 0.75, 1.0] {
-                    let point = line.from + share * (line.to - line.from);
+                for fraction in [0.0, 0.25, 0.5, 0.75, 1.0] {
+                    let point = line.from + fraction * (line.to - line.from);
                     let angle = math::atan2(point.y, point.x);
                     prop_assert!(angle.abs() <= HALF + 1e-9);
                     // A chord that ends in the middle of the arc runs inside the arc, by less than the arc's bulge.

@@ -20,7 +20,7 @@ pub struct Beam {
     pub half_angle: f64,
     /// Least distance that is heard, in metres.
     pub nearest: f64,
-    /// Greatest distance that is heard, in metres.
+    /// Maximum distance that is heard, in metres.
     pub farthest: f64,
 }
 
@@ -48,6 +48,6 @@ impl Beam {
 
 /// The distance and the direction of a point as seen from `pose`, in metres and radians in [-pi, pi).
 pub fn polar(pose: Pose, point: Point) -> (f64, f64) {
-    let way = point - pose.position;
-    (math::hypot(way.x, way.y), wrapped(math::atan2(way.y, way.x) - pose.heading))
+    let offset = point - pose.position;
+    (math::hypot(offset.x, offset.y), wrapped(math::atan2(offset.y, offset.x) - pose.heading))
 }

@@ -1,6 +1,6 @@
 //! The plain sonar grid: each reading makes its cone free and its arc occupied.
 //!
-//! Each cell counts how often it was in an arc and how often in a cone before the arc; its occupancy is the share of the arcs. The
+//! Each cell counts how often it was in an arc and how often in a cone before the arc; its occupancy is the fraction of the arcs. The
 //! grid is the reference for [`sector`](crate::sector).
 //!
 //! Source: arcs and cones as in Moravec & Elfes 1985; counted as in the histogram grids of Borenstein & Koren 1991 and the counting
@@ -47,7 +47,7 @@ impl SonarGrid {
         }
     }
 
-    /// Share of the readings over each cell that had it in their arc; 0.5 where there was none.
+    /// Fraction of the readings over each cell that had it in their arc; 0.5 where there was none.
     pub fn probabilities(&self) -> Grid<f64> {
         self.counts.map(|&(arcs, cones)| match arcs + cones {
             0 => 0.5,

@@ -10,11 +10,11 @@ use crate::inverse::{Side, SonarModel, SonarPose, cap_point};
 use crate::math;
 use crate::rls::Rls;
 
-/// Sampling points along each side of a cell in the search for its greatest membership.
+/// Sampling points along each side of a cell in the search for its maximum membership.
 const LOOKS: usize = 3;
 
 /// A cell of the unbounded lattice that partitions the plane: column along x, row along y.
-pub type Place = (i64, i64);
+pub type CellIndex = (i64, i64);
 
 /// A rectangle of square cells of the lattice whose point (0, 0) is a corner of cells.
 ///
@@ -27,48 +27,48 @@ pub struct Partition {
     pub columns: usize,
     /// Number of cells along y.
     pub rows: usize,
-    /// The cell with the least x and y.
-    pub low: Place,
+    /// The cell with the minimum x and y.
+    pub low: CellIndex,
 }
 
 impl Partition {
     /// The cell of the lattice that has the point (x, y).
-    pub fn place(&self, x: f64, y: f64) -> Place {
+    pub fn cell_index(&self, x: f64, y: f64) -> CellIndex {
         ((x / self.cell).floor() as i64, (y / self.cell).floor() as i64)
     }
 
     /// The slot of a cell, `None` outside.
-    pub fn slot(&self, (column, row): Place) -> Option<usize> {
+    pub fn slot(&self, (column, row): CellIndex) -> Option<usize> {
         let is_inside = self.all_columns().contains(&column) && self.all_rows().contains(&row);
         let (columns, rows) = (self.columns as i64, self.rows as i64);
         is_inside.then(|| (row.rem_euclid(rows) * columns + column.rem_euclid(columns)) as usize)
     }
 
     /// The middle of a cell, m.
-    pub fn centre(&self, (column, row): Place) -> (f64, f64) {
+    pub fn centre(&self, (column, row): CellIndex) -> (f64, f64) {
         ((column as f64 + 0.5) * self.cell, (row as f64 + 0.5) * self.cell)
     }
 
-    /// All cells, row by row from the least y.
-    pub fn places(&self) -> impl Iterator<Item = Place> + use<> {
+    /// All cells, row by row from the minimum y.
+    pub fn cells(&self) -> impl Iterator<Item = CellIndex> + use<> {
         let columns = self.all_columns();
         self.all_rows().flat_map(move |row| columns.clone().map(move |column| (column, row)))
     }
 
     /// Cells within `reach` m of (x, y) along either axis.
-    pub fn places_around(&self, x: f64, y: f64, reach: f64) -> impl Iterator<Item = Place> + use<> {
-        self.places_within(x, y, [-reach, reach], [-reach, reach])
+    pub fn cells_around(&self, x: f64, y: f64, reach: f64) -> impl Iterator<Item = CellIndex> + use<> {
+        self.cells_within(x, y, [-reach, reach], [-reach, reach])
     }
 
     /// Cells within ranges relative to (x, y), m.
-    pub(crate) fn places_within(
+    pub(crate) fn cells_within(
         &self,
         x: f64,
         y: f64,
         east: [f64; 2],
         north: [f64; 2],
-    ) -> impl Iterator<Item = Place> + use<> {
-        let (from, to) = (self.place(x + east[0], y + north[0]), self.place(x + east[1], y + north[1]));
+    ) -> impl Iterator<Item = CellIndex> + use<> {
+        let (from, to) = (self.cell_index(x + east[0], y + north[0]), self.cell_index(x + east[1], y + north[1]));
         let cut = |all: Range<i64>, from: i64, to: i64| all.start.max(from)..all.end.min(to + 1);
         let (columns, rows) = (cut(self.all_columns(), from.0, to.0), cut(self.all_rows(), from.1, to.1));
         rows.flat_map(move |row| columns.clone().map(move |column| (column, row)))
@@ -159,14 +159,14 @@ impl Default for Settings {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Activation {
     /// The cell.
-    pub place: Place,
+    pub cell_index: CellIndex,
     /// Its slot in the partition.
     pub slot: usize,
-    /// Activation w: the greatest membership within the cell.
+    /// Activation w: the maximum membership within the cell.
     pub weight: f64,
-    /// x of the cell's point of greatest membership, m.
+    /// x of the cell's point of maximum membership, m.
     pub x: f64,
-    /// y of the cell's point of greatest membership, m.
+    /// y of the cell's point of maximum membership, m.
     pub y: f64,
     /// Height of the reading's cap at that point, m.
     pub height: f64,
@@ -181,47 +181,47 @@ pub fn activations(
     side: Side,
 ) -> Vec<Activation> {
     // A little less, so that rounding drops no point at the edge of the beam.
-    let least = math::cos(model.aperture()) - 1e-9;
+    let min_cosine = math::cos(model.aperture()) - 1e-9;
     let offset = |look: usize| ((look as f64 + 0.5) / LOOKS as f64 - 0.5) * partition.cell;
-    let look_at = |place: Place| {
-        let slot = partition.slot(place)?;
-        let centre = partition.centre(place);
+    let look_at = |index: CellIndex| {
+        let slot = partition.slot(index)?;
+        let centre = partition.centre(index);
         let within = (0..LOOKS * LOOKS).map(|look| (centre.0 + offset(look % LOOKS), centre.1 + offset(look / LOOKS)));
         // A level sonar hears best at the rim of the cap, whose band is narrower than the distance between two sampling points.
-        let rim = rim(sonar, measured, centre, partition.cell).filter(|(x, y)| partition.place(*x, *y) == place);
+        let rim = rim(sonar, measured, centre, partition.cell).filter(|(x, y)| partition.cell_index(*x, *y) == index);
         let (mut points, mut count) = ([(0.0, 0.0, 0.0); LOOKS * LOOKS + 1], 0);
-        let mut greatest = 0.0_f64;
+        let mut max_cosine = 0.0_f64;
         for (x, y) in within.chain(rim) {
             if let Some((cosine, _)) = cap_point(sonar, measured, x, y, side) {
                 points[count] = (x, y, cosine);
                 count += 1;
-                greatest = greatest.max(cosine);
+                max_cosine = max_cosine.max(cosine);
             }
         }
-        if greatest < least {
+        if max_cosine < min_cosine {
             return None;
         }
-        // The membership falls with the angle: it is computed only for points that rounding may let share the greatest.
+        // The membership falls with the angle: it is computed only for points that rounding may let share the maximum.
         points[..count]
             .iter()
             .copied()
-            .filter(|(.., cosine)| *cosine >= greatest - 1e-12)
+            .filter(|(.., cosine)| *cosine >= max_cosine - 1e-12)
             .filter_map(|(x, y, _)| {
                 let shadow = model.shadow(sonar, measured, x, y, side)?;
-                Some(Activation { place, slot, weight: shadow.membership, x, y, height: shadow.height })
+                Some(Activation { cell_index: index, slot, weight: shadow.membership, x, y, height: shadow.height })
             })
             .max_by(|a, b| a.weight.total_cmp(&b.weight))
     };
-    let [east, north] = model.extents(sonar).map(|range| range.map(|share| share * measured));
-    partition.places_within(sonar.origin.x, sonar.origin.y, east, north).filter_map(look_at).collect()
+    let [east, north] = model.extents(sonar).map(|range| range.map(|fraction| fraction * measured));
+    partition.cells_within(sonar.origin.x, sonar.origin.y, east, north).filter_map(look_at).collect()
 }
 
 /// Point of the plane at the measured distance from a sonar, in the direction of a place; `None` for a place at the sonar, or farther
 /// from the point than a cell.
 fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64), cell: f64) -> Option<(f64, f64)> {
     let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
-    let (square, near) = (dx * dx + dy * dy, (measured - cell).max(0.0));
-    if square < near * near || square > (measured + cell) * (measured + cell) {
+    let (square, nearest) = (dx * dx + dy * dy, (measured - cell).max(0.0));
+    if square < nearest * nearest || square > (measured + cell) * (measured + cell) {
         return None;
     }
     let length = math::hypot(dx, dy);
@@ -313,10 +313,11 @@ impl Tsk {
         let mut regressor = Vec::with_capacity(activations.len() * count);
         let mut height = 0.0;
         for activation in activations {
-            let share = activation.weight / total;
-            height += share * activation.height;
+            let fraction = activation.weight / total;
+            height += fraction * activation.height;
             let base = activation.slot * count;
-            regressor.extend(self.rule(activation).enumerate().map(|(index, factor)| (base + index, share * factor)));
+            regressor
+                .extend(self.rule(activation).enumerate().map(|(index, factor)| (base + index, fraction * factor)));
         }
         let sigma = self.settings.reading_sigma;
         match &mut self.estimate {
@@ -355,15 +356,15 @@ impl Tsk {
     ///
     /// The activation of a point is that of its own cell alone, a singleton (Gois and Hiller, section 3): heights jump between cells.
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
-        let place = self.partition.place(x, y);
-        let slot = self.partition.slot(place)?;
-        Some(self.output(&Activation { place, slot, weight: 1.0, x, y, height: 0.0 }))
+        let index = self.partition.cell_index(x, y);
+        let slot = self.partition.slot(index)?;
+        Some(self.output(&Activation { cell_index: index, slot, weight: 1.0, x, y, height: 0.0 }))
     }
 
     /// Standard deviation of the height in the middle of the cell with the point (x, y), m; `None` outside the partition. It begins at
     /// the prior's and falls with the readings.
     pub fn sigma(&self, x: f64, y: f64) -> Option<f64> {
-        let slot = self.partition.slot(self.partition.place(x, y))?;
+        let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let variance = match &self.estimate {
             Estimate::Joint(rls) => rls.variance(slot * self.settings.order.parameters()),
             Estimate::Apart(rules) => rules[slot].variance(0),
@@ -371,13 +372,13 @@ impl Tsk {
         Some(variance.sqrt())
     }
 
-    /// Moves the partition so that `low` is its cell with the least x and y. Cells that fall out are forgotten; new ones have the prior.
-    pub fn move_to(&mut self, low: Place) {
+    /// Moves the partition so that `low` is its cell with the minimum x and y. Cells that fall out are forgotten; new ones have the prior.
+    pub fn move_to(&mut self, low: CellIndex) {
         let before = self.partition;
         self.partition.low = low;
         let count = self.settings.order.parameters();
-        for place in self.partition.places().filter(|place| before.slot(*place).is_none()) {
-            let Some(slot) = self.partition.slot(place) else { continue };
+        for cell_index in self.partition.cells().filter(|cell_index| before.slot(*cell_index).is_none()) {
+            let Some(slot) = self.partition.slot(cell_index) else { continue };
             for index in 0..count {
                 let (mean, variance) = prior(&self.partition, &self.settings, index);
                 match &mut self.estimate {
@@ -399,7 +400,7 @@ impl Tsk {
 
     /// Factors of a rule's parameters in its output.
     fn rule(&self, activation: &Activation) -> impl Iterator<Item = f64> + use<> {
-        let (x, y) = self.partition.centre(activation.place);
+        let (x, y) = self.partition.centre(activation.cell_index);
         let (x, y) = ((activation.x - x) / self.partition.cell, (activation.y - y) / self.partition.cell);
         [1.0, x, y].into_iter().take(self.settings.order.parameters())
     }
@@ -439,7 +440,7 @@ mod tests {
             for measured in [1.97, 2.03, 2.16] {
                 let model = SonarModel { least: 0.25, ..SonarModel::srf08() };
                 let found = activations(&partition, &model, &sonar, measured, Side::Lower);
-                let ahead = found.iter().find(|one| one.place == (4, 0)).expect("the cell of the echo");
+                let ahead = found.iter().find(|one| one.cell_index == (4, 0)).expect("the cell of the echo");
                 assert!((ahead.weight - weight).abs() < 0.01, "{measured}: {ahead:?}");
                 assert!((ahead.height - 0.6).abs() < 1e-3, "{measured}: {ahead:?}");
             }
@@ -450,34 +451,34 @@ mod tests {
     fn places_have_slots_that_stay_when_the_partition_moves() {
         let before = partition();
         let after = Partition { low: (-1, 1), ..before };
-        let mut slots: Vec<_> = before.places().map(|place| before.slot(place).unwrap()).collect();
+        let mut slots: Vec<_> = before.cells().map(|index| before.slot(index).unwrap()).collect();
         slots.sort_unstable();
         assert_eq!(slots, (0..48).collect::<Vec<_>>());
-        for place in before.places().filter(|place| after.slot(*place).is_some()) {
-            assert_eq!(before.slot(place), after.slot(place));
+        for index in before.cells().filter(|index| after.slot(*index).is_some()) {
+            assert_eq!(before.slot(index), after.slot(index));
         }
         assert_eq!((before.slot((-4, 2)), before.slot((5, 2)), before.slot((0, 8))), (None, None, None));
         let (x, y) = before.centre((-3, 4));
-        assert_eq!((x, y, before.place(x, y)), (-1.25, 2.25, (-3, 4)));
+        assert_eq!((x, y, before.cell_index(x, y)), (-1.25, 2.25, (-3, 4)));
     }
 
     #[test]
     fn a_plane_is_a_plane_to_first_order_and_steps_to_zero_order() {
         let plane = |x: f64, y: f64| 0.3 + 0.2 * x - 0.1 * y;
-        for (order, most) in [(Order::Zero, 0.06), (Order::One, 1e-3)] {
+        for (order, max_error) in [(Order::Zero, 0.06), (Order::One, 1e-3)] {
             let settings = Settings { order, reading_sigma: 1e-3, ..Settings::default() };
             let mut tsk = Tsk::new(partition(), settings);
-            for place in partition().places() {
-                let (cx, cy) = partition().centre(place);
+            for index in partition().cells() {
+                let (cx, cy) = partition().centre(index);
                 for (dx, dy) in [(0.0, 0.0), (0.2, 0.1), (-0.2, 0.15), (0.1, -0.2), (-0.15, -0.1)] {
                     let (x, y) = (cx + dx, cy + dy);
-                    let slot = partition().slot(place).unwrap();
-                    tsk.take_one(&Activation { place, slot, weight: 1.0, x, y, height: plane(x, y) }, 0.7);
+                    let slot = partition().slot(index).unwrap();
+                    tsk.take_one(&Activation { cell_index: index, slot, weight: 1.0, x, y, height: plane(x, y) }, 0.7);
                 }
             }
             let (x, y) = (0.45, 2.85);
             let height = tsk.height(x, y).unwrap();
-            assert!((height - plane(x, y)).abs() < most, "{order:?} {height}");
+            assert!((height - plane(x, y)).abs() < max_error, "{order:?} {height}");
             assert!(tsk.sigma(x, y).unwrap() < 0.01);
         }
     }
@@ -488,15 +489,15 @@ mod tests {
         let settings = Settings { fusion: Fusion::Average, reading_sigma: 1e-3, ..Settings::default() };
         let mut tsk = Tsk::new(partition(), settings);
         let cells = [((0, 4), 0.9), ((1, 4), 0.8), ((0, 5), 0.7)];
-        let activations = cells.map(|(place, weight)| {
-            let (x, y) = partition().centre(place);
-            Activation { place, slot: partition().slot(place).unwrap(), weight, x, y, height: 0.4 }
+        let activations = cells.map(|(index, weight)| {
+            let (x, y) = partition().centre(index);
+            Activation { cell_index: index, slot: partition().slot(index).unwrap(), weight, x, y, height: 0.4 }
         });
         for _ in 0..3 {
             tsk.take_average(&activations);
         }
-        let heights = cells.map(|(place, weight)| {
-            let (x, y) = partition().centre(place);
+        let heights = cells.map(|(index, weight)| {
+            let (x, y) = partition().centre(index);
             weight * tsk.height(x, y).unwrap()
         });
         assert!((heights.iter().sum::<f64>() / 2.4 - 0.4).abs() < 1e-5, "{heights:?}");
@@ -531,14 +532,14 @@ mod tests {
         let before = tsk.clone();
         tsk.move_to((-1, 2));
         assert_eq!(tsk.height(-1.25, 2.25), None);
-        for place in tsk.partition().places() {
-            let (x, y) = tsk.partition().centre(place);
+        for index in tsk.partition().cells() {
+            let (x, y) = tsk.partition().centre(index);
             let (height, sigma) = match before.height(x, y) {
                 Some(height) => (height, before.sigma(x, y).unwrap()),
                 None => (0.0, 1.0),
             };
-            assert!((tsk.height(x, y).unwrap() - height).abs() < 1e-12, "{place:?}");
-            assert!((tsk.sigma(x, y).unwrap() - sigma).abs() < 1e-12, "{place:?}");
+            assert!((tsk.height(x, y).unwrap() - height).abs() < 1e-12, "{index:?}");
+            assert!((tsk.sigma(x, y).unwrap() - sigma).abs() < 1e-12, "{index:?}");
         }
     }
 }

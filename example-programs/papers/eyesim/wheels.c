@@ -1,4 +1,4 @@
-/* Section 2: drives the wheels at fixed shares of their greatest rates and prints them once all wheels have them. The argument `4` is for
+/* Section 2: drives the wheels at fixed fractions of their maximum rates and prints them once all wheels have them. The argument `4` is for
    four Mecanum wheels. */
 #include <stdio.h>
 #include <stdlib.h>

@@ -36,8 +36,8 @@ impl Doc {
     /// No place for the claims; a place for a table that the paper does not have, or without an end.
     pub fn set(&mut self, paper: &str, page: &Page) -> anyhow::Result<()> {
         // From the last to the first, so that the earlier places stay valid.
-        for (place, table) in self.places(paper, page)?.into_iter().rev() {
-            self.text.replace_range(place, &table);
+        for (range, table) in self.places(paper, page)?.into_iter().rev() {
+            self.text.replace_range(range, &table);
         }
         Ok(())
     }
@@ -68,9 +68,9 @@ impl Doc {
     pub fn differences(&self, paper: &str, page: &Page) -> anyhow::Result<Vec<String>> {
         let path = self.path.display();
         let mut differences = Vec::new();
-        for (place, table) in self.places(paper, page)? {
-            let first = self.text[..place.start].lines().count() + 1;
-            let (mut old, mut new) = (self.text[place].lines(), table.lines());
+        for (range, table) in self.places(paper, page)? {
+            let first = self.text[..range.start].lines().count() + 1;
+            let (mut old, mut new) = (self.text[range].lines(), table.lines());
             let mut line = first;
             loop {
                 match (old.next(), new.next()) {
@@ -100,8 +100,8 @@ impl Doc {
     /// # Errors
     /// No place for the claims; a place for a table that the paper does not have, or without an end.
     fn places(&self, paper: &str, page: &Page) -> anyhow::Result<Vec<(Range<usize>, String)>> {
-        let shown = self.path.display();
-        let mut places = Vec::new();
+        let path = self.path.display();
+        let mut ranges = Vec::new();
         let mut has_claims = false;
         for (at, _) in self.text.match_indices(BEGIN) {
             let rest = &self.text[at + BEGIN.len()..];
@@ -110,23 +110,21 @@ impl Doc {
                 None if name == paper => page.claims_table(),
                 Some((owner, table)) if owner == paper => match page.tables().find(|own| own.name == table) {
                     Some(table) => table.clone(),
-                    None => bail!("`{shown}`: `{paper}` has no table `{table}`"),
+                    None => bail!("`{path}`: `{paper}` has no table `{table}`"),
                 },
                 _ => continue,
             };
             has_claims |= name == paper;
             let start = at + BEGIN.len() + name.len() + CLOSE.len();
-            let Some(length) = self.text[start..].find(END) else {
-                bail!("`{shown}`: expected `{END}` after `{name}`")
-            };
-            places.push((start..start + length, table.markdown()));
+            let Some(length) = self.text[start..].find(END) else { bail!("`{path}`: expected `{END}` after `{name}`") };
+            ranges.push((start..start + length, table.markdown()));
         }
         if !has_claims {
             bail!(
-                "`{shown}` has no place for the claims of `{paper}`: expected a line `{BEGIN}{paper} -->`, and later `{END}`"
+                "`{path}` has no place for the claims of `{paper}`: expected a line `{BEGIN}{paper} -->`, and later `{END}`"
             );
         }
-        Ok(places)
+        Ok(ranges)
     }
 }
 

@@ -17,7 +17,7 @@ use crate::trace::{Entry, Event, Trace};
 /// p-value below which a statement about random numbers is rejected.
 const REJECT: f64 = 0.001;
 
-/// `robis/scout.robi`: diameter of the wheels and track, m; greatest rate of a wheel, rad/s.
+/// `robis/scout.robi`: diameter of the wheels and track, m; maximum rate of a wheel, rad/s.
 const SCOUT: [f64; 3] = [0.054, 0.1, 20.0 * PI];
 /// `robis/mecanum.robi`, likewise, and its wheelbase, m.
 const MECANUM: [f64; 3] = [0.1, 0.22, 4.0 * PI];
@@ -34,7 +34,7 @@ const PLACE: DVec2 = DVec2::new(0.9, 0.5);
 /// Standard deviations of the noise on PSD and speed, m and m/s.
 const PSD_SIGMA: f64 = 0.02;
 const SPEED_SIGMA: f64 = 0.05;
-/// Probability P_e of impulse noise, and share of white pixels in it.
+/// Probability P_e of impulse noise, and fraction of white pixels in it.
 const IMPULSE: f64 = 0.05;
 const SALT: f64 = 0.3;
 /// P_b and P_p; messages of `eyesim/channel.c` and their bits.
@@ -101,13 +101,13 @@ fn scenes(job: &Job) -> Vec<Run> {
         y = 1e3 * ROOM.y
     );
     let open = "floor_mm = [40000, 40000]";
-    let robot = |robi: &str, program: &str, argument: &str, place: &str| {
+    let robot = |robi: &str, program: &str, argument: &str, section: &str| {
         format!(
             "[[robot]]\ntype = \"%sim%/robis/{robi}.robi\"\nprogram = \"%sim%/example-programs/papers/eyesim/{program}.c\"\narguments = \
-             [{argument}]\n{place}\n"
+             [{argument}]\n{section}\n"
         )
     };
-    let at = |place: DVec2| format!("x_mm = {}\ny_mm = {}\nheading_deg = 0", 1e3 * place.x, 1e3 * place.y);
+    let at = |section: DVec2| format!("x_mm = {}\ny_mm = {}\nheading_deg = 0", 1e3 * section.x, 1e3 * section.y);
     let grid = |count: usize| {
         format!("count = {count}\nlayout = {{ kind = \"grid\", from_mm = [1000, 1000], spacing_mm = [600, 600] }}")
     };
@@ -147,9 +147,9 @@ fn scenes(job: &Job) -> Vec<Run> {
 }
 
 /// A statement that could have turned out to be wrong.
-fn claim(place: &str, paper: &str, ours: &str, number: String, holds: bool) -> Claim {
-    let (place, paper, ours) = (place.to_owned(), paper.to_owned(), ours.to_owned());
-    Claim { place, paper, ours, number, holds, weight: Weight::Must, basis: Basis::Found }
+fn claim(section: &str, paper: &str, ours: &str, number: String, holds: bool) -> Claim {
+    let (section, paper, ours) = (section.to_owned(), paper.to_owned(), ours.to_owned());
+    Claim { section, paper, ours, number, holds, weight: Weight::Must, basis: Basis::Found }
 }
 
 /// The numbers of a line.
@@ -182,15 +182,15 @@ fn turn(from: f64, to: f64) -> f64 {
 /// Displacement in the robot's frame after a time at a constant twist (forwards, left, turning).
 fn displacement([vx, vy, omega]: [f64; 3], seconds: f64) -> (DVec2, f64) {
     let angle = omega * seconds;
-    let (along, aside) = if angle.abs() < 1e-9 {
+    let (along, lateral) = if angle.abs() < 1e-9 {
         (seconds, 0.5 * angle * seconds)
     } else {
         (math::sin(angle) / omega, (1.0 - math::cos(angle)) / omega)
     };
-    (DVec2::new(vx * along - vy * aside, vx * aside + vy * along), angle)
+    (DVec2::new(vx * along - vy * lateral, vx * lateral + vy * along), angle)
 }
 
-/// Greatest deviations of the motion in each slot from the twist that follows from the wheels: m, rad, and number of slots.
+/// Maximum deviations of the motion in each slot from the twist that follows from the wheels: m, rad, and number of slots.
 fn slots(trace: &Trace, twist: impl Fn(&[f64]) -> [f64; 3]) -> anyhow::Result<(f64, f64, usize)> {
     let poses = poses(trace);
     let (mut off, mut turned, mut count) = (0.0_f64, 0.0_f64, 0);
@@ -245,8 +245,8 @@ fn omnidirectional(trace: &Trace) -> anyhow::Result<Claim> {
 fn printed_turn_row(trace: &Trace) -> anyhow::Result<Claim> {
     let twist = |percents: &[f64]| {
         let s = speeds(MECANUM, percents);
-        let aside = 0.25 * (-s[0] + s[1] + s[2] - s[3]);
-        [0.25 * (s[0] + s[1] + s[2] + s[3]), aside, aside / MECANUM[1]]
+        let v_left = 0.25 * (-s[0] + s[1] + s[2] - s[3]);
+        [0.25 * (s[0] + s[1] + s[2] + s[3]), v_left, v_left / MECANUM[1]]
     };
     let (number, holds) = exact(slots(trace, twist)?);
     let ours = "the same motion against the matrix as printed, whose third row repeats the second: no rates would turn the robot on the spot";
@@ -283,7 +283,9 @@ fn v_omega(trace: &Trace) -> anyhow::Result<Claim> {
 
 /// Distance from a point in the room to its walls, along a direction.
 fn to_wall(from: DVec2, direction: DVec2) -> f64 {
-    let along = |from: f64, way: f64, size: f64| if way > 0.0 { (size - from) / way } else { -from / way };
+    let along = |from: f64, component: f64, size: f64| {
+        if component > 0.0 { (size - from) / component } else { -from / component }
+    };
     let x = if direction.x == 0.0 { f64::INFINITY } else { along(from.x, direction.x, ROOM.x) };
     let y = if direction.y == 0.0 { f64::INFINITY } else { along(from.y, direction.y, ROOM.y) };
     x.min(y)

@@ -16,7 +16,7 @@ use crate::run::{Job, Run, Scene};
 use sim_core::drive::legged::natural_angles;
 use sim_core::time::Time;
 use sim_host::launch::Options;
-pub use walk::{Kind, Met, Moment, Place, SCENE, Sample, Thing, Truth, Walk};
+pub use walk::{Kind, Met, Moment, MountPoint, SCENE, Sample, Thing, Truth, Walk};
 
 /// The speed of the walk, mm/s: the stride of the gait (1.43 m for legs of this length) once in its period.
 pub const SPEED_MM_S: u32 = 1300;
@@ -81,7 +81,7 @@ impl Walks {
         let slot = Some(Time::from_millis(2));
         let mut runs = Vec::new();
         let mut cases = Vec::new();
-        for place in Place::ALL {
+        for place in MountPoint::ALL {
             for kind in Kind::ALL {
                 for noise in Noise::ALL {
                     let suffix = if noise == Noise::Paper { "-noise" } else { "" };
@@ -100,18 +100,18 @@ impl Walks {
         }
         let scene = Scene::Text(FREE.replace("SPEED", &SPEED_MM_S.to_string()));
         runs.push(Run { name: "free".to_owned(), scene, options: Options { slot, ..job.options() } });
-        cases.push((Place::Body, Kind::Ultrasonic));
+        cases.push((MountPoint::Body, Kind::Ultrasonic));
         let mut walks = job.run(&runs, |run, trace| {
-            let place = runs.iter().position(|other| other.name == run.name).context("a run of these")?;
-            let (place, kind) = cases[place];
-            truth.walk(place, kind, &trace)
+            let index = runs.iter().position(|other| other.name == run.name).context("a run of these")?;
+            let (section, kind) = cases[index];
+            truth.walk(section, kind, &trace)
         })?;
         let free = walks.pop().context("a walk over an empty floor")?;
         Ok(Self { truth, walks, free })
     }
 
     /// The walk with a sensor at a place, with or without noise.
-    pub fn of(&self, place: Place, kind: Kind, noise: Noise) -> &Walk {
+    pub fn of(&self, place: MountPoint, kind: Kind, noise: Noise) -> &Walk {
         &self.walks[(place as usize * Kind::ALL.len() + kind as usize) * Noise::ALL.len() + noise as usize]
     }
 }
@@ -152,12 +152,12 @@ impl Walk {
     }
 }
 
-/// Least and greatest incidence angle on the floor within a sensor's range while the robot moves, degrees, over all moments of the
+/// Minimum and maximum incidence angle on the floor within a sensor's range while the robot moves, degrees, over all moments of the
 /// trace.
-pub fn incidences(truth: &Truth, walk: &Walk, place: Place, kind: Kind) -> Option<(f64, f64)> {
+pub fn incidences(truth: &Truth, walk: &Walk, place: MountPoint, kind: Kind) -> Option<(f64, f64)> {
     let on_floor = walk.moments.iter().filter(|moment| moment.at <= walk.stopped()).filter_map(|moment| {
-        let met = truth.met(&truth.ray(place, kind, moment));
-        (met.thing == Thing::Floor && met.distance <= kind.max()).then_some(met.incidence * 180.0 / PI)
+        let hit = truth.met(&truth.ray(place, kind, moment));
+        (hit.thing == Thing::Floor && hit.distance <= kind.max()).then_some(hit.incidence * 180.0 / PI)
     });
     on_floor.fold(None, |range, degrees| {
         let (low, high) = range.unwrap_or((degrees, degrees));
@@ -186,7 +186,7 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
          never meets the face of the obstacle head on, and the robot collides with it. The sensor on the body sees nothing lower than \
          itself: neither ground nor obstacle.",
     );
-    page.table(places(&walks));
+    page.table(mount_points(&walks));
     Ok(page)
 }
 
@@ -208,7 +208,7 @@ fn introduce(page: &mut Page, walks: &Walks) {
 
 /// Figures 6 and 7.
 fn gait(page: &mut Page, walks: &Walks) -> anyhow::Result<()> {
-    let walk = walks.of(Place::Tibia, Kind::Ideal, Noise::Without);
+    let walk = walks.of(MountPoint::Tibia, Kind::Ideal, Noise::Without);
     page.heading("Robot and gait");
     page.figure(Figure {
         name: "figure-6".to_owned(),
@@ -230,7 +230,14 @@ fn gait(page: &mut Page, walks: &Walks) -> anyhow::Result<()> {
         caption: "The legs every 0.15 s, the rays of all readings that met something within 2 m, and where.".to_owned(),
         claim: "The robot stops before the obstacle".to_owned(),
         number: format!("{:.2} m from the body's centre to the face", walk.gap),
-        picture: Picture::Svg(side::walk(&walks.truth, walk, Place::Tibia, Kind::Ideal, 0.15, "The walk, to scale")),
+        picture: Picture::Svg(side::walk(
+            &walks.truth,
+            walk,
+            MountPoint::Tibia,
+            Kind::Ideal,
+            0.15,
+            "The walk, to scale",
+        )),
     });
     page.figure(cycle(&walks.free)?);
     Ok(())
@@ -307,8 +314,8 @@ fn cycle(walk: &Walk) -> anyhow::Result<Figure> {
 fn curves(page: &mut Page, walks: &Walks) -> anyhow::Result<()> {
     page.heading("Distance curves and profiles");
     for (number, kind) in (8..).step_by(2).zip(Kind::ALL) {
-        let exact = walks.of(Place::Tibia, kind, Noise::Without);
-        let noisy = walks.of(Place::Tibia, kind, Noise::Paper);
+        let exact = walks.of(MountPoint::Tibia, kind, Noise::Without);
+        let noisy = walks.of(MountPoint::Tibia, kind, Noise::Paper);
         let distances = |walk: &Walk| walk.samples.iter().map(|sample| (sample.at, sample.distance)).collect();
         let curve = |name: &str, walk| Series { name: name.to_owned(), mark: Mark::Line, points: distances(walk) };
         let mut series = vec![curve("exact", exact)];
@@ -341,13 +348,13 @@ fn curves(page: &mut Page, walks: &Walks) -> anyhow::Result<()> {
             series: profile(walks, kind),
             ..chart
         };
-        let (mean, most) = mean_and_most(&exact.profile_errors());
+        let (mean, max) = mean_and_most(&exact.profile_errors());
         page.figure(Figure {
             name: chart.name.clone(),
             label: format!("Figure {}", number + 1),
             caption: format!("The points that the program computed from the distance curve of Figure {number}."),
             claim: "Distance of the points without noise from what was met, on average and at most".to_owned(),
-            number: format!("{:.1} mm, {:.1} mm", 1000.0 * mean, 1000.0 * most),
+            number: format!("{:.1} mm, {:.1} mm", 1000.0 * mean, 1000.0 * max),
             picture: Picture::chart(&chart)?,
         });
     }
@@ -357,7 +364,7 @@ fn curves(page: &mut Page, walks: &Walks) -> anyhow::Result<()> {
 /// Series of a profile's points, and of the true profile.
 fn profile(walks: &Walks, kind: Kind) -> Vec<Series> {
     let points = |noise| {
-        let samples = walks.of(Place::Tibia, kind, noise).samples.iter();
+        let samples = walks.of(MountPoint::Tibia, kind, noise).samples.iter();
         samples.filter_map(|sample| sample.point).map(|point| (point.x, point.y)).collect()
     };
     let end = walks.truth.obstacle_at + walks.truth.obstacle_size.x + 0.4;
@@ -373,11 +380,11 @@ fn profile(walks: &Walks, kind: Kind) -> Vec<Series> {
 
 fn mean_and_most(values: &[f64]) -> (f64, f64) {
     let sum: f64 = values.iter().sum();
-    (sum / values.len().max(1) as f64, values.iter().fold(0.0, |most, value| value.max(most)))
+    (sum / values.len().max(1) as f64, values.iter().fold(0.0, |max, value| value.max(max)))
 }
 
 /// Table of all walks.
-fn places(walks: &Walks) -> Table {
+fn mount_points(walks: &Walks) -> Table {
     let head = [
         "place",
         "sensor",
@@ -392,11 +399,11 @@ fn places(walks: &Walks) -> Table {
         "stops before the obstacle (m)",
     ];
     let mut table = Table::new("places", "All walks", &head);
-    for place in Place::ALL {
+    for place in MountPoint::ALL {
         for kind in Kind::ALL {
             for noise in Noise::ALL {
                 let walk = walks.of(place, kind, noise);
-                let (mean, most) = mean_and_most(&walk.profile_errors());
+                let (mean, max) = mean_and_most(&walk.profile_errors());
                 let count = |thing| walk.points_on(thing).count().to_string();
                 let nothing = walk.samples.iter().filter(|sample| sample.point.is_none()).count();
                 let has_points = nothing < walk.samples.len();
@@ -413,7 +420,7 @@ fn places(walks: &Walks) -> Table {
                     count(Thing::Other),
                     nothing.to_string(),
                     error(mean),
-                    error(most),
+                    error(max),
                     end,
                 ]);
             }
@@ -424,10 +431,10 @@ fn places(walks: &Walks) -> Table {
 
 /// Claims of sections 5 to 6.3, compared with our results.
 pub fn claims(walks: &Walks) -> Vec<Claim> {
-    let tibia = |kind| walks.of(Place::Tibia, kind, Noise::Without);
+    let tibia = |kind| walks.of(MountPoint::Tibia, kind, Noise::Without);
     let [ideal, laser, ultrasonic, reflectance] = Kind::ALL.map(tibia);
-    let must = |place: &str, paper: &str, ours: String, number: String, holds: bool| Claim {
-        place: place.to_owned(),
+    let must = |section: &str, paper: &str, ours: String, number: String, holds: bool| Claim {
+        section: section.to_owned(),
         paper: paper.to_owned(),
         ours,
         number,
@@ -468,12 +475,12 @@ fn gait_of_a_child(walk: &Walk, make: &Make<'_>) -> Claim {
 fn two_periods(ideal: &Walk, make: &Make<'_>) -> Claim {
     let periods = ideal.ground_periods();
     let times: Vec<String> = periods.iter().map(|(from, to)| format!("{from:.2} to {to:.2} s")).collect();
-    let seen = ideal.first_obstacle();
+    let first_obstacle = ideal.first_obstacle();
     let number = format!(
         "{} periods ({}), then the obstacle at {:.2} s",
         periods.len(),
         times.join(", "),
-        seen.unwrap_or(f64::NAN)
+        first_obstacle.unwrap_or(f64::NAN)
     );
     let paper = "the ideal sensor detects the ground for two periods only, before it detects the obstacle";
     make(
@@ -481,7 +488,7 @@ fn two_periods(ideal: &Walk, make: &Make<'_>) -> Claim {
         paper,
         "runs of consecutive readings on the ground before the first reading on the obstacle".to_owned(),
         number,
-        periods.len() == 2 && seen.is_some(),
+        periods.len() == 2 && first_obstacle.is_some(),
     )
 }
 
@@ -509,7 +516,7 @@ fn obstacle_alone(ultrasonic: &Walk, make: &Make<'_>) -> Claim {
 }
 
 fn range_of_incidence(walks: &Walks, ideal: &Walk, make: &Make<'_>) -> Claim {
-    let found = incidences(&walks.truth, ideal, Place::Tibia, Kind::Ideal);
+    let found = incidences(&walks.truth, ideal, MountPoint::Tibia, Kind::Ideal);
     let (low, high) = found.unwrap_or((f64::NAN, f64::NAN));
     let holds = (low - INCIDENCES[0]).abs() <= INCIDENCE_ERROR && (high - INCIDENCES[1]).abs() <= INCIDENCE_ERROR;
     let paper = "incidence on the ground varies within 33 to 78 degrees";
@@ -523,7 +530,7 @@ fn no_point_at_the_limit(walks: &Walks, make: &Make<'_>) -> Claim {
     let (mut limits, mut points) = (0, 0);
     for kind in Kind::ALL {
         for noise in Noise::ALL {
-            for sample in &walks.of(Place::Tibia, kind, noise).samples {
+            for sample in &walks.of(MountPoint::Tibia, kind, noise).samples {
                 if sample.distance >= kind.max() {
                     limits += 1;
                     points += usize::from(sample.point.is_some());
@@ -537,11 +544,11 @@ fn no_point_at_the_limit(walks: &Walks, make: &Make<'_>) -> Claim {
 }
 
 fn not_perfectly_adapted(laser: &Walk, reflectance: &Walk, make: &Make<'_>) -> Claim {
-    let [(of_laser, _), (mean, most)] = [laser, reflectance].map(|walk| mean_and_most(&walk.profile_errors()));
+    let [(of_laser, _), (mean, max)] = [laser, reflectance].map(|walk| mean_and_most(&walk.profile_errors()));
     let number = format!(
         "{:.0} mm on average, {:.0} mm at most; the laser {:.1} mm on average",
         1000.0 * mean,
-        1000.0 * most,
+        1000.0 * max,
         1000.0 * of_laser
     );
     let paper = "the reflectance sensor is not perfectly adapted";
@@ -551,7 +558,7 @@ fn not_perfectly_adapted(laser: &Walk, reflectance: &Walk, make: &Make<'_>) -> C
 }
 
 fn level_sensor(walks: &Walks, make: &Make<'_>) -> Claim {
-    let walk = walks.of(Place::Body, Kind::Ideal, Noise::Without);
+    let walk = walks.of(MountPoint::Body, Kind::Ideal, Noise::Without);
     let [floor, obstacle] = [Thing::Floor, Thing::Obstacle].map(|thing| walk.points_on(thing).count());
     let paper = "a mobile robot's sensor detects vertical obstacles only, no ground";
     let ours = "ideal sensor level on the body, 0.9 m high: it does not even detect the small obstacle".to_owned();
@@ -560,16 +567,16 @@ fn level_sensor(walks: &Walks, make: &Make<'_>) -> Claim {
 
 fn exact_profile(walks: &Walks, make: &Make<'_>) -> Claim {
     let worst = [Kind::Ideal, Kind::Laser, Kind::Ultrasonic]
-        .map(|kind| mean_and_most(&walks.of(Place::Tibia, kind, Noise::Without).profile_errors()).1);
-    let most = worst.into_iter().fold(0.0, f64::max);
+        .map(|kind| mean_and_most(&walks.of(MountPoint::Tibia, kind, Noise::Without).profile_errors()).1);
+    let max_error = worst.into_iter().fold(0.0, f64::max);
     let paper = "the point that is hit follows from the pose of the sensor and the distance";
     let ours =
         format!("profile error of ideal, laser and ultrasonic sensor without noise; at most {:.0} mm", 1000.0 * EXACT);
-    make("6.2", paper, ours, format!("{:.1} mm", 1000.0 * most), most <= EXACT)
+    make("6.2", paper, ours, format!("{:.1} mm", 1000.0 * max_error), max_error <= EXACT)
 }
 
 fn noise_of_the_paper(walks: &Walks, make: &Make<'_>) -> Claim {
-    let walk = walks.of(Place::Tibia, Kind::Laser, Noise::Paper);
+    let walk = walks.of(MountPoint::Tibia, Kind::Laser, Noise::Paper);
     let ratios: Vec<f64> =
         walk.samples.iter().filter(|s| s.point.is_some()).map(|s| s.distance / s.truth.distance - 1.0).collect();
     let square = ratios.iter().map(|ratio| ratio * ratio).sum::<f64>() / ratios.len().max(1) as f64;
@@ -580,7 +587,7 @@ fn noise_of_the_paper(walks: &Walks, make: &Make<'_>) -> Claim {
 }
 
 fn stops(walks: &Walks, make: &Make<'_>) -> Claim {
-    let all = Kind::ALL.iter().flat_map(|kind| Noise::ALL.map(|noise| walks.of(Place::Tibia, *kind, noise)));
+    let all = Kind::ALL.iter().flat_map(|kind| Noise::ALL.map(|noise| walks.of(MountPoint::Tibia, *kind, noise)));
     let (mut least, mut touches) = (f64::INFINITY, 0);
     for walk in all {
         least = least.min(walk.gap);

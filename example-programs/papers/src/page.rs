@@ -86,7 +86,7 @@ pub struct Table {
 #[derive(Clone, Debug)]
 pub struct Claim {
     /// Section of the claim, such as `6.3`, or another source of it.
-    pub place: String,
+    pub section: String,
     /// The claim, in our words.
     pub paper: String,
     /// Our result.
@@ -170,8 +170,8 @@ impl Page {
     pub fn claims_table(&self) -> Table {
         let head = ["where", "the paper says", "we find", "number", "basis", "holds"].map(str::to_owned).to_vec();
         let row = |claim: &Claim| {
-            let Claim { place, paper, ours, number, .. } = claim;
-            [place, paper, ours, number, claim.basis(), claim.verdict()].map(str::to_owned).to_vec()
+            let Claim { section, paper, ours, number, .. } = claim;
+            [section, paper, ours, number, claim.basis(), claim.verdict()].map(str::to_owned).to_vec()
         };
         let rows = self.claims.iter().map(row).collect();
         Table { name: "claims".to_owned(), caption: "What the paper says, and what we find".to_owned(), head, rows }
@@ -181,9 +181,9 @@ impl Page {
     pub fn summary(&self) -> String {
         let mut text = format!("{}\n", self.title);
         for claim in &self.claims {
-            let Claim { place, paper, ours, number, .. } = claim;
+            let Claim { section, paper, ours, number, .. } = claim;
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "  {:<5} {place}: {paper}\n        {ours}: {number}", claim.verdict());
+            let _ = writeln!(text, "  {:<5} {section}: {paper}\n        {ours}: {number}", claim.verdict());
         }
         text
     }
@@ -360,8 +360,8 @@ mod tests {
     use super::*;
 
     fn claim(holds: bool, weight: Weight) -> Claim {
-        let [place, paper, ours, number] = ["6.3", "a < b", "a & b", "1 mm"].map(str::to_owned);
-        Claim { place, paper, ours, number, holds, weight, basis: Basis::Found }
+        let [section, paper, ours, number] = ["6.3", "a < b", "a & b", "1 mm"].map(str::to_owned);
+        Claim { section, paper, ours, number, holds, weight, basis: Basis::Found }
     }
 
     #[test]

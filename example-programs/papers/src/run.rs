@@ -93,15 +93,15 @@ impl Job {
         let done: Vec<Mutex<Option<anyhow::Result<T>>>> = runs.iter().map(|_| Mutex::new(None)).collect();
         let work = || {
             while !has_failed.load(Ordering::Relaxed) {
-                let place = next.fetch_add(1, Ordering::Relaxed);
-                let Some(run) = runs.get(place) else { break };
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                let Some(run) = runs.get(index) else { break };
                 let begin = Instant::now();
                 let result =
                     self.run_one(run, &folder).and_then(|trace| read(run, trace)).with_context(|| run.name.clone());
                 has_failed.fetch_or(result.is_err(), Ordering::Relaxed);
                 let seconds = begin.elapsed().as_secs_f64();
-                self.tell(&format!("{} ({} of {}): {seconds:.1} s", run.name, place + 1, runs.len()));
-                *done[place].lock() = Some(result);
+                self.tell(&format!("{} ({} of {}): {seconds:.1} s", run.name, index + 1, runs.len()));
+                *done[index].lock() = Some(result);
             }
         };
         thread::scope(|scope| {

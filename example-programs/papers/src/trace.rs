@@ -70,7 +70,7 @@ const KINDS: [Kind; 9] = [
     Kind::Odometry,
     Kind::Distance,
     Kind::Contact,
-    Kind::Touch,
+    Kind::LegContact,
     Kind::Stdout,
 ];
 
@@ -90,7 +90,7 @@ impl Event {
                 Self::Distance { device: device.to_owned(), distance_m, measured_s }
             }
             Recorded::Contact { .. } => Self::Contact,
-            Recorded::Touch { .. } => Self::Touch,
+            Recorded::LegContact { .. } => Self::Touch,
             Recorded::Stdout { text } => Self::Stdout { text: text.to_owned() },
             _ => return None,
         })

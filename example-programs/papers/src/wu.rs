@@ -16,7 +16,7 @@ use mapping::sector::{UNKNOWN, updated};
 
 use crate::page::{Basis, Claim, Figure, Page, Picture, Table, Weight};
 use crate::run::{Job, Run, Scene};
-use maps::{Kind, Mapped};
+use maps::{MapMethod, Mapped};
 use sim_host::launch::Options;
 
 /// The runs: a name, the scene's file, and its noise (a preset, or the noise of sonars alone).
@@ -82,49 +82,49 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     Ok(page)
 }
 
-/// A share in percent; `-` for NaN, the share of nothing.
-fn percent(share: f64) -> String {
-    if share.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * share) }
+/// A share in percent; `-` for NaN, the fraction of nothing.
+fn percent(fraction: f64) -> String {
+    if fraction.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * fraction) }
 }
 
-fn claim(place: &str, paper: &str, ours: &str, number: String, holds: bool, weight: Weight) -> Claim {
-    let [place, paper, ours] = [place, paper, ours].map(str::to_owned);
-    Claim { place, paper, ours, number, holds, weight, basis: Basis::Found }
+fn claim(section: &str, paper: &str, ours: &str, number: String, holds: bool, weight: Weight) -> Claim {
+    let [section, paper, ours] = [section, paper, ours].map(str::to_owned);
+    Claim { section, paper, ours, number, holds, weight, basis: Basis::Found }
 }
 
 /// Least fraction of observed cells that are right, and least precision and recall of occupied cells, in the room without noise.
-pub const LEAST: (f64, f64, f64) = (0.95, 0.8, 0.7);
+pub const MIN_SCORES: (f64, f64, f64) = (0.95, 0.8, 0.7);
 
 fn room_accuracy(room: &Mapped) -> Claim {
-    let score = room.score(Kind::Wu);
+    let score = room.score(MapMethod::Wu);
     let ours = "fraction of observed cells that are right, in the room without noise";
     claim(
         "Features (1)",
         "the accuracy of the model is improved",
         ours,
         percent(score.accuracy()),
-        score.accuracy() >= LEAST.0,
+        score.accuracy() >= MIN_SCORES.0,
         Weight::Must,
     )
 }
 
 fn room_precision(room: &Mapped) -> Claim {
-    let precision = room.score(Kind::Wu).precision;
+    let precision = room.score(MapMethod::Wu).precision;
     let ours = "precision: fraction of the cells marked occupied that have a wall in them or in a neighbour";
     claim(
         "Features (1)",
         "the accuracy of the model is improved",
         ours,
         percent(precision),
-        precision >= LEAST.1,
+        precision >= MIN_SCORES.1,
         Weight::Must,
     )
 }
 
 fn room_recall(room: &Mapped) -> Claim {
-    let recall = room.score(Kind::Wu).recall;
+    let recall = room.score(MapMethod::Wu).recall;
     let ours = "recall: fraction of the wall cells that are marked occupied or have such a neighbour";
-    claim("Summary", "the completeness of the map", ours, percent(recall), recall >= LEAST.2, Weight::Must)
+    claim("Summary", "the completeness of the map", ours, percent(recall), recall >= MIN_SCORES.2, Weight::Must)
 }
 
 /// Rooms of mirrors: name, scene, size in mm, and starts in mm, on multiples of a cell.
@@ -175,9 +175,9 @@ fn among_mirrors(job: &Job) -> anyhow::Result<Vec<Run>> {
     Ok(runs)
 }
 
-/// Least and greatest share, in percent.
-fn range(shares: impl Iterator<Item = f64>) -> String {
-    let (low, high) = shares.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
+/// Minimum and maximum share, in percent.
+fn range(fractions: impl Iterator<Item = f64>) -> String {
+    let (low, high) = fractions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
     format!("{:.0} to {:.0} %", 100.0 * low, 100.0 * high)
 }
 
@@ -185,21 +185,21 @@ fn range(shares: impl Iterator<Item = f64>) -> String {
 fn against_plain(mirrors: &[Mapped]) -> Claim {
     let more = |of: fn(&Score) -> f64| {
         let is_more = |run: &&Mapped| {
-            let own = of(&run.score(Kind::Wu));
-            [Kind::Plain, Kind::PlainFree].into_iter().all(|plain| own > of(&run.score(plain)))
+            let own = of(&run.score(MapMethod::Wu));
+            [MapMethod::Plain, MapMethod::PlainFree].into_iter().all(|plain| own > of(&run.score(plain)))
         };
         mirrors.iter().filter(is_more).count()
     };
     let (right, found) = (more(Score::accuracy), more(|score| score.recall));
-    let accuracy = |kind: Kind| range(mirrors.iter().map(move |run| run.score(kind).accuracy()));
-    let recall = |kind: Kind| range(mirrors.iter().map(move |run| run.score(kind).recall));
+    let accuracy = |kind: MapMethod| range(mirrors.iter().map(move |run| run.score(kind).accuracy()));
+    let recall = |kind: MapMethod| range(mirrors.iter().map(move |run| run.score(kind).recall));
     let number = format!(
         "right {}, plain {}: more on {right} of {}; recall {}, plain {}: more on {found}",
-        accuracy(Kind::Wu),
-        accuracy(Kind::Plain),
+        accuracy(MapMethod::Wu),
+        accuracy(MapMethod::Plain),
         mirrors.len(),
-        recall(Kind::Wu),
-        recall(Kind::Plain)
+        recall(MapMethod::Wu),
+        recall(MapMethod::Plain)
     );
     let ours = "among mirrors, range over six starts in each of two rooms: more observed cells are right and more walls are found than \
                 with the plain grid, whether a missing echo is ignored or frees cells there";
@@ -219,7 +219,7 @@ fn mirror_scores(mirrors: &[Mapped]) -> Table {
         ["run", "right of observed", "plain", "plain, silence is free", "recall", "plain", "plain, silence is free"];
     let mut table = Table::new("mirrors", "Maps among mirrors, from six starts in each of two rooms", &head);
     for run in mirrors {
-        let kinds = [Kind::Wu, Kind::Plain, Kind::PlainFree].map(|kind| run.score(kind));
+        let kinds = [MapMethod::Wu, MapMethod::Plain, MapMethod::PlainFree].map(|kind| run.score(kind));
         let accuracies = kinds.iter().map(|score| percent(score.accuracy()));
         let recalls = kinds.iter().map(|score| percent(score.recall));
         table.row(std::iter::once(run.name.clone()).chain(accuracies).chain(recalls));
@@ -238,7 +238,7 @@ fn replayed(mapped: &[Mapped]) -> Claim {
 }
 
 fn told_accuracy(run: &Mapped) -> Claim {
-    let (score, plain) = (run.score(Kind::Wu), run.score(Kind::Plain));
+    let (score, plain) = (run.score(MapMethod::Wu), run.score(MapMethod::Plain));
     let ours = format!("{}: more observed cells are right, and fewer unknown, than in the plain grid", run.name);
     let number = format!(
         "{} and {} unknown, plain {} and {}",
@@ -277,8 +277,8 @@ fn never_corrected(room: &Mapped) -> Claim {
 }
 
 fn rasters(room: &Mapped) -> Claim {
-    let (by_points, by_dda) = (room.score(Kind::Wu), room.score(Kind::WuDda));
-    let different = room.differing(Kind::Wu, Kind::WuDda);
+    let (by_points, by_dda) = (room.score(MapMethod::Wu), room.score(MapMethod::WuDda));
+    let different = room.differing(MapMethod::Wu, MapMethod::WuDda);
     let ours = "point-by-point comparison makes lines thicker than DDA; the additional cells lie in front of and behind the wall";
     let number = format!(
         "{different} cells differ; right {} by points, {} by DDA",
@@ -290,7 +290,7 @@ fn rasters(room: &Mapped) -> Claim {
 }
 
 fn told_sonar_noise(noisy: &Mapped) -> Claim {
-    let score = noisy.score(Kind::Wu);
+    let score = noisy.score(MapMethod::Wu);
     let ours = "with the sonars of `real` noise (5 mm and 0.5 %, steps of 10 mm, 1 % of readings without an echo, 0.2 % at random distances) and exact odometry";
     let number = format!(
         "{} right, precision {}, recall {}",
@@ -298,12 +298,12 @@ fn told_sonar_noise(noisy: &Mapped) -> Claim {
         percent(score.precision),
         percent(score.recall)
     );
-    let holds = score.accuracy() >= LEAST.0 && score.precision >= LEAST.1 && score.recall >= LEAST.2;
+    let holds = score.accuracy() >= MIN_SCORES.0 && score.precision >= MIN_SCORES.1 && score.recall >= MIN_SCORES.2;
     claim("Features (1)", "the accuracy of the model is improved", ours, number, holds, Weight::Told)
 }
 
 fn told_noise(noisy: &Mapped) -> Claim {
-    let score = noisy.score(Kind::Wu);
+    let score = noisy.score(MapMethod::Wu);
     let ours = "with `real` noise and odometry alone the map is distorted: the method does not include localisation";
     let (off, turned) = noisy.odometry_error;
     let number = format!(
@@ -314,22 +314,22 @@ fn told_noise(noisy: &Mapped) -> Claim {
         off,
         turned.to_degrees().abs()
     );
-    claim("Summary", "real-time and complete maps", ours, number, score.accuracy() >= LEAST.0, Weight::Told)
+    claim("Summary", "real-time and complete maps", ours, number, score.accuracy() >= MIN_SCORES.0, Weight::Told)
 }
 
 fn map_figure(run: &Mapped) -> anyhow::Result<Figure> {
     const PIXELS: u32 = 3;
     const GAP: u32 = 6;
-    let maps = [Kind::Wu, Kind::Plain, Kind::LogOdds].map(|kind| shown(run.said(kind), &run.truth));
+    let maps = [MapMethod::Wu, MapMethod::Plain, MapMethod::LogOdds].map(|kind| shown(run.said(kind), &run.truth));
     let panels: Vec<_> = std::iter::once(truth_shown(run)).chain(maps).map(|map| map.picture(PIXELS, |c| *c)).collect();
     let (width, height) = panels[0].dimensions();
     let count = panels.len() as u32;
     let mut picture = image::RgbImage::from_pixel(count * (width + GAP) - GAP, height, image::Rgb([90, 120, 200]));
-    for (place, panel) in (0_u32..).zip(&panels) {
-        image::imageops::replace(&mut picture, panel, i64::from(place * (width + GAP)), 0);
+    for (index, panel) in (0_u32..).zip(&panels) {
+        image::imageops::replace(&mut picture, panel, i64::from(index * (width + GAP)), 0);
     }
-    let score = run.score(Kind::Wu);
-    let plain = run.score(Kind::Plain);
+    let score = run.score(MapMethod::Wu);
+    let plain = run.score(MapMethod::Plain);
     Ok(Figure {
         name: format!("map-{}", run.name),
         label: format!("Map, {}", run.name),
@@ -374,7 +374,7 @@ fn scores(mapped: &[Mapped]) -> Table {
     let head = ["run", "map", "right", "wrong", "unknown", "right of observed", "precision", "recall"];
     let mut table = Table::new("maps", "Maps against the truth: cells of 50 mm; occupied cells within one cell", &head);
     for run in mapped {
-        for kind in Kind::ALL {
+        for kind in MapMethod::ALL {
             let Score { right, wrong, unknown, precision, recall } = run.score(kind);
             let accuracy = percent(run.score(kind).accuracy());
             let counts = [right, wrong, unknown].map(|count| count.to_string());

@@ -1,6 +1,6 @@
 //! Claims of France et al. 1999 on sensors on the leg of a walking robot hold in our walks.
 
-use papers::france::{self, Kind, Noise, Place, Thing, Walks};
+use papers::france::{self, Kind, MountPoint, Noise, Thing, Walks};
 use papers::page::Weight;
 use papers::run::Job;
 
@@ -13,7 +13,7 @@ fn what_the_paper_says_holds() {
         assert!(claim.holds || claim.weight == Weight::Told, "{claim:#?}");
     }
 
-    let tibia = |kind| walks.of(Place::Tibia, kind, Noise::Without);
+    let tibia = |kind| walks.of(MountPoint::Tibia, kind, Noise::Without);
     // Section 5: what the laser reads is the ideal distance where the incidence is at most 45 degrees, else 2 m.
     let mut lost = 0;
     for sample in &tibia(Kind::Laser).samples {
@@ -30,7 +30,7 @@ fn what_the_paper_says_holds() {
     }
     // On the body there is no ground to be seen, and no small obstacle; on the thigh no obstacle head on.
     let ground = |place| walks.of(place, Kind::Ideal, Noise::Without).points_on(Thing::Floor).count();
-    assert!(ground(Place::Tibia) > 0 && ground(Place::Thigh) > 0);
-    assert_eq!(ground(Place::Body), 0);
-    assert_eq!(walks.of(Place::Thigh, Kind::Ultrasonic, Noise::Without).points_on(Thing::Obstacle).count(), 0);
+    assert!(ground(MountPoint::Tibia) > 0 && ground(MountPoint::Thigh) > 0);
+    assert_eq!(ground(MountPoint::Body), 0);
+    assert_eq!(walks.of(MountPoint::Thigh, Kind::Ultrasonic, Noise::Without).points_on(Thing::Obstacle).count(), 0);
 }

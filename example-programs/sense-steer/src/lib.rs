@@ -16,7 +16,7 @@ const FAR: Length = Length::millimetres(600.0);
 
 /// State shared by both tasks.
 #[derive(Clone, Copy, Default)]
-struct Known {
+struct Measurements {
     /// Distances from left to right, [`FAR`] at most.
     distances: [Length; 5],
     measurements: u32,
@@ -25,42 +25,42 @@ struct Known {
 
 fn main(robot: &Robot) -> Result {
     let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
-    let known = tasks.shared(Known::default())?;
+    let latest = tasks.shared(Measurements::default())?;
     let measured = tasks.semaphore(0)?;
 
-    let (to_tell, done) = (known.clone(), measured.clone());
+    let (to_tell, done) = (latest.clone(), measured.clone());
     tasks.spawn("sense", Priority::P4, move |robot| sense(robot, &to_tell, &done))?.ready(robot)?;
-    let to_ask = known.clone();
+    let to_ask = latest.clone();
     tasks.spawn("steer", Priority::P5, move |robot| steer(robot, &to_ask, &measured))?.ready(robot)?;
     tasks.permit()?;
 
     tasks.sleep(60.seconds())?;
-    let Known { measurements, commands, .. } = known.get(robot);
+    let Measurements { measurements, commands, .. } = latest.get(robot);
     writeln!(robot.console(), "{measurements} measurements, {commands} commands");
     Ok(())
 }
 
-fn sense(robot: &Robot, known: &Shared<Known>, measured: &Semaphore) -> Result {
-    let places = [PsdAt::LeftDiagonal, PsdAt::FrontLeft, PsdAt::Front, PsdAt::FrontRight, PsdAt::RightDiagonal];
-    let psds = robot.psds(places)?;
+fn sense(robot: &Robot, latest: &Shared<Measurements>, measured: &Semaphore) -> Result {
+    let mounts = [PsdAt::LeftDiagonal, PsdAt::FrontLeft, PsdAt::Front, PsdAt::FrontRight, PsdAt::RightDiagonal];
+    let psds = robot.psds(mounts)?;
     loop {
         let distances = psds.each_ref().map(|psd| psd.distance().unwrap_or(FAR).min(FAR));
         {
-            let mut known = known.lock(robot);
-            known.distances = distances;
-            known.measurements += 1;
+            let mut latest = latest.lock(robot);
+            latest.distances = distances;
+            latest.measurements += 1;
         }
         measured.signal(robot);
         robot.tasks().sleep(PERIOD)?;
     }
 }
 
-fn steer(robot: &Robot, known: &Shared<Known>, measured: &Semaphore) -> Result {
+fn steer(robot: &Robot, latest: &Shared<Measurements>, measured: &Semaphore) -> Result {
     let drive = robot.drive()?;
     let mut side = 1.0;
     loop {
         measured.wait(robot);
-        let [left_diagonal, front_left, front, front_right, right_diagonal] = known.get(robot).distances;
+        let [left_diagonal, front_left, front, front_right, right_diagonal] = latest.get(robot).distances;
         let (left, right) = (left_diagonal.min(front_left), right_diagonal.min(front_right));
         let ahead = front.min(front_left).min(front_right);
         if ahead < NEAR {
@@ -70,7 +70,7 @@ fn steer(robot: &Robot, known: &Shared<Known>, measured: &Semaphore) -> Result {
             side = if left < right { -1.0 } else { 1.0 };
             drive.set_speed(SPEED * (ahead.min(left + right) / FAR), RATE * ((left - right) / FAR))?;
         }
-        known.lock(robot).commands += 1;
+        latest.lock(robot).commands += 1;
     }
 }
 

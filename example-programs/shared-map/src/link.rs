@@ -21,14 +21,14 @@ pub struct Walls {
 /// Content of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Report {
-    kind: Kind,
+    kind: PacketKind,
     lane: u8,
     column: u8,
     walls: Walls,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-enum Kind {
+enum PacketKind {
     Found,
     /// Acknowledges the report with the same lane, column and walls.
     Ack,
@@ -81,7 +81,7 @@ impl Link {
 
     /// Queues a report for every other robot.
     pub fn tell_all(&mut self, lane: u8, column: u8, walls: Walls) {
-        let report = Report { kind: Kind::Found, lane, column, walls };
+        let report = Report { kind: PacketKind::Found, lane, column, walls };
         self.queues.values_mut().for_each(|queue| queue.reports.push_back(report));
     }
 
@@ -142,16 +142,16 @@ impl Link {
             Err(error) => return Err(error),
         };
         match report.kind {
-            Kind::Found => {
+            PacketKind::Found => {
                 let lane = map.get_mut(usize::from(report.lane));
                 if let Some(cell) = lane.and_then(|lane| lane.get_mut(usize::from(report.column))) {
                     *cell = Some(report.walls);
                 }
-                self.radio.send_as(message.from, &Packet::new(Report { kind: Kind::Ack, ..report }))?;
+                self.radio.send_as(message.from, &Packet::new(Report { kind: PacketKind::Ack, ..report }))?;
             }
-            Kind::Ack => {
+            PacketKind::Ack => {
                 if let Some(queue) = self.queues.get_mut(&message.from)
-                    && queue.reports.front() == Some(&Report { kind: Kind::Found, ..report })
+                    && queue.reports.front() == Some(&Report { kind: PacketKind::Found, ..report })
                 {
                     queue.reports.pop_front();
                     queue.sent = None;
@@ -168,9 +168,9 @@ mod tests {
 
     #[test]
     fn errors_of_a_bit_are_found() {
-        let report = Report { kind: Kind::Found, lane: 2, column: 5, walls: Walls { left: true, right: false } };
+        let report = Report { kind: PacketKind::Found, lane: 2, column: 5, walls: Walls { left: true, right: false } };
         let others = [
-            Report { kind: Kind::Ack, ..report },
+            Report { kind: PacketKind::Ack, ..report },
             Report { lane: 3, ..report },
             Report { column: 4, ..report },
             Report { walls: Walls { left: true, right: true }, ..report },

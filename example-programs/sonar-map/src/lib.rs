@@ -4,7 +4,7 @@
 //! does the same behind, and adds all readings to its map. Then it drives to the nearest place from which unknown cells can be seen.
 //! It ends when there is none.
 //!
-//! Arguments: least x, least y, greatest x, greatest y of the map, and the size of a cell, all in mm. The frame is that of the start:
+//! Arguments: minimum x, minimum y, maximum x, maximum y of the map, and the size of a cell, all in mm. The frame is that of the start:
 //! x ahead, y to the left. Default: 4 m around, cells of 50 mm.
 //!
 //! It prints `look` with each [`Look`], `stop` for each place, and at the end the map as `row`s, the upper one first: `#` occupied,
@@ -48,7 +48,7 @@ const NEAR: Length = Length::metres(0.06);
 const BACK: Length = Length::metres(0.08);
 const SPEED: Speed = Speed::metres_per_second(0.3);
 const TURN: TurnRate = TurnRate::radians_per_second(1.5);
-/// Greatest number of stops.
+/// Maximum number of stops.
 const STOPS: usize = 80;
 
 fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
@@ -65,8 +65,8 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
         been.push(here);
         writeln!(robot.console(), "stop {} {:?} {:?}", been.len(), here.x, here.y);
         mapper.show();
-        let Some(way) = Plan::new(mapper.map.probabilities(), &mapper.bumps).next(here, &been) else { break };
-        mapper.follow(&way)?;
+        let Some(path) = Plan::new(mapper.map.probabilities(), &mapper.bumps).next(here, &been) else { break };
+        mapper.follow(&path)?;
     }
     mapper.print();
     Ok(())
@@ -134,8 +134,8 @@ impl Mapper<'_> {
     }
 
     /// Drives from point to point; stops and backs off at an obstacle that the map does not know.
-    fn follow(&mut self, way: &[Point]) -> Result {
-        for point in way {
+    fn follow(&mut self, path: &[Point]) -> Result {
+        for point in path {
             let pose = self.pose();
             let to = *point - pose.position;
             self.turn(mapping::pose::wrapped(mapping::math::atan2(to.y, to.x) - pose.heading))?;

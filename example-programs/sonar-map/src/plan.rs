@@ -15,7 +15,7 @@ const CLEARANCE: f64 = 0.21;
 const UNHEARD_CLEARANCE: f64 = 0.15;
 /// Least probability of an unobserved cell; that of a silent sector is a little less.
 const UNHEARD: f64 = 0.49;
-/// Greatest distance of a frontier that counts as visible from a place, m.
+/// Maximum distance of a frontier that counts as visible from a place, m.
 const SIGHT: f64 = 0.7;
 /// Number of frontier cells that make a place worth visiting.
 const WORTH: usize = 4;
@@ -56,7 +56,7 @@ impl Plan {
         let is_new = |point: Point| been.iter().all(|old| (point - old).norm() >= APART);
         let worth = |cell: Cell| {
             let point = self.frame.centre(cell);
-            is_new(point) && self.frame.disc(point, SIGHT).filter(|near| self.frontier[*near]).count() >= WORTH
+            is_new(point) && self.frame.disc(point, SIGHT).filter(|nearby| self.frontier[*nearby]).count() >= WORTH
         };
         let path = astar::nearest(&self.frame, |cell| self.factor(cell), start, worth)?;
         Some(self.corners(&path))
@@ -104,9 +104,9 @@ mod tests {
         let edge = "..................??";
         let text = [vec![edge; 6], vec![blocked; 4], vec![open; 6]].concat().join(" ");
         let plan = Plan::new(&map(&text), &[]);
-        let way = plan.next(Point::new(0.35, 1.45), &[]).expect("a way");
-        let end = way[way.len() - 1];
-        assert!(end.x < 1.7 && end.x > 1.0, "{way:?}");
+        let path = plan.next(Point::new(0.35, 1.45), &[]).expect("a way");
+        let end = path[path.len() - 1];
+        assert!(end.x < 1.7 && end.x > 1.0, "{path:?}");
         let been = [end];
         let other = plan.next(end, &been).expect("another place");
         assert!((other[other.len() - 1] - end).norm() >= APART);

@@ -15,14 +15,14 @@ const TIMEOUT: Duration = Duration::from_millis(60);
 /// Time for which a robot still answers at the end, since an acknowledgement may have been lost.
 const LINGER: Duration = Duration::from_secs(3);
 
-/// Message with the number of the hop.
+/// Message of the protocol, with the number of the hop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Message {
+enum Packet {
     Token(u32),
     Ack(u32),
 }
 
-impl Message {
+impl Packet {
     fn to_bytes(self) -> [u8; 5] {
         let (kind, [a, b, c, d]) = match self {
             Self::Token(hop) => (b'T', hop.to_le_bytes()),
@@ -45,43 +45,43 @@ struct Station {
     radio: Radio,
     previous: RobotNumber,
     next: RobotNumber,
-    /// The last hop that ended here.
-    taken: u32,
-    repeats: u32,
+    /// Number of the last hop received here.
+    last_received: u32,
+    retransmissions: u32,
 }
 
 impl Station {
     fn take(&mut self, hop: u32) -> Result {
-        while self.taken < hop {
+        while self.last_received < hop {
             let message = self.radio.receive()?;
-            self.hear(&message.bytes)?;
+            self.handle(&message.bytes)?;
         }
         Ok(())
     }
 
     fn pass(&mut self, hop: u32) -> Result {
         loop {
-            self.radio.send(self.next, &Message::Token(hop).to_bytes())?;
+            self.radio.send(self.next, &Packet::Token(hop).to_bytes())?;
             while let Some(message) = self.radio.receive_within(TIMEOUT)? {
-                // The token may come round before its acknowledgement.
-                if self.hear(&message.bytes)? == Some(hop) || self.taken > hop {
+                // The token may return before our own transmission is acknowledged.
+                if self.handle(&message.bytes)? == Some(hop) || self.last_received > hop {
                     return Ok(());
                 }
             }
-            self.repeats += 1;
+            self.retransmissions += 1;
         }
     }
 
-    /// Takes the token if the message is one; returns the hop of an acknowledgement.
-    fn hear(&mut self, message: &[u8]) -> Result<Option<u32>> {
-        match Message::from_bytes(message) {
-            Some(Message::Token(hop)) => {
+    /// Handles a message: acknowledges a token; returns the hop of an acknowledgement.
+    fn handle(&mut self, message: &[u8]) -> Result<Option<u32>> {
+        match Packet::from_bytes(message) {
+            Some(Packet::Token(hop)) => {
                 // Also for a duplicate, whose acknowledgement was lost.
-                self.radio.send(self.previous, &Message::Ack(hop).to_bytes())?;
-                self.taken = self.taken.max(hop);
+                self.radio.send(self.previous, &Packet::Ack(hop).to_bytes())?;
+                self.last_received = self.last_received.max(hop);
                 Ok(None)
             }
-            Some(Message::Ack(hop)) => Ok(Some(hop)),
+            Some(Packet::Ack(hop)) => Ok(Some(hop)),
             None => Ok(None),
         }
     }
@@ -96,8 +96,8 @@ fn main(robot: &Robot) -> Result<(), Box<dyn Error>> {
         radio: robot.radio()?,
         previous: address((me + robots - 2) % robots + 1)?,
         next: address(me % robots + 1)?,
-        taken: 0,
-        repeats: 0,
+        last_received: 0,
+        retransmissions: 0,
     };
     for round in 0..rounds {
         if me == 1 {
@@ -108,10 +108,10 @@ fn main(robot: &Robot) -> Result<(), Box<dyn Error>> {
             station.pass(round * robots + me)?;
         }
     }
-    writeln!(robot.console(), "{rounds} rounds, {} repeats", station.repeats);
+    writeln!(robot.console(), "{rounds} rounds, {} repeats", station.retransmissions);
 
     while let Some(message) = station.radio.receive_within(LINGER)? {
-        station.hear(&message.bytes)?;
+        station.handle(&message.bytes)?;
     }
     Ok(())
 }
@@ -122,12 +122,12 @@ mod tests {
     use robios_api::fake::Fake;
 
     #[test]
-    fn messages_are_what_they_were() {
-        for message in [Message::Token(0), Message::Token(0x0102_0304), Message::Ack(u32::MAX)] {
-            assert_eq!(Message::from_bytes(&message.to_bytes()), Some(message));
+    fn packets_survive_a_round_trip() {
+        for packet in [Packet::Token(0), Packet::Token(0x0102_0304), Packet::Ack(u32::MAX)] {
+            assert_eq!(Packet::from_bytes(&packet.to_bytes()), Some(packet));
         }
-        assert_eq!(Message::from_bytes(b"Tab"), None);
-        assert_eq!(Message::from_bytes(b"X1234"), None);
+        assert_eq!(Packet::from_bytes(b"Tab"), None);
+        assert_eq!(Packet::from_bytes(b"X1234"), None);
     }
 
     /// The other robot of two: it loses messages, acknowledges the others, and returns the token.
@@ -136,27 +136,23 @@ mod tests {
         let mut count = 0;
         let fake = Fake::new().argument("2").argument("5").answer(move |sent| {
             count += 1;
-            match Message::from_bytes(&sent.bytes)? {
-                Message::Token(hop) if count % 3 != 0 => {
-                    let bytes = Message::Ack(hop).to_bytes().to_vec();
+            match Packet::from_bytes(&sent.bytes)? {
+                Packet::Token(hop) if count % 3 != 0 => {
+                    let bytes = Packet::Ack(hop).to_bytes().to_vec();
                     Some((30.millis(), robios_api::Message { from: sent.to, bytes }))
                 }
                 _ => None,
             }
         });
         let fake = (1..=5).fold(fake, |fake, round: u32| {
-            fake.message(
-                Duration::from_secs(2 * u64::from(round)),
-                RobotNumber(2),
-                Message::Token(2 * round).to_bytes(),
-            )
+            fake.message(Duration::from_secs(2 * u64::from(round)), RobotNumber(2), Packet::Token(2 * round).to_bytes())
         });
         let run = fake.run(main).expect_finished();
         let tokens = run.sent().iter().filter(|sent| sent.bytes[0] == b'T').count();
         assert_eq!(run.console(), format!("5 rounds, {} repeats\n", tokens - 5));
         assert!(tokens > 5, "some were lost");
-        let acks = run.sent().iter().filter_map(|sent| Message::from_bytes(&sent.bytes));
-        let acks: Vec<Message> = acks.filter(|message| matches!(message, Message::Ack(_))).collect();
-        assert_eq!(acks, [2, 4, 6, 8, 10].map(Message::Ack));
+        let acks = run.sent().iter().filter_map(|sent| Packet::from_bytes(&sent.bytes));
+        let acks: Vec<Packet> = acks.filter(|packet| matches!(packet, Packet::Ack(_))).collect();
+        assert_eq!(acks, [2, 4, 6, 8, 10].map(Packet::Ack));
     }
 }

@@ -3,7 +3,7 @@
 //! `walker PLACE SENSOR SPEED`: the sensor sits on the `tibia`, the `thigh` or the `body` and is `ideal`, a `laser`, an
 //! `ultrasonic` or a `reflectance` sensor; the speed is in mm/s. Every 25 ms the program reads the sensor and adds the hit point to the
 //! profile, computed from odometry, the height of the body, the pose of the leg's link (from the joints) and the sensor's place on
-//! the link. A reading of the sensor's greatest distance adds nothing.
+//! the link. A reading of the sensor's maximum distance adds nothing.
 //!
 //! It prints a line for each reading: `time_ms distance_mm x_mm z_mm`, with `-` for a distance without a point; x counts from
 //! the start, z from the floor. Source: France et al. 1999, section 6.2.
@@ -19,7 +19,7 @@ const PERIOD: Duration = Duration::from_millis(25);
 const OBSTACLE: Length = Length::millimetres(60.0);
 /// Distance of the body's centre from an obstacle at which the robot stops: a step, a foot, and a margin.
 const STOP: Length = Length::millimetres(650.0);
-/// Greatest walking distance, whatever the sensor sees.
+/// Maximum walking distance, whatever the sensor sees.
 const WAY: Length = Length::metres(4.0);
 /// Number of readings without progress after which the robot counts as stuck.
 const STUCK: u32 = 40;
@@ -111,7 +111,7 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     let words: Vec<&str> = robot.arguments().iter().map(String::as_str).collect();
     let (sensor, speed) = match words[..] {
         [] => (Sensor::of_words("tibia", "laser"), Some(1300.0)),
-        [place, kind, speed] => (Sensor::of_words(place, kind), speed.parse().ok()),
+        [place_word, kind, speed] => (Sensor::of_words(place_word, kind), speed.parse().ok()),
         _ => (None, None),
     };
     let (Some(sensor), Some(speed)) = (sensor, speed) else {

@@ -1,4 +1,4 @@
-"""Mows the lawn in lanes from side to side. Each lane is driven in pieces: before each piece odometry tells where the last one ended."""
+"""Mows the lawn in lanes from side to side. Each lane is driven in pieces: before each piece odometry gives the end of the previous one."""
 from math import atan2, degrees, hypot, remainder
 
 from eye import *

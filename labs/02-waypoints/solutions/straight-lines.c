@@ -10,15 +10,15 @@ int main(int argc, char *argv[])
   SIMGetRobot(0, &x, &y, &z, &phi);
   VWSetPosition(x, y, phi);
   for (i = 1; i + 1 < argc; i += 2) {
-    double to_x = atof(argv[i]), to_y = atof(argv[i + 1]), way = 0;
+    double to_x = atof(argv[i]), to_y = atof(argv[i + 1]), distance = 0;
     do {
       VWGetPosition(&x, &y, &phi);
-      way = hypot(to_x - x, to_y - y);
+      distance = hypot(to_x - x, to_y - y);
       VWTurn((int)lround(remainder(atan2(to_y - y, to_x - x) * 180 / M_PI - phi, 360)), 90);
       VWWait();
-      VWStraight((int)lround(fmin(way, 500)), 300);
+      VWStraight((int)lround(fmin(distance, 500)), 300);
       VWWait();
-    } while (way > 500);
+    } while (distance > 500);
   }
   return 0;
 }

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include "eyebot.h"
 
-#define MOST  20   /* waypoints */
+#define MAX_POINTS  20   /* waypoints */
 #define PARTS 50   /* points of the spline from one waypoint to the next */
 #define AHEAD 100  /* distance of the point that is aimed at, mm */
 #define SPEED 200  /* mm/s */
@@ -20,13 +20,13 @@ static double spline(double before, double a, double b, double behind, double t)
 
 int main(int argc, char *argv[])
 {
-  static Point points[MOST + 1], line[MOST * PARTS + 1];
+  static Point points[MAX_POINTS + 1], line[MAX_POINTS * PARTS + 1];
   int x, y, z, phi, i, part, last = 0, count = 0, next = 0;
 
   SIMGetRobot(0, &x, &y, &z, &phi);
   VWSetPosition(x, y, phi);
   points[0] = (Point){ x, y };
-  for (i = 1; i + 1 < argc && last < MOST; i += 2)
+  for (i = 1; i + 1 < argc && last < MAX_POINTS; i += 2)
     points[++last] = (Point){ atof(argv[i]), atof(argv[i + 1]) };
   for (i = 0; i < last; i++)
     for (part = 0; part < PARTS; part++) {

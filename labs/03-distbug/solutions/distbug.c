@@ -20,15 +20,15 @@ static int distance_at(int direction)
 }
 
 /* How far the robot can drive in a direction, mm. */
-static int free_way(int direction)
+static int free_distance(int direction)
 {
-  int at, way = 9999;
+  int at, room = 9999;
   for (at = -85; at <= 85; at++) {
     double distance = distance_at(direction + at), angle = at * M_PI / 180;
-    if (fabs(distance * sin(angle)) < HALF_WIDTH && distance * cos(angle) < way)
-      way = (int)(distance * cos(angle));
+    if (fabs(distance * sin(angle)) < HALF_WIDTH && distance * cos(angle) < room)
+      room = (int)(distance * cos(angle));
   }
-  return way;
+  return room;
 }
 
 static int limited(double value, int limit)
@@ -60,7 +60,7 @@ int main(int argc, char *argv[])
   VWSetPosition(x, y, phi);
   LIDARSet(360, 0, POINTS);
   for (;;) {
-    int turn, way;
+    int turn, room;
     LIDARGet(scan);
     VWGetPosition(&x, &y, &phi);
     to_goal = hypot(goal_x - x, goal_y - y);
@@ -68,12 +68,12 @@ int main(int argc, char *argv[])
       break;
     nearest_yet = fmin(nearest_yet, to_goal);
     turn = (int)lround(remainder(atan2(goal_y - y, goal_x - x) * 180 / M_PI - phi, 360));
-    way = free_way(turn); /* towards the goal */
+    room = free_distance(turn); /* towards the goal */
     if (is_following) {
-      int is_nearer = to_goal - (way - NEAR) <= nearest_yet - STEP || way >= to_goal;
-      if (way > NEAR && is_nearer && hypot(x - hit_x, y - hit_y) > 100)
+      int is_nearer = to_goal - (room - NEAR) <= nearest_yet - STEP || room >= to_goal;
+      if (room > NEAR && is_nearer && hypot(x - hit_x, y - hit_y) > 100)
         is_following = 0;
-    } else if (abs(turn) <= 20 && free_way(0) < NEAR && free_way(0) < to_goal) {
+    } else if (abs(turn) <= 20 && free_distance(0) < NEAR && free_distance(0) < to_goal) {
       is_following = 1;
       hit_x = x;
       hit_y = y;

@@ -18,15 +18,15 @@ static int distance_at(int direction)
 }
 
 /* How far the robot can drive in a direction, mm. */
-static int free_way(int direction)
+static int free_distance(int direction)
 {
-  int at, way = 9999;
+  int at, room = 9999;
   for (at = -85; at <= 85; at++) {
     double distance = distance_at(direction + at), angle = at * M_PI / 180;
-    if (fabs(distance * sin(angle)) < HALF_WIDTH && distance * cos(angle) < way)
-      way = (int)(distance * cos(angle));
+    if (fabs(distance * sin(angle)) < HALF_WIDTH && distance * cos(angle) < room)
+      room = (int)(distance * cos(angle));
   }
-  return way;
+  return room;
 }
 
 static int limited(double value, int limit)
@@ -65,7 +65,7 @@ int main(int argc, char *argv[])
     if (to_goal < 20)
       break;
     turn = (int)lround(remainder(atan2(goal_y - y, goal_x - x) * 180 / M_PI - phi, 360));
-    if (!is_following && abs(turn) <= 20 && free_way(0) < NEAR && free_way(0) < to_goal)
+    if (!is_following && abs(turn) <= 20 && free_distance(0) < NEAR && free_distance(0) < to_goal)
       is_following = 1;
     if (is_following)
       follow();

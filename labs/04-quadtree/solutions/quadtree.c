@@ -7,14 +7,14 @@
 
 #define SIDE  16   /* cells in a row */
 #define CELL  250  /* mm */
-#define MOST  (SIDE * SIDE)
+#define MAX_SQUARES  (SIDE * SIDE)
 #define PIECE 500  /* longest drive without a look at odometry, mm */
 
 typedef struct { int row, column, size; } Square; /* in cells */
 typedef struct { double x, y; } Point;            /* mm */
 
 static char occupied[SIDE][SIDE]; /* [row][column], row 0 at y = 0 */
-static Square squares[MOST];
+static Square squares[MAX_SQUARES];
 static int square_count;
 
 /* Keeps a square that is free, drops one that is occupied, and splits one that is both. */
@@ -70,10 +70,10 @@ static int square_at(Point p)
 }
 
 /* A*: finds the squares from `start` to `goal`, both included. Returns their number, 0 if there is no way. */
-static int find_way(int start, int goal, int way[MOST])
+static int find_route(int start, int goal, int route[MAX_SQUARES])
 {
-  static double cost[MOST];
-  static int before[MOST], is_done[MOST];
+  static double cost[MAX_SQUARES];
+  static int before[MAX_SQUARES], is_done[MAX_SQUARES];
   int i, best, count = 0;
 
   for (i = 0; i < square_count; i++)
@@ -99,32 +99,32 @@ static int find_way(int start, int goal, int way[MOST])
   for (i = goal; i >= 0; i = before[i])
     count++;
   for (best = count, i = goal; i >= 0; i = before[i])
-    way[--best] = i;
+    route[--best] = i;
   return count;
 }
 
-/* Drives to a point in pieces: before each, odometry tells where the last one ended. */
+/* Drives to a point in pieces: before each, odometry gives the end of the previous one. */
 static void drive_to(Point to)
 {
   for (;;) {
-    int x, y, phi, turn, way;
+    int x, y, phi, turn, route;
     VWGetPosition(&x, &y, &phi);
-    way = (int)lround(hypot(to.x - x, to.y - y));
-    if (way < 20)
+    route = (int)lround(hypot(to.x - x, to.y - y));
+    if (route < 20)
       return;
     turn = (int)lround(remainder(atan2(to.y - y, to.x - x) * 180 / M_PI - phi, 360));
     if (turn != 0) {
       VWTurn(turn, 90);
       VWWait();
     }
-    VWStraight(way < PIECE ? way : PIECE, 300);
+    VWStraight(route < PIECE ? route : PIECE, 300);
     VWWait();
   }
 }
 
 int main(int argc, char *argv[])
 {
-  static int way[MOST];
+  static int route[MAX_SQUARES];
   int x, y, z, phi, i, count;
   Point start, goal = { atof(argv[1]), atof(argv[2]) };
 
@@ -136,9 +136,9 @@ int main(int argc, char *argv[])
     occupied[row][column] = occupied[row][column - 1] = occupied[row - 1][column] = occupied[row - 1][column - 1] = 1;
   }
   split(0, 0, SIDE);
-  count = find_way(square_at(start), square_at(goal), way);
+  count = find_route(square_at(start), square_at(goal), route);
   for (i = 1; i + 1 < count; i++)
-    drive_to(centre(way[i]));
+    drive_to(centre(route[i]));
   drive_to(goal);
   return 0;
 }

@@ -1,4 +1,4 @@
-"""Brushfire: a fire starts at all obstacles at once and burns from cell to cell; the number of a cell tells its distance from them. The robot
+"""Brushfire: a fire starts at all obstacles at once and burns from cell to cell; the number of a cell is its distance from them. The robot
 drives along the cells with the greatest numbers. Arguments: the goal, then the pillars, X Y each, in mm.
 """
 import sys

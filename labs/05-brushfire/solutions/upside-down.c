@@ -50,8 +50,8 @@ static void print_numbers(void)
       printf("%2d%c", number[row][column], column < SIDE - 1 ? ' ' : '\n');
 }
 
-/* Finds the shortest way over cells with a number of at least `least`. Returns its length in cells, 0 if there is none. */
-static int find_way(Cell start, Cell goal, int least, Cell *way)
+/* Finds the shortest way over cells with a number of at least `min_number`. Returns its length in cells, 0 if there is none. */
+static int find_route(Cell start, Cell goal, int min_number, Cell *route)
 {
   static Cell queue[SIDE * SIDE], before[SIDE][SIDE];
   int is_found[SIDE][SIDE] = { { 0 } }, first = 0, last = 0, count = 0, i;
@@ -63,7 +63,7 @@ static int find_way(Cell start, Cell goal, int least, Cell *way)
     cell = queue[first++];
     for (i = 0; i < 4; i++) {
       Cell next = neighbour(cell, i);
-      if (is_inside(next) && number_of(next) >= least && !is_found[next.row][next.column]) {
+      if (is_inside(next) && number_of(next) >= min_number && !is_found[next.row][next.column]) {
         is_found[next.row][next.column] = 1;
         before[next.row][next.column] = cell;
         queue[last++] = next;
@@ -73,8 +73,8 @@ static int find_way(Cell start, Cell goal, int least, Cell *way)
   if (!is_found[start.row][start.column])
     return 0;
   for (cell = start; cell.row != goal.row || cell.column != goal.column; cell = before[cell.row][cell.column])
-    way[count++] = cell;
-  way[count++] = goal;
+    route[count++] = cell;
+  route[count++] = goal;
   return count;
 }
 
@@ -93,8 +93,8 @@ static void drive_to(double to_x, double to_y)
 
 int main(int argc, char *argv[])
 {
-  static Cell way[SIDE * SIDE];
-  int x, y, z, phi, i, least, count = 0, goal_x = atoi(argv[1]), goal_y = atoi(argv[2]);
+  static Cell route[SIDE * SIDE];
+  int x, y, z, phi, i, min_number, count = 0, goal_x = atoi(argv[1]), goal_y = atoi(argv[2]);
   Cell start, goal = { goal_y / CELL, goal_x / CELL };
 
   SIMGetRobot(0, &x, &y, &z, &phi);
@@ -106,10 +106,10 @@ int main(int argc, char *argv[])
   }
   burn();
   print_numbers();
-  for (least = number_of(start); least > 1 && count == 0; least--)
-    count = find_way(start, goal, least, way);
+  for (min_number = number_of(start); min_number > 1 && count == 0; min_number--)
+    count = find_route(start, goal, min_number, route);
   for (i = 0; i < count; i++)
-    drive_to((way[i].column + 0.5) * CELL, (way[i].row + 0.5) * CELL);
+    drive_to((route[i].column + 0.5) * CELL, (route[i].row + 0.5) * CELL);
   drive_to(goal_x, goal_y);
   return 0;
 }

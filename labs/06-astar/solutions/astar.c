@@ -7,21 +7,21 @@
 
 #define PLACES 8
 #define GOAL   (PLACES - 1)
-#define MOST   20   /* pillars */
+#define MAX_PILLARS   20   /* pillars */
 #define HALF   250  /* half the side of the square around a pillar, mm */
 #define PIECE  500  /* longest drive without a look at odometry, mm */
 
 typedef struct { double x, y; } Point; /* mm */
 
-static Point places[PLACES], pillars[MOST];
+static Point places[PLACES], pillars[MAX_PILLARS];
 static int pillar_count;
 static double matrix[PLACES][PLACES]; /* mm; -1 where there is no straight way */
 
 /* Cuts the part `first` to `last` (0 to 1) of a line, on one axis, to that within HALF of a pillar. */
 static void cut(double from, double to, double pillar, double *first, double *last)
 {
-  double way = to - from, a = (pillar - HALF - from) / way, b = (pillar + HALF - from) / way;
-  if (way == 0) {
+  double delta = to - from, a = (pillar - HALF - from) / delta, b = (pillar + HALF - from) / delta;
+  if (delta == 0) {
     if (fabs(pillar - from) >= HALF)
       *last = -1;
     return;
@@ -62,7 +62,7 @@ static void measure(void)
 }
 
 /* A*: the cost of a place is the way to it and the straight distance from it to the goal. Returns the number of places on the way. */
-static int find_way(int way[PLACES])
+static int find_route(int route[PLACES])
 {
   double cost[PLACES];
   int before[PLACES], is_done[PLACES] = { 0 }, i, best, count = 0;
@@ -90,36 +90,36 @@ static int find_way(int way[PLACES])
   for (i = GOAL; i >= 0; i = before[i])
     count++;
   for (best = count, i = GOAL; i >= 0; i = before[i])
-    way[--best] = i;
+    route[--best] = i;
   return count;
 }
 
-/* Drives to a point in pieces: before each, odometry tells where the last one ended. */
+/* Drives to a point in pieces: before each, odometry gives the end of the previous one. */
 static void drive_to(Point to)
 {
   for (;;) {
-    int x, y, phi, turn, way;
+    int x, y, phi, turn, distance_left;
     VWGetPosition(&x, &y, &phi);
-    way = (int)lround(hypot(to.x - x, to.y - y));
-    if (way < 20)
+    distance_left = (int)lround(hypot(to.x - x, to.y - y));
+    if (distance_left < 20)
       return;
     turn = (int)lround(remainder(atan2(to.y - y, to.x - x) * 180 / M_PI - phi, 360));
     if (turn != 0) {
       VWTurn(turn, 90);
       VWWait();
     }
-    VWStraight(way < PIECE ? way : PIECE, 300);
+    VWStraight(distance_left < PIECE ? distance_left : PIECE, 300);
     VWWait();
   }
 }
 
 int main(int argc, char *argv[])
 {
-  int x, y, z, phi, i, count, way[PLACES];
+  int x, y, z, phi, i, count, route[PLACES];
 
   SIMGetRobot(0, &x, &y, &z, &phi);
   VWSetPosition(x, y, phi);
-  for (i = 0; 2 * i + 2 < argc && i < PLACES + MOST; i++) {
+  for (i = 0; 2 * i + 2 < argc && i < PLACES + MAX_PILLARS; i++) {
     Point point = { atof(argv[2 * i + 1]), atof(argv[2 * i + 2]) };
     if (i < PLACES)
       places[i] = point;
@@ -127,12 +127,12 @@ int main(int argc, char *argv[])
       pillars[pillar_count++] = point;
   }
   measure();
-  count = find_way(way);
+  count = find_route(route);
   printf("way");
   for (i = 0; i < count; i++)
-    printf(" %d", way[i]);
+    printf(" %d", route[i]);
   printf("\n");
   for (i = 1; i < count; i++)
-    drive_to(places[way[i]]);
+    drive_to(places[route[i]]);
   return 0;
 }

@@ -46,7 +46,7 @@ def find_way():
 
 
 def drive_to(to_x, to_y):
-    """Drives to a point in pieces: before each, odometry tells where the last one ended."""
+    """Drives to a point in pieces: before each, odometry gives the end of the previous one."""
     while True:
         x, y, phi = VWGetPosition()
         way = round(hypot(to_x - x, to_y - y))

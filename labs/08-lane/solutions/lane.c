@@ -1,6 +1,6 @@
 /* Drives a lap in the right lane of a road: follows the line at the road's edge, half a lane beside it.
  *
- * In one row of the camera's image the line is a short run of bright pixels. Height and tilt of the camera tell the place on the floor
+ * In one row of the camera's image the line is a short run of bright pixels. Height and tilt of the camera give the point on the floor
  * that a pixel shows. The robot drives an arc to the middle of the lane in that row (pure pursuit). */
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #define CAMERA_Z 60
 #define ROW      52   /* of the image, about 0.55 m ahead */
 #define CONTRAST 40   /* least difference between road and line */
-#define WIDEST   60   /* greatest width of the line, mm */
+#define WIDEST   60   /* maximum width of the line, mm */
 #define SPEED    300  /* mm/s */
 #define ROUND    450  /* degrees: a lap turns the robot by 360; more, since it may have begun before a bend */
 
@@ -35,7 +35,7 @@ static double left_of(double column)
 }
 
 /* Mean of three rows, in which single wrong pixels count less. */
-static int level(int column)
+static int brightness(int column)
 {
   const BYTE *pixel = image + ROW * QQVGA_X + column;
   return (pixel[-QQVGA_X] + *pixel + pixel[QQVGA_X]) / 3;
@@ -45,16 +45,16 @@ static int level(int column)
 static int find_line(double *line)
 {
   int x, start = -1, darkest = 255, brightest = 0, is_found = 0;
-  double nearest = 0.4 * LANE, place = *line;
+  double nearest = 0.4 * LANE, offset = *line;
 
   for (x = 0; x < QQVGA_X; x++) {
-    darkest = level(x) < darkest ? level(x) : darkest;
-    brightest = level(x) > brightest ? level(x) : brightest;
+    darkest = brightness(x) < darkest ? brightness(x) : darkest;
+    brightest = brightness(x) > brightest ? brightness(x) : brightest;
   }
   if (brightest - darkest < CONTRAST)
     return 0;
   for (x = 0; x <= QQVGA_X; x++) {
-    int is_bright = x < QQVGA_X && level(x) > (darkest + brightest) / 2;
+    int is_bright = x < QQVGA_X && brightness(x) > (darkest + brightest) / 2;
     if (is_bright && start < 0)
       start = x;
     if (!is_bright && start >= 0) {
@@ -62,12 +62,12 @@ static int find_line(double *line)
       start = -1;
       if (width <= WIDEST && fabs(at - *line) < nearest) {
         nearest = fabs(at - *line);
-        place = at;
+        offset = at;
         is_found = 1;
       }
     }
   }
-  *line = place;
+  *line = offset;
   return is_found;
 }
 

@@ -1,6 +1,6 @@
 """Drives a lap in the right lane of a road: follows the line at the road's edge, half a lane beside it.
 
-In one row of the camera's image the line is a short run of bright pixels. Height and tilt of the camera tell the place on the floor that
+In one row of the camera's image the line is a short run of bright pixels. Height and tilt of the camera give the point on the floor that
 a pixel shows. The robot drives an arc to the middle of the lane in that row (pure pursuit).
 """
 from math import cos, degrees, pi, radians, sin, tan

@@ -9,7 +9,7 @@
 #define CAMERA_Z 60
 #define ROW      52   /* of the image, about 0.55 m ahead */
 #define CONTRAST 40   /* least difference between road and line */
-#define WIDEST   60   /* greatest width of the line, mm */
+#define WIDEST   60   /* maximum width of the line, mm */
 #define SPEED    300  /* mm/s */
 #define ROUND    450  /* degrees: a lap turns the robot by 360; more, since it may have begun before a bend */
 
@@ -32,7 +32,7 @@ static double left_of(double column)
 }
 
 /* Mean of three rows, in which single wrong pixels count less. */
-static int level(int column)
+static int brightness(int column)
 {
   const BYTE *pixel = image + ROW * QQVGA_X + column;
   return (pixel[-QQVGA_X] + *pixel + pixel[QQVGA_X]) / 3;
@@ -42,16 +42,16 @@ static int level(int column)
 static int find_line(double *line)
 {
   int x, start = -1, darkest = 255, brightest = 0, is_found = 0;
-  double nearest = 0.4 * LANE, place = *line;
+  double nearest = 0.4 * LANE, offset = *line;
 
   for (x = 0; x < QQVGA_X; x++) {
-    darkest = level(x) < darkest ? level(x) : darkest;
-    brightest = level(x) > brightest ? level(x) : brightest;
+    darkest = brightness(x) < darkest ? brightness(x) : darkest;
+    brightest = brightness(x) > brightest ? brightness(x) : brightest;
   }
   if (brightest - darkest < CONTRAST)
     return 0;
   for (x = 0; x <= QQVGA_X; x++) {
-    int is_bright = x < QQVGA_X && level(x) > (darkest + brightest) / 2;
+    int is_bright = x < QQVGA_X && brightness(x) > (darkest + brightest) / 2;
     if (is_bright && start < 0)
       start = x;
     if (!is_bright && start >= 0) {
@@ -59,12 +59,12 @@ static int find_line(double *line)
       start = -1;
       if (width <= WIDEST && fabs(at - *line) < nearest) {
         nearest = fabs(at - *line);
-        place = at;
+        offset = at;
         is_found = 1;
       }
     }
   }
-  *line = place;
+  *line = offset;
   return is_found;
 }
 

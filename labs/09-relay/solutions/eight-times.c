@@ -1,4 +1,4 @@
-/* A mistake: each word is sent eight times in place of being acknowledged. Words arrive, but nobody knows the repeats for what they are. */
+/* A mistake: each word is sent eight times instead of being acknowledged. Words arrive, but the receiver cannot recognise the repeats. */
 #include <stdio.h>
 #include <string.h>
 #include "eyebot.h"

@@ -16,7 +16,7 @@ static int me;
 static char words[WORDS + 1][LENGTH];
 static int taken, acknowledged; /* number of the last word that came in, and of the last that the next robot has */
 
-/* Waits for a message and handles it. Returns 0 if none comes in time. */
+/* Waits for a message and handles it. Returns 0 if none arrives in time. */
 static int handle(int timeout)
 {
   int sender, number, end = OSGetCount() + timeout;

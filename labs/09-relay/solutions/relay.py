@@ -17,7 +17,7 @@ acknowledged = 0  # number of the last word that the next robot has
 
 
 def handle(timeout):
-    """Waits for a message and handles it. Returns False if none comes in time."""
+    """Waits for a message and handles it. Returns False if none arrives in time."""
     global acknowledged
     end = OSGetCount() + timeout
     while not RADIOCheck():

@@ -129,9 +129,9 @@ impl FakeRobot {
             let found = self.ask_leg(state, leg, |leg| numbered(&leg.links, link)).flatten();
             match found {
                 Some(LinkPose { x, y, z, roll, pitch, yaw }) if !pose.is_null() => {
-                    let place = [x, y, z].map(Length::as_millimetres);
+                    let position = [x, y, z].map(Length::as_millimetres);
                     let angles = [roll, pitch, yaw].map(Angle::as_degrees);
-                    let numbers: Vec<f32> = place.into_iter().chain(angles).map(|number| number as f32).collect();
+                    let numbers: Vec<f32> = position.into_iter().chain(angles).map(|number| number as f32).collect();
                     pose.set(&numbers);
                     0
                 }

@@ -24,11 +24,11 @@ impl Pose {
     pub fn moved(self, ahead: f64, left: f64, angle: f64) -> Self {
         // The chord of the arc differs in direction from the initial heading by half of the change of heading.
         let half = angle / 2.0;
-        let share = if half.abs() < 1e-8 { 1.0 } else { libm::sin(half) / half };
+        let sinc = if half.abs() < 1e-8 { 1.0 } else { libm::sin(half) / half };
         let (sin, cos) = (libm::sin(self.phi + half), libm::cos(self.phi + half));
         Self {
-            x: self.x + share * (ahead * cos - left * sin),
-            y: self.y + share * (ahead * sin + left * cos),
+            x: self.x + sinc * (ahead * cos - left * sin),
+            y: self.y + sinc * (ahead * sin + left * cos),
             phi: self.phi + angle,
         }
     }
@@ -73,11 +73,11 @@ struct Piece {
 impl Piece {
     /// Arc length, length to the left and change of heading since the start.
     fn progress(&self, now_us: u64) -> [f64; 3] {
-        let passed = Duration::from_micros(now_us.saturating_sub(self.start_us)).as_secs_f64();
+        let elapsed = Duration::from_micros(now_us.saturating_sub(self.start_us)).as_secs_f64();
         let part = match self.span {
-            None => passed,
-            Some(span) if passed >= span => 1.0,
-            Some(span) => passed / span,
+            None => elapsed,
+            Some(span) if elapsed >= span => 1.0,
+            Some(span) => elapsed / span,
         };
         [self.length * part, self.left * part, self.angle * part]
     }

@@ -49,8 +49,8 @@ impl RadioState {
     }
 
     fn add(&mut self, time_us: u64, message: Message) {
-        let place = self.coming.partition_point(|(time, _)| *time <= time_us);
-        self.coming.insert(place, (time_us, message));
+        let index = self.coming.partition_point(|(time, _)| *time <= time_us);
+        self.coming.insert(index, (time_us, message));
     }
 
     fn waiting(&self, now_us: u64) -> i32 {

@@ -381,8 +381,8 @@ impl Robios6 for FakeRobot {
     }
 
     fn PSDInit(&self, semantics: i32) -> Result<i32, Stop> {
-        let wanted = PsdAt::from_semantics(semantics);
-        self.act(|_| Self::handle_of(self.fake.psds.iter().position(|(at, _)| *at == PsdName::At(wanted))))
+        let position = PsdAt::from_semantics(semantics);
+        self.act(|_| Self::handle_of(self.fake.psds.iter().position(|(at, _)| *at == PsdName::At(position))))
     }
 
     fn PSDRelease(&self) -> Result<i32, Stop> {
@@ -536,8 +536,8 @@ impl Robios6 for FakeRobot {
 
     fn SERVOInit(&self, semantics: i32) -> Result<i32, Stop> {
         self.act(|state| {
-            let known = state.servos.iter().position(|servo| *servo == semantics);
-            let index = known.unwrap_or_else(|| {
+            let servo_index = state.servos.iter().position(|servo| *servo == semantics);
+            let index = servo_index.unwrap_or_else(|| {
                 state.servos.push(semantics);
                 state.servos.len() - 1
             });
@@ -732,8 +732,8 @@ impl Robios6 for FakeRobot {
     }
 
     fn BUMPInit(&self, semantics: i32) -> Result<i32, Stop> {
-        let wanted = BumperAt::from_semantics(semantics);
-        self.act(|_| Self::handle_of(self.fake.bumpers.iter().position(|(at, _)| *at == wanted)))
+        let position = BumperAt::from_semantics(semantics);
+        self.act(|_| Self::handle_of(self.fake.bumpers.iter().position(|(at, _)| *at == position)))
     }
 
     fn BUMPRelease(&self, _: i32) -> Result<i32, Stop> {
@@ -758,8 +758,8 @@ impl Robios6 for FakeRobot {
     }
 
     fn IRInit(&self, semantics: i32) -> Result<i32, Stop> {
-        let wanted = InfraredAt::from_semantics(semantics);
-        self.act(|_| Self::handle_of(self.fake.infrareds.iter().position(|(at, _)| *at == wanted)))
+        let position = InfraredAt::from_semantics(semantics);
+        self.act(|_| Self::handle_of(self.fake.infrareds.iter().position(|(at, _)| *at == position)))
     }
 
     fn IRRelease(&self, _: i32) -> Result<i32, Stop> {

@@ -56,8 +56,8 @@ impl FakeRobot {
 }
 
 /// Duration of a drive in seconds; infinite for a speed of 0 or less.
-fn span_s(way: i32, pace: i32) -> f64 {
-    if pace > 0 { f64::from(way).abs() / f64::from(pace) } else { f64::INFINITY }
+fn span_s(distance: i32, pace: i32) -> f64 {
+    if pace > 0 { f64::from(distance).abs() / f64::from(pace) } else { f64::INFINITY }
 }
 
 /// Label of a key. An empty text becomes a blank, which clears the label on the RoBIOS 6 display that serves both

@@ -253,12 +253,12 @@ impl FakeRobot {
         Ok(code)
     }
 
-    pub(super) fn drive(&self, handle: i32, length: f32, angle: f32, pace: f32, way: f32) -> Result<i32, Stop> {
+    pub(super) fn drive(&self, handle: i32, length: f32, angle: f32, pace: f32, distance: f32) -> Result<i32, Stop> {
         self.act(|state| {
             if !(handle == VW && state.has_drive && pace > 0.0 && length.is_finite() && angle.is_finite()) {
                 return -1;
             }
-            let span = f64::from(way.abs()) / f64::from(pace);
+            let span = f64::from(distance.abs()) / f64::from(pace);
             state.motion.drive(state.now_us, length.into(), angle.into(), span);
             0
         })
@@ -331,7 +331,7 @@ impl State {
 fn placed(call: &Call) -> String {
     let text = call.text.trim_end_matches(" stopped");
     match call.place {
-        Some(place) => format!("{text} at {place}"),
+        Some(location) => format!("{text} at {location}"),
         None => text.to_owned(),
     }
 }

@@ -19,20 +19,20 @@ const MAIN: usize = 0;
 #[derive(Default)]
 pub(super) struct RunToken {
     holder: Mutex<usize>,
-    passed: Condvar,
+    handover: Condvar,
 }
 
 impl RunToken {
     fn pass_to(&self, task: usize) {
         let mut holder = locked(&self.holder);
         *holder = task;
-        self.passed.notify_all();
+        self.handover.notify_all();
     }
 
     fn wait_for(&self, task: usize) {
         let holder = locked(&self.holder);
         // The lock is never poisoned: nothing panics while it is held.
-        drop(self.passed.wait_while(holder, |holder| *holder != task));
+        drop(self.handover.wait_while(holder, |holder| *holder != task));
     }
 }
 

@@ -29,8 +29,8 @@ impl Robot {
     pub fn camera(&self, size: ImageSize) -> Result<Camera<'_>> {
         let (columns, rows) = size.to_robios7();
         let is_same = |x: usize, y: usize| (x, y) == (size.columns().into(), size.rows().into());
-        let known = RESOLUTIONS.iter().find(|(_, _, x, y)| is_same(*x, *y));
-        let resolution = known.map_or(CUSTOM, |(_, resolution, ..)| *resolution);
+        let entry = RESOLUTIONS.iter().find(|(_, _, x, y)| is_same(*x, *y));
+        let resolution = entry.map_or(CUSTOM, |(_, resolution, ..)| *resolution);
         checked("CAMInit", Device::Camera, robios7!(self, CAMInit(resolution, columns, rows)))?;
         Ok(Camera { robot: self, size })
     }

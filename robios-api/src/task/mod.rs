@@ -409,8 +409,8 @@ impl TaskJob {
     /// Removes the task from the list of those that have not ended.
     fn remove(&self) {
         let mut tasks = locked(&self.common.tasks);
-        let place = tasks.jobs.iter().position(|job| std::ptr::eq(&**job, self));
-        let job = place.map(|place| tasks.jobs.remove(place));
+        let index = tasks.jobs.iter().position(|job| std::ptr::eq(&**job, self));
+        let job = index.map(|index| tasks.jobs.remove(index));
         // Values captured by the function may take the lock when they are dropped.
         drop(tasks);
         drop(job);

@@ -1,4 +1,4 @@
-//! The constants of RoBIOS 6. Numbers that programs or data files show are the original ones; the others are ours.
+//! The constants of RoBIOS 6. Numbers that occur in programs or data files are those of the original RoBIOS; the others are ours.
 
 use crate::constant::constants;
 

@@ -136,7 +136,7 @@ impl ShowOut for RadioIOParameters {
     }
 }
 
-/// State of the radio. The fields are our choice; those of the original are not known.
+/// State of the radio. The fields are our choice; those of the original RoBIOS are not known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct RadioStatus {

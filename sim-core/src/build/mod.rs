@@ -239,7 +239,7 @@ fn part(collider: &Collider) -> Part {
 pub fn links(robi: &RobiSpec) -> Vec<Link> {
     let legs = legs(robi);
     let order = link_order(robi);
-    let places = link_places(robi, &order);
+    let indices = link_places(robi, &order);
     let servos = robi.all_servos();
     let link = |index: &usize| {
         let LinkSpec { mount, turn, .. } = &robi.links[*index];
@@ -250,7 +250,7 @@ pub fn links(robi: &RobiSpec) -> Vec<Link> {
             Axis::Z => DVec3::Z,
         };
         let servo = turn.as_ref().and_then(|turn| servos.iter().position(|servo| servo.name == turn.servo.text));
-        Link { parent: parent_link(mount.on.as_ref(), &places), origin: pose(mount), axis, joint: servo }
+        Link { parent: parent_link(mount.on.as_ref(), &indices), origin: pose(mount), axis, joint: servo }
     };
     let of_legs = legs.map_or_else(Vec::new, |legs| legs.links(0, servos.len()));
     of_legs.into_iter().chain(order.iter().map(link)).collect()
@@ -258,15 +258,15 @@ pub fn links(robi: &RobiSpec) -> Vec<Link> {
 
 /// The range sensors of a robot type, PSDs first. Their link indices refer to [`links`].
 pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
-    let places = link_places(robi, &link_order(robi));
+    let indices = link_places(robi, &link_order(robi));
     let psds = robi.psds.iter().map(|psd| RangeSensor {
         mount: Pose3::from_angles(psd.position, 0.0, psd.pitch, psd.angle),
-        link: parent_link(psd.on.as_ref(), &places),
+        link: parent_link(psd.on.as_ref(), &indices),
         model: RangeModel::Psd { range: psd.range },
     });
     let others = robi.ranges.iter().map(|range| RangeSensor {
         mount: pose(&range.mount),
-        link: parent_link(range.mount.on.as_ref(), &places),
+        link: parent_link(range.mount.on.as_ref(), &indices),
         model: range.model,
     });
     psds.chain(others).collect()
@@ -274,8 +274,8 @@ pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
 
 /// Pose of a laser scanner on its parent link, and the index of that link in [`links`]; `None` for the body.
 pub fn scanner_mount(robi: &RobiSpec, lidar: &LidarSpec) -> (Pose3, Option<usize>) {
-    let places = link_places(robi, &link_order(robi));
-    (pose(&lidar.mount), parent_link(lidar.mount.on.as_ref(), &places))
+    let indices = link_places(robi, &link_order(robi));
+    (pose(&lidar.mount), parent_link(lidar.mount.on.as_ref(), &indices))
 }
 
 /// Pose relative to the parent.
@@ -284,22 +284,22 @@ fn pose(mount: &MountSpec) -> Pose3 {
 }
 
 /// Index of the parent link of this name; `None` for the body.
-fn parent_link(on: Option<&PathRef>, places: &BTreeMap<String, usize>) -> Option<usize> {
-    on.and_then(|on| places.get(on.text.as_str()).copied())
+fn parent_link(on: Option<&PathRef>, indices: &BTreeMap<String, usize>) -> Option<usize> {
+    on.and_then(|on| indices.get(on.text.as_str()).copied())
 }
 
 /// Indices of the links in [`links`] by name; the first of several links with the same name counts.
 fn link_places(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
-    let mut places = BTreeMap::new();
+    let mut indices = BTreeMap::new();
     let mut first = 0;
     for leg in legs(robi).iter().flat_map(|legs| &legs.legs) {
-        places.extend(leg.parts().map(|(part, place)| (format!("{}.{part}", leg.name), first + place)));
+        indices.extend(leg.parts().map(|(part, offset)| (format!("{}.{part}", leg.name), first + offset)));
         first += leg.link_count();
     }
-    for (place, index) in order.iter().enumerate() {
-        places.entry(robi.links[*index].name.clone()).or_insert(first + place);
+    for (offset, index) in order.iter().enumerate() {
+        indices.entry(robi.links[*index].name.clone()).or_insert(first + offset);
     }
-    places
+    indices
 }
 
 /// Indices of the links of the file, ordered so that parents come before children.
@@ -384,8 +384,8 @@ pub fn model(robi: &RobiSpec) -> Model {
     let mut model = model_of_file(robi);
     if let Some(legs) = legs(robi).filter(|_| robi.drive.kind == DriveKind::Legged) {
         for gait in &legs.gaits {
-            model.max_speed = model.max_speed.min(legs.greatest_speed(gait));
-            model.max_turn = model.max_turn.min(legs.greatest_turn(gait));
+            model.max_speed = model.max_speed.min(legs.max_speed(gait));
+            model.max_turn = model.max_turn.min(legs.max_turn_rate(gait));
         }
     }
     model

@@ -75,11 +75,11 @@ impl Bins {
         let is_alone = first == last;
         let mut is_seen = false;
         for down in first[1]..=last[1] {
-            for across in first[0]..=last[0] {
-                let tile = (down * columns + across) as usize;
+            for column in first[0]..=last[0] {
+                let tile = (down * columns + column) as usize;
                 let may_show = is_alone
                     || if optics.is_flat {
-                        may_hit::<true>(&face, &Window::flat([across, down]))
+                        may_hit::<true>(&face, &Window::flat([column, down]))
                     } else {
                         may_hit::<false>(&face, &Window::curved(rays.cone_of(tile)))
                     };

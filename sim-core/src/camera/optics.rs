@@ -166,15 +166,15 @@ impl Optics {
         }
         // The angle of a chord up to 1 is less than pi / 3 times the chord.
         let width = 1.0001 * FRAC_PI_3 * chord + 1e-9;
-        let across = math::hypot(middle.y, middle.z);
-        let off_axis = math::atan2(across, middle.x);
+        let off_axis_distance = math::hypot(middle.y, middle.z);
+        let off_axis = math::atan2(off_axis_distance, middle.x);
         let farthest = off_axis + width;
         if farthest > 3.0 {
             return Some(self.everything());
         }
         // A fisheye magnifies by angle / sin(angle) perpendicular to the radius, and by no more along it.
         let reach = self.focal * width / math::sinc(farthest) + 1.0;
-        let scale = if across > 0.0 { self.focal * off_axis / across } else { 0.0 };
+        let scale = if off_axis_distance > 0.0 { self.focal * off_axis / off_axis_distance } else { 0.0 };
         let at = 0.5 * DVec2::from(self.size.map(f64::from)) - scale * DVec2::new(middle.y, middle.z);
         self.rect_between(at - reach, at + reach)
     }

@@ -56,14 +56,14 @@ impl RayTable {
         }
         self.cones.clear();
         for down in 0..tiles[1] {
-            for across in 0..tiles[0] {
-                self.cones.push(self.cone(across, down));
+            for tile_column in 0..tiles[0] {
+                self.cones.push(self.cone(tile_column, down));
             }
         }
     }
 
-    fn cone(&self, across: u32, down: u32) -> Cone {
-        let pixels = (0..TILE * TILE).map(|pixel| self.ray([across * TILE + pixel % TILE, down * TILE + pixel / TILE]));
+    fn cone(&self, column: u32, down: u32) -> Cone {
+        let pixels = (0..TILE * TILE).map(|pixel| self.ray([column * TILE + pixel % TILE, down * TILE + pixel / TILE]));
         let middle = pixels.clone().sum::<DVec3>() / f64::from(TILE * TILE);
         let radius = pixels.map(|ray| ray.distance(middle)).fold(0.0, f64::max);
         Cone { middle, radius: radius + 1e-6 }
@@ -75,12 +75,12 @@ impl RayTable {
 
     /// The ray of a pixel; 0 outside the lens's image.
     pub fn ray(&self, pixel: [u32; 2]) -> DVec3 {
-        let place = self.index_of(pixel);
-        if !self.is_shown[place] {
+        let index = self.index_of(pixel);
+        if !self.is_shown[index] {
             return DVec3::ZERO;
         }
         let [x, y, z] = &self.axes;
-        DVec3::new(f64::from(x[place]), f64::from(y[place]), f64::from(z[place]))
+        DVec3::new(f64::from(x[index]), f64::from(y[index]), f64::from(z[index]))
     }
 
     /// The cone of tile `tile`.
@@ -111,7 +111,7 @@ pub struct Window {
 
 impl Window {
     pub fn flat(tile: [u32; 2]) -> Self {
-        let [x, y] = tile.map(|place| f64::from(place * TILE) + 0.5 * f64::from(TILE));
+        let [x, y] = tile.map(|index| f64::from(index * TILE) + 0.5 * f64::from(TILE));
         Self { middle: DVec3::new(x, y, 1.0), radius: 0.5 * f64::from(TILE - 1) }
     }
 
@@ -145,7 +145,7 @@ impl Window {
 impl Rays {
     /// Rays of any tile of a pinhole.
     pub fn flat() -> Self {
-        let from_middle = |place: usize| place as f32 - 0.5 * (TILE - 1) as f32;
+        let from_middle = |index: usize| index as f32 - 0.5 * (TILE - 1) as f32;
         let side = TILE as usize;
         let x = std::array::from_fn(|pixel| from_middle(pixel % side));
         let y = std::array::from_fn(|pixel| from_middle(pixel / side));
@@ -154,13 +154,13 @@ impl Rays {
 
     /// Loads the rays of a fisheye's tile.
     pub fn curve(&mut self, table: &RayTable, tile: [u32; 2]) {
-        let start = table.index_of(tile.map(|place| place * TILE));
+        let start = table.index_of(tile.map(|index| index * TILE));
         let side = TILE as usize;
         for row in 0..side {
             let (at, to) = (start + row * table.stride, row * side..(row + 1) * side);
             let is_shown = &table.is_shown[at..at + side];
             for (axis, of_axis) in table.axes.iter().enumerate() {
-                let from = |place: usize| &of_axis[place..place + side];
+                let from = |index: usize| &of_axis[index..index + side];
                 let here = self.axes[axis][to.clone()].iter_mut().zip(from(at)).zip(is_shown);
                 here.for_each(|((ray, part), is_shown)| *ray = if *is_shown { *part } else { 0.0 });
                 let pairs = [(at + 1, at - 1), (at + table.stride, at - table.stride)];

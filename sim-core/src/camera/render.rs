@@ -32,7 +32,7 @@ impl Default for Camera {
 }
 
 /// Inputs of the rendering of tiles.
-struct Frame<'a> {
+struct RenderInputs<'a> {
     context: SurfaceContext<'a>,
     optics: &'a Optics,
     view: &'a View,
@@ -65,7 +65,7 @@ impl Camera {
             self.moving.fill(posed.scenery(), Some(posed), &Axes::new(light.towards), moves);
         }
         let context = SurfaceContext::new(posed, &fine, optics.camera_from_lens, light.shadows.then_some(&self.moving));
-        let frame = Frame { context, optics: &optics, view: &fine, bins: &self.bins, rays: &self.rays };
+        let frame = RenderInputs { context, optics: &optics, view: &fine, bins: &self.bins, rays: &self.rays };
         let [width, height] = view.size();
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
         let level = self.level;
@@ -98,10 +98,10 @@ impl Camera {
                     }
                 }
             });
-            let share = 1.0 / (samples * samples) as f32;
+            let weight = 1.0 / (samples * samples) as f32;
             for (pixel, sum) in pixels.iter_mut().zip(sums) {
                 // The cast saturates.
-                *pixel = sum.map(|channel| (channel * share + 0.5) as u8);
+                *pixel = sum.map(|channel| (channel * weight + 0.5) as u8);
             }
         }
         Picture::new(view.size(), pixels)
@@ -109,7 +109,7 @@ impl Camera {
 
     /// Distance along each pixel's line of sight, m; infinite for the sky.
     pub fn depth(&mut self, posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Picture<f32> {
-        let depth = |frame: &Frame, number, at: [u32; 2]| {
+        let depth = |frame: &RenderInputs, number, at: [u32; 2]| {
             let plane = match number {
                 SKY => return f32::INFINITY,
                 GROUND => frame.context.ground,
@@ -124,7 +124,7 @@ impl Camera {
 
     /// Label of the object shown in each pixel.
     pub fn labels(&mut self, posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Picture<Label> {
-        let label = |frame: &Frame, number, _| match number {
+        let label = |frame: &RenderInputs, number, _| match number {
             SKY => Label::Sky,
             GROUND => Label::Ground,
             _ => posed.scenery().parts()[frame.bins.faces[number as usize].part as usize].label,
@@ -139,12 +139,12 @@ impl Camera {
         view: &View,
         by: Option<RobotId>,
         nothing: T,
-        value: impl Fn(&Frame, u32, [u32; 2]) -> T,
+        value: impl Fn(&RenderInputs, u32, [u32; 2]) -> T,
     ) -> Picture<T> {
         let optics = Optics::new(view);
         self.prepare(posed, view, &optics, by);
         let context = SurfaceContext::new(posed, view, optics.camera_from_lens, None);
-        let frame = Frame { context, optics: &optics, view, bins: &self.bins, rays: &self.rays };
+        let frame = RenderInputs { context, optics: &optics, view, bins: &self.bins, rays: &self.rays };
         let width = view.size()[0] as usize;
         let mut pixels = vec![nothing; width * view.size()[1] as usize];
         frame.survey(self.level, |tile, _, _| {
@@ -166,7 +166,7 @@ impl Camera {
     }
 }
 
-impl Frame<'_> {
+impl RenderInputs<'_> {
     /// Number of columns and rows of a tile within the image.
     fn inside(&self, origin: [u32; 2]) -> [usize; 2] {
         [0, 1].map(|axis| (self.optics.size[axis] - origin[axis]).min(TILE) as usize)
@@ -217,13 +217,13 @@ impl Frame<'_> {
         let mut tile = Tile { origin: [0; 2], shown: [SKY; PIXELS] };
         let mut rays = Rays::flat();
         for down in 0..rows {
-            for across in 0..columns {
-                let number = (down * columns + across) as usize;
-                tile.origin = [across * TILE, down * TILE];
+            for column in 0..columns {
+                let number = (down * columns + column) as usize;
+                tile.origin = [column * TILE, down * TILE];
                 let window = if is_flat {
-                    Window::flat([across, down])
+                    Window::flat([column, down])
                 } else {
-                    rays.curve(self.rays, [across, down]);
+                    rays.curve(self.rays, [column, down]);
                     Window::curved(self.rays.cone_of(number))
                 };
                 let faces = (self.bins.faces.as_slice(), self.bins.tiles[number].as_slice());

@@ -77,11 +77,11 @@ impl RenderMesh {
 
     fn add(&mut self, mesh: &Mesh, triangles: &[usize], closed: Option<(DVec3, DVec3)>) {
         let (first_corner, first_face) = (self.corners.len(), self.faces.len());
-        let mut places = BTreeMap::new();
+        let mut indices = BTreeMap::new();
         for &number in triangles {
             let triangle = &mesh.triangles[number];
             let corners = triangle.corners.map(|corner| {
-                *places.entry(corner).or_insert_with(|| {
+                *indices.entry(corner).or_insert_with(|| {
                     self.corners.push(mesh.positions[corner as usize]);
                     // A face adds at most three corners.
                     (self.corners.len() - 1 - first_corner) as u8

@@ -61,12 +61,12 @@ pub struct Part {
 pub struct Light {
     /// Unit vector towards the sun, world frame.
     pub towards: DVec3,
-    /// Share of light that reaches every surface equally.
+    /// Fraction of light that reaches every surface equally.
     pub ambient: f64,
     /// Share that comes, without shadows, from the side opposite to the sun, so that faces in shadow differ in
     /// brightness.
     pub fill: f64,
-    /// Share of the sun on a surface that faces it directly.
+    /// Fraction of the sun on a surface that faces it directly.
     pub diffuse: f64,
     /// If true, surfaces in shadow do not receive the sun's share.
     pub shadows: bool,
@@ -160,8 +160,8 @@ impl Scenery {
     /// [`Scenery::new`], because appended ones cast no shadows.
     pub fn with_parts(mut self, parts: Vec<Part>) -> Self {
         let mut mip_maps: BTreeMap<*const Texture, Arc<MipMap>> = BTreeMap::new();
-        let known = self.parts.iter().zip(&self.mesh_of).map(|(part, mesh)| (Arc::as_ptr(&part.mesh), *mesh));
-        let mut of_meshes: BTreeMap<*const Mesh, usize> = known.collect();
+        let mesh_indices = self.parts.iter().zip(&self.mesh_of).map(|(part, mesh)| (Arc::as_ptr(&part.mesh), *mesh));
+        let mut of_meshes: BTreeMap<*const Mesh, usize> = mesh_indices.collect();
         for part in &parts {
             let mesh = *of_meshes.entry(Arc::as_ptr(&part.mesh)).or_insert_with(|| {
                 self.meshes.push(Arc::new(PreparedMesh::new(&part.mesh, &mut mip_maps)));
@@ -284,7 +284,7 @@ impl PreparedMaterial {
             let new = || Arc::new(MipMap::new(texture, Wrap::Repeat));
             Arc::clone(mip_maps.entry(Arc::as_ptr(texture)).or_insert_with(new))
         });
-        let colour = material.colour.map(|share| 255.0 * share.clamp(0.0, 1.0));
+        let colour = material.colour.map(|channel| 255.0 * channel.clamp(0.0, 1.0));
         Self { colour, texture, is_seen: material.opacity >= 0.5 }
     }
 }

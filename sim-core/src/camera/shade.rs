@@ -159,7 +159,7 @@ fn paint<S: Simd, const FLAT: bool>(
         if let Some((mip_map, [u, v])) = &image
             && wanted != 0
         {
-            let away = [
+            let projected = [
                 rays.value::<S, FLAT>(simd, u.form, first) * per_near,
                 rays.value::<S, FLAT>(simd, v.form, first) * per_near,
             ];
@@ -168,18 +168,18 @@ fn paint<S: Simd, const FLAT: bool>(
                 Wrap::Repeat => (here - here.floor()) as f32,
                 Wrap::Clamp => here as f32,
             };
-            let place = [away[0] + base(u.here), away[1] + base(v.here)];
+            let uv = [projected[0] + base(u.here), projected[1] + base(v.here)];
             let mut axes = [[one; 2]; 2];
             let mut axis = 0;
             while axis < 2 {
-                let across = rays.step::<S, FLAT>(simd, plane, first, axis);
+                let plane_step = rays.step::<S, FLAT>(simd, plane, first, axis);
                 let u_step = rays.step::<S, FLAT>(simd, u.form, first, axis);
                 let v_step = rays.step::<S, FLAT>(simd, v.form, first, axis);
-                axes[axis][0] = (u_step - away[0] * across) * (per_near * width);
-                axes[axis][1] = (v_step - away[1] * across) * (per_near * height);
+                axes[axis][0] = (u_step - projected[0] * plane_step) * (per_near * width);
+                axes[axis][1] = (v_step - projected[1] * plane_step) * (per_near * height);
                 axis += 1;
             }
-            let found = mip_map.sample(simd, wanted, place, axes);
+            let found = mip_map.sample(simd, wanted, uv, axes);
             let tint = rgb(simd, surface.tint);
             let tinted = [found[0] * tint[0], found[1] * tint[1], found[2] * tint[2]];
             colour = if mip_map.is_opaque { tinted } else { over(simd, tinted, found[3] * (1.0 / 255.0), colour) };
@@ -190,11 +190,11 @@ fn paint<S: Simd, const FLAT: bool>(
             colour = spots(simd, painted, [x.here, y.here], at, colour);
         }
         let [dim, sun] = match &surface.light {
-            Lighting::Flat(shares) => [S::f32s::splat(simd, shares.dim), S::f32s::splat(simd, shares.sun)],
-            Lighting::Smooth(forms, flat) => {
+            Lighting::Flat(fractions) => [S::f32s::splat(simd, fractions.dim), S::f32s::splat(simd, fractions.sun)],
+            Lighting::Smooth(forms, flat_light) => {
                 let forms =
                     [window.local::<FLAT>(forms[0]), window.local::<FLAT>(forms[1]), window.local::<FLAT>(forms[2])];
-                smooth::<S, FLAT>(simd, context, rays, (forms, flat), first)
+                smooth::<S, FLAT>(simd, context, rays, (forms, flat_light), first)
             }
         };
         let lit = S::mask32s::from_bitmask(simd, lanes_of::<S>(lit, first));
@@ -206,22 +206,22 @@ fn paint<S: Simd, const FLAT: bool>(
 
 /// Bit mask of the lanes that show the world's floor.
 #[inline(always)]
-fn on_floor<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s; 2]) -> u64 {
+fn on_floor<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], uv: [S::f32s; 2]) -> u64 {
     let Some(floor) = &painted.ground.floor else { return 0 };
     let low = [-here[0] as f32, -here[1] as f32];
     let high = [(floor.size.x - here[0]) as f32, (floor.size.y - here[1]) as f32];
-    let x = away[0].simd_ge(S::f32s::splat(simd, low[0])) & away[0].simd_le(S::f32s::splat(simd, high[0]));
-    let y = away[1].simd_ge(S::f32s::splat(simd, low[1])) & away[1].simd_le(S::f32s::splat(simd, high[1]));
+    let x = uv[0].simd_ge(S::f32s::splat(simd, low[0])) & uv[0].simd_le(S::f32s::splat(simd, high[0]));
+    let y = uv[1].simd_ge(S::f32s::splat(simd, low[1])) & uv[1].simd_le(S::f32s::splat(simd, high[1]));
     (x & y).to_bitmask()
 }
 
 /// Paints the spots over the colour beneath them.
 #[inline(always)]
-fn spots<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s; 2], under: Rgb<S>) -> Rgb<S> {
+fn spots<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], uv: [S::f32s; 2], under: Rgb<S>) -> Rgb<S> {
     let mut colour = under;
     for spot in &painted.ground.spots {
         let (x, y) = ((spot.centre.x - here[0]) as f32, (spot.centre.y - here[1]) as f32);
-        let (dx, dy) = (away[0] - x, away[1] - y);
+        let (dx, dy) = (uv[0] - x, uv[1] - y);
         let within = (dx * dx + dy * dy).simd_le(S::f32s::splat(simd, (spot.radius * spot.radius) as f32));
         if within.to_bitmask() != 0 {
             let [red, green, blue, opacity] = spot.colour.map(f32::from);
@@ -232,7 +232,7 @@ fn spots<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], away: [S::f32s; 2]
     colour
 }
 
-/// Shares of indirect light and of sunlight, for a normal that varies over the surface.
+/// Fractions of indirect light and of sunlight, for a normal that varies over the surface.
 #[inline(always)]
 fn smooth<S: Simd, const FLAT: bool>(
     simd: S,
@@ -324,11 +324,11 @@ fn store<S: Simd>(simd: S, colours: &mut Colours, first: usize, lanes: u64, colo
     let (black, white) = (S::f32s::splat(simd, 0.0), S::f32s::splat(simd, 255.0));
     let mut channel = 0;
     while channel < 3 {
-        let place = &mut colours[channel][first..first + S::f32s::LEN];
-        let before = S::f32s::from_slice(simd, place);
+        let output = &mut colours[channel][first..first + S::f32s::LEN];
+        let before = S::f32s::from_slice(simd, output);
         // NaN becomes black.
         let within = colour[channel].simd_gt(black).select(colour[channel].min(white), black);
-        mask.select(within, before).store_slice(place);
+        mask.select(within, before).store_slice(output);
         channel += 1;
     }
 }

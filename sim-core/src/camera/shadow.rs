@@ -186,8 +186,8 @@ impl ShadowGrid {
     /// Visits the cells that a face overlaps.
     fn cells(&self, face: &Caster, mut visit: impl FnMut(usize)) {
         let [columns, rows] = self.size;
-        let place = |at: DVec2| ((at - self.low) * self.cells_per_metre).max(DVec2::ZERO);
-        let (first, last) = (place(face.low - SLACK), place(face.high + SLACK));
+        let cell_coordinates = |at: DVec2| ((at - self.low) * self.cells_per_metre).max(DVec2::ZERO);
+        let (first, last) = (cell_coordinates(face.low - SLACK), cell_coordinates(face.high + SLACK));
         let half = 0.5 / self.cells_per_metre;
         for row in first.y as usize..=(last.y as usize).min(rows - 1) {
             for column in first.x as usize..=(last.x as usize).min(columns - 1) {
@@ -205,8 +205,8 @@ impl ShadowGrid {
 
     /// Returns true if a face hides the sun from a point on the face `own`; `last` caches the last such face.
     #[inline]
-    pub fn shades(&self, place: DVec3, own: (u32, u32), last: &mut usize) -> bool {
-        let at = place.truncate();
+    pub fn shades(&self, point: DVec3, own: (u32, u32), last: &mut usize) -> bool {
+        let at = point.truncate();
         let cell = (at - self.low) * self.cells_per_metre;
         let [columns, rows] = self.size;
         // False for NaN.
@@ -216,7 +216,7 @@ impl ShadowGrid {
         }
         let is_own = |face: &Caster| face.part == own.0 && face.triangle == own.1;
         if let Some(face) = self.faces.get(*last)
-            && face.hides_sun_from(at, place.z)
+            && face.hides_sun_from(at, point.z)
             && !is_own(face)
         {
             return true;
@@ -224,10 +224,10 @@ impl ShadowGrid {
         let cell = cell.y as usize * columns + cell.x as usize;
         for &number in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
             let face = &self.faces[number as usize];
-            if face.highest <= place.z + SHADOW_BIAS {
+            if face.highest <= point.z + SHADOW_BIAS {
                 return false;
             }
-            if face.hides_sun_from(at, place.z) && !is_own(face) {
+            if face.hides_sun_from(at, point.z) && !is_own(face) {
                 *last = number as usize;
                 return true;
             }

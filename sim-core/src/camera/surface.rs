@@ -1,4 +1,4 @@
-//! Appearance of a face or the ground, common to all its pixels: linear forms on rays, and shares of light.
+//! Appearance of a face or the ground, common to all its pixels: linear forms on rays, and fractions of light.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -46,7 +46,7 @@ pub enum Lighting {
     Smooth([DVec3; 3], Shares),
 }
 
-/// Shares of light: indirect (`dim`) and of the sun.
+/// Fractions of light: indirect (`dim`) and of the sun.
 #[derive(Clone, Copy, Debug)]
 pub struct Shares {
     pub dim: f32,
@@ -81,13 +81,13 @@ impl Sun<'_> {
             let ray = ray_of(pixel);
             let scale = 1.0 / plane.dot(ray);
             let [x, y, z] = &self.at;
-            let place = DVec3::new(
+            let point = DVec3::new(
                 x.base + x.form.dot(ray) * scale,
                 y.base + y.form.dot(ray) * scale,
                 z.base + z.form.dot(ray) * scale,
             );
             let [fixed, moving] = &mut last;
-            if self.grids[0].shades(place, own, fixed) || self.grids[1].shades(place, own, moving) {
+            if self.grids[0].shades(point, own, fixed) || self.grids[1].shades(point, own, moving) {
                 lit &= !(1 << pixel);
             }
         }
@@ -139,13 +139,14 @@ impl<'a> SurfaceContext<'a> {
         let material: &'a PreparedMaterial = self.scenery.prepared_material(face.part as usize, triangle.material);
         let rotation = self.posed.poses()[face.part as usize].unwrap_or_default().rotation;
         let side = if face.is_outside { 1.0 } else { -1.0 };
-        let flat = rotation * self.scenery.render_mesh(face.part as usize).normals[face.triangle as usize] * side;
-        let flat = shares(self.scenery.light(), flat);
-        let light = triangle.normals.map_or(Lighting::Flat(flat), |normals| {
+        let face_normal =
+            rotation * self.scenery.render_mesh(face.part as usize).normals[face.triangle as usize] * side;
+        let flat_light = shares(self.scenery.light(), face_normal);
+        let light = triangle.normals.map_or(Lighting::Flat(flat_light), |normals| {
             let [a, b, c] = normals.map(|normal| rotation * normal.as_dvec3() * (side * face.per_det));
             let [x, y, z] = face.edges;
             let form = |axis: usize| x * a[axis] + y * b[axis] + z * c[axis];
-            Lighting::Smooth([form(0), form(1), form(2)], flat)
+            Lighting::Smooth([form(0), form(1), form(2)], flat_light)
         });
         let image = material.texture.as_deref().zip(triangle.uv).map(|(mip_map, uv)| {
             let [a, b, c] = uv.map(|uv| uv.as_dvec2());
@@ -191,7 +192,7 @@ pub fn fill_from(light: &Light) -> DVec3 {
     DVec3::new(-light.towards.x, -light.towards.y, light.towards.z)
 }
 
-/// Shares of light on a surface with this normal on its visible side.
+/// Fractions of light on a surface with this normal on its visible side.
 fn shares(light: &Light, normal: DVec3) -> Shares {
     let fill = 0.5 * (1.0 + normal.dot(fill_from(light)));
     let sun = normal.dot(light.towards).max(0.0);

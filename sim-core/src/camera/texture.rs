@@ -18,7 +18,7 @@ pub enum Wrap {
 /// parametrics, 1983).
 ///
 /// A texel of a level is the mean, rounded half up, of two by two texels of the previous level, or of the one or two
-/// that exist. A last odd row or column is left out.
+/// that exist. A last odd row or column is omitted.
 ///
 /// # Filter
 /// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels, from
@@ -81,9 +81,9 @@ impl MipMap {
     fn add(&mut self, size: [u32; 2], pixels: &[[u8; 4]]) {
         self.levels.push(MipLevel { size, start: self.texels.len() });
         let [width, height] = size.map(i64::from);
-        let within = |place: i64, size: i64| match self.wrap {
-            Wrap::Repeat => place.rem_euclid(size),
-            Wrap::Clamp => place.clamp(0, size - 1),
+        let within = |index: i64, size: i64| match self.wrap {
+            Wrap::Repeat => index.rem_euclid(size),
+            Wrap::Clamp => index.clamp(0, size - 1),
         };
         let texel = |column: i64, row: i64| {
             i32::from_le_bytes(pixels[(within(row, height) * width + within(column, width)) as usize])
@@ -111,7 +111,7 @@ impl MipMap {
         &self,
         simd: S,
         wanted: u64,
-        place: [S::f32s; 2],
+        uv: [S::f32s; 2],
         axes: [[S::f32s; 2]; 2],
     ) -> [S::f32s; 4] {
         let [a, b] = axes;
@@ -126,35 +126,35 @@ impl MipMap {
         let is_one = long.simd_le(widest);
         let [width, height] = self.size().map(|side| 1.0 / side as f32);
         let axis = [is_a.select(a[0], b[0]) * width, is_a.select(a[1], b[1]) * height];
-        let (mut apart, mut probes) = (zero, 1);
+        let (mut half_spread, mut probes) = (zero, 1);
         if is_one.to_bitmask() & wanted != wanted {
             // 1 / n.
-            let share = is_one.select(S::f32s::splat(simd, 1.0), (length / long).sqrt());
-            apart = (S::f32s::splat(simd, 1.0) - share) * 0.5;
+            let fraction = is_one.select(S::f32s::splat(simd, 1.0), (length / long).sqrt());
+            half_spread = (S::f32s::splat(simd, 1.0) - fraction) * 0.5;
             probes = 2;
         }
         let mut sum = [zero; 4];
         let mut number = 0;
         while number < probes {
-            let along = if number == 0 { apart } else { -apart };
-            let at = [place[0] + axis[0] * along, place[1] + axis[1] * along];
+            let along = if number == 0 { half_spread } else { -half_spread };
+            let at = [uv[0] + axis[0] * along, uv[1] + axis[1] * along];
             let colour = self.probe(simd, wanted, at, level);
             sum = [sum[0] + colour[0], sum[1] + colour[1], sum[2] + colour[2], sum[3] + colour[3]];
             number += 1;
         }
-        let share = 1.0 / probes as f32;
-        [sum[0] * share, sum[1] * share, sum[2] * share, sum[3] * share]
+        let fraction = 1.0 / probes as f32;
+        [sum[0] * fraction, sum[1] * fraction, sum[2] * fraction, sum[3] * fraction]
     }
 
     /// Colour of a probe, blended from one or two levels.
     #[inline(always)]
-    fn probe<S: Simd>(&self, simd: S, wanted: u64, place: [S::f32s; 2], level: S::f32s) -> [S::f32s; 4] {
-        let place = [self.wrapped(simd, place[0]), self.wrapped(simd, place[1])];
+    fn probe<S: Simd>(&self, simd: S, wanted: u64, uv: [S::f32s; 2], level: S::f32s) -> [S::f32s; 4] {
+        let uv = [self.wrapped(simd, uv[0]), self.wrapped(simd, uv[1])];
         let (zero, one) = (S::f32s::splat(simd, 0.0), S::f32s::splat(simd, 1.0));
         let whole = level.floor();
         let blend = ((level - whole - 0.5) * (1.0 / BLEND_WIDTH) + 0.5).max(zero).min(one);
         let is_upper = blend.simd_ge(one);
-        let (lower, share) = (is_upper.select(whole + one, whole), is_upper.select(zero, blend));
+        let (lower, fraction) = (is_upper.select(whole + one, whole), is_upper.select(zero, blend));
         let last = self.levels.len() - 1;
         let mut colour = [zero; 4];
         let mut pending = wanted;
@@ -165,12 +165,12 @@ impl MipMap {
             pending &= !same;
             // The cast saturates.
             let mut number = (number as usize).min(last);
-            let versions = if share.simd_gt(zero).to_bitmask() & same == 0 { 1 } else { 2 };
-            let mut part = one - share;
+            let versions = if fraction.simd_gt(zero).to_bitmask() & same == 0 { 1 } else { 2 };
+            let mut part = one - fraction;
             let mut found = [zero; 4];
             let mut version = 0;
             while version < versions {
-                let of_level = self.bilinear(simd, same, place, self.levels[number]);
+                let of_level = self.bilinear(simd, same, uv, self.levels[number]);
                 found = [
                     found[0] + of_level[0] * part,
                     found[1] + of_level[1] * part,
@@ -178,7 +178,7 @@ impl MipMap {
                     found[3] + of_level[3] * part,
                 ];
                 number = (number + 1).min(last);
-                part = share;
+                part = fraction;
                 version += 1;
             }
             let of_level = S::mask32s::from_bitmask(simd, same);
@@ -207,10 +207,10 @@ impl MipMap {
 
     /// Blends the four nearest texels of a level.
     #[inline(always)]
-    fn bilinear<S: Simd>(&self, simd: S, wanted: u64, place: [S::f32s; 2], level: MipLevel) -> [S::f32s; 4] {
+    fn bilinear<S: Simd>(&self, simd: S, wanted: u64, uv: [S::f32s; 2], level: MipLevel) -> [S::f32s; 4] {
         let [width, height] = level.size.map(|side| side as f32);
         // Measured from the middle of the border's first texel.
-        let (x, y) = (place[0] * width + 0.5, place[1] * height + 0.5);
+        let (x, y) = (uv[0] * width + 0.5, uv[1] * height + 0.5);
         let (left, top) = (x.floor(), y.floor());
         let (right_share, low_share) = (x - left, y - top);
         let stride = level.stride();
@@ -293,7 +293,7 @@ fn log2<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
 /// An image of half the width and height.
 fn halved([width, height]: [u32; 2], pixels: &[[u8; 4]]) -> ([u32; 2], Vec<[u8; 4]>) {
     let half = [width, height].map(|side| (side / 2).max(1));
-    let below = |place: u32, size: u32| [(2 * place).min(size - 1), (2 * place + 1).min(size - 1)];
+    let below = |index: u32, size: u32| [(2 * index).min(size - 1), (2 * index + 1).min(size - 1)];
     let texel = |column: u32, row: u32| {
         let mut sum = [0_u32; 4];
         for y in below(row, height) {

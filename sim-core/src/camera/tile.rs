@@ -71,9 +71,9 @@ fn nearest<S: Simd, const FLAT: bool>(
         let mut first = 0;
         while first < PIXELS {
             let at = first..first + lanes;
-            let near = rays.value::<S, FLAT>(simd, form, first);
-            let is_ground = near.simd_gt(zero);
-            is_ground.select(near, zero).store_slice(&mut nearest[at.clone()]);
+            let nearness = rays.value::<S, FLAT>(simd, form, first);
+            let is_ground = nearness.simd_gt(zero);
+            is_ground.select(nearness, zero).store_slice(&mut nearest[at.clone()]);
             is_ground.select(S::u32s::splat(simd, GROUND), S::u32s::splat(simd, SKY)).store_slice(&mut shown[at]);
             first += lanes;
         }
@@ -96,7 +96,7 @@ fn nearest<S: Simd, const FLAT: bool>(
             window.local::<FLAT>(face.edges[1]),
             window.local::<FLAT>(face.edges[2]),
         ];
-        let least = [
+        let min_edges = [
             -window.slack::<FLAT>(face.edges[0]) as f32,
             -window.slack::<FLAT>(face.edges[1]) as f32,
             -window.slack::<FLAT>(face.edges[2]) as f32,
@@ -104,16 +104,16 @@ fn nearest<S: Simd, const FLAT: bool>(
         let mut first = 0;
         while first < PIXELS {
             let at = first..first + lanes;
-            let near = rays.value::<S, FLAT>(simd, plane, first);
+            let nearness = rays.value::<S, FLAT>(simd, plane, first);
             let before = S::f32s::from_slice(simd, &nearest[at.clone()]);
-            let mut is_seen = near.simd_gt(before + lead);
+            let mut is_seen = nearness.simd_gt(before + lead);
             if !is_filled {
                 is_seen = is_seen
-                    & rays.value::<S, FLAT>(simd, edges[0], first).simd_ge(least[0])
-                    & rays.value::<S, FLAT>(simd, edges[1], first).simd_ge(least[1])
-                    & rays.value::<S, FLAT>(simd, edges[2], first).simd_ge(least[2]);
+                    & rays.value::<S, FLAT>(simd, edges[0], first).simd_ge(min_edges[0])
+                    & rays.value::<S, FLAT>(simd, edges[1], first).simd_ge(min_edges[1])
+                    & rays.value::<S, FLAT>(simd, edges[2], first).simd_ge(min_edges[2]);
             }
-            is_seen.select(near, before).store_slice(&mut nearest[at.clone()]);
+            is_seen.select(nearness, before).store_slice(&mut nearest[at.clone()]);
             let ids = S::u32s::from_slice(simd, &shown[at.clone()]);
             is_seen.select(S::u32s::splat(simd, number), ids).store_slice(&mut shown[at]);
             first += lanes;

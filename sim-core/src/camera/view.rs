@@ -144,10 +144,10 @@ impl View {
     /// beside or behind a pinhole, straight behind a fisheye, or in the camera itself.
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
         let DVec3 { x, y, z } = self.world_from_camera.inverse_transform_point(point);
-        let across = math::hypot(y, z);
+        let off_axis = math::hypot(y, z);
         let scale = match self.lens {
             Lens::Pinhole { .. } if x > 0.0 => 1.0 / x,
-            Lens::Fisheye { .. } if across > 0.0 => math::atan2(across, x) / across,
+            Lens::Fisheye { .. } if off_axis > 0.0 => math::atan2(off_axis, x) / off_axis,
             Lens::Fisheye { .. } if x > 0.0 => 1.0 / x,
             _ => return None,
         };
@@ -160,10 +160,10 @@ impl View {
     /// finite.
     pub fn looking(from: DVec3, to: DVec3) -> Option<Pose3> {
         let DVec3 { x, y, z } = to - from;
-        let level = math::hypot(x, y);
-        let is_somewhere = from.is_finite() && to.is_finite() && (level > 0.0 || z != 0.0);
-        let yaw = if level > 0.0 { math::atan2(y, x) } else { FRAC_PI_2 };
-        is_somewhere.then(|| Pose3::from_angles(from, 0.0, math::atan2(z, level), yaw))
+        let horizontal = math::hypot(x, y);
+        let is_somewhere = from.is_finite() && to.is_finite() && (horizontal > 0.0 || z != 0.0);
+        let yaw = if horizontal > 0.0 { math::atan2(y, x) } else { FRAC_PI_2 };
+        is_somewhere.then(|| Pose3::from_angles(from, 0.0, math::atan2(z, horizontal), yaw))
     }
 }
 

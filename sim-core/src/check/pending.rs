@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::section::{Section, push, take_until};
+use super::section::{MotionSection, push, take_until};
 use crate::contact::Path;
 use crate::drive::Motion;
 use crate::pose::{Pose, Twist};
@@ -14,7 +14,7 @@ use crate::world::ObjectStep;
 pub(super) struct PendingMotion {
     radius: f64,
     /// Motion of the centre, without gaps.
-    body: Vec<Section>,
+    body: Vec<MotionSection>,
     /// Instant up to which the motion is known.
     known_until: f64,
     /// Position at that instant.
@@ -27,9 +27,9 @@ pub(super) struct PendingMotion {
 struct PendingOdometry {
     /// Distance of the axle ahead of the centre, m.
     ahead: f64,
-    truth: Vec<Section>,
+    truth: Vec<MotionSection>,
     /// The motion that odometry computes, in the world frame.
-    estimate: Vec<Section>,
+    estimate: Vec<MotionSection>,
     /// Rotation (a unit vector) and translation from the odometry frame to the world frame.
     world_from_odometry: (DVec2, DVec2),
     /// True once the program has set its odometry, which fixes the frame.
@@ -44,9 +44,9 @@ pub(super) struct Interval {
     /// Radius of the body, m; 0 for an object.
     pub radius: f64,
     /// Motion of its centre.
-    pub body: Vec<Section>,
+    pub body: Vec<MotionSection>,
     /// True motion of its axle and the one that odometry computes; empty if odometry is not checked.
-    pub axle: [Vec<Section>; 2],
+    pub axle: [Vec<MotionSection>; 2],
 }
 
 impl PendingMotion {
@@ -79,9 +79,9 @@ impl PendingMotion {
         self.rest_until(from);
         let mut passages = Vec::new();
         motion.passages(from, to, &mut passages);
-        Section::append(&mut self.body, &passages, (from, to), 0.0);
+        MotionSection::append(&mut self.body, &passages, (from, to), 0.0);
         if let Some(odometry) = &mut self.odometry {
-            Section::append(&mut odometry.truth, &passages, (from, to), odometry.ahead);
+            MotionSection::append(&mut odometry.truth, &passages, (from, to), odometry.ahead);
             odometry.append_robot(motion, (from, to));
         }
         self.set_end(to.seconds());
@@ -96,7 +96,7 @@ impl PendingMotion {
             let velocity = (step.to - step.from) / (to - from);
             let twist = Twist { vx: velocity.x, vy: velocity.y, omega: 0.0 };
             let path = Path { twist, ..Path::new(&Pose::new(step.from.x, step.from.y, 0.0), twist) };
-            push(&mut self.body, Section::on(path, from, (from, to)));
+            push(&mut self.body, MotionSection::on(path, from, (from, to)));
             self.known_until = to;
         }
         self.position = step.to;
@@ -108,18 +108,18 @@ impl PendingMotion {
         if self.known_until >= until {
             return;
         }
-        push(&mut self.body, Section::resting(self.position, self.known_until, until));
+        push(&mut self.body, MotionSection::resting(self.position, self.known_until, until));
         if let Some(odometry) = &mut self.odometry {
             let [truth, estimate] = odometry.last;
-            push(&mut odometry.truth, Section::resting(truth, self.known_until, until));
-            push(&mut odometry.estimate, Section::resting(estimate, self.known_until, until));
+            push(&mut odometry.truth, MotionSection::resting(truth, self.known_until, until));
+            push(&mut odometry.estimate, MotionSection::resting(estimate, self.known_until, until));
         }
         self.known_until = until;
     }
 
     /// Returns true if the body is at rest during all motion that is not yet evaluated.
     pub fn is_at_rest(&self) -> bool {
-        let rests = |sections: &[Section]| sections.len() <= 1 && sections.iter().all(Section::is_resting);
+        let rests = |sections: &[MotionSection]| sections.len() <= 1 && sections.iter().all(MotionSection::is_resting);
         let odometry = self.odometry.as_ref();
         rests(&self.body) && odometry.is_none_or(|odometry| rests(&odometry.truth) && rests(&odometry.estimate))
     }
@@ -135,7 +135,7 @@ impl PendingMotion {
 
     /// Ends the known motion at `to`.
     fn set_end(&mut self, to: f64) {
-        let end = |sections: &[Section]| sections.last().map(|section| section.position(to));
+        let end = |sections: &[MotionSection]| sections.last().map(|section| section.position(to));
         self.position = end(&self.body).unwrap_or(self.position);
         self.known_until = to;
         if let Some(odometry) = &mut self.odometry {
@@ -165,7 +165,7 @@ impl PendingOdometry {
         let mut passages = Vec::new();
         motion.odometry_passages(times.0, times.1, &mut passages);
         let mut sections = Vec::new();
-        Section::append(&mut sections, &passages, times, 0.0);
+        MotionSection::append(&mut sections, &passages, times, 0.0);
         let (turn, shift) = self.world_from_odometry;
         sections.iter().for_each(|section| push(&mut self.estimate, section.placed(turn, shift)));
     }

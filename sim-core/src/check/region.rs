@@ -2,16 +2,16 @@
 
 use glam::DVec2;
 
-use super::section::{Section, Smooth, find_zeros};
+use super::section::{MotionSection, Smooth, find_zeros};
 use crate::scene::Segment;
-use crate::spec::Place;
+use crate::spec::Region;
 
 /// Tolerance in metres for the rounding of poses: borders move by 1 nm in favour of the checked body.
 pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Squared distance between a moving point and a fixed segment, minus a squared reference distance.
 pub(super) struct ToSegment<'a> {
-    pub section: &'a Section,
+    pub section: &'a MotionSection,
     pub segment: Segment,
     pub less: f64,
 }
@@ -32,7 +32,7 @@ impl Smooth for ToSegment<'_> {
 
 /// Squared distance between two moving points, minus a squared reference distance.
 pub(super) struct Between<'a> {
-    pub sections: [&'a Section; 2],
+    pub sections: [&'a MotionSection; 2],
     pub less: f64,
 }
 
@@ -68,7 +68,7 @@ impl<F: Smooth> Smooth for Negative<F> {
 
 /// Signed distance of a moving point from a line: positive to the left.
 pub(super) struct ToLine<'a> {
-    pub section: &'a Section,
+    pub section: &'a MotionSection,
     pub point: DVec2,
     /// Unit vector to the left.
     pub normal: DVec2,
@@ -88,7 +88,7 @@ impl Smooth for ToLine<'_> {
 /// The intervals of a section, in order, each with the constant value of `is_inside`; `breaks` are the instants at which this value may
 /// change.
 pub(super) fn intervals(
-    section: &Section,
+    section: &MotionSection,
     mut breaks: Vec<f64>,
     is_inside: impl Fn(f64) -> bool,
 ) -> Vec<(f64, f64, bool)> {
@@ -111,17 +111,17 @@ pub(super) fn intervals(
 }
 
 /// The intervals of a section inside and outside a place, enlarged by [`ROUNDING`].
-pub(super) fn intervals_in(section: &Section, place: &Place) -> Vec<(f64, f64, bool)> {
+pub(super) fn intervals_in(section: &MotionSection, region: &Region) -> Vec<(f64, f64, bool)> {
     let margin = ROUNDING;
     let mut breaks = Vec::new();
-    match place {
-        Place::Disc { centre, radius } => {
+    match region {
+        Region::Disc { centre, radius } => {
             let radius = radius + margin;
             let function = ToSegment { section, segment: Segment::new(*centre, *centre), less: radius * radius };
             find_zeros(&function, section.from, section.to, &mut breaks);
             intervals(section, breaks, |t| function.at(t).0 <= 0.0)
         }
-        Place::Polygon(corners) => {
+        Region::Polygon(corners) => {
             for edge in edges(corners) {
                 let along = edge.b - edge.a;
                 let Some(normal) = along.perp().try_normalize() else { continue };

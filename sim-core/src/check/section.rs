@@ -9,7 +9,7 @@ use crate::time::Time;
 
 /// Motion of a point of a body on one path over a time interval. Times are absolute, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Section {
+pub(super) struct MotionSection {
     /// First instant of the section.
     pub from: f64,
     /// Last instant of the section.
@@ -23,7 +23,7 @@ pub(super) struct Section {
     heading: Heading,
 }
 
-impl Section {
+impl MotionSection {
     /// A section at rest at `position`.
     pub fn resting(position: DVec2, from: f64, to: f64) -> Self {
         Self { from, to, origin: from, path: Path::resting(position), ahead: 0.0, heading: Heading::new(0.0) }
@@ -136,7 +136,7 @@ impl Section {
 
 /// Appends `section`, merged with the last section if it continues that one, so that sections do not depend on the slots in which they were
 /// observed.
-pub(super) fn push(sections: &mut Vec<Section>, section: Section) {
+pub(super) fn push(sections: &mut Vec<MotionSection>, section: MotionSection) {
     match sections.last_mut() {
         Some(last) if last.to == section.from && last.continues_in(&section) => last.to = section.to,
         _ => sections.push(section),
@@ -144,8 +144,8 @@ pub(super) fn push(sections: &mut Vec<Section>, section: Section) {
 }
 
 /// Removes the motion before `until` from `sections` and returns it; a section across `until` is split.
-pub(super) fn take_until(sections: &mut Vec<Section>, until: f64) -> Vec<Section> {
-    let mut taken: Vec<Section> = Vec::new();
+pub(super) fn take_until(sections: &mut Vec<MotionSection>, until: f64) -> Vec<MotionSection> {
+    let mut taken: Vec<MotionSection> = Vec::new();
     let done = sections.partition_point(|section| section.to <= until);
     taken.extend(sections.drain(..done));
     if let Some(first) = sections.first_mut().filter(|first| first.from < until) {
@@ -169,7 +169,7 @@ const MIN_HALF_INTERVAL: f64 = 5e-7;
 
 /// Appends the zeros of `function` between `from` and `to` to `zeros`, in ascending order.
 ///
-/// The value in the middle and the bound of the second derivative tell whether an interval has no zero; the slope tells whether the
+/// The value in the middle and the bound of the second derivative decide whether an interval has no zero; the slope decides whether the
 /// function is monotonic in it. Any other interval is halved. No zero is missed, except pairs closer than a microsecond.
 pub(super) fn find_zeros(function: &impl Smooth, from: f64, to: f64, zeros: &mut Vec<f64>) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));

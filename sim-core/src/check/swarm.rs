@@ -63,7 +63,7 @@ impl Swarm {
             SwarmMetric::Spread => {
                 let middle = positions.iter().sum::<DVec2>() / count;
                 Some(
-                    positions.iter().map(|place| math::hypot(place.x - middle.x, place.y - middle.y)).sum::<f64>()
+                    positions.iter().map(|point| math::hypot(point.x - middle.x, point.y - middle.y)).sum::<f64>()
                         / count,
                 )
             }
@@ -106,8 +106,8 @@ fn groups(points: &[DVec2], reach: f64) -> usize {
     }
     let mut count = points.len();
     for (index, point) in points.iter().enumerate() {
-        for (other, place) in points[..index].iter().enumerate() {
-            if math::hypot(place.x - point.x, place.y - point.y) <= reach + ROUNDING {
+        for (other, other_point) in points[..index].iter().enumerate() {
+            if math::hypot(other_point.x - point.x, other_point.y - point.y) <= reach + ROUNDING {
                 let (one, two) = (root(&mut group, index), root(&mut group, other));
                 if one != two {
                     group[one.max(two)] = one.min(two);

@@ -1,24 +1,24 @@
 use glam::DVec2;
 
 use super::region::{Between, Negative, ToSegment, intervals_in};
-use super::section::{Section, Smooth, find_minimum, find_zeros, push, take_until};
+use super::section::{MotionSection, Smooth, find_minimum, find_zeros, push, take_until};
 use crate::contact::{LengthLaw, Pace, Path};
 use crate::math;
 use crate::pose::{Pose, Twist};
 use crate::scene::Segment;
-use crate::spec::Place;
+use crate::spec::Region;
 
-fn section(x: f64, y: f64, phi: f64, (v, omega): (f64, f64), to: f64) -> Section {
-    Section::on(Path::new(&Pose::new(x, y, phi), Twist::new(v, omega)), 0.0, (0.0, to))
+fn section(x: f64, y: f64, phi: f64, (v, omega): (f64, f64), to: f64) -> MotionSection {
+    MotionSection::on(Path::new(&Pose::new(x, y, phi), Twist::new(v, omega)), 0.0, (0.0, to))
 }
 
-fn disc(x: f64, y: f64, radius: f64) -> Place {
-    Place::Disc { centre: DVec2::new(x, y), radius }
+fn disc(x: f64, y: f64, radius: f64) -> Region {
+    Region::Disc { centre: DVec2::new(x, y), radius }
 }
 
 /// The intervals inside a place, as pairs of instants.
-fn inside(section: &Section, place: &Place) -> Vec<(f64, f64)> {
-    intervals_in(section, place).into_iter().filter(|(.., inside)| *inside).map(|(from, to, _)| (from, to)).collect()
+fn inside(section: &MotionSection, region: &Region) -> Vec<(f64, f64)> {
+    intervals_in(section, region).into_iter().filter(|(.., inside)| *inside).map(|(from, to, _)| (from, to)).collect()
 }
 
 #[test]
@@ -31,34 +31,34 @@ fn a_straight_way_through_a_disc_is_inside_along_the_chord() {
 
 #[test]
 fn a_way_that_grazes_a_disc_reaches_it_and_one_a_micrometre_beside_does_not() {
-    for (aside, reaches) in [(0.0, true), (-1e-6, true), (1e-6, false), (1e-3, false)] {
-        let way = section(0.0, 1.1 + aside, 0.0, (0.3, 0.0), 10.0);
-        assert_eq!(!inside(&way, &disc(1.5, 1.0, 0.1)).is_empty(), reaches, "{aside} m beside");
+    for (offset, reaches) in [(0.0, true), (-1e-6, true), (1e-6, false), (1e-3, false)] {
+        let path = section(0.0, 1.1 + offset, 0.0, (0.3, 0.0), 10.0);
+        assert_eq!(!inside(&path, &disc(1.5, 1.0, 0.1)).is_empty(), reaches, "{offset} m beside");
     }
 }
 
 #[test]
 fn a_circle_along_the_border_of_a_disc_is_inside_all_the_time() {
     // Radius 0.5 around (0, 0), from its rightmost point.
-    let way = section(0.5, 0.0, 0.5 * std::f64::consts::PI, (0.25, 0.5), 0.1);
-    let found = intervals_in(&way, &disc(0.0, 0.0, 0.5));
+    let path = section(0.5, 0.0, 0.5 * std::f64::consts::PI, (0.25, 0.5), 0.1);
+    let found = intervals_in(&path, &disc(0.0, 0.0, 0.5));
     assert_eq!(found, [(0.0, 0.1, true)]);
 }
 
 #[test]
 fn stretches_in_a_polygon_are_those_that_samples_show() {
     let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 0.4), (0.0, 1.0)].map(DVec2::from);
-    let place = Place::Polygon(corners.to_vec());
+    let region = Region::Polygon(corners.to_vec());
     for turn in 0..40 {
-        let way = section(0.2, -0.4, 0.15 * f64::from(turn), (0.4, 0.13 * f64::from(turn % 7 - 3)), 12.0);
-        let found = intervals_in(&way, &place);
+        let path = section(0.2, -0.4, 0.15 * f64::from(turn), (0.4, 0.13 * f64::from(turn % 7 - 3)), 12.0);
+        let found = intervals_in(&path, &region);
         assert_eq!((found[0].0, found[found.len() - 1].1), (0.0, 12.0), "the section is covered");
         for sample in 1..1200 {
             let t = 0.01 * f64::from(sample);
             let (from, to, is_inside) =
                 *found.iter().find(|(from, to, _)| (*from..=*to).contains(&t)).expect("covered");
             if (t - from).min(to - t) > 1e-6 {
-                assert_eq!(is_inside, super::region::is_within(&corners, way.position(t)), "turn {turn} at {t} s");
+                assert_eq!(is_inside, super::region::is_within(&corners, path.position(t)), "turn {turn} at {t} s");
             }
         }
     }
@@ -66,7 +66,7 @@ fn stretches_in_a_polygon_are_those_that_samples_show() {
 
 #[test]
 fn a_way_along_an_edge_stays_in_the_polygon() {
-    let square = Place::Polygon([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from).to_vec());
+    let square = Region::Polygon([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from).to_vec());
     assert_eq!(intervals_in(&section(0.1, 1.0, 0.0, (0.1, 0.0), 5.0), &square), [(0.0, 5.0, true)]);
     let found = intervals_in(&section(0.5, 0.5, 0.0, (0.1, 0.0), 10.0), &square);
     assert!((found[0].1 - 5.0).abs() < 1e-7 && found.len() == 2, "{found:?}");
@@ -95,11 +95,14 @@ fn curvatures_bound_the_second_differences_also_while_sliding() {
         pace: Pace::Sliding { omega: 0.9, law },
         ..Path::new(&Pose::new(0.3, 0.1, 1.0), Twist { vx: 1.0, vy: 0.0, omega: -10.0 })
     };
-    let sliding = Section::on(round, 0.0, (0.0, 2.0));
+    let sliding = MotionSection::on(round, 0.0, (0.0, 2.0));
     let turning = section(0.0, 0.0, 0.3, (0.5, 2.0), 2.0);
-    for way in [sliding, turning] {
-        let wall =
-            ToSegment { section: &way, segment: Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 0.2)), less: 0.01 };
+    for piece in [sliding, turning] {
+        let wall = ToSegment {
+            section: &piece,
+            segment: Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 0.2)),
+            less: 0.01,
+        };
         for step in 1..199 {
             let (t, h) = (0.01 * f64::from(step), 1e-4);
             let (slope, next) = (wall.at(t - h).1, wall.at(t + h).1);
@@ -111,32 +114,32 @@ fn curvatures_bound_the_second_differences_also_while_sliding() {
 
 #[test]
 fn the_least_distance_is_that_of_plane_geometry() {
-    let way = section(0.0, 0.3, 0.0, (0.2, 0.0), 20.0);
+    let path = section(0.0, 0.3, 0.0, (0.2, 0.0), 20.0);
     let point = Segment::new(DVec2::new(2.0, 0.0), DVec2::new(2.0, 0.0));
-    let (mut least, mut greatest) = ((f64::INFINITY, 0.0), (0.0, 0.0));
-    let distance = || ToSegment { section: &way, segment: point, less: 0.0 };
-    find_minimum(&distance(), (0.0, 20.0), &mut least, 1e-12);
-    find_minimum(&Negative(distance()), (0.0, 20.0), &mut greatest, 1e-12);
-    assert!((least.0 - 0.09).abs() < 1e-9 && (least.1 - 10.0).abs() < 1e-3, "{least:?}");
-    assert!((greatest.0 + 4.09).abs() < 1e-9, "{greatest:?}");
+    let (mut minimum, mut maximum) = ((f64::INFINITY, 0.0), (0.0, 0.0));
+    let distance = || ToSegment { section: &path, segment: point, less: 0.0 };
+    find_minimum(&distance(), (0.0, 20.0), &mut minimum, 1e-12);
+    find_minimum(&Negative(distance()), (0.0, 20.0), &mut maximum, 1e-12);
+    assert!((minimum.0 - 0.09).abs() < 1e-9 && (minimum.1 - 10.0).abs() < 1e-3, "{minimum:?}");
+    assert!((maximum.0 + 4.09).abs() < 1e-9, "{maximum:?}");
 }
 
 #[test]
 fn sections_do_not_depend_on_the_slots_in_which_they_were_seen() {
-    let way = section(0.0, 0.0, 0.0, (0.2, 0.3), 1.0);
+    let path = section(0.0, 0.0, 0.0, (0.2, 0.3), 1.0);
     let cut = |slot: f64| {
         let mut sections = Vec::new();
         let mut from = 0.0;
         for slot in (1..).map(|n| f64::from(n) * slot).take_while(|end| *end <= 1.0) {
-            push(&mut sections, way.part(from, slot));
+            push(&mut sections, path.part(from, slot));
             from = slot;
         }
         sections
     };
-    assert_eq!(cut(0.125), [way]);
+    assert_eq!(cut(0.125), [path]);
     assert_eq!(cut(0.5), cut(0.0625));
     let (mut left, middle) = (cut(0.25), 0.3);
-    assert_eq!(take_until(&mut left, middle), [way.part(0.0, middle)]);
-    assert_eq!(left, [way.part(middle, 1.0)]);
-    assert_eq!(math::hypot(left[0].position(0.5).x, 0.0), way.position(0.5).x, "the path keeps its origin");
+    assert_eq!(take_until(&mut left, middle), [path.part(0.0, middle)]);
+    assert_eq!(left, [path.part(middle, 1.0)]);
+    assert_eq!(math::hypot(left[0].position(0.5).x, 0.0), path.position(0.5).x, "the path keeps its origin");
 }

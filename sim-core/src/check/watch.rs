@@ -5,11 +5,11 @@ use glam::DVec2;
 use super::Finding;
 use super::pending::Interval;
 use super::region::{Between, Negative, ROUNDING, ToLine, ToSegment, edges, intervals, intervals_in, is_within};
-use super::section::{Section, Smooth, find_minimum, find_zeros};
+use super::section::{MotionSection, Smooth, find_minimum, find_zeros};
 use super::swarm::Swarm;
 use crate::RobotId;
 use crate::scene::{Bounds, Segment, Walls};
-use crate::spec::{BodyRef, CheckKind, Neighbours, Place, SceneSpec, SwarmMetric};
+use crate::spec::{BodyRef, CheckKind, Neighbours, Region, SceneSpec, SwarmMetric};
 use crate::time::Time;
 
 /// Tolerance of the minima and maxima of squared distances that are only reported, m^2.
@@ -27,7 +27,7 @@ impl Surroundings<'_> {
         self.robots.get(id.index())?.as_ref()
     }
 
-    pub fn sections(&self, body: BodyRef) -> &[Section] {
+    pub fn sections(&self, body: BodyRef) -> &[MotionSection] {
         let interval = match body {
             BodyRef::Robot(id) => self.robot(id),
             BodyRef::Object(id) => self.objects.get(id.index()).and_then(Option::as_ref),
@@ -55,9 +55,9 @@ impl Watch {
     pub fn new(kind: &CheckKind, scene: &SceneSpec) -> Option<Self> {
         let seconds = |by: Option<Time>| by.map_or(f64::INFINITY, Time::seconds);
         Some(match kind {
-            CheckKind::Reach { body, place, by, stay } => Self::Reach(Reach {
+            CheckKind::Reach { body, region, by, stay } => Self::Reach(Reach {
                 body: *body,
-                place: place.clone(),
+                region: region.clone(),
                 by: seconds(*by),
                 stay: stay.seconds(),
                 since: None,
@@ -66,14 +66,14 @@ impl Watch {
             }),
             CheckKind::Visits { body, places, within, by, any_order } => Self::Visits(Visits {
                 body: *body,
-                left: places.iter().map(|centre| Place::Disc { centre: *centre, radius: *within }).collect(),
+                remaining: places.iter().map(|centre| Region::Disc { centre: *centre, radius: *within }).collect(),
                 by: seconds(*by),
                 any_order: *any_order,
                 count: 0,
                 last: None,
             }),
-            CheckKind::StaysIn { body, place } => {
-                Self::StaysIn(StaysIn { body: *body, place: place.clone(), left: None })
+            CheckKind::StaysIn { body, region } => {
+                Self::StaysIn(StaysIn { body: *body, region: region.clone(), exit: None })
             }
             CheckKind::Laps { body, gate, min, by } => Self::Laps(Laps {
                 body: *body,
@@ -159,7 +159,7 @@ impl Watch {
         match self {
             Self::Reach(watch) => watch.finding(),
             Self::Visits(watch) => watch.finding(),
-            Self::StaysIn(watch) => Finding::violated(watch.left, None),
+            Self::StaysIn(watch) => Finding::violated(watch.exit, None),
             Self::Laps(watch) => watch.finding(),
             Self::Clearance(watch) => watch.finding(),
             Self::FollowsWall(watch) => watch.finding(),
@@ -197,7 +197,7 @@ const NO_DISTANCE: (f64, f64, DVec2) = (f64::INFINITY, 0.0, DVec2::ZERO);
 #[derive(Clone, Debug)]
 pub(super) struct Reach {
     pub body: BodyRef,
-    place: Place,
+    region: Region,
     by: f64,
     stay: f64,
     /// Instant and position of the last entry, while the body is inside.
@@ -209,12 +209,12 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    fn take(&mut self, sections: &[Section]) {
+    fn take(&mut self, sections: &[MotionSection]) {
         for section in sections {
             if self.done.is_some() {
                 return;
             }
-            for (from, to, is_inside) in intervals_in(section, &self.place) {
+            for (from, to, is_inside) in intervals_in(section, &self.region) {
                 if !is_inside {
                     self.since = None;
                 } else {
@@ -231,7 +231,7 @@ impl Reach {
         }
     }
 
-    fn approach(&mut self, section: &Section) {
+    fn approach(&mut self, section: &MotionSection) {
         let mut approach = |segment: Segment| {
             let mut best = (self.nearest.0, self.nearest.1);
             find_minimum(
@@ -244,9 +244,9 @@ impl Reach {
                 self.nearest = (best.0, best.1, section.position(best.1));
             }
         };
-        match &self.place {
-            Place::Disc { centre, .. } => approach(Segment::new(*centre, *centre)),
-            Place::Polygon(corners) => edges(corners).for_each(approach),
+        match &self.region {
+            Region::Disc { centre, .. } => approach(Segment::new(*centre, *centre)),
+            Region::Polygon(corners) => edges(corners).for_each(approach),
         }
     }
 
@@ -270,7 +270,7 @@ impl Reach {
 pub(super) struct Visits {
     pub body: BodyRef,
     /// Places that have not been visited.
-    left: Vec<Place>,
+    remaining: Vec<Region>,
     by: f64,
     any_order: bool,
     /// Number of visited places.
@@ -280,11 +280,11 @@ pub(super) struct Visits {
 }
 
 impl Visits {
-    fn take(&mut self, sections: &[Section]) {
+    fn take(&mut self, sections: &[MotionSection]) {
         for section in sections {
             let mut rest = *section;
-            while let Some((place, at)) = self.next(&rest) {
-                self.left.remove(place);
+            while let Some((region, at)) = self.next(&rest) {
+                self.remaining.remove(region);
                 self.count += 1;
                 self.last = Some((at, section.position(at)));
                 rest = section.part(at, section.to);
@@ -293,17 +293,17 @@ impl Visits {
     }
 
     /// The next visit within a section: index of the place, and instant.
-    fn next(&self, section: &Section) -> Option<(usize, f64)> {
-        let candidates = if self.any_order { self.left.len() } else { self.left.len().min(1) };
-        let entry = |place: &Place| intervals_in(section, place).into_iter().find(|(.., is_inside)| *is_inside);
-        let entries = self.left[..candidates].iter().enumerate();
-        let entries = entries.filter_map(|(index, place)| entry(place).map(|(at, ..)| (index, at)));
+    fn next(&self, section: &MotionSection) -> Option<(usize, f64)> {
+        let candidates = if self.any_order { self.remaining.len() } else { self.remaining.len().min(1) };
+        let entry = |region: &Region| intervals_in(section, region).into_iter().find(|(.., is_inside)| *is_inside);
+        let entries = self.remaining[..candidates].iter().enumerate();
+        let entries = entries.filter_map(|(index, region)| entry(region).map(|(at, ..)| (index, at)));
         entries.min_by(|(_, a), (_, b)| a.total_cmp(b))
     }
 
     fn finding(&self) -> Finding {
         let (at, position) = self.last.unzip();
-        let is_met = self.left.is_empty() && at.is_none_or(|at| at <= self.by + ROUNDING);
+        let is_met = self.remaining.is_empty() && at.is_none_or(|at| at <= self.by + ROUNDING);
         Finding { is_met, at, position, value: Some(self.count as f64) }
     }
 }
@@ -312,16 +312,16 @@ impl Visits {
 #[derive(Clone, Debug)]
 pub(super) struct StaysIn {
     pub body: BodyRef,
-    place: Place,
-    left: Option<(f64, DVec2)>,
+    region: Region,
+    exit: Option<(f64, DVec2)>,
 }
 
 impl StaysIn {
-    fn take(&mut self, sections: &[Section]) {
-        for section in sections.iter().filter(|_| self.left.is_none()) {
-            let outside = intervals_in(section, &self.place).into_iter().find(|(.., is_inside)| !is_inside);
+    fn take(&mut self, sections: &[MotionSection]) {
+        for section in sections.iter().filter(|_| self.exit.is_none()) {
+            let outside = intervals_in(section, &self.region).into_iter().find(|(.., is_inside)| !is_inside);
             if let Some((at, ..)) = outside {
-                self.left = Some((at, section.position(at)));
+                self.exit = Some((at, section.position(at)));
                 return;
             }
         }
@@ -342,7 +342,7 @@ pub(super) struct Laps {
 }
 
 impl Laps {
-    fn take(&mut self, sections: &[Section]) {
+    fn take(&mut self, sections: &[MotionSection]) {
         let along = self.gate.b - self.gate.a;
         let Some(normal) = along.perp().try_normalize() else { return };
         for section in sections {
@@ -405,7 +405,7 @@ impl Clearance {
         }
     }
 
-    fn walls(&mut self, walls: &Walls, section: &Section, radius: f64, violations: &mut Vec<(f64, DVec2)>) {
+    fn walls(&mut self, walls: &Walls, section: &MotionSection, radius: f64, violations: &mut Vec<(f64, DVec2)>) {
         let (middle, half_way) = section.surrounding_disc();
         // The nearest wall of the whole world is searched once; later only a nearer wall counts.
         let gap =
@@ -422,7 +422,7 @@ impl Clearance {
     fn meet<F: Smooth>(
         &mut self,
         function: impl Fn(f64) -> F,
-        section: &Section,
+        section: &MotionSection,
         radius: f64,
         violations: &mut Vec<(f64, DVec2)>,
     ) {
@@ -432,9 +432,9 @@ impl Clearance {
             let function = function(limit * limit);
             let mut breaks = Vec::new();
             find_zeros(&function, section.from, section.to, &mut breaks);
-            let near =
+            let violation =
                 intervals(section, breaks, |t| function.at(t).0 < 0.0).into_iter().find(|(.., is_near)| *is_near);
-            violations.extend(near.map(|(at, ..)| (at, section.position(at))));
+            violations.extend(violation.map(|(at, ..)| (at, section.position(at))));
         }
         let (gap, at) = self.min_gap.unwrap_or((f64::INFINITY, section.from));
         let square = |gap: f64| (gap + radius) * (gap + radius);
@@ -457,7 +457,10 @@ fn nearest_wall(walls: &Walls, point: DVec2) -> f64 {
 }
 
 /// The parts of two lists of sections over the same time intervals.
-fn overlaps<'a>(a: &'a [Section], b: &'a [Section]) -> impl Iterator<Item = (Section, Section)> + 'a {
+fn overlaps<'a>(
+    a: &'a [MotionSection],
+    b: &'a [MotionSection],
+) -> impl Iterator<Item = (MotionSection, MotionSection)> + 'a {
     a.iter().flat_map(move |one| {
         b.iter().filter_map(move |other| {
             let (from, to) = (one.from.max(other.from), one.to.min(other.to));
@@ -484,15 +487,17 @@ impl FollowsWall {
         for section in own.body.iter().filter(|section| !section.is_resting()) {
             let (middle, half_way) = section.surrounding_disc();
             let limits = [self.gap[0] + own.radius - ROUNDING, self.gap[1] + own.radius + ROUNDING];
-            let (mut near, mut breaks) = (Vec::new(), Vec::new());
-            surroundings.walls.for_each_in(Bounds::of_disc(middle, half_way + limits[1]), |_, wall| near.push(*wall));
-            for (segment, limit) in near.iter().flat_map(|wall| limits.map(|limit| (*wall, limit.max(0.0)))) {
+            let (mut near_walls, mut breaks) = (Vec::new(), Vec::new());
+            surroundings
+                .walls
+                .for_each_in(Bounds::of_disc(middle, half_way + limits[1]), |_, wall| near_walls.push(*wall));
+            for (segment, limit) in near_walls.iter().flat_map(|wall| limits.map(|limit| (*wall, limit.max(0.0)))) {
                 let function = ToSegment { section, segment, less: limit * limit };
                 find_zeros(&function, section.from, section.to, &mut breaks);
             }
             let is_followed = |t: f64| {
                 let position = section.position(t);
-                let gap = near.iter().map(|wall| wall.distance(position)).fold(f64::INFINITY, f64::min);
+                let gap = near_walls.iter().map(|wall| wall.distance(position)).fold(f64::INFINITY, f64::min);
                 (limits[0]..=limits[1]).contains(&gap)
             };
             for (from, to, is_followed) in intervals(section, breaks, is_followed) {
@@ -504,9 +509,9 @@ impl FollowsWall {
     }
 
     fn finding(&self) -> Finding {
-        let share = if self.path > 0.0 { self.followed / self.path } else { 0.0 };
-        let is_met = self.path > 0.0 && share >= self.share - ROUNDING;
-        Finding { is_met, at: None, position: None, value: Some(share) }
+        let fraction = if self.path > 0.0 { self.followed / self.path } else { 0.0 };
+        let is_met = self.path > 0.0 && fraction >= self.share - ROUNDING;
+        Finding { is_met, at: None, position: None, value: Some(fraction) }
     }
 }
 
@@ -525,7 +530,7 @@ pub(super) struct Coverage {
     is_open: Vec<bool>,
     /// Total number of squares to be covered.
     whole: usize,
-    covered: usize,
+    covered_cells: usize,
     share: f64,
     by: f64,
     done: Option<(f64, DVec2)>,
@@ -547,7 +552,7 @@ impl Coverage {
             columns,
             is_open,
             whole,
-            covered: 0,
+            covered_cells: 0,
             share,
             by,
             done: None,
@@ -562,7 +567,7 @@ impl Coverage {
         }
         found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (at, index, position) in found {
-            self.covered += usize::from(std::mem::take(&mut self.is_open[index]));
+            self.covered_cells += usize::from(std::mem::take(&mut self.is_open[index]));
             if self.done.is_none() && self.is_enough() {
                 self.done = Some((at, position));
             }
@@ -570,11 +575,11 @@ impl Coverage {
     }
 
     fn is_enough(&self) -> bool {
-        self.covered as f64 >= self.share * self.whole as f64 - 1e-6
+        self.covered_cells as f64 >= self.share * self.whole as f64 - 1e-6
     }
 
     /// Collects the squares over whose middles the tool passes in a section: instant, index, position of the tool.
-    fn pass(&self, section: &Section, found: &mut Vec<(f64, usize, DVec2)>) {
+    fn pass(&self, section: &MotionSection, found: &mut Vec<(f64, usize, DVec2)>) {
         let (middle, half_way) = section.surrounding_disc();
         let bounds = Bounds::of_disc(middle, half_way + self.half_width + self.cell);
         let rows = self.is_open.len() / self.columns;
@@ -582,14 +587,14 @@ impl Coverage {
         let (low, high) = (index(bounds.min), index(bounds.max));
         for row in low.y as usize..(high.y as usize + 1).min(rows) {
             for column in low.x as usize..(high.x as usize + 1).min(self.columns) {
-                let place = row * self.columns + column;
-                if !self.is_open[place] {
+                let cell = row * self.columns + column;
+                if !self.is_open[cell] {
                     continue;
                 }
-                let point = self.origin + middle_of(place, self.columns) * self.cell;
-                let within = Place::Disc { centre: point, radius: self.half_width };
+                let point = self.origin + middle_of(cell, self.columns) * self.cell;
+                let within = Region::Disc { centre: point, radius: self.half_width };
                 let entry = intervals_in(section, &within).into_iter().find(|(.., is_inside)| *is_inside);
-                found.extend(entry.map(|(at, ..)| (at, place, section.position(at))));
+                found.extend(entry.map(|(at, ..)| (at, cell, section.position(at))));
             }
         }
     }
@@ -597,8 +602,8 @@ impl Coverage {
     pub fn finding(&self) -> Finding {
         let (at, position) = self.done.unzip();
         let is_met = self.whole > 0 && (self.is_enough() && at.is_none_or(|at| at <= self.by + ROUNDING));
-        let share = if self.whole > 0 { self.covered as f64 / self.whole as f64 } else { 0.0 };
-        Finding { is_met, at, position, value: Some(share) }
+        let fraction = if self.whole > 0 { self.covered_cells as f64 / self.whole as f64 } else { 0.0 };
+        Finding { is_met, at, position, value: Some(fraction) }
     }
 }
 
@@ -623,9 +628,9 @@ pub(super) struct OdometryError {
 impl OdometryError {
     fn take(&mut self, surroundings: &Surroundings<'_>) {
         let Some(own) = surroundings.robot(self.robot) else { return };
-        let [truth, belief] = &own.axle;
-        for (truth, belief) in overlaps(truth, belief) {
-            let (sections, to) = ([&truth, &belief], truth.to);
+        let [truth, odometry] = &own.axle;
+        for (truth, odometry) in overlaps(truth, odometry) {
+            let (sections, to) = ([&truth, &odometry], truth.to);
             let limit = self.max + ROUNDING;
             let within = Between { sections, less: limit * limit };
             if self.violated.is_none() && !self.at_end {
@@ -638,7 +643,7 @@ impl OdometryError {
             let error = Negative(Between { sections, less: 0.0 });
             find_minimum(&error, (truth.from, to), &mut self.negated_max, REPORTED_TOLERANCE);
             let position = truth.position(to);
-            self.last = Some(((belief.position(to) - position).length(), to, position));
+            self.last = Some(((odometry.position(to) - position).length(), to, position));
         }
     }
 

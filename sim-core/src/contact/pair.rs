@@ -21,7 +21,7 @@ pub struct MovingDisc {
 pub fn first_touch(a: &MovingDisc, b: &MovingDisc, span: f64) -> Option<f64> {
     let acceleration = a.path.acceleration() + b.path.acceleration();
     // Minimum step in seconds for discs that roll along each other in contact.
-    let least_step = (1e-3 * span).max(1e-6);
+    let min_step = (1e-3 * span).max(1e-6);
     let mut t = 0.0;
     while t < span {
         let offset = b.path.position(b.elapsed + t) - a.path.position(a.elapsed + t);
@@ -44,7 +44,7 @@ pub fn first_touch(a: &MovingDisc, b: &MovingDisc, span: f64) -> Option<f64> {
             // Discs on straight lines that do not approach each other now never will.
             return None;
         } else {
-            t += ((rate + APPROACH) / acceleration).max(least_step);
+            t += ((rate + APPROACH) / acceleration).max(min_step);
         }
     }
     None

@@ -44,7 +44,7 @@ pub struct Slide {
 }
 
 impl Push {
-    /// Motion of the disc from the start of its free path, for at most `duration` seconds. The touched walls are
+    /// SlideMotion of the disc from the start of its free path, for at most `duration` seconds. The touched walls are
     /// determined at the start; `met` always counts as touched.
     pub fn slide(&self, walls: &Walls, met: Option<WallId>, duration: f64) -> Slide {
         let touched = self.touched(walls, met);
@@ -59,7 +59,7 @@ impl Push {
         let grazing: Vec<_> = grazed.filter_map(|contact| Some((contact, self.track_along(contact, true)?))).collect();
         let mut best: Option<(f64, Slide)> = None;
         for (contact, (slip, track)) in tracks.into_iter().chain(grazing) {
-            if best.as_ref().is_some_and(|(least, _)| *least <= slip) {
+            if best.as_ref().is_some_and(|(min_slip, _)| *min_slip <= slip) {
                 continue;
             }
             if let Some(slide) = self.follow(walls, &touched, contact, track, duration) {
@@ -114,12 +114,12 @@ impl Push {
         first_contact(path, self.radius, &contact.segment, duration).is_some_and(|contact| contact.after == 0.0)
     }
 
-    /// Motion that this contact allows if it is the only one: the slip speed of the wheels over the floor, m/s, and the
+    /// SlideMotion that this contact allows if it is the only one: the slip speed of the wheels over the floor, m/s, and the
     /// track of the centre. `is_grazed`: the disc approaches the wall only by a rounding error, so the wall is in the
     /// way without pressure.
     fn track_along(&self, contact: &Contact, is_grazed: bool) -> Option<(f64, Track)> {
-        let is_end = |share: f64| share <= 0.0 || share >= 1.0;
-        let mut round = is_end(contact.share());
+        let is_end = |fraction: f64| fraction <= 0.0 || fraction >= 1.0;
+        let mut round = is_end(contact.position_along());
         let mut motion = self.motion_at(contact, round, is_grazed)?;
         let scale = 16.0 * f64::EPSILON * (self.free.origin.abs().max_element() + self.radius);
         // If the face ends here, within rounding, the disc turns around the end; if a face begins here, the disc moves
@@ -132,7 +132,7 @@ impl Push {
             round = !round;
             motion = self.motion_at(contact, round, is_grazed)?;
         }
-        let Motion { sense, regime, .. } = motion;
+        let SlideMotion { sense, regime, .. } = motion;
         let length = match round {
             _ if sense == 0.0 => 0.0,
             false => contact.left_of_face(sense),
@@ -144,8 +144,8 @@ impl Push {
         Some((slip, Track { sense, round, regime, length, seconds: motion.seconds }))
     }
 
-    /// Motion at a contact from now on: along a face, or with `round` around an end of the wall.
-    fn motion_at(&self, contact: &Contact, round: bool, is_grazed: bool) -> Option<Motion> {
+    /// SlideMotion at a contact from now on: along a face, or with `round` around an end of the wall.
+    fn motion_at(&self, contact: &Contact, round: bool, is_grazed: bool) -> Option<SlideMotion> {
         let alpha = contact.alpha;
         let rate = match (round, self.regime(contact, alpha)) {
             (true, Regime::Rolling) => 0.0,
@@ -172,7 +172,7 @@ impl Push {
             Some(_) if matches!(regime, Regime::Rolling) => f64::INFINITY,
             Some(angle) => self.law(contact, round, regime, sense).seconds_to_turn(angle),
         };
-        Some(Motion { regime, sense, seconds })
+        Some(SlideMotion { regime, sense, seconds })
     }
 
     /// Components of the push in m/s, into the wall and along the contact's tangent, for the angle `alpha` from the
@@ -262,7 +262,7 @@ impl Push {
         let law = self.law(contact, track.round, track.regime, track.sense);
         let tangent = contact.normal.perp() * track.sense;
         let bend = if track.round { track.sense / contact.distance } else { 0.0 };
-        let way = Path {
+        let slide = Path {
             origin: self.free.origin,
             direction: tangent,
             twist: Twist::new(1.0, bend),
@@ -275,11 +275,11 @@ impl Push {
         }
         let others = touched.iter().filter(|other| other.wall != contact.wall);
         for other in others {
-            if self.is_approached(&way, other, length) {
+            if self.is_approached(&slide, other, length) {
                 return None;
             }
         }
-        let first = self.first_on(walls, &way, contact.wall, length);
+        let first = self.first_on(walls, &slide, contact.wall, length);
         let meets = first.filter(|(at, ..)| *at < length);
         if let Some((at, ..)) = meets {
             length = at;
@@ -287,24 +287,24 @@ impl Push {
         if meets.is_some() || length == track.length {
             seconds = seconds_of(&law, length, seconds);
         }
-        let path = Path { pace: Pace::Sliding { omega: self.omega(), law }, ..way };
+        let path = Path { pace: Pace::Sliding { omega: self.omega(), law }, ..slide };
         let meets = meets.filter(|(.., is_fresh)| *is_fresh).map(|(_, wall, _)| wall);
         Some(Slide { path, after: seconds, against, meets })
     }
 
     /// The first wall other than `except` that a disc meets on `way`, a path at 1 m/s, within `length` metres: the length up to the
     /// contact, the wall, and true if the disc did not touch that wall at the start.
-    fn first_on(&self, walls: &Walls, way: &Path, except: WallId, length: f64) -> Option<(f64, WallId, bool)> {
+    fn first_on(&self, walls: &Walls, path: &Path, except: WallId, length: f64) -> Option<(f64, WallId, bool)> {
         let mut from = 0.0;
-        let mut stretch = 4.0 * self.radius;
+        let mut step = 4.0 * self.radius;
         while from < length {
-            let to = (from + stretch).min(length);
+            let to = (from + step).min(length);
             let mut first: Option<(f64, WallId, bool)> = None;
-            walls.for_each_in(way.bounds(from, to).grown(self.radius + 2.0 * SKIN), |wall, segment| {
+            walls.for_each_in(path.bounds(from, to).grown(self.radius + 2.0 * SKIN), |wall, segment| {
                 if wall == except {
                     return;
                 }
-                let Some(contact) = first_contact(way, self.radius, segment, length) else { return };
+                let Some(contact) = first_contact(path, self.radius, segment, length) else { return };
                 if contact.after <= to && first.is_none_or(|(at, best, _)| (contact.after, wall) < (at, best)) {
                     first = Some((contact.after, wall, contact.fresh));
                 }
@@ -312,7 +312,7 @@ impl Push {
             if first.is_some() {
                 return first;
             }
-            (from, stretch) = (to, 2.0 * stretch);
+            (from, step) = (to, 2.0 * step);
         }
         None
     }
@@ -323,7 +323,7 @@ impl Push {
         let mut against: Option<(f64, &Contact)> = None;
         for contact in touched {
             let (pressed, _) = self.components(contact.alpha);
-            if against.is_none_or(|(most, _)| pressed > most) {
+            if against.is_none_or(|(max_pressed, _)| pressed > max_pressed) {
                 against = Some((pressed, contact));
             }
             if let Some(angle) = self.next_angle(contact, self.omega().signum()).filter(|_| self.omega() != 0.0) {
@@ -351,7 +351,7 @@ struct Contact {
 
 impl Contact {
     /// Position of the point on the wall: 0 and 1 at its ends, 0.5 in between.
-    fn share(&self) -> f64 {
+    fn position_along(&self) -> f64 {
         if self.point == self.segment.a {
             0.0
         } else if self.point == self.segment.b {
@@ -409,9 +409,9 @@ impl Regime {
     }
 }
 
-/// Motion that a contact allows for some time.
+/// SlideMotion that a contact allows for some time.
 #[derive(Clone, Copy, Debug)]
-struct Motion {
+struct SlideMotion {
     regime: Regime,
     /// Direction of the motion: 1 along the tangent, -1 against it, 0 at rest.
     sense: f64,

@@ -113,9 +113,9 @@ impl CriticalTimes {
         let normal = tangent.perp();
         for point in [wall.a, wall.b] {
             let offset = point - path.origin;
-            let (ahead, aside) = (offset.dot(tangent), offset.dot(normal));
+            let (ahead, lateral) = (offset.dot(tangent), offset.dot(normal));
             // The centre is nearest or farthest where the path has turned by an angle theta with tan(theta) = a / b.
-            let (a, b) = (omega / speed * ahead, 1.0 - omega / speed * aside);
+            let (a, b) = (omega / speed * ahead, 1.0 - omega / speed * lateral);
             if b > 0.0 && (a / b).abs() < 1e-4 {
                 // The series of the arc tangent makes a straight path the limit of a curved path.
                 let ratio = a / b;

@@ -34,7 +34,7 @@ pub struct Camera {
     /// `None` if images are exact.
     errors: Option<Box<ImageErrors>>,
     /// Images taken so far.
-    taken: u64,
+    image_count: u64,
     /// Exposure times of the latest images, in order.
     exposed: VecDeque<Time>,
     /// Last exposure since the camera was switched on.
@@ -130,7 +130,7 @@ impl Camera {
 
     /// Number of an image exposed at `at`.
     pub fn number_at(&self, at: Time) -> u64 {
-        self.taken + 1 - self.exposed.iter().filter(|exposed| **exposed >= at).count() as u64
+        self.image_count + 1 - self.exposed.iter().filter(|exposed| **exposed >= at).count() as u64
     }
 
     /// Adds blur and noise of image `number` to a picture.
@@ -156,7 +156,7 @@ impl Camera {
 
     /// Counts an image that has been taken and keeps its exposure as the last one.
     pub(crate) fn keep(&mut self, exposure: Exposure) {
-        self.taken = exposure.number;
+        self.image_count = exposure.number;
         while self.exposed.front().is_some_and(|oldest| *oldest + HISTORY < exposure.at) {
             self.exposed.pop_front();
         }
@@ -205,8 +205,8 @@ fn angle(joint: &JointSpec, spec: &RobiSpec, servos: &Servos, at: Time) -> f64 {
         JointSpec::Fixed(angle) => *angle,
         JointSpec::Servo { name, from, to } => {
             let all = spec.all_servos();
-            let place = all.iter().position(|servo| servo.name == name);
-            place.map_or(0.5 * (from + to), |place| servos.angle_before(place, all[place].swing, at))
+            let index = all.iter().position(|servo| servo.name == name);
+            index.map_or(0.5 * (from + to), |index| servos.angle_before(index, all[index].swing, at))
         }
     }
 }

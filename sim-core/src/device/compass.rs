@@ -17,8 +17,8 @@ pub const CYCLE: Time = Time::from_millis(100);
 #[derive(Clone, Debug, Default)]
 pub struct Compass {
     cycle: Option<Cycle>,
-    taken: Option<Time>,
-    /// Angle measured at `taken`, once computed.
+    measured_at: Option<Time>,
+    /// Angle measured at `measured_at`, once computed.
     angle: Option<f64>,
     /// `None` if the compass is exact.
     pub errors: Option<AngleErrors>,
@@ -30,7 +30,7 @@ impl Compass {
         self.advance(now);
         let can_start = self.cycle.is_none();
         if can_start {
-            (self.taken, self.angle) = (None, None);
+            (self.measured_at, self.angle) = (None, None);
             self.cycle = Some(Cycle::new(now, CYCLE, is_continuous));
         }
         can_start
@@ -47,14 +47,14 @@ impl Compass {
     /// Returns true if a cycle has been completed since the last start.
     pub fn is_valid(&mut self, now: Time) -> bool {
         self.advance(now);
-        self.taken.is_some()
+        self.measured_at.is_some()
     }
 
     /// The latest value, rad clockwise from north; `None` before the end of the first cycle. `measure` gives the value at an instant.
     pub fn read(&mut self, now: Time, measure: impl FnOnce(Time) -> f64) -> Option<f64> {
         self.advance(now);
-        let taken = self.taken?;
-        Some(*self.angle.get_or_insert_with(|| measure(taken)))
+        let measured_at = self.measured_at?;
+        Some(*self.angle.get_or_insert_with(|| measure(measured_at)))
     }
 
     /// End of the measurement in progress if it is not continuous, otherwise [`Time::NEVER`]; see
@@ -71,9 +71,9 @@ impl Compass {
 
     fn advance(&mut self, now: Time) {
         let Some(cycle) = self.cycle else { return };
-        let Some(taken) = cycle.latest(now) else { return };
-        if self.taken != Some(taken) {
-            (self.taken, self.angle) = (Some(taken), None);
+        let Some(measured_at) = cycle.latest(now) else { return };
+        if self.measured_at != Some(measured_at) {
+            (self.measured_at, self.angle) = (Some(measured_at), None);
         }
         if cycle.is_over(now) {
             self.cycle = None;

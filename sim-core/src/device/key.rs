@@ -61,7 +61,7 @@ impl std::fmt::Display for UserInput {
         match self {
             Self::Key(number) => write!(f, "KEY{number}"),
             Self::Touch([x, y]) => write!(f, "TOUCH({x},{y})"),
-            Self::Remote(place) => f.write_str(REMOTE_KEYS.get(usize::from(*place)).copied().unwrap_or_default()),
+            Self::Remote(index) => f.write_str(REMOTE_KEYS.get(usize::from(*index)).copied().unwrap_or_default()),
         }
     }
 }
@@ -78,8 +78,8 @@ impl FromStr for UserInput {
 
 /// Parses the pixel of `TOUCH(120,40)`.
 fn parse_pixel(text: &str) -> Option<[i32; 2]> {
-    let (word, place) = text.strip_suffix(')')?.split_once('(')?;
-    let (x, y) = place.split_once(',')?;
+    let (word, number) = text.strip_suffix(')')?.split_once('(')?;
+    let (x, y) = number.split_once(',')?;
     let coordinate = |text: &str| text.trim().parse().ok().filter(|pixel| (0..=MAX_PIXEL).contains(pixel));
     word.trim().eq_ignore_ascii_case("TOUCH").then_some([coordinate(x)?, coordinate(y)?])
 }
@@ -96,8 +96,8 @@ pub struct InputQueue {
 impl InputQueue {
     /// Adds a press at `at`.
     pub fn press(&mut self, at: Time, touch: UserInput) {
-        let place = self.presses.partition_point(|(earlier, _)| *earlier <= at);
-        self.presses.insert(place, (at, touch));
+        let index = self.presses.partition_point(|(earlier, _)| *earlier <= at);
+        self.presses.insert(index, (at, touch));
     }
 
     /// Removes and returns the earliest press of a key up to `now`.

@@ -64,8 +64,8 @@ impl Levels {
     pub fn follow(&mut self, mean: f64) {
         if self.is_automatic {
             let brightness = f64::from(self.numbers[0]);
-            let wanted = brightness * MIDDLE_LEVEL / mean.max(1.0);
-            self.numbers[0] = level(0.5 * (brightness + wanted)).max(1);
+            let gain = brightness * MIDDLE_LEVEL / mean.max(1.0);
+            self.numbers[0] = level(0.5 * (brightness + gain)).max(1);
         }
     }
 

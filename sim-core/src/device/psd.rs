@@ -36,7 +36,7 @@ struct Measurement {
 /// A sensor's latest measurement.
 #[derive(Clone, Copy, Debug, Default)]
 struct Latest {
-    taken: Option<Time>,
+    measured_at: Option<Time>,
     /// The reading, once computed.
     value: Option<Reading>,
 }
@@ -45,7 +45,7 @@ struct Latest {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// Instant of the measurement.
-    pub taken: Time,
+    pub measured_at: Time,
     /// The reading.
     pub reading: Reading,
 }
@@ -89,9 +89,9 @@ impl Psds {
     pub fn read(&mut self, index: usize, now: Time, measure: impl FnOnce(usize, Time) -> Reading) -> Option<Measured> {
         self.advance(now);
         let latest = self.readings.get_mut(index)?;
-        let taken = latest.taken?;
-        let reading = *latest.value.get_or_insert_with(|| measure(index, taken));
-        Some(Measured { taken, reading })
+        let measured_at = latest.measured_at?;
+        let reading = *latest.value.get_or_insert_with(|| measure(index, measured_at));
+        Some(Measured { measured_at, reading })
     }
 
     /// Addresses of the heap memory that [`Psds::read`] touches.
@@ -127,11 +127,11 @@ impl Psds {
         }
         let (sensors, cycle) = (*sensors, *cycle);
         *next = cycle.end(cycle.completed(now) + 1);
-        let Some(taken) = cycle.latest(now) else { return };
-        if self.stamp != Some(taken) {
-            self.stamp = Some(taken);
+        let Some(measured_at) = cycle.latest(now) else { return };
+        if self.stamp != Some(measured_at) {
+            self.stamp = Some(measured_at);
             for index in members(sensors) {
-                self.readings[index] = Latest { taken: Some(taken), value: None };
+                self.readings[index] = Latest { measured_at: Some(measured_at), value: None };
             }
         }
         if cycle.is_over(now) {
@@ -154,8 +154,8 @@ mod tests {
         Reading { distance: Some(index as f64 + at.seconds()), signal: 1.0 }
     }
 
-    fn measured(taken: Time, metres: f64) -> Option<Measured> {
-        Some(Measured { taken, reading: Reading { distance: Some(metres), signal: 1.0 } })
+    fn measured(measured_at: Time, metres: f64) -> Option<Measured> {
+        Some(Measured { measured_at, reading: Reading { distance: Some(metres), signal: 1.0 } })
     }
 
     #[test]
@@ -168,7 +168,7 @@ mod tests {
         assert_eq!(at_once, measured(Time(61_000), 2.061));
         let later = psds.read(2, Time(120_999), |_, _| panic!("the value is known"));
         assert_eq!(later, at_once);
-        assert_eq!(psds.read(2, Time(121_000), seen).unwrap().taken, Time(121_000));
+        assert_eq!(psds.read(2, Time(121_000), seen).unwrap().measured_at, Time(121_000));
         assert_eq!(psds.read(1, Time(121_000), seen), None, "not started");
         assert_eq!(psds.due(), Time::NEVER);
     }
@@ -181,11 +181,11 @@ mod tests {
         assert!(!psds.start(1, false, Time(59_999)));
         psds.settle(Time(60_000), seen);
         assert_eq!(psds.due(), Time::NEVER);
-        let kept = measured(Time(60_000), 0.06);
-        assert_eq!(psds.read(0, Time(9_000_000), |_, _| panic!("settled")), kept);
+        let reading = measured(Time(60_000), 0.06);
+        assert_eq!(psds.read(0, Time(9_000_000), |_, _| panic!("settled")), reading);
         assert!(psds.start(1, true, Time(9_000_000)));
         assert_eq!(psds.stamp(Time(9_000_001)), None, "nothing new is valid yet");
-        assert_eq!(psds.read(0, Time(9_000_001), seen), kept, "the old value stays");
+        assert_eq!(psds.read(0, Time(9_000_001), seen), reading, "the old value stays");
     }
 
     #[test]
@@ -195,6 +195,6 @@ mod tests {
         psds.stop(Time(130_000));
         assert!(!psds.start(1, true, Time(179_999)));
         assert!(psds.start(1, true, Time(180_000)));
-        assert_eq!(psds.read(0, Time(180_000), seen).unwrap().taken, Time(180_000));
+        assert_eq!(psds.read(0, Time(180_000), seen).unwrap().measured_at, Time(180_000));
     }
 }

@@ -205,9 +205,9 @@ impl Orders {
         let mut twist = model.clamp_twist(twist);
         let mut steering = self.steering;
         if model.kind == DriveKind::Ackermann && !twist.is_zero() {
-            let wanted = model.steering(twist).ok_or(CommandError::TurnOnSpot)?;
-            steering = wanted.clamp(-model.max_steering, model.max_steering);
-            if steering != wanted {
+            let steering_angle = model.steering(twist).ok_or(CommandError::TurnOnSpot)?;
+            steering = steering_angle.clamp(-model.max_steering, model.max_steering);
+            if steering != steering_angle {
                 twist = model.twist_from_wheels(&model.wheels_from_twist(twist), steering);
             }
         }

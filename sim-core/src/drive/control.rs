@@ -153,7 +153,7 @@ pub(super) fn step(
             (body_output(model, gains, twist, steering, &mut actuation), model.wheels_from_twist(twist))
         }
     };
-    let share = 1.0 - math::exp(-TICK.seconds() / model.wheel_lag);
+    let gain = 1.0 - math::exp(-TICK.seconds() / model.wheel_lag);
     let close = 1e-9 * model.max_wheel_rate;
     let is_close = |a: &Wheels, b: &Wheels| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= close);
     // Within a billionth of the range the wheels count as settled: the rates stay constant and no further pieces are
@@ -161,7 +161,7 @@ pub(super) fn step(
     if is_close(&actuation.rates, &settled) && is_close(&wheels, &settled) {
         actuation.rates = settled;
     } else {
-        actuation.rates = std::array::from_fn(|i| before[i] + share * (wheels[i] - before[i]));
+        actuation.rates = std::array::from_fn(|i| before[i] + gain * (wheels[i] - before[i]));
     }
     actuation
 }

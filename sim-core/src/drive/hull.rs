@@ -49,10 +49,10 @@ pub(super) struct Afloat {
     pub lift: f64,
 }
 
-/// Share of the maximum velocity below which a hull without thrust is at rest. Our choice.
+/// Fraction of the maximum velocity below which a hull without thrust is at rest. Our choice.
 const REST_SHARE: f64 = 1e-9;
 
-/// Share of the maximum velocity below which a tick's change is ignored: after about ten time constants nothing changes
+/// Fraction of the maximum velocity below which a tick's change is ignored: after about ten time constants nothing changes
 /// any more, and no further pieces are opened. Our choice.
 const SETTLED_SHARE: f64 = 1e-12;
 
@@ -79,22 +79,22 @@ impl Hull {
             check("linear drag", linear, "a number greater than 0", linear.is_finite() && linear > 0.0)?;
             check("quadratic drag", quadratic, "0 or more", quadratic.is_finite() && quadratic >= 0.0)?;
         }
-        self.terminal_velocities(model).into_iter().try_for_each(|most| {
-            check("velocity at full thrust", most, "up to 50 m/s and 50 rad/s", most <= MAX_VELOCITY)
+        self.terminal_velocities(model).into_iter().try_for_each(|max_velocity| {
+            check("velocity at full thrust", max_velocity, "up to 50 m/s and 50 rad/s", max_velocity <= MAX_VELOCITY)
         })
     }
 
     /// Forces (N) and torque (N m) along the axes of a velocity, of thrusters in the order left, front, right, back that turn at these
-    /// shares of their maximum rate.
+    /// fractions of their maximum rate.
     fn forces(&self, model: &Model, [left, front, right, back]: [f64; 4]) -> [f64; 4] {
         let turn = 0.5 * model.track * (right - left);
-        [left + right, 0.0, turn, front + back].map(|share| self.thrust * share)
+        [left + right, 0.0, turn, front + back].map(|fraction| self.thrust * fraction)
     }
 
     /// The velocity that each axis reaches on its own at full thrust; for the sideways axis the velocity ahead.
     fn terminal_velocities(&self, model: &Model) -> [f64; 4] {
         let forces = [[1.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]];
-        let [ahead, turn, up] = forces.map(|shares| self.forces(model, shares));
+        let [ahead, turn, up] = forces.map(|fractions| self.forces(model, fractions));
         let reached = |axis: usize, force: f64| terminal(force, self.drag[axis].linear, self.drag[axis].quadratic);
         [reached(0, ahead[0]), reached(0, ahead[0]), reached(2, turn[2]), reached(3, up[3])]
     }
@@ -110,18 +110,18 @@ impl Hull {
             let per_mass = |value: f64| value / inertia[axis];
             flow(per_mass(forces[axis]), per_mass(linear), per_mass(quadratic), velocity, seconds)
         };
-        let [ahead, aside, turn, up] = before.velocity;
+        let [ahead, sideways, turn, up] = before.velocity;
         let (turn, angle) = flow(2, turn);
         // The momentum keeps its direction while the hull turns under it.
         let (sin, cos) = math::sin_cos(0.5 * angle);
         let turned = |x: f64, y: f64| (x * cos + y * sin, y * cos - x * sin);
-        let (ahead, aside) = turned(ahead, aside);
-        let ((ahead, along), (aside, across)) = (flow(0, ahead), flow(1, aside));
-        let (ahead, aside) = turned(ahead, aside);
+        let (ahead, sideways) = turned(ahead, sideways);
+        let ((ahead, along), (sideways, sideways_distance)) = (flow(0, ahead), flow(1, sideways));
+        let (ahead, sideways) = turned(ahead, sideways);
         let (up, climb) = flow(3, up);
         let free = before.lift + climb;
         let lift = free.clamp(0.0, self.ceiling);
-        let mut velocity = [ahead, aside, turn, if lift == free { up } else { 0.0 }];
+        let mut velocity = [ahead, sideways, turn, if lift == free { up } else { 0.0 }];
         let terminal = self.terminal_velocities(model);
         for axis in 0..4 {
             if forces[axis] == 0.0 && velocity[axis].abs() <= REST_SHARE * terminal[axis] {
@@ -134,7 +134,7 @@ impl Hull {
         }
         // An arc's chord is shorter than the arc by this factor, and points along the heading in its middle.
         let chord = seconds * math::sinc(0.5 * angle);
-        let mean = [along / chord, across / chord, angle / seconds, (lift - before.lift) / seconds];
+        let mean = [along / chord, sideways_distance / chord, angle / seconds, (lift - before.lift) / seconds];
         (mean, Afloat { velocity, lift })
     }
 }
@@ -190,9 +190,9 @@ fn flow_ahead(f: f64, a: f64, b: f64, v: f64, discriminant: f64, t: f64) -> (f64
     let end = if f == 0.0 { 0.0 } else { 2.0 * f / (a + root) };
     let (fading, faded) = (math::exp(-root * t), if root == 0.0 { t } else { -math::exp_m1(-root * t) / root });
     let excess = v - end;
-    let way = excess * faded;
-    let beyond = if b == 0.0 { way } else { math::ln_1p(b * way) / b };
-    ((end + excess * fading / (1.0 + b * way)).max(0.0), end * t + beyond)
+    let distance = excess * faded;
+    let beyond = if b == 0.0 { distance } else { math::ln_1p(b * distance) / b };
+    ((end + excess * fading / (1.0 + b * distance)).max(0.0), end * t + beyond)
 }
 
 #[cfg(test)]
@@ -252,8 +252,8 @@ mod tests {
                 for v in [0.0, 0.5, -0.5, 2.0, -2.0] {
                     for t in [0.01, 0.7, 5.0] {
                         let (closed, stepped) = (flow(f, a, b, v, t), by_steps(f, a, b, v, t));
-                        let apart = (closed.0 - stepped.0).abs().max((closed.1 - stepped.1).abs());
-                        assert!(apart < 1e-9, "{f} {a} {b} {v} {t}: {closed:?}, by steps {stepped:?}");
+                        let error = (closed.0 - stepped.0).abs().max((closed.1 - stepped.1).abs());
+                        assert!(error < 1e-9, "{f} {a} {b} {v} {t}: {closed:?}, by steps {stepped:?}");
                     }
                 }
             }
@@ -263,10 +263,10 @@ mod tests {
     #[test]
     fn flows_add_up() {
         for (f, v) in [(0.8, 0.0), (-0.8, 1.5), (0.0, -2.0), (-3.0, 0.4)] {
-            let (whole, way) = flow(f, 0.3, 0.7, v, 1.0);
+            let (whole, distance) = flow(f, 0.3, 0.7, v, 1.0);
             let (half, first) = flow(f, 0.3, 0.7, v, 0.4);
             let (end, second) = flow(f, 0.3, 0.7, half, 0.6);
-            assert!((end - whole).abs() < 1e-14 && (first + second - way).abs() < 1e-14, "{f} {v}");
+            assert!((end - whole).abs() < 1e-14 && (first + second - distance).abs() < 1e-14, "{f} {v}");
         }
     }
 
@@ -331,10 +331,10 @@ mod tests {
             let seconds = 0.01 * ticks as f64;
             let [x, y, phi, ..] = reference(rates, seconds, 100 * ticks);
             let (pose, _) = moved(rates, ticks);
-            let apart = math::hypot(pose.position.x - x, pose.position.y - y);
+            let distance = math::hypot(pose.position.x - x, pose.position.y - y);
             let turned = pose.heading.turns() as f64 * std::f64::consts::TAU + pose.heading.remainder();
-            println!("{rates:?}: {apart:e} m, {:e} rad", turned - phi);
-            assert!(apart < 1e-5, "{rates:?}: {apart} m from the reference");
+            println!("{rates:?}: {distance:e} m, {:e} rad", turned - phi);
+            assert!(distance < 1e-5, "{rates:?}: {distance} m from the reference");
             assert!((turned - phi).abs() < 1e-9, "{rates:?}: heading {turned}, not {phi}");
         }
     }

@@ -62,9 +62,11 @@ impl noise::MotionNoise {
             DriveKind::Omni => [self.left, self.right, self.left, self.right].map(Some),
             DriveKind::Legged | DriveKind::Thrusters => [None; 4],
         };
-        let mut made = Events::new(seed, robot, Purpose::Make, "").at(0);
+        let mut stream = Events::new(seed, robot, Purpose::Make, "").at(0);
         let diameters = sides.map(|side| {
-            side.map_or(0.0, |share| (share + self.diameter_sigma * made.normal()).clamp(MIN_DIAMETER - 1.0, 1.0))
+            side.map_or(0.0, |fraction| {
+                (fraction + self.diameter_sigma * stream.normal()).clamp(MIN_DIAMETER - 1.0, 1.0)
+            })
         });
         Imperfection {
             diameters,
@@ -119,15 +121,15 @@ impl TwistNoise {
     }
 
     /// The noise on `twist`, computed from standard normal numbers.
-    fn noise_on(&self, twist: Twist, kind: DriveKind, [ahead, aside, turn]: [f64; 3]) -> Twist {
-        let deviation = |absolute: f64, share: f64, value: f64| {
-            let part = share * value;
+    fn noise_on(&self, twist: Twist, kind: DriveKind, [ahead, lateral, turn]: [f64; 3]) -> Twist {
+        let deviation = |absolute: f64, fraction: f64, value: f64| {
+            let part = fraction * value;
             (absolute * absolute + part * part).sqrt()
         };
         Twist {
             vx: deviation(self.speed, self.speed_share, twist.vx) * ahead,
             vy: match kind {
-                DriveKind::Omni | DriveKind::Legged => deviation(self.speed, self.speed_share, twist.vy) * aside,
+                DriveKind::Omni | DriveKind::Legged => deviation(self.speed, self.speed_share, twist.vy) * lateral,
                 DriveKind::Differential | DriveKind::Ackermann | DriveKind::Thrusters => 0.0,
             },
             omega: deviation(self.turn, self.turn_share, twist.omega) * turn,
@@ -194,15 +196,15 @@ pub(super) struct ErringTwists {
 }
 
 impl Vehicle {
-    /// Twists that result from wheels with the rates `during`, from `start` on; `belief` is the twist of error-free
+    /// Twists that result from wheels with the rates `during`, from `start` on; `nominal` is the twist of error-free
     /// wheels at these rates.
-    pub fn erring_twists(&self, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> ErringTwists {
+    pub fn erring_twists(&self, start: Time, orders: &Orders, during: &Actuation, nominal: Twist) -> ErringTwists {
         match &self.errors {
             // These errors apply to wheels and legs only.
             Some(errors) if during.rates != [0.0; 4] && self.hull.is_none() => {
-                errors.apply(&self.model, start, orders, during, belief)
+                errors.apply(&self.model, start, orders, during, nominal)
             }
-            _ => ErringTwists { truth: belief, odometry: belief, is_drawn: false },
+            _ => ErringTwists { truth: nominal, odometry: nominal, is_drawn: false },
         }
     }
 }
@@ -234,8 +236,8 @@ impl MotionErrors {
         let mut stream = self.drive.at(Events::index(at, Time(1)));
         // Both are always drawn, so that the error of the angle does not depend on the error of the length.
         let [along, around] = [length, angle].map(|bound| bound * (2.0 * stream.unit() - 1.0));
-        let (way, turn) = (displacement.speed(), displacement.omega.abs());
-        let scale = if way > 0.0 { 1.0 + along.clamp(-way, way) / way } else { 1.0 };
+        let (distance, turn) = (displacement.speed(), displacement.omega.abs());
+        let scale = if distance > 0.0 { 1.0 + along.clamp(-distance, distance) / distance } else { 1.0 };
         let missed = displacement.scaled(scale);
         if kind == DriveKind::Ackermann {
             return missed;
@@ -244,10 +246,10 @@ impl MotionErrors {
         Twist { omega, ..missed }
     }
 
-    fn apply(&self, model: &Model, start: Time, orders: &Orders, during: &Actuation, belief: Twist) -> ErringTwists {
+    fn apply(&self, model: &Model, start: Time, orders: &Orders, during: &Actuation, nominal: Twist) -> ErringTwists {
         let Imperfection { diameters, slip, slip_deviation, command, odometry, .. } = self.imperfection;
         let tick = Events::index(start, TICK);
-        let mut erring = ErringTwists { truth: belief, odometry: belief, is_drawn: false };
+        let mut erring = ErringTwists { truth: nominal, odometry: nominal, is_drawn: false };
         let mut slips = [slip; 4];
         // Standing feet do not slip.
         let slips_at_all = model.kind != DriveKind::Legged;
@@ -266,11 +268,11 @@ impl MotionErrors {
         };
         if is_commanded && !command.is_none() {
             erring.is_drawn = true;
-            erring.truth = erring.truth.plus(command.noise_on(belief, model.kind, normals(self.command.at(tick))));
+            erring.truth = erring.truth.plus(command.noise_on(nominal, model.kind, normals(self.command.at(tick))));
         }
         if !odometry.is_none() {
             erring.is_drawn = true;
-            erring.odometry = belief.plus(odometry.noise_on(belief, model.kind, normals(self.odometry.at(tick))));
+            erring.odometry = nominal.plus(odometry.noise_on(nominal, model.kind, normals(self.odometry.at(tick))));
         }
         erring
     }
@@ -308,7 +310,7 @@ mod tests {
         let of = |robot| motion.imperfection(DriveKind::Omni, 7, RobotId(robot)).diameters;
         assert_eq!(of(1), of(1));
         let mut all: Vec<f64> = (1..=2_500).flat_map(of).collect();
-        let variance = all.iter().map(|share| share * share).sum::<f64>() / 1e4;
+        let variance = all.iter().map(|fraction| fraction * fraction).sum::<f64>() / 1e4;
         // The variance of 10,000 draws has a standard deviation of sqrt(2 / 10,000), 1.4 %.
         assert!((variance / 1e-4 - 1.0).abs() < 0.06, "{variance}");
         all.sort_by(f64::total_cmp);
@@ -319,22 +321,22 @@ mod tests {
         assert!(
             (1..100)
                 .flat_map(|robot| far.imperfection(DriveKind::Omni, 7, RobotId(robot)).diameters)
-                .all(|share| range.contains(&share))
+                .all(|fraction| range.contains(&fraction))
         );
     }
 
     #[test]
     fn what_a_profile_may_say_is_accepted() {
-        let most = TwistNoise { speed: 100.0, speed_share: 10.0, turn: 873.0, turn_share: 10.0 };
+        let max = TwistNoise { speed: 100.0, speed_share: 10.0, turn: 873.0, turn_share: 10.0 };
         let motion = MotionNoise {
             left: 1.0,
             right: -0.5,
             diameter_sigma: 0.05,
             slip: -1.0,
             slip_sigma: 1.0,
-            command: most,
+            command: max,
             bound: DriveBound { length: 1e3, angle: 6.3 },
-            odometry: most,
+            odometry: max,
             resolution: Resolution { length: 1e3, angle: 6.3 },
         };
         assert_eq!(motion.imperfection(DriveKind::Omni, 7, RobotId(1)).check(), Ok(()));

@@ -213,10 +213,10 @@ impl Model {
     /// Maximum rate among the wheels, as a multiple of the limit.
     pub(super) fn wheel_excess(&self, wheels: &Wheels) -> f64 {
         if self.kind == DriveKind::Legged {
-            // Speed and turning speed both move a foot beside the body, so their shares of the limits add up.
+            // Speed and turning speed both move a foot beside the body, so their fractions of the limits add up.
             return math::hypot(wheels[0], wheels[1]) / self.max_speed + wheels[2].abs() / self.max_turn;
         }
-        wheels.iter().fold(0.0, |most: f64, rate| most.max(rate.abs())) / self.max_wheel_rate
+        wheels.iter().fold(0.0, |max: f64, rate| max.max(rate.abs())) / self.max_wheel_rate
     }
 }
 
@@ -244,8 +244,8 @@ mod tests {
     }
 
     fn assert_close(a: Twist, b: Twist) {
-        let apart = (a.vx - b.vx).abs().max((a.vy - b.vy).abs()).max((a.omega - b.omega).abs());
-        assert!(apart < 1e-15, "{a:?} is not {b:?}");
+        let difference = (a.vx - b.vx).abs().max((a.vy - b.vy).abs()).max((a.omega - b.omega).abs());
+        assert!(difference < 1e-15, "{a:?} is not {b:?}");
     }
 
     #[test]

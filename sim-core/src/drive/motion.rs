@@ -40,7 +40,7 @@ pub struct Impact {
     pub time: Time,
     /// Instant from which the robot's program can know of the impact: `time` for a wall; for a robot or object the end
     /// of the slot, where such an impact is detected.
-    pub known: Time,
+    pub known_at: Time,
     /// The touched obstacle.
     pub thing: Thing,
     /// The touched point in the world frame, m.
@@ -139,10 +139,10 @@ pub(crate) struct DriveState {
     pub centre: Pose,
     /// The ordered twist of the centre, in the robot's frame.
     pub ordered: Twist,
-    /// Share of the ordered twist with which the robot moves, 0 to 1.
-    pub share: f64,
+    /// Fraction of the ordered twist with which the robot moves, 0 to 1.
+    pub fraction: f64,
     /// Seconds until the robot comes to rest without contacts; infinite if it does not.
-    pub left: f64,
+    pub time_to_rest: f64,
 }
 
 /// The motion of one robot in a static world, as a function of virtual time, with the commands that the robot has
@@ -534,7 +534,7 @@ impl Motion {
     /// 0 without contact, 1 for a body at rest.
     pub fn slip(&mut self, at: Time) -> f64 {
         let index = self.index_at(at);
-        self.stages[index].slip(&self.vehicle.model, at).map_or(0.0, |(_, share)| share)
+        self.stages[index].slip(&self.vehicle.model, at).map_or(0.0, |(_, fraction)| fraction)
     }
 
     /// Returns true if the body or a wheel moves at `at`.
@@ -552,7 +552,7 @@ impl Motion {
     /// only the last 32 impacts are kept.
     pub fn impacts(&mut self, since: Time, until: Time) -> Vec<Impact> {
         let recent = self.uncommitted(until);
-        let is_asked = |impact: &Impact| impact.known >= since && impact.known <= until;
+        let is_asked = |impact: &Impact| impact.known_at >= since && impact.known_at <= until;
         self.log.iter().copied().chain(recent).filter(is_asked).collect()
     }
 
@@ -660,8 +660,8 @@ impl Motion {
         // If the same robot has stopped the body before, the contact has lasted all the time.
         let earlier = self.stages.len() - 1;
         let is_same = |stage: &Stage| stage.blocker().is_some_and(|blocker| blocker.thing == obstacle.thing);
-        let placed = self.stages.iter().rposition(|stage| stage.is_placed).unwrap_or(0);
-        if self.stages.iter().take(earlier).skip(placed).any(is_same) {
+        let placement = self.stages.iter().rposition(|stage| stage.is_placed).unwrap_or(0);
+        if self.stages.iter().take(earlier).skip(placement).any(is_same) {
             self.stages[earlier].stop(after, obstacle, false);
         }
         self.revision += 1;
@@ -709,7 +709,7 @@ impl Motion {
         self.touched.retain(|(_, last)| *last > end - HISTORY);
         for impact in &mut impacts {
             if !matches!(impact.thing, Thing::Wall(_)) {
-                impact.known = end;
+                impact.known_at = end;
             }
             self.contacts += u32::from(impact.fresh);
             if self.log.len() == IMPACTS {
@@ -755,23 +755,23 @@ impl Motion {
         let stage = self.stage_at(at);
         let is_held = stage.is_held(at);
         let centre = stage.centre(&model, at);
-        let left = stage.piece.after - (at - stage.piece.start).seconds();
-        let (ordered, share, left) = if is_held {
+        let time_to_rest = stage.piece.after - (at - stage.piece.start).seconds();
+        let (ordered, fraction, time_to_rest) = if is_held {
             (stage.ordered_at_centre(&model, at), 0.0, f64::INFINITY)
-        } else if left <= 0.0 {
+        } else if time_to_rest <= 0.0 {
             (Twist::ZERO, 1.0, 0.0)
         } else {
-            (stage.ordered_at_centre(&model, at), stage.grip.share, left)
+            (stage.ordered_at_centre(&model, at), stage.grip.fraction, time_to_rest)
         };
-        DriveState { centre, ordered, share, left }
+        DriveState { centre, ordered, fraction, time_to_rest }
     }
 
-    /// Slows the robot to `share` (0 to 1) of its ordered twist from `at` on, an instant of the present slot; a share
+    /// Slows the robot to `fraction` (0 to 1) of its ordered twist from `at` on, an instant of the present slot; a share
     /// below 1 means that the robot presses `obstacle`. Discards the later plan.
-    pub(crate) fn slow(&mut self, at: Time, share: f64, obstacle: Obstacle) {
+    pub(crate) fn slow(&mut self, at: Time, fraction: f64, obstacle: Obstacle) {
         let index = self.index_at(at);
         let stage = &self.stages[index];
-        let grip = if share < 1.0 { Grip { share, obstacle: Some(obstacle) } } else { Grip::FREE };
+        let grip = if fraction < 1.0 { Grip { fraction, obstacle: Some(obstacle) } } else { Grip::FREE };
         let state = stage.state(&self.vehicle.model, at);
         let mut next = Stage::open(
             &self.vehicle,
@@ -795,8 +795,8 @@ impl Motion {
 
     /// Records that the body touches a movable object at `at`, an instant of the present slot.
     pub(crate) fn touch(&mut self, at: Time, object: ObjectId, point: DVec2) {
-        let placed = self.stages.iter().rfind(|stage| stage.is_placed && stage.piece.start <= at);
-        let known_since = placed.map_or(at - HISTORY, |stage| stage.piece.start.max(at - HISTORY));
+        let placement = self.stages.iter().rfind(|stage| stage.is_placed && stage.piece.start <= at);
+        let known_since = placement.map_or(at - HISTORY, |stage| stage.piece.start.max(at - HISTORY));
         let last = self.touched.iter_mut().find(|(other, _)| *other == object);
         let is_known = last.as_ref().is_some_and(|(_, last)| *last > known_since);
         match last {
@@ -807,7 +807,7 @@ impl Motion {
             let towards = self.pose(at).inverse_transform_point(point);
             self.touches.push(Impact {
                 time: at,
-                known: at,
+                known_at: at,
                 thing: Thing::Object(object),
                 point,
                 bearing: math::atan2(towards.y, towards.x),
@@ -823,12 +823,12 @@ impl Motion {
     fn carried_grip(&self, stage: &Stage, at: Time, next: &Stage) -> Grip {
         let Some(obstacle) = stage.grip.obstacle else { return Grip::FREE };
         let towards = obstacle.point - next.path.origin;
-        if stage.grip.share >= 1.0 || next.path.velocity(0.0).dot(towards) <= APPROACH * towards.length() {
+        if stage.grip.fraction >= 1.0 || next.path.velocity(0.0).dot(towards) <= APPROACH * towards.length() {
             return Grip::FREE;
         }
-        let present = if stage.piece.has_ended(at) { 0.0 } else { stage.grip.share };
-        let share = present * self.vehicle.model.overlap(stage.ordered, next.ordered);
-        Grip { share: share.clamp(0.0, 1.0), obstacle: Some(obstacle) }
+        let present = if stage.piece.has_ended(at) { 0.0 } else { stage.grip.fraction };
+        let fraction = present * self.vehicle.model.overlap(stage.ordered, next.ordered);
+        Grip { fraction: fraction.clamp(0.0, 1.0), obstacle: Some(obstacle) }
     }
 
     fn last(&self) -> &Stage {
@@ -963,11 +963,14 @@ impl Motion {
     fn has_rubbed(&self, index: usize, segment: &SlideSegment) -> bool {
         let wall = segment.against.map(|(wall, _)| wall);
         let start = self.stages[index].piece.start;
-        for (place, stage) in self.stages.iter().enumerate().take(index + 1).rev() {
+        for (stage_index, stage) in self.stages.iter().enumerate().take(index + 1).rev() {
             // Start of the segment and end of this stage, both in seconds after the start of this stage.
             let begin = (start - stage.piece.start).seconds() + segment.from;
-            let over =
-                if place == index { begin } else { (self.stages[place + 1].piece.start - stage.piece.start).seconds() };
+            let over = if stage_index == index {
+                begin
+            } else {
+                (self.stages[stage_index + 1].piece.start - stage.piece.start).seconds()
+            };
             let since = begin - HISTORY.seconds();
             let is_same = |earlier: &SlideSegment| {
                 let end = (earlier.from + earlier.after).min(stage.piece.after).min(over);
@@ -1028,7 +1031,7 @@ fn impact_of(model: &Model, stage: &Stage) -> Option<Impact> {
     let towards = world_from_robot.inverse_transform_point(with.point);
     Some(Impact {
         time: stage.piece.end(),
-        known: stage.piece.end(),
+        known_at: stage.piece.end(),
         thing: with.thing,
         point: with.point,
         bearing: math::atan2(towards.y, towards.x),
@@ -1043,7 +1046,7 @@ fn segment_impact(model: &Model, stage: &Stage, segment: &SlideSegment) -> Optio
     let time = stage.piece.start + Time::from_seconds_ceil(segment.from);
     Some(Impact {
         time,
-        known: time,
+        known_at: time,
         thing: Thing::Wall(wall),
         point,
         bearing: math::atan2(towards.y, towards.x),

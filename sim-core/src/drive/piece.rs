@@ -29,8 +29,8 @@ pub struct Rates {
     pub truth: Twist,
     /// Twist computed from the wheels with nominal diameters and no slip; a drive ends when this twist has covered its
     /// displacement.
-    pub belief: Twist,
-    /// Twist that odometry integrates: `belief` plus the noise of odometry.
+    pub nominal: Twist,
+    /// Twist that odometry integrates: `nominal` plus the noise of odometry.
     pub odometry: Twist,
     /// Rates of the wheels, rad/s.
     pub wheels: Wheels,
@@ -99,7 +99,7 @@ impl Piece {
     pub(super) fn covered(&self, rate: Twist, seconds: f64) -> Twist {
         match self.cause {
             // The target itself is exact; speed times time is not.
-            Cause::Arrived(mark) if seconds >= self.after && rate == self.rates.belief => mark,
+            Cause::Arrived(mark) if seconds >= self.after && rate == self.rates.nominal => mark,
             _ => rate.scaled(seconds),
         }
     }

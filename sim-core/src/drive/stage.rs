@@ -33,7 +33,7 @@ pub(super) struct Stage {
     pub path: Path,
     /// True twist of the axle that results from the orders; pressing an object may slow the robot below this twist.
     pub ordered: Twist,
-    /// Share of the ordered twist that movable objects leave.
+    /// Fraction of the ordered twist that movable objects leave.
     pub grip: Grip,
     /// Seconds after the start up to which walls have been searched.
     pub explored: f64,
@@ -59,7 +59,7 @@ pub(super) struct SlideSegment {
     /// Path of the centre.
     pub path: Path,
     /// Length of the axle's path from the start of the stage to the start of the segment, m.
-    pub covered: f64,
+    pub length_before: f64,
     /// Wall against which the body is pressed, and the touched point.
     pub against: Option<(WallId, DVec2)>,
     /// True if the body did not touch the wall before this segment.
@@ -97,15 +97,15 @@ const SEGMENT_WINDOW_S: f64 = 1e-3;
 /// Slow-down of a robot on its own path by movable objects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Grip {
-    /// Share of the ordered twist with which the robot moves, 0 to 1.
-    pub share: f64,
+    /// Fraction of the ordered twist with which the robot moves, 0 to 1.
+    pub fraction: f64,
     /// The obstacle that the robot presses, for a share below 1.
     pub obstacle: Option<Obstacle>,
 }
 
 impl Grip {
     /// Grip of a robot without obstacle.
-    pub const FREE: Self = Self { share: 1.0, obstacle: None };
+    pub const FREE: Self = Self { fraction: 1.0, obstacle: None };
 }
 
 /// Seconds after the start up to which walls are searched first; each further search reaches twice as far.
@@ -125,9 +125,9 @@ impl Stage {
     ) -> Self {
         let model = &*vehicle.model;
         let during = actuate(vehicle, start, &orders, &before);
-        let belief = ordered_twist(model, &orders, &during);
-        let erring = vehicle.erring_twists(start, &orders, &during, belief);
-        let (rates, after, cause) = motion_of(model, &orders, belief, &erring, &during, grip.share);
+        let nominal = ordered_twist(model, &orders, &during);
+        let erring = vehicle.erring_twists(start, &orders, &during, nominal);
+        let (rates, after, cause) = motion_of(model, &orders, nominal, &erring, &during, grip.fraction);
         let mut stage = Self {
             piece: Piece { start, state, rates, after, cause },
             orders,
@@ -154,7 +154,7 @@ impl Stage {
         if let Some(obstacle) = obstacle {
             stage.stop(0.0, obstacle, true);
         }
-        if let Grip { share: 0.0, obstacle: Some(obstacle) } = grip
+        if let Grip { fraction: 0.0, obstacle: Some(obstacle) } = grip
             && !stage.ordered.is_zero()
             && !matches!(cause, Cause::Arrived(_))
         {
@@ -196,7 +196,8 @@ impl Stage {
         let state = self.piece.state_after(seconds, self.path.direction);
         let seconds = seconds.clamp(0.0, self.piece.after.max(0.0));
         let Some(segment) = self.segment_at(seconds) else { return state };
-        let path = self.piece.state.path + (segment.covered + self.length_on(model, segment, seconds - segment.from));
+        let path =
+            self.piece.state.path + (segment.length_before + self.length_on(model, segment, seconds - segment.from));
         State { world_from_axle: axle_of(model, &self.centre_after(model, seconds)), path, ..state }
     }
 
@@ -276,29 +277,29 @@ impl Stage {
 
     /// Returns true if the wheels slip so much at `at` that they count as stalled.
     pub fn is_slipping(&self, model: &Model, at: Time) -> bool {
-        self.slip(model, at).is_some_and(|(_, share)| share > STALL_SLIP)
+        self.slip(model, at).is_some_and(|(_, fraction)| fraction > STALL_SLIP)
     }
 
     /// Drops the segments that ended before `before`.
     pub fn forget_segments(&mut self, before: Time) {
         let seconds = (before - self.piece.start).seconds();
-        let kept = self.segments.partition_point(|segment| segment.from <= seconds);
+        let end = self.segments.partition_point(|segment| segment.from <= seconds);
         // Draining is worthwhile only for many segments at a time.
-        if kept > 64 {
-            self.segments.drain(..kept - 1);
+        if end > 64 {
+            self.segments.drain(..end - 1);
         }
     }
 
     /// Returns true if the true motion differs from the motion of error-free wheels.
     fn is_erring(&self) -> bool {
-        self.piece.rates.truth != self.piece.rates.belief
+        self.piece.rates.truth != self.piece.rates.nominal
     }
 
     /// Switches to motion without errors until `until`: the wheels slip where only errors would press the robot against
     /// a contact.
     fn suppress_errors(&mut self, model: &Model, until: Time) {
         self.ordered = ordered_twist(model, &self.orders, &self.during);
-        self.piece.rates.truth = self.piece.rates.belief;
+        self.piece.rates.truth = self.piece.rates.nominal;
         self.error_free_until = Some(until);
         self.set_path(model);
     }
@@ -308,12 +309,12 @@ impl Stage {
         let ordered = self.ordered.at_offset(DVec2::new(-model.axis_offset, 0.0));
         let seconds = self.seconds_at(at);
         let Some(segment) =
-            self.segment_at(seconds).filter(|segment| segment.against.is_some() && self.grip.share > 0.0)
+            self.segment_at(seconds).filter(|segment| segment.against.is_some() && self.grip.fraction > 0.0)
         else {
             return ordered;
         };
         let heading = self.piece.state.world_from_axle.heading.turned(segment.path.omega() * seconds).direction();
-        let velocity = DVec2::new(heading.x, -heading.y).rotate(segment.velocity(seconds)) / self.grip.share;
+        let velocity = DVec2::new(heading.x, -heading.y).rotate(segment.velocity(seconds)) / self.grip.fraction;
         Twist { vx: velocity.x, vy: velocity.y, ..ordered }
     }
 
@@ -421,7 +422,7 @@ impl Stage {
         let model = &*vehicle.model;
         let ContactRule::Slide { friction } = vehicle.contact else { return };
         let centre = self.centre_after(model, from);
-        let covered = self.state_after(model, from).path - self.piece.state.path;
+        let distance = self.state_after(model, from).path - self.piece.state.path;
         let push = Push { free: Path::new(&centre, self.twist_of_centre(model)), radius: model.body_radius, friction };
         let earlier = self.segments.len().checked_sub(MAX_SEGMENTS).map(|earlier| self.segments[earlier].from);
         let slide = if earlier.is_some_and(|earlier| from - earlier < SEGMENT_WINDOW_S) {
@@ -436,7 +437,7 @@ impl Stage {
             Some(_) => f64::INFINITY,
         };
         let Slide { path, after, against, meets } = slide;
-        self.segments.push(SlideSegment { from, after, path, covered, against, is_fresh, meets });
+        self.segments.push(SlideSegment { from, after, path, length_before: distance, against, is_fresh, meets });
     }
 
     /// The stage that a tick opens after this one, if that happens up to `limit`. Only wheels with a lag, robots with
@@ -483,8 +484,8 @@ impl Stage {
         if !self.has_no_ticks(vehicle) || !self.segments.is_empty() {
             return self.piece.start;
         }
-        let known = self.explored.min(self.piece.after).max(0.0);
-        self.piece.start.saturating_add(Time::from_seconds_ceil(known)) - Time(1)
+        let explored_end = self.explored.min(self.piece.after).max(0.0);
+        self.piece.start.saturating_add(Time::from_seconds_ceil(explored_end)) - Time(1)
     }
 
     /// The stage of a hull that a tick opens after this one, if that happens up to `limit`. While nothing changes only the
@@ -572,11 +573,11 @@ impl Stage {
                     Pending::Idle
                 } else {
                     let seconds = (at - self.piece.start).seconds().min(self.piece.after);
-                    let covered = self.piece.covered(self.piece.rates.belief, seconds);
+                    let distance = self.piece.covered(self.piece.rates.nominal, seconds);
                     let remaining = Twist {
-                        vx: remaining.vx - covered.vx,
-                        vy: remaining.vy - covered.vy,
-                        omega: remaining.omega - covered.omega,
+                        vx: remaining.vx - distance.vx,
+                        vy: remaining.vy - distance.vy,
+                        omega: remaining.omega - distance.omega,
                     };
                     Pending::Drive { whole, remaining, rate }
                 }
@@ -602,16 +603,16 @@ impl Stage {
         let mut before = self.during.clone();
         let is_afloat = model.kind == DriveKind::Thrusters;
         if self.piece.has_ended(at) {
-            // A hull that is held goes on to rise or sink.
+            // A hull that is held continues to rise or sink.
             before.rates = [0.0, 0.0, 0.0, if is_afloat { before.rates[3] } else { 0.0 }];
             if is_afloat {
                 before.memory.afloat.velocity[..3].fill(0.0);
             }
         } else if is_afloat && at.floor_to(TICK) == at {
             let impulse = self.impulse(model, at);
-            let [ahead, aside, ..] = &mut before.memory.afloat.velocity;
+            let [ahead, sideways, ..] = &mut before.memory.afloat.velocity;
             *ahead += impulse.x;
-            *aside += impulse.y;
+            *sideways += impulse.y;
         }
         before
     }
@@ -686,7 +687,7 @@ fn ordered_twist(model: &Model, orders: &Orders, during: &Actuation) -> Twist {
     }
 }
 
-/// Rates, duration in seconds and reason of the end of a piece without walls; `share` is the share of the ordered
+/// Rates, duration in seconds and reason of the end of a piece without walls; `fraction` is the fraction of the ordered
 /// twist.
 fn motion_of(
     model: &Model,
@@ -694,25 +695,25 @@ fn motion_of(
     ordered: Twist,
     erring: &ErringTwists,
     during: &Actuation,
-    share: f64,
+    fraction: f64,
 ) -> (Rates, f64, Cause) {
     // A factor of 1 keeps the result bit-identical.
-    let belief = ordered.scaled(share);
+    let nominal = ordered.scaled(fraction);
     let rates = Rates {
-        truth: erring.truth.scaled(share),
-        belief,
-        odometry: erring.odometry.scaled(share),
-        wheels: during.rates.map(|rate| rate * share),
+        truth: erring.truth.scaled(fraction),
+        nominal,
+        odometry: erring.odometry.scaled(fraction),
+        wheels: during.rates.map(|rate| rate * fraction),
     };
     let Pending::Drive { whole, remaining, .. } = orders.pending else { return (rates, f64::INFINITY, Cause::Open) };
-    let left = Pending::progress(whole, remaining);
+    let remaining_path = Pending::progress(whole, remaining);
     let speed = Pending::progress(whole, ordered);
-    if left <= 0.0 || (speed <= 0.0 && model.wheel_lag == 0.0) {
+    if remaining_path <= 0.0 || (speed <= 0.0 && model.wheel_lag == 0.0) {
         (rates, 0.0, Cause::Arrived(if model.wheel_lag == 0.0 { remaining } else { Twist::ZERO }))
-    } else if speed <= 0.0 || share == 0.0 {
+    } else if speed <= 0.0 || fraction == 0.0 {
         (rates, f64::INFINITY, Cause::Open)
     } else {
-        let after = left / (speed * share);
-        (rates, after, Cause::Arrived(if model.wheel_lag == 0.0 { remaining } else { belief.scaled(after) }))
+        let after = remaining_path / (speed * fraction);
+        (rates, after, Cause::Arrived(if model.wheel_lag == 0.0 { remaining } else { nominal.scaled(after) }))
     }
 }

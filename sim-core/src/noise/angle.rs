@@ -32,8 +32,8 @@ pub struct AngleErrors {
 impl AngleErrors {
     /// The errors of the compass called `device` on `robot`, in a run with `seed`.
     pub fn new(model: AngleNoise, seed: u64, robot: RobotId, device: &str) -> Self {
-        let made = Events::new(seed, robot, Purpose::Make, device).at(0).normal();
-        let offset = model.bias + model.bias_sigma * made;
+        let deviate = Events::new(seed, robot, Purpose::Make, device).at(0).normal();
+        let offset = model.bias + model.bias_sigma * deviate;
         Self { model, readings: Events::new(seed, robot, Purpose::Compass, device), offset }
     }
 

@@ -44,15 +44,15 @@ pub fn blur<const CHANNELS: usize>(sigma: f64, width: usize, pixels: &mut [[u8; 
     let mut rows = Vec::with_capacity(pixels.len());
     let columns = mirrored(width, weights.len() - 1);
     for row in pixels.chunks_exact(width) {
-        let level = |column: usize| row[columns[column]].map(f32::from);
-        rows.extend((0..width).map(|column| spread(&weights, column, level)));
+        let sample = |column: usize| row[columns[column]].map(f32::from);
+        rows.extend((0..width).map(|column| spread(&weights, column, sample)));
     }
     let order = mirrored(height, weights.len() - 1);
     for (row, out) in pixels.chunks_exact_mut(width).enumerate() {
         for (column, pixel) in out.iter_mut().enumerate() {
-            let level = |row: usize| rows[order[row] * width + column];
+            let sample = |row: usize| rows[order[row] * width + column];
             // A conversion to an integer saturates.
-            *pixel = spread(&weights, row, level).map(|level| level.round() as u8);
+            *pixel = spread(&weights, row, sample).map(|sample| sample.round() as u8);
         }
     }
 }
@@ -76,12 +76,12 @@ fn spread<const CHANNELS: usize>(
 
 /// Indices 0 to `size` - 1 with a mirrored margin at both ends: ... 1 0 | 0 1 2 | 2 1 ...
 fn mirrored(size: usize, margin: usize) -> Vec<usize> {
-    let place = |at: usize| {
+    let index = |at: usize| {
         // The first index is `margin` before 0; adding whole periods keeps the dividend positive.
         let at = (at + 2 * size * margin - margin) % (2 * size);
         at.min(2 * size - 1 - at)
     };
-    (0..size + 2 * margin).map(place).collect()
+    (0..size + 2 * margin).map(index).collect()
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub struct ImageNoise {
     pub sigma: f64,
     /// Probability that a pixel becomes white or black.
     pub salt_and_pepper: f64,
-    /// Share of white pixels among the pixels that become white or black.
+    /// Fraction of white pixels among the pixels that become white or black.
     pub salt: f64,
     /// Probability that a pixel gets a random colour.
     pub hundreds_and_thousands: f64,

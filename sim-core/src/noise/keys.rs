@@ -12,14 +12,14 @@ pub struct Key<M: 'static> {
     /// Meaning of the number, with its unit and bounds.
     pub quantity: Quantity,
     /// Accessor of the number in the model.
-    pub place: Accessor<M>,
+    pub accessor: Accessor<M>,
 }
 
 /// Keys of a section, in the order of a profile.
 pub type Keys<M> = &'static [Key<M>];
 
-const fn key<M>(name: &'static str, about: &'static str, quantity: Quantity, place: Accessor<M>) -> Key<M> {
-    Key { name, about, quantity, place }
+const fn key<M>(name: &'static str, about: &'static str, quantity: Quantity, accessor: Accessor<M>) -> Key<M> {
+    Key { name, about, quantity, accessor }
 }
 
 /// Maximum error of a distance, mm: more than the range of any sensor.

@@ -11,7 +11,7 @@ pub struct MotionNoise {
     pub right: f64,
     /// Standard deviation of the relative excess between wheels.
     pub diameter_sigma: f64,
-    /// Slip, as a share of a wheel's distance travelled.
+    /// Slip, as a fraction of a wheel's distance travelled.
     pub slip: f64,
     /// Standard deviation of the slip from tick to tick.
     pub slip_sigma: f64,
@@ -45,7 +45,7 @@ pub struct TwistNoise {
 /// Maximum errors at the target of a drive; 0 for a drive that ends exactly there.
 ///
 /// Each drive draws its own error, uniform between the bound and its negative, and never larger than the drive itself: a drive of 1 mm with
-/// a bound of 4 mm ends between 0 and 2 mm. The wheels stop there, so encoders and odometry tell where the drive has ended. Source: the
+/// a bound of 4 mm ends between 0 and 2 mm. The wheels stop there, so encoders and odometry give the end of the drive. Source: the
 /// tolerances that courses demand of real robots; the uniform distribution is our choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveBound {

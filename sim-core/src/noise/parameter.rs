@@ -76,21 +76,21 @@ impl Profile {
     /// [`ParameterError`]; the profile is unchanged then.
     pub fn set_parameter(&mut self, name: &str, value: f64) -> Result<(), ParameterError> {
         let mut outcome = None;
-        for_each(self, &mut |table, key, quantity, place| {
+        for_each(self, &mut |table, key, quantity, accessor| {
             if name.strip_prefix(table).and_then(|rest| rest.strip_prefix('.')) != Some(key) {
                 return;
             }
             outcome = Some(match quantity.check(value) {
                 Some(si) => {
-                    *place = si;
+                    *accessor = si;
                     Ok(())
                 }
                 None => Err(ParameterError::Range { name: name.to_owned(), value, expected: quantity.expected() }),
             });
         });
         outcome.unwrap_or_else(|| {
-            let known: Vec<String> = self.parameters().iter().map(Parameter::name).collect();
-            let nearest = nearest(name, known.iter().map(String::as_str)).map(str::to_owned);
+            let names: Vec<String> = self.parameters().iter().map(Parameter::name).collect();
+            let nearest = nearest(name, names.iter().map(String::as_str)).map(str::to_owned);
             Err(ParameterError::Unknown { name: name.to_owned(), nearest })
         })
     }
@@ -115,8 +115,8 @@ fn each<M>(
     model: &mut M,
     visit: &mut impl FnMut(&'static str, &'static str, &Quantity, &mut f64),
 ) {
-    for Key { name, quantity, place, .. } in keys.iter().copied().flatten() {
-        visit(table, name, quantity, place(model));
+    for Key { name, quantity, accessor, .. } in keys.iter().copied().flatten() {
+        visit(table, name, quantity, accessor(model));
     }
 }
 

@@ -67,8 +67,8 @@ impl Profile {
     /// Noise model of the sensor of this kind and name.
     pub fn range(&self, kind: RangeKind, name: &str) -> RangeNoise {
         let mut range = self.ranges[kind as usize];
-        for (place, value) in self.sensors.get(name).into_iter().flatten() {
-            *place(&mut range) = *value;
+        for (accessor, value) in self.sensors.get(name).into_iter().flatten() {
+            *accessor(&mut range) = *value;
         }
         range
     }

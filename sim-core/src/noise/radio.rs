@@ -72,7 +72,7 @@ mod tests {
     use crate::RobotId;
     use crate::noise::Purpose;
 
-    /// Share of the cells that give at least `count` correct bits. Gaps decrease with the cell, so bisection finds the boundary.
+    /// Fraction of the cells that give at least `count` correct bits. Gaps decrease with the cell, so bisection finds the boundary.
     fn at_least(count: u64, ln_right: f64) -> f64 {
         let (mut low, mut high) = (0, 1_u64 << 52);
         while low < high {
@@ -160,7 +160,7 @@ mod tests {
         assert_eq!(hazard(0.0, 0.0), 0.0);
         assert_eq!(hazard(1.0, 0.0), f64::INFINITY);
         assert_eq!(hazard(0.0, 1.0), f64::INFINITY);
-        let kept = crate::math::exp(-hazard(0.01, 0.2));
-        assert!((kept - 0.8 * f64::powi(0.99, 56)).abs() < 1e-15);
+        let survival = crate::math::exp(-hazard(0.01, 0.2));
+        assert!((survival - 0.8 * f64::powi(0.99, 56)).abs() < 1e-15);
     }
 }

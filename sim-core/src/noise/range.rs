@@ -22,7 +22,7 @@ use crate::time::Time;
 pub struct RangeNoise {
     /// Standard deviation of each reading, m.
     pub sigma: f64,
-    /// Standard deviation of each reading as a share of the distance.
+    /// Standard deviation of each reading as a fraction of the distance.
     pub sigma_share: f64,
     /// Error of all readings of all sensors, m.
     pub bias: f64,
@@ -74,12 +74,12 @@ pub struct RangeErrors {
 impl RangeErrors {
     /// The errors of the sensor called `device` on `robot`, in a run with `seed`.
     pub fn new(model: RangeNoise, seed: u64, robot: RobotId, device: &str) -> Self {
-        let made = || Events::new(seed, robot, Purpose::Make, device).at(0).normal();
+        let deviate = || Events::new(seed, robot, Purpose::Make, device).at(0).normal();
         Self {
             model,
             readings: Events::new(seed, robot, Purpose::Range, device),
             signals: Events::new(seed, robot, Purpose::Signal, device),
-            offset: model.bias + if model.bias_sigma == 0.0 { 0.0 } else { model.bias_sigma * made() },
+            offset: model.bias + if model.bias_sigma == 0.0 { 0.0 } else { model.bias_sigma * deviate() },
             is_exact: RangeNoise { drift_time: 0.0, device: 0.0, ..model }
                 == RangeNoise { drift_time: 0.0, ..RangeNoise::default() },
         }
@@ -132,12 +132,12 @@ impl ScanErrors<'_> {
     pub fn point(&mut self, exact: Option<f64>) -> Option<f64> {
         let Some((stream, offset)) = &mut self.stream else { return exact };
         // All four numbers are always drawn, so that a changed probability does not change later numbers.
-        let (drops, strays, place, normal) = (stream.unit(), stream.unit(), stream.unit(), stream.normal());
+        let (drops, strays, position, normal) = (stream.unit(), stream.unit(), stream.unit(), stream.normal());
         let (model, [low, high]) = (self.model, self.range);
         let distance = if drops < model.dropout {
             return None;
         } else if strays < model.outlier {
-            low + (high - low) * place
+            low + (high - low) * position
         } else {
             let exact = exact?;
             exact + *offset + math::hypot(model.sigma, model.sigma_share * exact) * normal

@@ -189,9 +189,9 @@ mod tests {
             Purpose::Command,
             Purpose::Odometry,
         ];
-        for (place, purpose) in purposes.into_iter().enumerate() {
-            assert_eq!(purpose as usize, place + 1);
-            found[place] = Events::new(42, RobotId(3), purpose, "PSD_FRONT").at(7).bits();
+        for (index, purpose) in purposes.into_iter().enumerate() {
+            assert_eq!(purpose as usize, index + 1);
+            found[index] = Events::new(42, RobotId(3), purpose, "PSD_FRONT").at(7).bits();
         }
         assert_eq!(found, GOLDEN_EVENTS, "{found:#x?}");
         let mut stream = Events::new(42, RobotId(3), Purpose::Range, "PSD_FRONT").at(u64::MAX);

@@ -32,7 +32,7 @@ impl Velocity {
         if sliding == 0.0 {
             return (0.0, 0.0);
         }
-        let share = deceleration / sliding;
-        (share * self.linear.length(), ARM * share * self.omega.abs())
+        let ratio = deceleration / sliding;
+        (ratio * self.linear.length(), ARM * ratio * self.omega.abs())
     }
 }

@@ -116,8 +116,8 @@ impl Shape {
                 (DVec2::new(point.x.clamp(-half_length, half_length), 0.0), radius)
             }
         };
-        let away = point - core;
-        if away.length() <= radius { point } else { core + away * (radius / away.length()) }
+        let offset = point - core;
+        if offset.length() <= radius { point } else { core + offset * (radius / offset.length()) }
     }
 
     /// Distance from `point`, in the part's frame, to the nearest point of the shape, m; 0 inside.
@@ -129,8 +129,8 @@ impl Shape {
                 math::hypot(outside.x, outside.y)
             }
             Self::Capsule { half_length, radius } => {
-                let aside = DVec2::new((point.x.abs() - half_length).max(0.0), point.y);
-                (aside.length() - radius).max(0.0)
+                let offset = DVec2::new((point.x.abs() - half_length).max(0.0), point.y);
+                (offset.length() - radius).max(0.0)
             }
         }
     }
@@ -144,8 +144,8 @@ pub(crate) fn cast_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: 
     }
     let along = offset.dot(direction);
     // Computed from the foot of the perpendicular, which keeps precision for a distant disc.
-    let aside = (offset - direction * along).length_squared();
-    let half_chord = radius * radius - aside;
+    let distance_squared = (offset - direction * along).length_squared();
+    let half_chord = radius * radius - distance_squared;
     (along > 0.0 && half_chord >= 0.0).then(|| (along - half_chord.sqrt()).max(0.0))
 }
 

@@ -10,7 +10,7 @@ use crate::{
     scene::{Bounds, MeshIndex, Surface},
 };
 
-/// A part of a body's shape in three dimensions, in the body's frame (x forward, y left, z up), in metres.
+/// A geometric primitive: a part of a body's shape in three dimensions, in the body's frame (x forward, y left, z up), in metres.
 #[derive(Clone, Debug)]
 pub enum Solid {
     /// A footprint extruded between two heights: a box, an upright cylinder.
@@ -31,7 +31,7 @@ pub enum Solid {
         /// Distance from the segment; positive.
         radius: f64,
     },
-    /// The triangles of a mesh, hit from either side: a surface without interior.
+    /// The triangles of a mesh, hit from either side: a hollow surface.
     Mesh(Arc<MeshIndex>),
 }
 
@@ -64,12 +64,12 @@ impl Figure {
     }
 
     /// An upright cylinder of infinite height around the body's origin, with the default surface.
-    pub fn upright(radius: f64) -> Self {
+    pub fn infinite_cylinder(radius: f64) -> Self {
         Self::cylinder(radius, f64::INFINITY, Surface::default())
     }
 
     /// The footprint of `properties`, extruded to infinite height.
-    pub fn endless(properties: &Properties, surface: Surface) -> Arc<Self> {
+    pub fn infinite_prism(properties: &Properties, surface: Surface) -> Arc<Self> {
         let solids = properties.parts.iter().map(|part| Solid::Prism {
             footprint: part.shape,
             body_from_footprint: part.object_from_part,
@@ -120,7 +120,8 @@ impl Figure {
         cast: impl Fn(&Solid, DVec3, DVec3) -> Option<SurfaceHit>,
     ) -> Option<SurfaceHit> {
         let axis = world_from_body.heading.direction();
-        let (origin, direction) = (into(world_from_body.position, axis, origin), into(DVec2::ZERO, axis, direction));
+        let (origin, direction) =
+            (to_local(world_from_body.position, axis, origin), to_local(DVec2::ZERO, axis, direction));
         let hit = self.solids.iter().filter_map(|solid| cast(solid, origin, direction));
         let nearest = hit.min_by(|one, other| one.distance.total_cmp(&other.distance))?;
         Some(SurfaceHit { normal: axis.rotate(nearest.normal.truncate()).extend(nearest.normal.z), ..nearest })
@@ -134,7 +135,7 @@ impl Figure {
     /// Calls `visit` with the point of each part nearest to `point`, both in the world frame; skips meshes.
     pub fn for_each_nearest(&self, world_from_body: &Pose, point: DVec3, mut visit: impl FnMut(DVec3)) {
         let axis = world_from_body.heading.direction();
-        let local = into(world_from_body.position, axis, point);
+        let local = to_local(world_from_body.position, axis, point);
         for solid in &self.solids {
             if let Some(nearest) = solid.nearest_point(local) {
                 visit((world_from_body.position + axis.rotate(nearest.truncate())).extend(nearest.z));
@@ -178,15 +179,15 @@ impl Solid {
     fn interval(&self, origin: DVec3, direction: DVec3) -> Option<Interval> {
         let Self::Prism { footprint, body_from_footprint, bottom, top } = self else { return None };
         let axis = body_from_footprint.heading.direction();
-        let local = into(body_from_footprint.position, axis, origin);
-        let across = interval_of_shape(footprint, local.truncate(), into(DVec2::ZERO, axis, direction).truncate())?;
-        let across = Interval { normal: axis.rotate(across.normal.truncate()).extend(0.0), ..across };
+        let local = to_local(body_from_footprint.position, axis, origin);
+        let planar = interval_of_shape(footprint, local.truncate(), to_local(DVec2::ZERO, axis, direction).truncate())?;
+        let planar = Interval { normal: axis.rotate(planar.normal.truncate()).extend(0.0), ..planar };
         let (enter, leave) = slab(*bottom, *top, origin.z, direction.z)?;
-        let leave = leave.min(across.leave);
-        let interval = if enter > across.enter {
+        let leave = leave.min(planar.leave);
+        let interval = if enter > planar.enter {
             Interval { enter, leave, normal: DVec3::new(0.0, 0.0, -direction.z.signum()), curvature: 0.0 }
         } else {
-            Interval { leave, ..across }
+            Interval { leave, ..planar }
         };
         (interval.enter <= interval.leave).then_some(interval)
     }
@@ -203,7 +204,7 @@ impl Solid {
                 let corners = [low, low.with_x(high.x), low.with_y(high.y), high];
                 let bounds =
                     Bounds::of_points(corners.map(|corner| world_from_body.transform_point(corner.truncate())));
-                // A margin for rounding; the index decides exactly.
+                // A margin for rounding; the exact test is in the mesh's BVH.
                 bounds.grown(1e-9)
             }),
         }
@@ -218,9 +219,9 @@ impl Solid {
                 Some(nearest.extend(point.z.clamp(*bottom, *top)))
             }
             Self::Capsule { ends, radius } => {
-                let core = nearest_on_stretch(point, *ends);
-                let away = point - core;
-                Some(if away.length() <= *radius { point } else { core + away * (*radius / away.length()) })
+                let core = nearest_on_segment(point, *ends);
+                let offset = point - core;
+                Some(if offset.length() <= *radius { point } else { core + offset * (*radius / offset.length()) })
             }
             Self::Mesh(_) => None,
         }
@@ -252,16 +253,16 @@ fn inside(direction: DVec3) -> SurfaceHit {
 }
 
 /// Transforms `point` into the frame at `position` whose x axis is `axis`; heights are unchanged.
-fn into(position: DVec2, axis: DVec2, point: DVec3) -> DVec3 {
+fn to_local(position: DVec2, axis: DVec2, point: DVec3) -> DVec3 {
     DVec2::new(axis.x, -axis.y).rotate(point.truncate() - position).extend(point.z)
 }
 
-/// Interval of times in which a coordinate that starts at `origin` and grows by `speed` is between `low` and `high`, inclusive.
-fn slab(low: f64, high: f64, origin: f64, speed: f64) -> Option<(f64, f64)> {
-    if speed == 0.0 {
+/// Interval of ray parameters t for which `origin + t * direction` is between `low` and `high`, inclusive.
+fn slab(low: f64, high: f64, origin: f64, direction: f64) -> Option<(f64, f64)> {
+    if direction == 0.0 {
         return (low <= origin && origin <= high).then_some((f64::NEG_INFINITY, f64::INFINITY));
     }
-    let (one, other) = ((low - origin) / speed, (high - origin) / speed);
+    let (one, other) = ((low - origin) / direction, (high - origin) / direction);
     Some((one.min(other), one.max(other)))
 }
 
@@ -296,17 +297,17 @@ fn interval_of_rectangle(origin: DVec2, direction: DVec2, half: DVec2) -> Option
 
 fn interval_of_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<Interval> {
     let offset = centre - origin;
-    let level = direction.length();
-    if level == 0.0 {
-        let endless = Interval { enter: f64::NEG_INFINITY, leave: f64::INFINITY, normal: DVec3::Z, curvature: 0.0 };
-        return (offset.length_squared() <= radius * radius).then_some(endless);
+    let horizontal_length = direction.length();
+    if horizontal_length == 0.0 {
+        let unbounded = Interval { enter: f64::NEG_INFINITY, leave: f64::INFINITY, normal: DVec3::Z, curvature: 0.0 };
+        return (offset.length_squared() <= radius * radius).then_some(unbounded);
     }
-    let (along, half_chord) = chord(offset.extend(0.0), (direction / level).extend(0.0), radius)?;
+    let (along, half_chord) = chord(offset.extend(0.0), (direction / horizontal_length).extend(0.0), radius)?;
     let enter = along - half_chord;
-    let normal = (direction / level * enter - offset) / radius;
+    let normal = (direction / horizontal_length * enter - offset) / radius;
     Some(Interval {
-        enter: enter / level,
-        leave: (along + half_chord) / level,
+        enter: enter / horizontal_length,
+        leave: (along + half_chord) / horizontal_length,
         normal: normal.extend(0.0).normalize_or_zero(),
         curvature: 1.0 / radius,
     })
@@ -317,9 +318,9 @@ fn interval_of_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64)
 fn chord(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
     let along = offset.dot(direction);
     // Computed from the foot of the perpendicular, which keeps precision for a distant sphere.
-    let aside = (offset - direction * along).length_squared();
-    let half_chord = radius * radius - aside;
-    (half_chord >= 0.0).then(|| (along, half_chord.sqrt()))
+    let distance_squared = (offset - direction * along).length_squared();
+    let half_chord_squared = radius * radius - distance_squared;
+    (half_chord_squared >= 0.0).then(|| (along, half_chord_squared.sqrt()))
 }
 
 fn cast_mesh(mesh: &MeshIndex, origin: DVec3, direction: DVec3, range: f64) -> Option<SurfaceHit> {
@@ -328,7 +329,7 @@ fn cast_mesh(mesh: &MeshIndex, origin: DVec3, direction: DVec3, range: f64) -> O
 }
 
 fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) -> Option<SurfaceHit> {
-    if (origin - nearest_on_stretch(origin, ends)).length_squared() <= radius * radius {
+    if (origin - nearest_on_segment(origin, ends)).length_squared() <= radius * radius {
         return Some(inside(direction));
     }
     let ball = |centre: DVec3| {
@@ -338,26 +339,26 @@ fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) 
         (along > 0.0).then_some(SurfaceHit { distance, normal, curvature: DVec2::splat(1.0 / radius) })
     };
     let side = || {
-        let stretch = ends[1] - ends[0];
-        let length = stretch.length();
+        let segment = ends[1] - ends[0];
+        let length = segment.length();
         if length == 0.0 {
             return None;
         }
-        let axis = stretch / length;
-        let across = direction - axis * axis.dot(direction);
-        let level = across.length();
-        if level == 0.0 {
+        let axis = segment / length;
+        let perpendicular = direction - axis * axis.dot(direction);
+        let perpendicular_length = perpendicular.length();
+        if perpendicular_length == 0.0 {
             return None;
         }
         let offset = ends[0] - origin;
-        let offset_across = offset - axis * axis.dot(offset);
-        let (along, half_chord) = chord(offset_across, across / level, radius)?;
-        let distance = (along - half_chord) / level;
+        let perpendicular_offset = offset - axis * axis.dot(offset);
+        let (along, half_chord) = chord(perpendicular_offset, perpendicular / perpendicular_length, radius)?;
+        let distance = (along - half_chord) / perpendicular_length;
         let point = origin + direction * distance;
         let height = axis.dot(point - ends[0]);
-        let is_met = distance >= 0.0 && (0.0..=length).contains(&height);
+        let is_hit = distance >= 0.0 && (0.0..=length).contains(&height);
         let normal = (point - ends[0] - axis * height).normalize_or_zero();
-        is_met.then_some(SurfaceHit { distance, normal, curvature: DVec2::new(1.0 / radius, 0.0) })
+        is_hit.then_some(SurfaceHit { distance, normal, curvature: DVec2::new(1.0 / radius, 0.0) })
     };
     // The origin lies outside, so the nearest hit on a part is the hit on the whole.
     let hit = [ball(ends[0]), ball(ends[1]), side()].into_iter().flatten();
@@ -365,11 +366,11 @@ fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) 
         .map(|hit| SurfaceHit { distance: hit.distance.max(0.0), ..hit })
 }
 
-fn nearest_on_stretch(point: DVec3, ends: [DVec3; 2]) -> DVec3 {
-    let stretch = ends[1] - ends[0];
-    let length_squared = stretch.length_squared();
+fn nearest_on_segment(point: DVec3, ends: [DVec3; 2]) -> DVec3 {
+    let segment = ends[1] - ends[0];
+    let length_squared = segment.length_squared();
     if length_squared == 0.0 {
         return ends[0];
     }
-    ends[0] + stretch * ((point - ends[0]).dot(stretch) / length_squared).clamp(0.0, 1.0)
+    ends[0] + segment * ((point - ends[0]).dot(segment) / length_squared).clamp(0.0, 1.0)
 }

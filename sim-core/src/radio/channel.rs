@@ -36,7 +36,7 @@ pub struct Channel {
     ring: Ring,
     /// Transmissions of the ring in progress: (end, sender, number), in the order of time.
     leaving: Vec<(Time, RobotId, u64)>,
-    left: Vec<(RobotId, u64)>,
+    departed: Vec<(RobotId, u64)>,
     due: Time,
 }
 
@@ -61,7 +61,7 @@ impl Channel {
             air: Air::default(),
             ring: Ring::new(seed),
             leaving: Vec::new(),
-            left: Vec::new(),
+            departed: Vec::new(),
             due: Time::NEVER,
         }
     }
@@ -84,16 +84,16 @@ impl Channel {
 
     /// Sets the station of `robot` from the end of the present slot on; `None` is off.
     pub fn set_member(&mut self, robot: RobotId, member: Option<StationInfo>) {
-        let place = self.members.binary_search_by_key(&robot, |member| member.robot);
-        if let Ok(place) = place {
-            let known = (self.members.remove(place).address, robot);
-            self.addresses.retain(|it| *it != known);
+        let index = self.members.binary_search_by_key(&robot, |member| member.robot);
+        if let Ok(index) = index {
+            let key = (self.members.remove(index).address, robot);
+            self.addresses.retain(|it| *it != key);
         }
         if let Some(member) = member {
-            let place = place.unwrap_or_else(|place| place);
-            self.members.insert(place, StationInfo { robot, ..member });
-            let known = (member.address, robot);
-            self.addresses.insert(self.addresses.partition_point(|it| *it < known), known);
+            let index = index.unwrap_or_else(|index| index);
+            self.members.insert(index, StationInfo { robot, ..member });
+            let key = (member.address, robot);
+            self.addresses.insert(self.addresses.partition_point(|it| *it < key), key);
         }
         self.has_changed = true;
     }
@@ -133,7 +133,7 @@ impl Channel {
         deliveries
     }
 
-    /// Next time at which the channel must decide something even if nobody sends; the slot that contains this instant
+    /// Next time at which the channel must decide something even if no station sends; the slot that contains this instant
     /// must be run. [`Time::NEVER`] if there is nothing to decide, [`Time::ZERO`] after a station was switched.
     pub fn due(&self) -> Time {
         if self.has_changed { Time::ZERO } else { self.due }
@@ -156,8 +156,8 @@ impl Channel {
 
     /// Messages that left the buffers of their senders since the last call, as (sender, number), for
     /// [`super::Station::has_left`]. Only a medium that decides when to send (token ring) reports such messages.
-    pub fn take_left(&mut self) -> Vec<(RobotId, u64)> {
-        std::mem::take(&mut self.left)
+    pub fn take_departed(&mut self) -> Vec<(RobotId, u64)> {
+        std::mem::take(&mut self.departed)
     }
 
     /// Puts messages on the air; returns those that are never transmitted.
@@ -227,8 +227,8 @@ impl Channel {
 
     fn outcome(&self, transmission: &Transmission, member: &StationInfo) -> Result<Arrived, Loss> {
         let sending = &transmission.sending;
-        if let Ok(place) = sending.out_of_reach.binary_search_by_key(&member.robot, |(robot, _)| *robot) {
-            return Err(sending.out_of_reach[place].1);
+        if let Ok(index) = sending.out_of_reach.binary_search_by_key(&member.robot, |(robot, _)| *robot) {
+            return Err(sending.out_of_reach[index].1);
         }
         if member.baud != sending.baud {
             return Err(Loss::Baud);
@@ -250,13 +250,13 @@ impl Channel {
     }
 
     fn member(&self, robot: RobotId) -> Option<&StationInfo> {
-        self.members.binary_search_by_key(&robot, |member| member.robot).ok().map(|place| &self.members[place])
+        self.members.binary_search_by_key(&robot, |member| member.robot).ok().map(|index| &self.members[index])
     }
 
     /// Updates the messages that have left their senders by `slot_end`, and the time of the next decision.
     fn settle_dues(&mut self, slot_end: Time) {
         let gone = self.leaving.partition_point(|(ends, ..)| *ends <= slot_end);
-        self.left.extend(self.leaving.drain(..gone).map(|(_, robot, sequence)| (robot, sequence)));
+        self.departed.extend(self.leaving.drain(..gone).map(|(_, robot, sequence)| (robot, sequence)));
         let mut next = self.air.next_arrival();
         if self.model.medium == Medium::TokenRing {
             let leaves = self.leaving.first().map_or(Time::NEVER, |(ends, ..)| *ends);

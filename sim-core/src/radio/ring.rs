@@ -58,7 +58,7 @@ struct Node {
 #[derive(Clone, Copy, Debug)]
 struct Token {
     /// Index of the present or next holder among the nodes.
-    place: usize,
+    holder_index: usize,
     /// Time from which the holder has the token.
     at: Time,
     /// Number of tokens before this one.
@@ -104,10 +104,10 @@ impl Ring {
             if token.at >= time {
                 break;
             }
-            let holder = self.nodes[token.place];
+            let holder = self.nodes[token.holder_index];
             let queue = self.queues.get_mut(&holder.robot).expect("it has something to send");
-            let place = queue.iter().position(|queued| token.at <= queued.until).expect("it has something to send");
-            let Queued { sending, .. } = queue.remove(place).expect("it is there");
+            let index = queue.iter().position(|queued| token.at <= queued.until).expect("it has something to send");
+            let Queued { sending, .. } = queue.remove(index).expect("it is there");
             let ends = token.at + air_time(sending.payload.len(), sending.baud);
             sent.push((sending, token.at));
             self.pass(&mut token, ends);
@@ -116,17 +116,17 @@ impl Ring {
         sent
     }
 
-    /// End of the next transmission if nobody queues another message before; [`Time::NEVER`] if no message is queued.
+    /// End of the next transmission if no other message is queued before; [`Time::NEVER`] if no message is queued.
     pub fn next_end(&self) -> Time {
         let Some(mut token) = self.token.filter(|_| !self.queues.is_empty()) else { return Time::NEVER };
         self.go_round(&mut token, Time::NEVER);
-        let ready = self.ready(self.nodes[token.place].robot, token.at);
+        let ready = self.ready(self.nodes[token.holder_index].robot, token.at);
         ready.map_or(Time::NEVER, |sending| token.at + air_time(sending.payload.len(), sending.baud))
     }
 
     /// Sets the members of the ring from `time` on, in the order of their robots.
     pub fn set_members(&mut self, members: &[StationInfo], radio_of: impl Fn(RobotId) -> RadioNoise, time: Time) {
-        let was = self.token.map(|token| (self.nodes[token.place].robot, token));
+        let was = self.token.map(|token| (self.nodes[token.holder_index].robot, token));
         self.nodes.clear();
         self.nodes.extend(members.iter().map(|member| Node {
             robot: member.robot,
@@ -141,9 +141,9 @@ impl Ring {
             _ if self.nodes.is_empty() => None,
             None => Some(self.renewed(0, time, self.tokens)),
             Some((owner, token)) => Some(match self.nodes.binary_search_by_key(&owner, |node| node.robot) {
-                Ok(place) => Token { place, ..token },
+                Ok(holder_index) => Token { holder_index, ..token },
                 // The holder has left the ring, and its token is lost.
-                Err(place) => self.renewed(place % self.nodes.len(), token.at, token.number + 1),
+                Err(holder_index) => self.renewed(holder_index % self.nodes.len(), token.at, token.number + 1),
             }),
         };
     }
@@ -170,7 +170,7 @@ impl Ring {
     /// Passes the token on until a holder has a message to send, or `time` is reached.
     fn go_round(&self, token: &mut Token, time: Time) {
         let mut first_sent = None;
-        while token.at < time && self.ready(self.nodes[token.place].robot, token.at).is_none() {
+        while token.at < time && self.ready(self.nodes[token.holder_index].robot, token.at).is_none() {
             let first = *first_sent.get_or_insert_with(|| {
                 self.queues.values().filter_map(VecDeque::front).map(|queued| queued.sending.sent).min()
             });
@@ -182,7 +182,7 @@ impl Ring {
                 token.at += Time(round.0 * rounds);
                 token.life -= hazard * u128::from(rounds.unsigned_abs());
             } else {
-                self.pass(token, token.at + self.nodes[token.place].frame);
+                self.pass(token, token.at + self.nodes[token.holder_index].frame);
             }
         }
     }
@@ -195,22 +195,22 @@ impl Ring {
 
     /// Passes the token on from its holder, which sends until `ends`.
     fn pass(&self, token: &mut Token, ends: Time) {
-        let place = (token.place + 1) % self.nodes.len();
-        let Node { hazard, .. } = self.nodes[place];
+        let holder_index = (token.holder_index + 1) % self.nodes.len();
+        let Node { hazard, .. } = self.nodes[holder_index];
         *token = if hazard <= token.life {
-            Token { place, at: ends, life: token.life - hazard, ..*token }
+            Token { holder_index, at: ends, life: token.life - hazard, ..*token }
         } else {
-            self.renewed(place, ends, token.number + 1)
+            self.renewed(holder_index, ends, token.number + 1)
         };
     }
 
     /// New token, created after a silence that began at `time`.
-    fn renewed(&self, place: usize, time: Time, number: u64) -> Token {
+    fn renewed(&self, holder_index: usize, time: Time, number: u64) -> Token {
         // The silence, the poll, and an answer from each other station.
         let frames = SILENCE + self.nodes.len() as i64;
-        let at = time + Time(self.nodes[place].frame.0.saturating_mul(frames));
+        let at = time + Time(self.nodes[holder_index].frame.0.saturating_mul(frames));
         let mut stream = Stream::new(self.seed, RobotId(0), Purpose::Token, 0, number);
-        Token { place, at, number, life: fixed(-ln(1.0 - stream.unit())) }
+        Token { holder_index, at, number, life: fixed(-ln(1.0 - stream.unit())) }
     }
 }
 

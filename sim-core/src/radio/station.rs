@@ -196,8 +196,8 @@ impl Station {
     /// Queues a message in transit to this station.
     pub fn deliver(&mut self, delivery: Delivery) {
         let key = |it: &Delivery| (it.visible, it.arrives, it.from, it.sequence);
-        let place = self.coming.partition_point(|it| key(it) <= key(&delivery));
-        self.coming.insert(place, delivery);
+        let index = self.coming.partition_point(|it| key(it) <= key(&delivery));
+        self.coming.insert(index, delivery);
     }
 
     /// Time when the next message in transit becomes visible; [`Time::NEVER`] if there is none.
@@ -230,8 +230,8 @@ impl Station {
                         payload: arrived.payload.clone(),
                     };
                     let key = |it: &Message| (it.arrived, it.from, it.sequence);
-                    let place = self.inbox.partition_point(|it| key(it) <= key(&message));
-                    self.inbox.insert(place, message);
+                    let index = self.inbox.partition_point(|it| key(it) <= key(&message));
+                    self.inbox.insert(index, message);
                 }
             }
             settled.push(delivery);

@@ -9,7 +9,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize};
 
 pub(super) use canonical::Canonical;
-pub use field::{ActionText, Numbers, Obstacle, Outcome};
+pub use field::{ActionText, FloatList, Obstacle, Outcome};
 pub use line::{Record, WORLD};
 pub use set::KindSet;
 
@@ -91,11 +91,11 @@ events! {
     }
     /// Pose of a robot at the end of a slot in which it moved.
     Pose = "pose" {
-        /// World coordinate to the right, m.
+        /// World x, m.
         x_m: f64,
-        /// World coordinate upwards, m.
+        /// World y, m.
         y_m: f64,
-        /// Heading within the turn, counter-clockwise from x, in [-pi, pi), rad.
+        /// Heading, counter-clockwise from x, wrapped to [-pi, pi), rad.
         phi_rad: f64,
         /// Whole turns of the heading.
         turns: i64,
@@ -194,7 +194,7 @@ events! {
         measured_s: f64,
     }
     /// A compass is read.
-    Angle = "angle" {
+    Compass = "angle" {
         /// Name of the sensor.
         device: &'a str,
         /// The measured angle; `None` before the first measurement.
@@ -302,11 +302,11 @@ events! {
     Object = "object" {
         /// Number of the object.
         object: u32,
-        /// World coordinate to the right, m.
+        /// World x, m.
         x_m: f64,
-        /// World coordinate upwards, m.
+        /// World y, m.
         y_m: f64,
-        /// Heading within the turn, counter-clockwise from x, in [-pi, pi), rad.
+        /// Heading, counter-clockwise from x, wrapped to [-pi, pi), rad.
         phi_rad: f64,
         /// Whole turns of the heading.
         turns: i64,
@@ -326,9 +326,9 @@ events! {
     Placed = "placed" {
         /// Number of the robot whose program requested it; 0 for an intervention.
         by: u32,
-        /// World coordinate to the right, m.
+        /// World x, m.
         x_m: f64,
-        /// World coordinate upwards, m.
+        /// World y, m.
         y_m: f64,
         /// rad
         phi_rad: f64,
@@ -339,9 +339,9 @@ events! {
         object: u32,
         /// Number of the robot whose program requested it; 0 for an intervention.
         by: u32,
-        /// World coordinate to the right, m.
+        /// World x, m.
         x_m: f64,
-        /// World coordinate upwards, m.
+        /// World y, m.
         y_m: f64,
         /// rad
         phi_rad: f64,
@@ -356,7 +356,7 @@ events! {
         measured_s: f64,
     }
     /// An image is taken by the camera, or depths or labels of the last image are read.
-    Frame = "frame" {
+    Image = "frame" {
         /// Number of the image, counted per camera from 1.
         frame: u64,
         /// `colour`, `grey` or `bayer`; `depth` or `labels` of the image.
@@ -376,7 +376,7 @@ events! {
         message: u64,
         /// Destination address; `None` for all stations.
         to: Option<u32>,
-        /// Start of the transmission, s; `None` if the medium decides it later.
+        /// Start of the transmission, s; `None` if it is not known when the message is sent.
         begins_s: Option<f64>,
         /// The bytes.
         data: &'a [u8],
@@ -485,7 +485,7 @@ events! {
         lift_m: f64,
         /// Angles of all joints, leg by leg, rad.
         #[serde(borrow)]
-        joints_rad: Numbers<'a>,
+        joints_rad: FloatList<'a>,
     }
     /// A foot touches down.
     Footfall = "footfall" {
@@ -499,7 +499,7 @@ events! {
         z_m: f64,
     }
     /// Start of an unintended contact of a legged robot's part with an obstacle.
-    Touch = "touch" {
+    LegContact = "touch" {
         /// Name of the leg and link, or `body`.
         part: &'a str,
         /// The obstacle.
@@ -511,12 +511,12 @@ events! {
         /// m
         z_m: f64,
     }
-    /// The program writes a line to its standard error. A note.
+    /// The program writes a line to its standard error. A note: not part of the digest.
     Stderr = "stderr" {
         /// The line without its line ending.
         text: &'a str,
     }
-    /// A program has failed. A note.
+    /// A program has failed. A note: not part of the digest.
     Fault = "fault" {
         /// Kind of the fault, such as `SIGSEGV` or `panic`.
         what: &'a str,
@@ -525,17 +525,17 @@ events! {
         /// Last RoBIOS call before the fault; empty if there was none.
         last_call: &'a str,
     }
-    /// Explanation of why a program ended or what it waits for. A note.
+    /// Explanation of why a program ended or what it waits for. A note: not part of the digest.
     Reason = "reason" {
         /// The explanation.
         text: &'a str,
     }
-    /// A likely mistake in the program. A note.
+    /// A likely mistake in the program. A note: not part of the digest.
     Hint = "hint" {
         /// The hint.
         text: &'a str,
     }
-    /// A RoBIOS call, recorded in verbose runs only. A note.
+    /// A RoBIOS call, recorded in verbose runs only. A note: not part of the digest.
     Call = "call" {
         /// Name of the function.
         function: &'a str,

@@ -133,7 +133,7 @@ impl Journal {
         let mut journals = journals.into_iter().filter(|journal| journal.has_events() && !journal.is_sealed);
         loop {
             let mut few: [Option<&mut Self>; lanes::LANES] = Default::default();
-            few.iter_mut().zip(&mut journals).for_each(|(place, journal)| *place = Some(journal));
+            few.iter_mut().zip(&mut journals).for_each(|(slot, journal)| *slot = Some(journal));
             let count = few.iter().flatten().count();
             // Empty lanes cost as much as full ones.
             if 2 * count > lanes::LANES && few.iter().flatten().all(is_short) {

@@ -29,17 +29,17 @@ const SCHEDULE: [[usize; WORDS]; 7] = schedule();
 const fn schedule() -> [[usize; WORDS]; 7] {
     const PERMUTATION: [usize; WORDS] = [2, 6, 3, 10, 7, 0, 4, 13, 1, 11, 12, 5, 9, 14, 15, 8];
     let mut rounds = [[0; WORDS]; 7];
-    let mut place = 0;
-    while place < WORDS {
-        rounds[0][place] = place;
-        place += 1;
+    let mut index = 0;
+    while index < WORDS {
+        rounds[0][index] = index;
+        index += 1;
     }
     let mut round = 1;
     while round < 7 {
-        place = 0;
-        while place < WORDS {
-            rounds[round][place] = rounds[round - 1][PERMUTATION[place]];
-            place += 1;
+        index = 0;
+        while index < WORDS {
+            rounds[round][index] = rounds[round - 1][PERMUTATION[index]];
+            index += 1;
         }
         round += 1;
     }
@@ -94,10 +94,10 @@ fn hash_lanes<S: Simd>(simd: S, messages: &[&[u8]; LANES]) -> [[u8; 32]; LANES] 
             is_any_done |= block + 1 == count;
         }
         if is_any_done {
-            for place in 0..8 {
+            for index in 0..8 {
                 for lane in 0..LANES {
                     if block + 1 == blocks[lane] {
-                        hashes[lane][4 * place..][..4].copy_from_slice(&value[place][lane].to_le_bytes());
+                        hashes[lane][4 * index..][..4].copy_from_slice(&value[index][lane].to_le_bytes());
                     }
                 }
             }
@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn lanes_hash_as_the_crate_does() {
-        let bytes: Vec<u8> = (0..MAX_LEN).map(|place| (place * 31 % 251) as u8).collect();
+        let bytes: Vec<u8> = (0..MAX_LEN).map(|index| (index * 31 % 251) as u8).collect();
         let levels = [Level::fallback(), Level::baseline(), Level::new()];
         for level in levels {
             for first in [0, 1, 31, 57, 60, 63, 64, 65, 127, 128, 300, 500, 960, 1_017] {

@@ -60,13 +60,13 @@ impl Recorder {
         let (robot, page) = &mut self.pages[self.used];
         *robot = journal.robot();
         journal.turn_page(page);
-        let wanted = |(_, entry): &(usize, &Entry)| self.interest.contains(entry.kind);
-        let place = |(index, entry): (usize, &Entry)| MergedEntry {
+        let is_recorded = |(_, entry): &(usize, &Entry)| self.interest.contains(entry.kind);
+        let merged = |(index, entry): (usize, &Entry)| MergedEntry {
             time: entry.time,
             page: self.used as u32,
             entry: index as u32,
         };
-        self.order.extend(page.entries().iter().enumerate().filter(wanted).map(place));
+        self.order.extend(page.entries().iter().enumerate().filter(is_recorded).map(merged));
         self.used += 1;
     }
 
@@ -96,11 +96,11 @@ impl Recorder {
     ) -> Result<Option<Digest>, E> {
         let digest = self.digest.end_slot(end);
         // Pages are in the order of the robots, entries in the order of recording.
-        self.order.sort_unstable_by_key(|place| (place.time, place.page, place.entry));
+        self.order.sort_unstable_by_key(|entry| (entry.time, entry.page, entry.entry));
         self.used = 0;
-        for place in self.order.drain(..) {
-            let (robot, page) = &self.pages[place.page as usize];
-            show(&page.decode(*robot, &page.entries()[place.entry as usize]))?;
+        for entry in self.order.drain(..) {
+            let (robot, page) = &self.pages[entry.page as usize];
+            show(&page.decode(*robot, &page.entries()[entry.entry as usize]))?;
         }
         Ok(digest)
     }
@@ -120,9 +120,9 @@ mod tests {
 
     /// Output of a run: the JSON of its records, and the digest after each slot.
     #[derive(Default)]
-    struct Shown(Vec<String>, Vec<Option<Digest>>);
+    struct RunOutput(Vec<String>, Vec<Option<Digest>>);
 
-    fn end_slot(recorder: &mut Recorder, end: Time, shown: &mut Shown) {
+    fn end_slot(recorder: &mut Recorder, end: Time, shown: &mut RunOutput) {
         let show = |record: &Record<'_>| -> Result<(), Infallible> {
             shown.0.push(serde_json::to_string(record).unwrap());
             Ok(())
@@ -134,10 +134,10 @@ mod tests {
     const SLOT: Time = Time::from_millis(50);
 
     /// Records two slots of two robots; `order` is the order in which their "threads" run.
-    fn run(order: [usize; 2], is_verbose: bool, interest: KindSet) -> (Digest, Shown) {
+    fn run(order: [usize; 2], is_verbose: bool, interest: KindSet) -> (Digest, RunOutput) {
         let mut journals = [1, 2].map(|id| Journal::new(RobotId(id), is_verbose));
         let mut recorder = Recorder::new(7, SLOT, interest);
-        let mut shown = Shown::default();
+        let mut shown = RunOutput::default();
         for slot in 0..2 {
             let begin = Time(50_000 * slot);
             for robot in order {
@@ -183,7 +183,7 @@ mod tests {
             Err("full")
         });
         assert_eq!((result, count), (Err("full"), 1));
-        let (digest, mut shown) = (recorder.digest(), Shown::default());
+        let (digest, mut shown) = (recorder.digest(), RunOutput::default());
         end_slot(&mut recorder, SLOT + SLOT, &mut shown);
         assert_eq!((recorder.digest(), shown.0.len()), (digest, 0));
     }
@@ -204,7 +204,7 @@ mod tests {
         let mut journal = Journal::new(RobotId(1), false);
         journal.record(Time(1), &Event::Hint { text: "PSDGet before PSDInit" });
         recorder.collect(&mut journal);
-        end_slot(&mut recorder, SLOT, &mut Shown::default());
+        end_slot(&mut recorder, SLOT, &mut RunOutput::default());
         assert_eq!(recorder.digest(), empty);
         assert_ne!(empty, Recorder::new(8, SLOT, KindSet::ALL).digest());
     }
@@ -216,7 +216,7 @@ mod tests {
         let mut journal = Journal::new(RobotId(3), false);
         journal.record(Time(1), &Event::Reading { device: "IR", value: -1 });
         recorder.collect(&mut journal);
-        end_slot(&mut recorder, SLOT, &mut Shown::default());
+        end_slot(&mut recorder, SLOT, &mut RunOutput::default());
 
         let hash = |parts: &[&[u8]]| *blake3::hash(&parts.concat()).as_bytes();
         let start = hash(&[b"eyesim record 1 robot", &3_u32.to_le_bytes()]);

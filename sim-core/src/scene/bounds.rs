@@ -58,7 +58,7 @@ impl Bounds {
     /// origin; `None` if the ray misses it.
     #[inline]
     pub(super) fn clip(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<(f64, f64)> {
-        let mut stretch = (0.0_f64, range);
+        let mut interval = (0.0_f64, range);
         for (o, d, min, max) in
             [(origin.x, direction.x, self.min.x, self.max.x), (origin.y, direction.y, self.min.y, self.max.y)]
         {
@@ -69,10 +69,10 @@ impl Bounds {
             } else {
                 let per = 1.0 / d;
                 let (one, other) = ((min - o) * per, (max - o) * per);
-                stretch = (stretch.0.max(one.min(other)), stretch.1.min(one.max(other)));
+                interval = (interval.0.max(one.min(other)), interval.1.min(one.max(other)));
             }
         }
-        (stretch.0 <= stretch.1).then_some(stretch)
+        (interval.0 <= interval.1).then_some(interval)
     }
 }
 

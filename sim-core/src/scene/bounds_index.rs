@@ -52,9 +52,9 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         self.choose_grid();
         let Some(grid) = &self.grid else { return };
         let all_bodies = &self.bodies;
-        let places = 0..u32::try_from(all_bodies.len()).expect("a scene has fewer than 2^32 bodies");
-        self.cells.fill(grid.len(), places, |place, visit| {
-            let (columns, rows) = grid.span(&all_bodies[place as usize].1.grown(self.margin));
+        let indices = 0..u32::try_from(all_bodies.len()).expect("a scene has fewer than 2^32 bodies");
+        self.cells.fill(grid.len(), indices, |index, visit| {
+            let (columns, rows) = grid.span(&all_bodies[index as usize].1.grown(self.margin));
             for row in rows {
                 for column in columns.clone() {
                     visit(grid.index(column, row));
@@ -86,17 +86,17 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
         let is_near = grid.bounds().contains(origin) || 2.0 * rounding_error(origin, grid.bounds()) < self.margin;
         if is_near {
-            let (forward, aside) = (direction.abs(), direction.perp().abs());
+            let (forward, lateral) = (direction.abs(), direction.perp().abs());
             let slack = 2.0 * self.margin;
             let mut limit = range;
             grid.walk(origin, direction, range, |visited| {
-                for &place in self.cells.of(visited.cell) {
-                    let (id, bounds) = &self.bodies[place as usize];
+                for &index in self.cells.of(visited.cell) {
+                    let (id, bounds) = &self.bodies[index as usize];
                     // Most bodies of a cell lie off the ray's line; this test detects them without a division.
                     let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
                     let offset = middle - origin;
                     let (ahead, reach) = (offset.dot(direction), half.dot(forward) + slack);
-                    let is_met = (direction.perp_dot(offset).abs() <= half.dot(aside) + slack)
+                    let is_met = (direction.perp_dot(offset).abs() <= half.dot(lateral) + slack)
                         & (ahead >= -reach)
                         & (ahead - reach <= limit);
                     if is_met && visited.is_first_of(&bounds.grown(self.margin)) {
@@ -120,10 +120,10 @@ impl<K: Copy + Ord> BoundsIndex<K> {
 
     /// Visits once each body whose rectangle meets `bounds`, in ascending order.
     pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(K)) {
-        let mut places = Vec::new();
-        self.overlapping(&bounds, &mut places);
-        for place in places {
-            visit(self.bodies[place as usize].0);
+        let mut indices = Vec::new();
+        self.overlapping(&bounds, &mut indices);
+        for index in indices {
+            visit(self.bodies[index as usize].0);
         }
     }
 
@@ -136,8 +136,8 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         let (columns, rows) = grid.span(bounds);
         for row in rows {
             for column in columns.clone() {
-                for &place in self.cells.of(grid.index(column, row)) {
-                    let (other, its) = &self.bodies[place as usize];
+                for &index in self.cells.of(grid.index(column, row)) {
+                    let (other, its) = &self.bodies[index as usize];
                     // Bodies that share several cells are visited in the cell of their common rectangle's lower left corner.
                     let is_here = || {
                         let corner = bounds.min.max(its.min);
@@ -152,8 +152,8 @@ impl<K: Copy + Ord> BoundsIndex<K> {
     }
 
     /// Fills `places` with the indices of the bodies whose rectangles meet `bounds`, in ascending order.
-    fn overlapping(&self, bounds: &Bounds, places: &mut Vec<u32>) {
-        places.clear();
+    fn overlapping(&self, bounds: &Bounds, indices: &mut Vec<u32>) {
+        indices.clear();
         let Some(grid) = &self.grid else { return };
         if !grid.bounds().overlaps(bounds) {
             return;
@@ -161,11 +161,11 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         let (columns, rows) = grid.span(bounds);
         for row in rows {
             let of_row = self.cells.of_range(grid.index(*columns.start(), row), grid.index(*columns.end(), row));
-            let meets = |place: u32| self.bodies[place as usize].1.overlaps(bounds);
-            places.extend(of_row.iter().filter(|&&place| meets(place)));
+            let meets = |index: u32| self.bodies[index as usize].1.overlaps(bounds);
+            indices.extend(of_row.iter().filter(|&&index| meets(index)));
         }
-        places.sort_unstable();
-        places.dedup();
+        indices.sort_unstable();
+        indices.dedup();
     }
 
     /// Chooses the grid so that an average body overlaps a few cells and there are at most a few cells per body.
@@ -250,21 +250,21 @@ mod tests {
                 let origin = DVec2::new(12.0 * unit() - 1.0, 12.0 * unit() - 1.0);
                 let (sin, cos) = crate::math::sin_cos(7.0 * unit());
                 let (direction, range) = (DVec2::new(cos, sin), 8.0 * unit());
-                let mut met = along(&moving, origin, direction, range);
-                let found = met.len();
-                met.sort_unstable();
-                met.dedup();
-                assert_eq!(met.len(), found, "each once");
+                let mut visited = along(&moving, origin, direction, range);
+                let found = visited.len();
+                visited.sort_unstable();
+                visited.dedup();
+                assert_eq!(visited.len(), found, "each once");
                 for &(id, x, y, radius) in &discs {
                     let is_met = Bounds::of_disc(DVec2::new(x, y), radius).clip(origin, direction, range).is_some();
-                    assert!(!is_met || met.contains(&id), "{id} from {origin} along {direction} up to {range} m");
+                    assert!(!is_met || visited.contains(&id), "{id} from {origin} along {direction} up to {range} m");
                 }
                 let mut is_any_met = false;
                 moving.along_ray(origin, direction, range, |_| {
                     is_any_met = true;
                     0.0
                 });
-                assert_eq!(is_any_met, !met.is_empty(), "a nearer limit leaves at least the first");
+                assert_eq!(is_any_met, !visited.is_empty(), "a nearer limit leaves at least the first");
             }
         }
     }

@@ -138,23 +138,23 @@ impl Grid {
         let (column, row) = (self.column(entry.x), self.row(entry.y));
         let mut x_axis = Axis::new(origin.x, direction.x, self.bounds.min.x, self.cell, [column, self.columns], 1);
         let mut y_axis = Axis::new(origin.y, direction.y, self.bounds.min.y, self.cell, [row, self.rows], self.columns);
-        let mut place = CellVisit { grid: self, cell: self.index(column, row), exit: 0.0, entered: None };
+        let mut cell_visit = CellVisit { grid: self, cell: self.index(column, row), exit: 0.0, entered: None };
         let (mut x_exit, mut y_exit) = (x_axis.exit(), y_axis.exit());
         loop {
             // Not `min`, which needs extra code for NaN.
-            place.exit = if x_exit < y_exit { x_exit } else { y_exit };
-            if visit(&place).is_break() || place.exit > far {
+            cell_visit.exit = if x_exit < y_exit { x_exit } else { y_exit };
+            if visit(&cell_visit).is_break() || cell_visit.exit > far {
                 return;
             }
             let is_left = if x_exit < y_exit {
-                let is_left = x_axis.advance(&mut place.cell);
+                let is_left = x_axis.advance(&mut cell_visit.cell);
                 x_exit = x_axis.exit();
-                place.entered = Some((0, x_axis.place, x_axis.step > 0.0));
+                cell_visit.entered = Some((0, x_axis.index, x_axis.step > 0.0));
                 is_left
             } else {
-                let is_left = y_axis.advance(&mut place.cell);
+                let is_left = y_axis.advance(&mut cell_visit.cell);
                 y_exit = y_axis.exit();
-                place.entered = Some((1, y_axis.place, y_axis.step > 0.0));
+                cell_visit.entered = Some((1, y_axis.index, y_axis.step > 0.0));
                 is_left
             };
             if is_left {
@@ -181,10 +181,10 @@ impl CellVisit<'_> {
     /// cells of an area once. `area` must overlap this cell.
     #[inline]
     pub fn is_first_of(&self, area: &Bounds) -> bool {
-        let Some((axis, place, is_upwards)) = self.entered else { return true };
+        let Some((axis, index, is_upwards)) = self.entered else { return true };
         // Same computation as columns and rows of the grid.
-        let place_of = |corner: DVec2| (corner[axis] - self.grid.bounds.min[axis]) * self.grid.per_cell;
-        if is_upwards { place_of(area.min) >= place } else { place_of(area.max) < place + 1.0 }
+        let cell_coordinate = |corner: DVec2| (corner[axis] - self.grid.bounds.min[axis]) * self.grid.per_cell;
+        if is_upwards { cell_coordinate(area.min) >= index } else { cell_coordinate(area.max) < index + 1.0 }
     }
 }
 
@@ -195,8 +195,8 @@ struct Axis {
     first: f64,
     per_border: f64,
     /// Present column or row, a whole number.
-    place: f64,
-    /// Change of `place` from cell to cell.
+    index: f64,
+    /// Change of `index` from cell to cell.
     step: f64,
     /// Number of columns or rows.
     count: f64,
@@ -206,29 +206,29 @@ struct Axis {
 
 impl Axis {
     #[inline]
-    fn new(origin: f64, direction: f64, min: f64, cell: f64, [place, count]: [usize; 2], stride: usize) -> Self {
-        let (place, count) = (place as f64, count as f64);
+    fn new(origin: f64, direction: f64, min: f64, cell: f64, [index, count]: [usize; 2], stride: usize) -> Self {
+        let (index, count) = (index as f64, count as f64);
         if direction.abs() < PARALLEL {
-            return Self { first: f64::INFINITY, per_border: 0.0, place, step: 0.0, count, stride: 0 };
+            return Self { first: f64::INFINITY, per_border: 0.0, index, step: 0.0, count, stride: 0 };
         }
         let per = 1.0 / direction;
         let (step, stride) = if direction > 0.0 { (1.0, stride) } else { (-1.0, stride.wrapping_neg()) };
         let leading = if direction > 0.0 { cell } else { 0.0 };
-        Self { first: (min - origin + leading) * per, per_border: cell * per, place, step, count, stride }
+        Self { first: (min - origin + leading) * per, per_border: cell * per, index, step, count, stride }
     }
 
     /// Distance at which the ray leaves the column or row.
     #[inline]
     fn exit(&self) -> f64 {
-        self.first + self.place * self.per_border
+        self.first + self.index * self.per_border
     }
 
     /// Moves on to the next column or row and updates `cell`; returns true if there is none.
     #[inline]
     fn advance(&mut self, cell: &mut usize) -> bool {
         *cell = cell.wrapping_add(self.stride);
-        self.place += self.step;
-        (self.place < 0.0) | (self.place >= self.count)
+        self.index += self.step;
+        (self.index < 0.0) | (self.index >= self.count)
     }
 }
 

@@ -21,19 +21,19 @@ impl Ground {
     /// even beyond `within`.
     pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
         match self {
-            Self::Flat => self.least_gap(ends).0,
+            Self::Flat => self.min_height_above(ends).0,
             Self::Field(field) => field.clearance(ends, within),
         }
     }
 
     /// Minimum height of the points of a segment above the ground, m, and the point with that height.
-    pub fn least_gap(&self, ends: [DVec3; 2]) -> (f64, DVec3) {
+    pub fn min_height_above(&self, ends: [DVec3; 2]) -> (f64, DVec3) {
         match self {
             Self::Flat => {
                 let lower = if ends[1].z < ends[0].z { ends[1] } else { ends[0] };
                 (lower.z, lower)
             }
-            Self::Field(field) => field.least_gap(ends),
+            Self::Field(field) => field.min_height_above(ends),
         }
     }
 
@@ -46,10 +46,10 @@ impl Ground {
     }
 
     /// Height of the ground at a point of the world plane, m.
-    pub fn height(&self, place: DVec2) -> f64 {
+    pub fn height(&self, point: DVec2) -> f64 {
         match self {
             Self::Flat => 0.0,
-            Self::Field(field) => field.height(place.x, place.y),
+            Self::Field(field) => field.height(point.x, point.y),
         }
     }
 }

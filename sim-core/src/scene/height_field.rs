@@ -193,8 +193,8 @@ impl HeightField {
     /// Colour of the ground at a height, red, green, blue, 0 to 1: as on a relief map, from the field's lowest to its
     /// highest point.
     pub fn tint(&self, height: f64) -> [f32; 3] {
-        let share = if self.high > self.low { (height - self.low) / (self.high - self.low) } else { 0.0 };
-        tint(share.clamp(0.0, 1.0) as f32)
+        let fraction = if self.high > self.low { (height - self.low) / (self.high - self.low) } else { 0.0 };
+        tint(fraction.clamp(0.0, 1.0) as f32)
     }
 
     /// The surface as a mesh in the world frame: each corner once, two triangles per cell except triangles without
@@ -208,9 +208,9 @@ impl HeightField {
             for column in 0..columns - 1 {
                 let corner = |right, up| ((row + up) * columns + column + right) as u32;
                 let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-                let places = self.triangles(column, row);
-                for (corners, place) in [[a, b, c], [a, c, d]].into_iter().zip(places) {
-                    let [p, q, r] = place;
+                let halves = self.triangles(column, row);
+                for (corners, points) in [[a, b, c], [a, c, d]].into_iter().zip(halves) {
+                    let [p, q, r] = points;
                     if (q - p).cross(r - p) == DVec3::ZERO {
                         continue;
                     }
@@ -304,9 +304,9 @@ fn materials(colour: Option<[u8; 3]>) -> Vec<Material> {
 }
 
 /// Colour at a fraction of the height range, 0 lowest, 1 highest.
-fn tint(share: f32) -> [f32; 3] {
-    let place = share * (TINTS.len() - 1) as f32;
-    let at = (place as usize).min(TINTS.len() - 2);
-    let part = place - at as f32;
+fn tint(fraction: f32) -> [f32; 3] {
+    let position = fraction * (TINTS.len() - 1) as f32;
+    let at = (position as usize).min(TINTS.len() - 2);
+    let part = position - at as f32;
     [0, 1, 2].map(|shade| TINTS[at][shade] + part * (TINTS[at + 1][shade] - TINTS[at][shade]))
 }

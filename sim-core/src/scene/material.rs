@@ -60,12 +60,12 @@ impl Texture {
     /// The pixel at texture coordinates `u` to the right and `v` upwards from the lower left corner, where 1 is the whole
     /// image; beyond it the image repeats. The lower left pixel for coordinates that are not finite.
     pub fn at(&self, u: f64, v: f64) -> [u8; 4] {
-        let place = |part: f64, size: u32| {
+        let texel = |part: f64, size: u32| {
             let part = part - part.floor();
             // A cast saturates; NaN becomes 0.
             ((part * f64::from(size)) as u32).min(size - 1)
         };
-        self.pixel(place(u, self.width), self.height - 1 - place(v, self.height))
+        self.pixel(texel(u, self.width), self.height - 1 - texel(v, self.height))
     }
 }
 

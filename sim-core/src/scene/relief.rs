@@ -15,10 +15,10 @@ pub const MAX_BOULDERS: u32 = 100_000;
 /// one.
 const OCTAVES: u32 = 4;
 
-/// Minimum wavelength of an octave in cells; the grid cannot resolve shorter octaves, which are left out.
+/// Minimum wavelength of an octave in cells; the grid cannot resolve shorter octaves, which are omitted.
 const MIN_WAVELENGTH_CELLS: f64 = 4.0;
 
-/// Number of random positions tried for a boulder before it is left out.
+/// Number of random positions tried for a boulder before it is omitted.
 const TRIES: u32 = 64;
 
 /// Minimum ratio of a boulder's width to its length.
@@ -118,28 +118,28 @@ impl Relief {
         {
             let amplitude = 1.0 / f64::from(1 << octave);
             let lattice = Lattice::new(self.seed, octave, self.size / length);
-            let places = ys.iter().flat_map(|y| xs.iter().map(move |x| DVec2::new(*x, *y)));
-            for (height, place) in heights.iter_mut().zip(places) {
-                *height += amplitude * lattice.value((place - self.origin) / length);
+            let points = ys.iter().flat_map(|y| xs.iter().map(move |x| DVec2::new(*x, *y)));
+            for (height, point) in heights.iter_mut().zip(points) {
+                *height += amplitude * lattice.value((point - self.origin) / length);
             }
         }
         let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let scale = if high > low { self.relief / (high - low) } else { 0.0 };
-        let places = ys.iter().flat_map(|y| xs.iter().map(move |x| DVec2::new(*x, *y)));
-        for (height, place) in heights.iter_mut().zip(places) {
-            *height = ((*height - low) * scale).min(self.relief) * self.clearing(place);
+        let points = ys.iter().flat_map(|y| xs.iter().map(move |x| DVec2::new(*x, *y)));
+        for (height, point) in heights.iter_mut().zip(points) {
+            *height = ((*height - low) * scale).min(self.relief) * self.clearing(point);
         }
         heights
     }
 
     /// Factor on the relief at a point: 0 in the clear discs, 1 from twice their radius on.
-    fn clearing(&self, place: DVec2) -> f64 {
-        let share = |disc: &Disc| {
-            let part = (place.distance(disc.centre) / disc.radius - 1.0).clamp(0.0, 1.0);
+    fn clearing(&self, point: DVec2) -> f64 {
+        let weight = |disc: &Disc| {
+            let part = (point.distance(disc.centre) / disc.radius - 1.0).clamp(0.0, 1.0);
             part * part * (3.0 - 2.0 * part)
         };
-        self.clear.iter().map(share).fold(1.0, f64::min)
+        self.clear.iter().map(weight).fold(1.0, f64::min)
     }
 
     /// Adds the boulders to the ground; returns the number of those for which there was no room.
@@ -197,11 +197,11 @@ struct Boulder {
 }
 
 impl Boulder {
-    fn height(&self, place: DVec2) -> f64 {
-        let offset = (place - self.centre) / self.radius;
-        let across = self.along.perp_dot(offset) / self.aspect;
+    fn height(&self, point: DVec2) -> f64 {
+        let offset = (point - self.centre) / self.radius;
+        let lateral = self.along.perp_dot(offset) / self.aspect;
         let along = self.along.dot(offset);
-        self.top * (1.0 - along * along - across * across).max(0.0)
+        self.top * (1.0 - along * along - lateral * lateral).max(0.0)
     }
 }
 
@@ -227,17 +227,17 @@ impl Lattice {
         Self { columns, gradients }
     }
 
-    fn value(&self, place: DVec2) -> f64 {
+    fn value(&self, point: DVec2) -> f64 {
         let rows = self.gradients.len() / self.columns;
-        let column = (place.x as usize).min(self.columns - 2);
-        let row = (place.y as usize).min(rows - 2);
-        let part = place - DVec2::new(column as f64, row as f64);
+        let column = (point.x as usize).min(self.columns - 2);
+        let row = (point.y as usize).min(rows - 2);
+        let part = point - DVec2::new(column as f64, row as f64);
         let corner = |right: usize, up: usize| {
             let gradient = self.gradients[(row + up) * self.columns + column + right];
             gradient.dot(part - DVec2::new(right as f64, up as f64))
         };
         let weight = part.to_array().map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
-        let mix = |a: f64, b: f64, share: f64| a + share * (b - a);
+        let mix = |a: f64, b: f64, fraction: f64| a + fraction * (b - a);
         mix(mix(corner(0, 0), corner(1, 0), weight[0]), mix(corner(0, 1), corner(1, 1), weight[0]), weight[1])
     }
 }
@@ -296,8 +296,8 @@ mod tests {
                     let (sin, cos) = math::sin_cos(f64::from(step));
                     // A cell that overlaps the edge of the disc may rise.
                     let radius = (disc.radius - 0.15) * f64::from(step) / 100.0;
-                    let place = disc.centre + radius * DVec2::new(cos, sin);
-                    assert_eq!(field.height(place.x, place.y), 0.05);
+                    let point = disc.centre + radius * DVec2::new(cos, sin);
+                    assert_eq!(field.height(point.x, point.y), 0.05);
                 }
             }
             assert!(field.range().1 <= 0.05 + 0.2 + 0.4 && field.range().1 > 0.25, "{:?}", field.range());

@@ -37,16 +37,16 @@ impl Segment {
         if length_squared == 0.0 {
             return self.a;
         }
-        let share = (point - self.a).dot(along) / length_squared;
+        let fraction = (point - self.a).dot(along) / length_squared;
         // Computed from the nearer end, so that both ends are exact.
-        if share <= 0.0 {
+        if fraction <= 0.0 {
             self.a
-        } else if share >= 1.0 {
+        } else if fraction >= 1.0 {
             self.b
-        } else if share < 0.5 {
-            self.a + along * share
+        } else if fraction < 0.5 {
+            self.a + along * fraction
         } else {
-            self.b - along * (1.0 - share)
+            self.b - along * (1.0 - fraction)
         }
     }
 

@@ -57,7 +57,7 @@ pub struct Stairs {
     /// Middle of the foot of the first step.
     pub from: DVec2,
     /// Direction in which the stairs go up.
-    pub way: StairsDirection,
+    pub uphill: StairsDirection,
     /// Number of steps; at most [`MAX_STEPS`].
     pub count: u32,
     /// Height of each step; positive.
@@ -84,14 +84,14 @@ pub struct Block {
 impl Stairs {
     /// The stairs as blocks stacked on each other: each block extends beneath all the blocks above it.
     pub fn blocks(&self) -> impl Iterator<Item = Block> {
-        let ahead = self.way.direction();
-        let aside = 0.5 * self.width * ahead.perp();
+        let ahead = self.uphill.direction();
+        let half_width = 0.5 * self.width * ahead.perp();
         let stairs = *self;
         (0..self.count).map(move |step| {
             let start = f64::from(step) * stairs.depth;
             let top = f64::from(stairs.count - 1) * stairs.depth + stairs.landing;
             let end = top + if stairs.goes_down { top - stairs.landing - start } else { 0.0 };
-            let corners = [stairs.from + start * ahead + aside, stairs.from + end * ahead - aside];
+            let corners = [stairs.from + start * ahead + half_width, stairs.from + end * ahead - half_width];
             Block { bounds: Bounds::of_points(corners), height: f64::from(step + 1) * stairs.rise }
         })
     }
@@ -114,7 +114,7 @@ impl Steps {
             let twice = sides.into_iter().flat_map(|side| [side; 2]);
             std::iter::once(of(low)).chain(twice).chain([of(high)]).collect::<Vec<f64>>()
         };
-        let (xs, ys) = (sides(|place| place.x), sides(|place| place.y));
+        let (xs, ys) = (sides(|point| point.x), sides(|point| point.y));
         let corners = xs.len().saturating_mul(ys.len());
         if corners > 2 * super::MAX_CELLS {
             return Err(FieldError::Large(corners));
@@ -122,14 +122,14 @@ impl Steps {
         // Corners 2i and 2i + 1 are the ends of level interval i of an axis.
         let mut heights = vec![0.0_f64; corners];
         for block in &blocks {
-            let covered = |axis: &[f64], least: f64, greatest: f64| {
+            let cells_in = |axis: &[f64], least: f64, greatest: f64| {
                 let first = (0..axis.len()).step_by(2).find(|at| axis[*at] >= least).unwrap_or(axis.len());
                 let end = (1..axis.len()).step_by(2).rfind(|at| axis[*at] <= greatest).map_or(0, |at| at + 1);
                 first..end.max(first)
             };
             let Bounds { min, max } = block.bounds;
-            for row in covered(&ys, min.y.max(low.y), max.y.min(high.y)) {
-                for column in covered(&xs, min.x.max(low.x), max.x.min(high.x)) {
+            for row in cells_in(&ys, min.y.max(low.y), max.y.min(high.y)) {
+                for column in cells_in(&xs, min.x.max(low.x), max.x.min(high.x)) {
                     let height = &mut heights[row * xs.len() + column];
                     *height = height.max(block.height);
                 }
@@ -149,23 +149,23 @@ mod tests {
         steps.field().expect("a field")
     }
 
-    fn stairs(way: StairsDirection) -> Stairs {
+    fn stairs(uphill: StairsDirection) -> Stairs {
         let (from, count) = (DVec2::new(2.0, 1.5), 3);
-        Stairs { from, way, count, rise: 0.125, depth: 0.25, landing: 0.5, width: 1.0, goes_down: false }
+        Stairs { from, uphill, count, rise: 0.125, depth: 0.25, landing: 0.5, width: 1.0, goes_down: false }
     }
 
     #[test]
     fn stairs_go_up_all_four_ways() {
-        for way in StairsDirection::ALL {
-            let field = steps(vec![stairs(way)], Vec::new());
-            let at = |ahead: f64, aside: f64| {
-                let place = DVec2::new(2.0, 1.5) + ahead * way.direction() + aside * way.direction().perp();
-                field.height(place.x, place.y)
+        for uphill in StairsDirection::ALL {
+            let field = steps(vec![stairs(uphill)], Vec::new());
+            let at = |ahead: f64, lateral: f64| {
+                let point = DVec2::new(2.0, 1.5) + ahead * uphill.direction() + lateral * uphill.direction().perp();
+                field.height(point.x, point.y)
             };
             let expected =
                 [(-0.01, 0.0), (0.0, 0.125), (0.24, 0.125), (0.25, 0.25), (0.5, 0.375), (1.0, 0.375), (1.01, 0.0)];
             for (ahead, height) in expected {
-                assert_eq!(at(ahead, 0.0), height, "{way:?}, {ahead} m ahead");
+                assert_eq!(at(ahead, 0.0), height, "{uphill:?}, {ahead} m ahead");
                 assert_eq!(at(ahead, 0.5), height, "on the side");
                 assert_eq!(at(ahead, -0.51), 0.0, "beside");
             }

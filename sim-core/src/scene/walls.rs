@@ -352,8 +352,8 @@ mod tests {
         let scene = walls(&ends);
         assert_eq!(scene.grid.left(1), borders[0], "neither the bounds nor the lengths have changed");
         for &border in &borders {
-            let near = border.next_down().max(border - 1e-12);
-            for (x, direction) in [(border - 0.01, 1.0), (border + 0.01, -1.0), (near, 1.0), (near, -1.0)] {
+            let just_below = border.next_down().max(border - 1e-12);
+            for (x, direction) in [(border - 0.01, 1.0), (border + 0.01, -1.0), (just_below, 1.0), (just_below, -1.0)] {
                 let range = (border - x).abs() + 1e-15;
                 let found = distance(&scene, [x, 0.5], [direction, 0.0], range);
                 assert!(found.is_some_and(|metres| metres <= range), "the wall at {border} from {x}: {found:?}");

@@ -6,15 +6,15 @@ pub struct Bumper {
     /// Middle of the arc, rad counter-clockwise from ahead, seen from the robot's centre.
     pub bearing: f64,
     /// Angle from the middle to either end, rad; pi or more covers the whole rim.
-    pub half_width: f64,
+    pub half_angle: f64,
 }
 
 impl Bumper {
     /// Returns true if a contact at `bearing` (rad, robot frame) presses the bumper, ends included.
     pub fn covers(&self, bearing: f64) -> bool {
-        let apart = Heading::new(bearing - self.bearing).remainder().abs();
+        let angle = Heading::new(bearing - self.bearing).remainder().abs();
         // The tolerance of 10^-12 rad covers the rounding of a contact exactly at an end.
-        apart <= self.half_width + 1e-12
+        angle <= self.half_angle + 1e-12
     }
 
     /// Returns true if this impact presses the bumper.
@@ -30,11 +30,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_rim_is_closed_behind_the_robot() {
-        let back = Bumper { bearing: PI, half_width: 0.5 };
+    fn bearings_wrap_at_pi() {
+        let back = Bumper { bearing: PI, half_angle: 0.5 };
         assert!(back.covers(PI) && back.covers(-PI) && back.covers(-PI + 0.49) && back.covers(PI - 0.5));
         assert!(!back.covers(-PI + 0.51) && !back.covers(0.0));
-        let ring = Bumper { bearing: 0.0, half_width: PI };
+        let ring = Bumper { bearing: 0.0, half_angle: PI };
         assert!([-3.1, 0.0, 3.1].iter().all(|&bearing| ring.covers(bearing)));
     }
 }

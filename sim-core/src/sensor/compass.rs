@@ -20,12 +20,12 @@ mod tests {
 
     #[test]
     fn the_four_winds() {
-        let shown = |heading: f64| bearing_from_north(Heading::new(heading), FRAC_PI_2);
-        assert_eq!(shown(FRAC_PI_2), 0.0);
-        assert_eq!(shown(0.0), FRAC_PI_2);
-        assert_eq!(shown(-FRAC_PI_2), PI);
-        assert_eq!(shown(PI), 1.5 * PI);
-        assert!(shown(FRAC_PI_2 + 1e-3) > TAU - 2e-3 && shown(FRAC_PI_2 + 1e-3) < TAU);
+        let reading = |heading: f64| bearing_from_north(Heading::new(heading), FRAC_PI_2);
+        assert_eq!(reading(FRAC_PI_2), 0.0);
+        assert_eq!(reading(0.0), FRAC_PI_2);
+        assert_eq!(reading(-FRAC_PI_2), PI);
+        assert_eq!(reading(PI), 1.5 * PI);
+        assert!(reading(FRAC_PI_2 + 1e-3) > TAU - 2e-3 && reading(FRAC_PI_2 + 1e-3) < TAU);
         assert_eq!(bearing_from_north(Heading::new(1.0 + 1e-17), 1.0), 0.0);
         assert!((bearing_from_north(Heading::new(100.0), -200.0) - (TAU * 48.0 - 300.0)).abs() < 1e-12);
     }

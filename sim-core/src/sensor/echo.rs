@@ -5,7 +5,7 @@ use crate::math;
 
 /// Standard deviation of the noise N of all three sensors of the paper; the mean of N is 0. Source: France et al. 1999,
 /// section 5.
-pub const PAPER_SIGMA: f64 = 0.01;
+pub const FRANCE_1999_SIGMA: f64 = 0.01;
 
 /// Tolerance of the incidence limit for rounding of poses and normals, rad.
 const ANGLE_ROUNDING: f64 = 1e-10;
@@ -82,11 +82,11 @@ pub fn incidence(direction: DVec3, normal: DVec3) -> f64 {
 pub fn reflected_signal(distance: f64, incidence: f64, max: f64, noise: f64) -> f64 {
     // Divides twice: the square of a small positive distance may be 0.
     let cos = if incidence >= std::f64::consts::FRAC_PI_2 { 0.0 } else { math::cos(incidence) };
-    let share = cos * cos * (1.0 + noise);
-    if share <= 0.0 || distance >= max {
+    let strength = cos * cos * (1.0 + noise);
+    if strength <= 0.0 || distance >= max {
         return 0.0;
     }
-    (max - distance) / distance / distance * share
+    (max - distance) / distance / distance * strength
 }
 
 /// Distance at which a surface at normal incidence gives this `signal` (1/m), in m; 0 for an infinite signal, `max` for

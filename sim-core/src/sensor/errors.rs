@@ -27,10 +27,10 @@ impl RangeErrors {
         if self.is_exact() {
             return exact;
         }
-        let seen = exact.distance.filter(|_| exact.signal > 0.0);
-        match self.reading(index, at, model.limits(), seen) {
+        let echo = exact.distance.filter(|_| exact.signal > 0.0);
+        match self.reading(index, at, model.limits(), echo) {
             None => model.no_return(),
-            distance => Reading { distance, signal: if seen.is_some() { exact.signal } else { 1.0 } },
+            distance => Reading { distance, signal: if echo.is_some() { exact.signal } else { 1.0 } },
         }
     }
 }

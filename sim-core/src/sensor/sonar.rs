@@ -135,8 +135,9 @@ impl Sonar {
 
     /// Angle from the line of sight beyond which no echo is detectable at more than the minimum distance, rad.
     fn aperture(&self) -> f64 {
-        let least = self.min * self.threshold.sqrt();
-        let width = |gain: f64, half_width: f64| half_width * (math::ln((gain / least).max(1.0)) / (2.0 * LN_2)).sqrt();
+        let min_distance = self.min * self.threshold.sqrt();
+        let width =
+            |gain: f64, half_width: f64| half_width * (math::ln((gain / min_distance).max(1.0)) / (2.0 * LN_2)).sqrt();
         let side = self.side_lobes.map_or(0.0, |ring| ring.angle + width(ring.gain, ring.half_width));
         width(1.0, self.half_angle).max(side).min(FRAC_PI_2)
     }
@@ -202,7 +203,7 @@ impl EchoSearch<'_> {
         for ray in 1..self.sonar.rays {
             let ray = f64::from(ray);
             // In the plane the rays alternate between both sides, from the middle outwards.
-            let (angle, aside) = if is_planar {
+            let (angle, offset) = if is_planar {
                 let side = if ray % 2.0 == 0.0 { 1.0 } else { -1.0 };
                 (aperture * (ray * 0.5).ceil() / (last * 0.5).ceil(), DVec3::new(-forward.y, forward.x, 0.0) * side)
             } else {
@@ -210,10 +211,10 @@ impl EchoSearch<'_> {
                 (aperture * (ray / last).sqrt(), rotation.y_axis * cos + rotation.z_axis * sin)
             };
             let (sin, cos) = math::sin_cos(angle);
-            let met = self.try_angle(forward * cos + aside * sin, angle);
+            let hit = self.try_angle(forward * cos + offset * sin, angle);
             // The plane of a mesh's triangle is known once a ray has hit it, so its perpendicular can be tried.
-            if let Some(met) = met.filter(|_| self.world.has_meshes()) {
-                self.try_angle(-met.normal, angle_between(-met.normal, forward));
+            if let Some(hit) = hit.filter(|_| self.world.has_meshes()) {
+                self.try_angle(-hit.normal, angle_between(-hit.normal, forward));
             }
         }
     }

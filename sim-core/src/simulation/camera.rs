@@ -118,7 +118,7 @@ impl Robot {
     pub fn record_frame(&mut self, form: &str, [width_px, height_px]: [u32; 2], bytes: &[u8]) {
         let Some(&Exposure { number: frame, at, .. }) = self.devices.camera.last() else { return };
         let hash = Digest(*blake3::hash(bytes).as_bytes()).to_string();
-        self.record(Event::Frame { frame, form, width_px, height_px, exposed_s: at.seconds(), hash: &hash });
+        self.record(Event::Image { frame, form, width_px, height_px, exposed_s: at.seconds(), hash: &hash });
     }
 
     /// Exposes the next image, of `size`.

@@ -60,7 +60,7 @@ pub struct SlotEnd {
     pub at: Time,
     /// Receivers of messages, each with the time when the message becomes visible, which the robot's virtual time has
     /// not reached.
-    pub heard: Vec<(RobotId, Time)>,
+    pub arrivals: Vec<(RobotId, Time)>,
 }
 
 impl Environment {
@@ -192,7 +192,7 @@ impl Environment {
             }
         });
         self.spare_motions = parallel::reuse(motions);
-        let heard = self.traffic.deliver(robots);
+        let arrivals = self.traffic.deliver(robots);
         // The walk is recorded before the pose, so that readers of poses already know the height of a walking body; it needs the published
         // motion of all robots.
         let has_walks = self.world.has_stances();
@@ -246,7 +246,7 @@ impl Environment {
             }
             recorder.collect_ended(*id, &ended.journal, &mut robot.journal);
         }
-        SlotEnd { at, heard }
+        SlotEnd { at, arrivals }
     }
 
     /// Ends the run at `time`: undecided messages are lost, and the world's events are recorded. The caller then has to

@@ -111,7 +111,7 @@ impl RobotFactory {
     }
 
     /// Creates the world of `scene` (the scene of this factory) at time 0 with these robots, in the order of their ids;
-    /// `heard` are the noise models of their radios.
+    /// `reception_noise` are the noise models of their radios.
     ///
     /// # Errors
     /// [`FactoryError::Objects`] in a build without the feature `objects`.
@@ -119,7 +119,7 @@ impl RobotFactory {
         &self,
         scene: &SceneSpec,
         robots: impl IntoIterator<Item = &'a mut Robot>,
-        heard: Vec<RadioNoise>,
+        reception_noise: Vec<RadioNoise>,
     ) -> Result<World, FactoryError> {
         let movable = build::movable(scene).count();
         if movable > 0 && !Bodies::ARE_BUILT {
@@ -127,7 +127,7 @@ impl RobotFactory {
         }
         let motions = robots.into_iter().map(|robot| &mut robot.motion);
         let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
-        let radio = Channel::new(scene.radio, self.seed, heard);
+        let radio = Channel::new(scene.radio, self.seed, reception_noise);
         let world = World::new(Arc::clone(&self.walls), self.slot, motions);
         Ok(world.with_objects(objects).with_space(build::space(scene)).with_radio(radio))
     }
@@ -135,11 +135,11 @@ impl RobotFactory {
     /// Noise profile of a robot; `None` if it has no errors.
     fn profile(&mut self, robot: &RobotSpec) -> Option<Arc<Profile>> {
         let noise = robot.noise.as_ref()?;
-        if let Some((_, made)) = self.profiles.iter().find(|(known, _)| known == noise) {
-            return made.clone();
+        if let Some((_, profile)) = self.profiles.iter().find(|(known, _)| known == noise) {
+            return profile.clone();
         }
-        let made = noise.profile().map(Arc::new);
-        self.profiles.push((noise.clone(), made.clone()));
-        made
+        let profile = noise.profile().map(Arc::new);
+        self.profiles.push((noise.clone(), profile.clone()));
+        profile
     }
 }

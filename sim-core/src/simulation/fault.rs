@@ -98,7 +98,7 @@ fn action(fault: &FaultSpec, noise: &Profile, is_begin: bool) -> Option<Action> 
         FaultKind::SensorStuck { sensor } => Action::StickSensor { robot, sensor: sensor.clone(), on: is_begin },
         FaultKind::Slip { wheels, share } => match wheels {
             SlippingWheels::All => set("drive.slip_percent", 100.0 * share),
-            // A wheel that loses a share of its distance moves as far as a wheel that is smaller by this share.
+            // A wheel that loses a fraction of its distance moves as far as a wheel that is smaller by this share.
             SlippingWheels::Left => set("drive.left_percent", -100.0 * share),
             SlippingWheels::Right => set("drive.right_percent", -100.0 * share),
         },

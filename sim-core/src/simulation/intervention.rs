@@ -252,16 +252,16 @@ impl Environment {
             }
             Intervention::PlaceRobot(id, pose) => {
                 robots.with(*id, |robot| {
-                    let placed = robot.motion.place(at, *pose);
-                    debug_assert!(placed.is_ok(), "the place was checked");
+                    let result = robot.motion.place(at, *pose);
+                    debug_assert!(result.is_ok(), "the place was checked");
                     robot.record_placed(at, WORLD, pose);
                     world.republish(&mut robot.motion);
                 });
                 return Effect::of_robot(*id);
             }
             Intervention::PlaceObject(object, pose) => {
-                let placed = world.place_object_now(*object, *pose);
-                debug_assert!(placed.is_ok(), "the place was checked");
+                let result = world.place_object_now(*object, *pose);
+                debug_assert!(result.is_ok(), "the place was checked");
                 let (x_m, y_m, phi_rad) = (pose.position.x, pose.position.y, pose.heading.remainder());
                 self.journal().record(at, &Event::ObjectPlaced { object: object.0, by: WORLD.0, x_m, y_m, phi_rad });
                 self.record_object(at, *object);
@@ -307,12 +307,12 @@ impl Environment {
         Effect::default()
     }
 
-    /// Adds `robot`, whose id is the next one, at the start of the present slot; `heard` is the noise model of its
+    /// Adds `robot`, whose id is the next one, at the start of the present slot; `reception_noise` is the noise model of its
     /// radio.
-    pub fn admit(&mut self, robot: &mut Robot, heard: RadioNoise) {
+    pub fn admit(&mut self, robot: &mut Robot, reception_noise: RadioNoise) {
         let figure = Arc::new(build::robot_figure(&robot.spec));
         self.world.add_robot(&mut robot.motion, Some(figure));
-        self.world.radio_mut().set_errors(robot.id, heard);
+        self.world.radio_mut().set_errors(robot.id, reception_noise);
         robot.record_arrival(&self.world);
     }
 }
@@ -334,8 +334,8 @@ fn robot_of(number: u32, world: &World) -> Result<RobotId, Refusal> {
 }
 
 fn object_of(number: u32, world: &World) -> Result<ObjectId, Refusal> {
-    let known = (1..=world.object_count()).contains(&(number as usize)).then_some(ObjectId(number));
-    known.filter(|id| world.is_object_present(*id, world.slot_start())).ok_or(Refusal::NoObject(number))
+    let valid_id = (1..=world.object_count()).contains(&(number as usize)).then_some(ObjectId(number));
+    valid_id.filter(|id| world.is_object_present(*id, world.slot_start())).ok_or(Refusal::NoObject(number))
 }
 
 /// Checks the range of a placement and returns its pose.
@@ -351,6 +351,6 @@ fn has_sensor(robot: &Robot, sensor: &str) -> Result<(), Refusal> {
         return Ok(());
     }
     let names: Vec<String> = sensors.iter().map(|(name, _)| format!("`{name}`")).collect();
-    let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-    Err(Refusal::NoSensor { robot: robot.id.0, sensor: sensor.to_owned(), known })
+    let list = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+    Err(Refusal::NoSensor { robot: robot.id.0, sensor: sensor.to_owned(), known: list })
 }

@@ -18,7 +18,7 @@ use crate::drive::{Command, CommandError, HISTORY, ModelError, Motion};
 use crate::noise::{Parameter, Profile, RangeKind};
 use crate::pose::Pose;
 use crate::radio::Station;
-use crate::record::{EndedJournal, Event, Journal, Numbers, Obstacle};
+use crate::record::{EndedJournal, Event, FloatList, Journal, Obstacle};
 use crate::sensor::Reading;
 use crate::spec::RobiSpec;
 use crate::time::Time;
@@ -80,7 +80,7 @@ struct FloorWatch {
     /// True once the robot's centre was on the floor at the end of a slot.
     has_been_on: bool,
     /// Instant at which the robot first left the floor.
-    left: Option<Time>,
+    left_at: Option<Time>,
 }
 
 impl FloorWatch {
@@ -143,14 +143,14 @@ impl Robot {
         let has_area = corners.0.cmplt(corners.1).all();
         let (since, start) = (self.now, self.motion.pose(self.now).position);
         self.floor = has_area.then(|| {
-            let watch = FloorWatch { corners, since, has_been_on: false, left: None };
+            let watch = FloorWatch { corners, since, has_been_on: false, left_at: None };
             FloorWatch { has_been_on: watch.contains(start), ..watch }
         });
     }
 
     /// Instant at which the robot's centre first left the floor.
     pub fn left_floor(&self) -> Option<Time> {
-        self.floor.as_ref()?.left
+        self.floor.as_ref()?.left_at
     }
 
     /// Sets the noise models from `at` on, the start of the present slot. The caller must also set the radio's noise
@@ -305,7 +305,7 @@ impl Robot {
     /// Records that the robot has left the floor, at the instant at which its centre passed the edge; in a slot longer than the world's
     /// history only the last part is searched.
     fn check_floor(&mut self, slot_end: Time, pose: &Pose) {
-        let Some(floor) = self.floor.as_mut().filter(|floor| floor.left.is_none()) else { return };
+        let Some(floor) = self.floor.as_mut().filter(|floor| floor.left_at.is_none()) else { return };
         if floor.contains(pose.position) {
             floor.has_been_on = true;
             return;
@@ -319,10 +319,10 @@ impl Robot {
         }
         while off - on > Time(1) {
             let middle = Time(on.0 + (off - on).0 / 2);
-            let place = if floor.contains(self.motion.pose(middle).position) { &mut on } else { &mut off };
-            *place = middle;
+            let bound = if floor.contains(self.motion.pose(middle).position) { &mut on } else { &mut off };
+            *bound = middle;
         }
-        floor.left = Some(off);
+        floor.left_at = Some(off);
         let DVec2 { x, y } = self.motion.pose(off).position;
         // Adding 0 turns -0 into 0.
         let [x, y] = [x, y].map(|metres| unit::mm_from_metres(metres).round() + 0.0);
@@ -367,7 +367,7 @@ impl Robot {
         if self.walk.posture != posture {
             let bytes: Vec<[u8; 8]> =
                 posture.iter().flat_map(|(_, joints)| joints).map(|angle| angle.to_le_bytes()).collect();
-            self.journal.record(slot_end, &Event::Posture { lift_m: lift, joints_rad: Numbers::new(&bytes) });
+            self.journal.record(slot_end, &Event::Posture { lift_m: lift, joints_rad: FloatList::new(&bytes) });
             self.walk.posture = posture;
         }
     }
@@ -384,7 +384,7 @@ impl Robot {
                 if !self.walk.touching.contains(&(*part, *thing)) {
                     let part = self.part_name(*part);
                     let with = obstacle(*thing);
-                    let event = Event::Touch { part: &part, with, x_m: point.x, y_m: point.y, z_m: point.z };
+                    let event = Event::LegContact { part: &part, with, x_m: point.x, y_m: point.y, z_m: point.z };
                     self.journal.record(at, &event);
                     self.walk.touches += 1;
                 }

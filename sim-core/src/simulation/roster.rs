@@ -41,7 +41,7 @@ pub struct Types<T> {
     what: &'static str,
     types: Vec<(String, Arc<T>)>,
     /// Name and file of each type.
-    known: Vec<[String; 2]>,
+    known_types: Vec<[String; 2]>,
 }
 
 impl Roster {
@@ -130,26 +130,26 @@ impl Roster {
     }
 }
 
-fn check_room(added: usize, most: usize, what: &'static str) -> Result<(), Refusal> {
-    if added < most { Ok(()) } else { Err(Refusal::Full { most, what }) }
+fn check_room(added: usize, max_count: usize, what: &'static str) -> Result<(), Refusal> {
+    if added < max_count { Ok(()) } else { Err(Refusal::Full { most: max_count, what }) }
 }
 
 impl<T> Types<T> {
     fn of(what: &'static str) -> Self {
-        Self { what, types: Vec::new(), known: Vec::new() }
+        Self { what, types: Vec::new(), known_types: Vec::new() }
     }
 
     /// Adds the type called `name` of `file`, unless it is already known. If another type has this name, the file's
     /// name is used.
     pub fn add(&mut self, name: &str, file: &str, kind: impl FnOnce() -> Arc<T>) {
         let both = [name, file].map(str::to_owned);
-        if self.known.contains(&both) {
+        if self.known_types.contains(&both) {
             return;
         }
         if let Some(word) = both.iter().find(|word| self.names().all(|taken| taken != *word)).cloned() {
             self.types.push((word, kind()));
         }
-        self.known.push(both);
+        self.known_types.push(both);
     }
 
     /// Names of the types.

@@ -16,7 +16,7 @@ pub(super) struct Traffic {
     /// Outcomes that the channel has decided at the present slot's end.
     decided: Vec<Delivery>,
     /// Messages that have left the buffers of their senders by the slot's end: (sender, number).
-    left: Vec<(RobotId, u64)>,
+    departed: Vec<(RobotId, u64)>,
     /// Times when messages become visible, with their receivers.
     visible: BinaryHeap<Reverse<(Time, RobotId)>>,
     /// End of the run.
@@ -40,8 +40,8 @@ impl Traffic {
             self.decided = channel.exchange(slot_end, std::mem::take(&mut self.sendings));
             // Deliveries to one robot that become visible together are adjacent.
             concerned.extend(self.decided.chunk_by(|one, other| one.to == other.to).map(|chunk| chunk[0].to));
-            self.left = channel.take_left();
-            concerned.extend(self.left.iter().map(|(robot, _)| *robot));
+            self.departed = channel.take_departed();
+            concerned.extend(self.departed.iter().map(|(robot, _)| *robot));
         }
         while let Some(Reverse((visible, robot))) = self.visible.peek()
             && *visible < slot_end
@@ -55,26 +55,26 @@ impl Traffic {
     /// in the order of their ids. Returns the receivers of messages, each with the time when the message becomes
     /// visible.
     pub fn deliver(&mut self, robots: &mut [&mut Robot]) -> Vec<(RobotId, Time)> {
-        for (robot, sequence) in self.left.drain(..) {
-            if let Ok(place) = robots.binary_search_by_key(&robot, |robot| robot.id)
-                && let Some(station) = &mut robots[place].station
+        for (robot, sequence) in self.departed.drain(..) {
+            if let Ok(index) = robots.binary_search_by_key(&robot, |robot| robot.id)
+                && let Some(station) = &mut robots[index].station
             {
                 station.has_left(sequence);
             }
         }
-        let mut heard = Vec::new();
+        let mut arrivals = Vec::new();
         let mut last = None;
         for delivery in self.decided.drain(..) {
             let Delivery { to, visible, .. } = delivery;
-            if let Ok(place) = robots.binary_search_by_key(&to, |robot| robot.id) {
-                robots[place].deliver(delivery);
-                heard.push((to, visible));
+            if let Ok(index) = robots.binary_search_by_key(&to, |robot| robot.id) {
+                robots[index].deliver(delivery);
+                arrivals.push((to, visible));
                 if last.replace((visible, to)) != Some((visible, to)) {
                     self.visible.push(Reverse((visible, to)));
                 }
             }
         }
-        heard
+        arrivals
     }
 
     /// Ends the run at `end`: takes the messages that `channel` has not decided as losses.

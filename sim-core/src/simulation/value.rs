@@ -84,8 +84,8 @@ impl Simulation {
     }
 
     fn made_by(mut factory: RobotFactory, scene: &SceneSpec, seed: u64, slot: Time) -> Result<Self, FactoryError> {
-        let made = scene.robots.iter().map(|spec| factory.robot(spec, Time::ZERO));
-        let (mut robots, heard): (Vec<Robot>, Vec<_>) = made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        let created = scene.robots.iter().map(|spec| factory.robot(spec, Time::ZERO));
+        let (mut robots, heard): (Vec<Robot>, Vec<_>) = created.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         robots.iter_mut().for_each(|robot| robot.record_start(""));
         let world = factory.world(scene, &mut robots, heard)?;
         let monitor = Monitor::new(scene, world.walls(), scene.run.until.unwrap_or(Time::NEVER));
@@ -178,8 +178,8 @@ impl Simulation {
                 return Err(Refusal::Other("a simulation runs no programs: who hosts them does".to_owned()));
             }
             let spec = self.roster.robot(kind, None, [*x_m, *y_m, *phi_rad], self.world())?;
-            let made = Arc::make_mut(&mut self.factory).robot(&spec, self.now);
-            let (mut robot, heard) = made.map_err(|error| Refusal::Other(error.to_string()))?;
+            let new_robot = Arc::make_mut(&mut self.factory).robot(&spec, self.now);
+            let (mut robot, heard) = new_robot.map_err(|error| Refusal::Other(error.to_string()))?;
             robot.record_start("");
             self.environment.record_intervention(self.now, action);
             self.environment.admit(&mut robot, heard);

@@ -49,7 +49,7 @@ pub enum CheckKind {
         /// The body.
         body: BodyRef,
         /// The place.
-        place: Place,
+        region: Region,
         /// Time by which the body must have reached the place.
         by: Option<Time>,
         /// Time for which the body must stay there without leaving.
@@ -73,7 +73,7 @@ pub enum CheckKind {
         /// The body.
         body: BodyRef,
         /// The place.
-        place: Place,
+        region: Region,
     },
     /// A body passes a gate a number of times.
     Laps {
@@ -96,16 +96,16 @@ pub enum CheckKind {
         /// Bodies to which the gap is measured.
         to: Neighbours,
     },
-    /// A robot drives along walls: for a share of its path, the gap to the nearest wall is within limits.
+    /// A robot drives along walls: for a fraction of its path, the gap to the nearest wall is within limits.
     FollowsWall {
         /// The robot.
         robot: RobotId,
         /// Minimum and maximum gap between body and wall.
         gap: [f64; 2],
-        /// Smallest share of the length of the path, 0 to 1.
+        /// Smallest fraction of the length of the path, 0 to 1.
         share: f64,
     },
-    /// A tool of this `width`, at the centre of each robot, covers a share of an area.
+    /// A tool of this `width`, at the centre of each robot, covers a fraction of an area.
     Coverage {
         /// The robots; if empty, all robots of the scene.
         robots: Vec<RobotId>,
@@ -115,7 +115,7 @@ pub enum CheckKind {
         area: Option<Vec<DVec2>>,
         /// Side of the squares by whose middles the area is measured.
         cell: f64,
-        /// Smallest share of the squares, 0 to 1.
+        /// Smallest fraction of the squares, 0 to 1.
         share: f64,
         /// Time by which it must be reached.
         by: Option<Time>,
@@ -296,7 +296,7 @@ impl std::fmt::Display for BodyRef {
 
 /// A region of the floor, border included.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Place {
+pub enum Region {
     /// All points within a distance of a point.
     Disc {
         /// The point.
@@ -396,7 +396,7 @@ pub enum SwarmMetric {
         /// Maximum distance between neighbours, m.
         reach: f64,
     },
-    /// Share of an area that a tool at each robot's centre has covered, 0 to 1.
+    /// Fraction of an area that a tool at each robot's centre has covered, 0 to 1.
     Coverage {
         /// Width of the tool, m.
         width: f64,

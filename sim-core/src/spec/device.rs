@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::{JointSpec, MountSpec, PathRef};
 use crate::camera::Lens;
-use crate::sensor::{Echo, PAPER_SIGMA, RangeModel};
+use crate::sensor::{Echo, FRANCE_1999_SIGMA, RangeModel};
 use crate::spec::Span;
 
 /// Maximum distance of a PSD sensor without a companion file, in metres: the Sharp GP2D02 of the EyeBot robots.
@@ -81,7 +81,7 @@ impl Default for RangeSpec {
             id: None,
             mount: MountSpec::default(),
             model: RangeModel::Laser(Echo::LASER),
-            sigma: PAPER_SIGMA,
+            sigma: FRANCE_1999_SIGMA,
             mean: 0.0,
             bus: None,
             span: Span::default(),

@@ -77,7 +77,7 @@ pub enum FaultKind {
     Slip {
         /// Wheels that slip.
         wheels: SlippingWheels,
-        /// Share of a wheel's distance that is lost.
+        /// Fraction of a wheel's distance that is lost.
         share: f64,
     },
     /// The radio can neither be heard nor hear.

@@ -41,9 +41,9 @@ pub struct GaitSpec {
     pub name: String,
     /// Time from one lift-off of a foot to its next lift-off, in seconds.
     pub period: f64,
-    /// Duty factor: share of the period during which a foot is on the ground.
+    /// Duty factor: fraction of the period during which a foot is on the ground.
     pub duty: f64,
-    /// Phase at which each leg lifts off, as a share of the period; if empty, the legs lift off evenly, one after the
+    /// Phase at which each leg lifts off, as a fraction of the period; if empty, the legs lift off evenly, one after the
     /// other.
     pub offsets: Vec<f64>,
     /// True if legs with feet move like human legs.

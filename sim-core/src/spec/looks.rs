@@ -23,7 +23,7 @@ pub struct LightSpec {
     pub azimuth: f64,
     /// Elevation of the sun above the floor plane, in radians: above 0, at most a right angle.
     pub elevation: f64,
-    /// Share of the ambient light, 0 to 1.
+    /// Fraction of the ambient light, 0 to 1.
     pub ambient: f64,
     /// True if bodies cast shadows.
     pub shadows: bool,

@@ -47,11 +47,11 @@ pub struct PathRef {
 
 /// The last part of a path.
 pub fn file_name(path: &str) -> &str {
-    path.rfind(['/', '\\']).map_or(path, |place| &path[place + 1..])
+    path.rfind(['/', '\\']).map_or(path, |index| &path[index + 1..])
 }
 
 /// The last part of a path without its extension.
 pub fn stem(path: &str) -> &str {
     let name = file_name(path);
-    name.rfind('.').filter(|place| *place > 0).map_or(name, |place| &name[..place])
+    name.rfind('.').filter(|index| *index > 0).map_or(name, |index| &name[..index])
 }

@@ -116,8 +116,8 @@ fn changed(mut profile: Profile, entries: &[NoiseEntry]) -> Profile {
             NoiseSection::Odometry => set(&[ODOMETRY], &mut profile.motion, key, value),
             NoiseSection::Radio => set(&[RADIO], &mut profile.radio, key, value),
             NoiseSection::Sensor(name) => {
-                let known = [RANGE, OWN].into_iter().flatten().find(|known| known.name == key);
-                let change = known.map(|known| (known.place, value));
+                let entry = [RANGE, OWN].into_iter().flatten().find(|entry| entry.name == key);
+                let change = entry.map(|entry| (entry.accessor, value));
                 profile.sensors.entry(name.clone()).or_default().extend(change);
             }
         }
@@ -128,6 +128,6 @@ fn changed(mut profile: Profile, entries: &[NoiseEntry]) -> Profile {
 /// Sets the number of `model` that belongs to `key`.
 fn set<M>(keys: &[Keys<M>], model: &mut M, key: &str, value: f64) {
     if let Some(known) = keys.iter().copied().flatten().find(|known| known.name == key) {
-        *(known.place)(model) = value;
+        *(known.accessor)(model) = value;
     }
 }

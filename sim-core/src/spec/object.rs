@@ -103,7 +103,7 @@ impl ObjectType {
 
     /// This type in still water of this depth, in metres, if it floats there: movable, and lighter than its buoyant volume of water.
     ///
-    /// The submerged share of the colliders' height is the object's mass divided by the mass of that water: exact for upright prisms, our
+    /// The submerged fraction of the colliders' height is the object's mass divided by the mass of that water: exact for upright prisms, our
     /// choice for other shapes. `None` for an object on the floor.
     pub fn afloat(&self, depth: f64) -> Option<Self> {
         let submerged = self.mass / (WATER_DENSITY * self.buoyancy);

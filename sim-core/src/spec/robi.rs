@@ -260,10 +260,10 @@ impl RobiSpec {
         let steering = self.drive.steering.iter().map(|name| (name.as_str(), [steer, -steer]));
         let own = self.servos.iter().map(|servo| (servo.name.as_str(), [servo.from, servo.to]));
         let mut servos: Vec<ServoRef<'_>> = Vec::new();
-        let mut places: BTreeSet<&str> = BTreeSet::new();
+        let mut names: BTreeSet<&str> = BTreeSet::new();
         let tables: BTreeMap<&str, &ServoSpec> = self.servos.iter().rev().map(|servo| (&*servo.name, servo)).collect();
         for (name, swing) in steering.chain(own).chain(joints) {
-            if places.insert(name) {
+            if names.insert(name) {
                 let table = tables.get(name);
                 let swing = table.map_or(swing, |servo| [servo.from, servo.to]);
                 servos.push(ServoRef { name, id: table.and_then(|servo| servo.id), swing });

@@ -219,24 +219,24 @@ pub struct ReachableSpec {
 impl Layout {
     /// Pose of the robot at `index` of `count`; `None` for layouts that depend on the world.
     pub fn pose(&self, index: u32, count: u32) -> Option<Pose> {
-        let (place, heading) = match *self {
+        let (position, heading) = match *self {
             Layout::Starts | Layout::Random(_) => return None,
             Layout::Line { from, to, heading } => {
-                let share = if count > 1 { f64::from(index) / f64::from(count - 1) } else { 0.0 };
+                let fraction = if count > 1 { f64::from(index) / f64::from(count - 1) } else { 0.0 };
                 // The last robot is exactly at `to`, in spite of rounding.
-                (if share == 1.0 { to } else { from + (to - from) * share }, heading)
+                (if fraction == 1.0 { to } else { from + (to - from) * fraction }, heading)
             }
             Layout::Grid { from, spacing, columns, heading } => {
                 let columns = columns.unwrap_or_else(|| smallest_square(count));
-                let place = DVec2::new(f64::from(index % columns), f64::from(index / columns));
-                (from + spacing * place, heading)
+                let cell = DVec2::new(f64::from(index % columns), f64::from(index / columns));
+                (from + spacing * cell, heading)
             }
             Layout::Circle { centre, radius, first, facing } => {
                 let direction = first + TAU * f64::from(index) / f64::from(count.max(1));
                 (centre + radius * Heading::new(direction).direction(), direction + facing)
             }
         };
-        Some(Pose::new(place.x, place.y, heading))
+        Some(Pose::new(position.x, position.y, heading))
     }
 }
 
@@ -434,7 +434,7 @@ pub struct SimSpec {
     pub robots: Vec<RobotLine>,
     /// Objects of built-in types, and of types whose file is named in the object's own line, in the order of the file.
     pub objects: Vec<ObjectLine>,
-    /// Robots and objects of types that other lines load, in the order of the file. Only the type's file tells whether a line
+    /// Robots and objects of types that other lines load, in the order of the file. Only the type's file determines whether a line
     /// places a robot or an object.
     pub named: Vec<RobotLine>,
     /// Markers in the order of the file.

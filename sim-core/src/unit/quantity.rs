@@ -28,7 +28,8 @@ impl Unit {
     const DEGREES: Self =
         Self { name: "degrees", to_si: super::radians_from_degrees, from_si: super::degrees_from_radians };
     const MS: Self = Self { name: "ms", to_si: |ms| ms / 1e3, from_si: |seconds| seconds * 1e3 };
-    const PERCENT: Self = Self { name: "percent", to_si: |percent| percent / 100.0, from_si: |share| share * 100.0 };
+    const PERCENT: Self =
+        Self { name: "percent", to_si: |percent| percent / 100.0, from_si: |fraction| fraction * 100.0 };
 
     /// An SI unit, which needs no conversion.
     const fn si(name: &'static str) -> Self {

@@ -98,8 +98,8 @@ impl World {
         let (walls, now, end) = (&self.walls, self.now, self.slot_end());
         let objects = self.objects.get_or_insert_with(|| Box::new(Objects::new(walls, [])));
         if let Some(figure) = figure {
-            let known = (0..objects.len()).map(|index| objects.properties(ObjectId::from_index(index)));
-            Arc::make_mut(&mut self.indexed_space).add_object(figure, known);
+            let all_properties = (0..objects.len()).map(|index| objects.properties(ObjectId::from_index(index)));
+            Arc::make_mut(&mut self.indexed_space).add_object(figure, all_properties);
         }
         objects.skip_to(now);
         let object = objects.add(properties, world_from_object, now);

@@ -40,12 +40,12 @@ impl World {
         let body = self.body(robot, at);
         let pose = Pose { position: body.centre, ..Pose::default() };
         let figure = self.indexed_space.space.robots.get(robot.index()).map(Arc::clone);
-        (pose, figure.unwrap_or_else(|| Arc::new(Figure::upright(body.radius))))
+        (pose, figure.unwrap_or_else(|| Arc::new(Figure::infinite_cylinder(body.radius))))
     }
 
     pub(super) fn object_figure(&self, object: ObjectId) -> Arc<Figure> {
         let figure = self.indexed_space.space.objects.get(object.index()).map(Arc::clone);
-        figure.unwrap_or_else(|| Figure::endless(self.objects().properties(object), Surface::default()))
+        figure.unwrap_or_else(|| Figure::infinite_prism(self.objects().properties(object), Surface::default()))
     }
 
     /// Returns true if all walls and bodies that a level ray at height `z` may meet are prisms from the floor up to at
@@ -78,8 +78,8 @@ impl World {
         if self.indexed_space.space.floor.is_some() {
             visit(point.with_z(point.z.min(0.0)));
         }
-        let near = Bounds::of_disc(point.truncate(), reach);
-        self.for_each_geometry(by, near, at, |_, geometry| geometry.for_each_nearest(point, &mut visit));
+        let bounds = Bounds::of_disc(point.truncate(), reach);
+        self.for_each_geometry(by, bounds, at, |_, geometry| geometry.for_each_nearest(point, &mut visit));
     }
 
     /// Visits each obstacle that may reach into `near` at the instant `at`, in a fixed order; skips the floor and robot
@@ -97,13 +97,13 @@ impl World {
                 visit(Thing::Wall(wall), &Geometry::Wall(segment, self.walls.height(wall)));
             }
         });
-        indexed_space.thick_walls.for_each_in(near, |place| {
-            let block = &indexed_space.space.thick_walls[place as usize];
+        indexed_space.thick_walls.for_each_in(near, |index| {
+            let block = &indexed_space.space.thick_walls[index as usize];
             visit(Thing::Wall(block.wall), &Geometry::Body(&block.world_from_wall, &block.figure));
         });
-        indexed_space.fixed.for_each_in(near, |place| {
-            let (pose, figure) = &indexed_space.space.fixed[place as usize];
-            visit(Thing::Fixed(place), &Geometry::Body(pose, figure));
+        indexed_space.fixed.for_each_in(near, |index| {
+            let (pose, figure) = &indexed_space.space.fixed[index as usize];
+            visit(Thing::Fixed(index), &Geometry::Body(pose, figure));
         });
         self.for_each_near(near, at, |robot| {
             if robot != by {

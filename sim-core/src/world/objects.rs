@@ -326,8 +326,8 @@ impl Objects {
                 track.publications.pop_front();
             }
             track.bounds = Bounds::EMPTY;
-            for (place, (_, trajectory)) in track.publications.iter().enumerate() {
-                let until = track.publications.get(place + 1).map_or(until, |(next, _)| *next);
+            for (publication_index, (_, trajectory)) in track.publications.iter().enumerate() {
+                let until = track.publications.get(publication_index + 1).map_or(until, |(next, _)| *next);
                 track.bounds = track.bounds.union(trajectory.bounds(properties, until));
             }
             track.is_resting = track.publications.len() == 1 && track.publications[0].1.state.is_resting();

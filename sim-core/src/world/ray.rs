@@ -100,15 +100,15 @@ impl Ray {
     /// Source: France et al. 1999, section 4.1 (one ray, the first surface, its normal); the rest is our choice.
     pub fn new(origin: DVec3, direction: DVec3, range: f64) -> Self {
         let is_ray = (direction.length_squared() - 1.0).abs() < 1e-6 && origin.is_finite();
-        let across = direction.truncate();
+        let planar = direction.truncate();
         // A level ray is bit-identical to its trace.
-        let level = if direction.z == 0.0 { 1.0 } else { across.length() };
-        let trace = if level > 0.0 { across / level } else { DVec2::X };
+        let horizontal = if direction.z == 0.0 { 1.0 } else { planar.length() };
+        let trace = if horizontal > 0.0 { planar / horizontal } else { DVec2::X };
         // A vertical ray has no trace along which to gain height.
-        let rise = Some(direction.z / level).filter(|rise| rise.is_finite()).unwrap_or_default();
+        let rise = Some(direction.z / horizontal).filter(|rise| rise.is_finite()).unwrap_or_default();
         let floor = if direction.z < 0.0 { (origin.z / -direction.z).max(0.0) } else { f64::INFINITY };
         let range = if is_ray { range } else { f64::NAN };
-        Self { origin, direction, trace, level, rise, floor, range, unlimited: UnlimitedHeight::Nothing }
+        Self { origin, direction, trace, level: horizontal, rise, floor, range, unlimited: UnlimitedHeight::Nothing }
     }
 
     /// The ray in the plane from `origin` along the unit vector `direction`. Walls, robots and objects are unlimited in
@@ -252,8 +252,8 @@ impl RayCast<'_> {
         }
         // A level ray can only hit the sides.
         if ray.direction.z != 0.0 && !indexed_space.thick_walls.is_empty() {
-            indexed_space.thick_walls.along_ray(origin, ray.trace, self.reach(), |place| {
-                let block = &indexed_space.space.thick_walls[place as usize];
+            indexed_space.thick_walls.along_ray(origin, ray.trace, self.reach(), |index| {
+                let block = &indexed_space.space.thick_walls[index as usize];
                 let hit = block.figure.cast_hollow(&block.world_from_wall, ray.origin, ray.direction);
                 self.record_surface(hit, Thing::Wall(block.wall), indexed_space.wall_surface(block.wall));
                 self.reach()
@@ -276,9 +276,9 @@ impl RayCast<'_> {
 
     fn cast_fixed(&mut self) {
         let indexed_space = &self.world.indexed_space;
-        indexed_space.fixed.along_ray(self.ray.origin.truncate(), self.ray.trace, self.reach(), |place| {
-            let (pose, figure) = &indexed_space.space.fixed[place as usize];
-            self.cast_figure(Thing::Fixed(place), pose, figure);
+        indexed_space.fixed.along_ray(self.ray.origin.truncate(), self.ray.trace, self.reach(), |index| {
+            let (pose, figure) = &indexed_space.space.fixed[index as usize];
+            self.cast_figure(Thing::Fixed(index), pose, figure);
             self.reach()
         });
     }

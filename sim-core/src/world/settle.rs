@@ -27,11 +27,11 @@ const PASSIVE: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub(super) struct TrueMotions {
     /// For each robot, its index in the list of active motions, or [`PASSIVE`].
-    places: Vec<u32>,
+    indices: Vec<u32>,
     /// Number of active motions.
     count: usize,
     /// The active motions, in the order of ids; further entries are spare.
-    courses: Vec<Course>,
+    slot_motions: Vec<SlotMotion>,
     /// For each active motion, its first contacts with passive bodies and with active bodies of higher ids.
     found: Vec<Vec<(RobotId, Instant)>>,
     /// Bounds of the active robots' bodies in the slot, for the index.
@@ -46,7 +46,7 @@ pub(super) struct TrueMotions {
 
 /// True motion of an active robot in a slot, and its state at the end.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub(super) struct SlotMotion {
     pub robot: RobotId,
     passages: Vec<Passage>,
     /// Bounds of the body before any contact was resolved.
@@ -64,23 +64,23 @@ pub(super) struct Course {
 
 impl TrueMotions {
     /// The active motions, in the order of ids.
-    pub fn active(&self) -> &[Course] {
-        &self.courses[..self.count]
+    pub fn active(&self) -> &[SlotMotion] {
+        &self.slot_motions[..self.count]
     }
 
     /// The active motions, mutable.
-    pub fn active_mut(&mut self) -> &mut [Course] {
-        &mut self.courses[..self.count]
+    pub fn active_mut(&mut self) -> &mut [SlotMotion] {
+        &mut self.slot_motions[..self.count]
     }
 
     /// The motion of an active robot.
-    pub fn course(&self, robot: RobotId) -> Option<&Course> {
-        let place = self.places[robot.index()];
-        (place != PASSIVE).then(|| &self.courses[place as usize])
+    pub fn slot_motion(&self, robot: RobotId) -> Option<&SlotMotion> {
+        let index = self.indices[robot.index()];
+        (index != PASSIVE).then(|| &self.slot_motions[index as usize])
     }
 }
 
-impl Default for Course {
+impl Default for SlotMotion {
     fn default() -> Self {
         Self {
             robot: RobotId(0),
@@ -94,7 +94,7 @@ impl Default for Course {
     }
 }
 
-impl Course {
+impl SlotMotion {
     /// Reads the motion from `start` to `end`.
     fn read(&mut self, motion: &mut Motion, start: Time, end: Time) {
         self.robot = motion.id();
@@ -159,17 +159,17 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         pool: &impl Pool,
     ) -> Self {
         let (start, end) = (world.slot_start(), world.slot_end());
-        truth.courses.resize_with(truth.courses.len().max(active.len()), Course::default);
-        truth.found.resize_with(truth.courses.len(), Vec::new);
-        let mut courses: Vec<(&mut Motion, &mut Course)> = parallel::reuse(std::mem::take(&mut truth.spare));
-        courses.extend(active.iter_mut().map(|motion| &mut **motion).zip(&mut truth.courses));
-        pool.for_each(&mut courses, |(motion, course)| course.read(motion, start, end));
-        truth.spare = parallel::reuse(courses);
+        truth.slot_motions.resize_with(truth.slot_motions.len().max(active.len()), SlotMotion::default);
+        truth.found.resize_with(truth.slot_motions.len(), Vec::new);
+        let mut slot_motions: Vec<(&mut Motion, &mut SlotMotion)> = parallel::reuse(std::mem::take(&mut truth.spare));
+        slot_motions.extend(active.iter_mut().map(|motion| &mut **motion).zip(&mut truth.slot_motions));
+        pool.for_each(&mut slot_motions, |(motion, slot_motion)| slot_motion.read(motion, start, end));
+        truth.spare = parallel::reuse(slot_motions);
         truth.count = active.len();
-        truth.places.clear();
-        truth.places.resize(world.tracks.len(), PASSIVE);
-        for (place, course) in truth.courses[..truth.count].iter().enumerate() {
-            truth.places[course.robot.index()] = place as u32;
+        truth.indices.clear();
+        truth.indices.resize(world.tracks.len(), PASSIVE);
+        for (index, slot_motion) in truth.slot_motions[..truth.count].iter().enumerate() {
+            truth.indices[slot_motion.robot.index()] = index as u32;
         }
         Self {
             truth,
@@ -186,7 +186,8 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
 
     /// Resolves all contacts within the slot.
     pub fn run(&mut self, mut objects: Option<&mut Objects>, pool: &impl Pool) {
-        let has_contacts = self.world.tracks.len() > 1 && self.truth.active().iter().any(|course| course.is_moving);
+        let has_contacts =
+            self.world.tracks.len() > 1 && self.truth.active().iter().any(|slot_motion| slot_motion.is_moving);
         if let Some(objects) = &mut objects {
             objects.skip_to(self.start);
             let active: Vec<_> = self.active.iter().map(|motion| motion.id()).collect();
@@ -247,26 +248,26 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             self.near.extend(robots);
         }
         let at = objects.next_step().max(self.start);
-        let near: Vec<RobotId> = self.near.iter().copied().collect();
-        let states: Vec<Option<DriveState>> = near.iter().map(|robot| self.drive_state(*robot, at)).collect();
+        let neighbours: Vec<RobotId> = self.near.iter().copied().collect();
+        let states: Vec<Option<DriveState>> = neighbours.iter().map(|robot| self.drive_state(*robot, at)).collect();
         let is_idle = states.iter().flatten().all(|state| state.ordered.is_zero());
         if is_idle && objects.is_asleep() {
             objects.skip_to(objects.next_step() + STEP);
             return;
         }
-        let mut robots = Vec::with_capacity(near.len());
-        let mut shares = Vec::with_capacity(near.len());
-        for (robot, state) in near.iter().zip(&states) {
-            let (pusher, share) = self.pusher(*robot, state.as_ref(), at);
+        let mut robots = Vec::with_capacity(neighbours.len());
+        let mut fractions = Vec::with_capacity(neighbours.len());
+        for (robot, state) in neighbours.iter().zip(&states) {
+            let (pusher, fraction) = self.pusher(*robot, state.as_ref(), at);
             robots.push(pusher);
-            shares.push(share);
+            fractions.push(fraction);
         }
         let pushes = objects.step(&robots).to_vec();
-        for (place, push) in pushes.into_iter().enumerate() {
-            let (robot, Some(state)) = (near[place], states[place]) else { continue };
-            let active = self.truth.places[robot.index()] as usize;
+        for (index, push) in pushes.into_iter().enumerate() {
+            let (robot, Some(state)) = (neighbours[index], states[index]) else { continue };
+            let active = self.truth.indices[robot.index()] as usize;
             let touched = push.contact.map(|touch| {
-                let point = robots[place].centre + touch.direction * robots[place].radius;
+                let point = robots[index].centre + touch.direction * robots[index].radius;
                 (touch.object, Obstacle { thing: Thing::Object(touch.object), point })
             });
             if let Some((object, obstacle)) = touched {
@@ -275,12 +276,13 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             if state.ordered.is_zero() {
                 continue;
             }
-            let share = self.share_after(active, &state, &robots[place], shares[place], push.velocity, push.omega);
+            let fraction =
+                self.share_after(active, &state, &robots[index], fractions[index], push.velocity, push.omega);
             let obstacle = touched.map(|(_, obstacle)| obstacle).or_else(|| self.active[active].pressed(at));
-            if share != state.share
+            if fraction != state.fraction
                 && let Some(obstacle) = obstacle
             {
-                self.active[active].slow(at, share, obstacle);
+                self.active[active].slow(at, fraction, obstacle);
                 self.replan(robot, instant.seconds());
                 self.revised(robot, instant.seconds());
             }
@@ -289,11 +291,11 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
 
     /// Drive of an active robot at `at`; `None` for a passive robot.
     fn drive_state(&mut self, robot: RobotId, at: Time) -> Option<DriveState> {
-        let place = self.truth.places[robot.index()];
-        (place != PASSIVE).then(|| self.active[place as usize].drive_state(at))
+        let index = self.truth.indices[robot.index()];
+        (index != PASSIVE).then(|| self.active[index as usize].drive_state(at))
     }
 
-    /// A robot as the solver of the objects sees it in a step, and the share of the ordered twist that its traction can
+    /// A robot as the solver of the objects sees it in a step, and the fraction of the ordered twist that its traction can
     /// reach by the end of the step.
     fn pusher(&self, robot: RobotId, state: Option<&DriveState>, at: Time) -> (Pusher, f64) {
         let radius = self.view().radius(robot);
@@ -303,10 +305,10 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
                 Pusher { robot, centre, velocity: DVec2::ZERO, omega: 0.0, radius, mass: 1.0, is_immovable: true };
             return (still, 1.0);
         };
-        let model = self.active[self.truth.places[robot.index()] as usize].model();
-        let share = (state.share + gain(model, state.ordered)).min(1.0);
+        let model = self.active[self.truth.indices[robot.index()] as usize].model();
+        let fraction = (state.fraction + gain(model, state.ordered)).min(1.0);
         // If the robot comes to rest within the step, its mean velocity in the step is lower.
-        let part = share * (state.left / STEP.seconds()).min(1.0);
+        let part = fraction * (state.time_to_rest / STEP.seconds()).min(1.0);
         let half_turn = 0.5 * state.ordered.omega * part * STEP.seconds();
         let heading = state.centre.heading.turned(half_turn).direction();
         let Twist { vx, vy, omega } = state.ordered.scaled(part);
@@ -319,17 +321,17 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             mass: model.mass,
             is_immovable: state.ordered.is_zero(),
         };
-        (pusher, share)
+        (pusher, fraction)
     }
 
-    /// Share of the ordered twist after a step, for a robot that began the step with `share`; `velocity` and `omega`
+    /// Fraction of the ordered twist after a step, for a robot that began the step with `fraction`; `velocity` and `omega`
     /// are its motion after the step.
     fn share_after(
         &self,
         active: usize,
         state: &DriveState,
         before: &Pusher,
-        share: f64,
+        fraction: f64,
         velocity: DVec2,
         omega: f64,
     ) -> f64 {
@@ -338,8 +340,8 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         let went = twist(before.velocity, before.omega);
         let lost = 1.0 - model.overlap(twist(velocity, omega), went);
         // Traction that was not needed for acceleration resists the push.
-        let left = gain(model, state.ordered) - (share - state.share);
-        let after = (share * (1.0 - lost.max(0.0)) + left.max(0.0)).clamp(0.0, share);
+        let reserve = gain(model, state.ordered) - (fraction - state.fraction);
+        let after = (fraction * (1.0 - lost.max(0.0)) + reserve.max(0.0)).clamp(0.0, fraction);
         // A speed below 0.1 mm/s counts as rest, because it is within the error of the solver.
         if after * model.speed(state.ordered) < 1e-4 { 0.0 } else { after }
     }
@@ -347,15 +349,15 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     /// Ends the slot for the bodies that a robot blocks, after [`ContactResolution::run`]: takes their impacts, and releases bodies whose
     /// path has become free.
     pub fn resume(&mut self) {
-        for place in 0..self.active.len() {
-            if self.truth.courses[place].is_blocked {
-                self.truth.courses[place].impacts = Some(self.active[place].commit(self.end));
+        for index in 0..self.active.len() {
+            if self.truth.slot_motions[index].is_blocked {
+                self.truth.slot_motions[index].impacts = Some(self.active[index].commit(self.end));
             }
         }
-        for place in 0..self.active.len() {
-            if self.truth.courses[place].is_blocked && self.active[place].blocker().is_some() {
-                let touching = self.touching(self.active[place].id(), self.end);
-                self.active[place].resume(self.end, &touching);
+        for index in 0..self.active.len() {
+            if self.truth.slot_motions[index].is_blocked && self.active[index].blocker().is_some() {
+                let touching = self.touching(self.active[index].id(), self.end);
+                self.active[index].resume(self.end, &touching);
             }
         }
     }
@@ -369,21 +371,21 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     fn find_all(&mut self, pool: &impl Pool) {
         let mut bounds = std::mem::take(&mut self.truth.bounds);
         bounds.clear();
-        bounds.extend(self.truth.active().iter().map(|course| (course.robot, course.bounds)));
+        bounds.extend(self.truth.active().iter().map(|slot_motion| (slot_motion.robot, slot_motion.bounds)));
         self.truth.index.rebuild(&bounds);
         self.truth.bounds = bounds;
         self.truth.strays.clear();
         let mut found = std::mem::take(&mut self.truth.found);
-        let mut searches: Vec<(&Course, &mut Vec<_>)> = parallel::reuse(std::mem::take(&mut self.truth.spare));
+        let mut searches: Vec<(&SlotMotion, &mut Vec<_>)> = parallel::reuse(std::mem::take(&mut self.truth.spare));
         searches.extend(self.truth.active().iter().zip(&mut found));
         let spare = {
             let view = self.view();
-            pool.for_each(&mut searches, |(course, found)| view.find_contacts(course, found));
+            pool.for_each(&mut searches, |(slot_motion, found)| view.find_contacts(slot_motion, found));
             parallel::reuse(searches)
         };
         self.truth.spare = spare;
-        for (place, list) in found[..self.truth.count].iter_mut().enumerate() {
-            let robot = self.truth.courses[place].robot;
+        for (index, list) in found[..self.truth.count].iter_mut().enumerate() {
+            let robot = self.truth.slot_motions[index].robot;
             for (other, instant) in list.drain(..) {
                 let (a, b) = (robot.min(other), robot.max(other));
                 self.contacts.insert((a, b), instant);
@@ -394,8 +396,8 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     }
 
     /// A read-only view of the true motions and the world.
-    fn view(&self) -> View<'_> {
-        View { truth: &*self.truth, world: self.world, start: self.start, end: self.end }
+    fn view(&self) -> MotionView<'_> {
+        MotionView { truth: &*self.truth, world: self.world, start: self.start, end: self.end }
     }
 
     /// Queues the first contact of a pair from `from` seconds on; replaces a contact already queued for this pair.
@@ -439,28 +441,28 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
 
     /// Stops a body `seconds` into the slot, and queues the next input of its program.
     fn block(&mut self, robot: RobotId, seconds: f64, obstacle: Obstacle) {
-        let place = self.truth.places[robot.index()] as usize;
-        let motion = &mut self.active[place];
+        let index = self.truth.indices[robot.index()] as usize;
+        let motion = &mut self.active[index];
         motion.block(self.start, seconds, obstacle);
-        self.truth.courses[place].is_blocked = true;
+        self.truth.slot_motions[index].is_blocked = true;
         self.replan(robot, seconds);
     }
 
     /// Reads the new plan of a motion that has changed from `seconds` into the slot on, and queues the next input of
     /// the robot's program.
     fn replan(&mut self, robot: RobotId, seconds: f64) {
-        let place = self.truth.places[robot.index()] as usize;
-        self.active[place].passages(self.start, self.end, &mut self.truth.courses[place].passages);
+        let index = self.truth.indices[robot.index()] as usize;
+        self.active[index].passages(self.start, self.end, &mut self.truth.slot_motions[index].passages);
         // Inputs that an earlier change has queued are replaced.
         self.events.retain(|(_, event)| !matches!(event, Event::Input(other, _) if *other == robot));
-        let journal = self.active[place].journal();
+        let journal = self.active[index].journal();
         let next = journal.partition_point(|(at, _)| (*at - self.start).seconds() <= seconds);
         self.queue_input(robot, next);
     }
 
     fn queue_input(&mut self, robot: RobotId, entry: usize) {
-        let place = self.truth.places[robot.index()] as usize;
-        if let Some((at, _)) = self.active[place].journal().get(entry) {
+        let index = self.truth.indices[robot.index()] as usize;
+        if let Some((at, _)) = self.active[index].journal().get(entry) {
             let instant = Instant::new((*at - self.start).seconds());
             self.events.insert((instant, Event::Input(robot, entry)));
         }
@@ -468,13 +470,13 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
 
     /// Repeats an entry of a stopped body's journal.
     fn obey(&mut self, robot: RobotId, entry: usize, instant: Instant) {
-        let place = self.truth.places[robot.index()] as usize;
-        let (at, input) = self.active[place].journal()[entry];
+        let index = self.truth.indices[robot.index()] as usize;
+        let (at, input) = self.active[index].journal()[entry];
         let touching = self.touching(robot, at);
-        let motion = &mut self.active[place];
+        let motion = &mut self.active[index];
         motion.replay(at, input, &touching);
-        self.truth.courses[place].is_blocked |= motion.blocker().is_some();
-        motion.passages(self.start, self.end, &mut self.truth.courses[place].passages);
+        self.truth.slot_motions[index].is_blocked |= motion.blocker().is_some();
+        motion.passages(self.start, self.end, &mut self.truth.slot_motions[index].passages);
         self.queue_input(robot, entry + 1);
         self.revised(robot, instant.seconds());
     }
@@ -483,7 +485,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     fn revised(&mut self, robot: RobotId, from: f64) {
         self.changed.push(robot);
         let bounds = self.view().bounds_of(robot);
-        let indexed = self.truth.courses[self.truth.places[robot.index()] as usize].bounds;
+        let indexed = self.truth.slot_motions[self.truth.indices[robot.index()] as usize].bounds;
         if !(indexed.contains(bounds.min) && indexed.contains(bounds.max)) {
             self.truth.strays.insert(robot);
         }
@@ -526,8 +528,8 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             Body { robot, centre: disc.path.position(disc.elapsed), radius: disc.radius }
         };
         let own = body(robot);
-        let near = Bounds::of_disc(own.centre, own.radius + TOUCH);
-        self.neighbours(robot, near)
+        let bounds = Bounds::of_disc(own.centre, own.radius + TOUCH);
+        self.neighbours(robot, bounds)
             .into_iter()
             .map(body)
             .filter(|other| (other.centre - own.centre).length() <= own.radius + other.radius + TOUCH)
@@ -537,22 +539,22 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
 
 /// The true motions of a slot as far as they are known.
 #[derive(Clone, Copy)]
-struct View<'a> {
+struct MotionView<'a> {
     truth: &'a TrueMotions,
     world: &'a World,
     start: Time,
     end: Time,
 }
 
-impl<'a> View<'a> {
+impl<'a> MotionView<'a> {
     /// Finds the first contacts of an active body with passive bodies and with active bodies of higher ids.
-    fn find_contacts(&self, course: &Course, found: &mut Vec<(RobotId, Instant)>) {
-        let robot = course.robot;
+    fn find_contacts(&self, slot_motion: &SlotMotion, found: &mut Vec<(RobotId, Instant)>) {
+        let robot = slot_motion.robot;
         let mut find = |other| {
             let (a, b) = (robot.min(other), robot.max(other));
             found.extend(self.find_contact(a, b, 0.0).map(|seconds| (other, Instant::new(seconds))));
         };
-        self.truth.index.visit_in(&course.bounds, |other| {
+        self.truth.index.visit_in(&slot_motion.bounds, |other| {
             if other > robot {
                 find(other);
             }
@@ -563,19 +565,19 @@ impl<'a> View<'a> {
                     find(other);
                 }
             };
-            self.world.resting.visit_in(&course.bounds, &mut find_passive);
-            self.world.moving.visit_in(&course.bounds, &mut find_passive);
+            self.world.resting.visit_in(&slot_motion.bounds, &mut find_passive);
+            self.world.moving.visit_in(&slot_motion.bounds, &mut find_passive);
         }
     }
 
     fn is_passive(&self, robot: RobotId) -> bool {
-        self.truth.places[robot.index()] == PASSIVE
+        self.truth.indices[robot.index()] == PASSIVE
     }
 
     fn passages(&self, robot: RobotId) -> &'a [Passage] {
-        match self.truth.places[robot.index()] {
+        match self.truth.indices[robot.index()] {
             PASSIVE => self.world.tracks[robot.index()].passages(),
-            place => &self.truth.courses[place as usize].passages,
+            index => &self.truth.slot_motions[index as usize].passages,
         }
     }
 
@@ -617,10 +619,10 @@ impl<'a> View<'a> {
         // Computed as seconds since the start of the passage's stage, so that a stage stopped at an instant has ended
         // at exactly this instant.
         let seconds = |passage: &Passage| t - (passage.start - self.start).seconds();
-        let place = passages.iter().rposition(|passage| seconds(passage) >= passage.begin).unwrap_or(0);
-        let passage = &passages[place];
+        let index = passages.iter().rposition(|passage| seconds(passage) >= passage.begin).unwrap_or(0);
+        let passage = &passages[index];
         let start = |passage: &Passage| (passage.start - self.start).seconds();
-        let until = passages.get(place + 1).map_or(f64::INFINITY, |next| start(next) + next.begin);
+        let until = passages.get(index + 1).map_or(f64::INFINITY, |next| start(next) + next.begin);
         let elapsed = (seconds(passage) - passage.begin).max(0.0);
         let radius = self.radius(robot);
         if passage.path.is_resting() {
@@ -634,7 +636,7 @@ impl<'a> View<'a> {
     }
 }
 
-/// Increase of the share of an ordered twist of the centre that traction can achieve within a step.
+/// Increase of the fraction of an ordered twist of the centre that traction can achieve within a step.
 fn gain(model: &Model, ordered: Twist) -> f64 {
     let speed = model.speed(ordered);
     if speed > 0.0 { model.traction * GRAVITY * STEP.seconds() / speed } else { 0.0 }

@@ -107,7 +107,7 @@ impl IndexedSpace {
     /// Adds a robot of this shape; `radii` are the radii of the earlier robots.
     pub fn add_robot(&mut self, figure: Arc<Figure>, radii: impl Iterator<Item = f64>) {
         let without = radii.skip(self.space.robots.len());
-        self.space.robots.extend(without.map(|radius| Arc::new(Figure::upright(radius))));
+        self.space.robots.extend(without.map(|radius| Arc::new(Figure::infinite_cylinder(radius))));
         self.count(&figure);
         self.space.robots.push(figure);
     }
@@ -115,7 +115,7 @@ impl IndexedSpace {
     /// Adds a movable object of this shape; `properties` are the properties of the earlier objects.
     pub fn add_object<'a>(&mut self, figure: Arc<Figure>, properties: impl Iterator<Item = &'a Arc<Properties>>) {
         let without = properties.skip(self.space.objects.len());
-        self.space.objects.extend(without.map(|properties| Figure::endless(properties, Surface::default())));
+        self.space.objects.extend(without.map(|properties| Figure::infinite_prism(properties, Surface::default())));
         self.count(&figure);
         self.space.objects.push(figure);
         if self.space.objects.last().is_some_and(|figure| figure.has_mesh()) {

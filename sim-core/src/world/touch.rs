@@ -66,14 +66,14 @@ impl World {
         }
         for limb in legs.limbs(&stance, &world_from_robot) {
             let Capsule { ends: [upper, lower], radius } = limb.capsule;
-            let way = lower - upper;
-            let counted = 1.0 - (limb.bare / way.length()).min(1.0);
-            let piece = [upper, upper + counted * way];
+            let axis = lower - upper;
+            let counted = 1.0 - (limb.bare / axis.length()).min(1.0);
+            let piece = [upper, upper + counted * axis];
             let distance = ground.clearance(piece, within + radius) - radius;
             clearance = clearance.min(distance);
             // Without ground within reach, `distance` is at least `within`, so it is not negative.
             if distance < 0.0 {
-                let (_, point) = ground.least_gap(piece);
+                let (_, point) = ground.min_height_above(piece);
                 let point = point.with_z(ground.height(point.truncate()));
                 contacts.push(LegContact { part: limb.part, thing: Thing::Floor, point });
             }
@@ -92,9 +92,9 @@ impl World {
     /// its surface.
     pub fn capsule_contacts(&self, by: RobotId, capsule: &Capsule, at: Time) -> Vec<(Thing, DVec3)> {
         let Capsule { ends: [from, to], radius } = *capsule;
-        let near = Bounds::of_points([from.truncate(), to.truncate()]).grown(radius);
+        let bounds = Bounds::of_points([from.truncate(), to.truncate()]).grown(radius);
         let mut things = Vec::new();
-        self.for_each_geometry(by, near, at, |thing, geometry| {
+        self.for_each_geometry(by, bounds, at, |thing, geometry| {
             // If there is no floor, the first fixed body is the ground.
             let is_ground = thing == Thing::Fixed(0) && self.indexed_space.space.floor.is_none();
             if !is_ground {
@@ -126,10 +126,10 @@ fn geometry_contact(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3>
     };
     (0..count).find_map(touch_part).or_else(|| {
         let Geometry::Body(pose, figure) = geometry else { return None };
-        let way = capsule.ends[1] - capsule.ends[0];
-        let direction = way.try_normalize().filter(|_| figure.has_mesh())?;
-        let met = figure.cast_meshes(pose, capsule.ends[0], direction, way.length())?;
-        Some(capsule.ends[0] + met.distance * direction)
+        let axis = capsule.ends[1] - capsule.ends[0];
+        let direction = axis.try_normalize().filter(|_| figure.has_mesh())?;
+        let hit = figure.cast_meshes(pose, capsule.ends[0], direction, axis.length())?;
+        Some(capsule.ends[0] + hit.distance * direction)
     })
 }
 
@@ -139,21 +139,21 @@ fn geometry_contact(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3>
 fn convex_contact(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> Option<DVec3> {
     let Capsule { ends: [from, to], radius } = *capsule;
     let length = from.distance(to);
-    let distance = |share: f64| {
-        let point = from.lerp(to, share);
+    let distance = |fraction: f64| {
+        let point = from.lerp(to, fraction);
         nearest(point).distance(point)
     };
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..ROUNDS {
         let [first, second] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
         let [before, after] = [first, second].map(distance);
-        let (least, share) = if before < after { (before, first) } else { (after, second) };
-        if least <= radius {
-            return Some(nearest(from.lerp(to, share)));
+        let (min_distance, fraction) = if before < after { (before, first) } else { (after, second) };
+        if min_distance <= radius {
+            return Some(nearest(from.lerp(to, fraction)));
         }
         // Between two points, the distance changes by at most their separation, so no point of the interval is near
         // enough.
-        if least - (high - low) * length > radius {
+        if min_distance - (high - low) * length > radius {
             return None;
         }
         if before < after {

@@ -14,7 +14,7 @@ use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::{self, in_unit};
 use crate::spec::{
-    BodyRef, CheckKind, CheckSpec, Contacted, Counts, Neighbours, PathRef, Place, Printed, Screen, SwarmMetric,
+    BodyRef, CheckKind, CheckSpec, Contacted, Counts, Neighbours, PathRef, Printed, Region, Screen, SwarmMetric,
 };
 use crate::table::Reader;
 use sim_core::record::{Kind as EventKind, Outcome};
@@ -57,9 +57,9 @@ impl Form for CheckSpec {
 
 fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
     match kind {
-        CheckKind::Reach { body, place, by, stay } => {
+        CheckKind::Reach { body, region, by, stay } => {
             body_keys(keys, body);
-            place_keys(keys, place);
+            place_keys(keys, region);
             by_key(keys, by);
             let mut seconds = stay.seconds();
             keys.key("stay_s", "Seconds for which the body must stay there; default: 0.")
@@ -75,9 +75,9 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             keys.key("any_order", "The order does not matter; default: false.").flag(any_order);
             refuse_few(keys, "places_mm", places.len(), 1);
         }
-        CheckKind::StaysIn { body, place } => {
+        CheckKind::StaysIn { body, region } => {
             body_keys(keys, body);
-            place_keys(keys, place);
+            place_keys(keys, region);
         }
         CheckKind::Laps { body, gate, min, by } => {
             body_keys(keys, body);
@@ -283,8 +283,8 @@ fn refuse(keys: &mut Keys<'_>, key: &'static str, what: &str, expected: &str) {
     keys.refuse();
 }
 
-fn refuse_few(keys: &mut Keys<'_>, key: &'static str, count: usize, least: usize) {
-    if count < least && keys.reading().is_some() {
+fn refuse_few(keys: &mut Keys<'_>, key: &'static str, count: usize, min: usize) {
+    if count < min && keys.reading().is_some() {
         refuse(keys, key, "is empty", "at least one point");
     }
 }
@@ -323,10 +323,10 @@ fn body_keys(keys: &mut Keys<'_>, body: &mut BodyRef) {
     };
 }
 
-fn place_keys(keys: &mut Keys<'_>, place: &mut Place) {
-    let (mut centre, mut radius, mut area) = match place.clone() {
-        Place::Disc { centre, radius } => (Some(centre), Some(radius), None),
-        Place::Polygon(corners) => (None, None, Some(corners)),
+fn place_keys(keys: &mut Keys<'_>, region: &mut Region) {
+    let (mut centre, mut radius, mut area) = match region.clone() {
+        Region::Disc { centre, radius } => (Some(centre), Some(radius), None),
+        Region::Polygon(corners) => (None, None, Some(corners)),
     };
     if keys.reading().is_some() {
         (centre, radius) = (None, None);
@@ -339,7 +339,7 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut Place) {
     if section.has("area_mm") {
         let is_clean = reader.exclude(section, "area_mm", &["at_mm", "within_mm"]);
         match area.filter(|_| is_clean) {
-            Some(corners) => *place = Place::Polygon(corners),
+            Some(corners) => *region = Region::Polygon(corners),
             None => keys.refuse(),
         }
         return;
@@ -352,7 +352,7 @@ fn place_keys(keys: &mut Keys<'_>, place: &mut Place) {
         }
     }
     match centre.zip(radius) {
-        Some((centre, radius)) => *place = Place::Disc { centre, radius },
+        Some((centre, radius)) => *region = Region::Disc { centre, radius },
         None => keys.refuse(),
     }
 }
@@ -412,10 +412,10 @@ fn printed_keys(keys: &mut Keys<'_>, what: &mut Printed) {
     keys.key("tolerance", "Maximum deviation of a number; default: 0.")
         .optional(Bounded(Quantity::number("tolerance", 0.0, 1e300)), &mut tolerance);
     let Some((reader, section)) = keys.reading() else { return };
-    let given = ["text", "pattern", "numbers"].into_iter().filter(|key| section.has(key)).count();
-    if given != 1 {
-        let code = if given == 0 { Code::TomlMissing } else { Code::TomlConflict };
-        let message = format!("a check of `prints` has {given} of `text`, `pattern` and `numbers`");
+    let key_count = ["text", "pattern", "numbers"].into_iter().filter(|key| section.has(key)).count();
+    if key_count != 1 {
+        let code = if key_count == 0 { Code::TomlMissing } else { Code::TomlConflict };
+        let message = format!("a check of `prints` has {key_count} of `text`, `pattern` and `numbers`");
         reader.sink.error(code, section.span, message, "one of them");
     }
     let printed = match (text, pattern, rows) {
@@ -425,7 +425,7 @@ fn printed_keys(keys: &mut Keys<'_>, what: &mut Printed) {
         _ => None,
     };
     match printed {
-        Some(printed) if given == 1 => *what = printed,
+        Some(printed) if key_count == 1 => *what = printed,
         _ => keys.refuse(),
     }
 }
@@ -568,8 +568,8 @@ const ROWS: Custom<Vec<Vec<f64>>> = Custom {
 const EVENT: Custom<EventKind> = Custom {
     read: |at| {
         let names: Vec<&str> = event_kinds().map(EventKind::name).collect();
-        let place = at.reader.choice(at.section, at.key, &names)?;
-        event_kinds().nth(place)
+        let index = at.reader.choice(at.section, at.key, &names)?;
+        event_kinds().nth(index)
     },
     print: |kind| kind.name().into(),
     describe: |definitions| {
@@ -632,19 +632,19 @@ impl Words for Outcome {
 }
 
 const ROBOT: BodyRef = BodyRef::Robot(RobotId(1));
-const NOWHERE: Place = Place::Disc { centre: DVec2::ZERO, radius: 0.0 };
+const NOWHERE: Region = Region::Disc { centre: DVec2::ZERO, radius: 0.0 };
 
 impl Variants for CheckSpec {
     const KINDS: &'static [Variant<Self>] = &[
         ("reach", "The centre of a robot or object reaches a place.", || {
-            Self::of(CheckKind::Reach { body: ROBOT, place: NOWHERE, by: None, stay: Time::ZERO })
+            Self::of(CheckKind::Reach { body: ROBOT, region: NOWHERE, by: None, stay: Time::ZERO })
         }),
         ("visits", "The centre of a robot or object reaches several places.", || {
             let places = Vec::new();
             Self::of(CheckKind::Visits { body: ROBOT, places, within: 0.0, by: None, any_order: false })
         }),
         ("stays_in", "The centre of a robot or object never leaves a place.", || {
-            Self::of(CheckKind::StaysIn { body: ROBOT, place: NOWHERE })
+            Self::of(CheckKind::StaysIn { body: ROBOT, region: NOWHERE })
         }),
         ("laps", "The centre of a robot or object passes a gate at least `min` times.", || {
             Self::of(CheckKind::Laps { body: ROBOT, gate: [DVec2::ZERO; 2], min: 1, by: None })

@@ -90,10 +90,10 @@ impl Kind<f64> for ArcEnd {
     /// Prints an angle from -360 to 360 degrees that reads back as the same end.
     fn print(&self, end: &f64) -> Value {
         let reads_back = |degrees: f64| self.settled(radians_from_degrees(degrees)) == *end;
-        let near = degrees_from_radians(*end);
-        let candidates = [near, near - 360.0].map(|near| shortest(near, reads_back));
+        let approximate = degrees_from_radians(*end);
+        let candidates = [approximate, approximate - 360.0].map(|approximate| shortest(approximate, reads_back));
         let good = candidates.into_iter().find(|to| reads_back(*to) && (-360.0..=360.0).contains(to));
-        good.unwrap_or(if near > 360.0 { near - 360.0 } else { near }).into()
+        good.unwrap_or(if approximate > 360.0 { approximate - 360.0 } else { approximate }).into()
     }
 
     fn describe(&self, definitions: &mut Definitions) -> Json {

@@ -264,7 +264,7 @@ pub(crate) struct Word;
 impl<W: Words> Kind<W> for Word {
     fn read(&self, at: At<'_, '_>, _: Option<&W>) -> Option<W> {
         let words: Vec<&str> = W::WORDS.iter().map(|(_, word, _)| *word).collect();
-        at.reader.choice(at.section, at.key, &words).map(|place| W::WORDS[place].0)
+        at.reader.choice(at.section, at.key, &words).map(|index| W::WORDS[index].0)
     }
 
     fn print(&self, value: &W) -> Value {

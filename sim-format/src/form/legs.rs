@@ -88,7 +88,7 @@ impl Words for Curve {
     ];
 }
 
-/// Phase offsets as shares of a period, one per leg.
+/// Phase offsets as fractions of a period, one per leg.
 const OFFSETS: Custom<Vec<f64>> = Custom {
     read: |at| {
         let items = at.reader.array(at.section, at.key, "an array of numbers, one a leg")?;
@@ -168,12 +168,12 @@ impl Reader {
         }
         legs.legs.retain(|spec| {
             let leg = build::leg(spec);
-            let (least, most) = leg.standing_heights();
-            let is_good = (least..=most).contains(&spec.hip.z);
+            let (min, max) = leg.standing_heights();
+            let is_good = (min..=max).contains(&spec.hip.z);
             if !is_good {
-                let [least, most] = [least.max(0.0), most].map(|metres| unit::mm_from_metres(metres).floor());
+                let [min, max] = [min.max(0.0), max].map(|metres| unit::mm_from_metres(metres).floor());
                 let message = format!("leg `{}` cannot stand with its hip at this height", spec.name.text);
-                self.sink.error(Code::LegReach, spec.span, message, format!("`z_mm` from {least} to {most}"));
+                self.sink.error(Code::LegReach, spec.span, message, format!("`z_mm` from {min} to {max}"));
             }
             is_good
         });

@@ -158,9 +158,9 @@ impl<'k> Keys<'k> {
                 if !section.has("kind") {
                     reader.missing(section, "kind");
                 }
-                let place = reader.choice(section, "kind", &words);
-                place.into_iter().for_each(|place| *form = F::KINDS[place].2());
-                self.is_abandoned = place.is_none();
+                let index = reader.choice(section, "kind", &words);
+                index.into_iter().for_each(|index| *form = F::KINDS[index].2());
+                self.is_abandoned = index.is_none();
                 self.is_complete &= !self.is_abandoned;
             }
             Pass::Print(table, _) => drop(table.insert("kind".to_owned(), word(form).into())),

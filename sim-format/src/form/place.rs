@@ -136,7 +136,7 @@ fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
         _ => (None, None),
     };
     let [mut x, mut y] = [pose.map(|pose| pose.position.x), pose.map(|pose| pose.position.y)];
-    let most = i64::from(MAX_ROBOTS);
+    let max = i64::from(MAX_ROBOTS);
     keys.key("x_mm", "Position of its centre along x in mm.").maybe(POINT[0], &mut x);
     keys.key("y_mm", "Position of its centre along y in mm.").maybe(POINT[1], &mut y);
     let key = keys.key(
@@ -149,7 +149,7 @@ fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
     }
     keys.key("start", "Letter of the start of the world.").maybe(Word, &mut letter);
     keys.key("count", "Number of robots; default: 1. Without a `layout` they take the next free starts of the world.")
-        .maybe(1..=most, &mut count);
+        .maybe(1..=max, &mut count);
     keys.key("layout", "Their arrangement.").maybe(LAYOUT, &mut layout);
 }
 
@@ -350,9 +350,9 @@ impl Form for ObjectLine {
                 .maybe(0..=MAX_REPETITIONS, &mut None::<u32>);
         }
         if !scatter_keys(keys, &mut self.scatter, &["x_mm", "y_mm", "heading_deg"]) {
-            let place = &mut self.pose.position;
-            keys.key("x_mm", "Place along x in mm.").expected(POINT[0], &mut place.x);
-            keys.key("y_mm", "Place along y in mm.").expected(POINT[1], &mut place.y);
+            let position = &mut self.pose.position;
+            keys.key("x_mm", "Place along x in mm.").expected(POINT[0], &mut position.x);
+            keys.key("y_mm", "Place along y in mm.").expected(POINT[1], &mut position.y);
             keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; default: 0.")
                 .strictly(FACING, &mut self.pose.heading);
         }
@@ -361,9 +361,9 @@ impl Form for ObjectLine {
     }
 }
 
-fn place_keys(keys: &mut Keys<'_>, place: &mut DVec2) {
-    keys.key("x_mm", "Place along x in mm.").required(POINT[0], &mut place.x);
-    keys.key("y_mm", "Place along y in mm.").required(POINT[1], &mut place.y);
+fn place_keys(keys: &mut Keys<'_>, point: &mut DVec2) {
+    keys.key("x_mm", "Place along x in mm.").required(POINT[0], &mut point.x);
+    keys.key("y_mm", "Place along y in mm.").required(POINT[1], &mut point.y);
 }
 
 /// Maximum number of repetitions of an entry.
@@ -412,7 +412,7 @@ const WHEREABOUTS: Custom<Whereabouts> = Custom {
             at.reader.reference_to(at.section, at.key, expected).map(Whereabouts::Thing)
         }
     },
-    print: |place| match place {
+    print: |position| match position {
         Whereabouts::Point(point) => POINT.print(point),
         Whereabouts::Thing(path) => TEXT.print(path),
     },

@@ -187,9 +187,9 @@ impl Form for HullSpec {
         keys.form("HullForm", "A hull under water. Drags are linear and quadratic, in N per m/s and per (m/s)^2.");
         keys.key("thrust_n", "Force of a thruster at its greatest rate in N; default: 20.")
             .optional(Bounded(Quantity::number("thrust", 1e-6, 1e6)), &mut self.thrust);
-        let [ahead, aside, turn, up] = &mut self.drag;
+        let [ahead, sideways, turn, up] = &mut self.drag;
         keys.key("drag_ahead", "Drag ahead and backwards; default: [10, 40].").optional(DRAG, ahead);
-        keys.key("drag_aside", "Drag to the side; default: [30, 150].").optional(DRAG, aside);
+        keys.key("drag_aside", "Drag to the side; default: [30, 150].").optional(DRAG, sideways);
         keys.key("drag_turn", "Drag of a turn, in N m per rad/s and per (rad/s)^2; default: [4, 12].")
             .optional(DRAG, turn);
         keys.key("drag_up", "Drag up and down; default: [30, 150].").optional(DRAG, up);

@@ -79,11 +79,11 @@ impl Words for Axis {
 impl Form for Surface {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("SurfaceForm", "How a surface reflects.");
-        let share = |name| Bounded(Quantity::number(name, 0.0, 1.0));
+        let fraction = |name| Bounded(Quantity::number(name, 0.0, 1.0));
         keys.key("reflectivity", "Fraction of the energy that is reflected, 0 to 1; default: 1.")
-            .optional(share("reflectivity"), &mut self.reflectivity);
+            .optional(fraction("reflectivity"), &mut self.reflectivity);
         keys.key("specular", "Fraction of the reflected energy that is reflected specularly, 0 to 1; default: 0.")
-            .optional(share("specular share"), &mut self.specular);
+            .optional(fraction("specular share"), &mut self.specular);
     }
 }
 

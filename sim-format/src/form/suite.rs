@@ -77,7 +77,7 @@ impl Form for LimitSpec {
             .optional(processor("processor time"), &mut self.slot_processor);
         keys.key("processor_s", "Processor seconds of a whole case; default: 60.")
             .optional(processor("processor time"), &mut self.processor);
-        let megabytes = |name, least| Bounded(Quantity::number(name, least, MAX_MEGABYTES));
+        let megabytes = |name, min| Bounded(Quantity::number(name, min, MAX_MEGABYTES));
         let mut memory = self.memory.map(|bytes| bytes as f64 / 1e6);
         keys.key("memory_mb", "Megabytes of memory of a case; each case then runs in its own process.")
             .maybe(megabytes("memory", 64.0), &mut memory);

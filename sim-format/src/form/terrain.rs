@@ -265,7 +265,7 @@ impl Form for Stairs {
         keys.form("StairsForm", "A flight of stairs.");
         keys.key("from_mm", "Middle of the foot of the first step, x and y in mm.").required(POINT, &mut self.from);
         keys.key("direction_deg", "Direction upstairs: 0, 90, 180 or 270 degrees; default: 0.")
-            .strictly(QUARTER_TURN, &mut self.way);
+            .strictly(QUARTER_TURN, &mut self.uphill);
         keys.key("count", "Number of steps.").required(1..=i64::from(MAX_STEPS), &mut self.count);
         keys.key("step_height_mm", "Height of each in mm.")
             .required(Quantity::size("height of a step"), &mut self.rise);
@@ -285,17 +285,17 @@ const QUARTER_TURN: Custom<StairsDirection> = Custom {
     read: |at| {
         let At { reader, section, key } = at;
         let degrees = reader.number(section, key, &DIRECTION)?;
-        let place = DIRECTIONS_DEG.iter().position(|way| *way == degrees.rem_euclid(360.0));
-        if place.is_none() {
+        let index = DIRECTIONS_DEG.iter().position(|direction| *direction == degrees.rem_euclid(360.0));
+        if index.is_none() {
             let span = section.get(key).map_or(section.span, |value| reader.span(value.span()));
             let message = format!("direction `{degrees}` is no multiple of a quarter turn");
             reader.sink.error(Code::NumberRange, span, message, "0, 90, 180 or 270 degrees");
         }
-        place.map(|place| StairsDirection::ALL[place])
+        index.map(|index| StairsDirection::ALL[index])
     },
-    print: |way| {
+    print: |direction| {
         let ways = StairsDirection::ALL.iter().zip(DIRECTIONS_DEG);
-        ways.filter(|(known, _)| *known == way).map(|(_, degrees)| degrees).next().unwrap_or_default().into()
+        ways.filter(|(known, _)| *known == direction).map(|(_, degrees)| degrees).next().unwrap_or_default().into()
     },
     describe: |definitions| DIRECTION.describe(definitions),
 };

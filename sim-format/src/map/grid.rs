@@ -69,7 +69,7 @@ impl Grid {
         } else {
             [DVec2::ZERO, corners[3]]
         };
-        let place = |column: usize, row: usize| {
+        let offset = |column: usize, row: usize| {
             let point = DVec2::new(column as f64 * self.cell, row as f64 * self.cell);
             if is_turned { turned.transform_point(point) - low } else { point }
         };
@@ -78,7 +78,7 @@ impl Grid {
             if walls.len() == MAX_WALLS {
                 return None;
             }
-            let [from, to] = [from, to].map(|[column, row]| place(column, row));
+            let [from, to] = [from, to].map(|[column, row]| offset(column, row));
             walls.push(WallSpec { from, to, height: DEFAULT_WALL_HEIGHT, ..WallSpec::default() });
         }
         let cell = (!is_turned).then_some(self.cell);
@@ -90,15 +90,15 @@ impl Grid {
     fn outlines(&self) -> impl Iterator<Item = ([usize; 2], [usize; 2])> {
         let [columns, rows] = self.size;
         let is_free = move |column: usize, row: usize| self.at(column, row) == Cell::Free;
-        let upright = (0..=columns).flat_map(move |x| {
+        let vertical = (0..=columns).flat_map(move |x| {
             runs(rows, move |y| side(x > 0 && is_free(x.wrapping_sub(1), y), is_free(x, y)))
                 .map(move |(from, to)| ([x, from], [x, to]))
         });
-        let level = (0..=rows).flat_map(move |y| {
+        let horizontal = (0..=rows).flat_map(move |y| {
             runs(columns, move |x| side(is_free(x, y), y > 0 && is_free(x, y.wrapping_sub(1))))
                 .map(move |(from, to)| ([from, y], [to, y]))
         });
-        upright.chain(level)
+        vertical.chain(horizontal)
     }
 
     /// The grid of a world with cells of this side, on the floor and, where walls are on its edge, one cell beyond.
@@ -224,7 +224,7 @@ impl Raster {
                 // The part of the edge between the two lines.
                 let at = |y: f64| if from.y == to.y { 0.0 } else { ((y - from.y) / (to.y - from.y)).clamp(0.0, 1.0) };
                 let ends = if from.y == to.y { [0.0, 1.0] } else { [at(bottom), at(top)] };
-                for point in ends.map(|share| from.lerp(*to, share)) {
+                for point in ends.map(|fraction| from.lerp(*to, fraction)) {
                     if point.y >= bottom - ON_BORDER && point.y <= top + ON_BORDER {
                         reach = (reach.0.min(point.x), reach.1.max(point.x));
                     }
@@ -245,13 +245,13 @@ impl Raster {
         open.retain(|cell| !self.is_filled[*cell] && !std::mem::replace(&mut is_reached[*cell], true));
         while let Some(at) = open.pop_front() {
             let (column, row) = (at % columns, at / columns);
-            let near = [
+            let neighbours = [
                 (column + 1 < columns && !self.right[at]).then(|| at + 1),
                 (column > 0 && !self.right[at.wrapping_sub(1)]).then(|| at.wrapping_sub(1)),
                 (row + 1 < rows && !self.above[at]).then(|| at + columns),
                 (row > 0 && !self.above[at.wrapping_sub(columns)]).then(|| at.wrapping_sub(columns)),
             ];
-            for next in near.into_iter().flatten() {
+            for next in neighbours.into_iter().flatten() {
                 let is_margin = self.is_margin(next);
                 if !is_margin && !self.is_filled[next] && !std::mem::replace(&mut is_reached[next], true) {
                     open.push_back(next);
@@ -269,8 +269,8 @@ impl Raster {
 
     fn grid(mut self, starts: &[DVec2]) -> Grid {
         let [columns, rows] = self.size;
-        let cell_of = |place: DVec2| {
-            let [column, row] = (place / self.cell + 1.0).to_array().map(|side| side.floor().max(0.0) as usize);
+        let cell_of = |point: DVec2| {
+            let [column, row] = (point / self.cell + 1.0).to_array().map(|side| side.floor().max(0.0) as usize);
             (column < columns && row < rows).then(|| row * columns + column)
         };
         let seeds: VecDeque<usize> = starts.iter().filter_map(|start| cell_of(*start)).collect();
@@ -299,10 +299,13 @@ impl Raster {
         let right = stands(Box::new((0..rows).map(|row| row * columns + columns - 1)));
         let above = stands(Box::new((rows - 1) * columns..rows * columns));
         let range = |low: bool, high: bool, count: usize| usize::from(!low)..count - usize::from(!high);
-        let (across, up) = (range(left, right, columns), range(below, above, rows));
-        let size = [across.len(), up.len()];
-        let corner = DVec2::new(across.start as f64 - 1.0, up.start as f64 - 1.0) * self.cell;
-        let cells = up.flat_map(|row| across.clone().map(move |column| row * columns + column)).map(kind).collect();
+        let (column_range, row_range) = (range(left, right, columns), range(below, above, rows));
+        let size = [column_range.len(), row_range.len()];
+        let corner = DVec2::new(column_range.start as f64 - 1.0, row_range.start as f64 - 1.0) * self.cell;
+        let cells = row_range
+            .flat_map(|row| column_range.clone().map(move |column| row * columns + column))
+            .map(kind)
+            .collect();
         Grid { size, cell: self.cell, origin: Pose::new(corner.x, corner.y, 0.0), cells }
     }
 }

@@ -248,9 +248,9 @@ pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Spa
     let folder = path::folder_of(file);
     let beside = path::join(folder, path::file_name(map));
     let named = path::candidates(map, folder, loader.files.home());
-    for place in named.iter().chain([&beside]) {
-        match loader.files.read(place) {
-            Ok(bytes) => return Some((place.clone(), bytes)),
+    for path in named.iter().chain([&beside]) {
+        match loader.files.read(path) {
+            Ok(bytes) => return Some((path.clone(), bytes)),
             Err(FileError::Missing) => {}
             Err(_) => break,
         }

@@ -305,9 +305,9 @@ impl<'g> Search<'g> {
         self.number += 1;
         let number = self.number;
         let estimate = |cell: usize| {
-            let across = (cell % columns).abs_diff(goal % columns) as u32;
+            let column_distance = (cell % columns).abs_diff(goal % columns) as u32;
             let up = (cell / columns).abs_diff(goal / columns) as u32;
-            length_of(across.abs_diff(up), across.min(up))
+            length_of(column_distance.abs_diff(up), column_distance.min(up))
         };
         // Positive `f64` numbers have the order of their bits.
         let key = |straight, diagonal, cell| Reverse((length_of(straight, diagonal) + estimate(cell)).to_bits());

@@ -116,8 +116,8 @@ impl<'b> Words<'b> {
                 None
             }
             None => {
-                let shown = String::from_utf8_lossy(&word[..word.len().min(20)]).into_owned();
-                let message = format!("`{shown}` is no whole number ({what}){}", place_in_bytes(self.bytes, start));
+                let word_text = String::from_utf8_lossy(&word[..word.len().min(20)]).into_owned();
+                let message = format!("`{word_text}` is no whole number ({what}){}", place_in_bytes(self.bytes, start));
                 sink.error(Code::MapImage, place_of_byte(self.bytes, start, word.len()), message, FORM);
                 None
             }
@@ -154,13 +154,13 @@ fn raw_bits(sink: &mut Sink, words: &Words<'_>, [columns, rows]: [usize; 2]) -> 
 }
 
 fn raw_levels(sink: &mut Sink, words: &Words<'_>, [columns, rows]: [usize; 2], max_grey: u64) -> Option<Vec<u32>> {
-    let level = |value: u16| u32::from(value).min(max_grey as u32);
+    let grey = |value: u16| u32::from(value).min(max_grey as u32);
     if max_grey < 256 {
         let pixels = raw(sink, words, columns * rows)?;
-        return Some(pixels.iter().map(|byte| level(u16::from(*byte))).collect());
+        return Some(pixels.iter().map(|byte| grey(u16::from(*byte))).collect());
     }
     let pixels = raw(sink, words, 2 * columns * rows)?;
-    Some(pixels.as_chunks().0.iter().map(|pair| level(u16::from_be_bytes(*pair))).collect())
+    Some(pixels.as_chunks().0.iter().map(|pair| grey(u16::from_be_bytes(*pair))).collect())
 }
 
 /// Pixels as bits in text, which may follow each other without blanks.

@@ -55,13 +55,13 @@ pub(crate) fn image_file(grid: &Grid, is_bitmap: bool) -> Vec<u8> {
 /// `map` and `scene` are the names of their files.
 pub(crate) fn suite_of_scenarios(scenarios: &[Scenario], map: &str, scene: &str, cell: f64) -> [String; 2] {
     let rows = scenarios.first().map_or(1, |scenario| scenario.size[1]);
-    let place = |[column, row]: [usize; 2]| {
+    let index = |[column, row]: [usize; 2]| {
         [column as f64 + 0.5, rows as f64 - row as f64 - 0.5].map(|side| written(rounded(side * cell)))
     };
     let mm = written_mm(cell);
     let [map, scene] = [map, scene].map(|name| toml::Value::String(name.to_owned()).to_string());
-    let start = scenarios.first().map_or(Default::default(), |scenario| place(scenario.start));
-    let goal = scenarios.first().map_or(Default::default(), |scenario| place(scenario.goal));
+    let start = scenarios.first().map_or(Default::default(), |scenario| index(scenario.start));
+    let goal = scenarios.first().map_or(Default::default(), |scenario| index(scenario.goal));
     let within = written(rounded(0.5 * cell));
     let scene_text = format!(
         "[world]\nfile = {map}\ncell_mm = {mm}\n\n[[robot]]\ntype = \"S4\"\nx_mm = {}\ny_mm = {}\n\n[[check]]\n\
@@ -77,7 +77,7 @@ pub(crate) fn suite_of_scenarios(scenarios: &[Scenario], map: &str, scene: &str,
     );
     let numbers: Vec<String> = (1..=scenarios.len()).map(|number| number.to_string()).collect();
     let all = |value: &dyn Fn(&Scenario) -> String| scenarios.iter().map(value).collect::<Vec<_>>();
-    let (x, y) = (|at: [usize; 2]| place(at)[0].clone(), |at: [usize; 2]| place(at)[1].clone());
+    let (x, y) = (|at: [usize; 2]| index(at)[0].clone(), |at: [usize; 2]| index(at)[1].clone());
     let (goal_x, goal_y) = (all(&|it| x(it.goal)), all(&|it| y(it.goal)));
     let parameters = [
         ("scenario", &numbers),

@@ -35,9 +35,9 @@ const SHAPE_FORM: &str = "a `<cylinder>`, `<box>` or `<sphere>` within a `<colli
 /// interpretation.
 pub(crate) fn read_sdf(sink: &mut Sink, file: &str, text: &str) -> (WorldSpec, String) {
     let starts = line_starts(text);
-    let mut scan = Scan { sink, text, starts, open: Vec::new(), obstacles: Vec::new(), states: BTreeMap::new() };
+    let mut scan = SdfParser { sink, text, starts, open: Vec::new(), obstacles: Vec::new(), states: BTreeMap::new() };
     let is_read = scan.read();
-    let Scan { obstacles, states, .. } = scan;
+    let SdfParser { obstacles, states, .. } = scan;
     let mut counts = [0; 3];
     let mut walls = Vec::new();
     let mut worst: f64 = 0.0;
@@ -153,7 +153,7 @@ struct Element {
     shape: Option<(Shape, f64)>,
 }
 
-struct Scan<'t, 's> {
+struct SdfParser<'t, 's> {
     sink: &'s mut Sink,
     text: &'t str,
     starts: Vec<usize>,
@@ -163,7 +163,7 @@ struct Scan<'t, 's> {
     states: BTreeMap<String, Pose>,
 }
 
-impl Scan<'_, '_> {
+impl SdfParser<'_, '_> {
     fn span(&self, from: usize, to: usize) -> Span {
         let (from, to) = (self.text.floor_char_boundary(from), self.text.ceil_char_boundary(to.min(self.text.len())));
         let number = self.starts.partition_point(|start| *start <= from);
@@ -177,14 +177,14 @@ impl Scan<'_, '_> {
         let text = self.text;
         let skipped = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         let mut reader = Reader::from_str(&text[skipped..]);
-        let mut seen = false;
+        let mut is_found = false;
         loop {
             let from = skipped + reader.buffer_position() as usize;
             let event = reader.read_event();
             let to = skipped + reader.buffer_position() as usize;
             match event {
                 Ok(Event::Start(start)) => {
-                    seen |= self.begin(&start, self.span(from, to), seen);
+                    is_found |= self.begin(&start, self.span(from, to), is_found);
                     if self.open.len() > MAX_DEPTH {
                         let message = format!("more than {MAX_DEPTH} elements lie within each other");
                         self.sink.error(Code::SdfSyntax, self.span(from, to), message, FORM);
@@ -192,7 +192,7 @@ impl Scan<'_, '_> {
                     }
                 }
                 Ok(Event::Empty(start)) => {
-                    seen |= self.begin(&start, self.span(from, to), seen);
+                    is_found |= self.begin(&start, self.span(from, to), is_found);
                     self.end();
                 }
                 Ok(Event::Text(words)) => {
@@ -214,10 +214,10 @@ impl Scan<'_, '_> {
         if let Some(element) = self.open.last() {
             let (tag, span) = (element.tag.clone(), element.span);
             self.sink.error(Code::SdfSyntax, span, format!("`<{tag}>` is not closed"), FORM);
-        } else if !seen {
+        } else if !is_found {
             self.sink.error(Code::SdfSyntax, Span::default(), "the file has no element `<sdf>`", FORM);
         }
-        self.open.is_empty() && seen
+        self.open.is_empty() && is_found
     }
 
     /// Opens an element; returns true. The first one of a file must be `<sdf>`.

@@ -53,9 +53,9 @@ pub(crate) fn read_map_yaml(sink: &mut Sink, text: &str) -> Option<MapSpec> {
     let resolution = values.number("resolution", Quantity::number("resolution", 1e-6, 1e6), None);
     let origin = values.origin();
     let is_negated = values.negated();
-    let share = |name| Quantity::number(name, 0.0, 1.0);
-    let occupied = values.number("occupied_thresh", share("occupied_thresh"), Some(OCCUPIED_THRESHOLD));
-    let free = values.number("free_thresh", share("free_thresh"), Some(FREE_THRESHOLD));
+    let fraction = |name| Quantity::number(name, 0.0, 1.0);
+    let occupied = values.number("occupied_thresh", fraction("occupied_thresh"), Some(OCCUPIED_THRESHOLD));
+    let free = values.number("free_thresh", fraction("free_thresh"), Some(FREE_THRESHOLD));
     let mode = values.mode();
     if let (Some(occupied), Some(free)) = (occupied, free)
         && free > occupied

@@ -75,12 +75,12 @@ impl CellWalls {
         for cell @ [x, y] in self.cells() {
             let row = (rows - y) as u32;
             for side in (0..4).filter(|side| self.at(cell) >> side & 1 == 1) {
-                let place = span(cell);
+                let cell_span = span(cell);
                 match side {
-                    0 => drawing.horizontal.push((row - 1, x as u32, place)),
-                    1 => drawing.vertical.push((x as u32 + 1, row, place)),
-                    2 => drawing.horizontal.push((row, x as u32, place)),
-                    _ => drawing.vertical.push((x as u32, row, place)),
+                    0 => drawing.horizontal.push((row - 1, x as u32, cell_span)),
+                    1 => drawing.vertical.push((x as u32 + 1, row, cell_span)),
+                    2 => drawing.horizontal.push((row, x as u32, cell_span)),
+                    _ => drawing.vertical.push((x as u32, row, cell_span)),
                 }
             }
         }

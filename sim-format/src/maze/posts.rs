@@ -28,8 +28,8 @@ struct Lattice {
 /// The characters of a line with their spans, tabs expanded.
 fn characters(line: &Line<'_>) -> Vec<(char, Span)> {
     let mut out = Vec::new();
-    for ((byte, character), place) in line.text.trim_end().char_indices().zip(1..) {
-        let span = line.character_span(byte, place);
+    for ((byte, character), column) in line.text.trim_end().char_indices().zip(1..) {
+        let span = line.character_span(byte, column);
         if character == '\t' {
             let count = TAB - out.len() % TAB;
             out.extend(std::iter::repeat_n((' ', span), count));
@@ -115,11 +115,11 @@ pub(super) fn read(sink: &mut Sink, text: &str) -> MazeRead {
     let from_south = |(column, row): (usize, usize)| [column, rows - row];
     let mut ends = Ends::usual([lattice.columns, rows]);
     let mut span = Span::default();
-    if let Some((start, place)) = starts.first() {
-        (ends.start, span) = (from_south(*start), *place);
+    if let Some((start, text_column)) = starts.first() {
+        (ends.start, span) = (from_south(*start), *text_column);
     }
-    if let Some((_, place)) = starts.get(1) {
-        sink.warn(Code::MazLetter, *place, "a second start; the first one counts", "one `S`");
+    if let Some((_, text_column)) = starts.get(1) {
+        sink.warn(Code::MazLetter, *text_column, "a second start; the first one counts", "one `S`");
     }
     if !goals.is_empty() {
         ends.goals = goals.into_iter().map(from_south).collect();
@@ -149,7 +149,7 @@ impl Posts {
     fn post_line(&mut self, sink: &mut Sink, line: &Line<'_>, row: usize) {
         let content = characters(line);
         let Lattice { post, pitch, columns, .. } = self.lattice;
-        let at = |place: usize| content.get(place).map_or(' ', |character| character.0);
+        let at = |index: usize| content.get(index).map_or(' ', |character| character.0);
         if let Some(column) = (0..=columns).find(|column| at(self.lattice.post_at(*column)) != post) {
             let message = format!("post {} of this line is missing", column + 1);
             sink.warn(Code::MazPosts, line.span(), message, format!("a `{post}` after each {} characters", pitch - 1));
@@ -157,12 +157,12 @@ impl Posts {
         self.check_end(sink, &content);
         for column in 0..columns {
             let from = self.lattice.post_at(column) + 1;
-            let pieces = (from..from + pitch - 1).filter(|place| at(*place) != ' ').count();
+            let pieces = (from..from + pitch - 1).filter(|index| at(*index) != ' ').count();
             if pieces == 0 {
                 continue;
             }
-            let place = (from..).find(|place| at(*place) != ' ').unwrap_or(from);
-            let span = content.get(place).map_or(line.span(), |character| character.1);
+            let index = (from..).find(|index| at(*index) != ' ').unwrap_or(from);
+            let span = content.get(index).map_or(line.span(), |character| character.1);
             if pieces < pitch - 1 {
                 let message = "a wall with gaps; it is taken as a wall";
                 sink.warn(Code::MazPosts, span, message, format!("{} characters from post to post", pitch - 1));
@@ -176,8 +176,8 @@ impl Posts {
         let content = characters(line);
         self.check_end(sink, &content);
         let Lattice { indent, pitch, columns, .. } = self.lattice;
-        for (place, (character, span)) in content.iter().enumerate().skip(indent) {
-            let (column, within) = ((place - indent) / pitch, (place - indent) % pitch);
+        for (text_column, (character, span)) in content.iter().enumerate().skip(indent) {
+            let (column, within) = ((text_column - indent) / pitch, (text_column - indent) % pitch);
             if *character == ' ' || column > columns || column == columns && within > 0 {
                 continue;
             }

@@ -66,8 +66,8 @@ impl<'b> Bmp<'b> {
             _ => [0x00ff_0000, 0x0000_ff00, 0x0000_00ff, 0],
         };
         let palette = 14 + header as usize + if header == 40 && compression == BIT_FIELDS { 12 } else { 0 };
-        let most = if depth <= 8 { 1_usize << depth } else { 0 };
-        let count = if colours == 0 { most } else { most.min(colours as usize) };
+        let max_colours = if depth <= 8 { 1_usize << depth } else { 0 };
+        let count = if colours == 0 { max_colours } else { max_colours.min(colours as usize) };
         let entry = if is_core { 3 } else { 4 };
         let stored = bytes.get(palette..).unwrap_or_default().chunks_exact(entry).take(count);
         Ok(Self {
@@ -140,8 +140,8 @@ impl<'b> Bmp<'b> {
     fn unpack(&self, value: u32, out: &mut [u8]) {
         for (out, mask) in out.iter_mut().zip(self.masks) {
             if mask != 0 {
-                let (level, full) = ((value & mask) >> mask.trailing_zeros(), mask >> mask.trailing_zeros());
-                *out = ((u64::from(level) * 255 + u64::from(full) / 2) / u64::from(full)) as u8;
+                let (bits, full) = ((value & mask) >> mask.trailing_zeros(), mask >> mask.trailing_zeros());
+                *out = ((u64::from(bits) * 255 + u64::from(full) / 2) / u64::from(full)) as u8;
             }
         }
     }
@@ -241,8 +241,8 @@ mod tests {
         ] {
             for size in [[5, 3], [8, 2], [1, 1], [3, -4]] {
                 let (ours, theirs) = both(&file(size, depth, compression, &between, &data));
-                let near = ours.iter().zip(&theirs).all(|(a, b)| a.abs_diff(*b) <= 1);
-                assert!(near && ours.len() == theirs.len(), "{depth} bits, {compression}, {size:?}");
+                let is_close = ours.iter().zip(&theirs).all(|(a, b)| a.abs_diff(*b) <= 1);
+                assert!(is_close && ours.len() == theirs.len(), "{depth} bits, {compression}, {size:?}");
             }
         }
         for (depth, compression, runs) in [

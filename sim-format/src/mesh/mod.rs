@@ -51,8 +51,8 @@ pub(crate) type Grey = ([usize; 2], Vec<u32>, u32, u32, Vec<bool>);
 /// The reason, worded for the user.
 pub(crate) fn read_grey(bytes: &[u8], with_opacity: bool) -> Result<Grey, String> {
     let pixels = texture::decode(bytes).map_err(|error| format!("the image cannot be read: {error}"))?;
-    let (levels, white, greatest, is_clear) = pixels.sums(with_opacity);
-    Ok((pixels.size.map(|side| side as usize), levels, white, greatest, is_clear))
+    let (levels, white, max, is_clear) = pixels.sums(with_opacity);
+    Ok((pixels.size.map(|side| side as usize), levels, white, max, is_clear))
 }
 
 /// Reads meshes and images, each file once for all bodies that use it.
@@ -101,7 +101,8 @@ impl<'a> MeshReader<'a> {
         let (path, bytes) = self.find(file, &model.path, without)?;
         let text = self.loader.take(&path, bytes);
         let placement = Placement::new(model, scale);
-        let (obj, faults) = obj::read_obj(&path, &text, |point| placement.point(point), |way| placement.rotation * way);
+        let (obj, faults) =
+            obj::read_obj(&path, &text, |point| placement.point(point), |direction| placement.rotation * direction);
         self.loader.diagnostics.extend(faults);
         let whole = Span::default();
         if obj.is_too_large {
@@ -181,9 +182,9 @@ impl<'a> MeshReader<'a> {
 
     /// Finds the file that `reference` in `file` refers to; all diagnostics become warnings.
     fn find(&mut self, file: &str, reference: &PathRef, instead: &str) -> Option<(String, Vec<u8>)> {
-        let told = self.loader.diagnostics.len();
+        let count_before = self.loader.diagnostics.len();
         let found = self.loader.find(file, path::folder_of(file), reference);
-        for diagnostic in &mut self.loader.diagnostics[told..] {
+        for diagnostic in &mut self.loader.diagnostics[count_before..] {
             if diagnostic.severity == Severity::Error {
                 diagnostic.severity = Severity::Warning;
                 diagnostic.message += &format!("; {instead}");

@@ -45,12 +45,12 @@ pub(super) fn read_obj(
         match keyword {
             "v" => {
                 let point = reader.numbers::<3>(&line, rest).map(|point| place(DVec3::from(point)));
-                let near = point.filter(|point| point.abs().max_element() <= MAX_LENGTH);
-                if point.is_some() && near.is_none() {
+                let valid = point.filter(|point| point.abs().max_element() <= MAX_LENGTH);
+                if point.is_some() && valid.is_none() {
                     let expected = "coordinates within 1000 km after `scale`";
                     reader.faults.warn(Code::MeshLine, &line, expected, || "a corner lies too far away".to_owned());
                 }
-                reader.positions.push(near);
+                reader.positions.push(valid);
             }
             "vt" => {
                 let point = reader.numbers::<2>(&line, rest);
@@ -159,20 +159,20 @@ impl Reader {
             self.faults.warn(Code::MeshLine, line, FACE, message);
             return None;
         };
-        let Some(place) = place_in_list(position, self.positions.len()) else {
+        let Some(index) = place_in_list(position, self.positions.len()) else {
             return self.not_there(line, word, "v", self.positions.len());
         };
         // Faces with a corner whose `v` could not be read are dropped.
-        self.positions[place]?;
+        self.positions[index]?;
         let uv = uv.and_then(|number| match place_in_list(number, self.uvs.len()) {
-            Some(place) => self.uvs[place],
+            Some(index) => self.uvs[index],
             None => self.not_there(line, word, "vt", self.uvs.len()),
         });
         let normal = normal.and_then(|number| match place_in_list(number, self.normals.len()) {
-            Some(place) => self.normals[place],
+            Some(index) => self.normals[index],
             None => self.not_there(line, word, "vn", self.normals.len()),
         });
-        Some(Corner { position: place as u32, uv, normal })
+        Some(Corner { position: index as u32, uv, normal })
     }
 
     /// Records a reference to a missing entry and returns `None`.
@@ -236,8 +236,8 @@ impl Reader {
 /// Indices in `V`, `V/T`, `V//N` or `V/T/N`; `None` for any other word.
 fn corner_numbers(word: &str) -> Option<[Option<i64>; 3]> {
     let mut numbers = [None; 3];
-    for (place, part) in word.split('/').enumerate() {
-        let number = numbers.get_mut(place)?;
+    for (index, part) in word.split('/').enumerate() {
+        let number = numbers.get_mut(index)?;
         if !part.is_empty() {
             *number = Some(part.parse().ok()?);
         }
@@ -248,12 +248,12 @@ fn corner_numbers(word: &str) -> Option<[Option<i64>; 3]> {
 /// Converts a corner's number to an index in a list of `count` entries: 1 is the first, -1 the last. `None` if it is out of
 /// range.
 fn place_in_list(number: i64, count: usize) -> Option<usize> {
-    let place = match number {
+    let index = match number {
         1.. => usize::try_from(number - 1).ok(),
         0 => None,
         _ => usize::try_from(number.unsigned_abs()).ok().and_then(|back| count.checked_sub(back)),
     };
-    place.filter(|place| *place < count)
+    index.filter(|index| *index < count)
 }
 
 /// First word of a line, and the rest.

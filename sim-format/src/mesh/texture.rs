@@ -88,11 +88,11 @@ fn decode_jpg(bytes: &[u8]) -> Result<Pixels, TextureError> {
     decoder.decode_headers().map_err(unreadable)?;
     let (width, height) = decoder.dimensions().ok_or_else(|| unreadable("it has no size"))?;
     let size = checked(width, height)?;
-    let shown = match decoder.input_colorspace() {
+    let colour_space = match decoder.input_colorspace() {
         Some(ColorSpace::Luma) => ColorSpace::Luma,
         _ => ColorSpace::RGB,
     };
-    decoder.set_options(DecoderOptions::default().jpeg_set_out_colorspace(shown));
+    decoder.set_options(DecoderOptions::default().jpeg_set_out_colorspace(colour_space));
     Ok(Pixels { size, samples: Samples::Bits8(decoder.decode().map_err(unreadable)?) })
 }
 
@@ -196,8 +196,8 @@ mod tests {
             assert_eq!(texture.size(), (16, 8));
             for (column, colour) in [(1, [0, 0, 255, 255]), (14, [200, 100, 50, 255u8])] {
                 let pixel = texture.pixel(column, 4);
-                let near = pixel.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= tolerance);
-                assert!(near, "{format:?}: {pixel:?} is not {colour:?}");
+                let is_close = pixel.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= tolerance);
+                assert!(is_close, "{format:?}: {pixel:?} is not {colour:?}");
             }
         }
     }

@@ -76,13 +76,13 @@ pub fn unknown_sensors(robots: &[RobotSpec]) -> Vec<Diagnostic> {
     let mut profiles: Vec<(&Arc<NoiseSpec>, BTreeSet<&str>)> = Vec::new();
     for robot in robots {
         let Some(NoiseRef::Profile(spec)) = &robot.noise else { continue };
-        let place = profiles.iter().position(|(known, _)| Arc::ptr_eq(known, spec)).unwrap_or_else(|| {
+        let index = profiles.iter().position(|(known, _)| Arc::ptr_eq(known, spec)).unwrap_or_else(|| {
             profiles.push((spec, BTreeSet::new()));
             profiles.len() - 1
         });
         let RobiSpec { psds, ranges, lidar, .. } = &*robot.robi;
         let names = psds.iter().map(|psd| &*psd.name).chain(ranges.iter().map(|range| &*range.name));
-        profiles[place].1.extend(names.chain(lidar.as_ref().map(|_| LIDAR)));
+        profiles[index].1.extend(names.chain(lidar.as_ref().map(|_| LIDAR)));
     }
     let mut diagnostics = Vec::new();
     for (spec, names) in profiles {

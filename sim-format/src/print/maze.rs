@@ -50,15 +50,21 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
     read.terrain.clone_from(&world.terrain);
     read.surface = world.surface;
     read.looks = world.looks;
-    let mut wanted = content::world(world);
-    wanted.cell.get_or_insert(cell);
-    if content::world(&read) == wanted {
+    let mut expected_content = content::world(world);
+    expected_content.cell.get_or_insert(cell);
+    if content::world(&read) == expected_content {
         return Ok(text);
     }
     let what = [
         (read.floor != world.floor, "its floor ends elsewhere"),
-        (content::world(&read).walls != wanted.walls, "its walls are not whole sides of cells, or they look special"),
-        (content::world(&read).starts != wanted.starts, "its starts are not in the middle of cells, one each"),
+        (
+            content::world(&read).walls != expected_content.walls,
+            "its walls are not whole sides of cells, or they look special",
+        ),
+        (
+            content::world(&read).starts != expected_content.starts,
+            "its starts are not in the middle of cells, one each",
+        ),
     ];
     let what = what.into_iter().find(|(differs, _)| *differs).map_or("its objects stand elsewhere", |(_, what)| what);
     Err(NotAMaze(format!("the world is no maze: {what}").into()))
@@ -112,8 +118,8 @@ impl MazeCanvas {
         }
     }
 
-    fn letter(&mut self, place: DVec2, letter: char) {
-        let (column, row) = (place.x.max(0.0) as usize, place.y.max(0.0) as usize);
+    fn letter(&mut self, point: DVec2, letter: char) {
+        let (column, row) = (point.x.max(0.0) as usize, point.y.max(0.0) as usize);
         if let Some(cell) = self.letters.get_mut(row).and_then(|row| row.get_mut(column)) {
             *cell = Some(letter);
         }

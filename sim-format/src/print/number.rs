@@ -7,17 +7,17 @@ use sim_core::unit::{Quantity, degrees_from_radians, metres_from_mm, mm_from_met
 const NEIGHBOURS: u32 = 4;
 
 /// Number with the fewest digits near `near` for which `reads_back` returns true; `near` if none exists.
-pub(crate) fn shortest(near: f64, reads_back: impl Fn(f64) -> bool) -> f64 {
-    if near == 0.0 && reads_back(0.0) {
+pub(crate) fn shortest(start: f64, reads_back: impl Fn(f64) -> bool) -> f64 {
+    if start == 0.0 && reads_back(0.0) {
         return 0.0;
     }
-    let rounded = (0..17).filter_map(|digits| format!("{near:.digits$e}").parse::<f64>().ok());
-    let (mut above, mut below) = (near, near);
+    let rounded = (0..17).filter_map(|digits| format!("{start:.digits$e}").parse::<f64>().ok());
+    let (mut above, mut below) = (start, start);
     let around = (0..NEIGHBOURS).flat_map(|_| {
         (above, below) = (above.next_up(), below.next_down());
         [above, below]
     });
-    rounded.chain(around).find(|number| reads_back(*number)).unwrap_or(near)
+    rounded.chain(around).find(|number| reads_back(*number)).unwrap_or(start)
 }
 
 /// Converts an SI value to the unit of `quantity`.
@@ -37,8 +37,8 @@ pub(super) fn degrees(radians: f64) -> f64 {
 
 /// Heading in degrees, including whole turns.
 pub(crate) fn heading(heading: Heading) -> f64 {
-    let near = degrees_from_radians(heading.radians());
-    shortest(near, |degrees| Heading::new(radians_from_degrees(degrees)) == heading)
+    let approximate = degrees_from_radians(heading.radians());
+    shortest(approximate, |degrees| Heading::new(radians_from_degrees(degrees)) == heading)
 }
 
 /// Formats a number: never with an exponent, and whole numbers without a point.

@@ -29,15 +29,15 @@ fn text_of(object: &ObjectType) -> String {
     // Lengths are in units of the mesh.
     let factor = metres_from_mm(scale);
     let length = |metres: f64| written(shortest(metres / factor, |units| units * factor == metres));
-    let place = |place: DVec3| [0.0 - place.y, place.z, place.x].map(length).join(" ");
-    let _ = writeln!(out, "mass {} {}", written(object.mass), place(object.centre_of_mass));
+    let position = |position: DVec3| [0.0 - position.y, position.z, position.x].map(length).join(" ");
+    let _ = writeln!(out, "mass {} {}", written(object.mass), position(object.centre_of_mass));
     for collider in &object.colliders {
         let _ = match *collider {
             Collider::Box { centre, size } => {
-                writeln!(out, "collider box {} {}", place(centre), place(DVec3::new(size.x, -size.y, size.z)))
+                writeln!(out, "collider box {} {}", position(centre), position(DVec3::new(size.x, -size.y, size.z)))
             }
             Collider::Sphere { centre, radius } => {
-                writeln!(out, "collider sphere {} {}", place(centre), length(radius))
+                writeln!(out, "collider sphere {} {}", position(centre), length(radius))
             }
             Collider::Capsule { centre, radius, height, axis } => {
                 let axis = match axis {
@@ -45,10 +45,10 @@ fn text_of(object: &ObjectType) -> String {
                     Axis::Y => "x",
                     Axis::Z => "y",
                 };
-                writeln!(out, "collider capsule {} {} {} {axis}", place(centre), length(radius), length(height))
+                writeln!(out, "collider capsule {} {} {} {axis}", position(centre), length(radius), length(height))
             }
             Collider::Cylinder { centre, radius, height } => {
-                writeln!(out, "collider cylinder {} {} {}", place(centre), length(radius), length(height))
+                writeln!(out, "collider cylinder {} {} {}", position(centre), length(radius), length(height))
             }
         };
     }

@@ -151,18 +151,18 @@ fn head(robi: &RobiSpec) -> String {
 fn devices(out: &mut String, robi: &RobiSpec, track: f64) {
     for psd in &robi.psds {
         let id = psd.id.map(|id| format!("{id} ")).unwrap_or_default();
-        let place = psd.position.to_array().map(written_mm).join(" ");
-        let _ = writeln!(out, "psd {} {id}{place} {}", psd.name, written_degrees(psd.angle));
+        let position = psd.position.to_array().map(written_mm).join(" ");
+        let _ = writeln!(out, "psd {} {id}{position} {}", psd.name, written_degrees(psd.angle));
     }
     if let Some(camera) = &robi.camera {
-        let place = camera.position.to_array().map(written_mm).join(" ");
+        let position = camera.position.to_array().map(written_mm).join(" ");
         let joint = |joint: &JointSpec| match joint {
             JointSpec::Fixed(angle) => written_degrees(*angle),
             JointSpec::Servo { name, from, to } => {
                 format!("{name}({:+},{:+})", degrees(*from), degrees(*to))
             }
         };
-        let _ = write!(out, "camera {place} {} {}", joint(&camera.pan), joint(&camera.tilt));
+        let _ = write!(out, "camera {position} {} {}", joint(&camera.pan), joint(&camera.tilt));
         if let Some([width, height]) = camera.image {
             let _ = write!(out, " {width} {height}");
         }
@@ -174,6 +174,6 @@ fn devices(out: &mut String, robi: &RobiSpec, track: f64) {
 }
 
 /// Position in the axes of EyeSim VR's graphics library: X right, Y up, Z forward.
-fn unity(place: DVec3) -> String {
-    [0.0 - place.y, place.z, place.x].map(written_mm).join(" ")
+fn unity(point: DVec3) -> String {
+    [0.0 - point.y, point.z, point.x].map(written_mm).join(" ")
 }

@@ -53,7 +53,7 @@ impl Printer<'_> {
             self.line(&[&["settings"][..], &settings].concat());
         }
         let robots = self.robots_of_files(sim);
-        // These keywords tell the dialect of a sim file.
+        // These keywords determine the dialect of a sim file.
         let [robot, object] = if is_of_2018(sim) { ["robi", "obj"] } else { ["robot", "object"] };
         for path in sim.robot_types.iter().chain(&robots) {
             let file = self.word(&path.text);

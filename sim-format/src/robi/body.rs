@@ -61,10 +61,10 @@ impl Reader {
     }
 
     pub(super) fn model(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let (name, place) = if rest.len() == 7 { rest.split_at(1) } else { (rest, &rest[rest.len()..]) };
-        let place = line::numbers(&mut self.sink, Severity::Warning, place, &PLACE).unwrap_or_default();
+        let (name, values) = if rest.len() == 7 { rest.split_at(1) } else { (rest, &rest[rest.len()..]) };
+        let values = line::numbers(&mut self.sink, Severity::Warning, values, &PLACE).unwrap_or_default();
         let path = path::reference(&mut self.sink, Severity::Warning, keyword, name, MODEL_FORM);
-        let [x, y, z, turns @ ..] = place;
+        let [x, y, z, turns @ ..] = values;
         self.robi.model =
             path.map(|path| ModelSpec { path, offset: from_unity([x, y, z]), turns: DVec3::from_array(turns) });
     }

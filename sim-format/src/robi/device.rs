@@ -24,7 +24,7 @@ const TILT_SERVO: &str = "SERVO2";
 impl Reader {
     pub(super) fn psd(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = span_of(keyword, rest);
-        let is_number = |place: usize| rest.get(place).is_some_and(|word| line::looks_numeric(word.text));
+        let is_number = |index: usize| rest.get(index).is_some_and(|word| line::looks_numeric(word.text));
         let is_newest = is_number(0) && rest.len() > 1 && !is_number(1);
         let (needed, form) = if is_newest { (8, NEWEST_PSD_FORM) } else { (6, PSD_FORM) };
         if rest.len() < 5 || is_newest && rest.len() < 8 {
@@ -89,8 +89,8 @@ impl Reader {
     /// Warns about PSD ids that differ from the order in the file, since programs of EyeSim VR address PSDs by that
     /// order.
     pub(super) fn check_psd_order(&mut self) {
-        let mut wanted = 1_i32..;
-        let astray = self.robi.psds.iter().zip(&mut wanted).find(|(psd, number)| psd.id != Some(*number));
+        let mut next_number = 1_i32..;
+        let astray = self.robi.psds.iter().zip(&mut next_number).find(|(psd, number)| psd.id != Some(*number));
         if let Some((psd, number)) = astray {
             let id = psd.id.map_or("no number".to_owned(), |id| format!("the number {id}"));
             let message = format!("`{}` has {id}: EyeSim VR numbers its PSDs 1, 2, 3, ...", psd.name);

@@ -26,7 +26,7 @@ impl Dialect {
         let Some((keyword, rest)) = words.split_first() else {
             return Dialect::Classic;
         };
-        let is_number = |place: usize| rest.get(place).is_some_and(|word| line::looks_numeric(word.text));
+        let is_number = |index: usize| rest.get(index).is_some_and(|word| line::looks_numeric(word.text));
         match keyword.text {
             "psd" if is_number(0) && !is_number(1) && rest.len() > 1 => Dialect::Newest,
             "fisheye" => Dialect::Newest,

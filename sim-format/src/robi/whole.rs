@@ -10,7 +10,7 @@ use crate::spec::{Collider, DriveKind, MAX_LENGTH, RobiSpec, VR_PSD_RANGE};
 use sim_core::math;
 use sim_core::unit;
 
-/// Default wheelbase of an Ackermann robot as a share of its diameter.
+/// Default wheelbase of an Ackermann robot as a fraction of its diameter.
 const WHEELBASE_OF_DIAMETER: f64 = 0.6;
 
 /// Default wheelbase of a robot type.
@@ -114,7 +114,7 @@ impl Reader {
     fn body_around_the_wheels(&mut self) -> f64 {
         let RobiSpec { wheel, drive, axis_offset, .. } = &self.robi;
         let middle = *axis_offset;
-        let axles = match (drive.kind, self.axles.map(|axle| axle.map(|(place, _)| place))) {
+        let axles = match (drive.kind, self.axles.map(|axle| axle.map(|(offset, _)| offset))) {
             (DriveKind::Omni, _) => [middle - 0.5 * wheel.track, middle + 0.5 * wheel.track],
             (DriveKind::Ackermann, [driven, steered]) => [driven.unwrap_or(middle), steered.unwrap_or(middle)],
             (DriveKind::Differential | DriveKind::Legged | DriveKind::Thrusters, _) => [middle; 2],

@@ -58,11 +58,11 @@ pub(crate) struct Texts {
 
 impl Texts {
     fn keep(&self, text: String) -> &str {
-        let place = self.count.get() + 1;
-        self.count.set(place);
-        let (block, size) = (place.ilog2() as usize, 1 << place.ilog2());
+        let index = self.count.get() + 1;
+        self.count.set(index);
+        let (block, size) = (index.ilog2() as usize, 1 << index.ilog2());
         let cells = self.blocks[block].get_or_init(|| vec![OnceCell::new(); size]);
-        cells[place - size].get_or_init(|| text)
+        cells[index - size].get_or_init(|| text)
     }
 
     fn number(&self, text: String) -> DeValue<'_> {
@@ -194,8 +194,8 @@ impl<'i> Artist<'_, 'i> {
         let mut result = DeArray::new();
         let mut names = BTreeSet::new();
         let is_list = LISTS.contains(&path);
-        let given: BTreeSet<i64> = items.iter().filter_map(|item| id_of(item.get_ref())).collect();
-        let mut free = (1..).filter(|number| !given.contains(number));
+        let ids: BTreeSet<i64> = items.iter().filter_map(|item| id_of(item.get_ref())).collect();
+        let mut free = (1..).filter(|number| !ids.contains(number));
         for item in items {
             let name = match item.get_ref() {
                 DeValue::Table(table) => get(table, "name").and_then(|name| name.get_ref().as_str()),
@@ -312,7 +312,7 @@ impl<'i> Artist<'_, 'i> {
             DeValue::Array(ends) if ends.iter().all(|end| end.get_ref().is_integer()) => Some([low, high]),
             _ => None,
         });
-        let share = match self.extreme {
+        let fraction = match self.extreme {
             Some(number) if number % 2 == 0 => 0.0,
             Some(_) => 1.0,
             None => stream.unit(),
@@ -320,10 +320,10 @@ impl<'i> Artist<'_, 'i> {
         Some(match ends.map(|ends| ends.map(|end| end as i64)) {
             Some([low, high]) => {
                 let count = (i128::from(high) - i128::from(low) + 1) as f64;
-                let offset = ((count * share).floor() as i128).min(i128::from(high) - i128::from(low));
+                let offset = ((count * fraction).floor() as i128).min(i128::from(high) - i128::from(low));
                 self.whole((i128::from(low) + offset) as i64)
             }
-            None => self.number(low + (high - low) * share),
+            None => self.number(low + (high - low) * fraction),
         })
     }
 
@@ -340,18 +340,18 @@ impl<'i> Artist<'_, 'i> {
             self.mistake(section, format!("`min` {low} is greater than `max` {high}"), "the least number as `min`");
             return None;
         }
-        let drawn = match self.extreme {
+        let picked = match self.extreme {
             Some(number) => {
                 let end = if number % 2 == 0 { low } else { high };
                 Some(if end.is_finite() { end } else { mean.clamp(low, high) })
             }
-            None => (0..TRIES).map(|_| mean + sigma * stream.normal()).find(|drawn| (low..=high).contains(drawn)),
+            None => (0..TRIES).map(|_| mean + sigma * stream.normal()).find(|picked| (low..=high).contains(picked)),
         };
-        if drawn.is_none() {
+        if picked.is_none() {
             let message = format!("of {TRIES} numbers of this distribution none lies between its `min` and `max`");
             self.mistake(section, message, "limits within some standard deviations of the mean");
         }
-        drawn.map(|drawn| self.number(drawn))
+        picked.map(|picked| self.number(picked))
     }
 
     fn choice(&mut self, section: &mut Section<'_, 'i>, stream: &mut Stream, path: &str) -> Option<DeValue<'i>> {
@@ -360,11 +360,11 @@ impl<'i> Artist<'_, 'i> {
             self.mistake(section, "`choice` has nothing to choose from".to_owned(), "at least one value");
             return None;
         }
-        let place = match self.extreme {
+        let index = match self.extreme {
             Some(number) => number % items.len(),
             None => ((stream.unit() * items.len() as f64) as usize).min(items.len() - 1),
         };
-        Some(self.value(items[place].clone(), path).into_inner())
+        Some(self.value(items[index].clone(), path).into_inner())
     }
 
     fn maze(&mut self, section: &mut Section<'_, '_>, stream: &mut Stream) -> Option<DeValue<'i>> {

@@ -54,10 +54,10 @@ impl FreeSpace {
             return None;
         }
         for _ in 0..TRIES {
-            let (place, turn) = draw(stream, low, high);
-            if self.is_free(place, radius + scatter.clearance) {
-                self.take(place, radius);
-                return Some(Pose::new(place.x, place.y, scatter.heading.unwrap_or(turn)));
+            let (point, turn) = draw(stream, low, high);
+            if self.is_free(point, radius + scatter.clearance) {
+                self.take(point, radius);
+                return Some(Pose::new(point.x, point.y, scatter.heading.unwrap_or(turn)));
             }
         }
         None
@@ -115,26 +115,27 @@ impl FreeSpace {
         scatter.area.unwrap_or([DVec2::ZERO, self.floor])
     }
 
-    fn cell_of(&self, place: DVec2) -> (i64, i64) {
-        ((place.x / self.cell).floor() as i64, (place.y / self.cell).floor() as i64)
+    fn cell_of(&self, point: DVec2) -> (i64, i64) {
+        ((point.x / self.cell).floor() as i64, (point.y / self.cell).floor() as i64)
     }
 }
 
 /// A random position and heading in whole micrometres and thousandths of a degree, which a text states exactly.
 fn draw(stream: &mut Stream, low: DVec2, high: DVec2) -> (DVec2, f64) {
-    let place = low + (high - low) * DVec2::new(stream.unit(), stream.unit());
+    let point = low + (high - low) * DVec2::new(stream.unit(), stream.unit());
     let turn = (360_000.0 * stream.unit()).floor() / 1000.0;
-    (whole_micrometres(place), radians_from_degrees(turn))
+    (whole_micrometres(point), radians_from_degrees(turn))
 }
 
-fn whole_micrometres(place: DVec2) -> DVec2 {
+fn whole_micrometres(point: DVec2) -> DVec2 {
     let rounded = |metres: f64| metres_from_mm((mm_from_metres(metres) * 1000.0).round() / 1000.0);
-    DVec2::new(rounded(place.x), rounded(place.y))
+    DVec2::new(rounded(point.x), rounded(point.y))
 }
 
 fn is_apart(wall: &Segment, gap: f64, others: &[WallSpec]) -> bool {
-    let apart = |other: &WallSpec| distance(wall, &Segment::new(other.from, other.to)) >= gap + 0.5 * other.thickness;
-    others.iter().all(apart)
+    let is_apart =
+        |other: &WallSpec| distance(wall, &Segment::new(other.from, other.to)) >= gap + 0.5 * other.thickness;
+    others.iter().all(is_apart)
 }
 
 /// Distance between two walls' centre lines; 0 if they cross.

@@ -15,13 +15,13 @@ pub(super) fn drawing(columns: usize, rows: usize, loops: f64, cell: Option<f64>
     is_visited[0] = true;
     while let Some(&at) = path.last() {
         let (column, row) = (at % columns, at / columns);
-        let near = [
+        let neighbours = [
             (column + 1 < columns).then(|| at + 1),
             (row + 1 < rows).then(|| at + columns),
             (column > 0).then(|| at - 1),
             (row > 0).then(|| at - columns),
         ];
-        let open: Vec<usize> = near.into_iter().flatten().filter(|cell| !is_visited[*cell]).collect();
+        let open: Vec<usize> = neighbours.into_iter().flatten().filter(|cell| !is_visited[*cell]).collect();
         if open.is_empty() {
             path.pop();
             continue;
@@ -74,13 +74,13 @@ mod tests {
         let mut seen = BTreeSet::from([(rows - 1, 0)]);
         let mut todo = vec![(rows - 1, 0)];
         while let Some((row, column)) = todo.pop() {
-            let near = [
+            let neighbours = [
                 (column > 0 && lines[row][2 * column] != '|').then(|| (row, column - 1)),
                 (column + 1 < columns && lines[row][2 * column + 2] != '|').then(|| (row, column + 1)),
                 (row + 1 < rows && is_open(row, column)).then(|| (row + 1, column)),
                 (row > 0 && is_open(row - 1, column)).then(|| (row - 1, column)),
             ];
-            todo.extend(near.into_iter().flatten().filter(|cell| seen.insert(*cell)));
+            todo.extend(neighbours.into_iter().flatten().filter(|cell| seen.insert(*cell)));
         }
         seen.len()
     }

@@ -114,15 +114,15 @@ impl Reader {
 
     /// Reports and removes invalid numbers of the `count` robots; each robot comes with the span of its number.
     fn robot_ids(&mut self, robots: &mut [(RobotLine, Span)], count: u64) {
-        let mut given: BTreeMap<RobotId, u32> = BTreeMap::new();
+        let mut ids: BTreeMap<RobotId, u32> = BTreeMap::new();
         for (robot, span) in robots {
             let Some(id) = robot.id else { continue };
-            let (code, message) = if let Some(line) = given.get(&id) {
+            let (code, message) = if let Some(line) = ids.get(&id) {
                 (Code::RobotIdTwice, format!("the number {} is that of the robot of line {line}", id.0))
             } else if u64::from(id.0) > count {
                 (Code::RobotIdGap, format!("the number {} leaves a gap", id.0))
             } else {
-                given.insert(id, span.line);
+                ids.insert(id, span.line);
                 continue;
             };
             let expected = format!("robot numbers go from 1 to the number of robots, {count}, each once");

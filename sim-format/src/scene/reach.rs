@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::FreeSpace;
 
-/// Length of a step of the grid as a share of the disc's width.
+/// Length of a step of the grid as a fraction of the disc's width.
 const STEP: f64 = 0.125;
 
 /// Maximum number of the grid's points along a side of the floor.
@@ -23,19 +23,19 @@ pub(crate) fn is_reachable(space: &FreeSpace, floor: DVec2, radius: f64, from: (
     // A disc that is free with this radius at both ends of a step is free with its own radius along the whole step: the point of a convex
     // obstacle nearest to the step is at most half a step from one of the ends.
     let wide = (radius * radius + 0.25 * step * step).sqrt();
-    let near = std::f64::consts::SQRT_2 * step;
+    let diagonal = std::f64::consts::SQRT_2 * step;
     let point = |node: usize| DVec2::new((node % columns) as f64, (node / columns) as f64) * step;
     let mut is_seen = vec![false; columns * rows];
     let mut queue = VecDeque::new();
     for (node, is_seen) in is_seen.iter_mut().enumerate() {
-        let place = point(node);
-        if place.distance(from.0) <= from.1 + near && space.is_free(place, wide) {
+        let centre = point(node);
+        if centre.distance(from.0) <= from.1 + diagonal && space.is_free(centre, wide) {
             *is_seen = true;
             queue.push_back(node);
         }
     }
     while let Some(node) = queue.pop_front() {
-        if point(node).distance(to.0) <= to.1 + near {
+        if point(node).distance(to.0) <= to.1 + diagonal {
             return true;
         }
         let (column, row) = (node % columns, node / columns);

@@ -40,8 +40,8 @@ fn the_dialect_of_a_line_tells_the_simulator_and_so_the_generation_of_its_progra
     let scene = scene(
         "world w.wld\nrobi scout.robi a.c 500 500 0\nrobi scout.robi\nLabBot 1000 1000 0 b.x\nScout 2000 2000 0 c.x\n",
     );
-    let told: Vec<_> = scene.robots.iter().map(|robot| (robot.api, robot.dialect)).collect();
-    assert_eq!(told, [(None, Some(6)), (None, Some(7)), (None, Some(7))]);
+    let generations: Vec<_> = scene.robots.iter().map(|robot| (robot.api, robot.dialect)).collect();
+    assert_eq!(generations, [(None, Some(6)), (None, Some(7)), (None, Some(7))]);
 }
 
 #[test]
@@ -73,8 +73,8 @@ fn a_heading_replaces_that_of_the_letter() {
 #[test]
 fn classic_robots_take_the_starts_that_letters_leave() {
     let scene = scene("maze m.maz\nS4 U 90\nrobi scout.robi a.so\nrobi scout.robi a.so\n");
-    let places: Vec<DVec2> = scene.robots.iter().map(|robot| robot.start.position).collect();
-    assert_eq!(places, [DVec2::new(1.5, 1.5), DVec2::new(0.5, 1.5), DVec2::new(2.5, 1.5)]);
+    let positions: Vec<DVec2> = scene.robots.iter().map(|robot| robot.start.position).collect();
+    assert_eq!(positions, [DVec2::new(1.5, 1.5), DVec2::new(0.5, 1.5), DVec2::new(2.5, 1.5)]);
 }
 
 #[test]
@@ -190,9 +190,9 @@ fn a_stop_sign_stands_on_the_floor() {
         panic!("an upright capsule, not {:?}", sign.colliders)
     };
     // 0.025 mm per unit: the centre at 187.5 mm, 7.5 mm wide, 355 mm high.
-    let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+    let is_close = |a: f64, b: f64| (a - b).abs() < 1e-12;
     assert!((centre - DVec3::new(0.0, 0.0, 0.1875)).length() < 1e-12, "{centre}");
-    assert!(near(radius, 0.00375) && near(height, 0.355) && near(sign.scale, 0.025), "{radius} {height}");
+    assert!(is_close(radius, 0.00375) && is_close(height, 0.355) && is_close(sign.scale, 0.025), "{radius} {height}");
 }
 
 #[test]
@@ -204,7 +204,7 @@ fn old_and_new_colliders_are_the_same_and_axes_turn() {
     let mm = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * 0.002;
     // The axes X right, Y up, Z forward become -y, z, x.
     assert_near(object.centre_of_mass, mm(3.0, -1.0, 2.0));
-    let [Collider::Box { centre, size }, Collider::Sphere { centre: of_sphere, radius }, lying, across] =
+    let [Collider::Box { centre, size }, Collider::Sphere { centre: of_sphere, radius }, lying, transverse] =
         object.colliders[..]
     else {
         panic!("{:?}", object.colliders)
@@ -215,7 +215,7 @@ fn old_and_new_colliders_are_the_same_and_axes_turn() {
     assert!((radius - 0.008).abs() < 1e-12);
     assert!(matches!(lying, Collider::Capsule { axis: Axis::X, .. }));
     // Lower than wide: becomes a sphere.
-    assert!(matches!(across, Collider::Capsule { axis: Axis::Y, height, radius, .. } if height == 2.0 * radius));
+    assert!(matches!(transverse, Collider::Capsule { axis: Axis::Y, height, radius, .. } if height == 2.0 * radius));
 }
 
 fn assert_near(a: DVec3, b: DVec3) {

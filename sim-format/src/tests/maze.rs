@@ -19,9 +19,9 @@ fn an_odd_indentation_is_undone() {
     assert_eq!(codes(&diagnostics), ["maz-indent"]);
     assert_eq!((ends(&indented), indented.floor), (ends(&straight), straight.floor));
     // The letter in a wall column belongs to the cell on its left.
-    let places = |maze: &WorldSpec| maze.objects.iter().map(|object| object.pose.position).collect::<Vec<_>>();
-    assert_eq!(places(&indented), [DVec2::new(0.18, 0.18)]);
-    assert_eq!(places(&indented), places(&straight));
+    let positions = |maze: &WorldSpec| maze.objects.iter().map(|object| object.pose.position).collect::<Vec<_>>();
+    assert_eq!(positions(&indented), [DVec2::new(0.18, 0.18)]);
+    assert_eq!(positions(&indented), positions(&straight));
     assert_eq!(indented.starts.remove(0).pose, straight.starts[0].pose);
 }
 
@@ -75,7 +75,7 @@ fn notches_beyond_the_border_are_cells() {
     assert_eq!(maze.floor, DVec2::new(0.4, 0.4));
     // The left goal: its back, its lower and its upper edge.
     for wall in [[0.0, 0.1, 0.0, 0.3], [0.0, 0.1, 0.1, 0.1], [0.0, 0.3, 0.1, 0.3]] {
-        let near = |is: &[f64; 4]| is.iter().zip(wall).all(|(a, b)| (a - b).abs() < 1e-12);
-        assert!(ends(&maze).iter().any(near), "no {wall:?} in {:?}", ends(&maze));
+        let is_close = |is: &[f64; 4]| is.iter().zip(wall).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(ends(&maze).iter().any(is_close), "no {wall:?} in {:?}", ends(&maze));
     }
 }

@@ -176,14 +176,14 @@ fn files_are_found_by_the_rules_and_missing_ones_are_warnings() {
     let mesh = mesh.expect("a mesh");
     let textures: Vec<_> = mesh.materials.iter().map(|m| m.texture.as_ref().map(|t| t.pixel(0, 0))).collect();
     assert_eq!(textures, [Some([9, 8, 7, 255]); 2]);
-    let told: Vec<_> = diagnostics.iter().map(|d| (d.code.to_string(), d.file.as_str(), d.span.line)).collect();
+    let codes: Vec<_> = diagnostics.iter().map(|d| (d.code.to_string(), d.file.as_str(), d.span.line)).collect();
     let expected = [
         ("file-case", "o/o.esObj", 1),
         ("file-case", "o/A.obj", 1),
         ("file-moved", "o/my parts.mtl", 2),
         ("file-case", "m/b.mtl", 2),
     ];
-    assert_eq!(told, expected.map(|(code, file, line)| (code.to_owned(), file, line)));
+    assert_eq!(codes, expected.map(|(code, file, line)| (code.to_owned(), file, line)));
 
     let (mesh, diagnostics) = load(&Memory::default(), &kind);
     assert!(mesh.is_none());
@@ -196,8 +196,8 @@ fn broken_images_leave_the_colour() {
     let files = Memory::new(&[("a.obj", QUAD), ("a.mtl", "newmtl red\nKd 1 0 0\nmap_Kd a.png\n"), ("a.png", "GIF89a")]);
     let (mesh, diagnostics) = load(&files, &object(model(DVec3::ZERO, DVec3::ZERO), 1.0));
     assert_eq!(mesh.expect("a mesh").materials[0].colour, [1.0, 0.0, 0.0]);
-    let told: Vec<_> = diagnostics.iter().map(|d| (d.code.to_string(), d.file.as_str(), d.span.line)).collect();
-    assert_eq!(told, [("texture-format".to_owned(), "a.mtl", 3)]);
+    let codes: Vec<_> = diagnostics.iter().map(|d| (d.code.to_string(), d.file.as_str(), d.span.line)).collect();
+    assert_eq!(codes, [("texture-format".to_owned(), "a.mtl", 3)]);
 }
 
 #[test]
@@ -269,9 +269,9 @@ fn by_us(text: &str) -> Vec<Corners> {
     let corners = |triangle: &sim_core::scene::Triangle| {
         let positions = mesh.corners(triangle);
         // Transform back into the file's frame.
-        [0, 1, 2].map(|place| {
-            let DVec3 { x, y, z } = positions[place];
-            ([y as f32, z as f32, x as f32], triangle.uv.map(|uv| uv[place].to_array()))
+        [0, 1, 2].map(|index| {
+            let DVec3 { x, y, z } = positions[index];
+            ([y as f32, z as f32, x as f32], triangle.uv.map(|uv| uv[index].to_array()))
         })
     };
     mesh.triangles.iter().map(corners).collect()
@@ -292,8 +292,8 @@ proptest! {
         for (corners, opens_object) in &faces {
             text += if *opens_object { "o part\nf" } else { "f" };
             for (corner, is_relative) in corners {
-                let place = (corner % points.len()) as i64;
-                let number = if *is_relative { place - points.len() as i64 } else { place + 1 };
+                let index = (corner % points.len()) as i64;
+                let number = if *is_relative { index - points.len() as i64 } else { index + 1 };
                 text += &if has_uv { format!(" {number}/{number}") } else { format!(" {number}") };
             }
             text += "\n";

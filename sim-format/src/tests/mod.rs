@@ -67,9 +67,9 @@ pub(super) fn codes(diagnostics: &[Diagnostic]) -> Vec<&'static str> {
 
 /// Asserts equality to within a nanometre and a nanoradian.
 fn assert_near(a: &Pose, b: &Pose) {
-    let apart = (a.position - b.position).length();
+    let distance = (a.position - b.position).length();
     let turned = (a.heading.radians() - b.heading.radians()).abs();
-    assert!(apart < 1e-9 && turned < 1e-9, "{a:?} is not {b:?}");
+    assert!(distance < 1e-9 && turned < 1e-9, "{a:?} is not {b:?}");
 }
 
 #[test]
@@ -290,8 +290,8 @@ fn a_missing_file_lists_what_was_tried() {
     let loaded = load_scene("a/b.sim", &files);
     assert_eq!(codes(&loaded.diagnostics), ["file-missing", "file-missing"]);
     let message = &loaded.diagnostics[0].message;
-    for place in ["`a/w.wld`", "`w.wld`", "`/home/eyesim/w.wld`", "`/home/eyesim/worlds/w.wld`"] {
-        assert!(message.contains(place), "{message}");
+    for path in ["`a/w.wld`", "`w.wld`", "`/home/eyesim/w.wld`", "`/home/eyesim/worlds/w.wld`"] {
+        assert!(message.contains(path), "{message}");
     }
     assert_eq!(loaded.diagnostics[0].suggestion.as_deref(), Some("there is `a/v.wld`"));
     assert!(loaded.has_errors());

@@ -98,13 +98,13 @@ fn mutated() -> impl Strategy<Value = Vec<u8>> {
     let change = (any::<prop::sample::Index>(), 0..4_u8, any::<u8>());
     (0..VALID.len(), prop::collection::vec(change, 1..8)).prop_map(|(which, changes)| {
         let mut bytes = VALID[which].as_bytes().to_vec();
-        for (place, kind, byte) in changes {
-            let place = place.index(bytes.len().max(1));
+        for (index, kind, byte) in changes {
+            let index = index.index(bytes.len().max(1));
             match kind {
-                0 if place < bytes.len() => bytes[place] = byte,
-                1 if place < bytes.len() => drop(bytes.remove(place)),
-                2 => bytes.insert(place, byte),
-                _ => bytes.extend_from_within(place..),
+                0 if index < bytes.len() => bytes[index] = byte,
+                1 if index < bytes.len() => drop(bytes.remove(index)),
+                2 => bytes.insert(index, byte),
+                _ => bytes.extend_from_within(index..),
             }
         }
         bytes
@@ -250,8 +250,8 @@ proptest! {
         prop_assert_eq!(diagnostics, vec![]);
         prop_assert_eq!(robi.wheel.track, 0.09);
         let metres = |mm: i32| metres_from_mm(f64::from(mm));
-        for ((collider, psd), (size, place)) in robi.colliders.iter().zip(&robi.psds).zip(sizes.iter().zip(&at)) {
-            let [right, up, forward] = place.map(metres);
+        for ((collider, psd), (size, position)) in robi.colliders.iter().zip(&robi.psds).zip(sizes.iter().zip(&at)) {
+            let [right, up, forward] = position.map(metres);
             let [x, y, z] = size.map(metres);
             let (centre, size_of) = (DVec3::new(forward, -right, up), DVec3::new(z, x, y));
             prop_assert_eq!(*collider, Collider::Box { centre, size: size_of });
@@ -269,11 +269,11 @@ proptest! {
         let mut drawn = BTreeSet::new();
         let mut text = String::new();
         for row in 0..=rows {
-            for place in 0..=2 * columns {
+            for column in 0..=2 * columns {
                 let is_wall = bits.next() == Some(true);
                 let y = (rows - row) as i64;
-                let x = (place / 2) as i64;
-                text.push(match (place % 2, is_wall) {
+                let x = (column / 2) as i64;
+                text.push(match (column % 2, is_wall) {
                     (0, true) if row > 0 => {
                         drawn.insert((x, y, false));
                         '|'

@@ -141,9 +141,9 @@ fn worlds_and_types_of_the_corpus_go_to_toml_and_back() {
                     let [old, new] = [&file, &back].map(|name| sim_format::load_world(name, &files).scene.world);
                     assert_eq!((old.walls.len(), old.starts.len()), (new.walls.len(), new.starts.len()), "{file}");
                     for (old, new) in old.walls.iter().zip(&new.walls) {
-                        let apart = (old.from - new.from).length().max((old.to - new.to).length());
+                        let distance = (old.from - new.from).length().max((old.to - new.to).length());
                         // Inside `push` frames, possibly no decimal reads back to the double.
-                        assert!(apart <= 1e-12, "{file}: a wall moves by {apart} m");
+                        assert!(distance <= 1e-12, "{file}: a wall moves by {distance} m");
                     }
                 }
                 "maz" => {
@@ -326,8 +326,8 @@ fn schema_and_reader_know_the_same_keys() {
         ("ObjectTypeForm", vec![object("zzz = 1")]),
     ];
     for (name, texts) in cases {
-        let known: BTreeSet<String> = texts.iter().flat_map(|text| keys_of_reader(text)).collect();
-        assert_eq!(known, keys_of_schema(&schema, name), "{name}: the reader's keys left, the schema's right");
+        let keys: BTreeSet<String> = texts.iter().flat_map(|text| keys_of_reader(text)).collect();
+        assert_eq!(keys, keys_of_schema(&schema, name), "{name}: the reader's keys left, the schema's right");
     }
     let forms: BTreeSet<&str> = cases.iter().map(|(name, _)| *name).collect();
     for name in schema["$defs"].as_object().expect("types").keys() {
@@ -362,8 +362,8 @@ fn scene(rest: &str) -> sim_format::Loaded {
 fn places(loaded: &sim_format::Loaded) -> Vec<(f64, f64, f64)> {
     let rounded = |value: f64| (value * 1e6).round() / 1e6;
     let of = |robot: &sim_core::spec::RobotSpec| {
-        let (place, heading) = (robot.start.position, robot.start.heading.radians().to_degrees());
-        (rounded(place.x), rounded(place.y), rounded(heading))
+        let (position, heading) = (robot.start.position, robot.start.heading.radians().to_degrees());
+        (rounded(position.x), rounded(position.y), rounded(heading))
     };
     loaded.scene.robots.iter().map(of).collect()
 }
@@ -397,11 +397,14 @@ fn random_places_keep_clear_and_follow_the_seed() {
     let robots = &loaded.scene.robots;
     assert_eq!(robots.len(), 31);
     for (index, robot) in robots.iter().enumerate() {
-        let (radius, place) = (robot.robi.diameter / 2.0, robot.start.position);
-        assert!(index == 30 || (place.x - 2.0).abs() >= radius + 0.1, "{place}");
-        assert!(place.min_element() >= radius && place.x <= 4.0 - radius && place.y <= 3.0 - radius, "{place}");
+        let (radius, position) = (robot.robi.diameter / 2.0, robot.start.position);
+        assert!(index == 30 || (position.x - 2.0).abs() >= radius + 0.1, "{position}");
+        assert!(
+            position.min_element() >= radius && position.x <= 4.0 - radius && position.y <= 3.0 - radius,
+            "{position}"
+        );
         for other in &robots[..index] {
-            assert!(place.distance(other.start.position) >= 2.0 * radius + 0.1 - 1e-12, "{place}");
+            assert!(position.distance(other.start.position) >= 2.0 * radius + 0.1 - 1e-12, "{position}");
         }
     }
     assert_eq!(places(&load_scene("a.scene.toml", &files)), places(&loaded));
@@ -471,13 +474,13 @@ fn the_generation_of_the_api_is_that_of_the_robot_else_of_the_scene() {
     };
     let load =
         |scene: &str, robot: &str| load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", &text(scene, robot))]));
-    let told = |scene: &str, robot: &str| {
+    let generation_of = |scene: &str, robot: &str| {
         let loaded = load(scene, robot);
         assert_eq!(loaded.diagnostics, []);
         loaded.scene.robots.iter().map(|robot| (robot.api, robot.dialect)).collect::<Vec<_>>()
     };
-    assert_eq!(told("", ""), [(None, None); 2]);
-    assert_eq!(told("api = 7", "api = 6"), [(Some(6), None), (Some(7), None)]);
+    assert_eq!(generation_of("", ""), [(None, None); 2]);
+    assert_eq!(generation_of("api = 7", "api = 6"), [(Some(6), None), (Some(7), None)]);
     assert!(load("api = 5", "").has_errors() && load("", "api = \"7\"").has_errors());
 }
 
@@ -633,8 +636,8 @@ fn radios_that_cannot_be_are_reported_where_they_stand() {
         let said = read_scene("a.scene.toml", &text).1;
         let of = |said: &sim_format::Diagnostic| {
             let suggestion = said.suggestion.as_ref().map_or(String::new(), |text| format!("; {text}"));
-            let place = format!("{}:{}", said.span.line, said.span.column);
-            format!("{place} {} {}; {}{suggestion}", said.code, said.message, said.expected)
+            let location = format!("{}:{}", said.span.line, said.span.column);
+            format!("{location} {} {}; {}{suggestion}", said.code, said.message, said.expected)
         };
         said.iter().map(of).collect()
     };

@@ -194,9 +194,9 @@ proptest! {
             ),
             false => format!("{name}_deg = {}", angles[at]),
         };
-        let place = [format!("x_mm = {x}"), format!("y_mm = {y}"), format!("z_mm = {z}")];
+        let position = [format!("x_mm = {x}"), format!("y_mm = {y}"), format!("z_mm = {z}")];
         let others = [joint("pan", 0), joint("tilt", 2), lens, format!("samples = {samples}")];
-        let keys: Vec<String> = place.into_iter().chain(others).chain(image).collect();
+        let keys: Vec<String> = position.into_iter().chain(others).chain(image).collect();
         let head = "[world]\nfile = \"a.wld\"\n[[robot_type]]\nname = \"A\"\n";
         let text = format!("{head}camera = {{ {} }}\n", keys.join(", "));
         let (sim, said) = read_scene("a.scene.toml", &text);
@@ -237,15 +237,15 @@ proptest! {
 
     #[test]
     fn surfaces_and_terrain_read_back_as_they_were_printed(
-        shares in prop::collection::vec(0..=1_000_u32, 6), place in prop::collection::vec(number(), 3), scale in size(),
+        fractions in prop::collection::vec(0..=1_000_u32, 6), position in prop::collection::vec(number(), 3), scale in size(),
         is_placed in any::<bool>(), is_solid in any::<bool>(),
     ) {
         let surface = |at: usize| {
-            let [a, b] = [shares[at], shares[at + 1]].map(|share| f64::from(share) / 1e3);
+            let [a, b] = [fractions[at], fractions[at + 1]].map(|fraction| f64::from(fraction) / 1e3);
             format!("surface = {{ reflectivity = {a}, specular = {b} }}")
         };
         let terrain = match is_placed {
-            true => format!("{{ file = \"h.obj\", offset_mm = [{}], scale_mm = {scale} }}", place.join(", ")),
+            true => format!("{{ file = \"h.obj\", offset_mm = [{}], scale_mm = {scale} }}", position.join(", ")),
             false => "\"h.obj\"".to_owned(),
         };
         let solid = if is_solid { "model = { file = \"a.obj\" }\nsolid = \"mesh\"\n" } else { "" };
@@ -262,13 +262,13 @@ proptest! {
 
     #[test]
     fn terrains_read_back_as_they_were_printed(
-        kind in 0..4_usize, place in prop::collection::vec(number(), 3), sizes in prop::collection::vec(size(), 8),
+        kind in 0..4_usize, position in prop::collection::vec(number(), 3), sizes in prop::collection::vec(size(), 8),
         seed in prop::option::of(0..=i64::MAX), count in prop::option::of(0..=1000_u32), turn in 0..4_u32,
         says in any::<[bool; 8]>(),
     ) {
         let [a, b, c, d, e, f, g, h] = <[String; 8]>::try_from(sizes).expect("eight");
         let key = |index: usize, text: String| if says[index] { text } else { String::new() };
-        let extent = key(0, format!("offset_mm = [{}], ", place.join(", "))) + &key(1, format!("size_mm = [{a}, {b}], "));
+        let extent = key(0, format!("offset_mm = [{}], ", position.join(", "))) + &key(1, format!("size_mm = [{a}, {b}], "));
         let function = |name: &str| {
             let seed = seed.map_or(String::new(), |seed| format!("seed = {seed}, "));
             let grid = key(2, format!("cell_mm = {c}, ")) + &key(3, format!("relief_mm = {d}, length_mm = {e}, "));
@@ -276,7 +276,7 @@ proptest! {
             format!("{extent}{seed}{grid}{clear}function = \"{name}\"")
         };
         let terrain = match kind {
-            0 => format!("{extent}image = \"a.png\", height_mm = {}", place[0]),
+            0 => format!("{extent}image = \"a.png\", height_mm = {}", position[0]),
             1 => function("hills"),
             2 => {
                 let count = count.map_or(String::new(), |count| format!("boulders = {count}, "));
@@ -324,8 +324,8 @@ proptest! {
         let (sim, said) = read_scene("a.scene.toml", &text);
         prop_assert_eq!(said, vec![], "{}", text);
         prop_assert_eq!(sim.radio.baud, baud.unwrap_or(115_200));
-        let heard = sim.run.noise.as_ref().and_then(|noise| noise.profile()).map(|profile| profile.radio);
-        prop_assert_eq!(heard.map(|radio| (radio.bit_error_rate, radio.packet_loss)), errors);
+        let radio_noise = sim.run.noise.as_ref().and_then(|noise| noise.profile()).map(|profile| profile.radio);
+        prop_assert_eq!(radio_noise.map(|radio| (radio.bit_error_rate, radio.packet_loss)), errors);
         reads_back(&sim)?;
     }
 
@@ -349,21 +349,21 @@ proptest! {
         // The second random number is a robot's place in the file, the first its number.
         let rank = |by: fn(&(usize, u32, u32)) -> u32| -> Vec<usize> {
             let mut order: Vec<usize> = (0..kinds.len()).collect();
-            order.sort_by_key(|place| (by(&kinds[*place]), *place));
+            order.sort_by_key(|index| (by(&kinds[*index]), *index));
             order
         };
         let robot = |id: usize, kind: usize| {
             let start = ["", "start = \"U\"", "layout = { kind = \"random\" }", "x_mm = 900\ny_mm = 200\nheading_deg = 7"][kind];
             format!("[[robot]]\ntype = \"S4\"\nid = {id}\nprogram = \"{id}.c\"\n{start}\n")
         };
-        let places: Vec<String> = (0..9).map(|x| {
+        let positions: Vec<String> = (0..9).map(|x| {
             let letter = if x % 3 == 0 { ", letter = \"U\"" } else { "" };
             format!("{{ x_mm = {}, y_mm = 500{letter} }}", 400 * x + 300)
         }).collect();
-        let head = format!("[scene]\nseed = {seed}\n[world]\nfloor_mm = [4000, 4000]\nstart = [{}]\n", places.join(", "));
+        let head = format!("[scene]\nseed = {seed}\n[world]\nfloor_mm = [4000, 4000]\nstart = [{}]\n", positions.join(", "));
         let by_number = rank(|kind| kind.1);
-        let lines: Vec<String> = (1..).zip(&by_number).map(|(id, place)| robot(id, kinds[*place].0)).collect();
-        let shuffled: String = rank(|kind| kind.2).into_iter().map(|place| lines[place].as_str()).collect();
+        let lines: Vec<String> = (1..).zip(&by_number).map(|(id, index)| robot(id, kinds[*index].0)).collect();
+        let shuffled: String = rank(|kind| kind.2).into_iter().map(|index| lines[index].as_str()).collect();
         let load = |robots: &str| load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", &format!("{head}{robots}"))]));
         let (straight, shuffled) = (load(&lines.concat()), load(&shuffled));
         prop_assert!(!straight.has_errors(), "{:?}", straight.diagnostics);
@@ -384,12 +384,12 @@ proptest! {
         turn in prop::option::of(0..10_usize),
     ) {
         let mut text = String::from("[world]\nfile = \"a.wld\"\n");
-        for (place, (pose, _)) in poses.iter().enumerate() {
+        for (index, (pose, _)) in poses.iter().enumerate() {
             let [x, y, phi] = &pose[..] else { unreachable!("three numbers") };
             text += "[[robot]]\ntype = \"S4\"\nprogram = \"a b.c\"\n";
             text += &format!("x_mm = {x}\ny_mm = {y}\nheading_deg = {phi}\n");
             if let Some(turn) = turn {
-                text += &format!("id = {}\n", (place + turn) % poses.len() + 1);
+                text += &format!("id = {}\n", (index + turn) % poses.len() + 1);
             }
         }
         let mut sim = read_scene("a.scene.toml", &text).0;

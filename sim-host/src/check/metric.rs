@@ -12,10 +12,10 @@ pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partia
         Err(why) => return Verdict::new(false, why),
     };
     let [min, max] = limits;
-    let (share, message) = match partial {
+    let (fraction, message) = match partial {
         Some((full, zero)) => {
-            let share = ((number - zero) / (full - zero)).clamp(0.0, 1.0);
-            (share, format!("{}; all points for {full}, none for {zero}", short(number)))
+            let fraction = ((number - zero) / (full - zero)).clamp(0.0, 1.0);
+            (fraction, format!("{}; all points for {full}, none for {zero}", short(number)))
         }
         None if min.is_some_and(|min| number < min) => {
             (0.0, format!("{} is less than {}", short(number), min.unwrap_or_default()))
@@ -25,7 +25,7 @@ pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partia
         }
         None => (1.0, short(number)),
     };
-    Verdict { share, value: Some(number), ..Verdict::new(share >= 1.0, message) }
+    Verdict { fraction, value: Some(number), ..Verdict::new(fraction >= 1.0, message) }
 }
 
 /// The value at a path, which consists of names of fields separated by dots, and indices from 0 in brackets.

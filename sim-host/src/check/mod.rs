@@ -22,18 +22,18 @@ pub use tally::Tally;
 /// Result of one check, from which its message is composed.
 struct Verdict {
     is_met: bool,
-    /// Share of the points, 0 to 1.
-    share: f64,
+    /// Fraction of the points, 0 to 1.
+    fraction: f64,
     /// Instant in s, and point in m.
     at: Option<f64>,
-    place: Option<[f64; 2]>,
+    position: Option<[f64; 2]>,
     value: Option<f64>,
     message: String,
 }
 
 impl Verdict {
     fn new(is_met: bool, message: String) -> Self {
-        Self { is_met, share: if is_met { 1.0 } else { 0.0 }, at: None, place: None, value: None, message }
+        Self { is_met, fraction: if is_met { 1.0 } else { 0.0 }, at: None, position: None, value: None, message }
     }
 }
 
@@ -85,11 +85,11 @@ pub fn results(
             kind: check.kind.word().to_owned(),
             passed: verdict.is_met,
             broken: is_broken,
-            points: verdict.share * check.points,
+            points: verdict.fraction * check.points,
             max_points: check.points,
             at_s: verdict.at,
-            x_m: verdict.place.map(|place| place[0]),
-            y_m: verdict.place.map(|place| place[1]),
+            x_m: verdict.position.map(|point| point[0]),
+            y_m: verdict.position.map(|point| point[1]),
             value: verdict.value,
             series: None,
             message: verdict.message,
@@ -206,9 +206,9 @@ fn progress(kind: &CheckKind, is_met: bool, is_violated: bool, now: Time) -> Pro
 
 fn of_finding(kind: &CheckKind, finding: &Finding) -> Verdict {
     let Finding { is_met, at, position, value } = *finding;
-    let place = position.map(|position| position.to_array());
+    let position = position.map(|point| point.to_array());
     let message = wording::of_finding(kind, finding);
-    Verdict { at, place, value: value.filter(|value| value.is_finite()), ..Verdict::new(is_met, message) }
+    Verdict { at, position, value: value.filter(|value| value.is_finite()), ..Verdict::new(is_met, message) }
 }
 
 fn of_count(kind: &CheckKind, count: Option<&Count>) -> Verdict {
@@ -217,8 +217,8 @@ fn of_count(kind: &CheckKind, count: Option<&Count>) -> Verdict {
     };
     let is_met = count.is_met(kind);
     let message = wording::of_count(kind, count);
-    let (at, place) = (count.at, count.place);
-    Verdict { at, place, value: Some(count.number as f64), ..Verdict::new(is_met, message) }
+    let (at, position) = (count.at, count.position);
+    Verdict { at, position, value: Some(count.number as f64), ..Verdict::new(is_met, message) }
 }
 
 fn judge_outcome(report: &Report, robot: Option<RobotId>, is: Outcome) -> Verdict {

@@ -89,12 +89,12 @@ impl Search {
         };
         let row = &rows[*matched];
         let differs = row.iter().zip(found).position(|(wanted, found)| !is_near(*wanted, *found, *tolerance));
-        let place = if rows.len() > 1 { format!("row {}, ", matched + 1) } else { String::new() };
+        let prefix = if rows.len() > 1 { format!("row {}, ", matched + 1) } else { String::new() };
         match differs {
             Some(column) => {
-                format!("{place}number {}: {robot} {verb} {}, not {}", column + 1, found[column], row[column])
+                format!("{prefix}number {}: {robot} {verb} {}, not {}", column + 1, found[column], row[column])
             }
-            None => format!("{place}{robot} {verb} {} numbers, not {}", found.len(), row.len()),
+            None => format!("{prefix}{robot} {verb} {} numbers, not {}", found.len(), row.len()),
         }
     }
 }
@@ -127,8 +127,8 @@ fn matches(pattern: &str, line: &str) -> bool {
     let Some(last) = parts.pop() else { return rest.is_empty() };
     for part in parts {
         // The earliest match leaves the most text for the following parts.
-        let Some(place) = rest.find(part) else { return false };
-        rest = &rest[place + part.len()..];
+        let Some(start) = rest.find(part) else { return false };
+        rest = &rest[start + part.len()..];
     }
     rest.len() >= last.len() && rest.ends_with(last)
 }

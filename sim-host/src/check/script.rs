@@ -133,7 +133,7 @@ pub(super) fn judge(
     let answer: Answer = serde_json::from_str(answer).map_err(|error| {
         format!("the last line of `{name}` is no verdict: {error}; expected {EXPECTED}, found `{line}`")
     })?;
-    let share = match answer.points {
+    let fraction = match answer.points {
         None => f64::from(u8::from(answer.passed)),
         Some(points) if !(0.0..=max_points).contains(&points) => {
             return Err(format!("`{name}` gives {points} points; expected 0 to {max_points}"));
@@ -143,7 +143,7 @@ pub(super) fn judge(
     };
     let message = answer.message.unwrap_or_else(|| if answer.passed { "passed" } else { "not passed" }.to_owned());
     let at = answer.at_s.filter(|at| *at >= 0.0);
-    Ok(Verdict { share, at, ..Verdict::new(answer.passed, cut(&message)) })
+    Ok(Verdict { fraction, at, ..Verdict::new(answer.passed, cut(&message)) })
 }
 
 const EXPECTED: &str = r#"a line such as {"passed": true, "points": 2, "message": "..."}"#;

@@ -23,7 +23,7 @@ pub(super) struct Count {
     /// Instant in s of the deciding event: the first one too many, or the last one needed.
     pub at: Option<f64>,
     /// Point of that event, m.
-    pub place: Option<[f64; 2]>,
+    pub position: Option<[f64; 2]>,
     /// Robot of that event.
     pub robot: Option<RobotId>,
     /// Obstacle of a contact.
@@ -57,7 +57,7 @@ impl Tally {
 
     /// Count of the check at `index` of the scene.
     pub(super) fn count(&self, index: usize) -> Option<&Count> {
-        self.checks.iter().find(|(place, ..)| *place == index).map(|(.., count)| count)
+        self.checks.iter().find(|(number, ..)| *number == index).map(|(.., count)| count)
     }
 }
 
@@ -99,7 +99,7 @@ impl Count {
             {
                 self.number += 1;
                 if self.number == max + 1 {
-                    (self.at, self.place, self.with) = (Some(at_s), Some([x_m, y_m]), Some(obstacle));
+                    (self.at, self.position, self.with) = (Some(at_s), Some([x_m, y_m]), Some(obstacle));
                     self.robot = Some(record.robot);
                 }
             }

@@ -57,11 +57,11 @@ fn numbers_have_a_tolerance() {
 #[test]
 fn metrics_are_found_by_their_path_and_points_are_partial() {
     let report = json!({ "robots": [{ "path_m": 2.5, "reason": null, "lcd": ["a"] }], "sim_time_s": 10.0 });
-    let passed = |path: &str, min, max| judge(&report, path, [min, max], None).share == 1.0;
+    let passed = |path: &str, min, max| judge(&report, path, [min, max], None).fraction == 1.0;
     assert!(passed("robots[0].path_m", Some(2.5), Some(2.5)) && passed("sim_time_s", None, Some(10.0)));
     assert!(!passed("robots[0].path_m", Some(2.6), None) && !passed("robots[0].path_m", None, Some(2.4)));
-    for (full, zero, share) in [(3.0, 5.0, 1.0), (1.0, 4.0, 0.5), (1.0, 2.0, 0.0), (5.0, 0.0, 0.5)] {
-        assert_eq!(judge(&report, "robots[0].path_m", [None; 2], Some((full, zero))).share, share);
+    for (full, zero, fraction) in [(3.0, 5.0, 1.0), (1.0, 4.0, 0.5), (1.0, 2.0, 0.0), (5.0, 0.0, 0.5)] {
+        assert_eq!(judge(&report, "robots[0].path_m", [None; 2], Some((full, zero))).fraction, fraction);
     }
     for (path, why) in [
         ("robot", "the report has no `robot`; it has robots, sim_time_s"),
@@ -75,6 +75,6 @@ fn metrics_are_found_by_their_path_and_points_are_partial() {
         ("sim_time_s.x", "`sim_time_s` has no parts"),
     ] {
         let verdict = judge(&report, path, [None; 2], None);
-        assert_eq!((verdict.share, verdict.message.as_str()), (0.0, why));
+        assert_eq!((verdict.fraction, verdict.message.as_str()), (0.0, why));
     }
 }

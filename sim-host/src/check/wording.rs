@@ -3,7 +3,7 @@
 use glam::DVec2;
 use sim_core::check::Finding;
 use sim_core::record::Obstacle;
-use sim_core::spec::{CheckKind, Counts, Place, SwarmMetric};
+use sim_core::spec::{CheckKind, Counts, Region, SwarmMetric};
 use sim_core::time::Time;
 use sim_core::unit;
 
@@ -32,9 +32,9 @@ fn point(point: DVec2) -> String {
     format!("({x}, {y}) mm")
 }
 
-fn percent(share: f64) -> String {
+fn percent(fraction: f64) -> String {
     // Rounded down, so that a share that is too small never looks like enough.
-    format!("{:.1} %", (share * 1000.0 + 1e-6).floor() / 10.0)
+    format!("{:.1} %", (fraction * 1000.0 + 1e-6).floor() / 10.0)
 }
 
 fn by_text(by: Option<Time>) -> String {
@@ -44,22 +44,22 @@ fn by_text(by: Option<Time>) -> String {
 /// `at 5.200 s at (1250, 830) mm`.
 fn at(finding: &Finding) -> String {
     let instant = finding.at.map(|at| format!("at {}", seconds(at)));
-    let place = finding.position.map(|position| format!("at {}", point(position)));
-    instant.into_iter().chain(place).collect::<Vec<_>>().join(" ")
+    let location = finding.position.map(|position| format!("at {}", point(position)));
+    instant.into_iter().chain(location).collect::<Vec<_>>().join(" ")
 }
 
-fn place_text(place: &Place) -> String {
-    match place {
-        Place::Disc { centre, radius } => format!("within {} of {}", mm(*radius), point(*centre)),
-        Place::Polygon(_) => "in the area".to_owned(),
+fn place_text(region: &Region) -> String {
+    match region {
+        Region::Disc { centre, radius } => format!("within {} of {}", mm(*radius), point(*centre)),
+        Region::Polygon(_) => "in the area".to_owned(),
     }
 }
 
 /// Returns true if `distance`, as the judge measures it, means that the body is in the place.
-fn is_inside(place: &Place, distance: f64) -> bool {
-    match place {
-        Place::Disc { radius, .. } => distance <= *radius,
-        Place::Polygon(_) => distance < 1e-6,
+fn is_inside(region: &Region, distance: f64) -> bool {
+    match region {
+        Region::Disc { radius, .. } => distance <= *radius,
+        Region::Polygon(_) => distance < 1e-6,
     }
 }
 
@@ -73,15 +73,15 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
             format!("at {when}; it started there")
         }
         CheckKind::Reach { .. } if is_met => format!("at {when}"),
-        CheckKind::Reach { body, place, by, stay } => match (finding.at, finding.value) {
-            (Some(_), Some(distance)) if is_inside(place, distance) => {
-                format!("{body} was {}, but never for {} s", place_text(place), stay.seconds())
+        CheckKind::Reach { body, region, by, stay } => match (finding.at, finding.value) {
+            (Some(_), Some(distance)) if is_inside(region, distance) => {
+                format!("{body} was {}, but never for {} s", place_text(region), stay.seconds())
             }
             (Some(_), Some(distance)) => {
-                let to = if matches!(place, Place::Disc { .. }) { "its centre" } else { "its border" };
+                let to = if matches!(region, Region::Disc { .. }) { "its centre" } else { "its border" };
                 format!(
                     "{body} was never {}; it came as near as {} to {to} {}",
-                    place_text(place),
+                    place_text(region),
                     mm(distance),
                     at(finding)
                 )
@@ -106,7 +106,7 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
             format!("{body} visited {value} of {whole} places{last}{missing}")
         }
         CheckKind::StaysIn { .. } if is_met => "all the time".to_owned(),
-        CheckKind::StaysIn { body, place } => format!("{body} was not {} {}", place_text(place), at(finding)),
+        CheckKind::StaysIn { body, region } => format!("{body} was not {} {}", place_text(region), at(finding)),
         CheckKind::Laps { .. } if is_met => format!("{value}, complete at {when}"),
         CheckKind::Laps { body, min, by, .. } => match finding.at {
             Some(_) => format!("{body} completed {min} only at {when}, not{}", by_text(*by)),
@@ -119,9 +119,9 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
         }
         CheckKind::FollowsWall { .. } if is_met => format!("{} of the path", percent(value)),
         CheckKind::FollowsWall { robot, gap, share } => {
-            let [least, greatest] = gap.map(mm);
+            let [min_gap, max_gap] = gap.map(mm);
             format!(
-                "{robot} kept a gap of {least} to {greatest} on {} of its path, not {}",
+                "{robot} kept a gap of {min_gap} to {max_gap} on {} of its path, not {}",
                 percent(value),
                 percent(*share)
             )
@@ -180,10 +180,11 @@ pub(super) fn of_count(kind: &CheckKind, count: &Count) -> String {
         CheckKind::Contacts { max, .. } => {
             let (robot, with) = (count.robot.map(|robot| robot.to_string()).unwrap_or_default(), with(count.with));
             let when = count.at.map(seconds).unwrap_or_default();
-            let place = count.place.map(|place| point(DVec2::from(place))).unwrap_or_default();
+            let touch_position =
+                count.position.map(|touch_position| point(DVec2::from(touch_position))).unwrap_or_default();
             let first = if *max == 0 { "first" } else { "one too many" };
             let more = if number > 1 { format!(", {}", times(number)) } else { String::new() };
-            format!("{robot} touched {with} at {when} at {place} ({first}){more}")
+            format!("{robot} touched {with} at {when} at {touch_position} ({first}){more}")
         }
         CheckKind::Prints { robot, .. } => {
             let when = count.at.map(|at| format!(" at {}", seconds(at))).unwrap_or_default();

@@ -54,7 +54,7 @@ pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
     let mut page = args.page.as_deref().map(MarkdownPage::read).transpose()?;
     if let Some(page) = &mut page {
         // Checked before measuring, which takes long.
-        studies.iter().try_for_each(|study| page.place(study.name).map(|_| ()))?;
+        studies.iter().try_for_each(|study| page.range_of(study.name).map(|_| ()))?;
     }
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let mut rows = Vec::new();
@@ -178,22 +178,22 @@ impl MarkdownPage {
 
     /// Inserts the table of a study between its markers.
     fn set(&mut self, study: &str, table: &str) -> anyhow::Result<()> {
-        let place = self.place(study)?;
-        self.text.replace_range(place, &format!("\n{table}"));
+        let range = self.range_of(study)?;
+        self.text.replace_range(range, &format!("\n{table}"));
         Ok(())
     }
 
     /// Byte range of a study's table, between its two markers.
-    fn place(&self, study: &str) -> anyhow::Result<Range<usize>> {
+    fn range_of(&self, study: &str) -> anyhow::Result<Range<usize>> {
         let begin = format!("<!-- accuracy: {study} -->");
-        let shown = self.path.display();
+        let path = self.path.display();
         let Some(start) = self.text.find(&begin).map(|at| at + begin.len()) else {
             bail!(
-                "--page `{shown}` has no place for the table of `{study}`: expected a line `{begin}`, and later `{END}`"
+                "--page `{path}` has no place for the table of `{study}`: expected a line `{begin}`, and later `{END}`"
             )
         };
         let Some(length) = self.text[start..].find(END) else {
-            bail!("--page `{shown}`: expected `{END}` after `{begin}`")
+            bail!("--page `{path}`: expected `{END}` after `{begin}`")
         };
         Ok(start..start + length)
     }
@@ -214,8 +214,8 @@ mod tests {
 
     #[test]
     fn times_have_three_digits() {
-        let shown = [0.5, 12.34, 999.4, 1_234.0, 56_780.0, 1e9, 2.5e11].map(duration);
-        assert_eq!(shown, ["0.50 ns", "12.3 ns", "999 ns", "1.23 us", "56.8 us", "1.00 s", "250 s"]);
+        let texts = [0.5, 12.34, 999.4, 1_234.0, 56_780.0, 1e9, 2.5e11].map(duration);
+        assert_eq!(texts, ["0.50 ns", "12.3 ns", "999 ns", "1.23 us", "56.8 us", "1.00 s", "250 s"]);
     }
 
     #[test]

@@ -41,8 +41,8 @@ pub fn run(args: &CcArgs) -> anyhow::Result<ExitCode> {
     check_files(&args.files, &args.output)?;
     let cache = Cache::of_user().context("no folder to build in")?;
     let builder = Builder::new(cache, Kits::of_robios(), Tools::of_environment());
-    let wanted = GenerationHint { api: args.api, dialect: None };
-    let (choice, commands, output) = builder.build_to(&args.files, wanted, &args.output, &args.flags)?;
+    let hint = GenerationHint { api: args.api, dialect: None };
+    let (choice, commands, output) = builder.build_to(&args.files, hint, &args.output, &args.flags)?;
     choice.remark(&args.files[0]).iter().for_each(say);
     if args.verbose {
         say(commands.trim_end());

@@ -344,12 +344,12 @@ mod tests {
     fn each_mistake_of_a_world_has_line_column_and_expected() {
         let (folder, names) = folder(&[("a.wld", BROKEN)]);
         let checked = check(&names, Overrides::default(), &DiskFiles::with_home(folder.path()), &find_all);
-        let placed: Vec<_> = checked.diagnostics.iter().filter(|diagnostic| diagnostic.span.line > 0).collect();
-        let places: Vec<(u32, u32)> =
-            placed.iter().map(|diagnostic| (diagnostic.span.line, diagnostic.span.column)).collect();
+        let with_span: Vec<_> = checked.diagnostics.iter().filter(|diagnostic| diagnostic.span.line > 0).collect();
+        let locations: Vec<(u32, u32)> =
+            with_span.iter().map(|diagnostic| (diagnostic.span.line, diagnostic.span.column)).collect();
         let expected = [(1, 1), (2, 1), (3, 5), (4, 1), (5, 1), (6, 1), (7, 22), (8, 1), (9, 10), (10, 1), (11, 12)];
-        assert_eq!(places, expected);
-        assert!(placed.iter().all(|diagnostic| !diagnostic.expected.is_empty()));
+        assert_eq!(locations, expected);
+        assert!(with_span.iter().all(|diagnostic| !diagnostic.expected.is_empty()));
         assert!(checked.is_rejected(false), "a floor of negative size loses the file");
         let screen = Screen { is_terminal: true, width: 100, has_colour: false };
         let text =

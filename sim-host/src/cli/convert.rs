@@ -54,8 +54,8 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     let to = rooted(&args.output).context("no working folder")?;
     let search = search_path(&files).context("no working folder")?;
     let options = ConvertOptions { seed: args.seed, maze_cell: args.maze_cell, map_cell: args.map_cell };
-    let told = |scene: &SceneSpec, robot: &RobotSpec| known_generation(&search, scene, robot);
-    let converted = convert_with(&files.name(&from), &slashed(&to), options, &files, &told);
+    let generation_of = |scene: &SceneSpec, robot: &RobotSpec| known_generation(&search, scene, robot);
+    let converted = convert_with(&files.name(&from), &slashed(&to), options, &files, &generation_of);
     if !converted.diagnostics.is_empty() {
         let screen = Screen::of_stderr(Colour::Auto);
         eprint!("{}", diagnostic::render(&converted.diagnostics, &converted.inputs, Format::Auto, screen)?);
@@ -78,12 +78,12 @@ fn check_outputs(converted: &Converted, force: bool) -> anyhow::Result<()> {
     let inputs: Vec<PathBuf> =
         converted.inputs.iter().filter_map(|input| std::fs::canonicalize(&input.path).ok()).collect();
     for output in &converted.outputs {
-        let Ok(place) = std::fs::canonicalize(&output.path) else { continue };
-        if inputs.contains(&place) {
+        let Ok(canonical) = std::fs::canonicalize(&output.path) else { continue };
+        if inputs.contains(&canonical) {
             bail!("`{}` would replace a file that it is made from", output.path);
         }
         // Devices such as /dev/stdout take any number of outputs.
-        if !force && !place.starts_with("/dev") && place.is_file() {
+        if !force && !canonical.starts_with("/dev") && canonical.is_file() {
             bail!("`{}` is there already: --force replaces it", output.path);
         }
     }

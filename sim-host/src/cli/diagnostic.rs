@@ -84,8 +84,10 @@ impl Screen {
     fn of(term: &Term, is_terminal: bool, colour: Colour) -> Self {
         let variable = |name| std::env::var(name).unwrap_or_default();
         let is_terminal = is_terminal && variable("TERM") != "dumb";
-        let asked = term.size_checked().map(|(_, columns)| usize::from(columns)).filter(|columns| *columns > 0);
-        let width = asked.or_else(|| variable("COLUMNS").parse().ok()).unwrap_or(DEFAULT_WIDTH).max(MIN_WIDTH);
+        let terminal_columns =
+            term.size_checked().map(|(_, columns)| usize::from(columns)).filter(|columns| *columns > 0);
+        let width =
+            terminal_columns.or_else(|| variable("COLUMNS").parse().ok()).unwrap_or(DEFAULT_WIDTH).max(MIN_WIDTH);
         let has_colour = match colour {
             Colour::Always => true,
             Colour::Never => false,
@@ -188,14 +190,15 @@ fn human(diagnostics: &[Diagnostic], inputs: &[InputFile], screen: Screen) -> St
 fn choose(diagnostics: &[Diagnostic]) -> (Vec<&Diagnostic>, BTreeMap<&str, usize>) {
     let mut by_severity: Vec<(usize, &Diagnostic)> = diagnostics.iter().enumerate().collect();
     by_severity.sort_by_key(|(_, diagnostic)| std::cmp::Reverse(diagnostic.severity));
-    let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     by_severity.retain(|(_, diagnostic)| {
-        let seen = seen.entry(&diagnostic.file).or_default();
-        *seen += 1;
-        *seen <= MAX_SHOWN
+        let counts = counts.entry(&diagnostic.file).or_default();
+        *counts += 1;
+        *counts <= MAX_SHOWN
     });
     by_severity.sort_by_key(|(index, _)| *index);
-    let left_out = seen.into_iter().filter(|(_, seen)| *seen > MAX_SHOWN).map(|(file, seen)| (file, seen - MAX_SHOWN));
+    let left_out =
+        counts.into_iter().filter(|(_, counts)| *counts > MAX_SHOWN).map(|(file, counts)| (file, counts - MAX_SHOWN));
     (by_severity.into_iter().map(|(_, diagnostic)| diagnostic).collect(), left_out.collect())
 }
 
@@ -301,9 +304,9 @@ mod tests {
     fn reports_fit_into_any_terminal() {
         let text = "floor 4000 3000\n0 0 4000\t0 ; a wall\nfloor 1OO 100 ; 世界 is wide\nush 100 100 0\npush 0 0 inf\n";
         for width in [40, 80, 200] {
-            let shown = shown(text, Screen { width, ..PLAIN });
-            assert!(widest(&shown) <= width, "{shown}");
-            insta::assert_snapshot!(format!("report-{width}"), shown);
+            let output = shown(text, Screen { width, ..PLAIN });
+            assert!(widest(&output) <= width, "{output}");
+            insta::assert_snapshot!(format!("report-{width}"), output);
         }
     }
 
@@ -323,10 +326,10 @@ mod tests {
     #[test]
     fn a_hundred_mistakes_of_a_file_are_not_all_shown() {
         let text = format!("floor 9 9\n{}0 0 inf 0\n", "0 0 1\n".repeat(99));
-        let shown = shown(&text, PLAIN);
-        assert_eq!(shown.matches("warning[wld-wall-arity]").count(), 19);
-        assert_eq!(shown.matches("error[number-range]").count(), 1, "errors come before warnings");
-        assert!(shown.ends_with("... and 80 more in a.wld: `--format short` lists all\n\n"), "{shown}");
+        let output = shown(&text, PLAIN);
+        assert_eq!(output.matches("warning[wld-wall-arity]").count(), 19);
+        assert_eq!(output.matches("error[number-range]").count(), 1, "errors come before warnings");
+        assert!(output.ends_with("... and 80 more in a.wld: `--format short` lists all\n\n"), "{output}");
         assert_eq!(crate::launch::check::count(&of_world(&text)), "1 error, 99 warnings in 1 file");
     }
 
@@ -347,9 +350,9 @@ mod tests {
     #[test]
     fn lines_of_100_kb_are_cut() {
         let text = format!("floor 9 9\n{}\n0 0 1 {}\n", "x".repeat(100_000), "1 ".repeat(50_000));
-        let shown = shown(&text, PLAIN);
-        assert!(widest(&shown) <= 80 && shown.len() < 4000, "{shown}");
-        assert!(shown.contains("╭─[a.wld:2:1]") && shown.contains('…'), "{shown}");
+        let output = shown(&text, PLAIN);
+        assert!(widest(&output) <= 80 && output.len() < 4000, "{output}");
+        assert!(output.contains("╭─[a.wld:2:1]") && output.contains('…'), "{output}");
     }
 
     proptest! {
@@ -374,9 +377,9 @@ mod tests {
                 suggestion: None,
             };
             let screen = Screen { width, ..PLAIN };
-            let shown = render(&[diagnostic], &input(&text), Format::Human, screen).expect("plain text");
-            prop_assert!(widest(&shown) <= width, "{} of {width} columns\n{shown}", widest(&shown));
-            prop_assert!(!shown.chars().any(|c| c.is_control() && c != '\n'), "{shown:?}");
+            let output = render(&[diagnostic], &input(&text), Format::Human, screen).expect("plain text");
+            prop_assert!(widest(&output) <= width, "{} of {width} columns\n{output}", widest(&output));
+            prop_assert!(!output.chars().any(|c| c.is_control() && c != '\n'), "{output:?}");
         }
     }
 }

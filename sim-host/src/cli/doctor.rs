@@ -190,7 +190,7 @@ fn sandbox() -> Finding {
 /// Limits and environment of this process.
 fn limits() -> Vec<Finding> {
     let number = |path: &str| fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
-    let enough = |value: Option<u64>, least: u64| value.filter(|value| *value >= least).map(|value| value.to_string());
+    let enough = |value: Option<u64>, min: u64| value.filter(|value| *value >= min).map(|value| value.to_string());
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let locale =
         ["LC_ALL", "LC_CTYPE", "LANG"].iter().find_map(|name| std::env::var(name).ok().filter(|it| !it.is_empty()));
@@ -236,7 +236,7 @@ fn memory_mebibytes() -> Option<u64> {
     let machine = line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()? / 1024;
     let of_group =
         |file: &str| fs::read_to_string(Path::new("/sys/fs/cgroup").join(file)).ok()?.trim().parse::<u64>().ok();
-    let group = of_group("memory.max").map(|most| most.saturating_sub(of_group("memory.current").unwrap_or(0)) >> 20);
+    let group = of_group("memory.max").map(|max| max.saturating_sub(of_group("memory.current").unwrap_or(0)) >> 20);
     Some(group.map_or(machine, |group| group.min(machine)))
 }
 

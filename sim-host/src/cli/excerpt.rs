@@ -28,7 +28,7 @@ pub struct Excerpt {
     first_line: usize,
     lines: usize,
     /// Line and column of the mistake in the file, from 0.
-    place: (usize, usize),
+    location: (usize, usize),
     /// Byte range of the mistake in `text`.
     label: Range<usize>,
 }
@@ -42,25 +42,25 @@ impl Excerpt {
         let start = text.floor_char_boundary(span.start);
         let end = text.floor_char_boundary(span.end).max(start);
         let window = LineWindow::around(text, start..end, columns);
-        let mut shown = String::new();
+        let mut shown_text = String::new();
         let mut lines = 1;
         let mut first_line = (span.line as usize).saturating_sub(1);
         let above = if window.is_shifted { None } else { line_above(text, start) };
         if let Some(line) = above {
-            shown.push_str(&head(line, columns));
-            shown.push('\n');
+            shown_text.push_str(&head(line, columns));
+            shown_text.push('\n');
             (lines, first_line) = (lines + 1, first_line.saturating_sub(1));
         }
-        let label = shown.len() + window.label.start..shown.len() + window.label.end;
-        shown.push_str(&window.text);
+        let label = shown_text.len() + window.label.start..shown_text.len() + window.label.end;
+        shown_text.push_str(&window.text);
         let below = if window.is_shifted { None } else { line_below(text, start) };
         if let Some(line) = below {
-            shown.push('\n');
-            shown.push_str(&head(line, columns));
+            shown_text.push('\n');
+            shown_text.push_str(&head(line, columns));
             lines += 1;
         }
-        let place = ((span.line as usize).saturating_sub(1), (span.column as usize).saturating_sub(1));
-        Self { file: printable(file), text: shown, first_line, lines, place, label }
+        let location = ((span.line as usize).saturating_sub(1), (span.column as usize).saturating_sub(1));
+        Self { file: printable(file), text: shown_text, first_line, lines, location, label }
     }
 
     /// Span of the mistake in the shown text.
@@ -79,7 +79,7 @@ impl SourceCode for Excerpt {
         lines_before: usize,
         lines_after: usize,
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
-        let (line, column) = if lines_before + lines_after == 0 { self.place } else { (self.first_line, 0) };
+        let (line, column) = if lines_before + lines_after == 0 { self.location } else { (self.first_line, 0) };
         let all = SourceSpan::from(0..self.text.len());
         let (file, text) = (self.file.clone(), self.text.as_bytes());
         Ok(Box::new(MietteSpanContents::new_named(file, text, all, line, column, self.lines)))
@@ -100,7 +100,7 @@ impl LineWindow {
         let before_span = text[..span.start].char_indices().rev();
         let mut before = span.start;
         let mut is_shifted = false;
-        for (count, (place, c)) in before_span.enumerate() {
+        for (count, (index, c)) in before_span.enumerate() {
             if is_break(c) {
                 break;
             }
@@ -108,7 +108,7 @@ impl LineWindow {
                 is_shifted = true;
                 break;
             }
-            before = place;
+            before = index;
         }
         let mut left = Cells::of(&text[before..span.start], 0);
         if is_shifted || left.width > columns / 2 {
@@ -122,27 +122,27 @@ impl LineWindow {
             }
         }
         let rest = text[span.start..].split(is_break).next().unwrap_or_default();
-        let mut shown = left.text();
-        let label_start = shown.len();
+        let mut line = left.text();
+        let label_start = line.len();
         let mut label_end = label_start;
         let mut column = left.width;
         let mut characters = rest.char_indices().peekable();
-        while let Some((place, c)) = characters.next() {
+        while let Some((index, c)) = characters.next() {
             let cell = cell(c, column);
             let width = measure_text_width(&cell);
             let room = columns.saturating_sub(column + usize::from(characters.peek().is_some()));
             if width > room {
-                shown.push(CUT);
-                label_end = if span.start + place < span.end { shown.len() } else { label_end };
+                line.push(CUT);
+                label_end = if span.start + index < span.end { line.len() } else { label_end };
                 break;
             }
-            shown.push_str(&cell);
+            line.push_str(&cell);
             column += width;
-            if span.start + place < span.end {
-                label_end = shown.len();
+            if span.start + index < span.end {
+                label_end = line.len();
             }
         }
-        Self { text: shown, label: label_start..label_end, is_shifted }
+        Self { text: line, label: label_start..label_end, is_shifted }
     }
 }
 
@@ -185,9 +185,9 @@ fn head(line: &str, columns: usize) -> String {
     LineWindow::around(line, 0..0, columns).text
 }
 
-/// The line above the line of byte `place`; none if it is too long to help.
-fn line_above(text: &str, place: usize) -> Option<&str> {
-    let start = text[..place].rfind(is_break)?;
+/// The line above the line of byte `location`; none if it is too long to help.
+fn line_above(text: &str, offset: usize) -> Option<&str> {
+    let start = text[..offset].rfind(is_break)?;
     // CR LF is one break.
     let end = if text[..=start].ends_with("\r\n") { start - 1 } else { start };
     let search_start = text.floor_char_boundary(end.saturating_sub(MAX_NEIGHBOUR));
@@ -198,9 +198,9 @@ fn line_above(text: &str, place: usize) -> Option<&str> {
     }
 }
 
-/// The line below the line of byte `place`.
-fn line_below(text: &str, place: usize) -> Option<&str> {
-    let end = place + text[place..].find(is_break)?;
+/// The line below the line of byte `location`.
+fn line_below(text: &str, offset: usize) -> Option<&str> {
+    let end = offset + text[offset..].find(is_break)?;
     let next = end + if text[end..].starts_with("\r\n") { 2 } else { 1 };
     let rest = &text[next..];
     // No line follows the last one.
@@ -249,7 +249,7 @@ mod tests {
             let start = text.find('d').expect("it is there");
             let excerpt = excerpt(&text, start, start + 1, 3, 3, 80);
             assert_eq!((excerpt.text.as_str(), label(&excerpt)), ("b\nc d\ne", "d"), "{eol:?}");
-            assert_eq!((excerpt.first_line, excerpt.lines, excerpt.place), (1, 3, (2, 2)));
+            assert_eq!((excerpt.first_line, excerpt.lines, excerpt.location), (1, 3, (2, 2)));
         }
     }
 
@@ -277,7 +277,7 @@ mod tests {
         let excerpt = excerpt(&text, 100_000, 100_001, 1, 100_001, 40);
         assert_eq!(label(&excerpt), "X");
         assert_eq!(excerpt.text, "…aaaaaaaaaaaXbbbbbbbbbbbbbbbbbbbb…");
-        assert_eq!(excerpt.place, (0, 100_000));
+        assert_eq!(excerpt.location, (0, 100_000));
     }
 
     #[test]

@@ -151,8 +151,8 @@ pub fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
     for name in ignored {
         say(format_args!("warning: `{}` is no submission", Printable(&name)));
     }
-    let kept = args.output.as_deref().map(prepare).transpose()?;
-    let students = grade(args, &mut grader, submissions, kept.as_deref())?;
+    let output_dir = args.output.as_deref().map(prepare).transpose()?;
+    let students = grade(args, &mut grader, submissions, output_dir.as_deref())?;
     let Some(students) = students else { return Ok(ExitCode::from(EXIT_INTERRUPTED)) };
     if let Some(file) = &args.results {
         let student = students.first().context("no submission")?;
@@ -163,7 +163,7 @@ pub fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
         write_all(output, &grader, &students, start)?;
     }
     let mean = students.iter().map(Student::points).sum::<f64>() / students.len() as f64;
-    let most = students.iter().map(Student::max_points).fold(0.0, f64::max);
+    let max_points = students.iter().map(Student::max_points).fold(0.0, f64::max);
     let count = |verdict| students.iter().filter(|student| student.verdict() == verdict).count();
     println!(
         "{} submissions: {} passed, {} failed, {} could not be run; mean {} of {} points, in {:.1} s",
@@ -172,7 +172,7 @@ pub fn run(args: &GradeArgs) -> anyhow::Result<ExitCode> {
         count("failed"),
         count("error"),
         number(mean),
-        number(most),
+        number(max_points),
         start.elapsed().as_secs_f64()
     );
     if let Some(output) = &args.output {
@@ -187,26 +187,27 @@ fn read_seeds(path: &Path) -> anyhow::Result<Vec<u64>> {
 }
 
 fn read(args: &GradeArgs, folder: &Path, grader: &Grader) -> anyhow::Result<(Vec<Submission>, Vec<String>)> {
-    let wanted = |path: &str| grader.wants(path);
+    let is_wanted = |path: &str| grader.wants(path);
     if args.single {
         ensure!(folder.exists(), "--submissions: `{}` does not exist", folder.display());
         let absolute = std::path::absolute(folder)?;
         let name = absolute.file_name().map_or("submission".into(), |name| name.to_string_lossy());
-        return Ok((vec![read_one(folder, &name, &wanted)], Vec::new()));
+        return Ok((vec![read_one(folder, &name, &is_wanted)], Vec::new()));
     }
-    let read = read_all(folder, &wanted).with_context(|| format!("--submissions: `{}`", folder.display()))?;
+    let read = read_all(folder, &is_wanted).with_context(|| format!("--submissions: `{}`", folder.display()))?;
     Ok((read.list, read.ignored))
 }
 
 /// Creates the output folder; returns the folder of cached results.
 fn prepare(output: &Path) -> anyhow::Result<PathBuf> {
-    let kept = output.join(KEPT);
+    let results_dir = output.join(KEPT);
     let is_in_use = fs::read_dir(output).is_ok_and(|mut entries| entries.next().is_some());
-    if is_in_use && !kept.is_dir() {
+    if is_in_use && !results_dir.is_dir() {
         bail!("-o `{}`: expected an empty folder, or one that `eyesim grade` has written", output.display());
     }
-    fs::create_dir_all(&kept).with_context(|| format!("-o: cannot make the folder `{}`", kept.display()))?;
-    Ok(kept)
+    fs::create_dir_all(&results_dir)
+        .with_context(|| format!("-o: cannot make the folder `{}`", results_dir.display()))?;
+    Ok(results_dir)
 }
 
 /// Grades the submissions whose results are not cached; `None` if the user has interrupted it.
@@ -221,8 +222,8 @@ fn grade(
     let mut results: BTreeMap<String, Graded> = BTreeMap::new();
     let mut missing: Vec<usize> = Vec::new();
     for (index, key) in keys.iter().enumerate() {
-        let known = file(key).and_then(|file| Graded::parse(&read_regular(&file).ok()?));
-        match known {
+        let cached = file(key).and_then(|file| Graded::parse(&read_regular(&file).ok()?));
+        match cached {
             Some(graded) => _ = results.insert(key.clone(), graded),
             // Submissions with equal files share one result.
             None if missing.iter().any(|&other| keys[other] == *key) => {}
@@ -238,9 +239,9 @@ fn grade(
     grade_all(grader, &submissions, &missing, jobs, &mut |index, graded| {
         count += 1;
         if !args.quiet {
-            let passed = graded.results.iter().filter(|result| result.row.outcome == RowOutcome::Passed).count();
+            let passed_count = graded.results.iter().filter(|result| result.row.outcome == RowOutcome::Passed).count();
             println!(
-                "[{count}/{}] {}: {passed} of {} cases passed",
+                "[{count}/{}] {}: {passed_count} of {} cases passed",
                 missing.len(),
                 Printable(&submissions[index].name),
                 graded.results.len()
@@ -306,10 +307,10 @@ fn export_sources(sources: &Path, grader: &Grader, submission: &Submission) -> a
     let own = sources.join(&submission.folder);
     let Some(choice) = grader.choice(submission) else { return Ok(()) };
     for (path, bytes) in &choice.files {
-        let flat = path.replace('/', "__");
+        let file_name = path.replace('/', "__");
         let name = path.rsplit('/').next().unwrap_or(path);
         let is_alone = choice.files.keys().filter(|other| other.rsplit('/').next() == Some(name)).count() == 1;
-        write(&own.join(if is_alone { name } else { &flat }), bytes)?;
+        write(&own.join(if is_alone { name } else { &file_name }), bytes)?;
     }
     Ok(())
 }

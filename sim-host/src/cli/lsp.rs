@@ -7,7 +7,7 @@
 mod documents;
 mod pages;
 mod schema;
-mod toml_place;
+mod toml_cursor;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::ExitCode;
@@ -68,8 +68,8 @@ pub fn run(args: &LspArgs) -> anyhow::Result<ExitCode> {
 /// UTF-8 if the editor supports it, otherwise UTF-16, which every editor supports.
 fn encoding_of(params: &InitializeParams) -> Encoding {
     let general = params.capabilities.general.as_ref();
-    let known = general.and_then(|general| general.position_encodings.as_deref()).unwrap_or_default();
-    if known.contains(&PositionEncodingKind::UTF8) { Encoding::Utf8 } else { Encoding::Utf16 }
+    let encodings = general.and_then(|general| general.position_encodings.as_deref()).unwrap_or_default();
+    if encodings.contains(&PositionEncodingKind::UTF8) { Encoding::Utf8 } else { Encoding::Utf16 }
 }
 
 fn capabilities(encoding: Encoding) -> ServerCapabilities {
@@ -162,8 +162,8 @@ impl Server {
         by_file.extend(std::mem::take(&mut self.published).into_iter().map(|name| (name, Vec::new())));
         for diagnostic in checked.diagnostics {
             let Some(document) = self.documents.document(&diagnostic.file) else { continue };
-            let shown = editors_diagnostic(&diagnostic, &document);
-            by_file.entry(diagnostic.file).or_default().push(shown);
+            let converted = editors_diagnostic(&diagnostic, &document);
+            by_file.entry(diagnostic.file).or_default().push(converted);
         }
         let publish = |(name, diagnostics): (String, Vec<Diagnostic>)| {
             if !diagnostics.is_empty() {
@@ -185,9 +185,9 @@ impl Server {
     }
 
     fn completion(&self, params: &CompletionParams) -> Option<Vec<CompletionItem>> {
-        let place = &params.text_document_position;
-        let document = self.documents.open_document(&place.text_document.uri)?;
-        let offset = document.offset(place.position);
+        let cursor = &params.text_document_position;
+        let document = self.documents.open_document(&cursor.text_document.uri)?;
+        let offset = document.offset(cursor.position);
         Some(if document.is_toml() {
             schema::completions(&document, offset, self.documents.files())
         } else {
@@ -196,9 +196,9 @@ impl Server {
     }
 
     fn hover(&self, params: &HoverParams) -> Option<Hover> {
-        let place = &params.text_document_position_params;
-        let document = self.documents.open_document(&place.text_document.uri)?;
-        let offset = document.offset(place.position);
+        let cursor = &params.text_document_position_params;
+        let document = self.documents.open_document(&cursor.text_document.uri)?;
+        let offset = document.offset(cursor.position);
         let value =
             if document.is_toml() { schema::hover(&document, offset) } else { pages::hover(&document, offset) }?;
         Some(Hover {
@@ -210,9 +210,9 @@ impl Server {
     /// The file that the word at a position names: by its path, or as the type of a line that places a robot or an
     /// object.
     fn definition(&self, params: &GotoDefinitionParams) -> Option<Location> {
-        let place = &params.text_document_position_params;
-        let document = self.documents.open_document(&place.text_document.uri)?;
-        let offset = document.offset(place.position);
+        let cursor = &params.text_document_position_params;
+        let document = self.documents.open_document(&cursor.text_document.uri)?;
+        let offset = document.offset(cursor.position);
         let name = self.documents.named_file(&document, offset)?;
         Some(Location { uri: documents::uri_of(&name)?, range: Range::default() })
     }

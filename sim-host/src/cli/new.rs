@@ -348,26 +348,26 @@ mod tests {
 
     #[test]
     fn nothing_is_overwritten() {
-        let place = tempfile::tempdir().expect("a temporary folder");
-        assert_eq!(new("maze", Language::C, place.path()), Ok(()));
-        let message = new("maze", Language::Rust, place.path()).expect_err("it is there");
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        assert_eq!(new("maze", Language::C, folder.path()), Ok(()));
+        let message = new("maze", Language::Rust, folder.path()).expect_err("it is there");
         assert!(message.contains("maze` is there already"), "{message}");
-        assert!(!place.path().join("maze/Cargo.toml").exists());
+        assert!(!folder.path().join("maze/Cargo.toml").exists());
     }
 
     #[test]
     fn unfit_names_are_refused() {
-        let place = tempfile::tempdir().expect("a temporary folder");
+        let folder = tempfile::tempdir().expect("a temporary folder");
         for name in ["", "1st", "a b", "../a", "-x", "ä"] {
             assert!(
-                new(name, Language::C, place.path()).expect_err(name).contains("is no name for a program"),
+                new(name, Language::C, folder.path()).expect_err(name).contains("is no name for a program"),
                 "{name}"
             );
         }
         assert!(
-            new("loop", Language::Rust, place.path()).expect_err("a keyword").contains("no name for a Rust program")
+            new("loop", Language::Rust, folder.path()).expect_err("a keyword").contains("no name for a Rust program")
         );
-        assert_eq!(new("loop", Language::C, place.path()), Ok(()));
+        assert_eq!(new("loop", Language::C, folder.path()), Ok(()));
     }
 
     #[test]
@@ -395,14 +395,14 @@ mod tests {
 
     #[test]
     fn every_place_in_the_templates_is_filled() {
-        let place = Some(Path::new("/e/robios-api"));
+        let library = Some(Path::new("/e/robios-api"));
         let python =
             Project { name: "maze", lang: Language::Python, generation: Generation::Robios7, eyesim: "/e/eyesim" };
         for (name, text) in python.files(None).into_iter().filter(|(name, _)| name != "eye.py") {
             assert!(!text.contains('@'), "{name}: {text}");
         }
         for lang in [Language::C, Language::Cpp, Language::Rust] {
-            for (generation, api) in [(Generation::Robios6, None), (Generation::Robios7, place)] {
+            for (generation, api) in [(Generation::Robios6, None), (Generation::Robios7, library)] {
                 for (name, text) in (Project { name: "maze", lang, generation, eyesim: "/e/eyesim" }).files(api) {
                     assert!(!text.contains('@'), "{name}: {text}");
                 }

@@ -50,29 +50,30 @@ impl StandardStreams {
 /// # Errors
 /// The first of `outputs` that fails the check.
 pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item = &'a str>) -> anyhow::Result<()> {
-    let mut known: Vec<(String, PathBuf)> = Vec::new();
+    let mut seen_outputs: Vec<(String, PathBuf)> = Vec::new();
     for input in inputs {
         if let Ok(path) = std::fs::canonicalize(input) {
-            known.push((format!("the input `{input}`"), path));
+            seen_outputs.push((format!("the input `{input}`"), path));
         }
     }
     for (option, path) in outputs {
-        let shown = path.display();
+        let path_text = path.display();
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = std::fs::canonicalize(folder)
-            .with_context(|| format!("{option} `{shown}`: there is no folder `{}`", folder.display()))?;
-        let place = std::fs::canonicalize(path).unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
-        if place.is_dir() {
-            bail!("{option} `{shown}` is a folder, expected a file");
+            .with_context(|| format!("{option} `{path_text}`: there is no folder `{}`", folder.display()))?;
+        let canonical =
+            std::fs::canonicalize(path).unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
+        if canonical.is_dir() {
+            bail!("{option} `{path_text}` is a folder, expected a file");
         }
         // Devices such as /dev/null take any number of outputs.
-        if place.starts_with("/dev") {
+        if canonical.starts_with("/dev") {
             continue;
         }
-        if let Some((what, _)) = known.iter().find(|(_, other)| *other == place) {
-            bail!("{option} `{shown}` would overwrite {what}");
+        if let Some((what, _)) = seen_outputs.iter().find(|(_, other)| *other == canonical) {
+            bail!("{option} `{path_text}` would overwrite {what}");
         }
-        known.push((format!("what {option} writes"), place));
+        seen_outputs.push((format!("what {option} writes"), canonical));
     }
     Ok(())
 }

@@ -23,7 +23,7 @@ use crate::record::report::write_atomically;
 use crate::suite::{Case, Suite};
 
 /// Maximum number of variants of a suite whose files are collected.
-const MOST_VARIANTS: usize = 2000;
+const MAX_VARIANTS: usize = 2000;
 
 /// Arguments of `eyesim pack`.
 #[derive(Args)]
@@ -57,7 +57,7 @@ pub fn run(args: &PackArgs) -> anyhow::Result<ExitCode> {
         let cases = suite.cases().map_err(anyhow::Error::msg)?;
         let mut variants: BTreeMap<&str, &Case> = BTreeMap::new();
         cases.iter().for_each(|case| _ = variants.entry(&case.variant).or_insert(case));
-        ensure!(variants.len() <= MOST_VARIANTS, "a suite of more than {MOST_VARIANTS} variants is not packed");
+        ensure!(variants.len() <= MAX_VARIANTS, "a suite of more than {MAX_VARIANTS} variants is not packed");
         for case in variants.values() {
             files.add_scene(Scene::open(&case.scene, case.options.clone())?)?;
         }
@@ -136,9 +136,9 @@ impl Collected {
     fn add_inputs(&mut self, built: &BuiltScene) -> anyhow::Result<()> {
         for input in built.inputs() {
             let path = normal(Path::new(&input.path))?;
-            if let Entry::Vacant(place) = self.0.entry(path) {
-                let bytes = read_regular(place.key()).with_context(|| format!("`{}`", place.key().display()))?;
-                place.insert(bytes);
+            if let Entry::Vacant(vacant) = self.0.entry(path) {
+                let bytes = read_regular(vacant.key()).with_context(|| format!("`{}`", vacant.key().display()))?;
+                vacant.insert(bytes);
             }
         }
         Ok(())
@@ -264,8 +264,8 @@ pub(super) fn programs(unpacked: &Unpacked, given: &[ProgramOption]) -> anyhow::
     for (selector, path) in &unpacked.manifest().programs {
         // A name with a comma is the name of one file, or a list of several sources.
         let several: Vec<&str> = if unpacked.place(path).exists() { vec![path] } else { path.split(',').collect() };
-        let places: Vec<String> = several.into_iter().map(|path| slashed(&unpacked.place(path))).collect();
-        let option = ProgramOption::parse(&format!("{selector}{}", places.join(",")));
+        let paths: Vec<String> = several.into_iter().map(|path| slashed(&unpacked.place(path))).collect();
+        let option = ProgramOption::parse(&format!("{selector}{}", paths.join(",")));
         let option = option.map_err(anyhow::Error::msg)?;
         if !given.iter().any(|other| other.has_robots_of(&option)) {
             programs.push(option);

@@ -95,8 +95,8 @@ fn draw_robi(name: &str, files: &DiskFiles, mesh_reader: &mut MeshReader<'_>) ->
 
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let expected = || {
-        let (least, most) = (SIZES.start(), SIZES.end());
-        format!("expected WIDTHxHEIGHT in pixels, {least} to {most} each, such as 1200x900")
+        let (min, max) = (SIZES.start(), SIZES.end());
+        format!("expected WIDTHxHEIGHT in pixels, {min} to {max} each, such as 1200x900")
     };
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
     let side = |word: &str| word.trim().parse().ok().filter(|side| SIZES.contains(side)).ok_or_else(expected);

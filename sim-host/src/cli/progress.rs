@@ -52,8 +52,8 @@ impl BuildObserver for Building {
     fn end(&self, source: &ProgramSource) {
         let mut names = self.names.lock();
         let name = name(source.path());
-        if let Some(place) = names.iter().position(|other| *other == name) {
-            names.remove(place);
+        if let Some(index) = names.iter().position(|other| *other == name) {
+            names.remove(index);
         }
         // The last name stays visible until something else is shown.
         if !names.is_empty() {
@@ -283,23 +283,23 @@ mod tests {
                 Counts::default()
             });
         }
-        let most = 1 + begin.elapsed().as_millis() / PERIOD.as_millis();
-        assert!((1..=most).contains(&drawn), "{drawn} times, at the most {most}");
+        let max_count = 1 + begin.elapsed().as_millis() / PERIOD.as_millis();
+        assert!((1..=max_count).contains(&drawn), "{drawn} times, at the most {max_count}");
     }
 
     #[test]
     fn what_computes_is_shown_with_the_time_until_the_next_slot() {
         let (mut progress, screen) = progress(Time::NEVER);
         let mut computing = progress.computing().unwrap();
-        for place in ["loop.c:5", "loop.c:6"] {
-            computing(&format!("r1 computes at {place}"));
-            assert_eq!(progress.bar.as_ref().unwrap().message(), format!("r1 computes at {place}"));
+        for location in ["loop.c:5", "loop.c:6"] {
+            computing(&format!("r1 computes at {location}"));
+            assert_eq!(progress.bar.as_ref().unwrap().message(), format!("r1 computes at {location}"));
         }
         progress.update(Time::from_millis(2_500), || Counts { running: 1, waiting: 0, ended: 0 });
-        for place in ["loop.c:5", "loop.c:6"] {
-            computing(&format!("r1 computes at {place}"));
-            assert_eq!(progress.bar.as_ref().unwrap().message(), format!("2.500 s, r1 computes at {place}"));
-            assert!(screen.0.lock().contains(&format!("2.500 s, r1 computes at {place}")), "{:?}", screen.0.lock());
+        for location in ["loop.c:5", "loop.c:6"] {
+            computing(&format!("r1 computes at {location}"));
+            assert_eq!(progress.bar.as_ref().unwrap().message(), format!("2.500 s, r1 computes at {location}"));
+            assert!(screen.0.lock().contains(&format!("2.500 s, r1 computes at {location}")), "{:?}", screen.0.lock());
         }
         assert!(Progress::hidden().computing().is_none());
     }

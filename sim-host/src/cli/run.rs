@@ -37,7 +37,7 @@ use crate::record::{Report, TraceFilter};
 use sim_core::record::Outcome;
 
 pub(super) use console::report_diagnostics;
-pub use console::{ConsoleRun, Ran};
+pub use console::{ConsoleRun, FinishedRun};
 #[cfg(feature = "window")]
 pub(super) use console::{build, open};
 
@@ -308,7 +308,10 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
 ///
 /// # Errors
 /// If files or arguments are wrong, or `check` fails.
-pub fn carry_out(args: &RunArgs, check: impl FnOnce(&SceneSpec) -> anyhow::Result<()>) -> anyhow::Result<Option<Ran>> {
+pub fn carry_out(
+    args: &RunArgs,
+    check: impl FnOnce(&SceneSpec) -> anyhow::Result<()>,
+) -> anyhow::Result<Option<FinishedRun>> {
     ensure!(args.robot.is_none() || args.verbose, "--robot: it says whose calls are shown, and needs --verbose");
     let scene = console::open(args)?;
     ensure!(!scene.spec().robots.is_empty(), "`{}` has no robots: there is nothing to run", args.sim.display());
@@ -415,7 +418,7 @@ fn view_command(report: &Report) -> Option<String> {
     while let Some(word) = words.next() {
         let option = word.split_once('=').map_or(word.as_str(), |(option, _)| option);
         match OUTPUT.iter().position(|output| *output == option) {
-            Some(place) if place < WITH_VALUE && option == word => drop(words.next()),
+            Some(index) if index < WITH_VALUE && option == word => drop(words.next()),
             Some(_) => {}
             None => line = format!("{line} {}", quoted(word)),
         }

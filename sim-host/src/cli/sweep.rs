@@ -379,9 +379,9 @@ fn case(path: &Path, key: &str) -> anyhow::Result<ExitCode> {
     let mut pool = Pool::new(&suite, &cases, preparation, PoolOptions { workers: 1, isolate: !is_served });
     let names: BTreeMap<&str, usize> = (0..).zip(&cases).map(|(index, case)| (case.name.as_str(), index)).collect();
     let mut keys: BTreeMap<String, usize> = BTreeMap::new();
-    let asked: Box<dyn Iterator<Item = io::Result<String>>> =
+    let lines: Box<dyn Iterator<Item = io::Result<String>>> =
         if is_served { Box::new(io::stdin().lines()) } else { Box::new(std::iter::once(Ok(key.to_owned()))) };
-    for word in asked {
+    for word in lines {
         let word = word.context("standard input")?;
         if !names.contains_key(word.as_str()) && keys.is_empty() {
             keys = (0..cases.len()).filter_map(|index| Some((pool.key(index).ok()?, index))).collect();

@@ -39,13 +39,13 @@ impl TableScreen {
 
 /// The table of `report`, then a line on the run as a whole.
 pub fn render(report: &Report, screen: TableScreen) -> String {
-    let shown = shown_robots(&report.robots);
+    let robots = shown_robots(&report.robots);
     let mut text = String::new();
-    for line in Table::fitting(&shown, screen).lines(&shown, screen) {
+    for line in Table::fitting(&robots, screen).lines(&robots, screen) {
         push_line(&mut text, &line);
     }
     if report.robots.len() > 1 {
-        push_line(&mut text, &counts(&report.robots, shown.len()));
+        push_line(&mut text, &counts(&report.robots, robots.len()));
     }
     push_line(&mut text, &summary(report));
     checks(report, screen).iter().for_each(|line| push_line(&mut text, line));
@@ -57,27 +57,27 @@ pub fn checks(report: &Report, screen: TableScreen) -> Vec<String> {
     if report.checks.is_empty() {
         return Vec::new();
     }
-    let passed = report.checks.iter().filter(|check| check.passed).count();
+    let passed_count = report.checks.iter().filter(|check| check.passed).count();
     let (points, whole) = (points(report.points), points(report.max_points));
     let is_failed = report.robots.iter().any(|robot| robot.outcome.is_failure());
     let but = if is_failed { " (none in `eyesim test`, since a program failed)" } else { "" };
     let mut lines =
-        vec![format!("checks: {passed} of {} passed, {points} of {whole} points{but}", report.checks.len())];
+        vec![format!("checks: {passed_count} of {} passed, {points} of {whole} points{but}", report.checks.len())];
     let width = |cell: &dyn Fn(&CheckReport) -> String| {
         report.checks.iter().map(|check| measure_text_width(&cell(check))).max().unwrap_or_default()
     };
-    let (name, share) = (
+    let (name, fraction_text) = (
         |check: &CheckReport| Printable(&check.name).to_string(),
         |check: &CheckReport| format!("{}/{}", self::points(check.points), self::points(check.max_points)),
     );
-    let (names, shares) = (width(&name).min(PROGRAM_WIDTH), width(&share));
+    let (names, fraction_texts) = (width(&name).min(PROGRAM_WIDTH), width(&fraction_text));
     for check in &report.checks {
         let (word, style) =
             if check.passed { ("passed", Style::new().green()) } else { ("FAILED", Style::new().red().bold()) };
-        let (name, share) = (name(check), share(check));
+        let (name, fraction_text) = (name(check), fraction_text(check));
         let blanks = |width: usize, text: &str| " ".repeat(width.saturating_sub(measure_text_width(text)));
-        let (after, before) = (blanks(names, &name), blanks(shares, &share));
-        let line = format!("{word}  {name}{after}  {before}{share}  {}", Printable(&check.message));
+        let (after, before) = (blanks(names, &name), blanks(fraction_texts, &fraction_text));
+        let line = format!("{word}  {name}{after}  {before}{fraction_text}  {}", Printable(&check.message));
         lines.push(fold(&line, screen).trim_start().replacen(word, &paint(style, screen, word), 1));
     }
     lines

@@ -292,8 +292,8 @@ fn select(runs: &[SuiteRun], selection: Option<&Selection>, last_failed: Option<
             selection.is_none_or(|selection| selection.holds_for(&name))
                 && (failed.is_empty() || failed.contains(&case.name))
         };
-        let places = run.cases.iter().enumerate();
-        places.filter(|(_, case)| is_selected(case)).map(|(index, _)| index).collect()
+        let indexed = run.cases.iter().enumerate();
+        indexed.filter(|(_, case)| is_selected(case)).map(|(index, _)| index).collect()
     };
     runs.iter().map(of_run).collect()
 }

@@ -21,7 +21,7 @@ use super::EXIT_INTERRUPTED;
 use super::diagnostic::{self, Format, Screen};
 use super::output::say;
 use super::pack::open_for_run;
-use super::run::{self, ConsoleRun, Ran, RunArgs, Speed, explain, parse_seconds};
+use super::run::{self, ConsoleRun, FinishedRun, RunArgs, Speed, explain, parse_seconds};
 use super::table::{self, TableScreen};
 use crate::executive::dispatcher::End;
 use crate::executive::interrupt::{self, Interrupt};
@@ -332,7 +332,7 @@ impl Session {
     }
 
     /// Shows the end of the run until another one begins; returns none if the user interrupts.
-    fn wait_for_next(&self, ran: &Ran, show: &Mutex<Show>) -> Option<(Ready, RunArgs)> {
+    fn wait_for_next(&self, ran: &FinishedRun, show: &Mutex<Show>) -> Option<(Ready, RunArgs)> {
         let mut is_shown = false;
         loop {
             if self.interrupt.is_set() {
@@ -354,7 +354,7 @@ impl Session {
         }
     }
 
-    fn show_end(&self, ran: &Ran, show: &mut Show, speed: Option<f64>) {
+    fn show_end(&self, ran: &FinishedRun, show: &mut Show, speed: Option<f64>) {
         let state = RunState::Ended { why: end_text(ran), digest: ran.finished.ended.digest.to_string() };
         let (run, ends) = (&*ran.finished.ended.run, &ran.finished.ended.robots[..]);
         let world = run.world();
@@ -408,20 +408,20 @@ fn in_full(rejected: &Rejected) -> String {
 }
 
 /// Text for the page: why the run has ended, and the results of its checks.
-fn end_text(ran: &Ran) -> String {
+fn end_text(ran: &FinishedRun) -> String {
     let checks = &ran.finished.report.checks;
     let failed: Vec<String> = checks
         .iter()
         .filter(|check| !check.passed)
         .map(|check| format!("; failed: {} ({})", check.name, check.message))
         .collect();
-    let passed = checks.len() - failed.len();
+    let passed_count = checks.len() - failed.len();
     let summary =
-        if checks.is_empty() { String::new() } else { format!("; {passed} of {} checks passed", checks.len()) };
+        if checks.is_empty() { String::new() } else { format!("; {passed_count} of {} checks passed", checks.len()) };
     end_of(ran) + &summary + &failed.concat()
 }
 
-fn end_of(ran: &Ran) -> String {
+fn end_of(ran: &FinishedRun) -> String {
     match &ran.finished.ended.end {
         End::Finished => "all programs have ended".to_owned(),
         End::Until => format!("its {} are over", ran.finished.ended.time),

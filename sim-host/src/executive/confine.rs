@@ -86,8 +86,8 @@ pub fn protect_host(host: i32) {
     filter[2] = load(NUMBER);
     filter[3] = jump(libc::SYS_ptrace as u32, calls + 7, 0);
     filter[4] = jump(libc::SYS_tkill as u32, calls + 6, 0);
-    for (place, number) in OF_PROCESS.iter().enumerate() {
-        filter[5 + place] = jump(*number as u32, calls - place as u8, 0);
+    for (index, number) in OF_PROCESS.iter().enumerate() {
+        filter[5 + index] = jump(*number as u32, calls - index as u8, 0);
     }
     let rest = &mut filter[5 + OF_PROCESS.len()..];
     rest[1] = load(FIRST_ARGUMENT);

@@ -86,7 +86,7 @@ const MAX_RELEASE: usize = 16;
 pub struct ReturnQueue {
     returns: Mutex<Vec<Return>>,
     /// Number of released robots that have not come back.
-    left: AtomicUsize,
+    remaining: AtomicUsize,
 }
 
 /// A robot that has come back to the barrier.
@@ -119,8 +119,8 @@ impl ReturnQueue {
         let mut returns = self.returns.lock();
         let came_back = returns.iter().position(|other| other.robot == robot);
         match came_back {
-            Some(place) => {
-                returns.swap_remove(place);
+            Some(index) => {
+                returns.swap_remove(index);
                 false
             }
             None => self.leave(),
@@ -129,7 +129,7 @@ impl ReturnQueue {
 
     /// Counts a robot as come back; true if it is the last one.
     fn leave(&self) -> bool {
-        self.left.fetch_sub(1, Ordering::AcqRel) == 1
+        self.remaining.fetch_sub(1, Ordering::AcqRel) == 1
     }
 }
 
@@ -189,7 +189,7 @@ pub struct Boundary {
 }
 
 impl Boundary {
-    /// Start of the slot with which the run goes on; `None` if nothing happens before its limit.
+    /// Start of the slot with which the run continues; `None` if nothing happens before its limit.
     pub fn next_within_limit(&self) -> Option<Time> {
         self.next.filter(|next| *next < self.limit)
     }
@@ -248,8 +248,9 @@ impl Dispatcher {
             spare_states: Vec::new(),
         };
         let deal = deal(alive, workers);
-        for (place, robot) in ids(true).enumerate() {
-            dispatcher.affinity[robot.index()] = plan.homes[robot.index()].unwrap_or((place / deal % workers) as u32);
+        for (position, robot) in ids(true).enumerate() {
+            dispatcher.affinity[robot.index()] =
+                plan.homes[robot.index()].unwrap_or((position / deal % workers) as u32);
             dispatcher.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {
@@ -384,11 +385,11 @@ impl Dispatcher {
     /// Removes `robot` from its worker; returns true if it was released there.
     fn vacate_worker(&mut self, robot: RobotId) -> bool {
         let running = &mut self.workers[self.affinity[robot.index()] as usize].running;
-        let place = running.iter().position(|running| *running == robot);
-        debug_assert!(place.is_some(), "only a robot that runs comes back");
-        place.map(|place| running.swap_remove(place));
+        let index = running.iter().position(|running| *running == robot);
+        debug_assert!(index.is_some(), "only a robot that runs comes back");
+        index.map(|index| running.swap_remove(index));
         self.touched.push(robot);
-        place.is_some()
+        index.is_some()
     }
 
     fn enqueue(&mut self, robot: RobotId) {
@@ -421,7 +422,7 @@ impl Dispatcher {
                 running.push(next);
             }
         }
-        run.returns(worker).left.store(running.len(), Ordering::Release);
+        run.returns(worker).remaining.store(running.len(), Ordering::Release);
         running.iter().for_each(|robot| run.set_worker(*robot, worker as u32));
     }
 
@@ -561,8 +562,8 @@ impl Dispatcher {
         self.departed.push(!has_program);
         if has_program {
             self.alive += 1;
-            let wanted = self.max_workers.min(self.alive).max(home.map_or(0, |home| home as usize + 1));
-            while self.workers.len() < wanted {
+            let worker_count = self.max_workers.min(self.alive).max(home.map_or(0, |home| home as usize + 1));
+            while self.workers.len() < worker_count {
                 self.workers.push(Worker::default());
             }
             self.affinity[robot.index()] = home.unwrap_or((robot.index() % self.workers.len()) as u32);
@@ -583,14 +584,14 @@ impl Dispatcher {
         pool.for_each(&mut robots, |affected| affected.robot = Some(run.robot(affected.id)));
         save_files(&mut robots, &self.requesting);
         self.requesting.clear();
-        let SlotEnd { at, heard } = {
+        let SlotEnd { at, arrivals } = {
             let mut states: Vec<&mut simulation::Robot> = parallel::reuse(std::mem::take(&mut self.spare_states));
             states.extend(robots.iter_mut().filter_map(|affected| Some(&mut affected.robot.as_mut()?.state)));
             let end = environment.end_slot(&mut states, &pool);
             self.spare_states = parallel::reuse(states);
             end
         };
-        for (id, visible) in heard {
+        for (id, visible) in arrivals {
             if let Some(robot) = AffectedRobot::find(&mut robots, id) {
                 robot.tasks.recheck_radio(visible);
             }
@@ -672,8 +673,8 @@ struct AffectedRobot<'a> {
 impl<'a> AffectedRobot<'a> {
     /// The state of robot `id` among `robots`, which are in the order of ids.
     fn find<'r>(robots: &'r mut [Self], id: RobotId) -> Option<&'r mut MutexGuard<'a, Robot>> {
-        let place = robots.binary_search_by_key(&id, |affected| affected.id).ok()?;
-        robots[place].robot.as_mut()
+        let index = robots.binary_search_by_key(&id, |affected| affected.id).ok()?;
+        robots[index].robot.as_mut()
     }
 }
 

@@ -53,9 +53,9 @@ impl EmbeddedRobot {
         let _revoke = Revoke(Arc::clone(&calls));
         match self.code.run(self.robot, &self.arguments, calls) {
             EmbeddedEnd::Exited(code) => Ok(code),
-            EmbeddedEnd::Overdue(place) => {
+            EmbeddedEnd::Overdue(location) => {
                 let last_call = FlowBlock::current().last_call.load(Ordering::Relaxed);
-                Err(Broken::overdue(last_call, place))
+                Err(Broken::overdue(last_call, location))
             }
         }
     }

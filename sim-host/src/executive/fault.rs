@@ -17,7 +17,7 @@ pub struct Broken {
     /// The task that broke, if it is one of several.
     pub task: Option<u32>,
     /// The location as text, if the program itself has reported it; otherwise empty.
-    pub place: String,
+    pub location: String,
     /// Program counter at the break, then words of the stack that may be return addresses, innermost first.
     pub addresses: Vec<usize>,
     /// Unfinished lines that the program has printed, each with its [`stream`](robios_sys::support::stream).
@@ -107,7 +107,7 @@ impl Broken {
             is_overdue: fault.signal == OVERDUE_SIGNAL,
             last_call,
             task: None,
-            place: String::new(),
+            location: String::new(),
             addresses,
             unfinished: Vec::new(),
         }
@@ -128,10 +128,10 @@ impl Broken {
         }
     }
 
-    /// Describes an overdue program that was told to end after its last call, and ended at `place`.
-    pub(super) fn overdue(last_call: u16, place: String) -> Self {
+    /// Describes an overdue program that was stopped after its last call, and ended at `location`.
+    pub(super) fn overdue(last_call: u16, location: String) -> Self {
         let fault = Fault { signal: OVERDUE_SIGNAL, ..Fault::default() };
-        Self { place, ..Self::new(fault, [0; 2], last_call, Vec::new()) }
+        Self { location, ..Self::new(fault, [0; 2], last_call, Vec::new()) }
     }
 
     /// Describes a flow that receives no signals and therefore cannot be stopped: it is abandoned as it is.
@@ -142,7 +142,7 @@ impl Broken {
             is_overdue: true,
             last_call: u16::MAX,
             task: None,
-            place: String::new(),
+            location: String::new(),
             addresses: Vec::new(),
             unfinished: Vec::new(),
         }

@@ -105,8 +105,8 @@ impl Flow for RobotFlow {
     }
 
     fn note_hint(&self, text: &str, site: &Site) {
-        let place = self.run.program(self.id).and_then(|program| program.place_of(site));
-        place.into_iter().for_each(|place| self.run.hint_places.note(self.id, text, place));
+        let location = self.run.program(self.id).and_then(|program| program.place_of(site));
+        location.into_iter().for_each(|location| self.run.hint_locations.note(self.id, text, location));
     }
 
     fn waits_of(&self, robot: &Robot) -> String {

@@ -97,9 +97,9 @@ pub fn carry_out(action: ValidatedAction, at: Time, run: &Run, environment: &mut
             RunEffect { robots: vec![id], ..RunEffect::default() }
         }
         ValidatedAction::AddRobot(new) => {
-            let NewRobot { spec, mut robot, heard, program } = *new;
+            let NewRobot { spec, mut robot, radio_noise, program } = *new;
             let (program, prepared) = program.unzip();
-            environment.admit(&mut robot.state, heard);
+            environment.admit(&mut robot.state, radio_noise);
             let effect = RunEffect { spawned: Some((spec.id, program.is_some())), ..RunEffect::default() };
             run.admit(Member::new(robot, program));
             run.spawner().keep_robot(spec, prepared);

@@ -10,7 +10,7 @@ use sim_core::spec::{RobotSpec, SceneSpec};
 use super::embedded::EmbeddedRobot;
 use super::process::serve::{LoadRefusal, RemoteProgram};
 use super::process::{Child, Debugger};
-use super::program::{Exec, Place, RobotProgram};
+use super::program::{Exec, ExecutionKind, RobotProgram};
 use super::{damage, fiber};
 use crate::program::load::{LoadError, Loader, OpenError, check_mappings, deal};
 use crate::program::prepare::{Code, Prepared};
@@ -61,7 +61,7 @@ pub fn load_programs(
 ) -> Result<Vec<Option<RobotProgram>>, ProgramLoadError> {
     check_room(programs.iter(), exec, workers)?;
     loader.set_deal(deal(programs.iter().count(), workers));
-    Child::make_room(programs.iter().filter(|program| place_of(program, exec).0 == Place::Process).count());
+    Child::make_room(programs.iter().filter(|program| place_of(program, exec).0 == ExecutionKind::Process).count());
     // All processes are started before the first one is waited for.
     let mut loading = Vec::with_capacity(scene.robots.len());
     for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
@@ -100,16 +100,16 @@ fn check_room<'a>(
     // The copies of each program (keyed by its address), and the robots in this process.
     let (mut copies, mut robots, mut mappings) = (BTreeMap::new(), 0, 0);
     for program in programs {
-        let place = place_of(program, exec).0;
-        let Some(image) = program.image().filter(|_| place != Place::Process) else { continue };
+        let execution = place_of(program, exec).0;
+        let Some(image) = program.image().filter(|_| execution != ExecutionKind::Process) else { continue };
         robots += 1;
-        let is_shared = place == Place::Fiber && image.shared_variables().is_some();
+        let is_shared = execution == ExecutionKind::Fiber && image.shared_variables().is_some();
         let count: &mut usize = copies.entry(Arc::as_ptr(program).addr()).or_default();
         if !is_shared || *count < workers {
             *count += 1;
             mappings += image.mappings();
         }
-        mappings += if place == Place::Fiber { fiber::mappings_per_stack() } else { MAPPINGS_PER_THREAD };
+        mappings += if execution == ExecutionKind::Fiber { fiber::mappings_per_stack() } else { MAPPINGS_PER_THREAD };
     }
     if robots > 0 {
         damage::check()?;
@@ -130,29 +130,29 @@ pub struct DebugTarget {
     pub debugger: Debugger,
 }
 
-/// Place in which a program runs if the user asks for `exec`, and the reason if that is a different place or `auto`
+/// ExecutionKind in which a program runs if the user asks for `exec`, and the reason if that is a different place or `auto`
 /// chose the slower one: a line without its beginning, `` uses `fork`: ... ``.
 ///
 /// A Python program always has its own process, and so does a library whose code runs while it is loaded: if that code
 /// does not return, the process can be killed.
-pub fn place_of(program: &Prepared, exec: Exec) -> (Place, Option<String>) {
+pub fn place_of(program: &Prepared, exec: Exec) -> (ExecutionKind, Option<String>) {
     let image = match &program.code {
-        Code::Python(_) => return (Place::Process, None),
-        Code::Embedded(_) => return (Place::Thread, None),
+        Code::Python(_) => return (ExecutionKind::Process, None),
+        Code::Embedded(_) => return (ExecutionKind::Thread, None),
         Code::Library(image) => image,
     };
-    let in_process = || (Place::Process, program.danger.clone());
+    let in_process = || (ExecutionKind::Process, program.danger.clone());
     match exec {
         _ if image.has_resolvers() => in_process(),
         Exec::Auto if program.danger.is_some() => in_process(),
         Exec::Auto | Exec::Fiber => {
             match program.danger.clone().or_else(|| program.why_thread_bound().map(str::to_owned)) {
-                Some(why) => (Place::Thread, Some(why)),
-                None => (Place::Fiber, None),
+                Some(why) => (ExecutionKind::Thread, Some(why)),
+                None => (ExecutionKind::Fiber, None),
             }
         }
-        Exec::Thread => (Place::Thread, None),
-        Exec::Process => (Place::Process, None),
+        Exec::Thread => (ExecutionKind::Thread, None),
+        Exec::Process => (ExecutionKind::Process, None),
     }
 }
 
@@ -171,13 +171,13 @@ impl Loading {
         loader: &mut Loader,
         debugger: Option<&Debugger>,
     ) -> Result<Self, LoadError> {
-        let place = if debugger.is_some() { Place::Process } else { place_of(program, exec).0 };
-        if place != Place::Process {
+        let execution = if debugger.is_some() { ExecutionKind::Process } else { place_of(program, exec).0 };
+        if execution != ExecutionKind::Process {
             if let Code::Embedded(embedded) = &program.code {
                 let robot = EmbeddedRobot::new(robot.id, embedded, &robot.arguments);
                 return Ok(Self::Done(RobotProgram::Embedded(robot)));
             }
-            let is_fiber = place == Place::Fiber;
+            let is_fiber = execution == ExecutionKind::Fiber;
             let program = loader.load(program, &robot.arguments, is_fiber.then_some(workers))?;
             return Ok(Self::Done(RobotProgram::InHost { program, is_fiber }));
         }

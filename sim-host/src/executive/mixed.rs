@@ -108,8 +108,8 @@ impl Executor for MixedExecutor {
         self.of(robot).is_overdue(robot, timeout)
     }
 
-    fn place(&self, robot: RobotId) -> Vec<usize> {
-        self.of(robot).place(robot)
+    fn backtrace(&self, robot: RobotId) -> Vec<usize> {
+        self.of(robot).backtrace(robot)
     }
 
     fn break_overdue(&self, robot: RobotId) {

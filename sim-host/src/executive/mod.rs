@@ -109,8 +109,8 @@ pub trait Executor: Send + Sync {
 
     /// Location at which the robot's flow with the run token computes: the program counter, then words of the stack
     /// that may be return addresses, innermost first. Empty if it does not compute, if it is inside a call, or if it
-    /// runs in a process, which [answers itself](process::Child::computing_place).
-    fn place(&self, robot: RobotId) -> Vec<usize>;
+    /// runs in a process, which [answers itself](process::Child::computing_location).
+    fn backtrace(&self, robot: RobotId) -> Vec<usize>;
 
     /// Stops the overdue flow with the run token where it is; [`Executor::broken`] reports it soon after.
     fn break_overdue(&self, robot: RobotId);

@@ -26,11 +26,11 @@ impl Pace {
         let start = *self.start.get_or_insert_with(Instant::now);
         let due = start + Duration::try_from_secs_f64(due.seconds() / self.factor).unwrap_or(Duration::MAX / 4);
         while !interrupt.is_set() {
-            let left = due.saturating_duration_since(Instant::now());
-            if left.is_zero() {
+            let remaining = due.saturating_duration_since(Instant::now());
+            if remaining.is_zero() {
                 return true;
             }
-            std::thread::sleep(left.min(Self::NAP));
+            std::thread::sleep(remaining.min(Self::NAP));
         }
         false
     }

@@ -32,9 +32,9 @@ pub enum Exec {
     Process,
 }
 
-/// Place in which a program runs.
+/// ExecutionKind in which a program runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum ExecutionKind {
     /// On a fiber of the host, which shares its thread with others.
     Fiber,
     /// On a thread of the host.
@@ -130,8 +130,8 @@ impl RobotProgram {
 
     /// The text of a line of the program's own sources; `None` if it cannot be read.
     pub fn text_of(&self, line: &SourceLine) -> Option<String> {
-        let place = usize::try_from(line.line).ok()?.checked_sub(1)?;
-        self.source_of(line)?.lines().nth(place).map(str::to_owned)
+        let index = usize::try_from(line.line).ok()?.checked_sub(1)?;
+        self.source_of(line)?.lines().nth(index).map(str::to_owned)
     }
 
     /// The text of the program's own source that contains `line`; `None` if it cannot be read.

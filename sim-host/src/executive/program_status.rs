@@ -5,7 +5,7 @@ use sim_core::time::Time;
 
 use super::dispatcher::End;
 use super::fault::{Broken, ILLEGAL, ILLEGAL_DIVISION, NULL_POINTER, STACK_OVERFLOW, WILD};
-use super::process::ComputingPlace;
+use super::process::ComputingLocation;
 use super::program::RobotProgram;
 use super::reason;
 use crate::program::access::{Accesses, accesses_of};
@@ -121,7 +121,7 @@ impl PossibleSenders {
     }
 }
 
-/// Wait that is told when a run reaches its time limit. Source: our choice.
+/// Wait that is reported when a run reaches its time limit. Source: our choice.
 const LONG_WAIT: Time = Time::from_millis(1000);
 
 /// Status of the program of `robot`, given the end of the run and the break of its flow, if any.
@@ -133,10 +133,10 @@ pub fn judge(
 ) -> ProgramStatus {
     let status = |outcome, reason| ProgramStatus { outcome, reason, exit_code: None, fault: None };
     if let Some(broken) = broken {
-        let place = fault_report(broken, program);
+        let report = fault_report(broken, program);
         let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
-        let reason = Some(format!("{place}{}", advice(&place, broken, robot, program)));
-        return ProgramStatus { reason, fault: Some(place), ..status(outcome, None) };
+        let reason = Some(format!("{report}{}", advice(&report, broken, robot, program)));
+        return ProgramStatus { reason, fault: Some(report), ..status(outcome, None) };
     }
     match &robot.ending {
         Some(Ending::Exited { code: 0 }) => ProgramStatus { exit_code: Some(0), ..status(Outcome::Finished, None) },
@@ -200,7 +200,7 @@ pub fn waits_now(robot: &Robot) -> String {
 /// `right` (deadlock.c:31), since 0.500 s at deadlock.c:20; ... ``.
 pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: PossibleSenders) -> String {
     let tasks = &robot.tasks;
-    let at = |site| program.place_of(site).map(|place| format!(" at {place}")).unwrap_or_default();
+    let at = |site| program.place_of(site).map(|location| format!(" at {location}")).unwrap_or_default();
     let words = tasks.iter().map(|task| {
         let name = tasks.name(task.number);
         let Some(Wait { reason, since, site, .. }) = &task.waiting else {
@@ -216,12 +216,12 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: PossibleSe
             _ => None,
         };
         let more = semaphore.map(|semaphore| {
-            let made = program.place_of(&semaphore.made_at).map(|place| format!(" (made at {place})"));
+            let made_at = program.place_of(&semaphore.made_at).map(|location| format!(" (made at {location})"));
             let last = semaphore.last.as_ref().map(|(by, site)| {
-                let place = program.place_of(site).map(|place| format!(" ({place})")).unwrap_or_default();
-                format!(", last passed by {by}{place},")
+                let location = program.place_of(site).map(|location| format!(" ({location})")).unwrap_or_default();
+                format!(", last passed by {by}{location},")
             });
-            made.unwrap_or_default() + &last.unwrap_or_default()
+            made_at.unwrap_or_default() + &last.unwrap_or_default()
         });
         let suspended = match tasks.scheduler() {
             Some(scheduler) if *reason != WaitReason::Ready && scheduler.is_suspended(task.number) => {
@@ -242,9 +242,9 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: PossibleSe
 /// Describes one wait: `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
 fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_end: &RunEnd<'_>) -> String {
     let Wait { call, reason, since, site } = waiting;
-    let mut place = program.place_of(site).map(|site| format!(" at {site}")).unwrap_or_default();
+    let mut location = program.place_of(site).map(|site| format!(" at {site}")).unwrap_or_default();
     if *reason == WaitReason::Message {
-        place = format!(" in {}{place}", call.name());
+        location = format!(" in {}{location}", call.name());
     }
     let advice = match reason {
         WaitReason::Key(key) => {
@@ -259,17 +259,17 @@ fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_
         }
         _ => String::new(),
     };
-    format!("{reason} since {since}{place}{advice}")
+    format!("{reason} since {since}{location}{advice}")
 }
 
 fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
     let location = if has_lost_heap(broken, program) {
-        // The reason tells where the block comes from; the overrun itself lies anywhere between.
+        // The reason names the line that allocated the block; the overrun itself lies anywhere between.
         String::new()
-    } else if broken.place.is_empty() {
+    } else if broken.location.is_empty() {
         line_of(&broken.addresses, program).unwrap_or_default()
     } else {
-        broken.place.clone()
+        broken.location.clone()
     };
     let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
     let what = match reason_of_trap(broken, program) {
@@ -330,7 +330,7 @@ fn is_in_empty_loop(broken: &Broken, program: &RobotProgram) -> bool {
 /// What the user may do about a break, appended to its report.
 fn advice(report: &FaultReport, broken: &Broken, robot: &Robot, program: &RobotProgram) -> String {
     let is_null = report.what.starts_with(NULL_POINTER);
-    let unopened = robot.robios.storage.unopened().filter(|_| is_null);
+    let open_failure = robot.robios.storage.open_failure().filter(|_| is_null);
     if broken.is_overdue && robot.robios.input.has_ended() {
         "; it has read its standard input, which has come to its end (`--stdin`)".to_owned()
     } else if broken.is_overdue {
@@ -343,7 +343,7 @@ fn advice(report: &FaultReport, broken: &Broken, robot: &Robot, program: &RobotP
     } else {
         let null = null_pointer(broken, program).filter(|_| is_null).map(|pointer| format!("; {pointer} is NULL"));
         // A file is used within the C library, where no line of the program tells a pointer.
-        let why = unopened.filter(|_| null.is_none()).map(|why| format!("; `fopen` has returned NULL before: {why}"));
+        let why = open_failure.filter(|_| null.is_none()).map(|why| format!("; `fopen` has returned NULL before: {why}"));
         let is_wild = report.what.contains(WILD) || report.what.contains("an array overrun");
         let index = wild_index(broken, program).filter(|_| is_wild);
         [null, why, index].into_iter().flatten().collect()
@@ -357,16 +357,16 @@ pub(super) fn line_of(addresses: &[usize], program: &RobotProgram) -> Option<Str
 
 /// The line in the program's own sources to which return addresses lead, the innermost first.
 pub(super) fn line_of_stack(addresses: &[usize], program: &RobotProgram) -> Option<String> {
-    // In place of a program counter a number that points nowhere.
+    // Instead of a program counter a number that points nowhere.
     let addresses: Vec<usize> = std::iter::once(0).chain(addresses.iter().copied()).collect();
     program.own_source_line(&addresses).map(|line| line.to_string())
 }
 
 /// The line at which a program in a process of its own computes.
-pub(super) fn line_of_computing(place: &ComputingPlace, program: &RobotProgram) -> Option<String> {
-    match place {
-        ComputingPlace::Addresses(addresses) => line_of(&addresses.map(|address| address as usize), program),
-        ComputingPlace::Line { file, line } => Some(format!("{file}:{line}")),
+pub(super) fn line_of_computing(computing: &ComputingLocation, program: &RobotProgram) -> Option<String> {
+    match computing {
+        ComputingLocation::Addresses(addresses) => line_of(&addresses.map(|address| address as usize), program),
+        ComputingLocation::Line { file, line } => Some(format!("{file}:{line}")),
     }
 }
 

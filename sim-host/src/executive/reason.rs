@@ -13,14 +13,14 @@ pub fn in_plain_words(reason: &str, text_of: impl Fn(&SourceLine) -> Option<Stri
         let (file, line) = (parts.next()?, parts.next()?);
         (format!("{task}panicked: {}", parts.nth(1)?.trim_start()), Some((file, line)))
     } else {
-        let place =
-            reason.rsplit_once(" at ").and_then(|(what, place)| Some((what.to_owned(), place.split_once(':')?)));
-        place.map_or_else(|| (reason.to_owned(), None), |(what, place)| (what, Some(place)))
+        let location =
+            reason.rsplit_once(" at ").and_then(|(what, location)| Some((what.to_owned(), location.split_once(':')?)));
+        location.map_or_else(|| (reason.to_owned(), None), |(what, location)| (what, Some(location)))
     };
     let source_line = || Some(SourceLine { file: PathBuf::from(line?.0), line: line?.1.parse().ok()?, function: None });
     let words = words(&what, &|| text_of(&source_line()?))?;
-    let place = line.map_or_else(String::new, |(file, line)| format!("{file}:{line}: "));
-    Some(format!("{place}{words} ({what})"))
+    let location = line.map_or_else(String::new, |(file, line)| format!("{file}:{line}: "));
+    Some(format!("{location}{words} ({what})"))
 }
 
 fn words(what: &str, text: &dyn Fn() -> Option<String>) -> Option<String> {

@@ -25,7 +25,7 @@ use super::scheduler::{Limits, RunParts};
 use super::spawn::Spawner;
 use crate::program::command;
 use crate::program::site::Site;
-use crate::record::HintPlaces;
+use crate::record::HintLocations;
 use crate::robios::call::Call;
 use crate::robios::caller::Caller;
 use crate::robios::cost::Costs;
@@ -46,12 +46,12 @@ pub struct Run {
     /// For each worker, the robots that come back to the barrier.
     returns: Vec<ReturnQueue>,
     executor: Box<dyn Executor>,
-    /// Robots whose processes broke, and how; the run goes on without them.
+    /// Robots whose processes broke, and how; the run continues without them.
     pub(super) broken_processes: Mutex<Vec<(RobotId, Broken)>>,
     costs: Costs,
     forbidden: Forbidden,
     /// Lines of programs at which hints were given.
-    pub(super) hint_places: HintPlaces,
+    pub(super) hint_locations: HintLocations,
     notifier: Arc<Notifier>,
     interrupt: Interrupt,
     /// Bounds of the current slot in microseconds: a copy that calls read without the world's lock.
@@ -144,7 +144,7 @@ impl Run {
             broken_processes: Mutex::default(),
             costs: parts.costs,
             forbidden: parts.forbidden,
-            hint_places: parts.hint_places,
+            hint_locations: parts.hint_locations,
             notifier,
             interrupt: parts.interrupt,
             is_stopping: AtomicBool::new(false),
@@ -507,7 +507,7 @@ impl Run {
         self.program(robot.id).map(words).unwrap_or_default()
     }
 
-    /// Ends robot `id` in the run: stops its motors, ends its radio and takes it out of the schedule; the run goes on
+    /// Ends robot `id` in the run: stops its motors, ends its radio and takes it out of the schedule; the run continues
     /// without it. For `deadline` see [`Dispatcher::advance`].
     pub(super) fn end_robot(&self, id: RobotId, deadline: Option<Instant>) {
         {

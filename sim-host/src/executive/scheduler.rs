@@ -23,7 +23,7 @@ use super::run::{EXIT_TIMEOUT, Run};
 use super::signal::Handlers;
 use super::spawn::Spawner;
 use super::{damage, program_status, watchdog};
-use crate::record::{HintPlaces, Sinks};
+use crate::record::{HintLocations, Sinks};
 use crate::robios::console::print_lines;
 use crate::robios::cost::Costs;
 use crate::robios::forbidden::Forbidden;
@@ -49,7 +49,7 @@ pub struct Scheduler {
     has_requested_exit: bool,
     /// Pending faults of the scene.
     faults: Faults,
-    /// Is told which programs compute for long.
+    /// Listener for programs that compute for long.
     listener: Option<Listener>,
 }
 
@@ -102,7 +102,7 @@ pub struct RunParts {
     /// Sinks of the record.
     pub sinks: Sinks<'static>,
     /// Takes the lines of programs at which hints are given.
-    pub hint_places: HintPlaces,
+    pub hint_locations: HintLocations,
     /// Ends the run early.
     pub interrupt: Interrupt,
 }
@@ -220,7 +220,7 @@ impl Scheduler {
         Ok(scheduler)
     }
 
-    /// Sets the listener that is told, once a second, which programs have computed for a second or longer without a
+    /// Sets the listener that receives, once a second, the programs that have computed for a second or longer without a
     /// call: `r1 computes at loop.c:5`. It is called on the thread that advances the run, and does not change the run.
     pub fn listen_to_computing(&mut self, listener: impl FnMut(&str) + Send + 'static) {
         self.listener = Some(Box::new(listener));
@@ -447,11 +447,11 @@ impl Scheduler {
         let (run, Some(listener)) = (&self.run, &mut self.listener) else { return };
         let is_long = |id: &&RobotId| run.executor().is_overdue(**id, LONG.as_secs_f64()) && !run.is_removed(**id);
         let words = running.iter().filter(is_long).take(MAX).map(|id| {
-            let place = run.program(*id).and_then(|program| match program.child() {
-                Some(child) => program_status::line_of_computing(&child.computing_place()?, program),
-                None => program_status::line_of(&run.executor().place(*id), program),
+            let location = run.program(*id).and_then(|program| match program.child() {
+                Some(child) => program_status::line_of_computing(&child.computing_location()?, program),
+                None => program_status::line_of(&run.executor().backtrace(*id), program),
             });
-            place.map_or(format!("{id} computes"), |place| format!("{id} computes at {place}"))
+            location.map_or(format!("{id} computes"), |location| format!("{id} computes at {location}"))
         });
         let words = words.collect::<Vec<_>>().join(", ");
         if !words.is_empty() {

@@ -24,7 +24,7 @@ pub struct Script {
 
 impl Script {
     /// Creates a script of these actions; each is carried out at the start of the slot that contains its time. Faults
-    /// are left out: they belong to the scene and recur on their own.
+    /// are omitted: they belong to the scene and recur on their own.
     pub fn new(actions: impl IntoIterator<Item = (Time, Action)>) -> Self {
         let is_user_action = |(_, action): &(Time, Action)| !matches!(action, Action::Fault { .. });
         let mut actions: Vec<_> = actions.into_iter().filter(is_user_action).collect();

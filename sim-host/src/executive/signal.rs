@@ -42,8 +42,8 @@ pub struct FlowBlock {
     float_environment: AtomicU32,
     /// The watchdog's signal came while `in_host`: the thread parks itself when it leaves the host.
     overdue: AtomicBool,
-    /// State of a request for the location, see [`place`].
-    place: AtomicU8,
+    /// State of a request for the location, see [`backtrace`].
+    backtrace: AtomicU8,
     /// Program counter and stack pointer of the location.
     place_registers: [AtomicUsize; 2],
     fault_signal: AtomicI32,
@@ -71,10 +71,10 @@ const WORDS_OF_CONSOLES: usize = 2 * size_of::<Console>() / size_of::<usize>();
 const MARK: usize = 0x5AFE_B10C_0DDB_A115;
 
 /// No request for the location is open.
-const PLACE_KNOWN: u8 = 0;
+const BACKTRACE_READY: u8 = 0;
 
 /// The signal that asks for the location has been sent.
-const PLACE_ASKED: u8 = 1;
+const BACKTRACE_REQUESTED: u8 = 1;
 
 /// Action at a fault.
 enum OnFault {
@@ -95,7 +95,7 @@ pub struct Leave {
     pub from_call: fn() -> !,
 }
 
-/// Callback for a fault of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread goes on.
+/// Callback for a fault of the thread that the block belongs to; runs on its alternate stack. If it returns, the thread continues.
 pub type FaultCallback = fn(&FlowBlock, Fault);
 
 /// A fault as the kernel reported it.
@@ -162,7 +162,7 @@ impl FlowBlock {
             faults_are_of_process: AtomicBool::new(false),
             float_environment: AtomicU32::new(0),
             overdue: AtomicBool::new(false),
-            place: AtomicU8::new(PLACE_KNOWN),
+            backtrace: AtomicU8::new(BACKTRACE_READY),
             place_registers: Default::default(),
             fault_signal: AtomicI32::new(0),
             fault_code: AtomicI32::new(0),
@@ -469,17 +469,17 @@ impl HandlerState {
     fn install(&mut self) -> io::Result<()> {
         guard_process();
         let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
-        for (place, signal) in CAUGHT.into_iter().enumerate() {
+        for (index, signal) in CAUGHT.into_iter().enumerate() {
             // SAFETY: nothing changes.
             let previous = unsafe { change_action(signal, None) }?;
             // Our handler may still be installed below another one that chains to it, unless other code has restored the default action.
             let is_taken_back = matches!(previous.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN);
-            if self.previous[place].is_none() || is_taken_back {
-                PREVIOUS[place].handler.store(previous.sa_sigaction, Ordering::Relaxed);
-                PREVIOUS[place].flags.store(previous.sa_flags, Ordering::Release);
+            if self.previous[index].is_none() || is_taken_back {
+                PREVIOUS[index].handler.store(previous.sa_sigaction, Ordering::Relaxed);
+                PREVIOUS[index].flags.store(previous.sa_flags, Ordering::Release);
                 // SAFETY: `on_fault` has the type of an SA_SIGINFO handler; what it calls is async-signal-safe.
                 unsafe { change_action(signal, Some(&on_fault)) }?;
-                self.previous[place] = Some(previous);
+                self.previous[index] = Some(previous);
             }
         }
         ARE_HELD.store(true, Ordering::Release);
@@ -548,7 +548,7 @@ extern "C" fn on_fork_in_child() {
 /// # Safety
 /// The arguments must be those of an SA_SIGINFO handler.
 unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
-    let Some(previous) = CAUGHT.iter().position(|caught| *caught == signal).map(|place| &PREVIOUS[place]) else {
+    let Some(previous) = CAUGHT.iter().position(|caught| *caught == signal).map(|index| &PREVIOUS[index]) else {
         return;
     };
     let flags = previous.flags.load(Ordering::Acquire);
@@ -590,7 +590,7 @@ pub fn copy_own_memory(address: usize, words: &mut [usize]) -> usize {
     copy_if_mapped(address, words).unwrap_or_else(|| {
         let from = ptr::with_exposed_provenance::<usize>(address);
         // SAFETY: callers ask for words of stacks, which are assumed to be mapped; every bit pattern is a valid usize.
-        words.iter_mut().enumerate().for_each(|(place, word)| *word = unsafe { from.add(place).read_unaligned() });
+        words.iter_mut().enumerate().for_each(|(index, word)| *word = unsafe { from.add(index).read_unaligned() });
         words.len()
     })
 }
@@ -632,18 +632,18 @@ pub fn stop_overdue(block: &FlowBlock) {
 
 /// Program counter and stack pointer of the running flow of `block`; its thread continues immediately. `None` if the
 /// flow is inside a call, or does not run any more.
-pub fn place(block: &FlowBlock) -> Option<[usize; 2]> {
+pub fn backtrace(block: &FlowBlock) -> Option<[usize; 2]> {
     /// Time within which a running thread receives the signal, even on a loaded machine.
     const TIMEOUT: Duration = Duration::from_millis(200);
-    block.place.store(PLACE_ASKED, Ordering::Relaxed);
+    block.backtrace.store(BACKTRACE_REQUESTED, Ordering::Relaxed);
     let tid = block.tid.load(Ordering::Relaxed);
     // SAFETY: tgkill takes no pointer; if the thread has ended meanwhile, the call fails without effect.
     unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), tid, OVERDUE_SIGNAL) };
     let start = Instant::now();
-    while block.place.load(Ordering::Acquire) == PLACE_ASKED {
+    while block.backtrace.load(Ordering::Acquire) == BACKTRACE_REQUESTED {
         if start.elapsed() > TIMEOUT {
             // The signal may still arrive: then it finds no request.
-            block.place.store(PLACE_KNOWN, Ordering::Relaxed);
+            block.backtrace.store(BACKTRACE_READY, Ordering::Relaxed);
             return None;
         }
         std::thread::sleep(Duration::from_micros(100));
@@ -668,12 +668,12 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
         // The signal may be late: another fiber runs on the thread by now. Inside a call, the thread stops when it
         // leaves the host.
         let in_host = block.in_host.load(Ordering::Relaxed);
-        if block.place.load(Ordering::Relaxed) == PLACE_ASKED && !in_host {
+        if block.backtrace.load(Ordering::Relaxed) == BACKTRACE_REQUESTED && !in_host {
             // SAFETY: `context` is what the kernel passed to this SA_SIGINFO handler.
             let (pc, sp) = unsafe { registers(context) };
             block.place_registers[0].store(pc, Ordering::Relaxed);
             block.place_registers[1].store(sp, Ordering::Relaxed);
-            block.place.store(PLACE_KNOWN, Ordering::Release);
+            block.backtrace.store(BACKTRACE_READY, Ordering::Release);
         }
         if !block.overdue.load(Ordering::Relaxed) || in_host {
             return;

@@ -83,7 +83,7 @@ pub struct NewRobot {
     /// The robot itself.
     pub robot: Robot,
     /// Noise model of its radio messages.
-    pub heard: RadioNoise,
+    pub radio_noise: RadioNoise,
     /// Its loaded program, and the prepared program of which it is a copy; `None` for a robot without a program.
     pub program: Option<(RobotProgram, Arc<Prepared>)>,
 }
@@ -138,9 +138,9 @@ impl Spawner {
         let programs = self.programs.clone();
         let made =
             scene.robots.iter().zip(&programs).map(|(spec, program)| self.make(spec, program.as_ref(), Time::ZERO));
-        let (mut robots, heard): (Vec<Robot>, Vec<RadioNoise>) =
+        let (mut robots, radio_noise): (Vec<Robot>, Vec<RadioNoise>) =
             made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        let world = self.factory.world(&scene, robots.iter_mut().map(|robot| &mut robot.state), heard)?;
+        let world = self.factory.world(&scene, robots.iter_mut().map(|robot| &mut robot.state), radio_noise)?;
         Ok((world, robots))
     }
 
@@ -153,9 +153,9 @@ impl Spawner {
         if let (Some(id), None) = (program_of, &prepared) {
             return Err(SpawnError::NoProgram(id));
         }
-        let (robot, heard) = self.make(&spec, prepared.as_ref(), since)?;
+        let (robot, radio_noise) = self.make(&spec, prepared.as_ref(), since)?;
         let program = prepared.map(|prepared| Ok::<_, SpawnError>((self.load(&spec, &prepared)?, prepared)));
-        Ok(NewRobot { spec, robot, heard, program: program.transpose()? })
+        Ok(NewRobot { spec, robot, radio_noise, program: program.transpose()? })
     }
 
     /// Loads the program of a spawned robot.
@@ -191,7 +191,7 @@ impl Spawner {
         program: Option<&Arc<Prepared>>,
         since: Time,
     ) -> Result<(Robot, RadioNoise), FactoryError> {
-        let (mut state, heard) = self.factory.robot(spec, since)?;
+        let (mut state, radio_noise) = self.factory.robot(spec, since)?;
         let is_meant = |press: &&Press| press.robot.is_none_or(|robot| robot == spec.id) && press.at >= since;
         let presses = self.options.keys.iter().filter(is_meant);
         presses.for_each(|press| state.devices.press(press.at, press.touch));
@@ -215,7 +215,7 @@ impl Spawner {
         let name = program.map(|program| program.name.clone()).unwrap_or_default();
         let mut robot = Robot::new(state, robios, name);
         robot.record_start();
-        Ok((robot, heard))
+        Ok((robot, radio_noise))
     }
 }
 

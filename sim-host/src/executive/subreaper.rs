@@ -30,11 +30,11 @@ impl Subreaper {
         let start = Instant::now();
         let mut killed = BTreeSet::new();
         while start.elapsed() < TIMEOUT {
-            let left: Vec<i32> = children().difference(&self.before).copied().collect();
-            if left.is_empty() {
+            let orphans: Vec<i32> = children().difference(&self.before).copied().collect();
+            if orphans.is_empty() {
                 break;
             }
-            for pid in left {
+            for pid in orphans {
                 // SAFETY: neither call takes a pointer; no other code waits for a process that a program has started,
                 // so that its number still identifies it.
                 unsafe {

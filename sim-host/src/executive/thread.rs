@@ -302,10 +302,10 @@ impl Executor for ThreadExecutor {
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
         let Some(notifier) = self.notifier.get() else { unreachable!("the run has begun") };
         let threads = Arc::clone(self.robot(robot));
-        let place = Arc::new(ThreadFlow::new(Arc::clone(notifier))?);
+        let thread_flow = Arc::new(ThreadFlow::new(Arc::clone(notifier))?);
         let (adopted, adoption) = mpsc::sync_channel(1);
         let name = if task == MAIN { robot.to_string() } else { format!("{robot}.{task}") };
-        let own = Arc::clone(&place);
+        let own = Arc::clone(&thread_flow);
         let life = move || {
             let result = own.adopt_current_thread();
             let is_adopted = result.is_ok();
@@ -320,12 +320,12 @@ impl Executor for ThreadExecutor {
         };
         let thread = thread::Builder::new().name(name).stack_size(STACK).spawn(life)?;
         // The handle must be known before the flow may continue.
-        *place.thread.lock() = Some(thread);
+        *thread_flow.thread.lock() = Some(thread);
         let adopted = adoption.recv().map_err(io::Error::other)?;
-        adopted.inspect_err(|_| _ = place.join(JOIN_TIMEOUT))?;
+        adopted.inspect_err(|_| _ = thread_flow.join(JOIN_TIMEOUT))?;
         let mut flows = self.robot(robot).flows.lock();
-        flows.token_holder.get_or_insert_with(|| Arc::clone(&place));
-        flows.list.push((task, place));
+        flows.token_holder.get_or_insert_with(|| Arc::clone(&thread_flow));
+        flows.list.push((task, thread_flow));
         Ok(())
     }
 
@@ -396,10 +396,10 @@ impl Executor for ThreadExecutor {
         sample.is_some_and(|sample| flow.timer.lock().is_overdue(&sample, timeout))
     }
 
-    fn place(&self, robot: RobotId) -> Vec<usize> {
+    fn backtrace(&self, robot: RobotId) -> Vec<usize> {
         let threads = self.robot(robot);
         let flow = threads.active_flow().filter(|_| threads.child.get().is_none() && threads.embedded.get().is_none());
-        flow.map(|flow| place(&flow.block)).unwrap_or_default()
+        flow.map(|flow| backtrace(&flow.block)).unwrap_or_default()
     }
 
     fn break_overdue(&self, robot: RobotId) {
@@ -417,9 +417,9 @@ impl Executor for ThreadExecutor {
 }
 
 /// See [`Executor::place`]; a flow that sleeps in the kernel is not asked, since the signal would end its sleep.
-pub(super) fn place(block: &FlowBlock) -> Vec<usize> {
+pub(super) fn backtrace(block: &FlowBlock) -> Vec<usize> {
     let computes = FlowSample::at_thread(block).is_some_and(|sample| !sample.is_asleep);
-    let Some([pc, sp]) = computes.then(|| signal::place(block)).flatten() else { return Vec::new() };
+    let Some([pc, sp]) = computes.then(|| signal::backtrace(block)).flatten() else { return Vec::new() };
     std::iter::once(pc).chain(stack_words(sp, block.stack_bounds())).collect()
 }
 

@@ -13,21 +13,21 @@ use crate::files::read_regular;
 use crate::record::log::Printable;
 
 /// Maximum total size of a submission's files, packed and unpacked, in bytes.
-pub const MOST_BYTES: u64 = 256 << 20;
+pub const MAX_BYTES: u64 = 256 << 20;
 /// Maximum number of entries of a submission.
-pub const MOST_ENTRIES: usize = 20_000;
+pub const MAX_ENTRIES: usize = 20_000;
 /// Maximum unpacked size of an archive with all submissions, in bytes.
-const MOST_CLASS_BYTES: u64 = 1 << 30;
+const MAX_CLASS_BYTES: u64 = 1 << 30;
 /// Maximum number of entries of an archive with all submissions.
-const MOST_CLASS_ENTRIES: usize = 400_000;
+const MAX_CLASS_ENTRIES: usize = 400_000;
 /// Maximum nesting depth of archives and folders.
-const MOST_DEPTH: usize = 12;
+const MAX_DEPTH: usize = 12;
 /// Maximum nesting depth of archives, the outer one included.
-const MOST_NESTED: usize = 3;
+const MAX_NESTED: usize = 3;
 /// Maximum length of a path, in bytes.
-const MOST_PATH: usize = 1024;
+const MAX_PATH: usize = 1024;
 /// Maximum length of a file name, in bytes: the limit of Linux.
-const MOST_NAME: usize = 255;
+const MAX_NAME: usize = 255;
 
 /// Files by their paths with slashes, and remarks about what was left out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -72,23 +72,25 @@ pub enum ArchiveError {
     #[error("it has more than {0} entries")]
     Entries(usize),
     /// Archives are nested too deeply.
-    #[error(
-        "`{0}` lies too deep: at most {MOST_NESTED} archives within each other, and {MOST_DEPTH} folders, are read"
-    )]
+    #[error("`{0}` lies too deep: at most {MAX_NESTED} archives within each other, and {MAX_DEPTH} folders, are read")]
     Depth(String),
 }
 
 /// Supported kinds of archives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum ArchiveKind {
     Zip,
     Tar,
     TarGz,
 }
 
 /// Extensions of supported archives.
-const KINDS: [(&str, Kind); 4] =
-    [(".zip", Kind::Zip), (".tar", Kind::Tar), (".tar.gz", Kind::TarGz), (".tgz", Kind::TarGz)];
+const KINDS: [(&str, ArchiveKind); 4] = [
+    (".zip", ArchiveKind::Zip),
+    (".tar", ArchiveKind::Tar),
+    (".tar.gz", ArchiveKind::TarGz),
+    (".tgz", ArchiveKind::TarGz),
+];
 /// Extensions of unsupported archives.
 const OTHER: [&str; 9] = [".rar", ".7z", ".tar.xz", ".txz", ".tar.bz2", ".tbz2", ".tar.zst", ".gz", ".xz"];
 
@@ -102,7 +104,7 @@ pub fn stem_of_other_archive(name: &str) -> Option<&str> {
     if kind_of(name).is_some() { None } else { OTHER.iter().find_map(|ending| without_ending(name, ending)) }
 }
 
-fn kind_of(name: &str) -> Option<(&str, Kind)> {
+fn kind_of(name: &str) -> Option<(&str, ArchiveKind)> {
     KINDS.into_iter().find_map(|(ending, kind)| Some((without_ending(name, ending)?, kind)))
 }
 
@@ -116,26 +118,26 @@ fn without_ending<'n>(name: &'n str, ending: &str) -> Option<&'n str> {
 /// Reads a submission of several parts within common limits.
 pub struct Reader<'w> {
     /// Predicate on paths: files whose contents are wanted; archives are always opened.
-    wanted: &'w dyn Fn(&str) -> bool,
+    is_wanted: &'w dyn Fn(&str) -> bool,
     /// An archive with all submissions: archives in it stay closed, and all other entries appear, without contents
     /// unless wanted.
     is_class: bool,
-    most_bytes: u64,
-    most_entries: usize,
-    left: u64,
+    byte_limit: u64,
+    max_entries: usize,
+    remaining: u64,
     entries: usize,
     contents: Contents,
 }
 
 impl<'w> Reader<'w> {
-    /// Creates a reader of the files for which `wanted` returns true.
+    /// Creates a reader of the files for which `is_wanted` returns true.
     pub fn new(wanted: &'w dyn Fn(&str) -> bool) -> Self {
         Self {
-            wanted,
+            is_wanted: wanted,
             is_class: false,
-            most_bytes: MOST_BYTES,
-            most_entries: MOST_ENTRIES,
-            left: MOST_BYTES,
+            byte_limit: MAX_BYTES,
+            max_entries: MAX_ENTRIES,
+            remaining: MAX_BYTES,
             entries: 0,
             contents: Contents::default(),
         }
@@ -145,9 +147,9 @@ impl<'w> Reader<'w> {
     pub fn of_class(wanted: &'w dyn Fn(&str) -> bool) -> Self {
         Self {
             is_class: true,
-            most_bytes: MOST_CLASS_BYTES,
-            most_entries: MOST_CLASS_ENTRIES,
-            left: MOST_CLASS_BYTES,
+            byte_limit: MAX_CLASS_BYTES,
+            max_entries: MAX_CLASS_ENTRIES,
+            remaining: MAX_CLASS_BYTES,
             ..Self::new(wanted)
         }
     }
@@ -170,7 +172,7 @@ impl<'w> Reader<'w> {
         self.count()?;
         let metadata = fs::symlink_metadata(path).map_err(io)?;
         if metadata.is_dir() {
-            if depth == MOST_DEPTH {
+            if depth == MAX_DEPTH {
                 return Err(ArchiveError::Depth(printable(name)));
             }
             let mut entries = fs::read_dir(path).map_err(io)?.collect::<Result<Vec<_>, _>>().map_err(io)?;
@@ -191,7 +193,7 @@ impl<'w> Reader<'w> {
         if is_junk(name) || !self.is_read(name) {
             return Ok(());
         }
-        if metadata.len() > self.left {
+        if metadata.len() > self.remaining {
             return Err(self.too_large());
         }
         let bytes = read_regular(path).map_err(io)?;
@@ -204,15 +206,15 @@ impl<'w> Reader<'w> {
     /// # Errors
     /// [`ArchiveError`].
     pub fn read_file(&mut self, name: &str, bytes: Vec<u8>, nested: usize) -> Result<(), ArchiveError> {
-        self.left = self.left.checked_sub(bytes.len() as u64).ok_or_else(|| self.too_large())?;
+        self.remaining = self.remaining.checked_sub(bytes.len() as u64).ok_or_else(|| self.too_large())?;
         match kind_of(name) {
             _ if self.is_class && nested > 0 => {
                 self.contents.files.insert(name.to_owned(), bytes);
                 Ok(())
             }
-            Some(_) if nested == MOST_NESTED => Err(ArchiveError::Depth(printable(name))),
+            Some(_) if nested == MAX_NESTED => Err(ArchiveError::Depth(printable(name))),
             Some((stem, kind)) => self.open(name, stem, kind, bytes, nested + 1),
-            None if (self.wanted)(name) => {
+            None if (self.is_wanted)(name) => {
                 self.contents.files.insert(name.to_owned(), bytes);
                 Ok(())
             }
@@ -224,15 +226,22 @@ impl<'w> Reader<'w> {
         }
     }
 
-    fn open(&mut self, name: &str, stem: &str, kind: Kind, bytes: Vec<u8>, nested: usize) -> Result<(), ArchiveError> {
+    fn open(
+        &mut self,
+        name: &str,
+        stem: &str,
+        kind: ArchiveKind,
+        bytes: Vec<u8>,
+        nested: usize,
+    ) -> Result<(), ArchiveError> {
         let broken = |error: String| ArchiveError::Broken { name: printable(name), error };
         match kind {
-            Kind::Zip => self.open_zip(name, stem, bytes, nested),
-            Kind::Tar => self.open_tar(name, stem, Cursor::new(bytes), nested),
-            Kind::TarGz => {
+            ArchiveKind::Zip => self.open_zip(name, stem, bytes, nested),
+            ArchiveKind::Tar => self.open_tar(name, stem, Cursor::new(bytes), nested),
+            ArchiveKind::TarGz => {
                 // Skipped entries are decompressed, too.
-                let most = self.left + (self.most_entries as u64) * 1024;
-                let mut inflated = flate2::read::MultiGzDecoder::new(Cursor::new(bytes)).take(most + 1);
+                let max_bytes = self.remaining + (self.max_entries as u64) * 1024;
+                let mut inflated = flate2::read::MultiGzDecoder::new(Cursor::new(bytes)).take(max_bytes + 1);
                 let result = self.open_tar(name, stem, &mut inflated, nested);
                 if inflated.limit() == 0 {
                     return Err(self.too_large());
@@ -299,8 +308,8 @@ impl<'w> Reader<'w> {
     /// The content of an entry, whose stated size is not trusted; no error if it is too large.
     fn take(&self, file: &mut impl Read) -> Result<Vec<u8>, Option<io::Error>> {
         let mut content = Vec::new();
-        let read = file.take(self.left + 1).read_to_end(&mut content).map_err(Some)?;
-        if read as u64 > self.left { Err(None) } else { Ok(content) }
+        let read = file.take(self.remaining + 1).read_to_end(&mut content).map_err(Some)?;
+        if read as u64 > self.remaining { Err(None) } else { Ok(content) }
     }
 
     /// Path of an entry of the archive `name`; `None` for files that operating systems add.
@@ -320,10 +329,10 @@ impl<'w> Reader<'w> {
             }
         }
         let path = parts.join("/");
-        if parts.len() > MOST_DEPTH * MOST_NESTED {
+        if parts.len() > MAX_DEPTH * MAX_NESTED {
             return Err(ArchiveError::Depth(printable(&path)));
         }
-        if path.len() > MOST_PATH || parts.iter().any(|part| part.len() > MOST_NAME) {
+        if path.len() > MAX_PATH || parts.iter().any(|part| part.len() > MAX_NAME) {
             self.note(&path.chars().take(80).collect::<String>(), "has a name that is too long");
             return Ok(None);
         }
@@ -332,7 +341,7 @@ impl<'w> Reader<'w> {
 
     /// Returns true if the content of the file is read: it is wanted, or an archive.
     fn is_read(&mut self, name: &str) -> bool {
-        let is_read = (self.wanted)(name) || kind_of(name).is_some();
+        let is_read = (self.is_wanted)(name) || kind_of(name).is_some();
         if !is_read && stem_of_other_archive(name).is_some() {
             self.note(name, "is an archive of a kind that is not read; expected .zip, .tar or .tar.gz");
         }
@@ -349,16 +358,16 @@ impl<'w> Reader<'w> {
 
     fn count(&mut self) -> Result<(), ArchiveError> {
         self.entries += 1;
-        if self.entries > self.most_entries { Err(ArchiveError::Entries(self.most_entries)) } else { Ok(()) }
+        if self.entries > self.max_entries { Err(ArchiveError::Entries(self.max_entries)) } else { Ok(()) }
     }
 
     fn too_large(&self) -> ArchiveError {
-        ArchiveError::Size(self.most_bytes)
+        ArchiveError::Size(self.byte_limit)
     }
 
     fn note(&mut self, name: &str, what: &str) {
-        const MOST: usize = 20;
-        if self.contents.notes.len() < MOST {
+        const MAX_NOTES: usize = 20;
+        if self.contents.notes.len() < MAX_NOTES {
             self.contents.notes.push(format!("`{}` {what}: it is not read", printable(name)));
         }
     }
@@ -372,7 +381,7 @@ pub fn is_junk(path: &str) -> bool {
     })
 }
 
-/// Kind of a file without contents.
+/// ArchiveKind of a file without contents.
 fn kind_in_words(kind: FileType) -> &'static str {
     if kind.is_symlink() {
         "is a link"
@@ -428,8 +437,8 @@ mod tests {
     }
 
     fn read(name: &str, bytes: Vec<u8>) -> Result<Contents, ArchiveError> {
-        let wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
-        let mut reader = Reader::new(&wanted);
+        let is_wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
+        let mut reader = Reader::new(&is_wanted);
         reader.read_file(name, bytes, 0)?;
         Ok(reader.into_contents())
     }
@@ -491,7 +500,7 @@ mod tests {
 
     #[test]
     fn bombs_and_broken_archives_are_refused() {
-        let zeros = vec![0; (MOST_BYTES / 4) as usize + 1];
+        let zeros = vec![0; (MAX_BYTES / 4) as usize + 1];
         let entries: Vec<(String, &[u8])> = (0..4).map(|index| (format!("{index}.c"), &zeros[..])).collect();
         let entries: Vec<(&str, &[u8])> = entries.iter().map(|(name, bytes)| (name.as_str(), *bytes)).collect();
         let bomb = zip_of(&entries);
@@ -500,11 +509,11 @@ mod tests {
         // What is skipped is inflated as well.
         let skipped: Vec<(&str, &[u8])> = (0..6).map(|_| ("film.avi", &zeros[..])).collect();
         assert!(matches!(read("x.tgz", gz(&tar_of(&skipped))), Err(ArchiveError::Size(_))));
-        let names: Vec<String> = (0..=MOST_ENTRIES).map(|index| format!("{index}.c")).collect();
+        let names: Vec<String> = (0..=MAX_ENTRIES).map(|index| format!("{index}.c")).collect();
         let many: Vec<(&str, &[u8])> = names.iter().map(|name| (name.as_str(), &b""[..])).collect();
         assert!(matches!(read("x.zip", zip_of(&many)), Err(ArchiveError::Entries(_))));
         let mut nested = zip_of(&[("a.c", b"1")]);
-        for _ in 0..MOST_NESTED {
+        for _ in 0..MAX_NESTED {
             nested = zip_of(&[("x.zip", &nested)]);
         }
         assert!(matches!(read("x.zip", nested), Err(ArchiveError::Depth(_))));

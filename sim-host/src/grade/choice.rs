@@ -14,9 +14,9 @@ use crate::program::language::Language;
 use crate::record::log::Pattern;
 
 /// Maximum number of sources of a program.
-const MOST_SOURCES: usize = 200;
+const MAX_SOURCES: usize = 200;
 /// Maximum number of names in a message.
-const MOST_NAMES: usize = 6;
+const MAX_NAMES: usize = 6;
 /// Extensions of files that sources include.
 const HEADERS: [&str; 8] = ["h", "hh", "hpp", "hxx", "inc", "ipp", "tpp", "def"];
 
@@ -31,13 +31,13 @@ pub struct Choice {
 
 /// Language of a file that matches a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum SourceKind {
     Source,
     Python,
     Library,
 }
 
-impl Kind {
+impl SourceKind {
     fn of(path: &str) -> Option<Self> {
         match extension(path).as_str() {
             "py" => Some(Self::Python),
@@ -49,10 +49,10 @@ impl Kind {
 
 /// Returns true for a file that may be part of a program: other files of a submission are not read.
 pub fn is_wanted(submit: &[SubmitSpec], path: &str) -> bool {
-    Kind::of(path).is_some() || is_header(path) || submit.iter().any(|submit| fits(submit, path))
+    SourceKind::of(path).is_some() || is_header(path) || submit.iter().any(|submit| fits(submit, path))
 }
 
-/// Chooses the files of each program. Files with a name in `supplied` are left out: the suite supplies its own.
+/// Chooses the files of each program. Files with a name in `supplied` are omitted: the suite supplies its own.
 ///
 /// # Errors
 /// No file or too many files match; with the message for the student.
@@ -65,7 +65,7 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
         let fitting = without_copies(fitting.collect(), contents);
         let expected = || patterns(submit);
         let Some(first) = fitting.first() else { return Err(nothing_fits(submit, supplied, contents)) };
-        let of_robot = |path: &str| Kind::of(path);
+        let of_robot = |path: &str| SourceKind::of(path);
         let Some(kind) = of_robot(first) else {
             return Err(format!(
                 "`{}` is no program: expected a source in C or C++, a program in Python, or a library",
@@ -75,7 +75,7 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
         if fitting.iter().any(|path| of_robot(path) != Some(kind)) {
             return Err(format!("files of several kinds fit {}: {}; expected one kind", expected(), names(&fitting)));
         }
-        if kind != Kind::Source && fitting.len() > 1 {
+        if kind != SourceKind::Source && fitting.len() > 1 {
             return Err(format!(
                 "{} files fit {}: {}; expected the one that is to be started",
                 fitting.len(),
@@ -83,8 +83,8 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
                 names(&fitting)
             ));
         }
-        if fitting.len() > MOST_SOURCES {
-            return Err(format!("{} files fit {}; expected at most {MOST_SOURCES}", fitting.len(), expected()));
+        if fitting.len() > MAX_SOURCES {
+            return Err(format!("{} files fit {}; expected at most {MAX_SOURCES}", fitting.len(), expected()));
         }
         let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
         for path in &fitting {
@@ -105,9 +105,11 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
         }
         choice.programs.push((submit.robots.clone(), fitting.into_iter().map(str::to_owned).collect()));
     }
-    let has_python =
-        choice.programs.iter().any(|(_, files)| files.iter().any(|path| Kind::of(path) == Some(Kind::Python)));
-    let is_module = |path: &str| has_python && Kind::of(path) == Some(Kind::Python) && !is_supplied(path);
+    let has_python = choice
+        .programs
+        .iter()
+        .any(|(_, files)| files.iter().any(|path| SourceKind::of(path) == Some(SourceKind::Python)));
+    let is_module = |path: &str| has_python && SourceKind::of(path) == Some(SourceKind::Python) && !is_supplied(path);
     let is_part = |path: &str| is_header(path) || is_module(path);
     let chosen = |path: &String| owners.contains_key(path.as_str()) || is_part(path);
     let files = contents.files.iter().filter(|(path, _)| chosen(path));
@@ -130,21 +132,21 @@ impl Choice {
         let mut layout = Layout::default();
         for (robots, sources) in &self.programs {
             let own = Self::folder_of(robots);
-            let place = |path: &str| format!("{own}/{}", on_disk(path));
+            let path_of = |path: &str| format!("{own}/{}", on_disk(path));
             for (path, bytes) in &self.files {
                 // Sources of other robots would otherwise be compiled along with these.
-                if Kind::of(path).is_none_or(|kind| kind == Kind::Python) || sources.contains(path) {
-                    layout.files.insert(place(path), bytes.clone());
+                if SourceKind::of(path).is_none_or(|kind| kind == SourceKind::Python) || sources.contains(path) {
+                    layout.files.insert(path_of(path), bytes.clone());
                 }
             }
-            let places: Vec<String> = sources.iter().map(|path| place(path)).collect();
-            let folder = |place: &String| place.rsplit_once('/').map(|(folder, _)| folder.to_owned());
-            let first = places.first().and_then(folder);
+            let paths: Vec<String> = sources.iter().map(|path| path_of(path)).collect();
+            let folder = |path_of: &String| path_of.rsplit_once('/').map(|(folder, _)| folder.to_owned());
+            let first = paths.first().and_then(folder);
             // The name of a program, which is its folder's name, is part of its record, so that equal programs in files
             // with different names behave the same.
-            let is_source = sources.iter().all(|path| Kind::of(path) == Some(Kind::Source));
-            let is_folder = is_source && places.iter().all(|place| folder(place) == first);
-            let program = first.filter(|_| is_folder).map_or(places, |folder| vec![folder]);
+            let is_source = sources.iter().all(|path| SourceKind::of(path) == Some(SourceKind::Source));
+            let is_folder = is_source && paths.iter().all(|path_of| folder(path_of) == first);
+            let program = first.filter(|_| is_folder).map_or(paths, |folder| vec![folder]);
             layout.programs.push((robots.clone(), program));
         }
         layout
@@ -157,13 +159,13 @@ impl Choice {
     pub fn write(&self, folder: &Path) -> io::Result<Vec<ProgramOption>> {
         let layout = self.layout();
         for (path, bytes) in &layout.files {
-            let place = folder.join(path);
-            fs::create_dir_all(place.parent().unwrap_or(folder))?;
-            fs::write(place, bytes)?;
+            let target = folder.join(path);
+            fs::create_dir_all(target.parent().unwrap_or(folder))?;
+            fs::write(target, bytes)?;
         }
         let option = |(robots, paths): &(String, Vec<String>)| {
-            let places: Vec<String> = paths.iter().map(|path| slashed(&folder.join(path))).collect();
-            ProgramOption::parse(&format!("{robots}={}", places.join(","))).map_err(io::Error::other)
+            let full_paths: Vec<String> = paths.iter().map(|path| slashed(&folder.join(path))).collect();
+            ProgramOption::parse(&format!("{robots}={}", full_paths.join(","))).map_err(io::Error::other)
         };
         layout.programs.iter().map(option).collect()
     }
@@ -193,7 +195,7 @@ fn fits(submit: &SubmitSpec, path: &str) -> bool {
     })
 }
 
-/// The paths without duplicates: a file is left out if a shorter path has the same file name and contents.
+/// The paths without duplicates: a file is omitted if a shorter path has the same file name and contents.
 fn without_copies<'p>(mut paths: Vec<&'p str>, contents: &Contents) -> Vec<&'p str> {
     paths.sort_by_key(|path| (path.matches('/').count(), *path));
     let mut kept: Vec<&str> = Vec::new();
@@ -230,10 +232,10 @@ fn patterns(submit: &SubmitSpec) -> String {
 }
 
 fn names(paths: &[&str]) -> String {
-    let shown: Vec<String> = paths.iter().take(MOST_NAMES).map(|path| format!("`{}`", printable(path))).collect();
-    let more = paths.len().saturating_sub(MOST_NAMES);
+    let names: Vec<String> = paths.iter().take(MAX_NAMES).map(|path| format!("`{}`", printable(path))).collect();
+    let more = paths.len().saturating_sub(MAX_NAMES);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    format!("{}{more}", shown.join(", "))
+    format!("{}{more}", names.join(", "))
 }
 
 fn is_header(path: &str) -> bool {

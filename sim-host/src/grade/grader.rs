@@ -67,7 +67,7 @@ pub struct Graded {
 pub struct Grader {
     path: PathBuf,
     /// Seeds that students do not see.
-    hidden: BTreeSet<u64>,
+    hidden_seeds: BTreeSet<u64>,
     may_run_checks: bool,
     sandbox: Sandbox,
     suite: Suite,
@@ -89,22 +89,22 @@ pub struct Grader {
 }
 
 impl Grader {
-    /// Reads the suite at `path`, adds the `hidden` seeds to its own, and builds the programs that it brings with `builder`. Compilers and
+    /// Reads the suite at `path`, adds the `hidden_seeds` seeds to its own, and builds the programs that it brings with `builder`. Compilers and
     /// programs of submissions run in `sandbox`.
     ///
     /// # Errors
     /// The suite or a scene has mistakes, does not declare files to submit, or one of its own programs cannot be built.
     pub fn open(
         path: &Path,
-        hidden: &[u64],
+        hidden_seeds: &[u64],
         may_run_checks: bool,
         (builder, sandbox): (Builder, Sandbox),
         interrupt: Interrupt,
     ) -> Result<Self, GradeError> {
         let scratch = tempfile::Builder::new().prefix("eyesim-grade-").tempdir();
         let scratch = scratch.map_err(|error| GradeError::Io { path: std::env::temp_dir(), error })?;
-        let hidden: BTreeSet<u64> = hidden.iter().copied().collect();
-        let suite = open(path, &hidden, may_run_checks, &sandbox, Vec::new())?;
+        let hidden_seeds: BTreeSet<u64> = hidden_seeds.iter().copied().collect();
+        let suite = open(path, &hidden_seeds, may_run_checks, &sandbox, Vec::new())?;
         if suite.spec.submit.is_empty() {
             let what = "does not say which files of a submission are programs: expected `submit = { 1 = [\"*.c\"] }` in `[suite]`";
             return Err(GradeError::Suite(format!("`{}` {what}", suite.spec.file)));
@@ -112,7 +112,7 @@ impl Grader {
         let cases = suite.cases().map_err(GradeError::Suite)?;
         let mut grader = Self {
             path: path.to_owned(),
-            hidden,
+            hidden_seeds,
             may_run_checks,
             sandbox,
             suite,
@@ -159,7 +159,7 @@ impl Grader {
 
     /// Returns true for a case with a seed that students do not see.
     pub fn is_hidden(&self, case: &Case) -> bool {
-        case.options.seed.is_some_and(|seed| self.hidden.contains(&seed))
+        case.options.seed.is_some_and(|seed| self.hidden_seeds.contains(&seed))
     }
 
     /// The scene of a case in which the robots of submissions have no programs.
@@ -251,7 +251,7 @@ impl Grader {
         // Sources in several folders include each other's headers.
         let mut sandbox = self.sandbox.clone();
         sandbox.root = Some(folder.clone());
-        let suite = open(&self.path, &self.hidden, self.may_run_checks, &sandbox, programs)
+        let suite = open(&self.path, &self.hidden_seeds, self.may_run_checks, &sandbox, programs)
             .map_err(|error| error.to_string())?;
         let cases = suite.cases()?;
         let builder = self.builder.take().ok_or("the builder has been used")?.with_sandbox(Some(sandbox));
@@ -304,7 +304,7 @@ impl Grader {
             hasher.update(text.as_bytes());
         };
         add(&format!("eyesim {} {SCHEMA} {}", env!("CARGO_PKG_VERSION"), crate::suite::ROW_SCHEMA));
-        add(&format!("{:?} {:?} {}", self.suite.spec, self.hidden, self.may_run_checks));
+        add(&format!("{:?} {:?} {}", self.suite.spec, self.hidden_seeds, self.may_run_checks));
         add(self.sandbox.level().word());
         for (path, sha256) in inputs {
             add(path);
@@ -337,7 +337,7 @@ impl Graded {
 /// Opens the suite with hidden seeds and programs of a submission, all in `sandbox`.
 fn open(
     path: &Path,
-    hidden: &BTreeSet<u64>,
+    hidden_seeds: &BTreeSet<u64>,
     may_run_checks: bool,
     sandbox: &Sandbox,
     programs: Vec<ProgramOption>,
@@ -351,7 +351,7 @@ fn open(
     }
     suite.may_run_checks = may_run_checks;
     suite.sandbox = Some(sandbox.clone());
-    suite.add_seeds(hidden.iter().copied()).map_err(GradeError::Suite)?;
+    suite.add_seeds(hidden_seeds.iter().copied()).map_err(GradeError::Suite)?;
     Ok(suite)
 }
 

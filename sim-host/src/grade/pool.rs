@@ -40,8 +40,8 @@ pub fn grade_all(
             break;
         }
         let streams: Vec<&UnixStream> = working.iter().map(|(_, process)| &process.stream).collect();
-        for place in readable(&streams, POLL).map_err(PoolError::Wait)?.into_iter().rev() {
-            let (index, mut process) = working.remove(place);
+        for ready in readable(&streams, POLL).map_err(PoolError::Wait)?.into_iter().rev() {
+            let (index, mut process) = working.remove(ready);
             let answer = receive(&mut process.stream);
             let how = process.wait();
             match answer {

@@ -1,7 +1,7 @@
 //! Files of seeds.
 
 /// Maximum number of seeds of a file.
-const MOST_SEEDS: u64 = 100_000;
+const MAX_SEEDS: u64 = 100_000;
 
 /// The text is not a list of seeds.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -31,8 +31,8 @@ pub fn parse_seeds(text: &str) -> Result<Vec<u64>, SeedError> {
                 None => number(word).map(|seed| (seed, seed)),
             };
             let (first, last) = range.ok_or_else(|| error("is no seed"))?;
-            if last - first >= MOST_SEEDS || seeds.len() as u64 + (last - first) >= MOST_SEEDS {
-                return Err(error(&format!("makes more than {MOST_SEEDS} seeds")));
+            if last - first >= MAX_SEEDS || seeds.len() as u64 + (last - first) >= MAX_SEEDS {
+                return Err(error(&format!("makes more than {MAX_SEEDS} seeds")));
             }
             for seed in first..=last {
                 if seeds.contains(&seed) {

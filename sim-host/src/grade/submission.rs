@@ -27,8 +27,8 @@ pub struct Submissions {
     pub ignored: Vec<String>,
 }
 
-/// Part of a submission.
-enum Part {
+/// SubmissionPart of a submission.
+enum SubmissionPart {
     /// A file or folder of the disk, with the name under which its files appear.
     Disk(PathBuf, String),
     /// Files of an archive with all submissions.
@@ -41,9 +41,9 @@ enum Part {
 /// # Errors
 /// The folder or archive as a whole cannot be read.
 pub fn read_all(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Submissions, ArchiveError> {
-    let mut groups: BTreeMap<String, (String, Vec<Part>)> = BTreeMap::new();
+    let mut groups: BTreeMap<String, (String, Vec<SubmissionPart>)> = BTreeMap::new();
     let mut ignored = Vec::new();
-    let mut add = |entry: Entry, part: &mut dyn FnMut(&str) -> Part| match owner(&entry, wanted) {
+    let mut add = |entry: Entry, part: &mut dyn FnMut(&str) -> SubmissionPart| match owner(&entry, wanted) {
         Some(Owner { key, name, file }) => groups.entry(key).or_insert((name, Vec::new())).1.push(part(&file)),
         None if is_junk(&entry.name) => {}
         None => ignored.push(entry.name),
@@ -54,7 +54,9 @@ pub fn read_all(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Submission
             let entry = entry.map_err(error)?;
             let kind = entry.file_type().map_err(error)?;
             let name = entry.file_name().to_string_lossy().into_owned();
-            add(Entry { name, is_folder: kind.is_dir() }, &mut |file| Part::Disk(entry.path(), file.to_owned()));
+            add(Entry { name, is_folder: kind.is_dir() }, &mut |file| {
+                SubmissionPart::Disk(entry.path(), file.to_owned())
+            });
         }
     } else {
         for (name, (is_folder, mut files)) in of_archive(path, wanted)? {
@@ -63,7 +65,7 @@ pub fn read_all(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Submission
                     Some((_, rest)) => (format!("{file}/{rest}"), bytes),
                     None => (file.to_owned(), bytes),
                 };
-                Part::Files(std::mem::take(&mut files).into_iter().map(renamed).collect())
+                SubmissionPart::Files(std::mem::take(&mut files).into_iter().map(renamed).collect())
             });
         }
     }
@@ -83,27 +85,29 @@ pub fn read_all(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Submission
 /// Reads one submission: the file, archive or folder `path` as a whole.
 pub fn read_one(path: &Path, name: &str, wanted: &dyn Fn(&str) -> bool) -> Submission {
     let file = if path.is_dir() { String::new() } else { name_of(path) };
-    let contents = read_parts(vec![Part::Disk(path.to_owned(), file)], wanted);
+    let contents = read_parts(vec![SubmissionPart::Disk(path.to_owned(), file)], wanted);
     Submission { name: name.to_owned(), folder: folder_name(name), contents }
 }
 
-fn read_parts(mut parts: Vec<Part>, wanted: &dyn Fn(&str) -> bool) -> Result<Contents, String> {
+fn read_parts(mut parts: Vec<SubmissionPart>, wanted: &dyn Fn(&str) -> bool) -> Result<Contents, String> {
     parts.sort_by(|a, b| part_name(a).cmp(part_name(b)));
     let mut reader = Reader::new(wanted);
     for part in parts {
         let read = match part {
-            Part::Disk(path, name) => reader.read_path(&path, &name),
-            Part::Files(files) => files.into_iter().try_for_each(|(name, bytes)| reader.read_file(&name, bytes, 0)),
+            SubmissionPart::Disk(path, name) => reader.read_path(&path, &name),
+            SubmissionPart::Files(files) => {
+                files.into_iter().try_for_each(|(name, bytes)| reader.read_file(&name, bytes, 0))
+            }
         };
         read.map_err(|error| format!("the submission is refused: {error}"))?;
     }
     Ok(without_common_folders(reader.into_contents()))
 }
 
-fn part_name(part: &Part) -> &str {
+fn part_name(part: &SubmissionPart) -> &str {
     match part {
-        Part::Disk(_, name) => name,
-        Part::Files(files) => files.keys().next().map_or("", String::as_str),
+        SubmissionPart::Disk(_, name) => name,
+        SubmissionPart::Files(files) => files.keys().next().map_or("", String::as_str),
     }
 }
 
@@ -237,9 +241,9 @@ fn without_attempt(file: &str) -> String {
 
 /// A name for a folder: letters of any script, digits, `-`, `_` and `.`.
 fn folder_name(name: &str) -> String {
-    const MOST: usize = 60;
-    let kept = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
-    let text: String = name.trim().chars().take(MOST).map(kept).collect();
+    const MAX_CHARACTERS: usize = 60;
+    let sanitized = |c: char| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
+    let text: String = name.trim().chars().take(MAX_CHARACTERS).map(sanitized).collect();
     let text = text.trim_matches(['.', '_']);
     if text.is_empty() { "unnamed".to_owned() } else { text.to_owned() }
 }
@@ -264,8 +268,8 @@ mod tests {
 
     #[track_caller]
     fn check(entry: &str, is_folder: bool, expected: Option<(&str, &str, &str)>) {
-        let wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
-        let found = owner(&Entry { name: entry.to_owned(), is_folder }, &wanted);
+        let is_wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
+        let found = owner(&Entry { name: entry.to_owned(), is_folder }, &is_wanted);
         let found = found.as_ref().map(|owner| (owner.key.as_str(), owner.name.as_str(), owner.file.as_str()));
         assert_eq!(found, expected, "{entry}");
     }
@@ -338,8 +342,8 @@ mod tests {
             write(name);
         }
         std::os::unix::fs::symlink("/etc/passwd", folder.path().join("link.c")).expect("a link");
-        let wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
-        let found = read_all(folder.path(), &wanted).expect("submissions");
+        let is_wanted = |path: &str| path.ends_with(".c") || path.ends_with(".h");
+        let found = read_all(folder.path(), &is_wanted).expect("submissions");
         let list: Vec<(&str, &str, Vec<&str>)> = found
             .list
             .iter()

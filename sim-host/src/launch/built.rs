@@ -11,7 +11,7 @@ use super::settings::Settings;
 use super::{Error, Options};
 use crate::check::Tally;
 use crate::executive::load::{ProgramLoadError, load_programs, place_of};
-use crate::executive::program::Place;
+use crate::executive::program::ExecutionKind;
 use crate::executive::spawn::{RobotOptions, Spawner};
 use crate::program::find::ProgramSource;
 use crate::program::load::Loader;
@@ -57,9 +57,9 @@ impl BuiltScene {
     pub fn places(&self) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
         for program in self.programs.iter() {
-            let (place, why) = place_of(program, self.options.exec);
-            let place = if place == Place::Process { "in a process" } else { "on a thread" };
-            let line = why.map(|why| format!("program `{}` runs {place}: it {why}", program.name));
+            let (execution, why) = place_of(program, self.options.exec);
+            let execution = if execution == ExecutionKind::Process { "in a process" } else { "on a thread" };
+            let line = why.map(|why| format!("program `{}` runs {execution}: it {why}", program.name));
             lines.extend(line.filter(|line| !lines.contains(line)));
         }
         lines
@@ -67,7 +67,7 @@ impl BuiltScene {
 
     /// Returns true if all programs run on fibers, where eyesim handles their faults.
     pub fn is_on_fibers(&self) -> bool {
-        self.programs.iter().all(|program| place_of(program, self.options.exec).0 == Place::Fiber)
+        self.programs.iter().all(|program| place_of(program, self.options.exec).0 == ExecutionKind::Fiber)
     }
 
     /// Returns true if at least one robot has a program.

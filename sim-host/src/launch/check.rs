@@ -38,11 +38,9 @@ pub fn finder(search: SearchPath, api: Option<Generation>, sandbox: Option<Sandb
         let found = found.map_err(|error| (Code::ProgramMissing, error.to_string()))?;
         let ProgramSource::Sources { files, .. } = found.source else { return Ok(()) };
         let said = wanted_of(robot);
-        let wanted = GenerationHint { api: api.or(said.api), ..said };
+        let hint = GenerationHint { api: api.or(said.api), ..said };
         let folders = sandbox.as_ref().map(|sandbox| sandbox.source_folders(&files));
-        choose(&files, wanted, folders.as_deref())
-            .map(drop)
-            .map_err(|error| (Code::ProgramGeneration, error.to_string()))
+        choose(&files, hint, folders.as_deref()).map(drop).map_err(|error| (Code::ProgramGeneration, error.to_string()))
     })
 }
 

@@ -29,7 +29,7 @@ use crate::record::frame::{FrameFailures, Frames};
 use crate::record::notes::Notes;
 use crate::record::report::{Input, Report};
 use crate::record::trace::{TraceHeader, TraceRobot};
-use crate::record::{EventStore, HintPlaces, RecordError, Sink, Sinks};
+use crate::record::{EventStore, HintLocations, RecordError, Sink, Sinks};
 use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
@@ -62,7 +62,7 @@ pub struct Observers {
     /// Ends the run from any thread.
     pub interrupt: Interrupt,
     /// Takes the lines of programs at which hints are given, for sinks that show them.
-    pub hint_places: HintPlaces,
+    pub hint_locations: HintLocations,
 }
 
 impl Ready {
@@ -126,7 +126,7 @@ impl Ready {
         let has_scripts = self.scene.checks.iter().any(|check| matches!(check.kind, CheckKind::Script { .. }));
         let events = has_scripts.then(|| EventStore::new(self.trace_header())).transpose().map_err(Error::Start)?;
         let Self { options, settings, scene, scenery, inputs, frames, spawner, world, robots, tally, programs } = self;
-        let Observers { sinks, diagnostics, interrupt, hint_places } = observers;
+        let Observers { sinks, diagnostics, interrupt, hint_locations } = observers;
         let watch = SceneryWatch {
             scenery: Arc::clone(&scenery),
             is_strict: options.strict,
@@ -135,7 +135,7 @@ impl Ready {
         };
         let failures = frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>);
         let counts = tally.iter().map(|tally| Box::new(Arc::clone(tally)) as Box<dyn Sink>);
-        let notes = Arc::new(Mutex::new(Notes::new(hint_places.clone())));
+        let notes = Arc::new(Mutex::new(Notes::new(hint_locations.clone())));
         let monitor = Monitor::new(&scene, world.walls(), settings.until);
         let events = events.map(|events| Arc::new(Mutex::new(events)));
         let stored = events.iter().map(|events| Box::new(Arc::clone(events)) as Box<dyn Sink>);
@@ -163,7 +163,7 @@ impl Ready {
             forbidden: settings.forbidden.clone(),
             recorder: Recorder::new(settings.seed, settings.slot, sinks.interest()),
             sinks,
-            hint_places,
+            hint_locations,
             interrupt: interrupt.clone(),
         };
         let scheduler = Scheduler::start(parts, &limits).map_err(Error::Start)?;

@@ -150,7 +150,7 @@ impl Scene {
         let of_options = || settings.costs_input.iter().chain(&settings.stdin_input);
         let scripts = hashed(check::scripts(&self.loaded.scene));
         let key = ProgramCache::key(&self.loaded.scene);
-        if let Some((programs, sources)) = cache.known.get(&key) {
+        if let Some((programs, sources)) = cache.programs_by_key.get(&key) {
             let Self { options, files, loaded: Loaded { scene, diagnostics, inputs, .. } } = self;
             let read = read_files(inputs.iter().chain(of_options()), sources.iter().chain(&scripts));
             let scene = Arc::new(scene);
@@ -169,7 +169,7 @@ impl Scene {
         let programs = Programs::build(&scene, &search, builder)?;
         let sources = source_inputs(&programs);
         let read = read_files(inputs.iter().chain(of_options()), sources.iter().chain(&scripts));
-        cache.known.insert(key, (programs.clone(), sources));
+        cache.programs_by_key.insert(key, (programs.clone(), sources));
         let scene = Arc::new(scene);
         let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
         Ok(BuiltScene { options, settings, scene, scenery, inputs: read, programs })
@@ -280,7 +280,7 @@ fn hashed(paths: impl Iterator<Item = PathBuf>) -> Vec<Input> {
 /// again.
 #[derive(Default)]
 pub struct ProgramCache {
-    known: BTreeMap<CacheKey, (Programs, Vec<Input>)>,
+    programs_by_key: BTreeMap<CacheKey, (Programs, Vec<Input>)>,
 }
 
 /// Folder of a scene, and for each robot its program, the line that names it, generation and dialect.

@@ -167,16 +167,16 @@ impl std::fmt::Display for ProgramOption {
 /// # Errors
 /// An option matches no robot.
 pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> Result<(), OptionError> {
-    let mut given: BTreeMap<usize, (Rank, &str)> = BTreeMap::new();
+    let mut by_robot: BTreeMap<usize, (Rank, &str)> = BTreeMap::new();
     for option in options {
         let (rank, robots) = robots_of(scene, &option.selector)?;
         for index in robots {
-            let before = given.get(&index).filter(|(before, _)| *before >= rank);
+            let before = by_robot.get(&index).filter(|(before, _)| *before >= rank);
             if before.is_some_and(|(before, _)| *before == rank) {
                 return Err(OptionError::TwoPrograms { robot: scene.robots[index].id.0 });
             }
             if before.is_none() {
-                given.insert(index, (rank, &option.program));
+                by_robot.insert(index, (rank, &option.program));
             }
         }
     }
@@ -186,14 +186,14 @@ pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> Resu
             let (first, second) = (option.program.clone(), second.program.clone());
             return Err(OptionError::TwoProgramsForAll { first, second });
         }
-        let is_without = |index: &usize| scene.robots[*index].program.is_none() && !given.contains_key(index);
+        let is_without = |index: &usize| scene.robots[*index].program.is_none() && !by_robot.contains_key(index);
         let without: Vec<usize> = (0..scene.robots.len()).filter(is_without).collect();
         if without.is_empty() {
             return Err(OptionError::UnneededProgram { program: option.program.clone() });
         }
-        given.extend(without.into_iter().map(|index| (index, (Rank::Type, option.program.as_str()))));
+        by_robot.extend(without.into_iter().map(|index| (index, (Rank::Type, option.program.as_str()))));
     }
-    for (index, (_, program)) in given {
+    for (index, (_, program)) in by_robot {
         scene.robots[index].program = Some(program_of_command_line(program));
     }
     Ok(())
@@ -264,15 +264,16 @@ fn robots_of(scene: &SceneSpec, selector: &RobotSelector) -> Result<(Rank, Vec<u
             Ok((Rank::Number, vec![index_of(scene, *robot).map_err(OptionError::robot("--program"))?]))
         }
         RobotSelector::Name(name) => {
-            let places = |fits: &dyn Fn(&RobotSpec) -> bool| -> Vec<usize> {
+            let matching_robots = |fits: &dyn Fn(&RobotSpec) -> bool| -> Vec<usize> {
                 (0..scene.robots.len()).filter(|index| fits(&scene.robots[*index])).collect()
             };
-            let by_program = places(&|robot| names_of_file(robot.program_name()).any(|known| known == name));
+            let by_program = matching_robots(&|robot| names_of_file(robot.program_name()).any(|known| known == name));
             if !by_program.is_empty() {
                 return Ok((Rank::Program, by_program));
             }
-            let by_type =
-                places(&|robot| robot.robi.name == *name || names_of_file(&robot.robi.file).any(|known| known == name));
+            let by_type = matching_robots(&|robot| {
+                robot.robi.name == *name || names_of_file(&robot.robi.file).any(|known| known == name)
+            });
             if by_type.is_empty() {
                 return Err(OptionError::UnknownName { name: name.clone(), known: known(scene) });
             }

@@ -20,11 +20,11 @@ const FILES: &str = "files/";
 /// Version of the manifest.
 const SCHEMA: u32 = 1;
 /// Maximum number of entries of an archive.
-const MOST_ENTRIES: usize = 10_000;
+const MAX_ENTRIES: usize = 10_000;
 /// Maximum total size of all files, in bytes.
-const MOST_BYTES: u64 = 512 << 20;
+const MAX_BYTES: u64 = 512 << 20;
 /// Maximum length of the name of an entry, in bytes.
-const MOST_NAME: usize = 1024;
+const MAX_NAME: usize = 1024;
 
 /// Table of contents of an archive.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -89,10 +89,10 @@ pub enum PackError {
     #[error("two of its entries have one name")]
     Twice,
     /// There are too many entries.
-    #[error("it has {0} entries, at most {MOST_ENTRIES} are read")]
+    #[error("it has {0} entries, at most {MAX_ENTRIES} are read")]
     Entries(usize),
     /// The total size of the files is too large.
-    #[error("its files have more than {} MiB", MOST_BYTES >> 20)]
+    #[error("its files have more than {} MiB", MAX_BYTES >> 20)]
     Size,
     /// A file that the manifest names is missing.
     #[error("`{0}`, which the manifest names, is not in it")]
@@ -141,14 +141,14 @@ impl Pack {
     /// [`PackError`]; no part of such an archive is used.
     pub fn read(bytes: &[u8]) -> Result<Self, PackError> {
         let mut archive = ZipArchive::new(Cursor::new(bytes))?;
-        if archive.len() > MOST_ENTRIES {
+        if archive.len() > MAX_ENTRIES {
             return Err(PackError::Entries(archive.len()));
         }
-        // The reader keeps the last of several entries of one name.
+        // The reader keeps the last of several entries with the same name.
         if count_of_entries(bytes).is_some_and(|count| count != archive.len()) {
             return Err(PackError::Twice);
         }
-        let (mut manifest, mut files, mut left) = (None, BTreeMap::new(), MOST_BYTES);
+        let (mut manifest, mut files, mut remaining) = (None, BTreeMap::new(), MAX_BYTES);
         for index in 0..archive.len() {
             let mut file = archive.by_index(index)?;
             let name = file.name().to_owned();
@@ -162,8 +162,8 @@ impl Pack {
                 continue;
             }
             let mut content = Vec::new();
-            let read = file.by_ref().take(left + 1).read_to_end(&mut content)? as u64;
-            left = left.checked_sub(read).ok_or(PackError::Size)?;
+            let read = file.by_ref().take(remaining + 1).read_to_end(&mut content)? as u64;
+            remaining = remaining.checked_sub(read).ok_or(PackError::Size)?;
             match path {
                 None => manifest = Some(serde_json::from_slice::<Manifest>(&content)?),
                 Some(path) => {
@@ -261,7 +261,7 @@ fn path_of(name: &str) -> Result<String, PackError> {
 /// Refuses paths with components that are not names.
 fn check_path(path: &str) -> Result<(), PackError> {
     let is_name = |part: &str| !part.is_empty() && part != "." && part != "..";
-    let is_plain = path.len() <= MOST_NAME && !path.contains(['\\', '\0', ':']) && path.split('/').all(is_name);
+    let is_plain = path.len() <= MAX_NAME && !path.contains(['\\', '\0', ':']) && path.split('/').all(is_name);
     if is_plain { Ok(()) } else { Err(entry(path, "has a name that leads elsewhere")) }
 }
 

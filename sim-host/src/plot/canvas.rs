@@ -16,7 +16,7 @@ pub const TEXT: f64 = 12.0;
 /// Height of the title, in pixels.
 pub const TITLE: f64 = 14.0;
 
-/// Share of white mixed into an image on the floor, so that bodies on it remain visible.
+/// Fraction of white mixed into an image on the floor, so that bodies on it remain visible.
 const WHITENESS: f64 = 0.35;
 /// Maximum total turn of a path that is drawn in one piece, in radians: our choice, below half a turn.
 const MAX_TURN: f64 = 2.3;

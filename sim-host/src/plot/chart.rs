@@ -69,8 +69,8 @@ fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::err
         .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.15))
         .draw()?;
-    for (place, (series, &colour)) in figure.series.iter().zip(COLOURS.iter().cycle()).enumerate() {
-        let points = || series.points.iter().map(|(x, y)| (x_axis.place(*x), y_axis.place(*y)));
+    for (index, (series, &colour)) in figure.series.iter().zip(COLOURS.iter().cycle()).enumerate() {
+        let points = || series.points.iter().map(|(x, y)| (x_axis.coordinate_on(*x), y_axis.coordinate_on(*y)));
         if matches!(series.mark, Mark::Line | Mark::LineAndDots) {
             for run in stretches(points()) {
                 chart.draw_series([PathElement::new(run, colour.stroke_width(2))])?;
@@ -90,7 +90,7 @@ fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::err
             chart.draw_series(points().filter(is_drawn).map(bar))?;
         }
         if legend > 0 {
-            let top = 36 + 20 * place as i32;
+            let top = 36 + 20 * index as i32;
             beside.draw(&Rectangle::new([(4, top), (18, top + 8)], colour.filled()))?;
             beside.draw(&Text::new(series.name.as_str(), (24, top - 2), text.clone()))?;
         }
@@ -137,8 +137,8 @@ impl Axis {
     fn new(scale: Scale, coordinates: impl Iterator<Item = f64>, holds_zero: bool) -> Self {
         let coordinates: Vec<f64> = coordinates.filter(|c| c.is_finite()).collect();
         let is_log = scale == Scale::Logarithmic;
-        let shown = coordinates.iter().filter(|c| !is_log || **c > 0.0).map(|c| if is_log { c.log10() } else { *c });
-        let (mut low, mut high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), c| (a.min(c), b.max(c)));
+        let plotted = coordinates.iter().filter(|c| !is_log || **c > 0.0).map(|c| if is_log { c.log10() } else { *c });
+        let (mut low, mut high) = plotted.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), c| (a.min(c), b.max(c)));
         if low > high {
             (low, high) = (0.0, 1.0);
         }
@@ -147,11 +147,11 @@ impl Axis {
             let is_short = high - low < SHORT;
             let marks: &[f64] = if is_short { &MARKS } else { &MARKS[..1] };
             // The axis extends to the next ticks outside, and by one more decade if it shows 0.
-            let mark = |place: f64, up: f64| {
-                let near =
-                    (-1..=1).flat_map(|d| marks.iter().map(move |mark| place.floor() + f64::from(d) + mark.log10()));
-                let outside = near.filter(|mark| up * (mark - place) >= 0.0);
-                outside.min_by(|a, b| (a - place).abs().total_cmp(&(b - place).abs())).unwrap_or(place)
+            let mark = |coordinate: f64, up: f64| {
+                let near = (-1..=1)
+                    .flat_map(|d| marks.iter().map(move |mark| coordinate.floor() + f64::from(d) + mark.log10()));
+                let outside = near.filter(|mark| up * (mark - coordinate) >= 0.0);
+                outside.min_by(|a, b| (a - coordinate).abs().total_cmp(&(b - coordinate).abs())).unwrap_or(coordinate)
             };
             (low, high) = (mark(low - 0.02, -1.0), mark(high + 0.02, 1.0));
             if holds_zero {
@@ -170,7 +170,7 @@ impl Axis {
     }
 
     /// Position of a coordinate along the axis.
-    fn place(&self, coordinate: f64) -> f64 {
+    fn coordinate_on(&self, coordinate: f64) -> f64 {
         match self.scale {
             Scale::Linear => coordinate,
             Scale::Logarithmic if coordinate > 0.0 => coordinate.log10().max(self.low),
@@ -179,14 +179,14 @@ impl Axis {
         }
     }
 
-    fn label(&self, place: f64) -> String {
+    fn label(&self, coordinate: f64) -> String {
         match self.scale {
             // The steps of plotters have few digits, but their sums carry rounding errors.
-            Scale::Linear => format!("{}", (place * 1e9).round() / 1e9),
-            Scale::Logarithmic if self.holds_zero && place == self.low => "0".to_owned(),
+            Scale::Linear => format!("{}", (coordinate * 1e9).round() / 1e9),
+            Scale::Logarithmic if self.holds_zero && coordinate == self.low => "0".to_owned(),
             Scale::Logarithmic => {
-                let decade = (place + 1e-9).floor();
-                let off = |mark: &f64| (place - decade - mark.log10()).abs();
+                let decade = (coordinate + 1e-9).floor();
+                let off = |mark: &f64| (coordinate - decade - mark.log10()).abs();
                 let mark = MARKS.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0);
                 format!("{mark:.0}e{decade:.0}")
             }
@@ -217,7 +217,7 @@ impl Ranged for Axis {
         let (step, marks) = if decades <= 3 { (1, &MARKS[..]) } else { (decades.div_ceil(10), &MARKS[..1]) };
         let all = (0..=decades).step_by(step).flat_map(|decade| marks.iter().map(move |mark| (decade, mark.log10())));
         let all = all.map(|(decade, mark)| first + decade as f64 + mark);
-        all.filter(|place| (range.start - 1e-9..=range.end + 1e-9).contains(place)).collect()
+        all.filter(|coordinate| (range.start - 1e-9..=range.end + 1e-9).contains(coordinate)).collect()
     }
 
     fn range(&self) -> std::ops::Range<f64> {
@@ -258,8 +258,8 @@ mod tests {
     fn a_power_of_ten_stands_on_its_line() {
         let axis = Axis::new(Scale::Logarithmic, [1.1e-9, 0.0, 0.9e-3].into_iter(), false);
         assert_eq!((axis.range().start, axis.range().end), (-10.0, -3.0));
-        assert_eq!([1e-9, 1e-3, 0.0, -4.0].map(|c| axis.place(c).round()), [-9.0, -3.0, -10.0, -10.0]);
-        assert_eq!([-10.0, -9.0].map(|place| axis.label(place)), ["0", "1e-9"]);
+        assert_eq!([1e-9, 1e-3, 0.0, -4.0].map(|c| axis.coordinate_on(c).round()), [-9.0, -3.0, -10.0, -10.0]);
+        assert_eq!([-10.0, -9.0].map(|coordinate| axis.label(coordinate)), ["0", "1e-9"]);
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub struct Shape {
     pub fill: Option<Paint>,
     /// Paint and width of its outline.
     pub line: Option<Line>,
-    /// Size of a detail in metres: the shape is left out if this is too few pixels. Infinite for a shape that is always
+    /// Size of a detail in metres: the shape is omitted if this is too few pixels. Infinite for a shape that is always
     /// drawn.
     pub detail: f64,
 }

@@ -31,18 +31,18 @@ impl Frame {
     /// Frame that shows the rectangle between `low` and `high` with a margin around it, in a picture with a total size
     /// of `size` pixels, or a suitable size.
     pub fn around(low: DVec2, high: DVec2, size: Option<(u32, u32)>) -> Self {
-        let (centre, shown) = (0.5 * (low + high), (high - low).max(DVec2::splat(1e-3)));
-        let shown = shown + DVec2::splat(0.05 * shown.max_element());
+        let (centre, extent) = (0.5 * (low + high), (high - low).max(DVec2::splat(1e-3)));
+        let extent = extent + DVec2::splat(0.05 * extent.max_element());
         let (scale, pixels) = match size {
             Some((width, height)) => {
                 let pixels = DVec2::new(f64::from(width) - LEFT - RIGHT - LEGEND, f64::from(height) - TOP - BOTTOM);
                 let pixels = pixels.max(DVec2::ONE);
-                ((pixels / shown).min_element(), pixels)
+                ((pixels / extent).min_element(), pixels)
             }
             None => {
-                let scale = LONG_SIDE / shown.max_element();
+                let scale = LONG_SIDE / extent.max_element();
                 // Whole pixels, so that both directions have the same scale.
-                (scale, (shown * scale).max(DVec2::splat(SHORT_SIDE)).ceil())
+                (scale, (extent * scale).max(DVec2::splat(SHORT_SIDE)).ceil())
             }
         };
         Self { min: centre - 0.5 * pixels / scale, max: centre + 0.5 * pixels / scale, scale }
@@ -96,10 +96,10 @@ impl Frame {
     }
 
     fn clip_segment(&self, from: DVec2, to: DVec2) -> Option<(DVec2, DVec2)> {
-        let way = to - from;
+        let offset = to - from;
         let (mut first, mut last) = (0.0f64, 1.0f64);
         for (start, step, low, high) in
-            [(from.x, way.x, self.min.x, self.max.x), (from.y, way.y, self.min.y, self.max.y)]
+            [(from.x, offset.x, self.min.x, self.max.x), (from.y, offset.y, self.min.y, self.max.y)]
         {
             if step == 0.0 {
                 if start < low || start > high {
@@ -118,7 +118,7 @@ impl Frame {
             } else if part == 1.0 {
                 to
             } else {
-                from + part * way
+                from + part * offset
             }
         };
         (first <= last).then(|| (at(first), at(last)))
@@ -136,18 +136,18 @@ impl Frame {
                 self.max.y - point.y
             }];
         sides.iter().fold(corners.to_vec(), |corners, inside| {
-            let mut kept = Vec::with_capacity(corners.len() + 1);
+            let mut clipped = Vec::with_capacity(corners.len() + 1);
             for (index, corner) in corners.iter().enumerate() {
                 let before = corners[(index + corners.len() - 1) % corners.len()];
                 let (here, there) = (inside(*corner), inside(before));
                 if (here < 0.0) != (there < 0.0) {
-                    kept.push(before + (*corner - before) * (there / (there - here)));
+                    clipped.push(before + (*corner - before) * (there / (there - here)));
                 }
                 if here >= 0.0 {
-                    kept.push(*corner);
+                    clipped.push(*corner);
                 }
             }
-            kept
+            clipped
         })
     }
 }
@@ -163,7 +163,7 @@ pub fn round_step(min: f64) -> f64 {
 
 /// Formats metres with the decimals that distinguish multiples of `step`.
 pub fn metres(value: f64, step: f64) -> String {
-    let decimals = (0..9).find(|places| step * 10f64.powi(*places) > 0.99).unwrap_or(9) as usize;
+    let decimals = (0..9).find(|digits| step * 10f64.powi(*digits) > 0.99).unwrap_or(9) as usize;
     // Avoids "-0".
     let value = if value.abs() < 0.01 * step { 0.0 } else { value };
     format!("{value:.decimals$}")

@@ -33,7 +33,7 @@ impl Obstacle {
 /// Labels placed so far, and the bodies that they must not cover.
 pub struct Labels<'a> {
     frame: &'a Frame,
-    taken: Vec<Obstacle>,
+    occupied: Vec<Obstacle>,
     /// Bodies with labels; other labels do not cover them if there is space.
     named: Vec<Obstacle>,
 }
@@ -41,7 +41,7 @@ pub struct Labels<'a> {
 impl<'a> Labels<'a> {
     /// Placement without labels so far; `named` are all bodies that will get a label.
     pub fn new(frame: &'a Frame, named: Vec<Obstacle>) -> Self {
-        Self { frame, taken: Vec::new(), named }
+        Self { frame, occupied: Vec::new(), named }
     }
 
     /// Upper left corner of the label in pixels, and its text. Of several positions around the body, the first free one
@@ -55,31 +55,33 @@ impl<'a> Labels<'a> {
         let wished = label.direction.try_normalize();
         let around =
             [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (-0.7, 0.7), (-0.7, -0.7), (0.7, -0.7)];
-        let ways = wished.into_iter().chain(around.map(|(x, y)| DVec2::new(x, y)));
-        let ways: Vec<DVec2> = ways.collect();
-        let places =
+        let directions = wished.into_iter().chain(around.map(|(x, y)| DVec2::new(x, y)));
+        let directions: Vec<DVec2> = directions.collect();
+        let candidates =
             [1.0, 1.0 + (HEIGHT + GAP) / radius, 1.0 + 2.5 * (HEIGHT + GAP) / radius].into_iter().flat_map(|far| {
-                ways.iter().map(move |way| {
-                    let middle = centre + far * radius * DVec2::new(way.x, -way.y);
+                directions.iter().map(move |direction| {
+                    let middle = centre + far * radius * DVec2::new(direction.x, -direction.y);
                     // The rectangle touches the circle from outside.
                     let half = DVec2::new(0.5 * width, 0.5 * HEIGHT);
-                    let low = middle + half * (DVec2::new(way.x.clamp(-1.0, 1.0), -way.y) - DVec2::ONE);
+                    let low = middle + half * (DVec2::new(direction.x.clamp(-1.0, 1.0), -direction.y) - DVec2::ONE);
                     Obstacle { low, high: low + 2.0 * half }
                 })
             });
-        let inside: Vec<Obstacle> = places.filter(|place| self.is_inside(place)).collect();
-        let is_free = |place: &&Obstacle| self.taken.iter().all(|other| !other.overlaps(place));
+        let inside: Vec<Obstacle> = candidates.filter(|candidate| self.is_inside(candidate)).collect();
+        let is_free = |candidate: &&Obstacle| self.occupied.iter().all(|other| !other.overlaps(candidate));
         let own = Obstacle::around(label, self.frame);
-        let spares = |place: &&Obstacle| self.named.iter().all(|other| *other == own || !other.overlaps(place));
-        let best =
-            inside.iter().find(|place| is_free(place) && spares(place)).or_else(|| inside.iter().find(is_free))?;
-        self.taken.push(*best);
+        let spares = |candidate: &&Obstacle| self.named.iter().all(|other| *other == own || !other.overlaps(candidate));
+        let best = inside
+            .iter()
+            .find(|candidate| is_free(candidate) && spares(candidate))
+            .or_else(|| inside.iter().find(is_free))?;
+        self.occupied.push(*best);
         Some((best.low, label.text.clone()))
     }
 
-    fn is_inside(&self, place: &Obstacle) -> bool {
+    fn is_inside(&self, rectangle: &Obstacle) -> bool {
         let corner = DVec2::new(LEFT, TOP);
-        corner.cmple(place.low).all() && place.high.cmple(corner + self.frame.pixels()).all()
+        corner.cmple(rectangle.low).all() && rectangle.high.cmple(corner + self.frame.pixels()).all()
     }
 }
 
@@ -105,13 +107,13 @@ mod tests {
             .collect();
         let named: Vec<Obstacle> = all.iter().map(|label| Obstacle::around(label, &frame)).collect();
         let mut labels = Labels::new(&frame, named.clone());
-        let places: Vec<_> = all.iter().filter_map(|label| labels.place(label)).collect();
-        assert!(places.len() >= 12, "{} of 16 have a place", places.len());
-        for (index, one) in labels.taken.iter().enumerate() {
-            assert!(labels.taken[..index].iter().all(|other| !other.overlaps(one)));
+        let labelled: Vec<_> = all.iter().filter_map(|label| labels.place(label)).collect();
+        assert!(labelled.len() >= 12, "{} of 16 have a place", labelled.len());
+        for (index, one) in labels.occupied.iter().enumerate() {
+            assert!(labels.occupied[..index].iter().all(|other| !other.overlaps(one)));
         }
         // Labels placed while there is room keep clear of the bodies.
-        let first = labels.taken[0];
+        let first = labels.occupied[0];
         assert!(named[1..].iter().all(|body| !body.overlaps(&first)));
     }
 
@@ -121,8 +123,8 @@ mod tests {
         let up = Label { direction: DVec2::Y, ..label("up", 2.0, 2.0) };
         let mut labels = Labels::new(&frame, Vec::new());
         let (corner, _) = labels.place(&up).expect("there is room");
-        let place = frame.pixel_of(DVec2::splat(2.0));
-        assert!(corner.y + HEIGHT < place.y && corner.x < place.x, "{corner} is above {place}");
+        let pixel = frame.pixel_of(DVec2::splat(2.0));
+        assert!(corner.y + HEIGHT < pixel.y && corner.x < pixel.x, "{corner} is above {pixel}");
         assert!(Labels::new(&frame, Vec::new()).place(&label("far", 99.0, 0.0)).is_none(), "outside the picture");
     }
 }

@@ -78,8 +78,8 @@ pub fn footprint(collider: &Collider) -> Vec<DVec2> {
             [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| centre + half * DVec2::new(x, y)).to_vec()
         }
         Collider::Capsule { centre, radius, height, axis: axis @ (Axis::X | Axis::Y) } => {
-            let (way, from) = if axis == Axis::X { (DVec2::X, -right) } else { (DVec2::Y, 0.0) };
-            let reach = (0.5 * height - radius).max(0.0) * way;
+            let (direction, from) = if axis == Axis::X { (DVec2::X, -right) } else { (DVec2::Y, 0.0) };
+            let reach = (0.5 * height - radius).max(0.0) * direction;
             let (front, back) = (centre.truncate() + reach, centre.truncate() - reach);
             let ends = half_circle(front, radius, from).chain(half_circle(back, radius, from + 2.0 * right));
             ends.collect()

@@ -21,7 +21,7 @@ use crate::record::png;
 const UNIT: i32 = 4;
 /// Pictures with more pixels than this are drawn with half the units per pixel, to save memory.
 const MANY_PIXELS: u64 = 4_000_000;
-/// Details smaller than this number of pixels are left out.
+/// Details smaller than this number of pixels are omitted.
 const MIN_DETAIL: f64 = 5.0;
 /// Height of a line of the legend in pixels.
 const ROW: f64 = 18.0;
@@ -52,8 +52,8 @@ pub fn to_svg(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<String, Plo
     let mut svg = svg.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1);
     if let Some(backdrop) = &drawing.backdrop {
         // The image lies above the paper, which is the first rectangle, and below all other shapes.
-        let place = svg.find("/>\n").map_or(svg.len(), |place| place + 3);
-        svg.insert_str(place, &svg_image(backdrop, &frame)?);
+        let end = svg.find("/>\n").map_or(svg.len(), |end| end + 3);
+        svg.insert_str(end, &svg_image(backdrop, &frame)?);
     }
     Ok(svg)
 }
@@ -190,8 +190,8 @@ impl<B: Surface> Painter<'_, '_, B> {
                 continue;
             }
             if let Form::Cross(point) = shape.form {
-                let place = self.frame.pixel_of(point).round();
-                if !crosses.insert((place.x as i64, place.y as i64)) {
+                let pixel = self.frame.pixel_of(point).round();
+                if !crosses.insert((pixel.x as i64, pixel.y as i64)) {
                     continue;
                 }
             }
@@ -205,7 +205,7 @@ impl<B: Surface> Painter<'_, '_, B> {
             Form::Polygon(corners) => {
                 if let Some(fill) = shape.fill {
                     let corners = self.frame.clip_area(corners);
-                    self.canvas.area(&self.places(&corners), fill)?;
+                    self.canvas.area(&self.pixels_of(&corners), fill)?;
                 }
                 let mut outline = corners.clone();
                 outline.extend(corners.first());
@@ -225,8 +225,8 @@ impl<B: Surface> Painter<'_, '_, B> {
                 shape.line.map_or(Ok(()), |line| self.path(&points, line))
             }
             Form::Arrow(pose) => {
-                let way = pose.heading.direction();
-                shape.line.map_or(Ok(()), |line| self.arrow(self.frame.pixel_of(pose.position), way, line))
+                let direction = pose.heading.direction();
+                shape.line.map_or(Ok(()), |line| self.arrow(self.frame.pixel_of(pose.position), direction, line))
             }
             Form::Cross(point) => shape.line.map_or(Ok(()), |line| self.cross(self.frame.pixel_of(*point), line)),
         }
@@ -234,18 +234,18 @@ impl<B: Surface> Painter<'_, '_, B> {
 
     fn path(&mut self, points: &[DVec2], line: Line) -> Result<(), PlotError> {
         for part in self.frame.clip_path(points) {
-            self.canvas.path(&self.places(&part), line)?;
+            self.canvas.path(&self.pixels_of(&part), line)?;
         }
         Ok(())
     }
 
-    fn places(&self, points: &[DVec2]) -> Vec<DVec2> {
+    fn pixels_of(&self, points: &[DVec2]) -> Vec<DVec2> {
         points.iter().map(|point| self.frame.pixel_of(*point)).collect()
     }
 
     /// Draws an arrow of 20 pixels from `at` along `way`, a direction in the world frame.
-    fn arrow(&mut self, at: DVec2, way: DVec2, line: Line) -> Result<(), PlotError> {
-        let ahead = DVec2::new(way.x, -way.y);
+    fn arrow(&mut self, at: DVec2, direction: DVec2, line: Line) -> Result<(), PlotError> {
+        let ahead = DVec2::new(direction.x, -direction.y);
         let tip = at + 20.0 * ahead;
         let barb = |side: f64| tip - 7.0 * ahead + side * 4.0 * ahead.perp();
         self.canvas.path(&[at, tip - 3.0 * ahead], line)?;
@@ -277,10 +277,10 @@ impl<B: Surface> Painter<'_, '_, B> {
     /// Draws the scale bar, and as many lines of the legend as fit.
     fn legend(&mut self, drawing: &Drawing) -> Result<(), PlotError> {
         let (width, height) = self.frame.whole();
-        let left = f64::from(width) - LEGEND;
+        let left_edge = f64::from(width) - LEGEND;
         let row = |index: usize| TOP + ROW * (index as f64 + 0.5);
         let length = round_step(BAR / self.frame.scale());
-        let (from, to) = (DVec2::new(left, row(0)), DVec2::new(left + length * self.frame.scale(), row(0)));
+        let (from, to) = (DVec2::new(left_edge, row(0)), DVec2::new(left_edge + length * self.frame.scale(), row(0)));
         let serif = DVec2::new(0.0, 4.0);
         self.canvas.path(&[from - serif, from + serif], AXIS)?;
         self.canvas.path(&[from, to], Line::solid(INK, 2.0))?;
@@ -289,16 +289,16 @@ impl<B: Surface> Painter<'_, '_, B> {
         self.canvas.text(&words, to + DVec2::new(8.0, 0.0), TEXT, Anchor::START, TEXT_PAINT)?;
 
         let room = (((f64::from(height) - TOP - 4.0) / ROW) as usize).saturating_sub(2).max(1);
-        let shown = if drawing.legend.len() > room { room - 1 } else { drawing.legend.len() };
-        for (index, entry) in drawing.legend[..shown].iter().enumerate() {
+        let count = if drawing.legend.len() > room { room - 1 } else { drawing.legend.len() };
+        for (index, entry) in drawing.legend[..count].iter().enumerate() {
             let y = row(index + 2);
-            self.symbol(entry.symbol, DVec2::new(left + 10.0, y))?;
+            self.symbol(entry.symbol, DVec2::new(left_edge + 10.0, y))?;
             let text = shortened(&entry.text, TEXT, LEGEND - 36.0);
-            self.canvas.text(&text, DVec2::new(left + 28.0, y), TEXT, Anchor::START, TEXT_PAINT)?;
+            self.canvas.text(&text, DVec2::new(left_edge + 28.0, y), TEXT, Anchor::START, TEXT_PAINT)?;
         }
-        if shown < drawing.legend.len() {
-            let words = format!("and {} more", drawing.legend.len() - shown);
-            self.canvas.text(&words, DVec2::new(left + 28.0, row(shown + 2)), TEXT, Anchor::START, TEXT_PAINT)?;
+        if count < drawing.legend.len() {
+            let words = format!("and {} more", drawing.legend.len() - count);
+            self.canvas.text(&words, DVec2::new(left_edge + 28.0, row(count + 2)), TEXT, Anchor::START, TEXT_PAINT)?;
         }
         Ok(())
     }
@@ -344,11 +344,11 @@ pub fn shortened(words: &str, height: f64, width: f64) -> String {
     if text_width(words, height) <= width {
         return words.to_owned();
     }
-    let mut kept: Vec<char> = words.chars().collect();
+    let mut characters: Vec<char> = words.chars().collect();
     loop {
-        kept.pop();
-        let cut: String = kept.iter().copied().chain(['\u{2026}']).collect();
-        if kept.is_empty() || text_width(&cut, height) <= width {
+        characters.pop();
+        let cut: String = characters.iter().copied().chain(['\u{2026}']).collect();
+        if characters.is_empty() || text_width(&cut, height) <= width {
             return cut;
         }
     }

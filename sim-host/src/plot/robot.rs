@@ -97,21 +97,21 @@ fn draw_legs(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, style: &RobotS
         let corners = [(foot.toe, 2.0), (-foot.heel, 2.0), (-foot.heel, -2.0), (foot.toe, -2.0)];
         let corner =
             |(ahead, left): (f64, f64)| frame.transform_point(DVec3::new(ahead, left * legs.radius, -foot.height));
-        draw(corners.map(|place| pose.transform_point(corner(place).truncate())).to_vec());
+        draw(corners.map(|corner_index| pose.transform_point(corner(corner_index).truncate())).to_vec());
     }
 }
 
 /// Outline of all points within `radius` of the line between two ends.
 fn stadium([from, to]: [DVec2; 2], radius: f64) -> Vec<DVec2> {
     const STEPS: u32 = 8;
-    let way = (to - from).normalize_or(DVec2::X);
+    let direction = (to - from).normalize_or(DVec2::X);
     let half = |end: DVec2, ahead: DVec2| {
         (0..=STEPS).map(move |step| {
             let angle = PI * (f64::from(step) / f64::from(STEPS) - 0.5);
             end + radius * (math::cos(angle) * ahead + math::sin(angle) * ahead.perp())
         })
     };
-    half(to, way).chain(half(from, -way)).collect()
+    half(to, direction).chain(half(from, -direction)).collect()
 }
 
 /// Draws bumpers and the origins of beams, on top of the body.
@@ -155,13 +155,13 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
     if let Some(lidar) = &robi.lidar {
         // The scanner's full range would hide the other sensors: only short rays are drawn around its position, over
         // its sweep.
-        let place = pose.transform_point(scanner_place(robi, lidar).position.truncate());
+        let start = pose.transform_point(scanner_place(robi, lidar).position.truncate());
         let steps = (36.0 * lidar.sweep / TAU).ceil().max(1.0) as u32;
         let middle = scanner_place(robi, lidar).forward();
         let first = math::atan2(middle.y, middle.x) - 0.5 * lidar.sweep;
         for angle in (0..steps).map(|step| first + lidar.sweep * (f64::from(step) + 0.5) / f64::from(steps)) {
-            let way = pose.heading.turned(angle).direction();
-            let ray = vec![place + 0.5 * radius * way, place + 0.7 * radius * way];
+            let towards = pose.heading.turned(angle).direction();
+            let ray = vec![start + 0.5 * radius * towards, start + 0.7 * radius * towards];
             drawing.push(Shape::outlined(Form::Path(ray), LIDAR_LINE).detail(0.1 * robi.diameter));
         }
     }
@@ -198,7 +198,7 @@ struct SensorView<'r> {
     /// Position in the robot's frame.
     at: DVec2,
     /// Line of sight in the robot's frame, projected on the floor; shorter than a unit vector if it points up or down.
-    way: DVec2,
+    axis: DVec2,
     /// Range along the floor.
     reach: f64,
     /// Range along the line of sight.
@@ -214,7 +214,7 @@ impl SensorView<'_> {
     }
 
     fn angle(&self) -> f64 {
-        math::atan2(self.way.y, self.way.x)
+        math::atan2(self.axis.y, self.axis.x)
     }
 }
 
@@ -224,14 +224,14 @@ fn sensor_views(robi: &RobiSpec) -> Vec<SensorView<'_>> {
     let sensors = build::range_sensors(robi);
     let view = |(name, sensor): (_, &RangeSensor)| {
         let frame = frame_of(robi, &sensor.mount, sensor.link);
-        let way = frame.forward().truncate();
+        let forward = frame.forward().truncate();
         let (range, half_angle) = match &sensor.model {
             RangeModel::Psd { range } => (*range, None),
             RangeModel::Laser(echo) | RangeModel::Ultrasonic(echo) | RangeModel::Reflectance(echo) => (echo.max, None),
             RangeModel::Sonar(sonar) => (sonar.max, Some(sonar.half_angle)),
         };
-        let (at, reach) = (frame.position.truncate(), range * way.length());
-        SensorView { name, at, way, reach, range, half_angle, model: sensor.model }
+        let (at, reach) = (frame.position.truncate(), range * forward.length());
+        SensorView { name, at, axis: forward, reach, range, half_angle, model: sensor.model }
     };
     names.map(String::as_str).zip(&sensors).map(view).collect()
 }
@@ -272,14 +272,15 @@ fn draw_camera(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         JointSpec::Servo { from, to, .. } => (0.5 * (from + to), Some((from, to))),
     };
     let view = camera.lens.fov();
-    let (place, length) = (camera.position.truncate(), 1.5 * robi.diameter);
-    let mut outline = arc(pose, place, length, pan - 0.5 * view, pan + 0.5 * view);
-    outline.push(pose.transform_point(place));
+    let (position, length) = (camera.position.truncate(), 1.5 * robi.diameter);
+    let mut outline = arc(pose, position, length, pan - 0.5 * view, pan + 0.5 * view);
+    outline.push(pose.transform_point(position));
     let sector = Shape::filled(Form::Polygon(outline), CAMERA_FILL).with_line(CAMERA_LINE);
     drawing.push(sector.detail(robi.diameter));
     if let Some((from, to)) = range {
         let line = Line::solid(CAMERA, 2.0);
-        drawing.push(Shape::outlined(Form::Path(arc(pose, place, 0.4 * length, from, to)), line).detail(robi.diameter));
+        drawing
+            .push(Shape::outlined(Form::Path(arc(pose, position, 0.4 * length, from, to)), line).detail(robi.diameter));
         drawing.add_legend(Symbol::Line(line), "camera, range of its pan servo");
     }
 }
@@ -296,35 +297,39 @@ fn arc(pose: &Pose, centre: DVec2, radius: f64, from: f64, to: f64) -> Vec<DVec2
 
 /// Labels each device with its name and range, in the picture of a single robot.
 pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
-    let mut label = |text: String, place: DVec2, way: DVec2| {
-        let at = pose.transform_point(place);
+    let mut label = |text: String, point: DVec2, towards: DVec2| {
+        let at = pose.transform_point(point);
         drawing.labels.push(Label {
             text,
             at,
             clearance: 0.0,
             min_clearance_px: 4.0,
-            direction: pose.transform_vector(way),
+            direction: pose.transform_vector(towards),
         });
     };
-    let way = |angle: f64| DVec2::new(math::cos(angle), math::sin(angle));
+    let direction_at = |angle: f64| DVec2::new(math::cos(angle), math::sin(angle));
     // Labels are placed at the edge of the body, where the beams leave it, since the sensors themselves are close
     // together.
-    let edge = |position: DVec2, way: DVec2, range: f64| {
-        let (along, radius) = (position.dot(way), 0.5 * robi.diameter);
+    let edge = |position: DVec2, direction_at: DVec2, range: f64| {
+        let (along, radius) = (position.dot(direction_at), 0.5 * robi.diameter);
         let beyond = along * along + radius * radius - position.length_squared();
-        position + way * (beyond.max(0.0).sqrt() - along).clamp(0.0, range)
+        position + direction_at * (beyond.max(0.0).sqrt() - along).clamp(0.0, range)
     };
     for view in sensor_views(robi) {
-        let way = way(view.angle());
-        label(format!("{}, {} m", view.name, rounded(view.range)), edge(view.at, way, view.reach), way);
+        let direction_at = direction_at(view.angle());
+        label(
+            format!("{}, {} m", view.name, rounded(view.range)),
+            edge(view.at, direction_at, view.reach),
+            direction_at,
+        );
     }
     for infrared in &robi.infrareds {
         let text = format!("{}, {} m", infrared.name, rounded(infrared.range));
-        let (position, way) = (infrared.position.truncate(), way(infrared.angle));
-        label(text, edge(position, way, infrared.range), way);
+        let (position, direction_at) = (infrared.position.truncate(), direction_at(infrared.angle));
+        label(text, edge(position, direction_at, infrared.range), direction_at);
     }
     for bumper in &robi.bumpers {
-        let middle = way(0.5 * (bumper.from + bumper.to));
+        let middle = direction_at(0.5 * (bumper.from + bumper.to));
         label(bumper.name.clone(), 0.5 * robi.diameter * middle, middle);
     }
     if let Some(camera) = &robi.camera {
@@ -332,8 +337,8 @@ pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         label(text, camera.position.truncate(), DVec2::ZERO);
     }
     if let Some(lidar) = &robi.lidar {
-        let place = scanner_place(robi, lidar).position.truncate();
-        label(format!("lidar, {} points", lidar.points), place, DVec2::ZERO);
+        let point = scanner_place(robi, lidar).position.truncate();
+        label(format!("lidar, {} points", lidar.points), point, DVec2::ZERO);
     }
 }
 

@@ -124,16 +124,16 @@ pub fn draw_trials(
     let mut drawing = Drawing::new(scene.file.as_str());
     ground::draw_world(&mut drawing, &scene.world, floor);
     ground::draw_markers(&mut drawing, &scene.markers);
-    for (index, (lines, place)) in trials.iter().enumerate() {
+    for (index, (lines, mark)) in trials.iter().enumerate() {
         let line = Line { paint: Paint::translucent(colour::robot(index), 0.7), width: 1.5 };
         draw_trails(&mut drawing, lines, line);
         if let Some(start) = lines.first().and_then(|line| line.first()) {
             let ring = Form::Disc { centre: *start, radius: 0.0, min_radius_px: 4.0 };
             drawing.push(Shape::outlined(ring, line));
         }
-        if let Some(place) = place {
-            drawing.include(*place);
-            drawing.push(Shape::outlined(Form::Cross(*place), Line::solid(INK, 1.5)));
+        if let Some(mark) = mark {
+            drawing.include(*mark);
+            drawing.push(Shape::outlined(Form::Cross(*mark), Line::solid(INK, 1.5)));
         }
     }
     drawing

@@ -15,7 +15,7 @@ const PIXELS: f64 = 900.0;
 const CONTOURS: f64 = 8.0;
 /// Direction towards the light: from the upper left, as on relief maps.
 const LIGHT: DVec3 = DVec3::new(-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2);
-/// Share of ambient light.
+/// Fraction of ambient light.
 const AMBIENT: f64 = 0.45;
 /// Brightness of a contour relative to the ground.
 const DARKER: f64 = 0.72;
@@ -46,23 +46,23 @@ fn image(field: &HeightField, step: Option<f64>) -> Option<Texture> {
     let size = max - min;
     let per_pixel = size.max_element() / PIXELS;
     let [width, height] = (size / per_pixel).to_array().map(|pixels| pixels.ceil().max(1.0) as usize);
-    let place = |column: usize, row: usize| {
-        let share = DVec2::new((column as f64 + 0.5) / width as f64, 1.0 - (row as f64 + 0.5) / height as f64);
-        min + share * size
+    let point = |column: usize, row: usize| {
+        let fractions = DVec2::new((column as f64 + 0.5) / width as f64, 1.0 - (row as f64 + 0.5) / height as f64);
+        min + fractions * size
     };
-    let level = |place: DVec2| step.map_or(0, |step| (field.height(place.x, place.y) / step).floor() as i64);
+    let level = |point: DVec2| step.map_or(0, |step| (field.height(point.x, point.y) / step).floor() as i64);
     let levels: Vec<i64> =
-        (0..height).flat_map(|row| (0..width).map(move |column| level(place(column, row)))).collect();
+        (0..height).flat_map(|row| (0..width).map(move |column| level(point(column, row)))).collect();
     let pixel = |column: usize, row: usize| {
-        let at = place(column, row);
+        let at = point(column, row);
         let here = levels[row * width + column];
         let is_contour = [(column + 1, row), (column, row + 1)]
             .into_iter()
             .any(|(column, row)| column < width && row < height && levels[row * width + column] != here);
         let light = AMBIENT + (1.0 - AMBIENT) * field.normal(at.x, at.y).dot(LIGHT).max(0.0) / LIGHT.z;
-        let share = light * if is_contour { DARKER } else { 1.0 };
+        let fractions = light * if is_contour { DARKER } else { 1.0 };
         let [red, green, blue] =
-            field.tint(field.height(at.x, at.y)).map(|shade| (255.0 * f64::from(shade) * share).min(255.0) as u8);
+            field.tint(field.height(at.x, at.y)).map(|shade| (255.0 * f64::from(shade) * fractions).min(255.0) as u8);
         [red, green, blue, 255]
     };
     let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));

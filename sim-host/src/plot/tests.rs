@@ -202,8 +202,8 @@ fn pixels_stand_where_the_world_says() {
         let image = pixels(&drawing, size);
         assert_eq!(image.dimensions(), frame.whole());
         let at = |x: f64, y: f64| {
-            let place = frame.pixel_of(DVec2::new(x, y));
-            image.get_pixel(place.x as u32, place.y as u32).0
+            let pixel = frame.pixel_of(DVec2::new(x, y));
+            image.get_pixel(pixel.x as u32, pixel.y as u32).0
         };
         for point in [(0.0, 1.03), (2.0, 1.03), (1.03, 0.0), (1.03, 2.0)] {
             let wall = at(point.0, point.1);

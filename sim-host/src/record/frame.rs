@@ -116,7 +116,7 @@ pub enum StoredCapture {
 pub struct Frames {
     folder: Option<Folder>,
     /// Images and scans of this slot, with time and robot.
-    kept: Option<Mutex<Vec<(Time, RobotId, StoredCapture)>>>,
+    captures: Option<Mutex<Vec<(Time, RobotId, StoredCapture)>>>,
     /// The first image in order of (time, robot) that could not be written.
     failure: Mutex<Option<Failure>>,
 }
@@ -167,21 +167,22 @@ impl Frames {
 
     /// Also stores images and scans in memory, for [`Self::take`].
     pub fn storing(self) -> Self {
-        Self { kept: Some(Mutex::default()), ..self }
+        Self { captures: Some(Mutex::default()), ..self }
     }
 
     /// Takes the images and scans stored since the last call, in order of (time, robot).
     pub fn take(&self) -> Vec<(Time, RobotId, StoredCapture)> {
-        let mut kept = self.kept.as_ref().map(|kept| std::mem::take(&mut *kept.lock())).unwrap_or_default();
+        let mut captures =
+            self.captures.as_ref().map(|captures| std::mem::take(&mut *captures.lock())).unwrap_or_default();
         // A stable sort: images and scans of one robot at one time keep their order.
-        kept.sort_by_key(|(time, robot, _)| (*time, *robot));
-        kept
+        captures.sort_by_key(|(time, robot, _)| (*time, *robot));
+        captures
     }
 
     /// Stores a scan that `robot` takes at `now`, if scans are stored.
     pub fn store_scan(&self, robot: RobotId, now: Time, scan: impl FnOnce() -> StoredScan) {
-        if let Some(kept) = &self.kept {
-            kept.lock().push((now, robot, StoredCapture::Scan(scan())));
+        if let Some(captures) = &self.captures {
+            captures.lock().push((now, robot, StoredCapture::Scan(scan())));
         }
     }
 
@@ -193,9 +194,9 @@ impl Frames {
         if let Some(folder) = &self.folder {
             self.write_into(folder, robot, frame, &png);
         }
-        if let Some(kept) = &self.kept {
+        if let Some(captures) = &self.captures {
             let image = StoredFrame { number: frame.number, form: frame.pixels.form(), png };
-            kept.lock().push((frame.exposed, robot, StoredCapture::Frame(image)));
+            captures.lock().push((frame.exposed, robot, StoredCapture::Frame(image)));
         }
     }
 

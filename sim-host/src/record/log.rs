@@ -9,7 +9,7 @@ use std::io::{self, Write};
 use sim_core::RobotId;
 use sim_core::time::Time;
 
-use super::hint_places::HintPlaces;
+use super::hint_locations::HintLocations;
 use super::sink::{RecordError, Sink};
 use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 
@@ -98,7 +98,7 @@ pub struct Log {
     stream: Stream,
     /// Number of times that each hint was recorded.
     hints: BTreeMap<String, u32>,
-    hint_places: HintPlaces,
+    hint_locations: HintLocations,
 }
 
 impl Log {
@@ -111,14 +111,14 @@ impl Log {
             pending: String::new(),
             stream: Stream::Out,
             hints: BTreeMap::new(),
-            hint_places: HintPlaces::default(),
+            hint_locations: HintLocations::default(),
         }
     }
 
-    /// Shows hints with the lines in `hint_places`.
+    /// Shows hints with the lines in `hint_locations`.
     #[must_use]
-    pub fn with_hint_places(self, hint_places: HintPlaces) -> Self {
-        Self { hint_places, ..self }
+    pub fn with_hint_locations(self, hint_locations: HintLocations) -> Self {
+        Self { hint_locations, ..self }
     }
 
     /// Selects the stream for the next lines.
@@ -178,11 +178,11 @@ impl Sink for Log {
         if is_shown {
             let is_output = matches!(record.event, Event::Stdout { .. });
             self.choose(if is_output { Stream::Out } else { Stream::Err })?;
-            let place = match record.event {
-                Event::Hint { text } => self.hint_places.of(record.robot, text),
+            let location = match record.event {
+                Event::Hint { text } => self.hint_locations.of(record.robot, text),
                 _ => None,
             };
-            push_line(&mut self.pending, record, place.as_deref());
+            push_line(&mut self.pending, record, location.as_deref());
         }
         Ok(())
     }
@@ -206,14 +206,14 @@ impl Sink for Log {
 
 /// Appends the line of `record` to `lines`; a hint includes the line of the program to which it belongs. Appends
 /// nothing for kinds that are not shown on the terminal.
-fn push_line(lines: &mut String, record: &Record<'_>, place: Option<&str>) {
+fn push_line(lines: &mut String, record: &Record<'_>, hint_location: Option<&str>) {
     let start = lines.len();
     _ = write!(lines, "[{} {}] ", record.robot, record.time);
     // Writing to a string cannot fail.
     _ = match record.event {
         Event::Stdout { text } | Event::Stderr { text } => write!(lines, "{}", Printable(text)),
         Event::Hint { text } => {
-            place.iter().for_each(|place| _ = write!(lines, "{}: ", Printable(place)));
+            hint_location.iter().for_each(|hint_location| _ = write!(lines, "{}: ", Printable(hint_location)));
             write!(lines, "hint: {}", Printable(text))
         }
         Event::Reason { text } => write!(lines, "end: {}", Printable(text)),

@@ -307,12 +307,12 @@ impl Mcap {
     }
 
     fn write_scan(&mut self, at: Time, robot: RobotId, scan: &StoredScan) -> Result<(), RecordError> {
-        let place = scene::point(&scan.world_from_scanner);
+        let position = scene::point(&scan.world_from_scanner);
         let [start_angle, end_angle] = scan.bearings;
         let message = json!({
             "timestamp": timestamp(at),
             "frame_id": scene::WORLD,
-            "pose": scene::pose(&place),
+            "pose": scene::pose(&position),
             "start_angle": start_angle,
             "end_angle": end_angle,
             "ranges": scan.metres,
@@ -453,7 +453,7 @@ mod tests {
             }],
             parts: vec![protocol::Part {
                 mesh: 0,
-                place: protocol::Place::World { what: "wall".into(), at: scene::upright(1.0, 2.0, 0.0) },
+                place: protocol::Attachment::World { what: "wall".into(), at: scene::upright(1.0, 2.0, 0.0) },
             }],
             ground: None,
             light: protocol::Light { towards: [0.0, 0.0, 1.0], ambient: 0.5, diffuse: 0.5, shadows: false },

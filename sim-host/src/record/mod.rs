@@ -7,7 +7,7 @@ pub mod diff;
 pub mod event_store;
 mod file;
 pub mod frame;
-pub mod hint_places;
+pub mod hint_locations;
 pub mod log;
 #[cfg(feature = "window")]
 pub mod mcap;
@@ -21,7 +21,7 @@ pub mod trail;
 mod zstd;
 
 pub use event_store::EventStore;
-pub use hint_places::HintPlaces;
+pub use hint_locations::HintLocations;
 pub use log::Log;
 #[cfg(feature = "window")]
 pub use mcap::Mcap;

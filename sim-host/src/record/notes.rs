@@ -6,7 +6,7 @@ use sim_core::RobotId;
 use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 use sim_core::time::Time;
 
-use super::hint_places::HintPlaces;
+use super::hint_locations::HintLocations;
 use super::report::HintReport;
 use super::sink::{RecordError, Sink};
 
@@ -30,7 +30,7 @@ const METRIC: &str = "METRIC ";
 #[derive(Clone, Debug, Default)]
 pub struct Notes {
     robots: BTreeMap<RobotId, RobotNotes>,
-    hint_places: HintPlaces,
+    hint_locations: HintLocations,
     /// Remarks on lines that begin like a metric but are malformed.
     pub remarks: Vec<String>,
 }
@@ -49,9 +49,9 @@ pub struct RobotNotes {
 }
 
 impl Notes {
-    /// Creates empty notes; lines of hints are noted in `hint_places`.
-    pub fn new(hint_places: HintPlaces) -> Self {
-        Self { hint_places, ..Self::default() }
+    /// Creates empty notes; lines of hints are noted in `hint_locations`.
+    pub fn new(hint_locations: HintLocations) -> Self {
+        Self { hint_locations, ..Self::default() }
     }
 
     /// The notes of a robot.
@@ -115,7 +115,7 @@ impl Sink for Notes {
             Event::Hint { text } => {
                 let hints = &mut self.robots.entry(record.robot).or_default().hints;
                 if hints.len() < MAX_HINTS {
-                    let at = self.hint_places.of(record.robot, text);
+                    let at = self.hint_locations.of(record.robot, text);
                     hints.push(HintReport { at_s: record.time.seconds(), at, text: text.to_owned() });
                 }
             }

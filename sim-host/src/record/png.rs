@@ -49,15 +49,15 @@ fn colour_of_label(label: u8) -> [u8; 3] {
         _ => {
             let hue = u32::from(label) * 1373 % 3600;
             let (sector, rest) = (hue / 600, hue % 600);
-            let most = if label.is_multiple_of(2) { 255 } else { 190 };
-            let (rising, falling) = (most * rest / 600, most * (600 - rest) / 600);
+            let max = if label.is_multiple_of(2) { 255 } else { 190 };
+            let (rising, falling) = (max * rest / 600, max * (600 - rest) / 600);
             let rgb = match sector {
-                0 => [most, rising, 0],
-                1 => [falling, most, 0],
-                2 => [0, most, rising],
-                3 => [0, falling, most],
-                4 => [rising, 0, most],
-                _ => [most, 0, falling],
+                0 => [max, rising, 0],
+                1 => [falling, max, 0],
+                2 => [0, max, rising],
+                3 => [0, falling, max],
+                4 => [rising, 0, max],
+                _ => [max, 0, falling],
             };
             rgb.map(|channel| channel as u8)
         }

@@ -238,7 +238,8 @@ impl Report {
     /// This report with the results of checks.
     pub fn with_checks(self, checks: Vec<CheckReport>) -> Self {
         // From 0 on: the sum of no numbers is -0.
-        let add = |[points, most]: [f64; 2], check: &CheckReport| [points + check.points, most + check.max_points];
+        let add =
+            |[points, max_sum]: [f64; 2], check: &CheckReport| [points + check.points, max_sum + check.max_points];
         let [points, max_points] = checks.iter().fold([0.0; 2], add);
         Self { checks, points, max_points, ..self }
     }

@@ -58,13 +58,13 @@ const POSES: &[Kind] = &[
 /// Kinds of the group `readings`.
 const READINGS: &[Kind] = &[
     Kind::Distance,
-    Kind::Angle,
+    Kind::Compass,
     Kind::Reading,
     Kind::Odometry,
     Kind::OdometrySpeed,
     Kind::Scan,
     Kind::Signal,
-    Kind::Frame,
+    Kind::Image,
 ];
 
 /// Kinds that every trace contains: without them a run cannot be repeated.
@@ -266,7 +266,7 @@ pub(super) mod tests {
 
     use super::*;
     use crate::record::Sinks;
-    use sim_core::record::{ActionText, Event, Journal, Numbers, Obstacle, Outcome, Recorder};
+    use sim_core::record::{ActionText, Event, FloatList, Journal, Obstacle, Outcome, Recorder};
 
     /// Shared memory, read by tests while the trace writes to it.
     #[derive(Clone, Default)]
@@ -321,7 +321,7 @@ pub(super) mod tests {
             Event::Servo { device: "SERVO1", position: 127 },
             Event::Output { device: "latch 0", value: 255 },
             Event::Distance { device: "PSD_FRONT", distance_m: None, measured_s: 0.06 },
-            Event::Angle { device: "COMPASS", angle_rad: Some(0.5) },
+            Event::Compass { device: "COMPASS", angle_rad: Some(0.5) },
             Event::Reading { device: "QUAD_LEFT", value: -12 },
             Event::Odometry { x_m: 0.1, y_m: 0.2, phi_rad: 0.3 },
             Event::OdometrySpeed { v_m_per_s: 0.1, omega_rad_per_s: 0.0 },
@@ -343,7 +343,7 @@ pub(super) mod tests {
             Event::Placed { by: 2, x_m: 1.5, y_m: 0.25, phi_rad: 0.5 },
             Event::ObjectPlaced { object: 1, by: 2, x_m: 1.5, y_m: 0.25, phi_rad: 0.5 },
             Event::Signal { device: "REFLECTANCE", signal: f64::INFINITY, measured_s: 0.06 },
-            Event::Frame {
+            Event::Image {
                 frame: 1,
                 form: "colour",
                 width_px: 320,
@@ -371,9 +371,9 @@ pub(super) mod tests {
                 yaw_rad: 0.0,
             },
             Event::BodyHeight { height_m: -0.01 },
-            Event::Posture { lift_m: -0.01, joints_rad: Numbers::new(&JOINTS) },
+            Event::Posture { lift_m: -0.01, joints_rad: FloatList::new(&JOINTS) },
             Event::Footfall { leg: "LEFT", x_m: 1.5, y_m: 0.25, z_m: 0.0 },
-            Event::Touch { part: "LEFT.shank", with: Obstacle::Terrain, x_m: 1.5, y_m: 0.25, z_m: 0.1 },
+            Event::LegContact { part: "LEFT.shank", with: Obstacle::Terrain, x_m: 1.5, y_m: 0.25, z_m: 0.1 },
             Event::Stderr { text: "thread main panicked" },
             Event::Fault { what: "SIGSEGV", location: "maze.c:88", last_call: "KEYGet" },
             Event::Reason { text: "fault" },

@@ -193,7 +193,7 @@ impl Trails {
         &self.trails
     }
 
-    /// Points of contact, in metres; points within 1 cm of the previous one are left out.
+    /// Points of contact, in metres; points within 1 cm of the previous one are omitted.
     pub fn contacts(&self) -> &[DVec2] {
         &self.contacts
     }
@@ -202,7 +202,7 @@ impl Trails {
 /// Continues the trail of a body, or starts the trail of a spawned body.
 fn push(bodies: &mut Vec<BodyTrails>, index: usize, position: DVec2) {
     match bodies.get_mut(index) {
-        Some(way) => way.push(position),
+        Some(trail) => trail.push(position),
         None => bodies.push(BodyTrails::new(position)),
     }
 }
@@ -334,13 +334,13 @@ mod tests {
 
     #[test]
     fn no_line_leads_to_where_a_body_is_put() {
-        let mut way = BodyTrails::new(DVec2::ZERO);
-        way.push(DVec2::X);
-        way.restart_at(DVec2::new(5.0, 5.0));
-        way.push(DVec2::new(5.0, 6.0));
-        assert_eq!(way.lines(), [vec![DVec2::ZERO, DVec2::X], vec![DVec2::new(5.0, 5.0), DVec2::new(5.0, 6.0)]]);
-        (0..100).for_each(|_| way.restart_at(DVec2::ZERO));
-        assert_eq!(way.lines().len(), MAX_TRAILS);
+        let mut trail = BodyTrails::new(DVec2::ZERO);
+        trail.push(DVec2::X);
+        trail.restart_at(DVec2::new(5.0, 5.0));
+        trail.push(DVec2::new(5.0, 6.0));
+        assert_eq!(trail.lines(), [vec![DVec2::ZERO, DVec2::X], vec![DVec2::new(5.0, 5.0), DVec2::new(5.0, 6.0)]]);
+        (0..100).for_each(|_| trail.restart_at(DVec2::ZERO));
+        assert_eq!(trail.lines().len(), MAX_TRAILS);
     }
 
     #[test]

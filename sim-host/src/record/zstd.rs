@@ -16,7 +16,7 @@ pub fn frame(text: &[u8]) -> Vec<u8> {
     compress_to_vec(text, CompressionLevel::Fastest)
 }
 
-/// Reads the text of all frames of `input`. An incomplete last frame, as left by a killed run, is left out.
+/// Reads the text of all frames of `input`. An incomplete last frame, as left by a killed run, is omitted.
 pub struct Frames<R> {
     input: R,
     decoder: FrameDecoder,

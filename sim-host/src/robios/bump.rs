@@ -51,7 +51,7 @@ pub fn check(robot: &mut Robot, handle: i32, stamp: &mut Out<i32>) -> i32 {
     let is_on = robot.devices.switches.is_on(SensorId::Bumper(index));
     let simulation::Robot { spec, motion, now, .. } = &mut robot.state;
     let first = spec.bumpers.get(index).filter(|_| is_on).and_then(|spec| {
-        let bumper = Bumper { bearing: 0.5 * (spec.from + spec.to), half_width: 0.5 * (spec.to - spec.from) };
+        let bumper = Bumper { bearing: 0.5 * (spec.from + spec.to), half_angle: 0.5 * (spec.to - spec.from) };
         let impacts = motion.impacts(reported_until, *now);
         impacts.into_iter().find(|impact| impact.fresh && bumper.is_pressed_by(impact))
     });

@@ -149,17 +149,17 @@ pub fn mm_of_depth(depth: &Picture<f32>) -> Vec<f32> {
 pub fn numbers_of_labels(labels: &Picture<Label>, entity_numbers: &EntityNumbers) -> Vec<i32> {
     // Ids of movable objects count only movable objects.
     let movable: Vec<usize> = (0..entity_numbers.objects.len())
-        .filter(|place| matches!(entity_numbers.objects[*place], NumberedObject::Movable(_)))
+        .filter(|index| matches!(entity_numbers.objects[*index], NumberedObject::Movable(_)))
         .collect();
-    let object = |place: usize| CAM_BODY + (entity_numbers.robots + 1 + place) as i32;
+    let object = |index: usize| CAM_BODY + (entity_numbers.robots + 1 + index) as i32;
     let spawned = |who: Placeable| CAM_BODY + entity_numbers.spawned_number(who).unwrap_or_default();
     let number = |label: &Label| match label {
         Label::Sky => CAM_SKY,
         Label::Ground => CAM_FLOOR,
         Label::Wall(_) => CAM_WALL,
-        Label::Fixed(place) => object(*place as usize),
+        Label::Fixed(index) => object(*index as usize),
         Label::Object(id) => match movable.get(id.index()) {
-            Some(place) => object(*place),
+            Some(index) => object(*index),
             None => spawned(Placeable::Object(*id)),
         },
         Label::Robot(id) if id.index() < entity_numbers.robots => CAM_BODY + id.0 as i32,

@@ -186,7 +186,7 @@ fn take<T>(
     buffer: &mut Out<T>,
     take: impl FnOnce(&mut Robot) -> Result<T, ImageUnavailable>,
 ) -> Poll<i32> {
-    let taken = match robot.camera_setting() {
+    let image = match robot.camera_setting() {
         Ok(_) if buffer.is_null() => Err(ImageUnavailable::Null),
         Ok(_) => {
             let due = robot.robios.camera6.rate.map_or(robot.now, |rate| next_frame(rate, robot.now));
@@ -197,7 +197,7 @@ fn take<T>(
         }
         Err(why) => Err(why.into()),
     };
-    Poll::Ready(match taken {
+    Poll::Ready(match image {
         Ok(frame) => {
             buffer.set(frame);
             0
@@ -225,7 +225,7 @@ fn bordered<T: Copy>(picture: &Picture<T>, border: T) -> [[T; IMAGE_COLUMNS]; IM
 
 /// The first `N` bytes as an array.
 fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
-    std::array::from_fn(|place| bytes[place])
+    std::array::from_fn(|index| bytes[index])
 }
 
 #[cfg(test)]

@@ -20,9 +20,9 @@ pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i3
         let why = CameraError::Absent(robot.spec.file.clone());
         return camera::refused(robot, Call::CAMInit, 1, why);
     }
-    let most = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
+    let max_pixels = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
     let is_size = [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side));
-    if !is_resolution(resolution) || !is_size || width as usize * height as usize > most {
+    if !is_resolution(resolution) || !is_size || width as usize * height as usize > max_pixels {
         return robot.refused(Call::CAMInit, 1, |_| {
             format!(
                 "it takes QQVGA, QVGA, VGA, CAM1MP, CAMHD, CAM5MP, or CUSTOM with a CAMWIDTH and CAMHEIGHT of 1 to {MAX_SIDE} \

@@ -53,7 +53,7 @@ pub fn get(robot: &mut Robot) -> i32 {
     let degrees = read(robot);
     if let Some(compass) = &robot.state.spec.compass {
         let angle_rad = degrees.map(|degrees| unit::radians_from_degrees(degrees.into()));
-        robot.state.journal.record(robot.state.now, &Event::Angle { device: &compass.name, angle_rad });
+        robot.state.journal.record(robot.state.now, &Event::Compass { device: &compass.name, angle_rad });
     }
     degrees.unwrap_or_else(|| robot.failed(Call::COMPASSGet, -1))
 }

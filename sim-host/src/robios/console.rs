@@ -63,7 +63,7 @@ impl<F: Flow> Caller<F> {
     }
 }
 
-/// Records `text` line by line up to the limit; the user is told of the first line that is cut.
+/// Records `text` line by line up to the limit; the first line that is cut is reported.
 pub(crate) fn print_lines(robot: &mut Robot, stream: i32, text: &str) {
     let now = robot.now;
     for line in text.split_inclusive('\n') {

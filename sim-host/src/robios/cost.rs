@@ -51,7 +51,7 @@ pub enum CostError {
     Syntax(String),
     /// A section does not name a known generation.
     #[error("line {line}: unknown section `{name}`, expected `robios6` or `robios7`")]
-    Section {
+    CostSection {
         /// Line from 1.
         line: usize,
         /// The name.
@@ -78,7 +78,7 @@ pub enum CostError {
 }
 
 /// One section: costs by name or pattern.
-type Section = BTreeMap<Spanned<String>, Spanned<toml::Value>>;
+type CostSection = BTreeMap<Spanned<String>, Spanned<toml::Value>>;
 
 impl Costs {
     /// The compiled-in table, overridden by the entries of the user's `table`.
@@ -160,23 +160,23 @@ fn unknown_function(section: &str, name: &str, line: impl Fn() -> usize) -> Opti
 type Entries = BTreeMap<String, BTreeMap<String, Time>>;
 
 fn parse(table: &str) -> Result<Entries, CostError> {
-    let line_of = |place: usize| 1 + table.as_bytes()[..place].iter().filter(|byte| **byte == b'\n').count();
-    let sections: BTreeMap<Spanned<String>, Section> =
+    let line_of = |start: usize| 1 + table.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count();
+    let sections: BTreeMap<Spanned<String>, CostSection> =
         toml::from_str(table).map_err(|error| CostError::Syntax(error.to_string().trim_end().to_owned()))?;
     let mut entries = Entries::new();
     for (section, section_entries) in &sections {
         let name = section.get_ref();
         if !SECTIONS.contains(&name.as_str()) {
-            return Err(CostError::Section { line: line_of(section.span().start), name: name.clone() });
+            return Err(CostError::CostSection { line: line_of(section.span().start), name: name.clone() });
         }
         let of_section = entries.entry(name.clone()).or_default();
         for (function, cost) in section_entries {
-            let (place, function) = (function.span().start, function.get_ref());
+            let (start, function) = (function.span().start, function.get_ref());
             let micros = cost.get_ref().as_integer().filter(|micros| (1..=MAX_COST_US).contains(micros));
             let Some(micros) = micros else {
-                return Err(CostError::Cost { line: line_of(place), name: function.clone() });
+                return Err(CostError::Cost { line: line_of(start), name: function.clone() });
             };
-            if let Some(error) = unknown_function(name, function, || line_of(place)) {
+            if let Some(error) = unknown_function(name, function, || line_of(start)) {
                 return Err(error);
             }
             of_section.insert(function.clone(), Time(micros));

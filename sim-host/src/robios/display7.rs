@@ -13,7 +13,7 @@ use robios_sys::{Out, Robios7Call as Call};
 use super::robot::Robot;
 use super::screen::canvas::{Canvas, Rgb, WHITE, code, rgb};
 use super::screen::font::{Family, Size, Variation};
-use super::screen::list::Line;
+use super::screen::list::ListLine;
 use super::screen::menu::Entry;
 use super::text;
 use sim_core::record::Event;
@@ -22,15 +22,15 @@ use sim_core::record::Event;
 pub fn put(robot: &mut Robot, call: Call, characters: Option<&[u8]>) -> i32 {
     let Some(characters) = characters else { return robot.failed(call, 1) };
     let text = text(characters);
-    let [row, column] = robot.screen().position().map(|place| place.clamp(0, u8::MAX.into()) as u8);
+    let [row, column] = robot.screen().position().map(|coordinate| coordinate.clamp(0, u8::MAX.into()) as u8);
     robot.record(Event::LcdText { row, column, text: &text });
     robot.screen().write(&text);
     0
 }
 
 /// `LCDSetPrintf`
-pub fn put_at(robot: &mut Robot, place: [i32; 2], characters: Option<&[u8]>) -> i32 {
-    move_to(robot, Call::LCDSetPrintf, place);
+pub fn put_at(robot: &mut Robot, position: [i32; 2], characters: Option<&[u8]>) -> i32 {
+    move_to(robot, Call::LCDSetPrintf, position);
     put(robot, Call::LCDSetPrintf, characters)
 }
 
@@ -42,12 +42,12 @@ pub fn clear(robot: &mut Robot) -> i32 {
 }
 
 /// `LCDSetPos`
-pub fn set_position(robot: &mut Robot, place: [i32; 2]) -> i32 {
-    move_to(robot, Call::LCDSetPos, place);
+pub fn set_position(robot: &mut Robot, position: [i32; 2]) -> i32 {
+    move_to(robot, Call::LCDSetPos, position);
     0
 }
 
-/// Moves the cursor; the user is told once if the position is outside the display.
+/// Moves the cursor; a hint is reported once if the position is outside the display.
 fn move_to(robot: &mut Robot, call: Call, [row, column]: [i32; 2]) {
     robot.screen().set_position(row, column);
     let [rows, columns] = robot.screen().rows_and_columns();
@@ -166,7 +166,7 @@ fn set_menu_text(robot: &mut Robot, index: usize, characters: &[u8]) {
 /// `LCDListLine`
 pub fn set_list_line(robot: &mut Robot, [index, key]: [i32; 2], characters: Option<&[u8]>, colours: [i32; 2]) -> i32 {
     let [ink, paper] = colours.map(rgb);
-    let line = characters.map(text).map(|text| Line { entry: Entry { text: text.into_owned(), ink, paper }, key });
+    let line = characters.map(text).map(|text| ListLine { entry: Entry { text: text.into_owned(), ink, paper }, key });
     let text = line.as_ref().map(|line| line.entry.text.clone());
     let is_set = usize::try_from(index).is_ok_and(|index| robot.screen().set_list_line(index, line));
     if !is_set {
@@ -217,8 +217,8 @@ pub fn set_resolution(robot: &mut Robot, resolution: i32) -> i32 {
         return 0;
     }
     robot.refused(Call::LCDImageSize, 1, |_| {
-        let known: Vec<&str> = RESOLUTIONS.iter().map(|(name, ..)| *name).collect();
-        format!("{resolution} is no resolution: expected {} or CUSTOM", known.join(", "))
+        let names: Vec<&str> = RESOLUTIONS.iter().map(|(name, ..)| *name).collect();
+        format!("{resolution} is no resolution: expected {} or CUSTOM", names.join(", "))
     })
 }
 
@@ -233,8 +233,8 @@ pub fn set_image(robot: &mut Robot, at: [i32; 2], [width, height]: [i32; 2]) -> 
 
 /// Returns true for a size from 1 x 1 up to the pixel count of the largest camera.
 fn is_size([width, height]: [i32; 2]) -> bool {
-    let most = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
-    width > 0 && height > 0 && i64::from(width) * i64::from(height) <= most as i64
+    let max_pixels = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
+    width > 0 && height > 0 && i64::from(width) * i64::from(height) <= max_pixels as i64
 }
 
 /// `LCDImage`

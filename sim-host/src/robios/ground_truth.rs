@@ -79,8 +79,8 @@ impl EntityNumbers {
 
     /// Number of a spawned robot or object.
     pub fn spawned_number(&self, who: Placeable) -> Option<i32> {
-        let (place, _) = self.spawned.iter().find(|(_, spawned)| **spawned == who)?;
-        Some((self.robots + self.objects.len() + 1 + place) as i32)
+        let (index, _) = self.spawned.iter().find(|(_, spawned)| **spawned == who)?;
+        Some((self.robots + self.objects.len() + 1 + index) as i32)
     }
 }
 
@@ -231,8 +231,8 @@ mod tests {
 
     #[test]
     fn headings_of_2018_are_those_of_its_source() {
-        let told = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_to_program(dialect, phi));
-        assert_eq!([90, 0, 180, -90, 89].map(told), [[360, 90], [270, 0], [90, 180], [180, -90], [359, 89]]);
+        let headings = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_to_program(dialect, phi));
+        assert_eq!([90, 0, 180, -90, 89].map(headings), [[360, 90], [270, 0], [90, 180], [180, -90], [359, 89]]);
         let meant = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_from_program(dialect, phi));
         assert_eq!([0, 90, 180, -90].map(meant), [[90, 0], [0, 90], [270, 180], [180, -90]]);
         assert_eq!(heading_from_program(Dialect::Vr2018, i32::MIN), (90 + (1_i64 << 31)).rem_euclid(360) as i32);

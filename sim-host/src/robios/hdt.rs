@@ -41,6 +41,6 @@ pub fn count(robot: &Robot, kind: i32) -> i32 {
 fn row(device: &Device) -> HDTEntry {
     let mut name = [0; 16];
     // The last byte stays 0.
-    name[..15].iter_mut().zip(device.name.bytes()).for_each(|(place, byte)| *place = byte);
+    name[..15].iter_mut().zip(device.name.bytes()).for_each(|(target, byte)| *target = byte);
     HDTEntry { type_id: device.kind, semantics: device.number(), name }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::call::Call;
 
-/// Number of failures of one function after which the user is told that the program ignores them.
+/// Number of failures of one function after which a hint says that the program ignores them.
 const IGNORED_FAILURES: u32 = 100;
 
 /// Maximum plausible length of a drive in metres; a longer one is probably meant in millimetres.
@@ -49,16 +49,16 @@ pub enum Mistake {
 /// Hints that a robot has been given, and failures of its calls.
 #[derive(Clone, Debug, Default)]
 pub struct Hints {
-    given: Vec<Mistake>,
+    reported: Vec<Mistake>,
     failures: BTreeMap<Call, u32>,
 }
 
 impl Hints {
     /// Returns true the first time that the mistake is made.
     pub fn is_first(&mut self, mistake: Mistake) -> bool {
-        let is_first = !self.given.contains(&mistake);
+        let is_first = !self.reported.contains(&mistake);
         if is_first {
-            self.given.push(mistake);
+            self.reported.push(mistake);
         }
         is_first
     }

@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn the_display_shows_80_by_54() {
         let image: Image = std::array::from_fn(|row| [row as u8; COLUMNS]);
-        let shown: Vec<u8> = shown(&image).collect();
-        assert_eq!((shown.len(), shown[0], shown[80 * 54 - 1]), (80 * 54, 1, 54));
+        let pixels: Vec<u8> = shown(&image).collect();
+        assert_eq!((pixels.len(), pixels[0], pixels[80 * 54 - 1]), (80 * 54, 1, 54));
     }
 }

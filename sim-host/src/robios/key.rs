@@ -172,18 +172,18 @@ fn take_of(robot: &mut Robot, codes: i32) -> Option<i32> {
 
 /// `KEYWait` of RoBIOS-7
 pub fn wait_for_one(robot: &mut Robot, codes: i32) -> Poll<i32> {
-    let known = KEYS.iter().chain(&LIST_KEYS).fold(0, |codes, (_, code)| codes | code);
-    if codes & known == 0 {
+    let key_codes = KEYS.iter().chain(&LIST_KEYS).fold(0, |codes, (_, code)| codes | code);
+    if codes & key_codes == 0 {
         return Poll::Ready(robot.refused(Robios7Call::KEYWait, KEY_INVALID, |_| format!("{codes} is no key")));
     }
-    wait_for(robot, codes & known)
+    wait_for(robot, codes & key_codes)
 }
 
 /// `KEYGetXY`
 pub fn touched(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> Poll<i32> {
     match take_place(robot) {
-        Some(place) => {
-            [x, y].into_iter().zip(place).for_each(|(out, pixel)| out.set(pixel));
+        Some(index) => {
+            [x, y].into_iter().zip(index).for_each(|(out, pixel)| out.set(pixel));
             Poll::Ready(0)
         }
         None => Poll::Pending { at: robot.devices.keys.next(|_| true), reason: WaitReason::Key("a touch".to_owned()) },
@@ -192,8 +192,8 @@ pub fn touched(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> Poll<i3
 
 /// `KEYReadXY`
 pub fn read_place(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> i32 {
-    let Some(place) = take_place(robot) else { return 1 };
-    [x, y].into_iter().zip(place).for_each(|(out, pixel)| out.set(pixel));
+    let Some(touched) = take_place(robot) else { return 1 };
+    [x, y].into_iter().zip(touched).for_each(|(out, pixel)| out.set(pixel));
     0
 }
 
@@ -202,14 +202,14 @@ pub fn read_place(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> i32 
 fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
     while let Some(touch) = robot.state.devices.keys.take_any(robot.state.now) {
         let size = robot.screen().size().map(i32::from);
-        let place = match touch {
+        let point = match touch {
             UserInput::Key(number) => robot.screen().middle_of_key(usize::from(number) - 1),
-            UserInput::Touch(place) => place,
+            UserInput::Touch(point) => point,
             UserInput::Remote(_) => continue,
         };
-        if place.iter().zip(size).all(|(pixel, end)| (0..end).contains(pixel)) {
+        if point.iter().zip(size).all(|(pixel, end)| (0..end).contains(pixel)) {
             robot.record(Event::Key { key: &touch.to_string() });
-            return Some(place);
+            return Some(point);
         }
         robot.hint(&format!("{touch} is beside the display of {} x {} pixels", size[0], size[1]));
     }
@@ -220,9 +220,9 @@ fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
 fn key_under(touch: UserInput, screen: &Option<Box<Screen>>) -> Option<i32> {
     let code = match (touch, screen) {
         (UserInput::Key(number), _) => KEYS[usize::from(number) - 1].1,
-        (UserInput::Touch(place), Some(screen)) => match screen.key_at(place) {
+        (UserInput::Touch(point), Some(screen)) => match screen.key_at(point) {
             Some(index) => KEYS[index].1,
-            None => screen.list_key_at(place),
+            None => screen.list_key_at(point),
         },
         (UserInput::Touch(_), None) | (UserInput::Remote(_), _) => 0,
     };

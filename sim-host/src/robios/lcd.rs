@@ -240,16 +240,16 @@ impl Lcd {
     pub fn show_grey(&mut self, grey: impl Iterator<Item = u8>, width: usize) -> u32 {
         let mut changed = 0;
         let mut last = None;
-        for (place, level) in grey.enumerate() {
-            let (row, column) = (place / width, place % width);
+        for (index, level) in grey.enumerate() {
+            let (row, column) = (index / width, index % width);
             if row < HEIGHT && column < WIDTH {
                 let ink = if is_black(level, row, column) { Ink::Set } else { Ink::Clear };
                 changed += self.draw(row, mask(column, column), ink);
                 last = Some(row);
             }
         }
-        let covered = last.map_or(0, |row| row.div_ceil(CELL_HEIGHT).min(LINES));
-        for line in &mut self.text[..covered] {
+        let rows = last.map_or(0, |row| row.div_ceil(CELL_HEIGHT).min(LINES));
+        for line in &mut self.text[..rows] {
             line[..width.div_ceil(CELL_WIDTH).min(COLUMNS)].fill(b' ');
         }
         changed

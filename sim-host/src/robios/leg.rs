@@ -31,7 +31,7 @@ pub fn count(robot: &Robot) -> i32 {
 pub fn set_gait(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
     let call = call.into();
     let name = |legs: &Legs, index: usize| legs.gaits.get(index).map(|gait| gait.name.clone());
-    let found = robot.motion.legs().zip(place(number)).and_then(|(legs, index)| Some((index, name(legs, index)?)));
+    let found = robot.motion.legs().zip(index_of(number)).and_then(|(legs, index)| Some((index, name(legs, index)?)));
     let Some((index, name)) = found else { return has_no(robot, call, "gait", number, gaits) };
     let accepted = robot.state.motion.command_legs(robot.state.now, LegCommand::Gait(index));
     if accepted.is_ok() {
@@ -72,9 +72,9 @@ pub fn set_step(robot: &mut Robot, call: impl Into<Call>, height_mm: i32) -> i32
 pub fn joint(robot: &mut Robot, call: impl Into<Call>, [number, joint]: [i32; 2], degrees: &mut Out<f32>) -> i32 {
     let call = call.into();
     let Some(found) = NamedLeg::leg(robot, number) else { return has_no(robot, call, "leg", number, legs) };
-    let Some(index) = place(joint).filter(|index| *index < found.leg.joint_count()) else {
-        let known = JOINTS[..found.leg.joint_count()].iter();
-        return has_no(robot, call, "joint", joint, |_| list(known.copied()));
+    let Some(index) = index_of(joint).filter(|index| *index < found.leg.joint_count()) else {
+        let names = JOINTS[..found.leg.joint_count()].iter();
+        return has_no(robot, call, "joint", joint, |_| list(names.copied()));
     };
     if degrees.is_null() {
         return robot.refused(call, FAILURE, |_| "it takes a place for the angle".to_owned());
@@ -89,27 +89,27 @@ pub fn joint(robot: &mut Robot, call: impl Into<Call>, [number, joint]: [i32; 2]
 pub fn link(robot: &mut Robot, call: impl Into<Call>, [number, link]: [i32; 2], pose: &mut OutFloats) -> i32 {
     let call = call.into();
     let Some(found) = NamedLeg::leg(robot, number) else { return has_no(robot, call, "leg", number, legs) };
-    let Some((part, index)) = place(link).and_then(|index| found.leg.parts().nth(index)) else {
-        let known: Vec<_> = found.leg.parts().map(|(part, _)| part).collect();
-        return has_no(robot, call, "link", link, |_| list(known.into_iter()));
+    let Some((part, index)) = index_of(link).and_then(|index| found.leg.parts().nth(index)) else {
+        let names: Vec<_> = found.leg.parts().map(|(part, _)| part).collect();
+        return has_no(robot, call, "link", link, |_| list(names.into_iter()));
     };
     if pose.is_null() {
         return robot.refused(call, FAILURE, |_| "it takes room for 6 numbers".to_owned());
     }
     let joints = robot.state.motion.stance(robot.state.now).joints;
     let body_from_link = link_pose(&found.leg.links(0, found.first_joint), &joints, index);
-    let (place, [roll, pitch, yaw]) = (body_from_link.position, body_from_link.angles());
+    let (position, [roll, pitch, yaw]) = (body_from_link.position, body_from_link.angles());
     let name = format!("{}.{part}", found.leg.name);
     robot.record(Event::Link {
         link: &name,
-        x_m: place.x,
-        y_m: place.y,
-        z_m: place.z,
+        x_m: position.x,
+        y_m: position.y,
+        z_m: position.z,
         roll_rad: roll,
         pitch_rad: pitch,
         yaw_rad: yaw,
     });
-    let lengths = place.to_array().map(unit::mm_from_metres);
+    let lengths = position.to_array().map(unit::mm_from_metres);
     let angles = [roll, pitch, yaw].map(unit::degrees_from_radians);
     let numbers: Vec<f32> = lengths.into_iter().chain(angles).map(|number| number as f32).collect();
     pose.set(&numbers);
@@ -167,7 +167,7 @@ struct NamedLeg {
 
 impl NamedLeg {
     fn leg(robot: &Robot, number: i32) -> Option<Self> {
-        let (legs, index) = (&robot.motion.legs()?.legs, place(number)?);
+        let (legs, index) = (&robot.motion.legs()?.legs, index_of(number)?);
         let leg = legs.get(index)?.clone();
         let first_joint = legs[..index].iter().map(Leg::joint_count).sum();
         Some(Self { leg, index, first_joint })
@@ -175,7 +175,7 @@ impl NamedLeg {
 }
 
 /// Index in a list of the element with this number.
-fn place(number: i32) -> Option<usize> {
+fn index_of(number: i32) -> Option<usize> {
     usize::try_from(number).ok()?.checked_sub(1)
 }
 
@@ -187,13 +187,13 @@ fn has_none(robot: &mut Robot, call: Call) -> i32 {
 }
 
 /// Answer of a call for a part that the robot does not have; `known` lists the parts that it has.
-fn has_no(robot: &mut Robot, call: Call, what: &str, number: i32, known: impl FnOnce(&Legs) -> String) -> i32 {
+fn has_no(robot: &mut Robot, call: Call, what: &str, number: i32, list: impl FnOnce(&Legs) -> String) -> i32 {
     if robot.motion.legs().is_none() {
         return has_none(robot, call);
     }
     robot.refused(call, FAILURE, |robot| {
-        let known = robot.motion.legs().map(known).unwrap_or_default();
-        format!("there is no {what} {number}, there are: {known}")
+        let list = robot.motion.legs().map(list).unwrap_or_default();
+        format!("there is no {what} {number}, there are: {list}")
     })
 }
 

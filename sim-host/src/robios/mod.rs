@@ -200,7 +200,7 @@ impl Robot {
         answer
     }
 
-    /// Like [`Self::failed`], for a failure whose reason the program cannot see: the user is told once per function.
+    /// Like [`Self::failed`], for a failure whose reason the program cannot see: it is reported once per function.
     fn refused(&mut self, call: impl Into<Call>, answer: i32, reason: impl FnOnce(&Self) -> String) -> i32 {
         let call = call.into();
         if self.robios.hints.is_first_failure(call) {
@@ -210,7 +210,7 @@ impl Robot {
         self.failed(call, answer)
     }
 
-    /// Answer of a call: 0 if it succeeded, otherwise `failure`, and the user is told the error.
+    /// Answer of a call: 0 if it succeeded, otherwise `failure`, and the error is reported.
     fn answered<E: Display>(&mut self, call: impl Into<Call>, failure: i32, outcome: Result<(), E>) -> i32 {
         outcome.map_or_else(|error| self.refused(call, failure, |_| error.to_string()), |()| 0)
     }
@@ -244,22 +244,22 @@ impl Robot {
                 0 => format!("{} (without a number)", device.name),
                 _ => told(&device.name),
             };
-            let known: Vec<String> = robot.robios.table.of_kind(kind).map(name).collect();
-            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-            format!("`{}` has no `{wanted}`; of this kind it has: {known}", robot.spec.file)
+            let names: Vec<String> = robot.robios.table.of_kind(kind).map(name).collect();
+            let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            format!("`{}` has no `{wanted}`; of this kind it has: {names}", robot.spec.file)
         })
     }
 
-    /// Index of the device of a kind with RoBIOS-7's `number`; tells the user, once per function, if there is none.
+    /// Index of the device of a kind with RoBIOS-7's `number`; reports, once per function, if there is none.
     fn find_numbered(&mut self, call: Call7, kind: i32, number: i32, names: &[&str]) -> Option<usize> {
         let found = self.robios.table.numbered(kind, number, names).map(|device| device.index);
         if found.is_none() && self.robios.hints.is_first_failure(call.into()) {
             let table = &self.robios.table;
-            let known: Vec<_> = (1..=table::MAX_NUMBER)
+            let numbers: Vec<_> = (1..=table::MAX_NUMBER)
                 .filter_map(|number| Some(format!("{number} ({})", table.numbered(kind, number, names)?.name)))
                 .collect();
-            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-            let text = format!("`{}`: `{}` has no number {number}, it has: {known}", call.name(), self.spec.file);
+            let numbers = if numbers.is_empty() { "none".to_owned() } else { numbers.join(", ") };
+            let text = format!("`{}`: `{}` has no number {number}, it has: {numbers}", call.name(), self.spec.file);
             self.hint(&text);
         }
         found

@@ -26,12 +26,12 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
 /// `MOTORRelease`
 pub fn release(robot: &mut Robot, world: &World, handles: i32) -> i32 {
     let motors = robot.robios.motors.all(handles);
-    let left = robot.robios.motors.release(handles);
+    let remaining = robot.robios.motors.release(handles);
     match motors {
         Some(motors) => set(robot, world, motors, 0),
-        None => _ = robot.failed(Call::MOTORRelease, left),
+        None => _ = robot.failed(Call::MOTORRelease, remaining),
     }
-    left
+    remaining
 }
 
 /// `MOTORDrive`

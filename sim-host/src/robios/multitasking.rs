@@ -214,11 +214,11 @@ impl<F: Flow> Caller<F> {
     /// Fails the program: a killed task waits before it has ended.
     pub(super) fn fail_in_unwinding(&self, robot: MutexGuard<'_, Robot>, call: call::Call) -> Stop {
         let name = robot.tasks.name(robot.tasks.current().number);
-        let place = match call {
+        let waiting_in = match call {
             call::Call::Support(_) => "a function of the C library".to_owned(),
             call => format!("`{}`", call.name()),
         };
-        self.fail(robot, format!("{name} was killed and would wait in {place} before it has ended"))
+        self.fail(robot, format!("{name} was killed and would wait in {waiting_in} before it has ended"))
     }
 
     /// Fails the program: none of its tasks can continue.
@@ -310,19 +310,19 @@ fn no_semaphore(robot: &mut Robot, call: Call) -> i32 {
 }
 
 fn make_semaphore(robot: &mut Robot, semaphore: Option<&mut i32>, count: i32, site: Site) -> i32 {
-    let Some(place) = semaphore else {
+    let Some(pointer) = semaphore else {
         return robot.refused(Call::OSSemInit, -1, |_| "the semaphore is a null pointer".to_owned());
     };
     if count < 0 {
         return robot.refused(Call::OSSemInit, -1, |_| format!("{count} tasks cannot pass: the count is 0 or more"));
     }
-    let before = u32::try_from(*place).unwrap_or(0);
+    let before = u32::try_from(*pointer).unwrap_or(0);
     if robot.tasks.semaphores.get(before).is_some_and(Semaphore::has_waiters) {
         robot.hint(&format!("`OSSemInit` makes semaphore {before} anew: the tasks that wait at it never pass"));
     }
     match robot.tasks.semaphores.make(count, site) {
         Some(number) => {
-            *place = number.cast_signed();
+            *pointer = number.cast_signed();
             0
         }
         None => robot.refused(Call::OSSemInit, -1, |_| "there are too many semaphores".to_owned()),
@@ -367,7 +367,7 @@ fn find(robot: &mut Robot, call: Call, task: i32) -> Result<u32, i32> {
 
 const NOT_STARTED: &str = "there is no multi-tasking before `OSMTInit`";
 
-/// Returns true if multi-tasking has been started; otherwise the user is told.
+/// Returns true if multi-tasking has been started; otherwise that is reported.
 fn is_started(robot: &mut Robot, call: Call) -> bool {
     let is_started = robot.tasks.scheduler().is_some();
     if !is_started {

@@ -94,8 +94,8 @@ pub fn machine_id(robot: &Robot) -> u8 {
 /// `OSError`: shows message and number at the cursor of the display. Ends the program if `is_dead`.
 pub fn error(robot: &mut Robot, message: Option<&[u8]>, number: i32, is_dead: bool) {
     let message = String::from_utf8_lossy(message.unwrap_or_default()).into_owned();
-    let shown = format!("{message}\nError {number}\n");
-    show(robot, shown.as_bytes());
+    let screen_text = format!("{message}\nError {number}\n");
+    show(robot, screen_text.as_bytes());
     if is_dead {
         let reason = format!("{}OSError {number}: {}", robot.tasks.prefix(), text(message.as_bytes()));
         robot.ending.get_or_insert(Ending::Failed { reason });

@@ -116,8 +116,8 @@ pub fn number_of_rgb([red, green, blue]: [u8; 3]) -> i32 {
 /// Hue: see [`hue`]. Saturation: 255 (1 - min / mean), 0 for black. Intensity: the mean of the channels, rounded down.
 pub fn hsi(rgb: [u8; 3]) -> [u8; 3] {
     let sum: u32 = rgb.into_iter().map(u32::from).sum();
-    let least = rgb.into_iter().min().map_or(0, u32::from);
-    let saturation = (255 * 3 * least).checked_div(sum).map_or(0, |white| 255 - white);
+    let min = rgb.into_iter().min().map_or(0, u32::from);
+    let saturation = (255 * 3 * min).checked_div(sum).map_or(0, |white| 255 - white);
     [hue(rgb), saturation as u8, grey(rgb)]
 }
 

@@ -75,11 +75,11 @@ struct Recording {
 impl Ports {
     /// The state of the line at `index`, from 0.
     fn state(&self, inputs: &InputSpec, index: usize) -> bool {
-        let given =
+        let level =
             inputs.digital.iter().find(|(line, _)| usize::from(*line) == index + 1).map(|(_, value)| *value != 0);
         match self.lines[index] {
-            Direction::In => given.unwrap_or(false),
-            Direction::PullUp => given.unwrap_or(true),
+            Direction::In => level.unwrap_or(false),
+            Direction::PullUp => level.unwrap_or(true),
             Direction::Out(state) => state,
         }
     }
@@ -138,9 +138,9 @@ pub fn write(robot: &mut Robot, line: i32, state: i32) -> i32 {
 
 /// Value of an analog channel, 0 to 1023; `None` if there is no such channel.
 fn analog(inputs: &InputSpec, channel: i32) -> Option<u16> {
-    let given = inputs.analog.iter().find(|(number, _)| i32::from(*number) == channel).map(|(_, value)| *value);
+    let level = inputs.analog.iter().find(|(number, _)| i32::from(*number) == channel).map(|(_, value)| *value);
     let open = if channel == MICROPHONE { 4 * u16::from(inputs.microphone) } else { 0 };
-    (0..CHANNELS).contains(&channel).then(|| given.unwrap_or(open))
+    (0..CHANNELS).contains(&channel).then(|| level.unwrap_or(open))
 }
 
 /// `ANALOGRead`

@@ -97,10 +97,10 @@ pub fn get_raw(robot: &mut Robot, world: &World, handle: i32) -> i32 {
 
 /// `PSDGetSignal`
 pub fn get_signal(robot: &mut Robot, world: &World, handle: i32) -> f32 {
-    let Some((index, Measured { taken, reading })) = value(robot, world, handle, Call::PSDGetSignal) else {
+    let Some((index, Measured { measured_at, reading })) = value(robot, world, handle, Call::PSDGetSignal) else {
         return NO_SIGNAL;
     };
-    record_signal(robot, index, taken, reading.signal);
+    record_signal(robot, index, measured_at, reading.signal);
     reading.signal as f32
 }
 
@@ -112,8 +112,8 @@ fn distance(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Result
         }
         return Err(robot.state.devices.psds.stamp(robot.state.now).map_or(0, os::hundredths));
     }
-    let Some((index, Measured { taken, reading })) = value(robot, world, handle, call) else { return Ok(None) };
-    record_distance(robot, index, taken, reading.distance);
+    let Some((index, Measured { measured_at, reading })) = value(robot, world, handle, call) else { return Ok(None) };
+    record_distance(robot, index, measured_at, reading.distance);
     Ok(reading.distance)
 }
 
@@ -133,15 +133,18 @@ fn value(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Option<(u
 }
 
 /// Records that a program reads a distance.
-pub(super) fn record_distance(robot: &mut Robot, index: usize, taken: Time, distance_m: Option<f64>) {
+pub(super) fn record_distance(robot: &mut Robot, index: usize, measured_at: Time, distance_m: Option<f64>) {
     let device = robot.state.spec.range_name(index);
-    robot.state.journal.record(robot.state.now, &Event::Distance { device, distance_m, measured_s: taken.seconds() });
+    robot
+        .state
+        .journal
+        .record(robot.state.now, &Event::Distance { device, distance_m, measured_s: measured_at.seconds() });
 }
 
 /// Records that a program reads a signal.
-pub(super) fn record_signal(robot: &mut Robot, index: usize, taken: Time, signal: f64) {
+pub(super) fn record_signal(robot: &mut Robot, index: usize, measured_at: Time, signal: f64) {
     let device = robot.state.spec.range_name(index);
-    robot.state.journal.record(robot.state.now, &Event::Signal { device, signal, measured_s: taken.seconds() });
+    robot.state.journal.record(robot.state.now, &Event::Signal { device, signal, measured_s: measured_at.seconds() });
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub struct Radio {
     /// Number of messages that the program has sent.
     pub sent: i32,
     /// Number of messages that the program has received.
-    pub taken: i32,
+    pub received: i32,
 }
 
 /// `RADIOInit`: switches on the station `address`, which sends at `baud`.
@@ -104,7 +104,7 @@ pub fn receive(robot: &mut Robot, call: impl Into<Call>, failure: i32, give: imp
     let Some(message) = robot.receive_message() else {
         return Poll::Pending { at: robot.next_message(), reason: WaitReason::Message };
     };
-    robot.robios.radio.taken = robot.robios.radio.taken.saturating_add(1);
+    robot.robios.radio.received = robot.robios.radio.received.saturating_add(1);
     give(&message);
     Poll::Ready(0)
 }

@@ -75,7 +75,7 @@ pub fn status(robot: &mut Robot, status: &mut Out<RadioStatus>) -> i32 {
     }
     let Some(member) = robot.radio_member() else { return radio::is_off(robot, Call::RADIOGetStatus, FAILURE) };
     let waiting = robot.radio_waiting() as i32;
-    let radio::Radio { sent, taken: received, .. } = robot.robios.radio;
+    let radio::Radio { sent, received, .. } = robot.robios.radio;
     status.set(RadioStatus { id: member.address as i32, sent, received, waiting });
     0
 }

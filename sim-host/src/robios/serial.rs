@@ -66,7 +66,7 @@ struct OpenInterface {
     /// Bytes in transmission, with their arrival times.
     incoming: VecDeque<(Time, u8)>,
     /// Number of the device's bytes that were taken since the interface was opened.
-    taken: usize,
+    read_count: usize,
 }
 
 impl Serial {
@@ -83,7 +83,7 @@ impl Serial {
     /// Opens an interface, or opens it again with another rate; received bytes are discarded.
     pub fn open(&mut self, number: i32, baud: i32, now: Time) {
         self.close(number, now);
-        let port = OpenInterface { baud: baud.into(), opened_at: now, incoming: VecDeque::new(), taken: 0 };
+        let port = OpenInterface { baud: baud.into(), opened_at: now, incoming: VecDeque::new(), read_count: 0 };
         self.open.insert(number, port);
     }
 
@@ -123,7 +123,7 @@ impl Serial {
     /// Number of received bytes at `now`.
     pub fn waiting(&self, number: i32, now: Time) -> usize {
         if let Some((port, bytes)) = self.device(number) {
-            return port.arrived(now, bytes.len()) - port.taken;
+            return port.arrived(now, bytes.len()) - port.read_count;
         }
         self.open.get(&number).map_or(0, |port| port.incoming.partition_point(|(at, _)| *at <= now))
     }
@@ -131,11 +131,12 @@ impl Serial {
     /// Takes up to `max_count` of the bytes received by `now`, the earliest first.
     fn take(&mut self, number: i32, now: Time, max_count: usize) -> Vec<u8> {
         let count = self.waiting(number, now).min(max_count);
-        let from_device = self.device(number).map(|(port, bytes)| bytes[port.taken..port.taken + count].to_vec());
+        let from_device =
+            self.device(number).map(|(port, bytes)| bytes[port.read_count..port.read_count + count].to_vec());
         let Some(port) = self.open.get_mut(&number) else { return Vec::new() };
         match from_device {
             Some(bytes) => {
-                port.taken += count;
+                port.read_count += count;
                 bytes
             }
             None => port.incoming.drain(..count).map(|(_, byte)| byte).collect(),
@@ -145,7 +146,7 @@ impl Serial {
     /// Arrival time of the next byte; [`Time::NEVER`] if none is in transmission.
     fn next_arrival(&self, number: i32) -> Time {
         match self.device(number) {
-            Some((port, bytes)) if port.taken < bytes.len() => port.arrival(port.taken),
+            Some((port, bytes)) if port.read_count < bytes.len() => port.arrival(port.read_count),
             Some(_) => Time::NEVER,
             None => self.open.get(&number).and_then(|port| port.incoming.front()).map_or(Time::NEVER, |(at, _)| *at),
         }

@@ -44,7 +44,7 @@ pub struct Storage {
     /// Files written in the current slot.
     pending_writes: BTreeMap<PathBuf, (Time, Vec<u8>)>,
     /// Reason of the C library's last failure to open a file.
-    unopened: Option<String>,
+    open_failure: Option<String>,
 }
 
 /// Files of a robot whose program is in a sandbox.
@@ -123,17 +123,17 @@ impl Storage {
     }
 
     /// Notes that the C library could not open the file `name`, with the number of the system's `error`.
-    pub fn note_unopened(&mut self, name: &str, error: i32) {
+    pub fn note_open_failure(&mut self, name: &str, error: i32) {
         let error = io::Error::from_raw_os_error(error);
-        self.unopened = Some(match error.kind() {
+        self.open_failure = Some(match error.kind() {
             io::ErrorKind::NotFound => missing_file(Some(name)),
             _ => format!("`{name}`: {error}"),
         });
     }
 
     /// Reason of the C library's last failure to open a file.
-    pub fn unopened(&self) -> Option<&str> {
-        self.unopened.as_deref()
+    pub fn open_failure(&self) -> Option<&str> {
+        self.open_failure.as_deref()
     }
 
     /// Returns true if files were written in the slot that ends.

@@ -91,27 +91,27 @@ impl<F: Flow> Support for Caller<F> {
         Ok(0)
     }
 
-    fn unopened(&self, name: Option<&[u8]>, error: i32) -> Result<i32, Stop> {
+    fn open_failed(&self, name: Option<&[u8]>, error: i32) -> Result<i32, Stop> {
         let name = String::from_utf8_lossy(name.unwrap_or_default());
-        self.untimed(SupportCall::unopened, |robot| robot.robios.storage.note_unopened(&name, error));
+        self.untimed(SupportCall::open_failed, |robot| robot.robios.storage.note_open_failure(&name, error));
         Ok(0)
     }
 
-    fn noticed(&self, text: Option<&[u8]>) -> Result<i32, Stop> {
+    fn hint(&self, text: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(text.unwrap_or_default());
-        self.untimed(SupportCall::noticed, |robot| robot.hint(&text));
+        self.untimed(SupportCall::hint, |robot| robot.hint(&text));
         Ok(0)
     }
 
-    fn unopened_by(&self, name: Option<&[u8]>, error: i32, stack: Option<&[u8]>) -> Result<i32, Stop> {
+    fn open_failed_at(&self, name: Option<&[u8]>, error: i32, stack: Option<&[u8]>) -> Result<i32, Stop> {
         let name = String::from_utf8_lossy(name.unwrap_or_default());
         let line = self.flow().line_of(&addresses(stack));
-        self.untimed(SupportCall::unopened_by, |robot| {
-            robot.robios.storage.note_unopened(&name, error);
+        self.untimed(SupportCall::open_failed_at, |robot| {
+            robot.robios.storage.note_open_failure(&name, error);
             if !robot.robios.hints.is_first(Mistake::Unopened) {
                 return;
             }
-            let reason = robot.robios.storage.unopened().unwrap_or_default();
+            let reason = robot.robios.storage.open_failure().unwrap_or_default();
             robot.state.hint(reason);
             line.as_deref().and_then(RemoteSite::of_line).into_iter().for_each(|site| {
                 self.flow().note_hint(reason, &Site::Reported(site));

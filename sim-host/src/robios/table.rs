@@ -44,13 +44,13 @@ pub fn name_in_rust(name: &str) -> Option<String> {
     if rest.parse::<u32>().is_ok() {
         return Some(format!("{kind}::Servo{rest}"));
     }
-    let mut place = String::new();
+    let mut rust_name = String::new();
     while !rest.is_empty() {
         let (word, left) = WORDS.iter().find_map(|(word, rust)| Some((rust, rest.strip_prefix(word)?)))?;
-        place.push_str(word);
+        rust_name.push_str(word);
         rest = left;
     }
-    Some(format!("{kind}::{place}"))
+    Some(format!("{kind}::{rust_name}"))
 }
 
 /// One device of a robot.
@@ -124,7 +124,7 @@ impl Table {
 
     /// Device of a kind (0 for any) with `number`; numbers of the robi take precedence over numbers of `hdt_sem.h`.
     pub fn find(&self, kind: i32, number: i32) -> Option<&Device> {
-        (0..3).find_map(|place| self.of_kind(kind).find(|device| device.numbers[place] == Some(number)))
+        (0..3).find_map(|index| self.of_kind(kind).find(|device| device.numbers[index] == Some(number)))
     }
 
     /// Device of a kind with RoBIOS-7's `number`, from 1 on.
@@ -132,22 +132,22 @@ impl Table {
     /// Numbers from 1 to [`MAX_NUMBER`] given by robi or companion come first, then the position of a device's name in
     /// `names`; the remaining devices have the remaining numbers, in the order of the robi.
     pub fn numbered(&self, kind: i32, number: i32, names: &[&str]) -> Option<&Device> {
-        let place = |number: i32| usize::try_from(number).ok()?.checked_sub(1);
+        let index = |number: i32| usize::try_from(number).ok()?.checked_sub(1);
         let unnumbered = || self.of_kind(kind).filter(|device| device.small_numbers().next().is_none());
-        let taken = |number: i32| {
+        let is_taken = |number: i32| {
             let own = self.of_kind(kind).find(|device| device.small_numbers().any(|own| own == number));
-            let name = place(number).and_then(|place| names.get(place).copied());
+            let name = index(number).and_then(|index| names.get(index).copied());
             own.or_else(|| unnumbered().find(|device| Some(device.name.as_str()) == name))
         };
         let others = || unnumbered().filter(|device| !names.contains(&device.name.as_str()));
-        if let Some(device) = taken(number) {
+        if let Some(device) = is_taken(number) {
             return Some(device);
         }
         // A device takes at most two numbers: beyond this bound every device has one already.
-        if place(number)? > 3 * self.devices.len() {
+        if index(number)? > 3 * self.devices.len() {
             return None;
         }
-        others().nth((1..number).filter(|number| taken(*number).is_none()).count())
+        others().nth((1..number).filter(|number| is_taken(*number).is_none()).count())
     }
 
     /// Name of device `index` of a kind; empty if there is none.
@@ -195,8 +195,8 @@ mod tests {
                 count += 1;
             }
         }
-        let known = SEMANTICS.iter().filter(|constant| name_in_rust(constant.name).is_some()).count();
-        assert_eq!((count, known), (61, 61));
+        let named_count = SEMANTICS.iter().filter(|constant| name_in_rust(constant.name).is_some()).count();
+        assert_eq!((count, named_count), (61, 61));
     }
 
     #[test]

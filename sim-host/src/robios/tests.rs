@@ -587,7 +587,7 @@ fn no_argument_does_harm() {
         }
         let pose = robot.state.motion.pose(robot.state.now);
         let margin = 0.1 - 1e-6;
-        let is_inside = |place: f64, size: f64| (margin..=size - margin).contains(&place);
+        let is_inside = |coordinate: f64, size: f64| (margin..=size - margin).contains(&coordinate);
         assert!(is_inside(pose.position.x, 2.0) && is_inside(pose.position.y, 1.0), "step {step}: {pose:?}");
     }
 }

@@ -233,8 +233,8 @@ fn start(
 // The functions below serve both generations, in metres, radians and seconds.
 
 /// Duration of a distance or angle at this rate; NaN at an infinite rate.
-fn seconds(way: f64, rate: f64) -> f64 {
-    if rate.is_infinite() { f64::NAN } else { way / rate }
+fn seconds(distance: f64, rate: f64) -> f64 {
+    if rate.is_infinite() { f64::NAN } else { distance / rate }
 }
 
 /// Duration of a curve; NaN for a curve of length 0, along which no speed is defined.

@@ -356,11 +356,11 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
     }));
     // The robots' poses are from the end of the run, not from the instant of a check.
     let of_robot = failed_robot.or(report.robots.first()).map(|robot| (robot.pose.x_m, robot.pose.y_m));
-    let place = match failed_check {
+    let position = match failed_check {
         Some(check) if check.at_s.is_some() => check.x_m.zip(check.y_m),
         _ => of_robot,
     };
-    let place = place.filter(|_| outcome != RowOutcome::Passed && !is_timed_out);
+    let position = position.filter(|_| outcome != RowOutcome::Passed && !is_timed_out);
     let robots = report.robots.iter().map(|robot| RowRobot {
         id: robot.id,
         program: robot.program.clone(),
@@ -374,8 +374,8 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
         message,
         seed: settings.seed,
         at_s: at.filter(|_| outcome != RowOutcome::Passed),
-        x_m: place.map(|place| place.0),
-        y_m: place.map(|place| place.1),
+        x_m: position.map(|position| position.0),
+        y_m: position.map(|position| position.1),
         points: if failed_robot.is_some() || limit.is_some() { 0.0 } else { report.points },
         max_points: report.max_points,
         checks: report.checks.clone(),

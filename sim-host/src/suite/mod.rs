@@ -159,8 +159,8 @@ impl Suite {
     /// The program option of the suite, with a path relative to the suite's folder.
     fn program(&self, text: &str) -> Result<ProgramOption, String> {
         let option = ProgramOption::parse(text)?;
-        let place = Path::new(&self.spec.folder).join(option.program());
-        Ok(if place.exists() { option.with_program(&slashed(&place)) } else { option })
+        let path = Path::new(&self.spec.folder).join(option.program());
+        Ok(if path.exists() { option.with_program(&slashed(&path)) } else { option })
     }
 
     fn options(&self, indices: &[usize], programs: &[ProgramOption]) -> Options {
@@ -170,8 +170,8 @@ impl Suite {
             found.map(|(axis, &index)| axis.values[index].as_str())
         };
         let in_folder = |name: &str| {
-            let place = Path::new(&spec.folder).join(name);
-            if place.exists() { slashed(&place) } else { name.to_owned() }
+            let path = Path::new(&spec.folder).join(name);
+            if path.exists() { slashed(&path) } else { name.to_owned() }
         };
         Options {
             seed: value(AxisKind::Seed).and_then(|seed| seed.parse().ok()),

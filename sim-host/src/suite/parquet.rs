@@ -24,10 +24,10 @@ pub fn parquet(table: &Table) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut writer = SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
-    let mut place = 0;
+    let mut column_index = 0;
     while let Some(mut column) = group.next_column()? {
-        let cells: Vec<Option<&Cell>> = table.rows.iter().map(|row| row[place].as_ref()).collect();
-        match table.columns[place].1 {
+        let cells: Vec<Option<&Cell>> = table.rows.iter().map(|row| row[column_index].as_ref()).collect();
+        match table.columns[column_index].1 {
             Type::Text => write::<ByteArrayType>(&mut column, &cells, |cell| match cell {
                 Cell::Text(text) => Some(ByteArray::from(text.as_str())),
                 _ => None,
@@ -46,7 +46,7 @@ pub fn parquet(table: &Table) -> Result<Vec<u8>> {
             }),
         }?;
         column.close()?;
-        place += 1;
+        column_index += 1;
     }
     group.close()?;
     writer.close()?;

@@ -48,7 +48,7 @@ struct Worker {
     /// Time at which that answer began to arrive.
     answer_started: Instant,
     /// Indices of its cases; the front one is running.
-    given: VecDeque<usize>,
+    assigned: VecDeque<usize>,
     /// The worker ends after its first case.
     runs_one_case: bool,
     /// Start of the running case.
@@ -134,12 +134,12 @@ impl<'s> Pool<'s> {
             let streams: Vec<&UnixStream> = workers.iter().map(|worker| &worker.process.stream).collect();
             let ready = readable(&streams, POLL).map_err(PoolError::Wait)?;
             for position in ready.into_iter().rev() {
-                let expected = workers[position].given.front().map(|&index| &self.cases[index]);
+                let expected = workers[position].assigned.front().map(|&index| &self.cases[index]);
                 let answer = match workers[position].receive(expected).transpose() {
                     Some(answer) => answer,
                     None => continue,
                 };
-                let first = workers[position].given.pop_front();
+                let first = workers[position].assigned.pop_front();
                 let (result, is_over) = match (answer, first) {
                     (Ok((result, is_last)), Some(first)) => (Some((first, result)), is_last),
                     (Err(why), Some(first)) => {
@@ -158,7 +158,7 @@ impl<'s> Pool<'s> {
                 workers[position].case_started = Instant::now();
                 if is_over {
                     let worker = workers.remove(position);
-                    worker.given.iter().rev().for_each(|&index| waiting.push_front(index));
+                    worker.assigned.iter().rev().for_each(|&index| waiting.push_front(index));
                     let mut process = worker.process;
                     _ = process.stream.shutdown(std::net::Shutdown::Both);
                     process.end_within(WORKER_END_TIMEOUT);
@@ -187,7 +187,7 @@ impl<'s> Pool<'s> {
     ) -> Result<(), PoolError> {
         // A worker without a case is served first, so that the last cases are spread over all workers.
         for ahead in 1..=QUEUE_DEPTH {
-            for worker in workers.iter_mut().filter(|worker| !worker.runs_one_case && worker.given.len() < ahead) {
+            for worker in workers.iter_mut().filter(|worker| !worker.runs_one_case && worker.assigned.len() < ahead) {
                 give(worker, waiting);
             }
         }
@@ -202,13 +202,14 @@ impl<'s> Pool<'s> {
             let serve = |stream| serve(suite, cases, session, stream, runs_one_case);
             let process = ForkedWorker::start(serve).map_err(PoolError::Start)?;
             process.stream.set_nonblocking(true).map_err(PoolError::Start)?;
-            let (received, given, now) = (Vec::new(), VecDeque::new(), Instant::now());
-            let mut worker = Worker { process, received, answer_started: now, given, runs_one_case, case_started: now };
+            let (received, assigned, now) = (Vec::new(), VecDeque::new(), Instant::now());
+            let mut worker =
+                Worker { process, received, answer_started: now, assigned, runs_one_case, case_started: now };
             give(&mut worker, queue);
             workers.push(worker);
         }
         // A worker without a case is not needed any more: it removes its files and ends.
-        for worker in workers.extract_if(.., |worker| worker.given.is_empty()) {
+        for worker in workers.extract_if(.., |worker| worker.assigned.is_empty()) {
             let mut process = worker.process;
             _ = process.stream.shutdown(std::net::Shutdown::Write);
             process.end_within(WORKER_END_TIMEOUT);
@@ -224,20 +225,21 @@ impl<'s> Pool<'s> {
         done: &mut dyn FnMut(usize, CaseResult) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let suite = self.suite;
-        let most = WALL_PER_PROCESSOR_SECOND * (suite.spec.limits.processor + suite.spec.limits.slot_processor) + 10.0;
+        let max_seconds =
+            WALL_PER_PROCESSOR_SECOND * (suite.spec.limits.processor + suite.spec.limits.slot_processor) + 10.0;
         let is_late = |worker: &Worker| {
             let answers_late = !worker.received.is_empty() && worker.answer_started.elapsed() > ANSWER_TIMEOUT;
-            !worker.given.is_empty() && (answers_late || worker.case_started.elapsed().as_secs_f64() > most)
+            !worker.assigned.is_empty() && (answers_late || worker.case_started.elapsed().as_secs_f64() > max_seconds)
         };
         while let Some(position) = workers.iter().position(is_late) {
             let mut worker = workers.remove(position);
             worker.process.kill();
             worker.process.wait();
-            let first = worker.given.pop_front();
-            worker.given.iter().rev().for_each(|&index| waiting.push_front(index));
+            let first = worker.assigned.pop_front();
+            worker.assigned.iter().rev().for_each(|&index| waiting.push_front(index));
             if let Some(index) = first {
                 let message = if worker.received.is_empty() {
-                    format!("the case did not end within {most:.0} s of real time; its process was killed")
+                    format!("the case did not end within {max_seconds:.0} s of real time; its process was killed")
                 } else {
                     "the process of the case gave a part of a result only; it was killed".to_owned()
                 };
@@ -258,10 +260,10 @@ impl<'s> Pool<'s> {
 /// Assigns the next case to the worker; returns false if there is none.
 fn give(worker: &mut Worker, queue: &mut VecDeque<usize>) -> bool {
     let Some(index) = queue.pop_front() else { return false };
-    if worker.given.is_empty() {
+    if worker.assigned.is_empty() {
         worker.case_started = Instant::now();
     }
-    worker.given.push_back(index);
+    worker.assigned.push_back(index);
     // A worker that has ended is noticed when its answer is read.
     _ = worker.process.stream.write_all(&(index as u32).to_le_bytes());
     true
@@ -311,8 +313,8 @@ impl Worker {
                 let is_expected = expected.is_none_or(|case| result.row.case == case.name);
                 return if is_expected { Ok(Some((result, answer[0] != 0))) } else { Err(MALFORMED) };
             }
-            let wanted = missing.min(bytes.len());
-            match self.process.stream.read(&mut bytes[..wanted]) {
+            let byte_count = missing.min(bytes.len());
+            match self.process.stream.read(&mut bytes[..byte_count]) {
                 Ok(0) => return Err(ENDED),
                 Ok(count) => {
                     if self.received.is_empty() {

@@ -11,7 +11,7 @@ use super::row::{CaseResult, Row};
 pub struct Preparation {
     /// The session with the programs, inherited by each forked worker.
     pub session: Session,
-    known: BTreeMap<Key, Prepared>,
+    prepared: BTreeMap<Key, Prepared>,
 }
 
 /// Scene, and settings on which its programs may depend.
@@ -29,26 +29,26 @@ enum Prepared {
 impl Preparation {
     /// Builds the programs of `cases`.
     pub fn of<'c>(suite: &Suite, cases: impl Iterator<Item = &'c Case>, mut session: Session) -> Self {
-        let mut known = BTreeMap::new();
+        let mut prepared = BTreeMap::new();
         for case in cases {
-            known.entry(key(case)).or_insert_with(|| match session.prepare(suite, case) {
+            prepared.entry(key(case)).or_insert_with(|| match session.prepare(suite, case) {
                 Ok(may_share) => Prepared::Built(may_share),
                 Err(PrepareError::Scene) => Prepared::Unknown,
                 Err(PrepareError::Programs(result)) => Prepared::Failed(result),
             });
         }
         session.end_building();
-        Self { session, known }
+        Self { session, prepared }
     }
 
     /// Returns true if the case may share a process with other cases.
     pub fn may_share(&self, case: &Case) -> bool {
-        matches!(self.known.get(&key(case)), Some(Prepared::Built(true)))
+        matches!(self.prepared.get(&key(case)), Some(Prepared::Built(true)))
     }
 
     /// The result of a case whose programs cannot be built.
     pub fn failure(&self, suite: &Suite, case: &Case) -> Option<CaseResult> {
-        let Some(Prepared::Failed(result)) = self.known.get(&key(case)) else { return None };
+        let Some(Prepared::Failed(result)) = self.prepared.get(&key(case)) else { return None };
         let Row { message, details, .. } = result.row.clone();
         let row = Row { message, details, ..super::case::row_of(suite, case) };
         Some(CaseResult { row, ..(**result).clone() })

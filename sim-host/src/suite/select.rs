@@ -83,9 +83,9 @@ fn all(words: &mut Vec<&str>) -> Result<Term, String> {
 
 fn one(words: &mut Vec<&str>) -> Result<Term, String> {
     // Each level of parentheses uses a level of the stack.
-    const MOST: usize = 200;
-    if words.len() > MOST {
-        return Err(format!("more than {MOST} words"));
+    const MAX_WORDS: usize = 200;
+    if words.len() > MAX_WORDS {
+        return Err(format!("more than {MAX_WORDS} words"));
     }
     match words.pop() {
         Some("not") => Ok(Term::Not(Box::new(one(words)?))),

@@ -1,4 +1,4 @@
-//! Counts of rows: the cases of a variant differ in their seeds; a share of them must pass.
+//! Counts of rows: the cases of a variant differ in their seeds; a fraction of them must pass.
 
 use serde::Serialize;
 
@@ -56,22 +56,22 @@ pub struct Variant {
     pub points: f64,
     /// Points if all pass.
     pub max_points: f64,
-    /// At least the required share of its cases pass.
+    /// At least the required fraction of its cases pass.
     pub passed: bool,
 }
 
 /// The variants of `rows`, in their order, each of which passes if at least the share `pass_rate` of its cases passes.
 pub fn variants(rows: &[&Row], pass_rate: f64) -> Vec<Variant> {
     let mut names: Vec<&str> = Vec::new();
-    let mut places = std::collections::BTreeMap::new();
+    let mut indices = std::collections::BTreeMap::new();
     let mut groups: Vec<Vec<&Row>> = Vec::new();
     for row in rows {
-        let place = *places.entry(row.variant.as_str()).or_insert_with(|| {
+        let index = *indices.entry(row.variant.as_str()).or_insert_with(|| {
             names.push(&row.variant);
             groups.push(Vec::new());
             names.len() - 1
         });
-        groups[place].push(row);
+        groups[index].push(row);
     }
     names.into_iter().zip(groups).map(|(name, rows)| variant(name, &rows, pass_rate)).collect()
 }
@@ -105,13 +105,13 @@ mod tests {
     #[test]
     fn intervals_are_those_of_wilson() {
         // Values from R's prop.test(x, n, correct = FALSE).
-        let near = |rate: Rate, low: f64, high: f64| {
+        let is_near = |rate: Rate, low: f64, high: f64| {
             assert!((rate.low - low).abs() < 5e-5 && (rate.high - high).abs() < 5e-5, "{rate:?}");
         };
-        near(Rate::of(9, 10), 0.5958, 0.9821);
-        near(Rate::of(0, 10), 0.0, 0.2775);
-        near(Rate::of(10, 10), 0.7225, 1.0);
-        near(Rate::of(50, 100), 0.4038, 0.5962);
+        is_near(Rate::of(9, 10), 0.5958, 0.9821);
+        is_near(Rate::of(0, 10), 0.0, 0.2775);
+        is_near(Rate::of(10, 10), 0.7225, 1.0);
+        is_near(Rate::of(50, 100), 0.4038, 0.5962);
         assert_eq!(Rate::of(0, 0).share(), 0.0);
     }
 }

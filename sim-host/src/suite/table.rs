@@ -79,23 +79,23 @@ impl Table {
     /// values are all numbers is a column of numbers.
     pub fn of(rows: &[Row]) -> Self {
         let mut columns: Vec<(String, Type)> = COLUMNS.map(|(name, kind)| (name.to_owned(), kind)).to_vec();
-        let mut places: HashMap<String, usize> = HashMap::new();
+        let mut indices: HashMap<String, usize> = HashMap::new();
         for (name, cell) in rows.iter().flat_map(further) {
             let kind = cell.kind();
-            let place = *places.entry(name).or_insert_with_key(|name| {
+            let index = *indices.entry(name).or_insert_with_key(|name| {
                 columns.push((name.clone(), kind));
                 columns.len() - 1
             });
-            if columns[place].1 != kind {
-                columns[place].1 = Type::Text;
+            if columns[index].1 != kind {
+                columns[index].1 = Type::Text;
             }
         }
         let row_of = |row: &Row| {
             let mut row_cells = cells(row);
             row_cells.resize(columns.len(), None);
             for (name, cell) in further(row) {
-                let place = places[&name];
-                row_cells[place] = Some(if columns[place].1 == Type::Text { Cell::Text(cell.text()) } else { cell });
+                let index = indices[&name];
+                row_cells[index] = Some(if columns[index].1 == Type::Text { Cell::Text(cell.text()) } else { cell });
             }
             row_cells
         };

@@ -16,14 +16,14 @@ pub fn merge(files: Vec<Lines>) -> Result<Vec<Row>, SweepError> {
     let mut errors: BTreeMap<(String, String), Row> = BTreeMap::new();
     for file in files {
         for Line { number, row } in file.rows {
-            let place = format!("{}:{number}", file.path.display());
+            let location = format!("{}:{number}", file.path.display());
             if row.outcome == RowOutcome::Error {
                 errors.insert((row.suite.clone(), row.case.clone()), row);
                 continue;
             }
             match rows.get_mut(&row.key) {
-                None => _ = rows.insert(row.key.clone(), (row, place)),
-                Some(other) => join(other, row, place)?,
+                None => _ = rows.insert(row.key.clone(), (row, location)),
+                Some(other) => join(other, row, location)?,
             }
         }
     }
@@ -37,21 +37,21 @@ pub fn merge(files: Vec<Lines>) -> Result<Vec<Row>, SweepError> {
 
 /// Joins two rows of one key: a run that was stopped for its processor time has no digest, and is replaced by a run
 /// that was not.
-fn join(known: &mut (Row, String), row: Row, place: String) -> Result<(), SweepError> {
+fn join(known: &mut (Row, String), row: Row, location: String) -> Result<(), SweepError> {
     let (other, its_place) = &*known;
     let conflict = |what, first: &str, second: &str| SweepError::Conflict {
         key: row.key.clone(),
         case: row.case.clone(),
         what,
         first: format!("`{first}` at {its_place}"),
-        second: format!("`{second}` at {place}"),
+        second: format!("`{second}` at {location}"),
     };
     match (&other.digest, &row.digest) {
         (Some(first), Some(second)) if first != second => return Err(conflict("digests", first, second)),
         (Some(_), Some(_)) | (None, None) if result(other) != result(&row) => {
             return Err(conflict("results", &result(other), &result(&row)));
         }
-        (None, Some(_)) => *known = (row, place),
+        (None, Some(_)) => *known = (row, location),
         _ => {}
     }
     Ok(())

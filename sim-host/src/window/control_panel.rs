@@ -65,13 +65,13 @@ impl Drop for ControlPanel {
 }
 
 fn serve(window: &Window, control: &Control, starter: &mut impl RunStarter, is_closing: &AtomicBool) {
-    let mut shown = Instant::now();
+    let mut last_shown = Instant::now();
     while !is_closing.load(Ordering::Acquire) {
         let tick = if window.has_pages() { TICK } else { LAZY_TICK };
-        match window.commands().recv_timeout(tick.saturating_sub(shown.elapsed())) {
+        match window.commands().recv_timeout(tick.saturating_sub(last_shown.elapsed())) {
             Some(pending) => dispatch(pending, control, starter),
             None => {
-                shown = Instant::now();
+                last_shown = Instant::now();
                 control.ask(|requests| requests.is_show_due = true);
                 starter.tick();
             }
@@ -103,8 +103,8 @@ fn dispatch(pending: PendingCommand, control: &Control, starter: &mut impl RunSt
             pending.accept();
         }
         Command::Speed { .. } => {
-            let (least, most) = (SPEEDS.start(), SPEEDS.end());
-            pending.refuse(format!("expected a factor from {least} to {most}, or none for as fast as possible"));
+            let (min, max) = (SPEEDS.start(), SPEEDS.end());
+            pending.refuse(format!("expected a factor from {min} to {max}, or none for as fast as possible"));
         }
         Command::Restart { seed } => starter.restart(seed, pending),
         Command::Act { action } => control.ask(|requests| {

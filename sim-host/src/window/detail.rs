@@ -75,9 +75,9 @@ impl Details {
         if let Some((_, picture)) = self.cameras.get(&id).filter(|(then, _)| then.elapsed() < CAMERA_PERIOD) {
             return Some(picture.clone());
         }
-        let seen = self.render(&mut run.robot(id), world, scenery)?;
-        self.cameras.insert(id, (Instant::now(), seen.clone()));
-        Some(seen)
+        let image = self.render(&mut run.robot(id), world, scenery)?;
+        self.cameras.insert(id, (Instant::now(), image.clone()));
+        Some(image)
     }
 
     fn render(&mut self, robot: &mut Robot, world: &World, scenery: &LazyScenery) -> Option<Picture> {
@@ -85,8 +85,8 @@ impl Details {
         let view = robot.camera_view(at, None).ok()?;
         let scenery = scenery.get();
         let still = scenery.pose_at(world, at);
-        let seen = self.renderer.colour(&still, &view, Some(robot.id), robot.camera_samples());
-        Some(picture(seen.size(), seen.pixels().as_flattened()))
+        let image = self.renderer.colour(&still, &view, Some(robot.id), robot.camera_samples());
+        Some(picture(image.size(), image.pixels().as_flattened()))
     }
 }
 

@@ -156,19 +156,19 @@ impl Driver {
         let next = boundary.next_within_limit();
         self.now = self.now.max(boundary.following);
         loop {
-            let taken = self.take_requests();
-            if taken.is_ending || run.run().interrupt().is_set() {
+            let requests = self.take_requests();
+            if requests.is_ending || run.run().interrupt().is_set() {
                 run.interrupt();
                 return Progress::Over;
             }
-            if !taken.actions.is_empty() {
-                return self.act(run, taken.actions);
+            if !requests.actions.is_empty() {
+                return self.act(run, requests.actions);
             }
             let is_over = boundary.next.is_some() && next.is_none() || next.is_none() && Self::is_finished(run);
             let is_idle = next.is_none();
             let may_show = self.not_before.is_none_or(|instant| instant <= Instant::now());
             if self.has_unshown_change
-                || taken.is_show_due && may_show && (!self.is_paused || self.show.lock().has_new_looks())
+                || requests.is_show_due && may_show && (!self.is_paused || self.show.lock().has_new_looks())
             {
                 self.present(run, is_idle && !is_over);
             }
@@ -186,12 +186,12 @@ impl Driver {
                 (false, Some(next)) => {
                     let Some(factor) = self.speed else { return self.run_slot(run, next, None) };
                     let due = self.due(next, factor);
-                    let left = due.saturating_duration_since(Instant::now());
-                    if left.is_zero() {
+                    let remaining = due.saturating_duration_since(Instant::now());
+                    if remaining.is_zero() {
                         return self.run_slot(run, next, Some(due));
                     }
                     self.follow_clock(slot, Some(next), factor);
-                    self.control.wait(left.min(MAX_WAIT));
+                    self.control.wait(remaining.min(MAX_WAIT));
                 }
                 (false, None) => {
                     if let Some(factor) = self.speed {

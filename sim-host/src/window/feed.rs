@@ -55,7 +55,7 @@ impl Feed {
         let readings = self.readings.entry(record.robot).or_default();
         let value = Value { value, unit, at: record.time };
         match readings.get_mut(name) {
-            Some(place) => *place = value,
+            Some(slot) => *slot = value,
             None => drop(readings.insert(name.to_owned(), value)),
         }
     }
@@ -65,7 +65,7 @@ impl Feed {
         let mut keep = |name: &str, value: f64, unit| self.keep(record, name, Some(value), unit);
         match record.event {
             Event::Distance { device, distance_m, .. } => self.keep(record, device, distance_m, "m"),
-            Event::Angle { device, angle_rad } => self.keep(record, device, angle_rad, "rad"),
+            Event::Compass { device, angle_rad } => self.keep(record, device, angle_rad, "rad"),
             Event::Reading { device, value } | Event::Output { device, value } => keep(device, value as f64, ""),
             Event::Signal { device, signal, .. } => keep(&format!("{device} signal"), signal, ""),
             Event::Motor { device, percent } => keep(device, percent.into(), "%"),
@@ -106,7 +106,7 @@ impl Feed {
                 self.keep(record, "LIDAR nearest", nearest_m, "m");
                 self.keep(record, "LIDAR bearing", bearing_rad, "rad");
             }
-            Event::Frame { frame, .. } => keep("CAMERA image", frame as f64, ""),
+            Event::Image { frame, .. } => keep("CAMERA image", frame as f64, ""),
             _ => return false,
         }
         true
@@ -116,7 +116,7 @@ impl Feed {
 /// Kinds of which pages get only the latest value.
 const READINGS: [Kind; 19] = [
     Kind::Distance,
-    Kind::Angle,
+    Kind::Compass,
     Kind::Reading,
     Kind::Output,
     Kind::Signal,
@@ -126,7 +126,7 @@ const READINGS: [Kind; 19] = [
     Kind::Odometry,
     Kind::OdometrySpeed,
     Kind::Scan,
-    Kind::Frame,
+    Kind::Image,
     Kind::LegSpeed,
     Kind::Gait,
     Kind::StepHeight,
@@ -207,7 +207,7 @@ impl Fields<'_> {
         self.0[name].as_array().map_or(0, Vec::len)
     }
 
-    fn place(&self) -> String {
+    fn position_text(&self) -> String {
         format!("({:.3} m, {:.3} m)", self.number("x_m"), self.number("y_m"))
     }
 
@@ -233,10 +233,10 @@ fn describe(kind: &str, fields: &Fields<'_>) -> String {
             Some(code) => format!("its program ends: {}, exit code {code}", text("outcome")),
             None => format!("its program ends: {}", text("outcome")),
         },
-        "contact" => format!("touches {} at {}", fields.obstacle(), fields.place()),
+        "contact" => format!("touches {} at {}", fields.obstacle(), fields.position_text()),
         "touch" => {
-            let place = format!("{} {:.3} m above the floor", fields.place(), number("z_m"));
-            format!("touches {} with its {} at {place}", fields.obstacle(), text("part"))
+            let position = format!("{} {:.3} m above the floor", fields.position_text(), number("z_m"));
+            format!("touches {} with its {} at {position}", fields.obstacle(), text("part"))
         }
         "drive_straight" => {
             format!("is to drive {:.3} m straight at {:.3} m/s", number("distance_m"), number("v_m_per_s"))
@@ -247,7 +247,7 @@ fn describe(kind: &str, fields: &Fields<'_>) -> String {
             format!("is to drive {distance:.3} m on a curve of {angle:.1} degrees")
         }
         "set_odometry" => {
-            format!("sets its odometry to {}, {:.1} degrees", fields.place(), fields.degrees("phi_rad"))
+            format!("sets its odometry to {}, {:.1} degrees", fields.position_text(), fields.degrees("phi_rad"))
         }
         "control_started" => "starts its speed controller".to_owned(),
         "control_stopped" => "stops its speed controller".to_owned(),
@@ -261,8 +261,10 @@ fn describe(kind: &str, fields: &Fields<'_>) -> String {
         "timer_attached" => format!("attaches timer {}, every {:.3} s", number("timer"), number("period_s")),
         "timer_detached" => format!("detaches timer {}", number("timer")),
         "stdout" | "stderr" | "reason" | "hint" => text("text").to_string(),
-        "placed" => format!("is put at {} by r{}", fields.place(), number("by")),
-        "object_placed" => format!("object {} is put at {} by r{}", number("object"), fields.place(), number("by")),
+        "placed" => format!("is put at {} by r{}", fields.position_text(), number("by")),
+        "object_placed" => {
+            format!("object {} is put at {} by r{}", number("object"), fields.position_text(), number("by"))
+        }
         "radio_sent" => {
             let to = fields.0["to"].as_u64().map_or("all".to_owned(), |to| format!("r{to}"));
             format!("sends message {} to {to}, {} bytes", number("message"), fields.length("data"))
@@ -288,8 +290,8 @@ fn intervention(action: &serde_json::Value) -> String {
     match action["do"].as_str().unwrap_or_default() {
         "press" => format!("a hand presses {} of r{}", fields.text("key"), number("robot")),
         "type" => format!("a hand types `{}` to r{}", fields.text("line"), number("robot")),
-        "place_robot" => format!("a hand puts r{} at {}", number("robot"), fields.place()),
-        "place_object" => format!("a hand puts object {} at {}", number("object"), fields.place()),
+        "place_robot" => format!("a hand puts r{} at {}", number("robot"), fields.position_text()),
+        "place_object" => format!("a hand puts object {} at {}", number("object"), fields.position_text()),
         "set_noise" => {
             let whose = action["robot"].as_u64().map_or("all".to_owned(), |robot| format!("r{robot}"));
             format!("a hand sets {} of {whose} to {}", fields.text("parameter"), number("value"))
@@ -298,9 +300,9 @@ fn intervention(action: &serde_json::Value) -> String {
             let state = if action["on"] == true { "on" } else { "off" };
             format!("a hand switches {} of r{} {state}", fields.text("sensor"), number("robot"))
         }
-        "add_robot" => format!("a hand adds a {} at {}", fields.text("kind"), fields.place()),
+        "add_robot" => format!("a hand adds a {} at {}", fields.text("kind"), fields.position_text()),
         "remove_robot" => format!("a hand takes r{} away", number("robot")),
-        "add_object" => format!("a hand adds a {} at {}", fields.text("kind"), fields.place()),
+        "add_object" => format!("a hand adds a {} at {}", fields.text("kind"), fields.position_text()),
         "remove_object" => format!("a hand takes object {} away", number("object")),
         "end" => "a hand ends the run".to_owned(),
         "fault" => format!("fault `{}`: {}", fields.text("name"), fault(&action["action"])),
@@ -379,9 +381,9 @@ mod tests {
         let contact = |with| Event::Contact { at_s: 1.0, with, x_m: 0.5, y_m: 1.25 };
         assert_eq!(words(contact(Obstacle::Wall)), "touches a wall at (0.500 m, 1.250 m)");
         assert_eq!(words(contact(Obstacle::Robot(3))), "touches r3 at (0.500 m, 1.250 m)");
-        let touch = Event::Touch { part: "LEFT.shank", with: Obstacle::Terrain, x_m: 0.5, y_m: 1.25, z_m: 0.1 };
-        let place = "(0.500 m, 1.250 m) 0.100 m above the floor";
-        assert_eq!(words(touch), format!("touches the ground with its LEFT.shank at {place}"));
+        let touch = Event::LegContact { part: "LEFT.shank", with: Obstacle::Terrain, x_m: 0.5, y_m: 1.25, z_m: 0.1 };
+        let position = "(0.500 m, 1.250 m) 0.100 m above the floor";
+        assert_eq!(words(touch), format!("touches the ground with its LEFT.shank at {position}"));
         let sent = Event::RadioSent { message: 4, to: None, begins_s: None, data: &[1, 2] };
         assert_eq!(words(sent), "sends message 4 to all, 2 bytes");
         let press = ActionText(r#"{"do":"press","robot":1,"key":"KEY1"}"#);

@@ -115,8 +115,8 @@ impl RecordingBuilder {
         if let Some(builder) = robot.and_then(|robot| self.robots.get_mut(&robot)) {
             builder.take(t_s, &kind, &fields);
         }
-        let known = Kind::ALL.iter().find(|known| known.name() == kind);
-        if known.is_none_or(|kind| is_listed(*kind)) {
+        let event_kind = Kind::ALL.iter().find(|event_kind| event_kind.name() == kind);
+        if event_kind.is_none_or(|kind| is_listed(*kind)) {
             self.count += 1;
             let of_kind = self.counts.entry(kind.clone()).or_default();
             *of_kind += 1;
@@ -249,7 +249,7 @@ struct DisplayHistory {
     /// Lines of a display larger than the classic one.
     lines: Vec<String>,
     is_large: bool,
-    shown: Vec<DisplayChange>,
+    display_changes: Vec<DisplayChange>,
     /// Minimum time between two contents, in seconds.
     period: f64,
 }
@@ -284,7 +284,7 @@ impl DisplayHistory {
             self.lines.resize(self.lines.len().max(row + 1), String::new());
             let mut line: Vec<char> = self.lines[row].chars().collect();
             line.resize(line.len().max(column + part.chars().count()), ' ');
-            part.chars().enumerate().for_each(|(place, letter)| line[column + place] = letter);
+            part.chars().enumerate().for_each(|(index, letter)| line[column + index] = letter);
             self.lines[row] = line.into_iter().collect();
         }
     }
@@ -292,15 +292,15 @@ impl DisplayHistory {
     fn show(&mut self, t_s: f64) {
         let lines = if self.is_large { self.lines.clone() } else { self.classic.lines().to_vec() };
         self.period = self.period.max(DISPLAY_PERIOD);
-        match self.shown.last_mut() {
+        match self.display_changes.last_mut() {
             Some(last) if t_s - last.t_s < self.period => last.lines = lines,
             Some(last) if last.lines == lines => {}
-            _ => self.shown.push(DisplayChange { t_s: round(t_s, 1e3), lines }),
+            _ => self.display_changes.push(DisplayChange { t_s: round(t_s, 1e3), lines }),
         }
-        if self.shown.len() > MAX_SHOWN {
+        if self.display_changes.len() > MAX_SHOWN {
             self.period *= 2.0;
             let mut since = f64::NEG_INFINITY;
-            self.shown.retain(|shown| {
+            self.display_changes.retain(|shown| {
                 let is_kept = shown.t_s - since >= self.period;
                 since = if is_kept { shown.t_s } else { since };
                 is_kept
@@ -309,7 +309,7 @@ impl DisplayHistory {
     }
 
     fn finish(self) -> Vec<DisplayChange> {
-        self.shown
+        self.display_changes
     }
 }
 

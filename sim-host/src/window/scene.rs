@@ -115,8 +115,8 @@ impl SceneInput<'_> {
 /// Name of a scene's file without folders and extension.
 pub fn title(spec: &SceneSpec) -> String {
     let name = Path::new(&spec.file).file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let known = [".scene.toml", ".toml", ".sim"].into_iter().find_map(|extension| name.strip_suffix(extension));
-    known.map(str::to_owned).unwrap_or(name)
+    let stem = [".scene.toml", ".toml", ".sim"].into_iter().find_map(|extension| name.strip_suffix(extension));
+    stem.map(str::to_owned).unwrap_or(name)
 }
 
 /// Index among a robot's links of each part of its legs.
@@ -125,18 +125,18 @@ fn part_links(robi: &RobiSpec) -> Vec<usize> {
 }
 
 /// Placement of a part; `links` has the links of the parts of each robot's legs.
-fn place(part: &camera::Part, links: &BTreeMap<RobotId, Vec<usize>>) -> protocol::Place {
+fn place(part: &camera::Part, links: &BTreeMap<RobotId, Vec<usize>>) -> protocol::Attachment {
     match part.attachment {
-        Attachment::Robot(RobotId(robot)) => protocol::Place::Robot { robot },
-        Attachment::Leg(id, part) => protocol::Place::Link { robot: id.0, link: links[&id][part] as u32 },
-        Attachment::Object(ObjectId(object)) => protocol::Place::Object { object },
+        Attachment::Robot(RobotId(robot)) => protocol::Attachment::Robot { robot },
+        Attachment::Leg(id, part) => protocol::Attachment::Link { robot: id.0, link: links[&id][part] as u32 },
+        Attachment::Object(ObjectId(object)) => protocol::Attachment::Object { object },
         Attachment::Fixed(pose) => {
             let what = match part.label {
                 Label::Wall(_) => "wall",
                 Label::Ground => "terrain",
                 _ => "object",
             };
-            protocol::Place::World { what: what.to_owned(), at: point(&pose) }
+            protocol::Attachment::World { what: what.to_owned(), at: point(&pose) }
         }
     }
 }

@@ -29,14 +29,14 @@ const MIN_OPACITY: f32 = 0.5;
 impl Surfaces {
     /// Index of `mesh` in [`Self::meshes`], to which its first use adds it.
     pub fn mesh(&mut self, mesh: &Arc<Mesh>) -> u32 {
-        if let Some(place) = self.mesh_places.get(&Arc::as_ptr(mesh)) {
-            return *place;
+        if let Some(index) = self.mesh_places.get(&Arc::as_ptr(mesh)) {
+            return *index;
         }
-        let made = self.made(mesh);
-        self.meshes.push(made);
-        let place = self.meshes.len() as u32 - 1;
-        self.mesh_places.insert(Arc::as_ptr(mesh), place);
-        place
+        let converted = self.made(mesh);
+        self.meshes.push(converted);
+        let index = self.meshes.len() as u32 - 1;
+        self.mesh_places.insert(Arc::as_ptr(mesh), index);
+        index
     }
 
     /// Index of `texture` in [`Self::images`], to which its first use adds it.
@@ -64,8 +64,9 @@ impl Surfaces {
                 let corners = mesh.corners(triangle);
                 corners.iter().for_each(|corner| positions.push(&corner.as_vec3().to_array()));
                 if is_smooth {
-                    let flat = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero().as_vec3();
-                    let of_corners: [Vec3; 3] = triangle.normals.unwrap_or([flat; 3]);
+                    let face_normal =
+                        (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero().as_vec3();
+                    let of_corners: [Vec3; 3] = triangle.normals.unwrap_or([face_normal; 3]);
                     of_corners.iter().for_each(|normal| normals.push(&normal.to_array()));
                 }
                 if has_image {
@@ -87,7 +88,7 @@ impl Surfaces {
         protocol::Material {
             triangles: triangles as u32,
             // A conversion to an integer saturates.
-            colour: material.colour.map(|share| (255.0 * share).round() as u8),
+            colour: material.colour.map(|channel| (255.0 * channel).round() as u8),
             image: material.texture.as_ref().map(|texture| self.image(texture)),
         }
     }
@@ -137,12 +138,13 @@ mod tests {
         });
         let mut surfaces = Surfaces::default();
         assert_eq!([surfaces.mesh(&mesh), surfaces.mesh(&Arc::clone(&mesh))], [0, 0]);
-        let made = &surfaces.meshes[0];
-        let colours: Vec<_> = made.materials.iter().map(|material| (material.triangles, material.colour)).collect();
+        let converted = &surfaces.meshes[0];
+        let colours: Vec<_> =
+            converted.materials.iter().map(|material| (material.triangles, material.colour)).collect();
         assert_eq!(colours, [(1, [255, 0, 0]), (1, [204; 3])], "what is seen through is left out");
         let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-        assert_eq!(floats(&made.positions), corners);
-        assert!(made.normals.is_none() && made.uvs.is_none());
+        assert_eq!(floats(&converted.positions), corners);
+        assert!(converted.normals.is_none() && converted.uvs.is_none());
     }
 
     #[test]
@@ -159,10 +161,10 @@ mod tests {
         };
         let mut surfaces = Surfaces::default();
         surfaces.mesh(&Arc::new(mesh));
-        let made = &surfaces.meshes[0];
-        let normals = floats(made.normals.as_deref().expect("normals"));
+        let converted = &surfaces.meshes[0];
+        let normals = floats(converted.normals.as_deref().expect("normals"));
         assert_eq!((&normals[..3], &normals[9..12]), (&[1.0, 0.0, 0.0][..], &[0.0, 0.0, 1.0][..]));
-        assert_eq!(floats(made.uvs.as_deref().expect("places"))[..7], [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0]);
-        assert_eq!((made.materials[0].image, surfaces.images.len()), (Some(0), 1));
+        assert_eq!(floats(converted.uvs.as_deref().expect("places"))[..7], [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0]);
+        assert_eq!((converted.materials[0].image, surfaces.images.len()), (Some(0), 1));
     }
 }

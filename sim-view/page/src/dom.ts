@@ -7,10 +7,10 @@ export function element<K extends keyof HTMLElementTagNameMap>(
   children: readonly (Node | string)[] = [],
 ): HTMLElementTagNameMap[K] {
   const { testid, label, ...rest } = properties;
-  const made = document.createElement(name);
-  Object.assign(made, rest);
-  if (testid !== undefined) made.dataset["testid"] = testid;
-  if (label !== undefined) made.setAttribute("aria-label", label);
-  made.append(...children);
-  return made;
+  const node = document.createElement(name);
+  Object.assign(node, rest);
+  if (testid !== undefined) node.dataset["testid"] = testid;
+  if (label !== undefined) node.setAttribute("aria-label", label);
+  node.append(...children);
+  return node;
 }

@@ -1,7 +1,7 @@
 // State of the page in one place: sources write it, views read it and subscribe to changes.
 
 import { Clock } from "./clock";
-import { type Motion, SnapshotMotion } from "./motion";
+import { type MotionSource, SnapshotMotion } from "./motion";
 import type { Answer, Build, Command, Detail, Event, Message, Pose, Reading, Scene, Snapshot, Welcome } from "./protocol";
 
 /** State of the connection to the run. */
@@ -106,7 +106,7 @@ export class Model {
   /** The displayed time, which advances smoothly between snapshots. */
   readonly clock = new Clock();
   /** Poses of bodies at the displayed time. */
-  motion: Motion = new SnapshotMotion();
+  motion: MotionSource = new SnapshotMotion();
 
   private source: Source | null = null;
   private wanted: Look = { robot: null, camera: true, calls: false };
@@ -246,8 +246,8 @@ export class Model {
 
   private takeDetail(detail: Detail): void {
     detail.lcd ??= this.details.get(detail.robot)?.lcd ?? null;
-    const believed = this.player ? [] : place("believed", detail.odometry, detail.t_s);
-    detail.readings = [...place("true", detail.pose, detail.t_s), ...believed, ...detail.readings].map(asShown);
+    const odometryReadings = this.player ? [] : poseReadings("believed", detail.odometry, detail.t_s);
+    detail.readings = [...poseReadings("true", detail.pose, detail.t_s), ...odometryReadings, ...detail.readings].map(asShown);
     this.details.set(detail.robot, detail);
     let curves = this.history.get(detail.robot);
     if (!curves) this.history.set(detail.robot, (curves = new Map()));
@@ -268,14 +268,14 @@ export class Model {
   }
 }
 
-/** Drops the oldest events if there are clearly more than `most`; returns their number. */
-function cut(events: Event[], most: number): number {
-  const surplus = events.length - most;
+/** Drops the oldest events if there are clearly more than `max`; returns their number. */
+function cut(events: Event[], max: number): number {
+  const surplus = events.length - max;
   return surplus > 500 ? events.splice(0, surplus).length : 0;
 }
 
 /** A pose as readings. */
-function place(word: string, { x_m, y_m, phi_rad }: Pose, at_s: number): Reading[] {
+function poseReadings(word: string, { x_m, y_m, phi_rad }: Pose, at_s: number): Reading[] {
   return [
     { name: `${word} x`, value: x_m, unit: "m", at_s },
     { name: `${word} y`, value: y_m, unit: "m", at_s },

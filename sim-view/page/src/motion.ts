@@ -3,7 +3,7 @@
 import type { MotionPiece, Pose, Snapshot } from "./protocol";
 
 /** Poses of bodies. Results are written to `out`, so that frames do not allocate; returns false if a body is unknown. */
-export interface Motion {
+export interface MotionSource {
   robot(id: number, t_s: number, out: Pose): boolean;
   object(id: number, t_s: number, out: Pose): boolean;
   /** Posture of a robot; false for a robot without one. */
@@ -25,9 +25,9 @@ export function poseOnPiece(piece: MotionPiece, t_s: number, out: Pose): void {
   // Integrals of cosine and sine of the heading over the piece; series for small turns.
   const isSmall = Math.abs(turn) < 1e-4;
   const along = isSmall ? t * (1 - (turn * turn) / 6) : Math.sin(turn) / piece.omega_rad_per_s;
-  const aside = isSmall ? (t * turn) / 2 : (1 - Math.cos(turn)) / piece.omega_rad_per_s;
-  const forward = piece.v_m_per_s * along - piece.left_m_per_s * aside;
-  const left = piece.v_m_per_s * aside + piece.left_m_per_s * along;
+  const lateral = isSmall ? (t * turn) / 2 : (1 - Math.cos(turn)) / piece.omega_rad_per_s;
+  const forward = piece.v_m_per_s * along - piece.left_m_per_s * lateral;
+  const left = piece.v_m_per_s * lateral + piece.left_m_per_s * along;
   const cos = Math.cos(piece.from.phi_rad);
   const sin = Math.sin(piece.from.phi_rad);
   out.x_m = piece.from.x_m + forward * cos - left * sin;
@@ -48,8 +48,8 @@ export function poseOnPieces(pieces: readonly MotionPiece[], t_s: number, out: P
   return true;
 }
 
-/** Motion from the last two snapshots. */
-export class SnapshotMotion implements Motion {
+/** MotionSource from the last two snapshots. */
+export class SnapshotMotion implements MotionSource {
   private latest: Snapshot | null = null;
   private previous: Snapshot | null = null;
   private robots = new Map<number, number>();
@@ -98,8 +98,8 @@ export class SnapshotMotion implements Motion {
     if (!this.latest || !now) return false;
     const before = this.previous?.robots[this.robotsBefore.get(id) ?? -1];
     const isBetween = this.previous !== null && before !== undefined && t_s < this.latest.t_s;
-    const share = isBetween ? (t_s - this.previous!.t_s) / (this.latest.t_s - this.previous!.t_s) : 1;
-    blend(isBetween ? before : now, now, Math.max(0, share), out);
+    const fraction = isBetween ? (t_s - this.previous!.t_s) / (this.latest.t_s - this.previous!.t_s) : 1;
+    blend(isBetween ? before : now, now, Math.max(0, fraction), out);
     return true;
   }
 
@@ -111,25 +111,25 @@ export class SnapshotMotion implements Motion {
     out.y_m = now.pose.y_m;
     out.phi_rad = now.pose.phi_rad;
     if (t_s >= this.latest.t_s || !before || !this.previous) return true;
-    const share = (t_s - this.previous.t_s) / (this.latest.t_s - this.previous.t_s);
-    mix(out, before.pose, 1 - Math.max(0, share));
+    const fraction = (t_s - this.previous.t_s) / (this.latest.t_s - this.previous.t_s);
+    mix(out, before.pose, 1 - Math.max(0, fraction));
     return true;
   }
 }
 
-/** Moves `out` a share of the way to `to`. */
-export function mix(out: Pose, to: Pose, share: number): void {
-  out.x_m += (to.x_m - out.x_m) * share;
-  out.y_m += (to.y_m - out.y_m) * share;
-  out.phi_rad += (to.phi_rad - out.phi_rad) * share;
+/** Moves `out` a fraction of the way to `to`. */
+export function mix(out: Pose, to: Pose, fraction: number): void {
+  out.x_m += (to.x_m - out.x_m) * fraction;
+  out.y_m += (to.y_m - out.y_m) * fraction;
+  out.phi_rad += (to.phi_rad - out.phi_rad) * fraction;
 }
 
-/** Posture that lies a share of the way from one to another. */
-export function blend(from: Posture, to: Posture, share: number, out: Posture): void {
-  out.lift_m = from.lift_m + (to.lift_m - from.lift_m) * share;
+/** Posture that lies a fraction of the way from one to another. */
+export function blend(from: Posture, to: Posture, fraction: number, out: Posture): void {
+  out.lift_m = from.lift_m + (to.lift_m - from.lift_m) * fraction;
   out.joints_rad.length = to.joints_rad.length;
   to.joints_rad.forEach((angle, i) => {
     const start = from.joints_rad[i] ?? angle;
-    out.joints_rad[i] = start + (angle - start) * share;
+    out.joints_rad[i] = start + (angle - start) * fraction;
   });
 }

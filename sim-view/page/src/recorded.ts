@@ -1,13 +1,13 @@
 // Source that replays a recorded run.
 
 import type { Model, Player, Source } from "./model";
-import { blend, type Motion, mix, type Posture } from "./motion";
+import { blend, type MotionSource, mix, type Posture } from "./motion";
 import type { Detail, Pose, Postures, Recording, RobotHistory, RobotState, Snapshot, Track } from "./protocol";
 
 /** Interval at which panels are updated during playback. */
 const TELL_MS = 100;
 
-/** Greatest time between two postures that belong to one motion. */
+/** Maximum time between two postures that belong to one motion. */
 const STEP_S = 0.1;
 
 /** Plays a recording into the model as if it were a live run. */
@@ -163,7 +163,7 @@ export class RecordedSource implements Source, Player {
 }
 
 /** Recorded motion of bodies. */
-class RecordedMotion implements Motion {
+class RecordedMotion implements MotionSource {
   private readonly end: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
 
   constructor(
@@ -181,8 +181,8 @@ class RecordedMotion implements Motion {
     const i = before(postures.t_s, t_s);
     const [from_s, to_s] = [postures.t_s[i]!, postures.t_s[i + 1] ?? Infinity];
     // After a longer pause the robot has stood still until shortly before the next posture.
-    const share = Math.max(0, 1 - (to_s - t_s) / Math.min(to_s - from_s, STEP_S));
-    blend(posture(postures, i), posture(postures, to_s < Infinity ? i + 1 : i), share, out);
+    const fraction = Math.max(0, 1 - (to_s - t_s) / Math.min(to_s - from_s, STEP_S));
+    blend(posture(postures, i), posture(postures, to_s < Infinity ? i + 1 : i), fraction, out);
     return true;
   }
 

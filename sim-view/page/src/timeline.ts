@@ -29,14 +29,14 @@ export function timeline(model: Model, all: readonly Event[] | null): HTMLElemen
   const legend = element("p", { className: "legend" });
   const time = element("output", { className: "number", testid: "shown-time", label: "Time shown" });
   const line = element("div", { className: "line" }, [marks, range]);
-  const made = element("section", { className: "timeline", label: "Timeline" }, [play, line, time, legend]);
+  const section = element("section", { className: "timeline", label: "Timeline" }, [play, line, time, legend]);
   marks.onclick = (event) => {
     const box = marks.getBoundingClientRect();
     model.player?.seek((model.player.duration_s * (event.clientX - box.left)) / box.width);
   };
 
   const seen = new Set<string>();
-  let drawn = "";
+  let drawnKey = "";
   let isWaiting = false;
   model.subscribe("player", show);
   model.subscribe("scene", () => {
@@ -47,10 +47,10 @@ export function timeline(model: Model, all: readonly Event[] | null): HTMLElemen
   model.subscribe("snapshot", soon);
   new ResizeObserver(soon).observe(marks);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-    drawn = "";
+    drawnKey = "";
     soon();
   });
-  return made;
+  return section;
 
   function playOrPause(): void {
     const { player } = model;
@@ -89,15 +89,15 @@ export function timeline(model: Model, all: readonly Event[] | null): HTMLElemen
     const [width, height] = [marks.clientWidth * devicePixelRatio, marks.clientHeight * devicePixelRatio];
     const key = `${width} ${height} ${events.length} ${events.at(-1)?.number} ${end_s}`;
     const context = marks.getContext("2d");
-    if (key === drawn || !context || width === 0) return;
-    drawn = key;
+    if (key === drawnKey || !context || width === 0) return;
+    drawnKey = key;
     marks.width = width;
     marks.height = height;
-    const probe = made.appendChild(element("i"));
+    const probe = section.appendChild(element("i"));
     MARKS.forEach(({ kinds, name, colour }, row) => {
       probe.style.color = `var(${colour})`;
       context.fillStyle = getComputedStyle(probe).color;
-      const share = 0.55 + (0.45 * (row + 1)) / MARKS.length;
+      const fraction = 0.55 + (0.45 * (row + 1)) / MARKS.length;
       let last = -Infinity;
       for (const event of events) {
         if (!kinds.includes(event.kind)) continue;
@@ -105,7 +105,7 @@ export function timeline(model: Model, all: readonly Event[] | null): HTMLElemen
         const x = Math.round((event.t_s / end_s) * (width - 2 * devicePixelRatio));
         if (x === last) continue;
         last = x;
-        context.fillRect(x, height * (1 - share), 2 * devicePixelRatio, height * share);
+        context.fillRect(x, height * (1 - fraction), 2 * devicePixelRatio, height * fraction);
       }
     });
     probe.remove();

@@ -18,8 +18,8 @@ pub use event::{Event, Events};
 pub use recording::{DisplayChange, Postures, Recording, RobotHistory, StandingChange, Track};
 pub use request::{Command, Request, Seed};
 pub use scene::{
-    AddableTypes, Body, Camera, Floor, Ground, Image, Lcd, Light, Link, Material, Mesh, Object, Part, Place, Point,
-    Robot, Scene, Sensor, SensorKind, Sky, Spot,
+    AddableTypes, Attachment, Body, Camera, Floor, Ground, Image, Lcd, Light, Link, Material, Mesh, Object, Part,
+    Point, Robot, Scene, Sensor, SensorKind, Sky, Spot,
 };
 pub use state::{
     Beam, CheckState, CheckVerdict, Detail, MotionPiece, ObjectState, Parameter, Picture, Pose, Reading, RobotState,

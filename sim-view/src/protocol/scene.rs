@@ -77,14 +77,14 @@ pub struct Part {
     /// Index of its mesh in [`Scene::meshes`].
     pub mesh: u32,
     /// Attachment of the mesh.
-    pub place: Place,
+    pub place: Attachment,
 }
 
 /// Attachment of a part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "on", rename_all = "snake_case")]
-pub enum Place {
+pub enum Attachment {
     /// Fixed in the world.
     World {
         /// Kind of the part: `wall`, `object` or `terrain`.

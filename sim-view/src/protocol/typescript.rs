@@ -70,12 +70,12 @@ fn tidy(types: &str) -> String {
 #[test]
 fn typescript() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("page/src/protocol/index.ts");
-    let made = declarations();
-    assert!(!made.contains("bigint"), "JavaScript has no integers of 64 bits");
+    let generated = declarations();
+    assert!(!generated.contains("bigint"), "JavaScript has no integers of 64 bits");
     if std::env::var("INSTA_UPDATE").is_ok_and(|how| how == "always") {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(&path, &made).unwrap();
+        std::fs::write(&path, &generated).unwrap();
     }
     let there = std::fs::read_to_string(&path).unwrap();
-    assert!(there == made, "`{}` is not what the protocol says: INSTA_UPDATE=always writes it", path.display());
+    assert!(there == generated, "`{}` is not what the protocol says: INSTA_UPDATE=always writes it", path.display());
 }

@@ -42,8 +42,8 @@ impl Access {
 fn is_same(secret: &str, given: &str) -> bool {
     let secret = secret.as_bytes();
     let mut difference = u8::from(secret.len() != given.len() || secret.is_empty());
-    for (place, byte) in given.bytes().enumerate() {
-        difference |= byte ^ secret.get(place % secret.len().max(1)).unwrap_or(&0);
+    for (index, byte) in given.bytes().enumerate() {
+        difference |= byte ^ secret.get(index % secret.len().max(1)).unwrap_or(&0);
         difference = std::hint::black_box(difference);
     }
     difference == 0

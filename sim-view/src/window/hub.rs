@@ -59,8 +59,8 @@ struct CachedDetail {
 
 impl CachedDetail {
     fn text(&self, with_lcd: bool) -> Utf8Bytes {
-        let place = if with_lcd { &self.whole } else { &self.lean };
-        place
+        let cached = if with_lcd { &self.whole } else { &self.lean };
+        cached
             .get_or_init(|| {
                 let mut detail = self.detail.clone();
                 detail.lcd = self.lcd.as_deref().filter(|_| with_lcd).cloned();
@@ -154,8 +154,8 @@ impl Hub {
                 (None, Some(before)) => (before.lcd.clone(), before.lcd_version),
                 (None, None) => (None, 0),
             };
-            let shown = CachedDetail { lcd, lcd_version, lean: OnceLock::new(), whole: OnceLock::new(), detail };
-            state.details.insert(shown.detail.robot, (version, Arc::new(shown)));
+            let cached = CachedDetail { lcd, lcd_version, lean: OnceLock::new(), whole: OnceLock::new(), detail };
+            state.details.insert(cached.detail.robot, (version, Arc::new(cached)));
         }
         drop(state);
         self.changed.send_replace(());
@@ -293,11 +293,11 @@ impl Commands {
             if let Some(pending) = inbox.commands.pop_front() {
                 return Some(pending);
             }
-            let left = until.saturating_duration_since(Instant::now());
-            if std::mem::take(&mut inbox.is_woken) || left.is_zero() {
+            let remaining = until.saturating_duration_since(Instant::now());
+            if std::mem::take(&mut inbox.is_woken) || remaining.is_zero() {
                 return None;
             }
-            inbox = self.hub.command_arrived.wait_timeout(inbox, left).unwrap_or_else(PoisonError::into_inner).0;
+            inbox = self.hub.command_arrived.wait_timeout(inbox, remaining).unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 

@@ -171,8 +171,8 @@ async fn accept(listener: TcpListener, routes: Router) {
 fn to_replace(addresses: impl Iterator<Item = IpAddr> + Clone) -> usize {
     let mut counts: BTreeMap<IpAddr, usize> = BTreeMap::new();
     addresses.clone().for_each(|address| *counts.entry(address).or_default() += 1);
-    let most = counts.values().copied().max();
-    addresses.clone().position(|address| counts.get(&address).copied() == most).unwrap_or(0)
+    let max_count = counts.values().copied().max();
+    addresses.clone().position(|address| counts.get(&address).copied() == max_count).unwrap_or(0)
 }
 
 /// Serves the requests of one connection. A connection that becomes a socket continues in a separate task.
@@ -276,10 +276,10 @@ async fn open_socket(
     Extension(address): Extension<IpAddr>,
     upgrade: WebSocketUpgrade,
 ) -> Response {
-    let place = SocketGuard::take(server, address);
-    let open = place.server.sockets.load(Ordering::Relaxed);
-    let refused = why_full(open, place.of_address, address.is_loopback());
-    let is_crowding = !address.is_loopback() && place.of_address > MAX_PAGES_OF_ADDRESS + MAX_REFUSED / 2;
+    let guard = SocketGuard::take(server, address);
+    let open = guard.server.sockets.load(Ordering::Relaxed);
+    let refused = why_full(open, guard.of_address, address.is_loopback());
+    let is_crowding = !address.is_loopback() && guard.of_address > MAX_PAGES_OF_ADDRESS + MAX_REFUSED / 2;
     if open > MAX_PAGES + MAX_REFUSED || is_crowding {
         return (StatusCode::SERVICE_UNAVAILABLE, refused.unwrap_or_default()).into_response();
     }
@@ -291,7 +291,7 @@ async fn open_socket(
         .on_upgrade(move |socket| async move {
             match refused {
                 Some(why) => socket::refuse(socket, &why).await,
-                None => socket::serve(socket, &place.server).await,
+                None => socket::serve(socket, &guard.server).await,
             }
         })
 }

@@ -36,25 +36,25 @@ pub enum Special {
 impl Case {
     /// Writes the submission into `folder`, with `prefix` before its name.
     pub fn write(&self, folder: &Path, prefix: &str) {
-        let place = folder.join(format!("{prefix}{}", self.name));
+        let target = folder.join(format!("{prefix}{}", self.name));
         let write = |path: &Path, bytes: &[u8]| {
             std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
             std::fs::write(path, bytes).expect("a file");
         };
         match &self.form {
             Form::Folder(files) => {
-                std::fs::create_dir_all(&place).expect("a folder");
-                files.iter().for_each(|(name, bytes)| write(&place.join(name), bytes));
+                std::fs::create_dir_all(&target).expect("a folder");
+                files.iter().for_each(|(name, bytes)| write(&target.join(name), bytes));
             }
             Form::File(ending, bytes) => write(&folder.join(format!("{prefix}{}{ending}", self.name)), bytes),
             Form::Special(name, special) => {
-                std::fs::create_dir_all(&place).expect("a folder");
-                let path = place.join(name);
+                std::fs::create_dir_all(&target).expect("a folder");
+                let path = target.join(name);
                 match special {
                     Special::Link(to) => std::os::unix::fs::symlink(to, path).expect("a link"),
                     Special::Fifo => {
-                        let made = std::process::Command::new("mkfifo").arg(path).status().expect("mkfifo");
-                        assert!(made.success());
+                        let status = std::process::Command::new("mkfifo").arg(path).status().expect("mkfifo");
+                        assert!(status.success());
                     }
                 }
             }
@@ -107,7 +107,7 @@ pub fn gz(bytes: &[u8]) -> Vec<u8> {
 
 /// The submissions, which are graded below `place`: there lie `home` with a `diary.txt`, `lab` with the suite and a `hidden.h`, `in` with the
 /// submissions and `out` with the results.
-pub fn class(place: &Path) -> Vec<Case> {
+pub fn class(folder: &Path) -> Vec<Case> {
     let mut cases = Vec::new();
     let mut add = |name: &str, form: Form, verdict: &'static str, message: &'static str| {
         cases.push(Case { name: name.to_owned(), form, expected: (verdict, message) });
@@ -117,7 +117,7 @@ pub fn class(place: &Path) -> Vec<Case> {
     not_built(&mut add);
     broken(&mut add);
     liars(&mut add);
-    attackers(&mut add, place);
+    attackers(&mut add, folder);
     for speed in 0..24 {
         add(&format!("honest-{speed}"), Form::Folder(vec![("solve.c", honest(150 + 5 * speed))]), "passed", "");
     }
@@ -298,7 +298,7 @@ fn liars(add: Add<'_>) {
 }
 
 /// A program that tries what must be closed to it: `CLOSED(attempt)` ends it with 40 where the attempt succeeds; it ends with 7 if none does.
-fn attack(body: &str, place: &Path) -> Vec<u8> {
+fn attack(body: &str, folder: &Path) -> Vec<u8> {
     let text = format!(
         "#define _GNU_SOURCE\n#include \"eyebot.h\"\n#include <errno.h>\n#include <fcntl.h>\n#include <pthread.h>\n#include <signal.h>\n\
          #include <stdio.h>\n#include <stdlib.h>\n#include <string.h>\n#include <sys/mman.h>\n#include <sys/ptrace.h>\n\
@@ -310,16 +310,16 @@ fn attack(body: &str, place: &Path) -> Vec<u8> {
          static void *idle(void *x) {{ for (;;) pause(); return x; }}\n\
          static double now(void) {{ struct timespec t; syscall(SYS_clock_gettime, 1, &t); return t.tv_sec + t.tv_nsec / 1e9; }}\n\
          int main(void) {{\nchar name[4096];\n(void)name; (void)idle; (void)now;\n{body}\nexit(7);\n}}\n",
-        place.display()
+        folder.display()
     );
     text.into_bytes()
 }
 
 /// Programs that attack the machine, the judge, its files or other submissions. Counts are bounded, so that a hole hurts no machine.
-fn attackers(add: Add<'_>, place: &Path) {
+fn attackers(add: Add<'_>, folder: &Path) {
     const FAILS: &str = "exit code 7";
     let mut file = |name: &str, body: &str, verdict, message| {
-        add(&format!("attack-{name}"), Form::File(".c", attack(body, place)), verdict, message);
+        add(&format!("attack-{name}"), Form::File(".c", attack(body, folder)), verdict, message);
     };
     file(
         "fork-bomb",
@@ -422,7 +422,7 @@ fn attackers(add: Add<'_>, place: &Path) {
         add(&format!("attack-{name}"), Form::File(".c", text.into_bytes()), "error", message);
     };
     let main = "int main(void) { return 0; }\n";
-    text("includes-hidden", format!("#include \"{}/lab/hidden.h\"\n{main}", place.display()), "hidden.h");
+    text("includes-hidden", format!("#include \"{}/lab/hidden.h\"\n{main}", folder.display()), "hidden.h");
     text("includes-passwd", format!("#include \"/etc/passwd\"\n{main}"), "passwd");
     text("incbin", format!("__asm__(\".incbin \\\"/etc/passwd\\\"\");\n{main}"), "does not compile");
     text("incbin-shadow", format!("__asm__(\".incbin \\\"/etc/shadow\\\"\");\n{main}"), "does not compile");

@@ -20,7 +20,7 @@ pub struct Case {
     pub language: Language,
     /// Its text; for Rust the name of an arm in `hostile.rs`.
     pub source: String,
-    /// Words of which at least one is in what the user is told; empty if the program may end well.
+    /// Words of which the message contains at least one; empty if the program may end well.
     pub told: &'static [&'static str],
 }
 
@@ -1283,10 +1283,10 @@ const WITH_ARGUMENTS: &str = "LCDPutString((char *)(intptr_t)@); LCDPutChar(@); 
 pub fn all() -> Vec<Case> {
     let c = |text: String| format!("{HEAD}{text}\n");
     let mut cases = Vec::new();
-    for (place, program) in PLACES {
+    for (index, program) in PLACES {
         for (fault, statements, told) in FAULTS {
             let source = c(program.replace("FAULT", statements).replacen("{ ", "{ unused; ", 1));
-            cases.push(Case { class: "faults", name: format!("{fault} in {place}"), language: C, source, told });
+            cases.push(Case { class: "faults", name: format!("{fault} in {index}"), language: C, source, told });
         }
     }
     for (class, name, statements, told) in BODIES {

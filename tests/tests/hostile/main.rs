@@ -1,7 +1,7 @@
-//! The catalogue of hostile programs: each is ended in time and told, and changes no other robot's record.
+//! The catalogue of hostile programs: each is ended in time and reported, and changes no other robot's record.
 //!
 //! `cargo test` runs a sample; `EYESIM_HOSTILE=all cargo test --workspace --test hostile` runs all in processes, on threads and on fibers, and with
-//! `INSTA_UPDATE=always` besides writes the table of what each is told, docs/hostile.md.
+//! `INSTA_UPDATE=always` also writes the table of their messages, docs/hostile.md.
 
 mod cases;
 
@@ -22,12 +22,12 @@ use tests::{Scratch, eyesim_path, root, write_scene};
 /// Real time in seconds after which a run counts as hanging; a loaded machine takes ten times as long as an idle one.
 const HANGS_S: u64 = 100;
 
-/// Programs that stop the whole process, as the user's Ctrl-Z does: on a thread nobody is left who could tell.
+/// Programs that stop the whole process, as the user's Ctrl-Z does: on a thread no process remains that could report it.
 const ONLY_APART: [&str; 2] = ["raise(SIGSTOP)", "raise(SIGTSTP)"];
 
 /// Result of a run with a hostile program as robot 2 of three.
 #[derive(Debug)]
-struct Told {
+struct RunResult {
     code: Option<i32>,
     signal: Option<i32>,
     /// Outcome and reason of robot 2, or the last words of eyesim.
@@ -72,7 +72,7 @@ fn rust_package() -> PathBuf {
 }
 
 /// Runs the case beside two good robots, in its own process group and process namespace, within limits.
-fn run(case: &Case, exec: &str) -> Told {
+fn run(case: &Case, exec: &str) -> RunResult {
     let scratch = Scratch::new();
     scratch.write("good.c", GOOD);
     let package = (case.language == Language::Rust).then(rust_package);
@@ -111,7 +111,7 @@ fn run(case: &Case, exec: &str) -> Told {
     let read = |name: &str| fs::read_to_string(scratch.path().join(name)).unwrap_or_default();
     let lines: Vec<Value> = read("t.jsonl").lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
     let is_of_others = |line: &&Value| line["event"] == "pose" && (line["robot"] == 1 || line["robot"] == 3);
-    Told {
+    RunResult {
         code: output.status.code(),
         signal: output.status.signal(),
         text: in_words(&read("r.json"), &text(&output.stderr), &scratch),
@@ -159,8 +159,8 @@ fn without_chance(words: &str) -> String {
 }
 
 /// What is wrong with the outcome of a case, if anything.
-fn mistake(case: &Case, told: &Told, reference: &[String]) -> Option<String> {
-    let Told { code, text, said, others, has_end, seconds, .. } = told;
+fn mistake(case: &Case, told: &RunResult, reference: &[String]) -> Option<String> {
+    let RunResult { code, text, said, others, has_end, seconds, .. } = told;
     let is_told = |words: &&str| text.contains(*words) || said.contains(*words);
     let whole = *has_end && others == reference;
     if *seconds >= HANGS_S || *code == Some(137) && !has_end && said.is_empty() && *seconds >= HANGS_S / 2 {
@@ -197,7 +197,7 @@ fn flows(case: &Case) -> &'static [&'static str] {
     }
 }
 
-/// Runs the cases on all their flows; gives for each case what it is told in each flow, and the mistakes.
+/// Runs the cases on all their flows; returns for each case its message on each flow, and the mistakes.
 fn run_all(cases: &[Case]) -> (Vec<Vec<String>>, Vec<String>) {
     let harmless = "#include \"eyebot.h\"\nint main(void) { OSWait(20); return 0; }\n".to_owned();
     let harmless = Case { class: "", name: String::new(), language: Language::C, source: harmless, told: &[] };
@@ -206,23 +206,23 @@ fn run_all(cases: &[Case]) -> (Vec<Vec<String>>, Vec<String>) {
     let next = AtomicUsize::new(0);
     let results = Mutex::new((vec![Vec::new(); cases.len()], Vec::new()));
     let work = || {
-        while let Some((place, case)) =
+        while let Some((index, case)) =
             Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|at| Some((at, cases.get(at)?)))
         {
             for exec in flows(case) {
-                let told = run(case, exec);
+                let result = run(case, exec);
                 let mut results = results.lock().expect("no run has panicked");
-                if let Some(mistake) = mistake(case, &told, &reference.others) {
+                if let Some(mistake) = mistake(case, &result, &reference.others) {
                     let said: String =
-                        told.said.chars().rev().take(600).collect::<Vec<_>>().into_iter().rev().collect();
+                        result.said.chars().rev().take(600).collect::<Vec<_>>().into_iter().rev().collect();
                     let line = format!(
                         "{} / {} ({exec}): {mistake}; exit code {:?}, {} s, told `{}`\n{said}",
-                        case.class, case.name, told.code, told.seconds, told.text
+                        case.class, case.name, result.code, result.seconds, result.text
                     );
                     results.1.push(line);
                 }
-                let end = told.code.map_or("a signal".to_owned(), |code| code.to_string());
-                results.0[place].push(format!("{end}: {}", told.text));
+                let end = result.code.map_or("a signal".to_owned(), |code| code.to_string());
+                results.0[index].push(format!("{end}: {}", result.text));
             }
         }
     };
@@ -239,9 +239,9 @@ fn has_python() -> bool {
 
 /// All cases, or every 20th and the first of each class; `EYESIM_HOSTILE` may also be a part of the names that are run.
 fn chosen() -> Vec<Case> {
-    let wanted = std::env::var("EYESIM_HOSTILE").unwrap_or_default();
+    let filter = std::env::var("EYESIM_HOSTILE").unwrap_or_default();
     let mut classes = BTreeSet::new();
-    let cases = cases::all().into_iter().enumerate().filter(|(index, case)| match wanted.as_str() {
+    let cases = cases::all().into_iter().enumerate().filter(|(index, case)| match filter.as_str() {
         "all" => true,
         "" => (classes.insert(case.class) || index % 20 == 0) && case.language != Language::Rust,
         part => case.class == part || case.name.contains(part),
@@ -287,7 +287,7 @@ fn page(cases: &[Case], told: &[Vec<String>]) -> String {
          | class | program | in a process | on a thread | on a fiber |\n|---|---|---|---|---|\n",
     );
     for (case, told) in cases.iter().zip(told) {
-        let cell = |place: usize| told.get(place).map_or("", String::as_str).replace('|', "\\|").replace('<', "&lt;");
+        let cell = |index: usize| told.get(index).map_or("", String::as_str).replace('|', "\\|").replace('<', "&lt;");
         let _ = writeln!(page, "| {} | {} | {} | {} | {} |", case.class, case.name, cell(0), cell(1), cell(2));
     }
     page

@@ -36,7 +36,7 @@ impl Results {
         &self.errors[condition as usize][method]
     }
 
-    /// The method, of some, with the least mean error in training.
+    /// The method, of some, with the minimum mean error in training.
     fn best(&self, methods: &[usize]) -> usize {
         let mean = |method: &usize| Interval::of(&self.tuned[*method].errors).mean;
         let best = methods.iter().min_by(|a, b| mean(a).total_cmp(&mean(b)));
@@ -123,9 +123,9 @@ fn in_pairs<T: Sync, R: Send>(list: &[T], each: impl Fn(&T) -> anyhow::Result<R>
     let work = || {
         let mut done = Vec::new();
         loop {
-            let place = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            let Some(item) = list.get(place) else { return done };
-            done.push((place, each(item)));
+            let index = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            let Some(item) = list.get(index) else { return done };
+            done.push((index, each(item)));
         }
     };
     let mut done = thread::scope(|scope| -> anyhow::Result<Vec<(usize, anyhow::Result<R>)>> {
@@ -135,7 +135,7 @@ fn in_pairs<T: Sync, R: Send>(list: &[T], each: impl Fn(&T) -> anyhow::Result<R>
         done.extend(other.ok().context("a thread panicked")?);
         Ok(done)
     })?;
-    done.sort_by_key(|(place, _)| *place);
+    done.sort_by_key(|(index, _)| *index);
     done.into_iter().map(|(_, result)| result).collect()
 }
 
@@ -269,8 +269,8 @@ fn raw(results: &[Results], held_out: &[Survey]) -> Table {
 }
 
 fn claims(results: &[Results]) -> Vec<Claim> {
-    let claim = |place: &str, paper: &str, ours: String, number: String, holds: bool| Claim {
-        place: place.to_owned(),
+    let claim = |section: &str, paper: &str, ours: String, number: String, holds: bool| Claim {
+        section: section.to_owned(),
         paper: paper.to_owned(),
         ours,
         number,
@@ -373,7 +373,7 @@ fn intervals(results: &[Results]) -> Figure {
             .iter()
             .flat_map(move |result| (0..METHODS.len()).map(move |m| Interval::of(result.of(condition, m)).high))
     };
-    let most = (Condition::ALL.into_iter().flat_map(all).fold(0.0, f64::max) * 20.0).ceil() / 20.0;
+    let max_value = (Condition::ALL.into_iter().flat_map(all).fold(0.0, f64::max) * 20.0).ceil() / 20.0;
     let bottom = TOP + ROW * METHODS.len() as f64;
     let (width, height) = (LEFT + 2.0 * (WIDTH + 24.0), bottom + 44.0);
     let mut svg = format!(
@@ -402,14 +402,14 @@ fn intervals(results: &[Results]) -> Figure {
     }
     for (panel, result) in results.iter().enumerate() {
         let left = LEFT + panel as f64 * (WIDTH + 24.0);
-        let x = |error: f64| left + WIDTH * error / most;
+        let x = |error: f64| left + WIDTH * error / max_value;
         let _ = writeln!(
             svg,
             "<text x=\"{}\" y=\"48\" text-anchor=\"middle\" font-weight=\"bold\">{} readings</text>",
             left + WIDTH / 2.0,
             result.readings
         );
-        for tick in 0..=(most * 20.0).round() as usize {
+        for tick in 0..=(max_value * 20.0).round() as usize {
             let error = tick as f64 / 20.0;
             let _ = writeln!(
                 svg,

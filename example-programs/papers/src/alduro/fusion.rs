@@ -13,7 +13,7 @@ use mapping::occupancy::OccupancyGrid;
 use mapping::tsk::{Activation, Fusion, Order, Partition, Settings, Tsk, activations};
 
 use super::ridge::Equations;
-use super::survey::{HEIGHT, Reading, SIDE, Survey};
+use super::survey::{HEIGHT, SIDE, SonarReading, Survey};
 
 /// Numbers of readings of a terrain: many and few.
 pub const READINGS: [usize; 2] = [500, 174];
@@ -22,7 +22,7 @@ pub const SEARCH: Search = Search { cases: 40, few: 8, budget: 3000, first: 5 };
 /// Number of training terrains on which times are taken.
 const TIMED: usize = 3;
 /// Least time that is taken, s: the account of a thread advances in steps of some milliseconds.
-const LEAST_S: f64 = 0.1;
+const MIN_DURATION_S: f64 = 0.1;
 /// Factors on the number of cells along a side, at which error and time are shown.
 const FINENESS: [f64; 5] = [0.25, 0.5, 0.71, 1.0, 1.41];
 
@@ -44,7 +44,7 @@ enum Kind {
     Grid(Projection),
     /// TSK, Eq. 3. Parameter: ridge.
     Printed(Order),
-    /// TSK, Eq. 3, with the ridge of greatest evidence.
+    /// TSK, Eq. 3, with the ridge of maximum evidence.
     Evidence(Order),
     /// TSK with an equation for each cell, our choice. Parameters: weight of equations that raise, error of a reading.
     Cells(Order),
@@ -119,7 +119,7 @@ impl Method {
     }
 
     /// The map of readings with a setting of the parameters; `None` if rounding leaves none.
-    pub fn map(&self, setting: &[f64], readings: &[Reading], part: Part) -> Option<Surface> {
+    pub fn map(&self, setting: &[f64], readings: &[SonarReading], part: Part) -> Option<Surface> {
         let [own @ .., least, cells] = setting else { return None };
         let count = cells.round().max(1.0) as usize;
         let cell = SIDE / count as f64;
@@ -157,7 +157,7 @@ impl Method {
         }
     }
 
-    /// Error of its map of a part of a survey, m. Without a map, as where the evidence has no greatest value, the ground counts as unmeasured.
+    /// Error of its map of a part of a survey, m. Without a map, as where the evidence has no maximum value, the ground counts as unmeasured.
     ///
     /// # Errors
     /// Too few readings.
@@ -168,8 +168,8 @@ impl Method {
 
     /// Errors of a quarter by each projection of a grid; NaN without a map.
     fn projected(&self, setting: &[f64], survey: &Survey, readings: usize) -> [f64; 3] {
-        let taken = survey.readings(readings).unwrap_or_default();
-        let surface = if taken.is_empty() { None } else { self.map(setting, &taken, Part::Quarter) };
+        let selection = survey.readings(readings).unwrap_or_default();
+        let surface = if selection.is_empty() { None } else { self.map(setting, &selection, Part::Quarter) };
         let Some(Surface::Grid(grid, _)) = surface else { return [f64::NAN; 3] };
         let mut surface = Surface::Grid(grid, Projection::Highest);
         [Projection::Highest, Projection::Likeliest, Projection::Mean].map(|projection| {
@@ -204,7 +204,7 @@ fn significant(value: f64) -> String {
 ///
 /// The point is the one with the membership 1, the reading's distance ahead of the sonar. The sum is divided by that of the weights: the
 /// text says average, the print omits it. Planes are relative to the middle of their cell, in m, so that a ridge means the same everywhere.
-fn printed<const N: usize>(partition: &Partition, model: &SonarModel, readings: &[Reading]) -> Equations<N> {
+fn printed<const N: usize>(partition: &Partition, model: &SonarModel, readings: &[SonarReading]) -> Equations<N> {
     let mut equations = Equations::default();
     for (sonar, distance) in readings {
         let rules = activations(partition, model, sonar, *distance, Side::MostPossible);
@@ -214,9 +214,9 @@ fn printed<const N: usize>(partition: &Partition, model: &SonarModel, readings: 
         }
         let point = sonar.ahead(*distance);
         let term = |rule: &Activation| {
-            let (x, y) = partition.centre(rule.place);
-            let (share, factors) = (rule.weight / total, [1.0, point.x - x, point.y - y]);
-            (rule.slot, std::array::from_fn(|index| share * factors[index]))
+            let (x, y) = partition.centre(rule.cell_index);
+            let (fraction, factors) = (rule.weight / total, [1.0, point.x - x, point.y - y]);
+            (rule.slot, std::array::from_fn(|index| fraction * factors[index]))
         };
         equations.terms.push(rules.iter().map(term).collect());
         equations.values.push(point.z.max(0.0));
@@ -227,7 +227,7 @@ fn printed<const N: usize>(partition: &Partition, model: &SonarModel, readings: 
 /// Ridge of Eq. 3.
 enum Ridge {
     Given(f64),
-    /// That of the greatest evidence.
+    /// That of the maximum evidence.
     Likeliest,
 }
 
@@ -266,10 +266,10 @@ impl Surface {
             Self::Grid(grid, Projection::Likeliest) => grid.likeliest_height(x, y),
             Self::Grid(grid, Projection::Mean) => grid.mean_height(x, y),
             Self::Rules { partition, order, parameters } => {
-                let place = partition.place(x, y);
-                partition.slot(place).map(|slot| {
+                let cell_index = partition.cell_index(x, y);
+                partition.slot(cell_index).map(|slot| {
                     let own = &parameters[slot * order.parameters()..][..order.parameters()];
-                    let (middle_x, middle_y) = partition.centre(place);
+                    let (middle_x, middle_y) = partition.centre(cell_index);
                     own.iter()
                         .zip([1.0, x - middle_x, y - middle_y])
                         .map(|(parameter, factor)| parameter * factor)
@@ -291,7 +291,7 @@ pub type Known = HashMap<(Vec<u64>, usize), [f64; 3]>;
 /// A search that does not enclose the optimum; too few readings.
 pub fn tuned(method: &Method, training: &[Survey], readings: usize, known: &mut Known) -> anyhow::Result<Tuned> {
     let search = Search { cases: training.len(), few: SEARCH.few.min(training.len()), ..SEARCH };
-    // Too few readings are told by the first case: all searches begin with it.
+    // Too few readings are detected in the first case: all searches begin with it.
     let error = |setting: &[f64], case: usize| {
         let survey = &training[case];
         let Kind::Grid(projection) = method.kind else {
@@ -322,10 +322,10 @@ pub fn work(method: &Method, setting: &[f64], training: &[Survey], readings: usi
         setting.iter_mut().rev().take(1).for_each(|cells| *cells = (*cells * fineness).max(1.0));
         let error = Interval::of(&errors(method, &setting, training, readings)?).mean;
         let time = |survey: &Survey| -> anyhow::Result<f64> {
-            let taken = survey.readings(readings)?;
+            let selection = survey.readings(readings)?;
             let (begin, mut maps, mut taken_s) = (processor_time(), 0.0, 0.0);
-            while taken_s < LEAST_S {
-                black_box(method.map(&setting, &taken, Part::Whole));
+            while taken_s < MIN_DURATION_S {
+                black_box(method.map(&setting, &selection, Part::Whole));
                 maps += 1.0;
                 taken_s = processor_time() - begin;
             }

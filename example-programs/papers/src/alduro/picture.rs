@@ -44,15 +44,15 @@ pub fn maps(side: f64, pixels: usize, (low, high): (f64, f64), panels: &[Panel<'
     let (left, top) = (width - 58.0, ROOM);
     let bar = size.min(260.0);
     for part in 0..64 {
-        let share = 1.0 - part as f64 / 63.0;
-        let [r, g, b] = colour(Some(low + share * (high - low)), low, high);
+        let fraction = 1.0 - part as f64 / 63.0;
+        let [r, g, b] = colour(Some(low + fraction * (high - low)), low, high);
         let (y, h) = (top + part as f64 * bar / 64.0, bar / 64.0 + 0.5);
         let _ =
             writeln!(svg, "<rect x=\"{left}\" y=\"{y:.2}\" width=\"14\" height=\"{h:.2}\" fill=\"rgb({r},{g},{b})\"/>");
     }
     for part in 0..=4 {
-        let share = part as f64 / 4.0;
-        let (y, value) = (top + (1.0 - share) * bar + 4.0, low + share * (high - low));
+        let fraction = part as f64 / 4.0;
+        let (y, value) = (top + (1.0 - fraction) * bar + 4.0, low + fraction * (high - low));
         let _ = writeln!(svg, "<text x=\"{}\" y=\"{y:.1}\">{value:.2} m</text>", left + 17.0);
     }
     svg += "</svg>\n";
@@ -84,8 +84,8 @@ fn draw(
     );
     // Fifths of 10 and of 40 m are whole numbers.
     for part in 0..=5 {
-        let share = part as f64 / 5.0;
-        let (value, x, y) = (share * side, left + share * size, top + (1.0 - share) * size);
+        let fraction = part as f64 / 5.0;
+        let (value, x, y) = (fraction * side, left + fraction * size, top + (1.0 - fraction) * size);
         let _ = writeln!(
             svg,
             "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{value:.0}</text>\n\
@@ -108,11 +108,11 @@ fn draw(
 
 fn colour(height: Option<f64>, low: f64, high: f64) -> [u8; 3] {
     let Some(height) = height else { return NOTHING };
-    let place = ((height - low) / (high - low)).clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
-    let below = (place as usize).min(COLOURS.len() - 2);
-    let share = place - below as f64;
+    let position = ((height - low) / (high - low)).clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
+    let below = (position as usize).min(COLOURS.len() - 2);
+    let fraction = position - below as f64;
     std::array::from_fn(|index| {
         let (from, to) = (COLOURS[below][index], COLOURS[below + 1][index]);
-        (from + share * (to - from)).round() as u8
+        (from + fraction * (to - from)).round() as u8
     })
 }

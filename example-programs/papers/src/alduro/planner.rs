@@ -4,7 +4,7 @@
 use accuracy::comparison::{Difference, Interval, Verdict};
 use sim_host::suite::summary::Rate;
 
-use super::walk::{ROUGH, Walk, Way, walk, ways};
+use super::walk::{ROUGH, Route, Walk, routes, walk};
 use crate::page::{Basis, Claim, Page, Table, Weight};
 use crate::run::Job;
 
@@ -47,9 +47,9 @@ impl Walks {
     }
 
     /// Lengths of the paths that arrive against the shortest.
-    fn ratios(&self, ways: &[Way]) -> Vec<f64> {
-        let arrived = ways.iter().zip(&self.walks).filter(|(_, walk)| walk.has_arrived());
-        arrived.map(|(way, walk)| walk.length / way.length).collect()
+    fn ratios(&self, routes: &[Route]) -> Vec<f64> {
+        let arrived = routes.iter().zip(&self.walks).filter(|(_, walk)| walk.has_arrived());
+        arrived.map(|(route, walk)| walk.length / route.length).collect()
     }
 }
 
@@ -59,11 +59,11 @@ impl Walks {
 /// A scene that does not run to its end.
 pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     let first = FIRST + job.seed().wrapping_sub(1).wrapping_mul(APART);
-    let (ways, without) = ways(first, terrains, 0.2, ROUGH)?;
+    let (routes, without) = routes(first, terrains, 0.2, ROUGH)?;
     let mut all = Vec::new();
     for noise in NOISES {
         for (planner, (_, equations)) in PLANNERS.iter().enumerate() {
-            all.push(Walks { noise, planner, walks: walk(job, &ways, "alduro", equations, noise)? });
+            all.push(Walks { noise, planner, walks: walk(job, &routes, "alduro", equations, noise)? });
         }
     }
     let source = "J. A. Morgado de Gois, M. Hiller: Implementation of a Sensor System for Obstacle Avoidance at a Four-Legged Robot";
@@ -71,10 +71,10 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     page.text(format!(
         "The walks from (1, 5) to (9, 1) over {terrains} terrains (seeds {} to {}, without {without} on which no path keeps the clearance), on which nothing has been \
          tuned. Intervals of shares are Wilson's, others by the bootstrap, all at 95 %.",
-        ways[0].seed,
-        ways[ways.len() - 1].seed
+        routes[0].seed,
+        routes[routes.len() - 1].seed
     ));
-    page.table(outcomes(&all, &ways));
+    page.table(outcomes(&all, &routes));
     page.table(differences(&all));
     page.claims = NOISES.iter().map(|noise| claim(&all, noise)).collect();
     Ok(page)
@@ -88,7 +88,7 @@ fn mean(values: &[f64]) -> String {
     format!("{mean:.2} ({low:.2} to {high:.2})")
 }
 
-fn outcomes(all: &[Walks], ways: &[Way]) -> Table {
+fn outcomes(all: &[Walks], routes: &[Route]) -> Table {
     let head = ["noise", "planner", "arrived", "arrived untouched", "touches of a walk", "path / A*, of those arrived"];
     let mut table = Table::new("outcomes", "Walks by noise and planner, with 95 % intervals", &head);
     for walks in all {
@@ -98,7 +98,7 @@ fn outcomes(all: &[Walks], ways: &[Way]) -> Table {
             walks.rate(Walk::has_arrived),
             walks.rate(|walk| walk.has_arrived() && walk.is_untouched()),
             mean(&walks.touches()),
-            mean(&walks.ratios(ways)),
+            mean(&walks.ratios(routes)),
         ]);
     }
     table
@@ -128,7 +128,7 @@ fn claim(all: &[Walks], noise: &str) -> Claim {
     let difference = Difference::of(&both.failures(), &alone.failures());
     let Interval { mean, low, high, .. } = difference.interval;
     Claim {
-        place: "5".to_owned(),
+        section: "5".to_owned(),
         paper: "the robot avoids obstacles by the perception vectors of Eq. 4 and 5".to_owned(),
         ours: format!(
             "noise `{noise}`: fraction of walks that fail, with both equations minus with A* alone, over {} terrains",

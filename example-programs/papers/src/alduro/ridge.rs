@@ -72,22 +72,22 @@ impl<const N: usize> Equations<N> {
         let mut starts = vec![0_usize; rules + 1];
         self.terms.iter().flatten().for_each(|(rule, _)| starts[rule + 1] += 1);
         (0..rules).for_each(|rule| starts[rule + 1] += starts[rule]);
-        let mut places = starts.clone();
+        let mut cursors = starts.clone();
         let mut by_rule = vec![(0, [0.0; N]); starts[rules]];
         for (equation, terms) in self.terms.iter().enumerate() {
             for (rule, factors) in terms {
-                by_rule[places[*rule]] = (equation, *factors);
-                places[*rule] += 1;
+                by_rule[cursors[*rule]] = (equation, *factors);
+                cursors[*rule] += 1;
             }
         }
         let count = self.values.len();
         let mut gram = DMatrix::zeros(count, count);
         for rule in 0..rules {
             let own = &by_rule[starts[rule]..starts[rule + 1]];
-            for (place, (i, first)) in own.iter().enumerate() {
+            for (index, (i, first)) in own.iter().enumerate() {
                 // Equations come in order, so only one triangle is filled.
                 let mut column = gram.column_mut(*i);
-                for (j, second) in &own[place..] {
+                for (j, second) in &own[index..] {
                     column[*j] += first.iter().zip(second).map(|(a, b)| a * b).sum::<f64>();
                 }
             }

@@ -34,7 +34,7 @@ const ODOMETRY: (f64, f64) = (0.02, 0.5);
 pub enum Condition {
     /// The beam of the inverse model, the noise that `real` has for sonars without its outliers, and true poses.
     AsAssumed,
-    /// Sonars with a narrower beam: 20 degrees from the line of sight to its points of -6 dB in place of 27.5.
+    /// Sonars with a narrower beam: 20 degrees from the line of sight to its points of -6 dB instead of 27.5.
     Beam,
     /// The noise that `harsh` has for sonars: three times the errors, a bias, outliers and lost echoes.
     Noise,
@@ -73,7 +73,7 @@ impl Condition {
 }
 
 /// A reading with the pose of its sonar as the robot knows it.
-pub type Reading = (SonarPose, f64);
+pub type SonarReading = (SonarPose, f64);
 
 /// A terrain and its readings in the order of time.
 pub struct Survey {
@@ -83,7 +83,7 @@ pub struct Survey {
     pub field: HeightField,
     /// Its heights at the compared places.
     heights: Vec<f64>,
-    readings: Vec<Reading>,
+    readings: Vec<SonarReading>,
 }
 
 impl Survey {
@@ -91,7 +91,7 @@ impl Survey {
     ///
     /// # Errors
     /// If there are fewer.
-    pub fn readings(&self, count: usize) -> anyhow::Result<Vec<Reading>> {
+    pub fn readings(&self, count: usize) -> anyhow::Result<Vec<SonarReading>> {
         let all = self.readings.len();
         ensure!(all >= count, "terrain {} has {all} echoes, {count} are wanted", self.seed);
         Ok((0..count).map(|index| self.readings[index * all / count]).collect())
@@ -108,8 +108,8 @@ impl Survey {
 
 /// The compared places, m.
 fn places() -> impl Iterator<Item = (f64, f64)> {
-    let place = |index: usize| (index as f64 + 0.5) * SIDE / PLACES as f64;
-    (0..PLACES * PLACES).map(move |index| (place(index % PLACES), place(index / PLACES)))
+    let coordinate = |index: usize| (index as f64 + 0.5) * SIDE / PLACES as f64;
+    (0..PLACES * PLACES).map(move |index| (coordinate(index % PLACES), coordinate(index / PLACES)))
 }
 
 /// Runs the surveys of the terrains with these seeds. Beside their traces the true heights at the compared places are kept, in m, a row
@@ -130,7 +130,7 @@ pub fn measure(job: &Job, seeds: impl Iterator<Item = u64>, condition: Condition
     };
     let runs: Vec<Run> = seeds.iter().map(run).collect();
     let echoes = job.run(&runs, |_, trace| echoes(&trace))?;
-    let survey = |(seed, mut readings): (u64, Vec<Reading>)| {
+    let survey = |(seed, mut readings): (u64, Vec<SonarReading>)| {
         if condition == Condition::Odometry {
             readings.iter_mut().for_each(|(sonar, _)| *sonar = by_odometry(sonar, seed));
         }
@@ -153,9 +153,9 @@ fn by_odometry(sonar: &SonarPose, seed: u64) -> SonarPose {
     let driven = (1.0 + scale) * sonar.origin.x;
     let heading = curvature * driven;
     let (sine, cosine) = math::sin_cos(heading);
-    let aside = sonar.origin.y - SIDE / 2.0;
+    let lateral = sonar.origin.y - SIDE / 2.0;
     let (x, y) = (sine / curvature, SIDE / 2.0 + (1.0 - cosine) / curvature);
-    let origin = Vector3::new(x - aside * sine, y + aside * cosine, sonar.origin.z);
+    let origin = Vector3::new(x - lateral * sine, y + lateral * cosine, sonar.origin.z);
     let axis = Vector3::new(
         cosine * sonar.axis.x - sine * sonar.axis.y,
         sine * sonar.axis.x + cosine * sonar.axis.y,
@@ -197,7 +197,7 @@ fn scene(terrain: &Terrain, condition: Condition) -> String {
 }
 
 /// The echoes of a run in the order of time, each with the true pose of its sonar.
-fn echoes(trace: &Trace) -> anyhow::Result<Vec<Reading>> {
+fn echoes(trace: &Trace) -> anyhow::Result<Vec<SonarReading>> {
     let poses: Vec<(f64, f64, f64)> = trace
         .of_robot(1)
         .filter_map(|entry| match entry.event {
@@ -206,20 +206,20 @@ fn echoes(trace: &Trace) -> anyhow::Result<Vec<Reading>> {
         })
         .collect();
     // The robot drives straight at constant speed.
-    let place = |at: f64| -> Option<(f64, f64)> {
+    let position_at = |at: f64| -> Option<(f64, f64)> {
         let after = poses.partition_point(|pose| pose.0 < at).clamp(1, poses.len().checked_sub(1)?);
         let ((t0, x0, y0), (t1, x1, y1)) = (poses.get(after - 1)?, poses.get(after)?);
-        let share = ((at - t0) / (t1 - t0)).clamp(0.0, 1.0);
-        Some((x0 + share * (x1 - x0), y0 + share * (y1 - y0)))
+        let fraction = ((at - t0) / (t1 - t0)).clamp(0.0, 1.0);
+        Some((x0 + fraction * (x1 - x0), y0 + fraction * (y1 - y0)))
     };
     let mut echoes = Vec::new();
     for entry in trace.of_robot(1) {
         let Event::Distance { device, distance_m: Some(distance), measured_s } = &entry.event else { continue };
         let number: usize =
             device.strip_prefix("SONAR_").and_then(|n| n.parse().ok()).context("a device that is no sonar")?;
-        let (x, y) = place(*measured_s).context("no poses")?;
-        let (aside, pitch_deg) = mount(number - 1);
-        let origin = Vector3::new(x, y + aside, HEIGHT);
+        let (x, y) = position_at(*measured_s).context("no poses")?;
+        let (lateral, pitch_deg) = mount(number - 1);
+        let origin = Vector3::new(x, y + lateral, HEIGHT);
         echoes.push((SonarPose::new(origin, 0.0, pitch_deg / 180.0 * PI), *distance));
     }
     Ok(echoes)

@@ -45,7 +45,7 @@ const CELL: f64 = 0.2;
 const UNTIL_S: u32 = 600;
 
 /// A terrain with a path that keeps the clearance.
-pub struct Way {
+pub struct Route {
     /// Seed of terrain and noise.
     pub seed: u64,
     terrain: Terrain,
@@ -85,8 +85,8 @@ impl Walk {
 /// # Errors
 /// A scene that does not run to its end.
 pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
-    let (ways, without) = ways(FIRST + APART * job.seed(), terrains, 0.2, ROUGH)?;
-    let walks = walk(job, &ways, "alduro", "both", "real")?;
+    let (routes, without) = routes(FIRST + APART * job.seed(), terrains, 0.2, ROUGH)?;
+    let walks = walk(job, &routes, "alduro", "both", "real")?;
     page.heading("The walk from (1, 5) to (9, 1)");
     page.text(format!(
         "The map's unit is {UNIT} m (our choice, the paper gives none). {terrains} random terrains of {0} m x {0} m; {without} others were left out, on which A* on the \
@@ -100,12 +100,12 @@ pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
         "The perception vectors of Eq. 4 and 5 are sums of vectors p_k whose directions the equations leave out: ours have the unit vectors from the shank to the points. \
          Eq. 5 takes points at exactly l_max, which have p_k = 0; ours are those within it.",
     );
-    page.table(table(&ways, &walks));
-    page.figure(figure(&ways, &walks)?);
+    page.table(table(&routes, &walks));
+    page.figure(figure(&routes, &walks)?);
     let arrived = walks.iter().filter(|walk| walk.has_arrived()).count();
     let both = walks.iter().filter(|walk| walk.has_arrived() && walk.is_untouched()).count();
     page.claims.push(Claim {
-        place: "5".to_owned(),
+        section: "5".to_owned(),
         paper: "the robot reaches the target and avoids what is in its way, on many unstructured terrains".to_owned(),
         ours: format!(
             "reached on {arrived} of {terrains}, within {ARRIVED} m; without a touch of thighs, body or shanks, except their lowest 180 mm, on at least {}",
@@ -122,11 +122,11 @@ pub fn add(job: &Job, page: &mut Page, terrains: usize) -> anyhow::Result<()> {
 /// Rear feet on wheels, on a terrain without anything to step over.
 fn add_wheels(job: &Job, page: &mut Page) -> anyhow::Result<()> {
     let smooth = Boulders { count: 25, radius: [0.7, 2.0], height: [1.0, 1.6] };
-    let (ways, _) = ways(FIRST + APART * job.seed(), 1, 0.1, smooth)?;
-    let walks = walk(job, &ways, "alduro-wheels", "both", "real")?;
+    let (routes, _) = routes(FIRST + APART * job.seed(), 1, 0.1, smooth)?;
+    let walks = walk(job, &routes, "alduro-wheels", "both", "real")?;
     let walk = &walks[0];
     page.claims.push(Claim {
-        place: "1".to_owned(),
+        section: "1".to_owned(),
         paper: "on smoother terrain the rear feet may be wheels".to_owned(),
         ours: format!(
             "the same program, wheels behind, relief of 0.1 m between boulders: {}, {} touches",
@@ -142,22 +142,22 @@ fn add_wheels(job: &Job, page: &mut Page) -> anyhow::Result<()> {
 }
 
 /// The first terrains with a path, of the seeds from `first` on, and the number of terrains without one.
-pub fn ways(first: u64, terrains: usize, relief: f64, boulders: Boulders) -> anyhow::Result<(Vec<Way>, usize)> {
-    let (mut ways, mut without) = (Vec::new(), 0);
+pub fn routes(first: u64, terrains: usize, relief: f64, boulders: Boulders) -> anyhow::Result<(Vec<Route>, usize)> {
+    let (mut routes, mut without) = (Vec::new(), 0);
     for seed in first.. {
         ensure!(without < 20 * terrains, "hardly a terrain has a path");
-        let clear = [START, GOAL].map(|place| Disc { centre: place * UNIT, radius: 3.0 });
+        let clear = [START, GOAL].map(|point| Disc { centre: point * UNIT, radius: 3.0 });
         let terrain = Terrain::new(seed, SIDE * UNIT, relief, boulders, clear.to_vec());
         let field = terrain.field()?;
         match shortest(&field) {
-            Some((path, length)) => ways.push(Way { seed, terrain, field, path, length }),
+            Some((path, length)) => routes.push(Route { seed, terrain, field, path, length }),
             None => without += 1,
         }
-        if ways.len() == terrains {
+        if routes.len() == terrains {
             break;
         }
     }
-    Ok((ways, without))
+    Ok((routes, without))
 }
 
 /// The shortest path with clearance and its length, m.
@@ -170,7 +170,7 @@ fn shortest(field: &HeightField) -> Option<(Vec<(f64, f64)>, f64)> {
     });
     let room = distances(&heights, |height| *height > OBSTACLE);
     let factor = |cell: Cell| (room[cell] > CLEARANCE).then_some(1.0);
-    let cell = |place: DVec2| frame.cell_at(Point::new(place.x * UNIT, place.y * UNIT));
+    let cell = |point: DVec2| frame.cell_at(Point::new(point.x * UNIT, point.y * UNIT));
     let path = shortest_path(&frame, factor, cell(START)?, cell(GOAL)?)?;
     let middle = |cell: &Cell| {
         let middle = frame.centre(*cell);
@@ -213,13 +213,13 @@ fn fence() -> String {
 ///
 /// # Errors
 /// A scene that does not run to its end.
-pub fn walk(job: &Job, ways: &[Way], robi: &str, equations: &str, noise: &str) -> anyhow::Result<Vec<Walk>> {
-    let run = |(index, way): (usize, &Way)| Run {
+pub fn walk(job: &Job, routes: &[Route], robi: &str, equations: &str, noise: &str) -> anyhow::Result<Vec<Walk>> {
+    let run = |(index, route): (usize, &Route)| Run {
         name: format!("{robi}-{equations}-{noise}-{index:02}"),
-        scene: Scene::Text(scene(&way.terrain, robi, equations)),
-        options: Options { seed: Some(way.seed), noise: Some(noise.to_owned()), ..Options::default() },
+        scene: Scene::Text(scene(&route.terrain, robi, equations)),
+        options: Options { seed: Some(route.seed), noise: Some(noise.to_owned()), ..Options::default() },
     };
-    let runs: Vec<Run> = ways.iter().enumerate().map(run).collect();
+    let runs: Vec<Run> = routes.iter().enumerate().map(run).collect();
     job.run(&runs, |_, trace| outcome(&trace))
 }
 
@@ -235,21 +235,21 @@ fn outcome(trace: &Trace) -> anyhow::Result<Walk> {
         }
     }
     let last = path.last().copied().context("no poses")?;
-    let left = DVec2::from(last).distance(GOAL * UNIT);
+    let remaining_distance = DVec2::from(last).distance(GOAL * UNIT);
     let length = path.windows(2).map(|pair| DVec2::from(pair[0]).distance(DVec2::from(pair[1]))).sum();
-    Ok(Walk { path, length, left, touches, time })
+    Ok(Walk { path, length, left: remaining_distance, touches, time })
 }
 
-fn table(ways: &[Way], walks: &[Walk]) -> Table {
+fn table(routes: &[Route], walks: &[Walk]) -> Table {
     let caption = "Walks from (1, 5) to (9, 1): the robot's path and the shortest that A* finds with the clearance on the true terrain";
     let head = ["terrain", "A*, m", "robot, m", "robot / A*", "time, s", "from the goal, m", "touches"];
     let mut table = Table::new("walks", caption, &head);
-    for (way, walk) in ways.iter().zip(walks) {
+    for (route, walk) in routes.iter().zip(walks) {
         table.row([
-            way.seed.to_string(),
-            format!("{:.1}", way.length),
+            route.seed.to_string(),
+            format!("{:.1}", route.length),
             format!("{:.1}", walk.length),
-            format!("{:.2}", walk.length / way.length),
+            format!("{:.2}", walk.length / route.length),
             format!("{:.0}", walk.time),
             format!("{:.1}{}", walk.left, if walk.has_arrived() { "" } else { " not reached" }),
             walk.touches.to_string(),
@@ -259,21 +259,21 @@ fn table(ways: &[Way], walks: &[Walk]) -> Table {
 }
 
 /// Figure 4: the four walks with the longest paths.
-fn figure(ways: &[Way], walks: &[Walk]) -> anyhow::Result<Figure> {
-    let mut order: Vec<usize> = (0..ways.len()).collect();
+fn figure(routes: &[Route], walks: &[Walk]) -> anyhow::Result<Figure> {
+    let mut order: Vec<usize> = (0..routes.len()).collect();
     order.sort_by(|a, b| walks[*b].length.total_cmp(&walks[*a].length));
     let panel = |index: usize| {
-        let (way, walk) = (&ways[index], &walks[index]);
+        let (route, walk) = (&routes[index], &walks[index]);
         Panel {
-            title: format!("terrain {}: {:.1} m, A* {:.1} m", way.seed, walk.length, way.length),
-            height: Box::new(|x, y| Some(way.field.height(x, y))),
-            paths: vec![("#ffffff", way.path.clone()), ("#ff2a2a", walk.path.clone())],
+            title: format!("terrain {}: {:.1} m, A* {:.1} m", route.seed, walk.length, route.length),
+            height: Box::new(|x, y| Some(route.field.height(x, y))),
+            paths: vec![("#ffffff", route.path.clone()), ("#ff2a2a", walk.path.clone())],
         }
     };
     let panels: Vec<Panel<'_>> = order.into_iter().take(4).map(panel).collect();
     let arrived: Vec<&Walk> = walks.iter().filter(|walk| walk.has_arrived()).collect();
     let ratios =
-        ways.iter().zip(walks).filter(|(_, walk)| walk.has_arrived()).map(|(way, walk)| walk.length / way.length);
+        routes.iter().zip(walks).filter(|(_, walk)| walk.has_arrived()).map(|(route, walk)| walk.length / route.length);
     let mean = ratios.sum::<f64>() / arrived.len().max(1) as f64;
     Ok(Figure {
         name: "figure-4".to_owned(),

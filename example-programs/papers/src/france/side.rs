@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glam::DVec2;
 
-use super::walk::{Kind, Place, Thing, Truth, Walk};
+use super::walk::{Kind, MountPoint, Thing, Truth, Walk};
 
 /// Pixels per metre.
 const SCALE: f64 = 190.0;
@@ -65,7 +65,7 @@ impl Canvas {
 
 /// Draws the robot's legs at intervals of `every` seconds of a walk, over the floor and the obstacle, and the ray of each reading with a
 /// hit within the sensor's range.
-pub fn walk(truth: &Truth, walk: &Walk, place: Place, kind: Kind, every: f64, title: &str) -> String {
+pub fn walk(truth: &Truth, walk: &Walk, place: MountPoint, kind: Kind, every: f64, title: &str) -> String {
     let end = truth.obstacle_at + truth.obstacle_size.x;
     let mut canvas = Canvas::new(-0.6, end + 0.3, 1.05, title);
     ground(&mut canvas, truth, -0.6, end + 0.3);
@@ -93,7 +93,7 @@ pub fn model(truth: &Truth, walk: &Walk) -> String {
     let mut canvas = Canvas::new(-1.0, 1.0, 1.05, "Places of the sensors, and where they look");
     canvas.path(&[DVec2::new(-1.0, 0.0), DVec2::new(1.0, 0.0)], "#333333", 1.5);
     figure(&mut canvas, truth, walk, 0.0);
-    for place in Place::ALL {
+    for place in MountPoint::ALL {
         let ray = truth.ray(place, Kind::Ideal, &walk.at_time(0.0));
         let from = truth.ahead(ray.position);
         let to = truth.ahead(ray.position + ray.forward() * 0.45);

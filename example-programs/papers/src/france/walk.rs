@@ -25,9 +25,9 @@ const ROBOT: u32 = 1;
 /// Range of the rays that find the truth, m: across the room.
 const FAR: f64 = 20.0;
 
-/// Place of the sensor on the robot.
+/// MountPoint of the sensor on the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum MountPoint {
     /// On the tibia of the right leg.
     Tibia,
     /// On the thigh of the right leg.
@@ -49,7 +49,7 @@ pub enum Kind {
     Reflectance,
 }
 
-impl Place {
+impl MountPoint {
     /// All places.
     pub const ALL: [Self; 3] = [Self::Tibia, Self::Thigh, Self::Body];
 
@@ -206,11 +206,11 @@ impl Truth {
     }
 
     /// The sensor of this kind at this place.
-    fn sensor(&self, place: Place, kind: Kind) -> &RangeSensor {
+    fn sensor(&self, place: MountPoint, kind: Kind) -> &RangeSensor {
         let on = match place {
-            Place::Tibia => "SHANK",
-            Place::Thigh => "THIGH",
-            Place::Body => "BODY",
+            MountPoint::Tibia => "SHANK",
+            MountPoint::Thigh => "THIGH",
+            MountPoint::Body => "BODY",
         };
         let name = format!("{}_{on}", kind.name().to_uppercase());
         let index = self.robi.ranges.iter().position(|range| range.name == name);
@@ -219,7 +219,7 @@ impl Truth {
     }
 
     /// Pose of the sensor in the world.
-    pub fn ray(&self, place: Place, kind: Kind, moment: &Moment) -> Pose3 {
+    pub fn ray(&self, place: MountPoint, kind: Kind, moment: &Moment) -> Pose3 {
         let posture =
             Posture { world_from_robot: moment.pose, links: &self.links, angles: &moment.joints, lift: moment.lift };
         let sensor = self.sensor(place, kind);
@@ -273,7 +273,7 @@ impl Truth {
     ///
     /// # Errors
     /// A trace without what the program prints, or without postures.
-    pub fn walk(&self, place: Place, kind: Kind, trace: &Trace) -> anyhow::Result<Walk> {
+    pub fn walk(&self, place: MountPoint, kind: Kind, trace: &Trace) -> anyhow::Result<Walk> {
         let moments = moments(trace, self.start);
         ensure!(!moments.is_empty(), "the trace has no postures");
         let mut samples = Vec::new();
@@ -360,9 +360,9 @@ fn at_time(moments: &[Moment], at: f64) -> Moment {
     let next = moments.partition_point(|moment| moment.at <= at).clamp(1, moments.len().max(2) - 1);
     let (a, b) = (&moments[next - 1], moments.get(next).unwrap_or(&moments[next - 1]));
     let span = b.at - a.at;
-    let share = if span > 0.0 { ((at - a.at) / span).clamp(0.0, 1.0) } else { 0.0 };
-    let between = |a: f64, b: f64| a + (b - a) * share;
-    let position = a.pose.position.lerp(b.pose.position, share);
+    let fraction = if span > 0.0 { ((at - a.at) / span).clamp(0.0, 1.0) } else { 0.0 };
+    let between = |a: f64, b: f64| a + (b - a) * fraction;
+    let position = a.pose.position.lerp(b.pose.position, fraction);
     let heading = between(a.pose.heading.remainder(), b.pose.heading.remainder());
     Moment {
         at,

@@ -109,16 +109,16 @@ impl Example {
 
     /// Distance of the ends of the model's lines from the walls, in metres; `None` without walls.
     fn error(&self, model: &Model) -> Option<f64> {
-        let near = |point: Point| {
+        let distance_to_nearest = |point: Point| {
             let along = |pair: &[Point]| {
-                let way = pair[1] - pair[0];
-                let share = ((point - pair[0]).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
-                (point - (pair[0] + share * way)).norm()
+                let segment = pair[1] - pair[0];
+                let fraction = ((point - pair[0]).dot(&segment) / segment.norm_squared()).clamp(0.0, 1.0);
+                (point - (pair[0] + fraction * segment)).norm()
             };
             self.wall.windows(2).map(along).min_by(f64::total_cmp)
         };
         let ends = model.lines.iter().flat_map(|line| [line.from, line.to]);
-        ends.filter_map(near).max_by(f64::total_cmp)
+        ends.filter_map(distance_to_nearest).max_by(f64::total_cmp)
     }
 }
 

@@ -27,7 +27,7 @@ const BEAM: Beam = Beam { half_angle: 0.5 * FAN.sector, nearest: FAN.nearest, fa
 
 /// Algorithm of a map.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum MapMethod {
     /// The map of the paper, with lines drawn by point-by-point comparison.
     Wu,
     /// The map of the paper, with lines drawn by DDA.
@@ -42,7 +42,7 @@ pub enum Kind {
     LogOdds,
 }
 
-impl Kind {
+impl MapMethod {
     /// All algorithms, in the order of the tables.
     pub const ALL: [Self; 6] = [Self::Wu, Self::WuDda, Self::WuLogOdds, Self::Plain, Self::PlainFree, Self::LogOdds];
 
@@ -110,22 +110,22 @@ impl Mapped {
         };
         run.hear(trace)?;
         run.watch(trace, &start);
-        run.said = Kind::ALL.map(|kind| run.map(kind, &frame));
+        run.said = MapMethod::ALL.map(|kind| run.map(kind, &frame));
         Ok(run)
     }
 
     /// Classification of all cells by a map.
-    pub fn said(&self, kind: Kind) -> &Grid<Occupancy> {
+    pub fn said(&self, kind: MapMethod) -> &Grid<Occupancy> {
         &self.said[kind as usize]
     }
 
     /// Score of a map against the ground truth.
-    pub fn score(&self, kind: Kind) -> Score {
+    pub fn score(&self, kind: MapMethod) -> Score {
         Score::of(self.said(kind), &self.truth)
     }
 
     /// Number of cells in which two maps differ.
-    pub fn differing(&self, a: Kind, b: Kind) -> usize {
+    pub fn differing(&self, a: MapMethod, b: MapMethod) -> usize {
         self.said(a).values().iter().zip(self.said(b).values()).filter(|(a, b)| a != b).count()
     }
 
@@ -144,7 +144,7 @@ impl Mapped {
                     Occupancy::Unknown => '?',
                 })
         };
-        self.said(Kind::Wu).iter().filter(is_other).count()
+        self.said(MapMethod::Wu).iter().filter(is_other).count()
     }
 
     /// Among the pairs of neighbours that both hear something: the number of continuous ones, of continuous ones as printed, and of all.
@@ -178,10 +178,10 @@ impl Mapped {
             frame.cells().filter(move |cell| said[*cell] == Occupancy::Occupied && self.truth[*cell] == Truth::Free)
         };
         let is_stuck = |cell: &mapping::grid::Cell| votes[*cell].1 > votes[*cell].0;
-        let log_odds = self.said(Kind::WuLogOdds);
-        let stuck: Vec<_> = wrong(Kind::Wu).filter(is_stuck).collect();
+        let log_odds = self.said(MapMethod::WuLogOdds);
+        let stuck: Vec<_> = wrong(MapMethod::Wu).filter(is_stuck).collect();
         let corrected = stuck.iter().filter(|cell| log_odds[**cell] != Occupancy::Occupied).count();
-        (stuck.len(), wrong(Kind::Wu).count(), corrected)
+        (stuck.len(), wrong(MapMethod::Wu).count(), corrected)
     }
 
     /// Reads the output of the robot's program.
@@ -215,7 +215,7 @@ impl Mapped {
     /// Reads the true motion of the robot.
     fn watch(&mut self, trace: &Trace, start: &Pose) {
         let mut at = *start;
-        let mut believed = None;
+        let mut odometry = None;
         for entry in trace.of_robot(1) {
             match &entry.event {
                 Event::Pose { x_m, y_m, phi_rad } => {
@@ -223,27 +223,27 @@ impl Mapped {
                     self.path += (next.position - at.position).norm();
                     at = next;
                 }
-                Event::Odometry { x_m, y_m, phi_rad } => believed = Some((Pose::new(*x_m, *y_m, *phi_rad), at)),
+                Event::Odometry { x_m, y_m, phi_rad } => odometry = Some((Pose::new(*x_m, *y_m, *phi_rad), at)),
                 Event::Contact => self.contacts += 1,
                 Event::ProgramEnded => self.time = entry.at,
                 _ => {}
             }
         }
-        if let Some((believed, _)) = believed {
-            let believed = start.then(&believed);
-            self.odometry_error = ((believed.position - at.position).norm(), wrapped(believed.heading - at.heading));
+        if let Some((odometry, _)) = odometry {
+            let odometry = start.then(&odometry);
+            self.odometry_error = ((odometry.position - at.position).norm(), wrapped(odometry.heading - at.heading));
         }
     }
 
     /// Makes a map of the readings.
-    fn map(&self, kind: Kind, frame: &Frame) -> Grid<Occupancy> {
+    fn map(&self, kind: MapMethod, frame: &Frame) -> Grid<Occupancy> {
         let probabilities = match kind {
-            Kind::Wu => self.wu(frame, Raster::PointByPoint),
-            Kind::WuDda => self.wu(frame, Raster::Dda),
-            Kind::WuLogOdds => self.wu_log_odds(frame),
-            Kind::Plain => self.plain(frame, Silence::Nothing),
-            Kind::PlainFree => self.plain(frame, Silence::Free),
-            Kind::LogOdds => {
+            MapMethod::Wu => self.wu(frame, Raster::PointByPoint),
+            MapMethod::WuDda => self.wu(frame, Raster::Dda),
+            MapMethod::WuLogOdds => self.wu_log_odds(frame),
+            MapMethod::Plain => self.plain(frame, Silence::Nothing),
+            MapMethod::PlainFree => self.plain(frame, Silence::Free),
+            MapMethod::LogOdds => {
                 let mut map = LogOddsGrid::new(*frame);
                 self.echoes().for_each(|echo| map.add_echo(echo, &SonarModel::new(BEAM)));
                 map.probabilities()

@@ -169,15 +169,15 @@ impl Hull {
 
     /// Point of the outline in the direction `angle` from the centre.
     fn rim(&self, angle: f64) -> DVec2 {
-        let way = direction(angle);
+        let direction = direction(angle);
         let next = self.outline.iter().cycle().skip(1);
         let reach = self.outline.iter().zip(next).filter_map(|(a, b)| {
             let (a, along) = (*a - self.centre, *b - *a);
-            let across = way.perp_dot(along);
-            let (reach, share) = (a.perp_dot(along) / across, a.perp_dot(way) / across);
-            (across > 0.0 && (-1e-9..=1.0 + 1e-9).contains(&share)).then_some(reach)
+            let determinant = direction.perp_dot(along);
+            let (reach, share) = (a.perp_dot(along) / determinant, a.perp_dot(direction) / determinant);
+            (determinant > 0.0 && (-1e-9..=1.0 + 1e-9).contains(&share)).then_some(reach)
         });
-        self.centre + way * reach.fold(0.0, f64::max)
+        self.centre + direction * reach.fold(0.0, f64::max)
     }
 
     fn draw_lamps(&self, sketch: &mut Sketch) {
@@ -188,9 +188,9 @@ impl Hull {
             self.lamp(sketch, front + side * 0.62 * corner, 0.25 * corner, WHITE_LAMP);
             self.lamp(sketch, back + side * 0.62 * corner, 0.25 * corner, RED_LAMP);
         }
-        let across = 0.25 * TAU - corner;
-        self.lamp(sketch, right, 0.3 * across, GREEN_LAMP);
-        self.lamp(sketch, left, 0.3 * across, RED_LAMP);
+        let complement = 0.25 * TAU - corner;
+        self.lamp(sketch, right, 0.3 * complement, GREEN_LAMP);
+        self.lamp(sketch, left, 0.3 * complement, RED_LAMP);
     }
 
     /// A lamp on the rim, over the directions `middle - half` to `middle + half`.
@@ -215,23 +215,23 @@ impl Hull {
     /// Draws the wedge pointing ahead, and the display.
     fn draw_deck(&self, sketch: &mut Sketch) {
         let size = self.half.min_element();
-        let place = |x: f64, y: f64| self.centre + self.half * DVec2::new(x, y);
+        let point = |x: f64, y: f64| self.centre + self.half * DVec2::new(x, y);
         let nose = sketch.paint(NOSE);
-        let wedge = [place(0.93, 0.0), place(0.12, 0.55), place(0.12, -0.55)];
+        let wedge = [point(0.93, 0.0), point(0.12, 0.55), point(0.12, -0.55)];
         let slope = |at: DVec2| {
-            let share = (at.x - wedge[0].x) / (wedge[1].x - wedge[0].x);
-            self.top + size * (0.02 + 0.14 * share)
+            let fraction = (at.x - wedge[0].x) / (wedge[1].x - wedge[0].x);
+            self.top + size * (0.02 + 0.14 * fraction)
         };
         sketch.column(&wedge, self.middle(), slope, nose, nose);
         let console = sketch.paint(CONSOLE);
-        let corners = [place(-0.62, -0.45), place(0.0, -0.45), place(0.0, 0.45), place(-0.62, 0.45)];
+        let corners = [point(-0.62, -0.45), point(0.0, -0.45), point(0.0, 0.45), point(-0.62, 0.45)];
         let slope = |at: DVec2| {
-            let share = (at.x - corners[0].x) / (corners[1].x - corners[0].x);
-            self.top + size * (0.08 + 0.32 * share)
+            let fraction = (at.x - corners[0].x) / (corners[1].x - corners[0].x);
+            self.top + size * (0.08 + 0.32 * fraction)
         };
         sketch.column(&corners, self.middle(), slope, console, console);
         let screen = sketch.paint(SCREEN);
-        let inner = [place(-0.54, -0.36), place(-0.08, -0.36), place(-0.08, 0.36), place(-0.54, 0.36)];
+        let inner = [point(-0.54, -0.36), point(-0.08, -0.36), point(-0.08, 0.36), point(-0.54, 0.36)];
         let corners = inner.map(|corner| corner.extend(slope(corner) + 0.01 * size));
         sketch.panel(corners, screen);
     }
@@ -260,30 +260,30 @@ fn rectangle(centre: DVec2, half: DVec2) -> Vec<DVec2> {
 
 /// Draws wheels with their axles, and the castors of a differential drive; nothing for a legged robot.
 fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
-    let places = wheel_places(robi);
-    let (Some(first), Some(last)) = (places.first(), places.last()) else { return };
+    let wheels = wheel_places(robi);
+    let (Some(first), Some(last)) = (wheels.first(), wheels.last()) else { return };
     let radius = 0.5 * robi.wheel.diameter;
     let width = (WHEEL_WIDTH * robi.wheel.diameter).min(0.6 * robi.wheel.track);
     let (hub, chassis) = (sketch.paint(HUB), sketch.paint(CHASSIS));
     let tyre = sketch.paint(TYRE);
-    for place in &places {
+    for point in &wheels {
         let tread = match robi.drive.kind {
-            DriveKind::Omni => sketch.image(rollers(place.x > robi.axis_offset, place.y > 0.0)),
+            DriveKind::Omni => sketch.image(rollers(point.x > robi.axis_offset, point.y > 0.0)),
             _ => tyre,
         };
         // The axle is the wheel's z axis, pointing left.
         let at =
-            |y: f64| Pose3 { position: DVec3::new(place.x, y, radius), ..Pose3::about_axis(DVec3::X, -0.25 * TAU) };
+            |y: f64| Pose3 { position: DVec3::new(point.x, y, radius), ..Pose3::about_axis(DVec3::X, -0.25 * TAU) };
         sketch.cylinder(
-            &at(place.y - 0.5 * width),
+            &at(point.y - 0.5 * width),
             Round { radius, height: width, sides: WHEEL_SIDES },
             8,
             [tread, tyre],
         );
         let hubs = Round { radius: 0.55 * radius, height: 1.06 * width, sides: SMALL_SIDES };
-        sketch.cylinder(&at(place.y - 0.5 * hubs.height), hubs, 1, [hub, hub]);
+        sketch.cylinder(&at(point.y - 0.5 * hubs.height), hubs, 1, [hub, hub]);
     }
-    for pair in places.chunks_exact(2) {
+    for pair in wheels.chunks_exact(2) {
         let (left, right) = (pair[0], pair[1]);
         let at = Pose3 { position: left.midpoint(right).extend(radius), ..Pose3::IDENTITY };
         sketch.cuboid(&at, DVec3::new(0.3 * radius, left.distance(right), 0.3 * radius), chassis);
@@ -302,14 +302,14 @@ fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
         let ahead = axles.x < hull.centre.x + 0.2 * hull.half.x;
         let castor = (0.4 * hull.bottom).clamp(0.2 * radius, radius).min(0.2 * hull.half.min_element());
         for (side, _) in [(-1.0, behind), (1.0, ahead)].into_iter().filter(|(_, is_there)| *is_there) {
-            let place = hull.centre + DVec2::new(side * 0.72 * hull.half.x, 0.0);
+            let point = hull.centre + DVec2::new(side * 0.72 * hull.half.x, 0.0);
             let size = Round { radius: castor, height: 0.6 * castor, sides: SMALL_SIDES };
-            let position = DVec3::new(place.x, place.y - 0.5 * size.height, castor);
+            let position = DVec3::new(point.x, point.y - 0.5 * size.height, castor);
             let at = Pose3 { position, ..Pose3::about_axis(DVec3::X, -0.25 * TAU) };
             sketch.cylinder(&at, size, 1, [tyre; 2]);
             // Fork of the castor, up into the hull.
             let high = hull.middle().max(castor);
-            let fork = Pose3 { position: place.extend(0.5 * (castor + high)), ..Pose3::IDENTITY };
+            let fork = Pose3 { position: point.extend(0.5 * (castor + high)), ..Pose3::IDENTITY };
             sketch.cuboid(&fork, DVec3::new(0.5 * castor, 0.9 * castor, high - castor), chassis);
         }
     }
@@ -321,8 +321,8 @@ fn rollers(is_front: bool, is_left: bool) -> Arc<Texture> {
     const SIZE: u32 = 16;
     let shade = |column: u32, row: u32| {
         let along = if is_front == is_left { column + row } else { column + SIZE - row };
-        let level = if along % SIZE < SIZE / 2 { 150 } else { 50 };
-        [level, level, level, 255]
+        let grey = if along % SIZE < SIZE / 2 { 150 } else { 50 };
+        [grey, grey, grey, 255]
     };
     let pixels = (0..SIZE * SIZE).map(|pixel| shade(pixel % SIZE, pixel / SIZE)).collect();
     Arc::new(Texture::new(SIZE, SIZE, pixels).expect("as many pixels as it has"))

@@ -77,12 +77,12 @@ impl Sketch {
     fn material(&mut self, colour: [u8; 3], texture: Option<Arc<Texture>>) -> Paint {
         let colour = colour.map(|shade| f32::from(shade) / 255.0);
         let material = Material { colour, texture, ..Material::default() };
-        let known = self.mesh.materials.iter().position(|known| *known == material);
-        let place = known.unwrap_or_else(|| {
+        let existing = self.mesh.materials.iter().position(|existing| *existing == material);
+        let index = existing.unwrap_or_else(|| {
             self.mesh.materials.push(material);
             self.mesh.materials.len() - 1
         });
-        Paint(place as u32)
+        Paint(index as u32)
     }
 
     fn place(&mut self, point: DVec3) -> u32 {
@@ -100,9 +100,9 @@ impl Sketch {
 
     /// Adds a flat convex face with corners counter-clockwise from outside.
     pub fn polygon(&mut self, corners: &[DVec3], paint: Paint) {
-        let places: Vec<u32> = corners.iter().map(|corner| self.place(*corner)).collect();
-        for pair in places[1..].windows(2) {
-            self.triangle([places[0], pair[0], pair[1]], None, None, paint);
+        let indices: Vec<u32> = corners.iter().map(|corner| self.place(*corner)).collect();
+        for pair in indices[1..].windows(2) {
+            self.triangle([indices[0], pair[0], pair[1]], None, None, paint);
         }
     }
 
@@ -133,8 +133,8 @@ impl Sketch {
         let corner = |x: f64, y: f64, z: f64| at.transform_point(half * DVec3::new(x, y, z));
         // Each face starts at its lower left corner, as seen from outside.
         let sides = [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)];
-        for (place, (x, y)) in sides.iter().enumerate() {
-            let (u, v) = sides[(place + 1) % 4];
+        for (index, (x, y)) in sides.iter().enumerate() {
+            let (u, v) = sides[(index + 1) % 4];
             self.panel([corner(*x, *y, -1.0), corner(u, v, -1.0), corner(u, v, 1.0), corner(*x, *y, 1.0)], paint);
         }
         let lid = |z: f64, x: f64| [(-x, -1.0), (x, -1.0), (x, 1.0), (-x, 1.0)].map(|(x, y)| corner(x, y, z));
@@ -162,9 +162,9 @@ impl Sketch {
         let ring = |angle: f64, shift: f64| {
             // Exact at the poles, so that the faces beyond them have no area.
             let normal = if angle.abs() < 0.25 * TAU { direction(angle) } else { DVec2::Y * angle.signum() };
-            let place = radius * circumradius(SIDES) * normal;
+            let point = radius * circumradius(SIDES) * normal;
             // `revolve` applies `circumradius` to the radius itself.
-            Ring { radius: radius * normal.x, z: place.y + shift, normal }
+            Ring { radius: radius * normal.x, z: point.y + shift, normal }
         };
         let half = SIDES / 4;
         let angles = |from: f64| (0..=half).map(move |step| from + 0.25 * TAU * f64::from(step) / f64::from(half));
@@ -177,32 +177,32 @@ impl Sketch {
 
     /// Adds the surface between rings about z in the frame `at`, from the lowest to the highest.
     fn revolve(&mut self, at: &Pose3, rings: &[Ring], (sides, turns): (u32, u32), paint: Paint) {
-        let ways: Vec<DVec2> = circle(1.0, sides);
+        let directions: Vec<DVec2> = circle(1.0, sides);
         let first = self.mesh.positions.len() as u32;
         for ring in rings {
-            for way in &ways {
-                let point = at.transform_point((ring.radius * *way).extend(ring.z));
+            for radial in &directions {
+                let point = at.transform_point((ring.radius * *radial).extend(ring.z));
                 self.place(point);
             }
         }
         let normal = |ring: usize, side: u32| {
             let DVec2 { x: outwards, y: upwards } = rings[ring].normal;
-            let way = outwards * direction(TAU * f64::from(side) / f64::from(sides));
-            (at.rotation * way.extend(upwards)).normalize_or(DVec3::Z).as_vec3()
+            let radial = outwards * direction(TAU * f64::from(side) / f64::from(sides));
+            (at.rotation * radial.extend(upwards)).normalize_or(DVec3::Z).as_vec3()
         };
         let uv = |ring: usize, side: u32| {
-            let share = (rings[ring].z - rings[0].z) / (rings[rings.len() - 1].z - rings[0].z);
-            Vec2::new((side * turns) as f32 / sides as f32, share as f32)
+            let fraction = (rings[ring].z - rings[0].z) / (rings[rings.len() - 1].z - rings[0].z);
+            Vec2::new((side * turns) as f32 / sides as f32, fraction as f32)
         };
         let corner = |ring: usize, side: u32| first + ring as u32 * sides + side % sides;
         for ring in 1..rings.len() {
             for side in 0..sides {
                 let [a, b, c, d] = [(ring - 1, side), (ring - 1, side + 1), (ring, side + 1), (ring, side)];
                 for corners in [[a, b, c], [a, c, d]] {
-                    let places = corners.map(|(ring, side)| corner(ring, side));
+                    let points = corners.map(|(ring, side)| corner(ring, side));
                     let normals = corners.map(|(ring, side)| normal(ring, side));
                     let uv = corners.map(|(ring, side)| uv(ring, side));
-                    self.triangle(places, Some(normals), Some(uv), paint);
+                    self.triangle(points, Some(normals), Some(uv), paint);
                 }
             }
         }
@@ -269,10 +269,10 @@ mod tests {
 
     #[test]
     fn capsules_lie_along_their_axes() {
-        for (axis, way) in [(Axis::X, DVec3::X), (Axis::Y, DVec3::Y), (Axis::Z, DVec3::Z)] {
+        for (axis, normal) in [(Axis::X, DVec3::X), (Axis::Y, DVec3::Y), (Axis::Z, DVec3::Z)] {
             let mesh = of(Collider::Capsule { centre: CENTRE, radius: 0.1, height: 0.6, axis });
             let (low, high) = mesh.bounds().expect("faces");
-            let half = DVec3::splat(0.1) + 0.2 * way;
+            let half = DVec3::splat(0.1) + 0.2 * normal;
             assert!((high - CENTRE - half).abs().max_element() < 1e-3, "{axis:?}: {high}");
             assert!((low - CENTRE + half).abs().max_element() < 1e-3, "{axis:?}: {low}");
         }
@@ -296,10 +296,10 @@ mod tests {
         let mesh = of(Collider::Capsule { centre: DVec3::ZERO, radius: 0.1, height: 0.6, axis: Axis::Y });
         for face in &mesh.triangles {
             let [a, b, c] = mesh.corners(face);
-            let flat = (b - a).cross(c - a).normalize_or_zero();
+            let face_normal = (b - a).cross(c - a).normalize_or_zero();
             for normal in face.normals.expect("smooth") {
                 assert!((normal.length() - 1.0).abs() < 1e-6);
-                assert!(flat.dot(normal.as_dvec3()) > 0.9, "{flat} {normal}");
+                assert!(face_normal.dot(normal.as_dvec3()) > 0.9, "{face_normal} {normal}");
             }
         }
     }

@@ -10,11 +10,11 @@ use crate::world::World;
 fn the_light_gives_walls_in_the_four_directions_and_the_floor_five_shades() {
     let light = light(&LightSpec::default());
     let fill_from = DVec3::new(-light.towards.x, -light.towards.y, light.towards.z);
-    let share = |normal: DVec3| {
+    let intensity = |normal: DVec3| {
         let fill = 0.5 * (1.0 + normal.dot(fill_from));
         light.ambient + light.fill * fill + light.diffuse * normal.dot(light.towards).max(0.0)
     };
-    let mut shares = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z].map(share);
+    let mut shares = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z].map(intensity);
     shares.sort_by(f64::total_cmp);
     // A difference of six levels of 255 is visible side by side.
     assert!(shares.windows(2).all(|pair| pair[1] - pair[0] > 6.0 / 255.0), "{shares:?}");
@@ -58,9 +58,9 @@ fn images_stand_upright_on_every_side_of_a_box() {
     let paint = sketch.image(texture);
     sketch.cuboid(&Pose3::IDENTITY, DVec3::ONE, paint);
     let scenery = alone(sketch.finish());
-    for way in [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z] {
-        let picture = seen(&scenery, 2.5 * way, DVec3::ZERO, [40, 40]);
+    for normal in [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z] {
+        let picture = seen(&scenery, 2.5 * normal, DVec3::ZERO, [40, 40]);
         let corners = [(14, 14), (26, 14), (14, 26), (26, 26)].map(|(column, row)| *picture.pixel(column, row));
-        assert_eq!(corners, [RED, GREEN, BLUE, YELLOW], "from {way}");
+        assert_eq!(corners, [RED, GREEN, BLUE, YELLOW], "from {normal}");
     }
 }

@@ -56,9 +56,9 @@ fn cuboid(random: &mut Random, half: DVec3, is_round: bool, materials: Vec<Mater
         let (material, repeats) = (random.between(0.0, materials.len() as f64) as u32, random.between(0.5, 6.0) as f32);
         for part in [[0, 1, 2], [0, 2, 3]] {
             triangles.push(Triangle {
-                corners: part.map(|place| side[place] as u32),
-                normals: is_round.then(|| part.map(|place| corner(side[place]).normalize_or_zero().as_vec3())),
-                uv: Some(part.map(|place| uv[place] * repeats)),
+                corners: part.map(|index| side[index] as u32),
+                normals: is_round.then(|| part.map(|index| corner(side[index]).normalize_or_zero().as_vec3())),
+                uv: Some(part.map(|index| uv[index] * repeats)),
                 material,
             });
         }
@@ -197,8 +197,8 @@ fn pictures_are_those_of_every_face_on_every_pixel() {
                 for column in 0..83 {
                     let expected = slow.colour.pixel(column, row);
                     let found = colour.pixel(column, row);
-                    let apart = (0..3).map(|channel| (expected[channel] - f64::from(found[channel])).abs());
-                    let apart = apart.fold(0.0, f64::max);
+                    let difference = (0..3).map(|channel| (expected[channel] - f64::from(found[channel])).abs());
+                    let difference = difference.fold(0.0, f64::max);
                     let (far, near) = (*slow.depth.pixel(column, row), f64::from(*depth.pixel(column, row)));
                     let is_as_far = far == near || (far - near).abs() <= 1e-5 * far;
                     compared += 1;
@@ -206,11 +206,11 @@ fn pictures_are_those_of_every_face_on_every_pixel() {
                         let what = (seed, lens, column, row, slow.shown.pixel(column, row));
                         assert!(is_as_far, "{far} m, not {near}: {what:?}");
                         // Half a colour level of rounding, and half a level of error of the renderer.
-                        if apart > 1.0 {
+                        if difference > 1.0 {
                             off += 1;
                             eprintln!("{expected:?}, not {found:?}: {what:?}");
                         }
-                    } else if apart > 1.0 || !is_as_far {
+                    } else if difference > 1.0 || !is_as_far {
                         differing += 1;
                     }
                 }
@@ -287,9 +287,9 @@ fn a_closed_surface_has_no_holes() {
 
 /// The colour sampled in one lane.
 #[inline(always)]
-fn sampled<S: Simd>(simd: S, mip_map: &MipMap, place: DVec2, axes: [DVec2; 2]) -> [f64; 4] {
+fn sampled<S: Simd>(simd: S, mip_map: &MipMap, uv: DVec2, axes: [DVec2; 2]) -> [f64; 4] {
     let all = |value: f64| S::f32s::splat(simd, value as f32);
-    let found = mip_map.sample(simd, 1 << 3, [all(place.x), all(place.y)], axes.map(|axis| [all(axis.x), all(axis.y)]));
+    let found = mip_map.sample(simd, 1 << 3, [all(uv.x), all(uv.y)], axes.map(|axis| [all(axis.x), all(axis.y)]));
     found.map(|channel| f64::from(channel.as_slice()[3]))
 }
 
@@ -304,15 +304,15 @@ fn images_are_filtered_as_defined() {
                 let size = random.between(-4.0, 1.0);
                 let length = math::exp(size * std::f64::consts::LN_10);
                 let mut pair = |reach: f64| DVec2::new(random.between(-reach, reach), random.between(-reach, reach));
-                let (place, changes) = (pair(1.5), [pair(length), pair(length)]);
-                let expected = reference::filtered(&image, wrap, DVec2::new(place.x, 1.0 - place.y), changes);
+                let (uv, changes) = (pair(1.5), [pair(length), pair(length)]);
+                let expected = reference::filtered(&image, wrap, DVec2::new(uv.x, 1.0 - uv.y), changes);
                 let texels = DVec2::new(f64::from(width), f64::from(height));
                 let axes = changes.map(|change| change * texels * DVec2::new(1.0, -1.0));
-                let found = dispatch!(Level::new(), simd => sampled(simd, &mip_map, place, axes));
+                let found = dispatch!(Level::new(), simd => sampled(simd, &mip_map, uv, axes));
                 for channel in 0..4 {
                     assert!(
                         (found[channel] - expected[channel]).abs() < 0.05,
-                        "{found:?}, not {expected:?}: {width} x {height} {wrap:?} {place} {changes:?}"
+                        "{found:?}, not {expected:?}: {width} x {height} {wrap:?} {uv} {changes:?}"
                     );
                 }
             }

@@ -85,16 +85,16 @@ fn meet(posed: &PosedScenery, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Me
         if by.is_some_and(|by| part.label == Label::Robot(by)) {
             continue;
         }
-        for (place, triangle) in part.mesh.triangles.iter().enumerate() {
+        for (index, triangle) in part.mesh.triangles.iter().enumerate() {
             if part.mesh.material(triangle).opacity < 0.5 {
                 continue;
             }
-            let corners = corners(posed, number, place);
+            let corners = corners(posed, number, index);
             if let Some((distance, shares)) = on_plane(corners, eye, ray)
-                && shares.iter().all(|share| *share >= 0.0)
+                && shares.iter().all(|fraction| *fraction >= 0.0)
                 && distance < best.distance * (1.0 - COPLANAR)
             {
-                best = Meeting { shown: Shown::Face(number, place), distance, shares };
+                best = Meeting { shown: Shown::Face(number, index), distance, shares };
             }
         }
     }
@@ -106,8 +106,8 @@ fn on_plane([a, b, c]: [DVec3; 3], eye: DVec3, ray: DVec3) -> Option<(f64, [f64;
     let normal = (b - a).cross(c - a);
     let distance = normal.dot(a - eye) / normal.dot(ray);
     let point = eye + ray * distance;
-    let share = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(normal) / normal.length_squared();
-    (distance > 0.0 && distance.is_finite()).then(|| (distance, [share(b, c), share(c, a), share(a, b)]))
+    let fraction = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(normal) / normal.length_squared();
+    (distance > 0.0 && distance.is_finite()).then(|| (distance, [fraction(b, c), fraction(c, a), fraction(a, b)]))
 }
 
 fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: &Meeting) -> [f64; 3] {
@@ -155,13 +155,13 @@ fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: 
             let own = triangle;
             let triangle = &part.mesh.triangles[own];
             let material = part.mesh.material(triangle);
-            let plain = material.colour.map(|share| 255.0 * f64::from(share.clamp(0.0, 1.0)));
+            let plain = material.colour.map(|component| 255.0 * f64::from(component.clamp(0.0, 1.0)));
             let corners = corners(posed, number, own);
             let colour = match (&material.texture, triangle.uv) {
                 (Some(image), Some(uv)) => {
                     let at = |ray: DVec3| {
-                        let shares = on_plane(corners, eye, ray).map_or(meeting.shares, |(_, shares)| shares);
-                        (0..3).map(|corner| uv[corner].as_dvec2() * shares[corner]).sum::<DVec2>()
+                        let fractions = on_plane(corners, eye, ray).map_or(meeting.shares, |(_, fractions)| fractions);
+                        (0..3).map(|corner| uv[corner].as_dvec2() * fractions[corner]).sum::<DVec2>()
                     };
                     let point = at(ray);
                     let change = |step| (at(ray + neighbours(step)) - point) * 1e4;
@@ -173,24 +173,27 @@ fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: 
                 _ => plain,
             };
             let [a, b, c] = corners;
-            let flat = (b - a).cross(c - a).normalize_or_zero();
+            let face_normal = (b - a).cross(c - a).normalize_or_zero();
             let turned = |normal: glam::Vec3| pose(posed, number).rotation * normal.as_dvec3();
-            let normal = triangle.normals.map_or(flat, |normals| {
-                (0..3).map(|corner| turned(normals[corner]) * meeting.shares[corner]).sum::<DVec3>().normalize_or(flat)
+            let normal = triangle.normals.map_or(face_normal, |normals| {
+                (0..3)
+                    .map(|corner| turned(normals[corner]) * meeting.shares[corner])
+                    .sum::<DVec3>()
+                    .normalize_or(face_normal)
             });
-            let place = eye + ray.normalize_or_zero() * meeting.distance;
-            lit(posed, colour, if flat.dot(ray) < 0.0 { normal } else { -normal }, (place, meeting.shown))
+            let intersection = eye + ray.normalize_or_zero() * meeting.distance;
+            lit(posed, colour, if face_normal.dot(ray) < 0.0 { normal } else { -normal }, (intersection, meeting.shown))
         }
     }
 }
 
 /// Returns true if no face except `own` lies between the sun and a point.
-fn is_in_sun(posed: &PosedScenery, place: DVec3, own: Shown) -> bool {
+fn is_in_sun(posed: &PosedScenery, point: DVec3, own: Shown) -> bool {
     let light = posed.scenery().light();
     let covers = |number: usize, triangle: usize| {
         own != Shown::Face(number, triangle)
-            && on_plane(corners(posed, number, triangle), place, light.towards)
-                .is_some_and(|(distance, shares)| distance > 1e-6 && shares.iter().all(|share| *share >= 0.0))
+            && on_plane(corners(posed, number, triangle), point, light.towards)
+                .is_some_and(|(distance, fractions)| distance > 1e-6 && fractions.iter().all(|share| *share >= 0.0))
     };
     let of_part = |(number, part, _): (usize, &crate::camera::Part, &Pose3)| {
         let is_seen = |triangle: usize| part.mesh.material(&part.mesh.triangles[triangle]).opacity >= 0.5;
@@ -199,13 +202,13 @@ fn is_in_sun(posed: &PosedScenery, place: DVec3, own: Shown) -> bool {
     !light.shadows || !posed.parts().any(of_part)
 }
 
-fn lit(posed: &PosedScenery, colour: [f64; 3], normal: DVec3, (place, own): (DVec3, Shown)) -> [f64; 3] {
+fn lit(posed: &PosedScenery, colour: [f64; 3], normal: DVec3, (point, own): (DVec3, Shown)) -> [f64; 3] {
     let light = posed.scenery().light();
-    let sun = if is_in_sun(posed, place, own) { light.diffuse } else { 0.0 };
+    let sun = if is_in_sun(posed, point, own) { light.diffuse } else { 0.0 };
     let opposite = DVec3::new(-light.towards.x, -light.towards.y, light.towards.z);
-    let share =
+    let fraction =
         light.ambient + light.fill * 0.5 * (1.0 + normal.dot(opposite)) + sun * normal.dot(light.towards).max(0.0);
-    colour.map(|channel| (channel * share).min(255.0))
+    colour.map(|channel| (channel * fraction).min(255.0))
 }
 
 fn over([red, green, blue, opacity]: [f64; 4], under: [f64; 3]) -> [f64; 3] {
@@ -220,17 +223,18 @@ pub fn filtered(image: &Texture, wrap: Wrap, at: DVec2, changes: [DVec2; 2]) -> 
     let [a, b] = changes.map(|change| (change * texels).length());
     let (long, short, axis) = if a >= b { (a, b, changes[0]) } else { (b, a, changes[1]) };
     let n = (long / (3.0 * short).max(1.0)).clamp(1.0, f64::from(MipMap::PROBES));
-    let apart = (1.0 - 1.0 / n) / 2.0;
+    let half_spread = (1.0 - 1.0 / n) / 2.0;
     let levels = smaller(image);
     let level = (math::ln(long / n) / std::f64::consts::LN_2).clamp(0.0, (levels.len() - 1) as f64);
     let mut sum = [0.0; 4];
-    for offset in [-apart, apart] {
+    for offset in [-half_spread, half_spread] {
         let lower = level as usize;
-        let place = at + axis * offset;
-        let fine = bilinear(&levels[lower], wrap, place);
-        let coarse = bilinear(&levels[(lower + 1).min(levels.len() - 1)], wrap, place);
-        let share = ((level - level.floor() - 0.5) / 0.25 + 0.5).clamp(0.0, 1.0);
-        sum = std::array::from_fn(|channel| sum[channel] + fine[channel] + share * (coarse[channel] - fine[channel]));
+        let uv = at + axis * offset;
+        let fine = bilinear(&levels[lower], wrap, uv);
+        let coarse = bilinear(&levels[(lower + 1).min(levels.len() - 1)], wrap, uv);
+        let fraction = ((level - level.floor() - 0.5) / 0.25 + 0.5).clamp(0.0, 1.0);
+        sum =
+            std::array::from_fn(|channel| sum[channel] + fine[channel] + fraction * (coarse[channel] - fine[channel]));
     }
     sum.map(|channel| channel / 2.0)
 }
@@ -265,11 +269,11 @@ fn bilinear(image: &Texture, wrap: Wrap, at: DVec2) -> [f64; 4] {
     let x = wrapped(at.x) * f64::from(width) - 0.5;
     let y = (1.0 - wrapped(at.y)) * f64::from(height) - 0.5;
     let texel = |column: f64, row: f64| {
-        let place = |place: f64, size: u32| match wrap {
-            Wrap::Repeat => place.rem_euclid(f64::from(size)) as u32,
-            Wrap::Clamp => place.clamp(0.0, f64::from(size - 1)) as u32,
+        let coordinate = |coordinate: f64, size: u32| match wrap {
+            Wrap::Repeat => coordinate.rem_euclid(f64::from(size)) as u32,
+            Wrap::Clamp => coordinate.clamp(0.0, f64::from(size - 1)) as u32,
         };
-        image.pixel(place(column, width), place(row, height)).map(f64::from)
+        image.pixel(coordinate(column, width), coordinate(row, height)).map(f64::from)
     };
     let (left, top) = (x.floor(), y.floor());
     let [nw, ne, sw, se] =

@@ -80,7 +80,7 @@ pub(super) struct NaturalGait {
     /// Height of the hip at each sample of half a cycle, m.
     heights: [f64; SAMPLES / 2],
     /// Swing path from toe-off to heel strike: x is the fraction of the horizontal distance, y the height, m.
-    way: [DVec2; INTERVALS + 1],
+    swing_path: [DVec2; INTERVALS + 1],
 }
 
 impl NaturalGait {
@@ -98,20 +98,21 @@ impl NaturalGait {
         let first = sole_point(leg, foot, 0.0, -foot.heel).x + foot.heel;
         let last = sole_point(leg, foot, TOE_OFF, foot.toe).x - foot.toe;
         let stride = (first - last) / TOE_OFF;
-        let mut natural = Self { stride, ahead: 0.5 * (first + last), heights, way: [DVec2::ZERO; INTERVALS + 1] };
+        let mut natural =
+            Self { stride, ahead: 0.5 * (first + last), heights, swing_path: [DVec2::ZERO; INTERVALS + 1] };
         let at = |index: usize| {
-            let share = index as f64 / INTERVALS as f64;
-            let phase = TOE_OFF + (1.0 - TOE_OFF) * share;
-            let ahead = foot.toe - (foot.heel + foot.toe) * smooth(share);
+            let fraction = index as f64 / INTERVALS as f64;
+            let phase = TOE_OFF + (1.0 - TOE_OFF) * fraction;
+            let ahead = foot.toe - (foot.heel + foot.toe) * smooth(fraction);
             sole_point(leg, foot, phase, ahead) + DVec2::new(stride * phase, natural.height(phase))
         };
         let (start, end) = (at(0), at(INTERVALS));
-        let way = std::array::from_fn(|index| {
-            let share = index as f64 / INTERVALS as f64;
+        let swing_path = std::array::from_fn(|index| {
+            let fraction = index as f64 / INTERVALS as f64;
             let point = at(index) - start;
-            DVec2::new(point.x / (end.x - start.x), point.y - (end.y - start.y) * share)
+            DVec2::new(point.x / (end.x - start.x), point.y - (end.y - start.y) * fraction)
         });
-        natural.way = way;
+        natural.swing_path = swing_path;
         Some(natural)
     }
 
@@ -121,11 +122,11 @@ impl NaturalGait {
     }
 
     /// Swing path at a fraction of the swing time: x is the fraction of the horizontal distance, y the height, m.
-    pub fn way(&self, share: f64) -> DVec2 {
-        let place = share.clamp(0.0, 1.0) * INTERVALS as f64;
-        let index = (place as usize).min(INTERVALS - 1);
-        let at = |index: usize| self.way[index.min(INTERVALS)];
-        cubic([at(index.saturating_sub(1)), at(index), at(index + 1), at(index + 2)], place - index as f64)
+    pub fn swing_path(&self, fraction: f64) -> DVec2 {
+        let position = fraction.clamp(0.0, 1.0) * INTERVALS as f64;
+        let index = (position as usize).min(INTERVALS - 1);
+        let at = |index: usize| self.swing_path[index.min(INTERVALS)];
+        cubic([at(index.saturating_sub(1)), at(index), at(index + 1), at(index + 2)], position - index as f64)
     }
 }
 
@@ -141,15 +142,15 @@ fn sole_point(leg: &Leg, foot: Foot, phase: f64, ahead: f64) -> DVec2 {
 
 /// Interpolated value of periodic samples, `cycles` after the first.
 fn periodic<const N: usize>(samples: &[f64; N], cycles: f64) -> f64 {
-    let place = (cycles - cycles.floor()) * N as f64;
-    let index = (place as usize).min(N - 1);
+    let position = (cycles - cycles.floor()) * N as f64;
+    let index = (position as usize).min(N - 1);
     let at = |offset: usize| DVec2::new(samples[(index + N + offset - 1) % N], 0.0);
-    cubic([at(0), at(1), at(2), at(3)], place - index as f64).x
+    cubic([at(0), at(1), at(2), at(3)], position - index as f64).x
 }
 
 /// Catmull-Rom interpolation between the second and the third of four values.
-fn cubic([a, b, c, d]: [DVec2; 4], share: f64) -> DVec2 {
-    b + (c - a + (2.0 * a - 5.0 * b + 4.0 * c - d + (3.0 * (b - c) + d - a) * share) * share) * (0.5 * share)
+fn cubic([a, b, c, d]: [DVec2; 4], fraction: f64) -> DVec2 {
+    b + (c - a + (2.0 * a - 5.0 * b + 4.0 * c - d + (3.0 * (b - c) + d - a) * fraction) * fraction) * (0.5 * fraction)
 }
 
 #[cfg(test)]
@@ -203,8 +204,8 @@ mod tests {
     #[test]
     fn a_way_through_the_air_begins_and_ends_on_the_ground() {
         let natural = NaturalGait::new(&leg()).expect("it has a foot");
-        assert!(natural.way(0.0).length() < 1e-12 && (natural.way(1.0) - DVec2::X).length() < 1e-12);
-        let highest = (0..100).map(|index| natural.way(f64::from(index) / 100.0).y).fold(0.0, f64::max);
+        assert!(natural.swing_path(0.0).length() < 1e-12 && (natural.swing_path(1.0) - DVec2::X).length() < 1e-12);
+        let highest = (0..100).map(|index| natural.swing_path(f64::from(index) / 100.0).y).fold(0.0, f64::max);
         assert!((0.02..0.3).contains(&highest), "{highest}");
     }
 }

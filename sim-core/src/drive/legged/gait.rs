@@ -68,8 +68,8 @@ impl Clock {
 
     /// Clock of another gait that continues this one from `at` on, at the same phase.
     pub fn changed(&self, at: Time, gait: &Gait, index: usize) -> Self {
-        let share = self.cycles(at) - self.cycles(at).floor();
-        let since = at - Time((share * gait.period.0 as f64).round() as i64);
+        let phase = self.cycles(at) - self.cycles(at).floor();
+        let since = at - Time((phase * gait.period.0 as f64).round() as i64);
         Self { opened: at, since, first: gait.period, period: gait.period, gait: index }
     }
 

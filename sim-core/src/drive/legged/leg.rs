@@ -147,7 +147,7 @@ impl Leg {
     /// Maximum height of the hip above a contact point within reach of the sole. The point lies `offset` ahead and left
     /// of the hip, in the frame of a leg with the yaw of its sole. `None` for a point that is out of reach at any
     /// height.
-    pub fn greatest_height(&self, offset: DVec2, sole: Sole) -> Option<f64> {
+    pub fn max_hip_height(&self, offset: DVec2, sole: Sole) -> Option<f64> {
         let above = self.ankle_above(sole);
         let root = |square: f64| (square >= 0.0).then(|| square.sqrt());
         let ahead = offset.x + above.x;
@@ -262,12 +262,12 @@ mod tests {
     fn the_greatest_height_is_where_the_leg_is_stretched() {
         let leg = leg(Some(FOOT));
         let (offset, sole) = (DVec2::new(0.3, -0.2), Sole { ahead: 0.15, pitch: -0.5 });
-        let height = leg.greatest_height(offset, sole).expect("within reach");
+        let height = leg.max_hip_height(offset, sole).expect("within reach");
         let knee = leg.joints(offset.extend(-height), 0.0, sole).knee;
         // Hip to ankle is 0.998 * 0.9 m: the law of cosines.
         let cosine = ((0.998f64 * 0.9).powi(2) - 0.16 - 0.25) / 0.4;
         assert!((math::cos(knee) - cosine).abs() < 1e-12, "{knee}");
-        assert_eq!(leg.greatest_height(DVec2::new(1.2, 0.0), sole), None);
-        assert_eq!(leg.greatest_height(DVec2::new(0.0, 1.2), sole), None);
+        assert_eq!(leg.max_hip_height(DVec2::new(1.2, 0.0), sole), None);
+        assert_eq!(leg.max_hip_height(DVec2::new(0.0, 1.2), sole), None);
     }
 }

@@ -37,12 +37,12 @@ impl Legs {
     /// Indices of the parts among the [links](Self::links), leg by leg: the thigh, the shank and, if present, the foot.
     pub fn part_links(&self) -> Vec<usize> {
         let mut first = 0;
-        let mut places = Vec::new();
+        let mut indices = Vec::new();
         for leg in &self.legs {
-            places.extend(leg.parts().map(|(_, place)| first + place));
+            indices.extend(leg.parts().map(|(_, index)| first + index));
             first += leg.link_count();
         }
-        places
+        indices
     }
 
     /// Poses of the [parts](Self::part_links) of all legs in the robot's frame, which is `stance.lift` above the floor.
@@ -58,8 +58,8 @@ impl Legs {
         let mut first = 0;
         let mut limbs = Vec::with_capacity(2 * self.legs.len());
         for (number, leg) in self.legs.iter().enumerate() {
-            let places: Vec<usize> = leg.parts().map(|(_, place)| first + place).collect();
-            let frame = |part: usize| world_from_body.then(&link_pose(&links, &stance.joints, places[part]));
+            let indices: Vec<usize> = leg.parts().map(|(_, index)| first + index).collect();
+            let frame = |part: usize| world_from_body.then(&link_pose(&links, &stance.joints, indices[part]));
             let (thigh, shank) = (frame(0), frame(1));
             let capsule = |upper, lower| Capsule { ends: [upper, lower], radius: self.radius };
             let lower = shank.transform_point(DVec3::new(0.0, 0.0, -leg.shank));

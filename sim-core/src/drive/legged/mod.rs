@@ -19,7 +19,7 @@ pub use curve::natural_angles;
 pub use gait::Gait;
 pub use leg::{Foot, Joints, Leg, Sole};
 pub use limb::{BodyPart, Limb};
-pub(in crate::drive) use walk::{Course, Plan, Walk};
+pub(in crate::drive) use walk::{MotionPiece, Plan, Walk};
 
 /// Maximum speed of a natural gait, as a multiple of the source's speed. Our choice.
 const MAX_NATURAL_SPEED: f64 = 1.2;
@@ -161,7 +161,7 @@ impl Legs {
 
     /// Maximum speed of a gait, m/s, at which a standing foot stays within four fifths of its excursion to either side;
     /// a natural gait is limited to 1.2 times the speed of its source. Our choice.
-    pub fn greatest_speed(&self, gait: &Gait) -> f64 {
+    pub fn max_speed(&self, gait: &Gait) -> f64 {
         if let Some(speed) = self.natural_speed(gait) {
             return MAX_NATURAL_SPEED * speed;
         }
@@ -169,10 +169,10 @@ impl Legs {
     }
 
     /// Maximum turning speed of a gait, rad/s, at which no standing foot leaves its reach or turns too far.
-    pub fn greatest_turn(&self, gait: &Gait) -> f64 {
+    pub fn max_turn_rate(&self, gait: &Gait) -> f64 {
         let radius = self.legs.iter().map(|leg| math::hypot(leg.hip.x, leg.hip.y)).fold(0.0, f64::max);
         // A foot turns by at most 45 degrees to either side.
         let by_angle = std::f64::consts::FRAC_PI_2 / (gait.duty * gait.period.seconds());
-        by_angle.min(self.greatest_speed(gait) / radius)
+        by_angle.min(self.max_speed(gait) / radius)
     }
 }

@@ -3,8 +3,8 @@
 use crate::time::Time;
 
 /// Quintic smoothstep: rises from 0 to 1 with `share`, with slope and curvature 0 at both ends; constant beyond.
-pub(super) fn smooth(share: f64) -> f64 {
-    let s = share.clamp(0.0, 1.0);
+pub(super) fn smooth(fraction: f64) -> f64 {
+    let s = fraction.clamp(0.0, 1.0);
     s * s * s * (10.0 + s * (6.0 * s - 15.0))
 }
 

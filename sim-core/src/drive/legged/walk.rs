@@ -51,7 +51,7 @@ const REMEMBERED: usize = 64;
 
 /// One piece of the body's motion, in force from its start until the next.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::drive) struct Course {
+pub(in crate::drive) struct MotionPiece {
     pub piece: Piece,
     /// Offset from the robot's centre to its axle along x, m.
     pub axis_offset: f64,
@@ -65,10 +65,10 @@ pub(in crate::drive) trait Plan {
     fn revision(&self) -> u64;
 
     /// The pieces of motion from the one in force just before `from`, up to `to`.
-    fn courses(&mut self, from: Time, to: Time) -> Vec<Course>;
+    fn pieces(&mut self, from: Time, to: Time) -> Vec<MotionPiece>;
 }
 
-impl Course {
+impl MotionPiece {
     fn start(&self) -> Time {
         self.piece.start
     }
@@ -109,7 +109,7 @@ pub(in crate::drive) struct Walk {
     /// Tentative decisions after the final ones, valid for these revisions of the motion and of the settings.
     ahead: Option<((u64, u64), Steps)>,
     /// Time up to which footfalls have been taken.
-    taken: Time,
+    reported_until: Time,
 }
 
 /// Position of a standing foot: the point under the ankle of a level foot, or the tip of the leg.
@@ -185,7 +185,7 @@ impl Walk {
             revision: 0,
             firm,
             ahead: None,
-            taken: never,
+            reported_until: never,
         }
     }
 
@@ -210,9 +210,9 @@ impl Walk {
                 orders.gait = if gait < gaits { gait } else { return Err(LegCommandError::NoGait { gaits }) };
             }
             LegCommand::StepHeight(height) => {
-                let most = self.legs.legs.iter().map(Leg::reach).fold(0.0, f64::max);
+                let max_reach = self.legs.legs.iter().map(Leg::reach).fold(0.0, f64::max);
                 orders.step_height =
-                    if (0.0..=most).contains(&height) { height } else { return Err(LegCommandError::Length) };
+                    if (0.0..=max_reach).contains(&height) { height } else { return Err(LegCommandError::Length) };
             }
             LegCommand::ShiftFoothold { leg, shift, lift } => {
                 let legs = self.legs.legs.len();
@@ -244,8 +244,8 @@ impl Walk {
         let last = until - Time(1);
         self.extend(plan, last);
         let steps = if last <= self.firm.until { &self.firm } else { self.ahead_steps() };
-        let footfalls = steps.footfalls(self.taken, until);
-        self.taken = self.taken.max(until);
+        let footfalls = steps.footfalls(self.reported_until, until);
+        self.reported_until = self.reported_until.max(until);
         footfalls
     }
 
@@ -256,7 +256,7 @@ impl Walk {
             return;
         }
         self.decide(plan, last, true);
-        let past = self.taken.min(end - HISTORY);
+        let past = self.reported_until.min(end - HISTORY);
         self.firm.forget(past);
         while self.orders.len() > 1 && self.orders[1].0 <= past {
             self.orders.pop_front();
@@ -282,10 +282,10 @@ impl Walk {
             _ => self.firm.clone(),
         };
         if steps.until < at {
-            let courses = plan.courses(steps.until, at);
+            let pieces = plan.pieces(steps.until, at);
             let Self { legs, ground, natural, orders, .. } = self;
             let inputs = DecisionInputs { legs, ground, natural, orders };
-            steps.extend(&inputs, &courses, at);
+            steps.extend(&inputs, &pieces, at);
         }
         if is_firm {
             self.firm = steps;
@@ -296,30 +296,30 @@ impl Walk {
 }
 
 fn orders_at(orders: &VecDeque<(Time, LegSettings)>, at: Time) -> &LegSettings {
-    let known = orders.iter().rev().find(|(since, _)| *since <= at).or(orders.front());
-    known.map(|(_, orders)| orders).expect("a walk has orders")
+    let order = orders.iter().rev().find(|(since, _)| *since <= at).or(orders.front());
+    order.map(|(_, orders)| orders).expect("a walk has orders")
 }
 
 impl Steps {
-    /// Makes all decisions after `until` up to `to`. `courses` are the motion's pieces from the one in force just
+    /// Makes all decisions after `until` up to `to`. `pieces` are the motion's pieces from the one in force just
     /// before `until`.
-    fn extend(&mut self, inputs: &DecisionInputs, courses: &[Course], to: Time) {
+    fn extend(&mut self, inputs: &DecisionInputs, pieces: &[MotionPiece], to: Time) {
         loop {
-            let opening =
-                courses.iter().find(|course| course.start() > self.until).filter(|course| course.start() <= to);
+            let opening = pieces.iter().find(|piece| piece.start() > self.until).filter(|piece| piece.start() <= to);
             let order = inputs.orders.iter().find(|(since, _)| *since > self.until).filter(|(since, _)| *since <= to);
             let tick = self.clock().map(|clock| clock.next_after(self.until)).map(|index| (index, self.instant(index)));
             let tick = tick.filter(|(_, instant)| *instant <= to);
-            let first = [opening.map(Course::start), order.map(|(since, _)| *since), tick.map(|(_, instant)| instant)];
+            let first =
+                [opening.map(MotionPiece::start), order.map(|(since, _)| *since), tick.map(|(_, instant)| instant)];
             let Some(at) = first.into_iter().flatten().min() else { break };
             if let Some((index, _)) = tick.filter(|(_, instant)| *instant == at) {
-                self.tick(inputs, &state_before(courses, at), index);
+                self.tick(inputs, &state_before(pieces, at), index);
             }
             if order.is_some_and(|(since, _)| *since == at) {
                 self.change_gait(inputs, at);
             }
-            if let Some(course) = opening.filter(|course| course.start() == at) {
-                self.open(inputs, course);
+            if let Some(piece) = opening.filter(|piece| piece.start() == at) {
+                self.open(inputs, piece);
             }
             self.until = at;
         }
@@ -336,12 +336,12 @@ impl Steps {
     }
 
     /// Handles the start of a piece of motion.
-    fn open(&mut self, inputs: &DecisionInputs, course: &Course) {
-        let at = course.start();
-        if course.is_placed || self.feet.iter().all(VecDeque::is_empty) {
-            self.place(inputs, at, &course.pose(at));
+    fn open(&mut self, inputs: &DecisionInputs, piece: &MotionPiece) {
+        let at = piece.start();
+        if piece.is_placed || self.feet.iter().all(VecDeque::is_empty) {
+            self.place(inputs, at, &piece.pose(at));
         }
-        if !self.is_walking && !course.twist(at).is_zero() {
+        if !self.is_walking && !piece.twist(at).is_zero() {
             let index = orders_at(inputs.orders, at).gait;
             self.clocks.push((Clock::starting(at, &inputs.legs.gaits[index], index), SmoothValue::default()));
             self.is_walking = true;
@@ -351,8 +351,8 @@ impl Steps {
     /// Puts all feet at their neutral positions.
     fn place(&mut self, inputs: &DecisionInputs, at: Time, pose: &Pose) {
         for (leg, steps) in inputs.legs.legs.iter().zip(&mut self.feet) {
-            let place = pose.transform_point(leg.hip.truncate());
-            let from = Foothold { point: place.extend(inputs.ground.height(place)), heading: pose.heading.remainder() };
+            let hip = pose.transform_point(leg.hip.truncate());
+            let from = Foothold { point: hip.extend(inputs.ground.height(hip)), heading: pose.heading.remainder() };
             let goals = vec![(at, from, 0.0)];
             let (roll, stand) = (Time::ZERO, Time::ZERO);
             let (heel_off, lift_off, touch_down) = (at, at, at);
@@ -500,7 +500,7 @@ impl Steps {
             let (to_point, yaw) = hip_to_point(leg, &foot, pose, 0.0);
             let (sin, cos) = math::sin_cos(-yaw);
             let offset = DVec2::new(cos, sin).rotate(to_point.truncate());
-            (foot.point.z + leg.greatest_height(offset, foot.sole).unwrap_or(f64::NEG_INFINITY), yaw.abs())
+            (foot.point.z + leg.max_hip_height(offset, foot.sole).unwrap_or(f64::NEG_INFINITY), yaw.abs())
         };
         let (now, yaw_now) = state(&present.pose);
         let (then, yaw_then) = state(&present.pose.moved(present.twist.scaled(soon)));
@@ -527,24 +527,24 @@ impl Steps {
         let stands = (clock.next_slot(touch_down, slot) - touch_down).seconds();
         let then = |seconds| present.pose.moved(present.twist.scaled(seconds));
         let (at_touch_down, at_middle) = (then(seconds), then(seconds + 0.5 * stands));
-        let place = leg.hip.truncate();
-        let nearest = at_touch_down.transform_point(place);
-        let wanted = at_middle.transform_point(place + shift) - nearest;
-        let wanted = wanted.clamp_length_max(inputs.legs.excursion());
+        let hip = leg.hip.truncate();
+        let nearest = at_touch_down.transform_point(hip);
+        let excursion = at_middle.transform_point(hip + shift) - nearest;
+        let excursion = excursion.clamp_length_max(inputs.legs.excursion());
         let base = self.base(present.at, inputs.legs);
         let tallest = TALLEST_STEP * leg.hip.z;
         let heading = at_middle.heading.remainder();
         // Moves towards the body until the step is neither too high nor too deep.
         for tried in 0..=TRIED_PLACES {
-            let place = nearest + wanted * (1.0 - f64::from(tried) / f64::from(TRIED_PLACES));
-            let height = inputs.ground.height(place);
+            let hip = nearest + excursion * (1.0 - f64::from(tried) / f64::from(TRIED_PLACES));
+            let height = inputs.ground.height(hip);
             if (height - base).abs() <= tallest {
-                return Foothold { point: place.extend(height), heading };
+                return Foothold { point: hip.extend(height), heading };
             }
         }
-        let place = nearest + wanted;
-        let height = inputs.ground.height(place).clamp(base - tallest, base + tallest);
-        Foothold { point: place.extend(height), heading }
+        let hip = nearest + excursion;
+        let height = inputs.ground.height(hip).clamp(base - tallest, base + tallest);
+        Foothold { point: hip.extend(height), heading }
     }
 
     /// Mean height of the footholds at `at`.
@@ -600,8 +600,8 @@ impl Steps {
 
     fn stance(&self, legs: &Legs, natural: &[Option<NaturalGait>], ground: &Ground, at: Time, pose: &Pose) -> Stance {
         let rolling = |leg: &Leg| {
-            let place = pose.transform_point(leg.hip.truncate());
-            let point = place.extend(ground.height(place));
+            let hip = pose.transform_point(leg.hip.truncate());
+            let point = hip.extend(ground.height(hip));
             FootState { point, sole: Sole::default(), heading: pose.heading.remainder(), is_down: true }
         };
         let foot = |((leg, steps), natural): ((&Leg, &VecDeque<Step>), &Option<NaturalGait>)| match leg.wheel {
@@ -615,10 +615,10 @@ impl Steps {
             let (to_point, yaw) = hip_to_point(leg, foot, pose, 0.0);
             let (sin, cos) = math::sin_cos(-yaw);
             let offset = DVec2::new(cos, sin).rotate(to_point.truncate());
-            let most = foot.point.z + leg.greatest_height(offset, foot.sole).unwrap_or(0.0) - leg.hip.z;
+            let max_lift = foot.point.z + leg.max_hip_height(offset, foot.sole).unwrap_or(0.0) - leg.hip.z;
             // A foot in the air limits the body only near lift-off and touch-down.
             let weight = if foot.is_down { 1.0 } else { step_at(steps, at).nearness(at) };
-            lift = lift.min(free + (most - free).min(0.0) * weight);
+            lift = lift.min(free + (max_lift - free).min(0.0) * weight);
         }
         let joints_of = |(leg, foot): (&Leg, &FootState)| {
             let (to_point, yaw) = hip_to_point(leg, foot, pose, lift);
@@ -677,10 +677,10 @@ impl Step {
         if turn.length() <= max_shift {
             return goal;
         }
-        let place = last.point.truncate() + turn.clamp_length_max(max_shift);
+        let foot = last.point.truncate() + turn.clamp_length_max(max_shift);
         let tallest = (last.point.z - goal.point.z).abs();
-        let height = ground.height(place).clamp(last.point.z - tallest, last.point.z + tallest);
-        Foothold { point: place.extend(height), heading: goal.heading }
+        let height = ground.height(foot).clamp(last.point.z - tallest, last.point.z + tallest);
+        Foothold { point: foot.extend(height), heading: goal.heading }
     }
 
     /// Pitch of the foot at `at`, toes up, rad.
@@ -735,18 +735,18 @@ impl Step {
         let leaving = if self.pitch_at_lift_off() > 0.0 { -shape.heel } else { shape.toe };
         let ahead = leaving - (leaving + shape.heel) * smooth(part);
         let (start, target) = (self.from.ahead(leaving), goal.ahead(-shape.heel));
-        let way = natural.map_or(DVec2::ZERO, |natural| natural.way(part));
-        let gone = smooth(part) + (way.x - smooth(part)) * self.level.min(1.0);
-        let place = start.truncate().lerp(target.truncate(), gone);
+        let swing = natural.map_or(DVec2::ZERO, |natural| natural.swing_path(part));
+        let gone = smooth(part) + (swing.x - smooth(part)) * self.level.min(1.0);
+        let foot = start.truncate().lerp(target.truncate(), gone);
         let end = if part < 0.5 { start.z } else { target.z };
-        let height = end + (apex - end) * smooth(2.5 * part.min(1.0 - part)) + self.level * way.y;
+        let height = end + (apex - end) * smooth(2.5 * part.min(1.0 - part)) + self.level * swing.y;
         // Heel and toe stay above the line between the footholds.
         let sin = math::sin(pitch);
         let deepest = ((-shape.heel - ahead) * sin).min((shape.toe - ahead) * sin);
         let height = height.max(start.z + (target.z - start.z) * smooth(part) - deepest);
         let turn = Heading::default().turned(goal.heading - self.from.heading).remainder();
         FootState {
-            point: place.extend(height),
+            point: foot.extend(height),
             sole: Sole { ahead, pitch },
             heading: self.from.heading + turn * smooth(part),
             is_down: false,
@@ -764,15 +764,15 @@ impl Foothold {
 
 /// The step in force at `at`.
 fn step_at(steps: &VecDeque<Step>, at: Time) -> &Step {
-    let known = steps.iter().rev().find(|step| step.heel_off <= at).or(steps.front());
-    known.expect("a foot stands somewhere")
+    let current = steps.iter().rev().find(|step| step.heel_off <= at).or(steps.front());
+    current.expect("a foot stands somewhere")
 }
 
 /// State of the robot just before `at`.
-fn state_before(courses: &[Course], at: Time) -> BodyState {
-    let before = courses.iter().rev().find(|course| course.start() < at).or(courses.first());
-    let course = before.expect("a motion has a piece");
-    BodyState { at, pose: course.pose(at), twist: course.twist(at - Time(1)) }
+fn state_before(pieces: &[MotionPiece], at: Time) -> BodyState {
+    let before = pieces.iter().rev().find(|piece| piece.start() < at).or(pieces.first());
+    let piece = before.expect("a motion has a piece");
+    BodyState { at, pose: piece.pose(at), twist: piece.twist(at - Time(1)) }
 }
 
 /// Clearance height of a swing: highest ground between the footholds, plus step height and lift.
@@ -785,14 +785,14 @@ fn apex(inputs: &DecisionInputs, at: Time, leg: usize, from: &Foothold, goal: &F
     let (_, lift) = orders.corrections[leg];
     let highest = (1..ASKED_PLACES).map(between).fold(from.point.z.max(goal.point.z), f64::max);
     // A foot passes through ground that is higher than the leg can step over.
-    let most = from.point.z.max(goal.point.z) + TALLEST_STEP * inputs.legs.legs[leg].hip.z;
-    highest.min(most) + orders.step_height + lift
+    let max_height = from.point.z.max(goal.point.z) + TALLEST_STEP * inputs.legs.legs[leg].hip.z;
+    highest.min(max_height) + orders.step_height + lift
 }
 
 /// Returns true if a foot deviates from its neutral position by more than a tolerance, m and rad.
 fn is_away(foothold: &Foothold, leg: &Leg, pose: &Pose, tolerance: f64) -> bool {
-    let place = pose.transform_point(leg.hip.truncate());
-    (foothold.point.truncate() - place).length() > tolerance || foot_yaw(foothold, pose).abs() > tolerance
+    let hip = pose.transform_point(leg.hip.truncate());
+    (foothold.point.truncate() - hip).length() > tolerance || foot_yaw(foothold, pose).abs() > tolerance
 }
 
 /// Angle from the body to the foot.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Motion, Stage};
 use crate::{
-    drive::legged::{Course, Footfall, LegCommand, LegCommandError, Legs, Plan, Stance, Walk},
+    drive::legged::{Footfall, LegCommand, LegCommandError, Legs, MotionPiece, Plan, Stance, Walk},
     scene::Ground,
     time::Time,
 };
@@ -82,7 +82,7 @@ impl Plan for Motion {
         Motion::revision(self)
     }
 
-    fn courses(&mut self, from: Time, to: Time) -> Vec<Course> {
+    fn pieces(&mut self, from: Time, to: Time) -> Vec<MotionPiece> {
         let last = self.index_at(to);
         let first = self.stages.iter().rposition(|stage| stage.piece.start <= from).unwrap_or(0).min(last);
         for index in first..last {
@@ -91,7 +91,7 @@ impl Plan for Motion {
             stage.explore(&self.vehicle, &self.walls, (until - stage.piece.start).seconds());
         }
         let axis_offset = self.vehicle.model.axis_offset;
-        let course = |stage: &Stage| Course { piece: stage.piece, axis_offset, is_placed: stage.is_placed };
-        self.stages.range(first..=last).map(course).collect()
+        let piece = |stage: &Stage| MotionPiece { piece: stage.piece, axis_offset, is_placed: stage.is_placed };
+        self.stages.range(first..=last).map(piece).collect()
     }
 }

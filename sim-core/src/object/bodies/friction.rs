@@ -14,8 +14,8 @@ impl Velocity {
         if sliding <= speed {
             return Self::ZERO;
         }
-        let share = speed / sliding;
-        Self { linear: self.linear * (1.0 - share), omega: self.omega * (1.0 - ARM * share) }
+        let ratio = speed / sliding;
+        Self { linear: self.linear * (1.0 - ratio), omega: self.omega * (1.0 - ARM * ratio) }
     }
 }
 
@@ -41,8 +41,8 @@ mod tests {
             let mean = start.slowed(before, 1.0);
             let deceleration = whole / dt;
             let until = (speed / deceleration).min(dt);
-            let covered = speed * until - 0.5 * deceleration * until * until;
-            assert!((mean.linear.y * dt - covered).abs() < 1e-15, "{speed} m/s");
+            let distance = speed * until - 0.5 * deceleration * until * until;
+            assert!((mean.linear.y * dt - distance).abs() < 1e-15, "{speed} m/s");
             let end = mean.slowed(after, 1.0);
             assert!((end.linear.y - (speed - whole).max(0.0)).abs() < 1e-15, "{speed} m/s");
             assert!(speed > whole || end == Velocity::ZERO, "{speed} m/s ends at rest");

@@ -7,7 +7,7 @@ use crate::noise::{Purpose, Stream};
 const ALOHA: RadioModel =
     RadioModel { medium: Medium::Aloha, baud: BAUD, latency: Time::ZERO, range: None, line_of_sight: false };
 
-/// Share of the messages that robot 1 receives at an offered load `g`, and the half width of its 99.9 % interval.
+/// Fraction of the messages that robot 1 receives at an offered load `g`, and the half width of its 99.9 % interval.
 /// Messages begin at random, each from another robot; on average `g` messages begin during the transmission of one.
 ///
 /// Outcomes of neighbouring messages are correlated, so the variance is estimated between batches longer than any correlation.
@@ -37,7 +37,7 @@ fn heard(g: f64, slot: Time) -> (f64, f64) {
     }
     count(channel.exchange(Time::NEVER, sendings));
     let mean = batches.iter().sum::<f64>() / BATCHES as f64;
-    let variance = batches.iter().map(|share| (share - mean).powi(2)).sum::<f64>() / (BATCHES - 1) as f64;
+    let variance = batches.iter().map(|fraction| (fraction - mean).powi(2)).sum::<f64>() / (BATCHES - 1) as f64;
     // Student's quantile for 199 degrees of freedom.
     (mean, 3.34 * (variance / BATCHES as f64).sqrt())
 }
@@ -46,19 +46,25 @@ fn heard(g: f64, slot: Time) -> (f64, f64) {
 #[test]
 fn throughput_is_that_of_the_formula() {
     for g in [0.05, 0.2, 0.5, 1.0, 1.5] {
-        let (share, half) = heard(g, Time::from_millis(50));
+        let (fraction, half) = heard(g, Time::from_millis(50));
         let expected = exp(-2.0 * g);
-        assert!((share - expected).abs() < half, "S = {} +- {}, not {} at G = {g}", g * share, g * half, g * expected);
+        assert!(
+            (fraction - expected).abs() < half,
+            "S = {} +- {}, not {} at G = {g}",
+            g * fraction,
+            g * half,
+            g * expected
+        );
         assert!(half < 0.03 * expected.max(0.2), "the interval says something: {half}");
         // The test has power: slotted ALOHA lies outside the interval.
-        assert!((share - exp(-g)).abs() > half, "at G = {g}");
+        assert!((fraction - exp(-g)).abs() > half, "at G = {g}");
     }
 }
 
 #[test]
 fn the_length_of_a_slot_changes_no_collision() {
-    let shares = [Time(100), Time::from_millis(50), Time::from_millis(10_000)].map(|slot| heard(0.5, slot).0);
-    assert_eq!(shares, [shares[0]; 3]);
+    let fractions = [Time(100), Time::from_millis(50), Time::from_millis(10_000)].map(|slot| heard(0.5, slot).0);
+    assert_eq!(fractions, [fractions[0]; 3]);
 }
 
 /// Robots 1 and 3 are out of each other's reach; 2 receives both.
@@ -108,7 +114,7 @@ fn what_only_touches_does_not_overlap() {
         let mut channel = channel(ALOHA, Vec::new(), 1);
         let message = |from, at| sending(from, 1, Address::One(1), vec![1], Time(at));
         let fates = channel.exchange(Time::from_millis(50), vec![message(2, 0), message(3, air + gap)]);
-        [0, 1].map(|place: usize| fates[place].outcome.clone().map(|_| ()))
+        [0, 1].map(|index: usize| fates[index].outcome.clone().map(|_| ()))
     };
     assert_eq!(outcomes(0), [Ok(()), Ok(())]);
     assert_eq!(outcomes(-1), [Err(Loss::Collision), Err(Loss::Collision)]);

@@ -32,7 +32,7 @@ impl Pair {
             sendings.append(&mut station.take_sent());
         }
         let fates = self.channel.exchange(slot_end, sendings);
-        for (robot, sequence) in self.channel.take_left() {
+        for (robot, sequence) in self.channel.take_departed() {
             self.stations[robot.index()].has_left(sequence);
         }
         fates
@@ -213,7 +213,7 @@ fn messages_of_one_address_go_to_all_who_have_it() {
     channel.set_member(RobotId(3), None);
     let to =
         |address| channel.clone().exchange(Time(1), vec![sending(1, 1, Address::One(address), vec![], Time::ZERO)]);
-    let heard = |fates: Vec<Delivery>| fates.into_iter().map(|it| (it.to.0, it.outcome.err())).collect::<Vec<_>>();
-    assert_eq!(heard(to(7)), [(2, None), (4, Some(Loss::Baud))]);
-    assert_eq!([heard(to(2)), heard(to(3)), heard(to(4))], [const { &[(1, Some(Loss::Nobody))] }; 3]);
+    let outcomes = |fates: Vec<Delivery>| fates.into_iter().map(|it| (it.to.0, it.outcome.err())).collect::<Vec<_>>();
+    assert_eq!(outcomes(to(7)), [(2, None), (4, Some(Loss::Baud))]);
+    assert_eq!([outcomes(to(2)), outcomes(to(3)), outcomes(to(4))], [const { &[(1, Some(Loss::Nobody))] }; 3]);
 }

@@ -43,9 +43,9 @@ fn sample(errors: RadioNoise, count: usize) -> Sample {
 
 fn wrong_bits(arrived: &Arrived) -> Vec<u16> {
     let bytes = || arrived.payload.iter().enumerate().filter(|(_, byte)| **byte != 0);
-    let bits = |(place, byte): (usize, &u8)| {
+    let bits = |(index, byte): (usize, &u8)| {
         let byte = *byte;
-        (0..8).filter(move |bit| byte >> bit & 1 == 1).map(move |bit| (8 * place + bit) as u16)
+        (0..8).filter(move |bit| byte >> bit & 1 == 1).map(move |bit| (8 * index + bit) as u16)
     };
     let wrong: Vec<u16> = bytes().flat_map(bits).collect();
     assert_eq!(wrong.len(), arrived.bit_errors as usize);
@@ -64,32 +64,32 @@ fn verdicts(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
     found.push(("positions".to_owned(), chi_squared(&positions, &[errors as f64 / BITS as f64; BITS])));
 
     // Joining the messages without a gap keeps the gaps between errors geometric.
-    let places = messages
+    let wrong_bits = messages
         .iter()
         .enumerate()
         .flat_map(|(message, wrong)| wrong.iter().map(move |bit| (message * BITS + usize::from(*bit)) as u64));
-    let places: Vec<u64> = places.collect();
+    let wrong_bits: Vec<u64> = wrong_bits.collect();
     let longest = (10.0 / p) as usize + 2;
     let mut gaps = vec![0.0; longest];
-    places.windows(2).for_each(|pair| gaps[((pair[1] - pair[0] - 1) as usize).min(longest - 1)] += 1.0);
-    let mut left = places.len() as f64 - 1.0;
+    wrong_bits.windows(2).for_each(|pair| gaps[((pair[1] - pair[0] - 1) as usize).min(longest - 1)] += 1.0);
+    let mut remaining = wrong_bits.len() as f64 - 1.0;
     let mut expected = Vec::new();
     for _ in 1..longest {
-        expected.push(left * p);
-        left *= 1.0 - p;
+        expected.push(remaining * p);
+        remaining *= 1.0 - p;
     }
-    expected.push(left);
+    expected.push(remaining);
     found.push(("gaps".to_owned(), chi_squared(&gaps, &expected)));
 
     for lag in [1, 2, 7, 8, 16, BITS as u64] {
         let mut pairs = 0;
         let mut ahead = 0;
-        for (place, bit) in places.iter().enumerate() {
-            ahead = ahead.max(place);
-            while ahead < places.len() && places[ahead] < bit + lag {
+        for (index, bit) in wrong_bits.iter().enumerate() {
+            ahead = ahead.max(index);
+            while ahead < wrong_bits.len() && wrong_bits[ahead] < bit + lag {
                 ahead += 1;
             }
-            pairs += u64::from(places.get(ahead) == Some(&(bit + lag)));
+            pairs += u64::from(wrong_bits.get(ahead) == Some(&(bit + lag)));
         }
         found.push((format!("bits {lag} apart"), binomial(pairs, bits - lag, p * p)));
     }
@@ -158,13 +158,13 @@ fn the_same_tests_catch_biased_generators() {
     });
     // The gaps are sums of two dice: the error rate is right, but the distribution of the gaps is wrong.
     let regular: Vec<Vec<u16>> = {
-        let mut places = vec![Vec::new(); 20_000];
-        let (mut place, mut dice) = (0, Random::new(8));
-        while place < 20_000 * BITS {
-            places[place / BITS].push((place % BITS) as u16);
-            place += 1 + dice.below(100) + dice.below(100);
+        let mut errors = vec![Vec::new(); 20_000];
+        let (mut bit_index, mut dice) = (0, Random::new(8));
+        while bit_index < 20_000 * BITS {
+            errors[bit_index / BITS].push((bit_index % BITS) as u16);
+            bit_index += 1 + dice.below(100) + dice.below(100);
         }
-        places
+        errors
     };
     let catches = |messages: &[Vec<u16>], test: &str| {
         let all = verdicts(messages, P);
@@ -196,18 +196,18 @@ fn receivers_senders_and_messages_draw_independently() {
         // Robots 1 and 2 send to all: 3 and 4 receive both, with the same message numbers.
         let of = |from| sending(from, message + 1, Address::All, vec![0; BITS / 8], Time::ZERO);
         for delivery in channel.exchange(Time::ZERO, vec![of(1), of(2)]) {
-            let place = match (delivery.from.0, delivery.to.0) {
+            let index = match (delivery.from.0, delivery.to.0) {
                 (1, 3) => 0,
                 (1, 4) => 1,
                 (2, 3) => 2,
                 (2, 4) => 3,
                 _ => continue,
             };
-            heard[message as usize][place] = Some(delivery.outcome.ok().map(|arrived| arrived.bit_errors));
+            heard[message as usize][index] = Some(delivery.outcome.ok().map(|arrived| arrived.bit_errors));
         }
     }
-    let column = |place: usize, of: fn(Option<u32>) -> f64| -> Vec<f64> {
-        heard.iter().map(|fates| of(fates[place].expect("each is decided"))).collect()
+    let column = |index: usize, of: fn(Option<u32>) -> f64| -> Vec<f64> {
+        heard.iter().map(|fates| of(fates[index].expect("each is decided"))).collect()
     };
     let is_lost = |fate: Option<u32>| f64::from(u8::from(fate.is_none()));
     for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {

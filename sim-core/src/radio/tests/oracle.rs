@@ -164,12 +164,12 @@ impl Oracle<'_> {
             }
             Deed::Read => {
                 let inbox = &mut self.inbox[robot.index()];
-                let first = (0..inbox.len()).min_by_key(|place| {
-                    let it = &inbox[*place];
+                let first = (0..inbox.len()).min_by_key(|index| {
+                    let it = &inbox[*index];
                     (it.arrives, it.from, it.sequence)
                 });
-                if let Some(place) = first.filter(|_| self.on.contains_key(&robot)) {
-                    let message = inbox.remove(place);
+                if let Some(index) = first.filter(|_| self.on.contains_key(&robot)) {
+                    let message = inbox.remove(index);
                     self.story.read.push((self.now, robot, message.from, message.sequence));
                 }
             }
@@ -186,15 +186,15 @@ impl Oracle<'_> {
             self.story.fates.push(Delivery { outcome: fate.outcome.and(Err(Loss::Off)), ..fate });
         }
         let slot_start = self.now.floor_to(self.schedule.slot);
-        let is_kept = |place: &usize| self.schedule.model.medium == Medium::Free && self.sent[*place].at < slot_start;
+        let is_kept = |index: &usize| self.schedule.model.medium == Medium::Free && self.sent[*index].at < slot_start;
         let queue = std::mem::take(&mut self.queues[robot.index()]);
         self.queues[robot.index()] = queue.iter().copied().filter(is_kept).collect();
         // The reported arrival assumes that the transmission begins as soon as the transmitter is free.
         let mut free = self.sent.iter().filter(|sent| sent.from == robot).filter_map(Self::ends).max();
-        for place in queue {
-            let is_kept = self.queues[robot.index()].contains(&place);
+        for index in queue {
+            let is_kept = self.queues[robot.index()].contains(&index);
             let slot_end = slot_start + self.schedule.slot;
-            let sent = &mut self.sent[place];
+            let sent = &mut self.sent[index];
             let begins = match self.schedule.model.medium {
                 Medium::TokenRing => slot_end,
                 _ => free.map_or(sent.at, |free| free.max(sent.at)),
@@ -203,13 +203,13 @@ impl Oracle<'_> {
             free = Some(ends);
             if !is_kept {
                 sent.is_decided = true;
-                self.tell_sender(place, ends, slot_end, Loss::Unsent);
+                self.tell_sender(index, ends, slot_end, Loss::Unsent);
             }
         }
     }
 
-    fn tell_sender(&mut self, place: usize, ends: Time, visible: Time, loss: Loss) {
-        let sent = &self.sent[place];
+    fn tell_sender(&mut self, index: usize, ends: Time, visible: Time, loss: Loss) {
+        let sent = &self.sent[index];
         self.coming[sent.from.index()].push(Delivery {
             to: sent.from,
             from: sent.from,
@@ -229,8 +229,8 @@ impl Oracle<'_> {
         for robot in 0..self.queues.len() {
             let own = self.sent.iter().filter(|sent| sent.from.index() == robot);
             let is_busy = own.filter_map(Self::ends).any(|ends| ends > self.now);
-            if !is_busy && let Some(place) = self.queues[robot].pop_front() {
-                self.sent[place].begins = Some(self.now);
+            if !is_busy && let Some(index) = self.queues[robot].pop_front() {
+                self.sent[index].begins = Some(self.now);
             }
         }
     }
@@ -241,13 +241,13 @@ impl Oracle<'_> {
         if at != self.now {
             return;
         }
-        let place = self.ring.iter().position(|(robot, _)| *robot == owner).expect("it is in the ring");
-        let mut frame = Self::duration(0, self.ring[place].1);
+        let index = self.ring.iter().position(|(robot, _)| *robot == owner).expect("it is in the ring");
+        let mut frame = Self::duration(0, self.ring[index].1);
         if let Some(message) = self.queues[owner.index()].pop_front() {
             self.sent[message].begins = Some(at);
             frame = Self::duration(self.sent[message].payload.len(), self.sent[message].baud);
         }
-        let (next, _) = self.ring[(place + 1) % self.ring.len()];
+        let (next, _) = self.ring[(index + 1) % self.ring.len()];
         let RadioNoise { bit_error_rate, packet_loss } = self.schedule.errors[next.index()];
         let mut risk = 0.0;
         if self.ring.len() > 1 {
@@ -277,17 +277,17 @@ impl Oracle<'_> {
         let is_on_air = |sent: &Sent| {
             sent.begins.is_some_and(|begins| begins <= self.now) && Self::ends(sent).is_some_and(|ends| ends > self.now)
         };
-        let on_air: Vec<usize> = (0..self.sent.len()).filter(|place| is_on_air(&self.sent[*place])).collect();
+        let on_air: Vec<usize> = (0..self.sent.len()).filter(|index| is_on_air(&self.sent[*index])).collect();
         for receiver in (0..self.queues.len()).map(RobotId::from_index) {
-            let is_heard = |place: &&usize| {
-                let from = self.sent[**place].from;
+            let is_heard = |index: &&usize| {
+                let from = self.sent[**index].from;
                 let reaches = |(robot, _): &(RobotId, Loss)| *robot != receiver;
                 from == receiver || self.schedule.out_of_reach[from.index()].iter().all(reaches)
             };
-            let heard: Vec<usize> = on_air.iter().filter(is_heard).copied().collect();
-            for place in &on_air {
-                if heard.iter().any(|other| other != place) {
-                    self.sent[*place].disturbed.insert(receiver);
+            let audible: Vec<usize> = on_air.iter().filter(is_heard).copied().collect();
+            for index in &on_air {
+                if audible.iter().any(|other| other != index) {
+                    self.sent[*index].disturbed.insert(receiver);
                 }
             }
         }
@@ -309,10 +309,10 @@ impl Oracle<'_> {
         }
         // A free medium takes every message at once; its transmitters then work through them independently.
         let mut free = vec![Time::ZERO; self.queues.len()];
-        for place in 0..self.sent.len() {
-            let sent = &self.sent[place];
+        for index in 0..self.sent.len() {
+            let sent = &self.sent[index];
             let duration = Self::duration(sent.payload.len(), sent.baud);
-            let is_kept = sent.begins.is_some() || self.queues[sent.from.index()].contains(&place);
+            let is_kept = sent.begins.is_some() || self.queues[sent.from.index()].contains(&index);
             let ends = match model.medium {
                 Medium::Free => sent.begins.unwrap_or(free[sent.from.index()].max(sent.at)) + duration,
                 _ => Self::ends(sent).unwrap_or(Time::NEVER),
@@ -322,18 +322,18 @@ impl Oracle<'_> {
             }
             let is_due = model.medium == Medium::Free || ends + model.latency <= self.now;
             if is_kept && !sent.is_decided && is_due {
-                self.sent[place].is_decided = true;
-                self.decide(place, ends);
+                self.sent[index].is_decided = true;
+                self.decide(index, ends);
             }
         }
     }
 
-    fn decide(&mut self, place: usize, ends: Time) {
+    fn decide(&mut self, index: usize, ends: Time) {
         let arrives = ends + self.schedule.model.latency;
         let visible = arrives.max(self.now);
         let mut is_nobody = true;
         for (robot, (address, baud)) in self.on.clone() {
-            let sent = &self.sent[place];
+            let sent = &self.sent[index];
             if robot == sent.from || (sent.to != Address::All && sent.to != Address::One(address)) {
                 continue;
             }
@@ -361,7 +361,7 @@ impl Oracle<'_> {
             self.coming[robot.index()].push(Delivery { to: robot, from, address, sequence, arrives, visible, outcome });
         }
         if is_nobody {
-            self.tell_sender(place, ends, visible, Loss::Nobody);
+            self.tell_sender(index, ends, visible, Loss::Nobody);
         }
     }
 }

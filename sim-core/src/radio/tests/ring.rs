@@ -53,8 +53,8 @@ fn saturated(errors: RadioNoise, count: u32, each: u64) -> Vec<(u32, Time, Time)
 fn one_at_a_time_sends_and_all_in_turn() {
     let sent = saturated(RadioNoise::default(), 7, 30);
     assert_eq!(sent[0].1, start(7));
-    for (place, pair) in sent.windows(2).enumerate() {
-        assert_eq!(pair[0].0, place as u32 % 7 + 1, "in the order of their numbers");
+    for (index, pair) in sent.windows(2).enumerate() {
+        assert_eq!(pair[0].0, index as u32 % 7 + 1, "in the order of their numbers");
         assert_eq!(pair[1].1, pair[0].2, "who has sent hands the token on with it");
     }
 }
@@ -65,16 +65,16 @@ fn a_lost_token_is_made_anew_and_nobody_starves() {
         let radio = RadioNoise { bit_error_rate, packet_loss };
         let sent = saturated(radio, 5, 400);
         let mut lost = 0;
-        for (place, pair) in sent.windows(2).enumerate() {
-            assert_eq!(pair[0].0, place as u32 % 5 + 1, "whoever missed the token is next");
+        for (index, pair) in sent.windows(2).enumerate() {
+            assert_eq!(pair[0].0, index as u32 % 5 + 1, "whoever missed the token is next");
             let silence = pair[1].1 - pair[0].2;
             let is_lost = silence > Time::ZERO;
             assert!(!is_lost || silence == Time((SILENCE + 5) * frame().0), "{silence}");
             lost += u64::from(is_lost);
         }
-        let heard = (1.0 - packet_loss) * f64::powi(1.0 - bit_error_rate, 56);
-        let p = binomial(lost, sent.len() as u64 - 1, 1.0 - heard);
-        assert!(p > 0.001, "{lost} tokens lost of {} at {heard}: {p}", sent.len());
+        let success_rate = (1.0 - packet_loss) * f64::powi(1.0 - bit_error_rate, 56);
+        let p = binomial(lost, sent.len() as u64 - 1, 1.0 - success_rate);
+        assert!(p > 0.001, "{lost} tokens lost of {} at {success_rate}: {p}", sent.len());
     }
 }
 
@@ -197,7 +197,7 @@ fn the_buffer_is_free_once_a_message_was_sent() {
     for slot in 0..3 {
         time += SLOT;
         channel.exchange(time, if slot == 0 { sendings.clone() } else { Vec::new() });
-        for (robot, sequence) in channel.take_left() {
+        for (robot, sequence) in channel.take_departed() {
             assert_eq!(robot, RobotId(1));
             station.has_left(sequence);
             left.push((sequence, slot));

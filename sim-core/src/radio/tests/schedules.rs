@@ -57,7 +57,7 @@ fn run(schedule: &Schedule, manner: Manner) -> Story {
         for delivery in channel.exchange(slot_end, sendings) {
             stations[delivery.to.index()].deliver(delivery);
         }
-        channel.take_left().into_iter().for_each(|(robot, sequence)| stations[robot.index()].has_left(sequence));
+        channel.take_departed().into_iter().for_each(|(robot, sequence)| stations[robot.index()].has_left(sequence));
         let next_visible = stations.iter().map(Station::next_visible).min().unwrap_or(Time::NEVER);
         let next_deed = deeds.peek().map_or(Time::NEVER, |(at, ..)| *at);
         let due = next_visible.min(next_deed).min(channel.due());

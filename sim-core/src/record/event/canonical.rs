@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{ActionText, Numbers, Obstacle, Outcome};
+use super::{ActionText, FloatList, Obstacle, Outcome};
 
 /// A type of event fields that writes its postcard form.
 pub trait Canonical {
@@ -107,7 +107,7 @@ macro_rules! by_postcard {
         }
     )*};
 }
-by_postcard!(Outcome Obstacle ActionText<'_> Numbers<'_>);
+by_postcard!(Outcome Obstacle ActionText<'_> FloatList<'_>);
 
 /// Appends the postcard form of `value` to `bytes`.
 fn append(value: &impl Serialize, bytes: &mut Vec<u8>) {
@@ -150,7 +150,7 @@ mod tests {
         [Outcome::Finished, Outcome::Removed].into_iter().for_each(check);
         [Obstacle::Wall, Obstacle::Robot(300), Obstacle::Object(1)].into_iter().for_each(check);
         check(ActionText("{}"));
-        check(Numbers::new(&[1.5_f64.to_le_bytes()]));
+        check(FloatList::new(&[1.5_f64.to_le_bytes()]));
     }
 
     #[test]

@@ -85,9 +85,9 @@ impl Serialize for ActionText<'_> {
 
 /// A list of numbers: little-endian bytes of `f64` in the canonical form, JSON numbers in the trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub struct Numbers<'a>(&'a [u8]);
+pub struct FloatList<'a>(&'a [u8]);
 
-impl<'a> Numbers<'a> {
+impl<'a> FloatList<'a> {
     /// The list with these bytes.
     pub fn new(bytes: &'a [[u8; 8]]) -> Self {
         Self(bytes.as_flattened())
@@ -99,12 +99,12 @@ impl<'a> Numbers<'a> {
     }
 }
 
-impl Serialize for Numbers<'_> {
+impl Serialize for FloatList<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if serializer.is_human_readable() {
             serializer.collect_seq(self.iter())
         } else {
-            serializer.serialize_newtype_struct("Numbers", self.0)
+            serializer.serialize_newtype_struct("FloatList", self.0)
         }
     }
 }

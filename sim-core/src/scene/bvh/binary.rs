@@ -53,8 +53,8 @@ impl Binary {
             next += 1;
         }
         let mut binary = Self { subtrees, order };
-        for place in (0..binary.subtrees.len()).rev() {
-            binary.subtrees[place].best = binary.cheapest_collapse(place, batch_cost);
+        for index in (0..binary.subtrees.len()).rev() {
+            binary.subtrees[index].best = binary.cheapest_collapse(index, batch_cost);
         }
         binary
     }
@@ -85,8 +85,8 @@ impl Binary {
     }
 
     /// Computes the cheapest collapse of a subtree. Source: Ylitie, Karras and Laine 2017, section 3.1.
-    fn cheapest_collapse(&self, place: usize, batch_cost: f32) -> Collapse {
-        let fork = &self.subtrees[place];
+    fn cheapest_collapse(&self, index: usize, batch_cost: f32) -> Collapse {
+        let fork = &self.subtrees[index];
         let area = fork.bounds.half_area();
         let batch = area * batch_cost;
         let Some(left) = fork.left else {
@@ -95,12 +95,12 @@ impl Binary {
         let mut best = Collapse::default();
         // Indexed by the number of parts.
         let mut costs = [f32::INFINITY; WIDTH + 1];
-        for (parts, least) in costs.iter_mut().enumerate().skip(2) {
+        for (parts, min_cost) in costs.iter_mut().enumerate().skip(2) {
             for left_parts in 1..parts {
                 let cost = self.subtrees[left].best.costs[left_parts - 1]
                     + self.subtrees[left + 1].best.costs[parts - left_parts - 1];
-                if cost < *least {
-                    *least = cost;
+                if cost < *min_cost {
+                    *min_cost = cost;
                     best.left_parts[parts - 2] = left_parts;
                 }
             }
@@ -121,7 +121,7 @@ impl Binary {
 
 impl Subtree {
     fn new(boxes: &[Box3], order: &[usize], range: Range<usize>) -> Self {
-        let bounds = order[range.clone()].iter().fold(Box3::EMPTY, |bounds, &place| bounds.union(boxes[place]));
+        let bounds = order[range.clone()].iter().fold(Box3::EMPTY, |bounds, &index| bounds.union(boxes[index]));
         Self { bounds, range, left: None, best: Collapse::default() }
     }
 }
@@ -132,18 +132,18 @@ impl Subtree {
 /// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007. If all middles coincide, the
 /// boxes are split in half by count.
 fn split(boxes: &[Box3], order: &mut [usize]) -> usize {
-    let middles = order.iter().fold(Box3::EMPTY, |all, &place| all.union(Box3::at(boxes[place].middle())));
+    let middles = order.iter().fold(Box3::EMPTY, |all, &index| all.union(Box3::at(boxes[index].middle())));
     let size = middles.high - middles.low;
-    let bin = |place: usize, axis: usize| {
-        let share = (boxes[place].middle()[axis] - middles.low[axis]) / size[axis];
-        ((share * BINS as f32) as usize).min(BINS - 1)
+    let bin = |index: usize, axis: usize| {
+        let fraction = (boxes[index].middle()[axis] - middles.low[axis]) / size[axis];
+        ((fraction * BINS as f32) as usize).min(BINS - 1)
     };
     let mut best = (f32::INFINITY, 0, 0);
     for axis in (0..3).filter(|&axis| size[axis] > 0.0) {
         let mut bins = [(Box3::EMPTY, 0_usize); BINS];
-        for &place in &*order {
-            let (bounds, count) = &mut bins[bin(place, axis)];
-            *bounds = bounds.union(boxes[place]);
+        for &index in &*order {
+            let (bounds, count) = &mut bins[bin(index, axis)];
+            *bounds = bounds.union(boxes[index]);
             *count += 1;
         }
         let mut above = [(Box3::EMPTY, 0_usize); BINS + 1];
@@ -167,9 +167,9 @@ fn split(boxes: &[Box3], order: &mut [usize]) -> usize {
         return order.len() / 2;
     }
     let mut first = 0;
-    for place in 0..order.len() {
-        if bin(order[place], axis) < at {
-            order.swap(first, place);
+    for index in 0..order.len() {
+        if bin(order[index], axis) < at {
+            order.swap(first, index);
             first += 1;
         }
     }

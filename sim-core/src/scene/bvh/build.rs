@@ -76,8 +76,9 @@ impl Builder<'_> {
         let middle = |position: &usize| self.boxes[*position].low[axis] + self.boxes[*position].high[axis];
         positions.sort_by(|one, other| middle(one).total_cmp(&middle(other)));
         let node = self.reserve(depth);
-        let share = positions.len().div_ceil(WIDTH);
-        let children: Vec<_> = positions.chunks(share).map(|part| self.balanced(part.to_vec(), depth + 1)).collect();
+        let per_child = positions.len().div_ceil(WIDTH);
+        let children: Vec<_> =
+            positions.chunks(per_child).map(|part| self.balanced(part.to_vec(), depth + 1)).collect();
         self.fill(node, &children)
     }
 

@@ -10,7 +10,7 @@ pub(super) struct Frame {
     pub low: DVec3,
     pub high: DVec3,
     /// Maximum absolute coordinate of the mesh, m.
-    pub greatest_coordinate: f64,
+    pub max_coordinate: f64,
     /// Middle of the mesh.
     pub centre: DVec3,
     /// Half extents of the bounds around `centre`, rounded up.
@@ -37,10 +37,10 @@ impl Frame {
         let (low, high) = corners.fold((first, first), |(low, high), corner| (low.min(corner), high.max(corner)));
         let centre = 0.5 * low + 0.5 * high;
         let half = (high - centre).max(centre - low);
-        let greatest_coordinate = low.abs().max(high.abs()).max_element();
+        let max_coordinate = low.abs().max(high.abs()).max_element();
         // Power of two that scales `half` to [0.5, 1).
         let exponent = half.max_element().max(1e-280).to_bits() >> 52;
-        Some(Self { low, high, greatest_coordinate, centre, half, scale: f64::from_bits((2045 - exponent) << 52) })
+        Some(Self { low, high, max_coordinate, centre, half, scale: f64::from_bits((2045 - exponent) << 52) })
     }
 
     /// A point of the mesh's frame in tree coordinates.

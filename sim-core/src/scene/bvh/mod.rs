@@ -71,9 +71,10 @@ impl MeshIndex {
 
     fn at_level(triangles: &[[DVec3; 3]], level: Level) -> Self {
         assert!(triangles.len() < 1 << 28, "a mesh has fewer than 2^28 triangles");
-        let met: Vec<u32> = (0..).zip(triangles).filter(|(_, corners)| has_area(corners)).map(|(at, _)| at).collect();
-        let frame = Frame::around(met.iter().flat_map(|&at| triangles[at as usize]));
-        let tree = frame.map_or_else(Tree::default, |frame| build::tree(triangles, &met, &frame));
+        let candidates: Vec<u32> =
+            (0..).zip(triangles).filter(|(_, corners)| has_area(corners)).map(|(at, _)| at).collect();
+        let frame = Frame::around(candidates.iter().flat_map(|&at| triangles[at as usize]));
+        let tree = frame.map_or_else(Tree::default, |frame| build::tree(triangles, &candidates, &frame));
         Self { count: triangles.len(), frame, tree, level }
     }
 
@@ -105,7 +106,7 @@ impl MeshIndex {
         let mut ray = Ray::new(&entry, direction, reciprocal, range - entry.distance, frame);
         walk::nearest(self.level, &self.tree, frame, &mut ray);
         let nearest = ray.nearest()?;
-        let (batch, lane) = nearest.place;
+        let (batch, lane) = nearest.batch_lane;
         let normal = normal(&self.tree.batches[batch].corners[lane], direction);
         Some(MeshHit { distance: (entry.distance + nearest.distance).min(range), triangle: nearest.triangle, normal })
     }

@@ -42,12 +42,12 @@ pub(super) struct Child(pub u32);
 const BATCH: u32 = 1 << 31;
 
 impl Child {
-    pub fn node(place: usize) -> Self {
-        Self(u32::try_from(place).expect("fewer than 2^28 triangles"))
+    pub fn node(index: usize) -> Self {
+        Self(u32::try_from(index).expect("fewer than 2^28 triangles"))
     }
 
-    pub fn batch(place: usize) -> Self {
-        Self(u32::try_from(place).expect("fewer than 2^28 triangles") | BATCH)
+    pub fn batch(index: usize) -> Self {
+        Self(u32::try_from(index).expect("fewer than 2^28 triangles") | BATCH)
     }
 
     /// Index into the tree's batches; `None` for a node.

@@ -15,9 +15,9 @@ pub(super) struct Ray {
     /// Metres on the first two axes per metre on the last.
     shear: [f64; 2],
     /// Metres along the ray per metre on the last axis.
-    stretch: f64,
+    length_per_axis: f64,
     /// Maximum absolute coordinate of origin and mesh, m.
-    greatest_coordinate: f64,
+    max_coordinate: f64,
     /// Tree units per metre.
     scale: f64,
     nearest: Nearest,
@@ -29,7 +29,7 @@ pub(super) struct Nearest {
     pub distance: f64,
     /// Number of the triangle; [`NO_TRIANGLE`] without a hit.
     pub triangle: u32,
-    pub place: (usize, usize),
+    pub batch_lane: (usize, usize),
 }
 
 /// Distance behind the origin, in tree units, within which a hit may mean that the origin lies on the surface.
@@ -76,17 +76,17 @@ impl Ray {
             2
         };
         let axes = [(last + 1) % 3, (last + 2) % 3, last];
-        let stretch = reciprocal[last];
+        let length_per_axis = reciprocal[last];
         Self {
             origin: entry.origin,
             direction,
             reciprocal,
             axes,
-            shear: [direction[axes[0]] * stretch, direction[axes[1]] * stretch],
-            stretch,
-            greatest_coordinate: entry.origin.abs().max_element().max(frame.greatest_coordinate),
+            shear: [direction[axes[0]] * length_per_axis, direction[axes[1]] * length_per_axis],
+            length_per_axis,
+            max_coordinate: entry.origin.abs().max_element().max(frame.max_coordinate),
             scale: frame.scale,
-            nearest: Nearest { distance: range, triangle: NO_TRIANGLE, place: (0, 0) },
+            nearest: Nearest { distance: range, triangle: NO_TRIANGLE, batch_lane: (0, 0) },
         }
     }
 
@@ -110,15 +110,15 @@ impl Ray {
         Some(&self.nearest).filter(|nearest| nearest.triangle != NO_TRIANGLE)
     }
 
-    /// Tests a triangle and records it if it is the nearest; ties in distance go to the lowest number. `place` tells
+    /// Tests a triangle and records it if it is the nearest; ties in distance go to the lowest number. `batch_lane` gives
     /// the caller where the triangle is stored.
     #[inline(always)]
-    pub fn test(&mut self, corners: &[DVec3; 3], triangle: u32, place: (usize, usize)) {
-        let Nearest { distance: least, triangle: first, .. } = self.nearest;
+    pub fn test(&mut self, corners: &[DVec3; 3], triangle: u32, batch_lane: (usize, usize)) {
+        let Nearest { distance: min_distance, triangle: first, .. } = self.nearest;
         if let Some(distance) = self.meets(corners)
-            && (distance < least || distance == least && triangle < first)
+            && (distance < min_distance || distance == min_distance && triangle < first)
         {
-            self.nearest = Nearest { distance, triangle, place };
+            self.nearest = Nearest { distance, triangle, batch_lane };
         }
     }
 
@@ -136,7 +136,7 @@ impl Ray {
         }
         let area = u + v + w;
         let spread = a.spread().max(b.spread()).max(c.spread());
-        let ahead = self.stretch * ((u * a.z + v * b.z + w * c.z) / area);
+        let ahead = self.length_per_axis * ((u * a.z + v * b.z + w * c.z) / area);
         let distance =
             if area.abs() <= SLIVER * spread * spread { self.through_sliver([a, b, c], spread, ahead)? } else { ahead };
         if distance >= 0.0 { Some(distance) } else { self.starts_on(corners, distance).then_some(0.0) }
@@ -153,7 +153,7 @@ impl Ray {
     #[cold]
     fn starts_on(&self, corners: &[DVec3; 3], distance: f64) -> bool {
         let normal = super::normal(corners, self.direction);
-        let touch = (4.0 * f64::EPSILON * self.greatest_coordinate).min(ORIGIN_ROUNDING / self.scale);
+        let touch = (4.0 * f64::EPSILON * self.max_coordinate).min(ORIGIN_ROUNDING / self.scale);
         distance >= -ORIGIN_DEPTH / self.scale && normal.dot(corners[0] - self.origin).abs() <= touch
     }
 
@@ -190,7 +190,7 @@ impl Ray {
                 let z = from.z + (start / (start - end)).clamp(0.0, 1.0) * (to.z - from.z);
                 (z, z)
             };
-            for distance in [self.stretch * first, self.stretch * last] {
+            for distance in [self.length_per_axis * first, self.length_per_axis * last] {
                 near = near.min(distance);
                 far = far.max(distance);
             }

@@ -12,8 +12,8 @@ type Triangle = [DVec3; 3];
 fn unit(random: &mut Random) -> DVec3 {
     let z = random.between(-1.0, 1.0);
     let (sin, cos) = math::sin_cos(random.between(0.0, TAU));
-    let flat = (1.0 - z * z).sqrt();
-    DVec3::new(flat * cos, flat * sin, z).normalize_or(DVec3::Z)
+    let horizontal = (1.0 - z * z).sqrt();
+    DVec3::new(horizontal * cos, horizontal * sin, z).normalize_or(DVec3::Z)
 }
 
 fn point(random: &mut Random, reach: f64) -> DVec3 {
@@ -183,13 +183,16 @@ fn nothing_is_lost_from_far_away() {
             from.z = 1.0;
             let from = from.normalize_or_zero();
             let hit = cast(&levels, target + far * from, -from, f64::INFINITY).expect("the hills have no holes");
-            let met = target + (far - hit.distance) * from;
+            let hit_point = target + (far - hit.distance) * from;
             let truth =
                 oracle::nearest_triangle(&levels.triangles, target + 30.0 * from, -from, 60.0, 1e-12).unwrap().0;
             let expected = target + (30.0 - truth) * from;
             // If a grazing ray hits two slopes, rounding of the origin may choose either.
             let grazing = hit.normal.dot(from) < 0.05;
-            assert!(grazing || (met - expected).length() < 1e-14 * far + 1e-9, "{far}: {met} for {expected}");
+            assert!(
+                grazing || (hit_point - expected).length() < 1e-14 * far + 1e-9,
+                "{far}: {hit_point} for {expected}"
+            );
         }
     }
 }
@@ -248,8 +251,8 @@ fn no_ray_slips_through_a_shared_edge() {
 #[test]
 fn vertical_rays_through_the_corners_of_a_grid_meet_it() {
     let levels = levels(&hills(12));
-    for place in 0..13 * 13 {
-        let (x, y) = (f64::from(place % 13), f64::from(place / 13));
+    for index in 0..13 * 13 {
+        let (x, y) = (f64::from(index % 13), f64::from(index / 13));
         let height = math::sin(0.7 * x) + math::cos(0.4 * y + 0.3 * x);
         for (origin, direction) in [(10.0, -DVec3::Z), (-10.0, DVec3::Z)] {
             let hit = cast(&levels, DVec3::new(x, y, origin), direction, 50.0).expect("corners belong to triangles");
@@ -266,8 +269,8 @@ fn of_equal_triangles_the_first_is_met() {
     triangles.extend(copy.iter().map(|&[a, b, c]| [b, c, a]));
     let levels = levels(&triangles);
     let mut random = Random::new(16);
-    let met = (0..500).filter_map(|_| cast(&levels, point(&mut random, 3.0), unit(&mut random), 9.0));
-    let numbers: Vec<u32> = met.map(|hit| hit.triangle % 60).collect();
+    let hits = (0..500).filter_map(|_| cast(&levels, point(&mut random, 3.0), unit(&mut random), 9.0));
+    let numbers: Vec<u32> = hits.map(|hit| hit.triangle % 60).collect();
     assert!(numbers.len() > 100 && numbers.iter().all(|&number| number < 30), "{numbers:?}");
 }
 
@@ -335,8 +338,8 @@ fn a_ray_that_starts_on_a_surface_is_there() {
 
 #[test]
 fn a_ray_within_a_triangles_plane_meets_it_where_it_enters() {
-    let flat = [[DVec3::new(1.0, -1.0, 0.5), DVec3::new(3.0, 0.0, 0.5), DVec3::new(1.0, 1.0, 0.5)]];
-    let levels = levels(&flat);
+    let triangle = [[DVec3::new(1.0, -1.0, 0.5), DVec3::new(3.0, 0.0, 0.5), DVec3::new(1.0, 1.0, 0.5)]];
+    let levels = levels(&triangle);
     let cast = |x: f64, y: f64, direction| cast(&levels, DVec3::new(x, y, 0.5), direction, 9.0);
     let distance = |x, y, direction| cast(x, y, direction).map(|hit| hit.distance);
     assert_eq!(distance(0.0, 0.0, DVec3::X), Some(1.0));
@@ -367,10 +370,10 @@ fn slivers_are_met_within_themselves() {
             if let Some(hit) = cast(&levels, origin, direction, 20.0) {
                 let [a, b, _] = triangles[hit.triangle as usize];
                 let (met, along) = (origin + hit.distance * direction, (b - a).normalize_or_zero());
-                let aside = (met - a).reject_from(along).length();
+                let distance = (met - a).reject_from(along).length();
                 // For a ray almost along the sliver, the position of the hit along it is undetermined.
                 let grazing = direction.cross(along).length() < 1e-3;
-                assert!(grazing || aside < thickness + 1e-9, "{aside} from a sliver of {thickness}");
+                assert!(grazing || distance < thickness + 1e-9, "{distance} from a sliver of {thickness}");
             }
         }
     }
@@ -399,11 +402,12 @@ fn a_room_is_as_large_as_it_is_at_any_pose() {
         let size = DVec3::new(4.0, 3.0, 2.5);
         let index = MeshIndex::new(&cuboid(low, low + size));
         for _ in 0..5000 {
-            let share = DVec3::new(random.between(0.01, 0.99), random.between(0.01, 0.99), random.between(0.01, 0.99));
-            let (origin, direction) = (low + share * size, unit(&mut random));
-            let expected = (0..3).fold(f64::INFINITY, |least: f64, axis| {
+            let fractions =
+                DVec3::new(random.between(0.01, 0.99), random.between(0.01, 0.99), random.between(0.01, 0.99));
+            let (origin, direction) = (low + fractions * size, unit(&mut random));
+            let expected = (0..3).fold(f64::INFINITY, |minimum: f64, axis| {
                 let wall = if direction[axis] > 0.0 { low[axis] + size[axis] } else { low[axis] };
-                least.min(((wall - origin[axis]) / direction[axis]).abs())
+                minimum.min(((wall - origin[axis]) / direction[axis]).abs())
             });
             let hit = index.cast(origin, direction, f64::INFINITY).unwrap();
             assert!((hit.distance - expected).abs() < 1e-9, "{hit:?} for {expected}");

@@ -162,32 +162,32 @@ fn walk<S: Simd, const PLACES: usize>(simd: S, tree: &Tree, root: Child, frame: 
     let mut count = 0;
     let mut child = root;
     loop {
-        if let Some(place) = child.as_batch() {
-            let batch = &tree.batches[place];
-            let mut met = probe.triangles(simd, batch);
-            if met != 0 {
-                while met != 0 {
-                    let lane = met.trailing_zeros() as usize % WIDTH;
-                    ray.test(&batch.corners[lane], batch.numbers[lane], (place, lane));
-                    met &= met - 1;
+        if let Some(index) = child.as_batch() {
+            let batch = &tree.batches[index];
+            let mut hit_lanes = probe.triangles(simd, batch);
+            if hit_lanes != 0 {
+                while hit_lanes != 0 {
+                    let lane = hit_lanes.trailing_zeros() as usize % WIDTH;
+                    ray.test(&batch.corners[lane], batch.numbers[lane], (index, lane));
+                    hit_lanes &= hit_lanes - 1;
                 }
                 farthest = bound(ray.distance(), frame);
             }
         } else {
             let node = &tree.nodes[child.0 as usize];
-            let (near, mut met) = probe.boxes(simd, node, farthest);
-            if met != 0 {
-                let first = met.trailing_zeros();
-                met &= met - 1;
-                if met == 0 {
+            let (near, mut hit_lanes) = probe.boxes(simd, node, farthest);
+            if hit_lanes != 0 {
+                let first = hit_lanes.trailing_zeros();
+                hit_lanes &= hit_lanes - 1;
+                if hit_lanes == 0 {
                     child = node.children[first as usize % WIDTH];
                     continue;
                 }
                 let mut nearest = entry(&near, node, first);
                 let start = count;
-                while met != 0 {
-                    let next = entry(&near, node, met.trailing_zeros());
-                    met &= met - 1;
+                while hit_lanes != 0 {
+                    let next = entry(&near, node, hit_lanes.trailing_zeros());
+                    hit_lanes &= hit_lanes - 1;
                     let farther = nearest.max(next);
                     nearest = nearest.min(next);
                     // Insertion sort with the nearest entry last.

@@ -13,35 +13,35 @@ impl HeightField {
     /// The distance is exact up to `within`; if it is larger, the result is a value of at least `within`. Beyond the
     /// rectangle the height above the ground replaces the distance. NaN if a coordinate is NaN.
     pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
-        let (gap, _) = self.least_gap(ends);
+        let (gap, _) = self.min_height_above(ends);
         if gap.is_nan() || gap <= 0.0 {
             return gap;
         }
-        let mut least = gap.min(within.max(0.0));
+        let mut minimum = gap.min(within.max(0.0));
         let [a, b] = ends;
         let lowest = a.z.min(b.z);
         let piece = Bounds::of_points([a.truncate(), b.truncate()]);
-        if lowest - self.range().1 >= least || !piece.grown(least).overlaps(&self.bounds()) {
-            return least;
+        if lowest - self.range().1 >= minimum || !piece.grown(minimum).overlaps(&self.bounds()) {
+            return minimum;
         }
-        let [columns, rows] = self.cells(&piece.grown(least));
+        let [columns, rows] = self.cells(&piece.grown(minimum));
         for row in rows {
             for column in columns.clone() {
                 // Bounding boxes of cell and segment are no farther apart than their contents.
                 let low = self.corner(column, row).truncate();
                 let high = self.corner(column + 1, row + 1).truncate();
-                let aside = (low - piece.max).max(piece.min - high).max(DVec2::ZERO);
+                let offset = (low - piece.max).max(piece.min - high).max(DVec2::ZERO);
                 let highest = self.cell(column, row).into_iter().fold(f64::NEG_INFINITY, f64::max);
                 let above = (lowest - highest).max(0.0);
-                if aside.length_squared() + above * above >= least * least {
+                if offset.length_squared() + above * above >= minimum * minimum {
                     continue;
                 }
                 for triangle in self.triangles(column, row) {
-                    least = least.min(segment_to_triangle(ends, triangle));
+                    minimum = minimum.min(segment_to_triangle(ends, triangle));
                 }
             }
         }
-        least
+        minimum
     }
 
     /// Minimum height of the points of the segment above the ground, in metres, negative if the point is below; and the
@@ -49,54 +49,54 @@ impl HeightField {
     ///
     /// Segment and ground are linear between the lines of the grid and the diagonals, so only the crossings must be
     /// tested. NaN if a coordinate is NaN.
-    pub fn least_gap(&self, [a, b]: [DVec3; 2]) -> (f64, DVec3) {
+    pub fn min_height_above(&self, [a, b]: [DVec3; 2]) -> (f64, DVec3) {
         if a.is_nan() || b.is_nan() {
             return (f64::NAN, a);
         }
         let along = b - a;
-        let place = |share: f64| (a + share * along).truncate();
+        let point = |fraction: f64| (a + fraction * along).truncate();
         // The crossed coordinate is set exactly, so that both sides of a step are tested.
-        let crossings = |axis: &[f64], from: f64, way: f64, snap: fn(DVec2, f64) -> DVec2| -> Vec<(f64, DVec2)> {
-            let at = |line: &f64| ((line - from) / way, *line);
-            let inside = axis.iter().map(at).filter(|(share, _)| 0.0 < *share && *share < 1.0);
-            inside.map(|(share, line)| (share, snap(place(share), line))).collect()
+        let crossings = |axis: &[f64], from: f64, delta: f64, snap: fn(DVec2, f64) -> DVec2| -> Vec<(f64, DVec2)> {
+            let at = |line: &f64| ((line - from) / delta, *line);
+            let inside = axis.iter().map(at).filter(|(fraction, _)| 0.0 < *fraction && *fraction < 1.0);
+            inside.map(|(fraction, line)| (fraction, snap(point(fraction), line))).collect()
         };
         let mut breaks = vec![(0.0, a.truncate()), (1.0, b.truncate())];
-        breaks.extend(crossings(&self.xs, a.x, along.x, |place, line| place.with_x(line)));
-        breaks.extend(crossings(&self.ys, a.y, along.y, |place, line| place.with_y(line)));
+        breaks.extend(crossings(&self.xs, a.x, along.x, |point, line| point.with_x(line)));
+        breaks.extend(crossings(&self.ys, a.y, along.y, |point, line| point.with_y(line)));
         breaks.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let mut least = (f64::INFINITY, 0.0);
-        let mut try_place = |share: f64, place: DVec2| {
-            let gap = a.z + share * along.z - self.height(place.x, place.y);
-            if gap < least.0 {
-                least = (gap, share);
+        let mut minimum = (f64::INFINITY, 0.0);
+        let mut try_place = |fraction: f64, point: DVec2| {
+            let gap = a.z + fraction * along.z - self.height(point.x, point.y);
+            if gap < minimum.0 {
+                minimum = (gap, fraction);
             }
         };
-        breaks.iter().for_each(|(share, place)| try_place(*share, *place));
+        breaks.iter().for_each(|(fraction, point)| try_place(*fraction, *point));
         for pair in breaks.windows(2).filter(|pair| pair[0].0 < pair[1].0) {
             let (first, last) = (pair[0].0, pair[1].0);
-            let middle = place(0.5 * (first + last));
+            let middle = point(0.5 * (first + last));
             let [columns, rows] = self.cells(&Bounds { min: middle, max: middle });
             for (column, row) in columns.flat_map(|column| rows.clone().map(move |row| (column, row))) {
                 // Positive above the diagonal of the cell, negative below it.
                 let low = self.corner(column, row).truncate();
                 let diagonal = self.corner(column + 1, row + 1).truncate() - low;
-                let side = |share: f64| diagonal.perp_dot(place(share) - low);
+                let side = |fraction: f64| diagonal.perp_dot(point(fraction) - low);
                 let (before, after) = (side(first), side(last));
                 if before * after < 0.0 {
-                    let share = first + (last - first) * before / (before - after);
-                    try_place(share, place(share));
+                    let fraction = first + (last - first) * before / (before - after);
+                    try_place(fraction, point(fraction));
                 }
             }
         }
-        (least.0, a + least.1 * along)
+        (minimum.0, a + minimum.1 * along)
     }
 
     /// Bounds of the height of the ground in a disc, in metres: the minimum and the maximum height among the disc's
     /// centre and the corners of the cells that the disc touches. The bounds are never too narrow.
     pub fn range_in(&self, centre: DVec2, radius: f64) -> (f64, f64) {
         let middle = self.height(centre.x, centre.y);
-        let (mut least, mut greatest) = (middle, middle);
+        let (mut lowest, mut highest) = (middle, middle);
         let [columns, rows] = self.cells(&Bounds::of_disc(centre, radius));
         for row in rows {
             for column in columns.clone() {
@@ -104,12 +104,12 @@ impl HeightField {
                 let high = self.corner(column + 1, row + 1).truncate();
                 if centre.clamp(low, high).distance_squared(centre) <= radius * radius {
                     let corners = self.cell(column, row);
-                    least = corners.into_iter().fold(least, f64::min);
-                    greatest = corners.into_iter().fold(greatest, f64::max);
+                    lowest = corners.into_iter().fold(lowest, f64::min);
+                    highest = corners.into_iter().fold(highest, f64::max);
                 }
             }
         }
-        (least, greatest)
+        (lowest, highest)
     }
 }
 
@@ -129,20 +129,20 @@ mod tests {
         // The samples miss a step exactly; there, the height of its upper edge counts.
         for (axis, lines) in [(0, &field.xs), (1, &field.ys)] {
             for line in lines.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]) {
-                let share = (line - a[axis]) / (b[axis] - a[axis]);
-                let mut point = a + share * (b - a);
+                let fraction = (line - a[axis]) / (b[axis] - a[axis]);
+                let mut point = a + fraction * (b - a);
                 point[axis] = line;
-                if (0.0..=1.0).contains(&share) {
+                if (0.0..=1.0).contains(&fraction) {
                     gap = gap.min(point.z - field.height(point.x, point.y));
                 }
             }
         }
         let mesh = field.mesh(None);
-        let least = points.iter().step_by(40).map(|point| {
+        let distances = points.iter().step_by(40).map(|point| {
             let to = |triangle| point.distance(nearest_on_triangle(*point, mesh.corners(triangle)));
             mesh.triangles.iter().map(to).fold(f64::INFINITY, f64::min)
         });
-        (gap, least.fold(f64::INFINITY, f64::min))
+        (gap, distances.fold(f64::INFINITY, f64::min))
     }
 
     /// Nearest point by projection: onto the plane if the foot lies inside the triangle, otherwise onto the sides.
@@ -171,12 +171,12 @@ mod tests {
             let mut stream = Stream::new(seed, RobotId(0), Purpose::Terrain, 97, 0);
             for _ in 0..60 {
                 let mut point = |low: f64, high: f64| {
-                    let place = DVec2::new(stream.unit(), stream.unit()) * (max - min - 1.4) + min + 0.7;
-                    place.extend(low + (high - low) * stream.unit())
+                    let centre = DVec2::new(stream.unit(), stream.unit()) * (max - min - 1.4) + min + 0.7;
+                    centre.extend(low + (high - low) * stream.unit())
                 };
                 let start = point(0.2, 1.6);
-                let way = point(-0.5, 0.5) - point(-0.5, 0.5);
-                let ends = [start, start + way * (0.6 / way.length())];
+                let direction = point(-0.5, 0.5) - point(-0.5, 0.5);
+                let ends = [start, start + direction * (0.6 / direction.length())];
                 let (gap, distance) = brute(&field, ends);
                 let clearance = field.clearance(ends, 5.0);
                 if gap <= 0.0 {
@@ -214,14 +214,14 @@ mod tests {
         let field = rough(5);
         let Bounds { min, max } = field.bounds();
         for step in 0..50 {
-            let share = f64::from(step) / 50.0;
-            let centre = min + share * (max - min);
-            let (least, greatest) = field.range_in(centre, 0.3);
+            let fraction = f64::from(step) / 50.0;
+            let centre = min + fraction * (max - min);
+            let (lowest, highest) = field.range_in(centre, 0.3);
             for turn in 0..200 {
                 let (sin, cos) = crate::math::sin_cos(f64::from(turn));
-                let place = centre + 0.3 * f64::from(turn) / 200.0 * DVec2::new(cos, sin);
-                let height = field.height(place.x, place.y);
-                assert!(least <= height && height <= greatest);
+                let point = centre + 0.3 * f64::from(turn) / 200.0 * DVec2::new(cos, sin);
+                let height = field.height(point.x, point.y);
+                assert!(lowest <= height && height <= highest);
             }
         }
         let corner = field.corner(0, 0).z;

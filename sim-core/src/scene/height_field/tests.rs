@@ -8,17 +8,17 @@ pub(super) fn rough(seed: u64) -> HeightField {
     let mut stream = Stream::new(seed, RobotId(0), Purpose::Terrain, 99, 0);
     let mut axis = |low: f64| {
         let mut at = low;
-        let mut places = vec![at];
+        let mut values = vec![at];
         for _ in 0..20 {
             at += 0.02 + 0.3 * stream.unit();
-            places.push(at);
+            values.push(at);
             if stream.unit() < 0.3 {
-                places.push(at);
+                values.push(at);
             }
         }
         at += 0.1;
-        places.push(at);
-        places
+        values.push(at);
+        values
     };
     let (xs, ys) = (axis(-1.5), axis(0.25));
     let heights = (0..xs.len() * ys.len()).map(|_| 0.8 * stream.unit() - 0.2).collect();
@@ -62,34 +62,34 @@ fn rays_at_shared_edges_and_corners_slip_through_nowhere() {
         let field = rough(seed);
         let rays = index(&field);
         let (columns, rows) = field.size();
-        // Points on the border are left out, because a ray may pass beside it within rounding.
+        // Points on the border are omitted, because a ray may pass beside it within rounding.
         for row in 1..rows - 2 {
             for column in 1..columns - 2 {
                 let corner = field.corner(column, row);
                 let right = field.corner(column + 1, row);
-                let across = field.corner(column + 1, row + 1);
-                for place in [corner, 0.5 * (corner + right), 0.5 * (corner + across)] {
+                let opposite = field.corner(column + 1, row + 1);
+                for point in [corner, 0.5 * (corner + right), 0.5 * (corner + opposite)] {
                     // Vertical edges of different heights on one line are not shared edges.
-                    if is_double(&field.xs, place.x) && is_double(&field.ys, place.y) {
+                    if is_double(&field.xs, point.x) && is_double(&field.ys, point.y) {
                         continue;
                     }
-                    let hit = rays.cast(DVec3::new(place.x, place.y, 3.0), DVec3::NEG_Z, 20.0);
-                    let hit = hit.unwrap_or_else(|| panic!("seed {seed}: a gap at {place}"));
+                    let hit = rays.cast(DVec3::new(point.x, point.y, 3.0), DVec3::NEG_Z, 20.0);
+                    let hit = hit.unwrap_or_else(|| panic!("seed {seed}: a gap at {point}"));
                     // At a step, the ray hits its upper edge, or passes the edge within rounding.
                     let height = 3.0 - hit.distance;
-                    assert!(height <= field.height(place.x, place.y) + 1e-9, "seed {seed} at {place}");
+                    assert!(height <= field.height(point.x, point.y) + 1e-9, "seed {seed} at {point}");
                     // A steep ray may pass over a ridge within rounding; it then hits the ground beyond the ridge, at
                     // most 0.8 m lower.
                     let Bounds { min, max } = field.bounds();
                     let inner = Bounds { min: min + 0.15, max: max - 0.15 };
                     for offset in [DVec3::new(0.3, -0.2, 3.0), DVec3::new(-0.1, 0.4, 3.0)] {
-                        if !inner.contains(place.truncate()) {
+                        if !inner.contains(point.truncate()) {
                             continue;
                         }
                         aslant += 1;
-                        let origin = place + offset;
-                        let direction = (place - origin).try_normalize().expect("apart");
-                        assert!(rays.cast(origin, direction, 100.0).is_some(), "seed {seed}: a gap at {place}");
+                        let origin = point + offset;
+                        let direction = (point - origin).try_normalize().expect("apart");
+                        assert!(rays.cast(origin, direction, 100.0).is_some(), "seed {seed}: a gap at {point}");
                     }
                 }
             }
@@ -152,7 +152,7 @@ fn what_is_no_field_is_an_error() {
 fn stairs_meet_level_rays_step_by_step() {
     let stairs = Stairs {
         from: DVec2::new(1.0, 1.0),
-        way: StairsDirection::East,
+        uphill: StairsDirection::East,
         count: 5,
         rise: 0.1,
         depth: 0.3,
@@ -181,12 +181,12 @@ fn cells_cover_what_a_rectangle_touches() {
     assert_eq!(outside, 0..1);
     let [outside, _] = field.cells(&bounds([80.0, 80.0], [90.0, 90.0]));
     assert_eq!(outside, columns - 2..columns - 1);
-    let place = DVec2::new(0.5 * (min.x + max.x), 0.5 * (min.y + max.y));
-    let [across, along] = field.cells(&bounds(place.to_array(), place.to_array()));
+    let point = DVec2::new(0.5 * (min.x + max.x), 0.5 * (min.y + max.y));
+    let [across, along] = field.cells(&bounds(point.to_array(), point.to_array()));
     assert!(
         across
             .clone()
-            .all(|column| { field.corner(column, 0).x <= place.x && place.x <= field.corner(column + 1, 0).x })
+            .all(|column| { field.corner(column, 0).x <= point.x && point.x <= field.corner(column + 1, 0).x })
     );
     assert_eq!((across.len(), along.len()), (1, 1));
 }

@@ -73,9 +73,9 @@ impl WallBatches {
         let mut batches = vec![EMPTY; 2];
         for row in 0..grid.rows() {
             for column in 0..grid.columns() {
-                let place = &mut first[(row + 1) * columns + column + 1];
+                let entry = &mut first[(row + 1) * columns + column + 1];
                 let walls = cells.of(grid.index(column, row));
-                *place = if walls.is_empty() { EMPTY_CELL } else { batches.len() as u32 };
+                *entry = if walls.is_empty() { EMPTY_CELL } else { batches.len() as u32 };
                 batches.extend(walls.chunks(WIDTH).map(|few| WallBatch::new(few, segments, corner, per_cell)));
                 let count = walls.len().div_ceil(WIDTH);
                 let start = batches.len() - count;
@@ -102,21 +102,21 @@ impl WallBatches {
         farthest: f64,
         mut test: impl FnMut(WallId) -> f64,
     ) {
-        let place = (start - self.corner) * self.per_cell;
-        let biased = place + DVec2::splat(ROUNDING_BIAS);
+        let position = (start - self.corner) * self.per_cell;
+        let biased = position + DVec2::splat(ROUNDING_BIAS);
         let [column, row] = [biased.x, biased.y].map(|whole| whole.to_bits().wrapping_sub(ROUNDING_BIAS.to_bits()));
         if column >= self.columns as u64 || row >= self.rows as u64 {
             return;
         }
         let mut cell = row as usize * self.columns + column as usize;
         // Distances to the next borders; a cell extends half a cell to either side of its middle.
-        let from_middle = place - (biased - DVec2::splat(ROUNDING_BIAS));
+        let from_middle = position - (biased - DVec2::splat(ROUNDING_BIAS));
         let per = DVec2::ONE / direction.abs();
         let ahead = DVec2::new(along(from_middle.x, direction.x), along(from_middle.y, direction.y));
         let mut exits = (DVec2::splat(0.5) - ahead + DVec2::splat(TINY)) * per;
         let (by_column, by_row) = (step(1, direction.x), step(self.columns, direction.y));
 
-        let probe = Probe::new(direction, place, self.slack);
+        let probe = Probe::new(direction, position, self.slack);
         let cells_to = |distance: f64| (distance - passed) * self.per_cell;
         let mut limit = cells_to(farthest);
         let mut end = probe.end(limit);
@@ -128,12 +128,12 @@ impl WallBatches {
             let mut next = first;
             loop {
                 let batch = &self.batches[next as usize];
-                let mut met = probe.may_hit(batch, end);
-                if met != 0 {
-                    while met != 0 {
-                        let wall = batch.walls[met.trailing_zeros() as usize % WIDTH];
+                let mut hit_lanes = probe.may_hit(batch, end);
+                if hit_lanes != 0 {
+                    while hit_lanes != 0 {
+                        let wall = batch.walls[hit_lanes.trailing_zeros() as usize % WIDTH];
                         limit = cells_to(test(WallId(wall)));
-                        met &= met - 1;
+                        hit_lanes &= hit_lanes - 1;
                     }
                     end = probe.end(limit);
                 }
@@ -185,11 +185,11 @@ fn step(stride: usize, direction: f64) -> usize {
 impl WallBatch {
     fn new(walls: &[u32], segments: &[Segment], corner: DVec2, per_cell: f64) -> Self {
         let mut batch = EMPTY;
-        for (place, &wall) in walls.iter().enumerate() {
+        for (index, &wall) in walls.iter().enumerate() {
             let [a, b] = [segments[wall as usize].a, segments[wall as usize].b].map(|end| (end - corner) * per_cell);
-            (batch.ax[place], batch.ay[place]) = (a.x as f32, a.y as f32);
-            (batch.bx[place], batch.by[place]) = (b.x as f32, b.y as f32);
-            batch.walls[place] = wall;
+            (batch.ax[index], batch.ay[index]) = (a.x as f32, a.y as f32);
+            (batch.bx[index], batch.by[index]) = (b.x as f32, b.y as f32);
+            batch.walls[index] = wall;
         }
         batch
     }
@@ -211,8 +211,8 @@ struct Probe {
 
 impl Probe {
     #[inline(always)]
-    fn new(direction: DVec2, place: DVec2, slack: f32) -> Self {
-        let (side, start) = (direction.perp_dot(place) as f32, direction.dot(place));
+    fn new(direction: DVec2, position: DVec2, slack: f32) -> Self {
+        let (side, start) = (direction.perp_dot(position) as f32, direction.dot(position));
         Self {
             x: Vec4::splat(direction.x as f32),
             y: Vec4::splat(direction.y as f32),

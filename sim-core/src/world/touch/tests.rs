@@ -56,9 +56,9 @@ fn walls_are_touched_up_to_their_heights() {
     assert_eq!(upright(1.0, 0.349), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(1.0, 0.351), []);
     // Over the edge at 45 degrees.
-    let aside = 0.05 * std::f64::consts::FRAC_1_SQRT_2;
-    assert_eq!(upright(1.0 - aside + 1e-6, 0.3 + aside), [Thing::Wall(WallId(0))]);
-    assert_eq!(upright(1.0 - aside - 1e-6, 0.3 + aside), []);
+    let offset = 0.05 * std::f64::consts::FRAC_1_SQRT_2;
+    assert_eq!(upright(1.0 - offset + 1e-6, 0.3 + offset), [Thing::Wall(WallId(0))]);
+    assert_eq!(upright(1.0 - offset - 1e-6, 0.3 + offset), []);
     // Through the wall, and through a wall of unlimited height far up.
     assert_eq!(capsule_contacts([[1.0, 0.5, 0.2], [1.0, 1.5, 0.2]], 0.01), [Thing::Wall(WallId(0))]);
     assert_eq!(capsule_contacts([[2.5, 1.0, 50.0], [3.5, 1.0, 50.0]], 1e-6), [Thing::Wall(WallId(1))]);
@@ -77,12 +77,12 @@ fn bodies_are_touched_as_brute_force_finds() {
         // Samples along the axis; neighbouring points are at most 7 mm apart.
         let distance = |number: u32| {
             let (pose, figure) = &world.indexed_space.space.fixed[number as usize];
-            let mut least = f64::INFINITY;
+            let mut minimum = f64::INFINITY;
             for step in 0..=500 {
                 let point = capsule.ends[0].lerp(capsule.ends[1], f64::from(step) / 500.0);
-                figure.for_each_nearest(pose, point, |nearest| least = least.min(nearest.distance(point)));
+                figure.for_each_nearest(pose, point, |nearest| minimum = minimum.min(nearest.distance(point)));
             }
-            least
+            minimum
         };
         let things = things(&world, &capsule);
         for number in 0..2 {

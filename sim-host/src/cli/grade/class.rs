@@ -21,7 +21,7 @@ pub(super) fn page(grader: &Grader, students: &[Student]) -> String {
     let mut html = head(&format!("{title}: eyesim grade"), STYLE);
     let mut points: Vec<f64> = students.iter().map(Student::points).collect();
     points.sort_by(f64::total_cmp);
-    let most = students.iter().map(Student::max_points).fold(0.0, f64::max);
+    let max_points = students.iter().map(Student::max_points).fold(0.0, f64::max);
     let count = |verdict| students.iter().filter(|student| student.verdict() == verdict).count();
     let median = match points.len() {
         0 => 0.0,
@@ -38,12 +38,12 @@ pub(super) fn page(grader: &Grader, students: &[Student]) -> String {
         count("passed"),
         count("failed"),
         count("error"),
-        number(most),
+        number(max_points),
         number(points.iter().sum::<f64>() / points.len().max(1) as f64),
         number(median)
     );
-    distribution(&mut html, &points, most);
-    list(&mut html, students, most);
+    distribution(&mut html, &points, max_points);
+    list(&mut html, students, max_points);
     heat_map(&mut html, grader, students);
     groups(&mut html, students);
     slowest(&mut html, students);
@@ -51,17 +51,17 @@ pub(super) fn page(grader: &Grader, students: &[Student]) -> String {
     html
 }
 
-fn distribution(html: &mut String, points: &[f64], most: f64) {
+fn distribution(html: &mut String, points: &[f64], max_points: f64) {
     let mut bars = [0_usize; BARS];
     for points in points {
-        let share = if most > 0.0 { points / most } else { 0.0 };
-        bars[((share * BARS as f64) as usize).min(BARS - 1)] += 1;
+        let fraction = if max_points > 0.0 { points / max_points } else { 0.0 };
+        bars[((fraction * BARS as f64) as usize).min(BARS - 1)] += 1;
     }
     let highest = bars.iter().copied().max().unwrap_or(0).max(1);
     html.push_str("<h2>Distribution of points</h2>\n<figure><svg class=\"chart\" viewBox=\"0 0 620 190\" width=\"620\" role=\"img\">\n");
     for (index, &count) in bars.iter().enumerate() {
         let (height, x) = (130.0 * count as f64 / highest as f64, 10 + 60 * index);
-        let label = |at: usize| number(most * at as f64 / BARS as f64);
+        let label = |at: usize| number(max_points * at as f64 / BARS as f64);
         _ = writeln!(
             html,
             "<rect x=\"{x}\" y=\"{:.1}\" width=\"54\" height=\"{height:.1}\"/>\
@@ -74,7 +74,7 @@ fn distribution(html: &mut String, points: &[f64], most: f64) {
             label(index)
         );
     }
-    _ = writeln!(html, "<text x=\"607\" y=\"174\" text-anchor=\"middle\">{}</text>", number(most));
+    _ = writeln!(html, "<text x=\"607\" y=\"174\" text-anchor=\"middle\">{}</text>", number(max_points));
     html.push_str("<line x1=\"5\" y1=\"155.5\" x2=\"615\" y2=\"155.5\"/>\n</svg></figure>\n");
 }
 
@@ -95,16 +95,16 @@ fn url(folder: &str) -> String {
     folder.bytes().map(byte).collect()
 }
 
-fn list(html: &mut String, students: &[Student], most: f64) {
+fn list(html: &mut String, students: &[Student], max_points: f64) {
     html.push_str(
         "<h2>Submissions</h2>\n<div class=\"wide\"><table class=\"list\">\n<tr><th>student</th><th class=\"number\">points</th><th></th>\
          <th class=\"number\">cases</th><th>first failure</th></tr>\n",
     );
     for student in students {
-        let share = if most > 0.0 { 100.0 * student.points() / most } else { 0.0 };
+        let percent = if max_points > 0.0 { 100.0 * student.points() / max_points } else { 0.0 };
         _ = writeln!(
             html,
-            "<tr class=\"{}\"><td>{}</td><td class=\"number\">{}</td><td><span class=\"bar\"><span style=\"width:{share:.0}%\"></span>\
+            "<tr class=\"{}\"><td>{}</td><td class=\"number\">{}</td><td><span class=\"bar\"><span style=\"width:{percent:.0}%\"></span>\
              </span></td><td class=\"number\">{} of {}</td><td class=\"message\">{}</td></tr>",
             student.verdict(),
             link(student),
@@ -118,8 +118,8 @@ fn list(html: &mut String, students: &[Student], most: f64) {
 }
 
 fn shortened(text: &str) -> String {
-    const MOST: usize = 200;
-    let mut short: String = text.chars().take(MOST).collect();
+    const MAX_CHARACTERS: usize = 200;
+    let mut short: String = text.chars().take(MAX_CHARACTERS).collect();
     if short.len() < text.len() {
         short.push_str(" ...");
     }

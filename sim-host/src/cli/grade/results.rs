@@ -56,11 +56,11 @@ pub(super) fn document(student: &Student, view: &View) -> anyhow::Result<Vec<u8>
     Ok(bytes)
 }
 
-fn test(name: &str, (points, most): (f64, f64), passed: bool, output: &str) -> Value {
+fn test(name: &str, (points, max_points): (f64, f64), passed: bool, output: &str) -> Value {
     json!({
         "name": plain(name),
         "score": rounded(points),
-        "max_score": rounded(most),
+        "max_score": rounded(max_points),
         "status": if passed { "passed" } else { "failed" },
         "output": plain(output),
         "visibility": "visible",

@@ -40,18 +40,18 @@ impl View {
         for (case, result) in grader.cases().iter().zip(&mut view.results) {
             let seed = case.options.seed.unwrap_or_default();
             if grader.is_hidden(case) {
-                let place = hidden.iter().position(|other| *other == seed).map_or(0, |place| place + 1);
-                hide(result, seed, place);
+                let number = hidden.iter().position(|other| *other == seed).map_or(0, |number| number + 1);
+                hide(result, seed, number);
             } else if !result.row.words.is_empty() && result.row.outcome != RowOutcome::Passed {
-                let known = view.replays.iter().find(|(_, scene)| *scene == case.scene);
-                let name = known.map_or_else(
+                let replay = view.replays.iter().find(|(_, scene)| *scene == case.scene);
+                let name = replay.map_or_else(
                     || match view.replays.len() {
                         0 => "replay.zip".to_owned(),
                         count => format!("replay-{}.zip", count + 1),
                     },
                     |(name, _)| name.clone(),
                 );
-                if known.is_none() {
+                if replay.is_none() {
                     view.replays.push((name.clone(), case.scene.clone()));
                 }
                 // The archive has the program, but not the suite.
@@ -67,10 +67,10 @@ impl View {
 }
 
 /// Removes everything from the result that reveals its seed.
-fn hide(result: &mut CaseResult, seed: u64, place: usize) {
+fn hide(result: &mut CaseResult, seed: u64, number: usize) {
     let row = &mut result.row;
-    row.case = row.case.replace(&format!("seed={seed}"), &format!("hidden {place}"));
-    row.settings.iter_mut().filter(|(name, _)| name == "seed").for_each(|(_, label)| *label = format!("h{place}"));
+    row.case = row.case.replace(&format!("seed={seed}"), &format!("hidden {number}"));
+    row.settings.iter_mut().filter(|(name, _)| name == "seed").for_each(|(_, label)| *label = format!("h{number}"));
     (row.seed, row.digest, row.key) = (0, None, String::new());
     row.words.clear();
     result.traces.clear();
@@ -152,8 +152,8 @@ pub(super) fn points_of_check(results: &[CaseResult], variant: &Variant, index: 
     // The sum of no numbers is -0 in Rust.
     let points =
         of_variant().filter_map(check).filter(|(all, _)| *all > 0.0).fold(0.0, |sum, (_, check)| sum + check.points);
-    let most = of_variant().filter_map(check).map(|(_, check)| check.max_points).fold(0.0, f64::max);
-    (points / of_variant().count().max(1) as f64, most)
+    let max_points = of_variant().filter_map(check).map(|(_, check)| check.max_points).fold(0.0, f64::max);
+    (points / of_variant().count().max(1) as f64, max_points)
 }
 
 fn rubric(html: &mut String, student: &Student) {
@@ -161,7 +161,7 @@ fn rubric(html: &mut String, student: &Student) {
     let has_variants = student.variants.len() > 1;
     for variant in &student.variants {
         for (index, (name, rate)) in variant.checks.iter().enumerate() {
-            let (points, most) = points_of_check(&student.graded.results, variant, index);
+            let (points, max_points) = points_of_check(&student.graded.results, variant, index);
             let class = if rate.passed == rate.count { "passed" } else { "failed" };
             let of = if has_variants { format!(" ({})", variant.name) } else { String::new() };
             _ = writeln!(
@@ -173,7 +173,7 @@ fn rubric(html: &mut String, student: &Student) {
                 rate.count,
                 percent(rate.share()),
                 number(points),
-                number(most)
+                number(max_points)
             );
         }
     }

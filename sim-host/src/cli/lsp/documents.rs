@@ -140,12 +140,12 @@ impl Document {
         let Some(line) = self.lines().nth(position.line as usize) else { return self.text.len() };
         let mut units = 0;
         let text = self.text[line.clone()].char_indices();
-        let place = text.clone().find(|(_, character)| {
+        let target = text.clone().find(|(_, character)| {
             let is_here = units >= position.character as usize;
             units += self.encoding.length(*character);
             is_here
         });
-        place.map_or(line.end, |(place, _)| line.start + place)
+        target.map_or(line.end, |(target, _)| line.start + target)
     }
 
     /// Position of a byte offset.
@@ -184,12 +184,12 @@ impl Document {
         let line = self.line(offset);
         let text = &self.text[line.clone()];
         let at = offset.clamp(line.start, line.end) - line.start;
-        let quotes: Vec<usize> = text.match_indices(['"', '\'']).map(|(place, _)| place).collect();
+        let quotes: Vec<usize> = text.match_indices(['"', '\'']).map(|(quote, _)| quote).collect();
         let quoted = quotes.chunks(2).find(|pair| pair[0] < at && pair.get(1).is_none_or(|end| at <= *end));
         let (start, end) = match quoted {
             Some(pair) => (pair[0] + 1, pair.get(1).copied().unwrap_or(text.len())),
             None => {
-                let start = text[..at].rfind(char::is_whitespace).map_or(0, |place| place + 1);
+                let start = text[..at].rfind(char::is_whitespace).map_or(0, |quote| quote + 1);
                 (start, text[at..].find(char::is_whitespace).map_or(text.len(), |length| at + length))
             }
         };
@@ -237,9 +237,9 @@ mod tests {
                 assert_eq!(document.offset(document.position(offset)), offset, "{encoding:?}");
             }
         }
-        let place = |encoding| document(text, encoding).position(text.find(".wld").expect("a world"));
-        assert_eq!(place(Encoding::Utf8), Position { line: 0, character: 11 });
-        assert_eq!(place(Encoding::Utf16), Position { line: 0, character: 8 });
+        let position = |encoding| document(text, encoding).position(text.find(".wld").expect("a world"));
+        assert_eq!(position(Encoding::Utf8), Position { line: 0, character: 11 });
+        assert_eq!(position(Encoding::Utf16), Position { line: 0, character: 8 });
         let document = document(text, Encoding::Utf16);
         assert_eq!(document.offset(Position { line: 0, character: 999 }), text.find('\r').expect("an end"));
         assert_eq!(document.offset(Position { line: 99, character: 0 }), text.len());
@@ -250,7 +250,8 @@ mod tests {
     fn words_end_at_blanks_and_quotation_marks() {
         let text = "robi \"my robi.robi\" wall.c 500\nworld = 'a b.wld'";
         let document = document(text, Encoding::Utf8);
-        let word = |near: &str| document.word(text.find(near).expect("the place") + 1).map(|(word, _)| word);
+        let word =
+            |text_before: &str| document.word(text.find(text_before).expect("the place") + 1).map(|(word, _)| word);
         assert_eq!(
             [word("robi.robi"), word("wall"), word("b.wld")],
             [Some("my robi.robi"), Some("wall.c"), Some("a b.wld")]

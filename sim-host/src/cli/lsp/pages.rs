@@ -41,8 +41,8 @@ pub fn files_at(document: &Document, offset: usize, files: &dyn Files) -> Vec<Co
     let begun = document.word(offset).map_or("", |(word, start)| &word[..offset - start]);
     let folder = path::folder_of(begun);
     let own = path::folder_of(&document.name);
-    let places = path::candidates(if folder.is_empty() { "." } else { folder }, own, files.home());
-    let mut names: Vec<String> = places.iter().flat_map(|place| files.list(place)).collect();
+    let folders = path::candidates(if folder.is_empty() { "." } else { folder }, own, files.home());
+    let mut names: Vec<String> = folders.iter().flat_map(|candidate| files.list(candidate)).collect();
     names.retain(|name| !name.is_empty() && !name.starts_with('.'));
     names.sort();
     names.dedup();
@@ -50,12 +50,12 @@ pub fn files_at(document: &Document, offset: usize, files: &dyn Files) -> Vec<Co
 }
 
 /// A section of a format's page.
-struct Section {
+struct PageSection {
     heading: &'static str,
     text: &'static str,
 }
 
-impl Section {
+impl PageSection {
     /// The keywords that the section describes: the words of its heading that are written as code.
     fn keywords(&self) -> impl Iterator<Item = &'static str> {
         self.heading.split('`').skip(1).step_by(2)
@@ -63,7 +63,7 @@ impl Section {
 }
 
 /// Sections of the page on the format of the file `name`.
-fn sections(name: &str) -> impl Iterator<Item = Section> {
+fn sections(name: &str) -> impl Iterator<Item = PageSection> {
     let page = match extension(name).as_str() {
         "sim" => include_str!("../../../../docs/formats/sim.md"),
         "wld" => include_str!("../../../../docs/formats/wld.md"),
@@ -71,7 +71,7 @@ fn sections(name: &str) -> impl Iterator<Item = Section> {
         "esobj" => include_str!("../../../../docs/formats/esobj.md"),
         _ => "",
     };
-    page.split("\n## ").skip(1).map(|text| Section { heading: text.lines().next().unwrap_or_default(), text })
+    page.split("\n## ").skip(1).map(|text| PageSection { heading: text.lines().next().unwrap_or_default(), text })
 }
 
 fn extension(name: &str) -> String {

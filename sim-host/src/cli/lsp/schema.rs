@@ -5,25 +5,25 @@ use serde_json::Value as Json;
 use sim_format::{Files, print, suite};
 
 use super::documents::Document;
-use super::toml_place::{Outline, Place, Table};
+use super::toml_cursor::{CursorPosition, Outline, Table};
 use super::{item, pages};
 
 /// Explanation of the key at `offset`, or of the word that is its value.
 pub fn hover(document: &Document, offset: usize) -> Option<String> {
     let schema = Schema::of(document)?;
     let outline = Outline::of(&document.text);
-    let (forms, key) = match outline.place(offset) {
-        Place::Header(_) => {
+    let (forms, key) = match outline.cursor(offset) {
+        CursorPosition::Header(_) => {
             let (path, key) = header_at(document, offset)?;
             (schema.forms(&path), key)
         }
-        Place::Key(table, before) => {
+        CursorPosition::Key(table, before) => {
             let at =
-                |entry: &&super::toml_place::Entry| entry.key_bytes.start <= offset && offset <= entry.key_bytes.end;
+                |entry: &&super::toml_cursor::Entry| entry.key_bytes.start <= offset && offset <= entry.key_bytes.end;
             let key = table.entries.iter().find(at)?.key.get(before.len())?.clone();
             (schema.forms_of(table, &before, &document.text), key)
         }
-        Place::Value(table, entry) => {
+        CursorPosition::Value(table, entry) => {
             let (key, before) = entry.key.split_last()?;
             (schema.forms_of(table, before, &document.text), key.clone())
         }
@@ -43,13 +43,13 @@ pub fn hover(document: &Document, offset: usize) -> Option<String> {
 pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec<CompletionItem> {
     let Some(schema) = Schema::of(document) else { return Vec::new() };
     let outline = Outline::of(&document.text);
-    match outline.place(offset) {
-        Place::Header(before) => {
+    match outline.cursor(offset) {
+        CursorPosition::Header(before) => {
             let forms = schema.forms(&before);
             let tables = properties(&forms).filter(|(_, property)| schema.is_table(property));
             tables.map(|(key, property)| item(key, CompletionItemKind::MODULE, schema.description(property))).collect()
         }
-        Place::Key(table, before) => {
+        CursorPosition::Key(table, before) => {
             let forms = schema.forms_of(table, &before, &document.text);
             let at = |bytes: &std::ops::Range<usize>| bytes.start <= offset && offset <= bytes.end;
             let is_taken = |key: &str| {
@@ -66,7 +66,7 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
             };
             free.map(complete).collect()
         }
-        Place::Value(table, entry) => {
+        CursorPosition::Value(table, entry) => {
             let Some((key, before)) = entry.key.split_last() else { return Vec::new() };
             let forms = schema.forms_of(table, before, &document.text);
             let Some(property) = forms.iter().find_map(|form| form["properties"].get(key)) else { return Vec::new() };
@@ -231,7 +231,7 @@ impl Schema {
             {
                 let bounds = [&part["minimum"], &part["maximum"]].map(|bound| bound.as_f64());
                 found = Some(match bounds {
-                    [Some(least), Some(most)] => format!("{kind}, {least} to {most}"),
+                    [Some(min), Some(max)] => format!("{kind}, {min} to {max}"),
                     _ => kind.to_owned(),
                 });
             }

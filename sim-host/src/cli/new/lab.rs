@@ -37,9 +37,9 @@ pub(super) fn run(lab: &str, args: &NewArgs) -> anyhow::Result<ExitCode> {
     let mut texts = editor_files(args.lang, Generation::Robios7);
     texts.extend(files_of(&source, lab, extension)?);
     write_folder(&folder, &texts)?;
-    let place = folder.display();
-    println!("wrote `{place}`: read `README.md`, complete `{lab}.{extension}`, run and test it with\n");
-    println!("    eyesim run {place}/{lab}.scene.toml\n    eyesim test {place}\n");
+    let shown = folder.display();
+    println!("wrote `{shown}`: read `README.md`, complete `{lab}.{extension}`, run and test it with\n");
+    println!("    eyesim run {shown}/{lab}.scene.toml\n    eyesim test {shown}\n");
     Ok(ExitCode::SUCCESS)
 }
 

@@ -124,7 +124,7 @@ impl ConsoleRun {
         if !args.is_silent {
             let out = if args.prints_report() { progress.stderr() } else { progress.stdout() };
             let log = Log::new(filter(args, ready.scene())?, out, progress.stderr());
-            sinks.push(Box::new(log.with_hint_places(observers.hint_places.clone())));
+            sinks.push(Box::new(log.with_hint_locations(observers.hint_locations.clone())));
         }
         let trails = args.plot.is_some().then(|| Arc::new(Mutex::new(Trails::of_scene(ready.scene()))));
         sinks.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
@@ -170,24 +170,24 @@ impl ConsoleRun {
     }
 
     /// Ends the run, calls `ended`, and completes its report.
-    pub fn finish(self, ended: impl FnOnce()) -> Ran {
+    pub fn finish(self, ended: impl FnOnce()) -> FinishedRun {
         let Self { running, mut progress, trails } = self;
         let over = running.end();
         ended();
         let finished = over.judge();
         progress.clear();
-        Ran { finished, trails }
+        FinishedRun { finished, trails }
     }
 }
 
 /// A finished run, and the trails for its plot.
-pub struct Ran {
+pub struct FinishedRun {
     /// The run.
     pub finished: Finished,
     trails: Option<Arc<Mutex<Trails>>>,
 }
 
-impl Ran {
+impl FinishedRun {
     /// Writes the report and the plot that the arguments ask for.
     ///
     /// # Errors

@@ -28,7 +28,7 @@ pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
         kind: Arc::clone(&object.kind),
         position: object.pose.position,
     };
-    let shown = SceneInput {
+    let scene_input = SceneInput {
         run: 1,
         seed: settings.seed,
         slot: settings.slot,
@@ -41,7 +41,7 @@ pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
     let contents = InitialContents {
         seed: settings.seed,
         slot: settings.slot,
-        scene: shown.scene(),
+        scene: scene_input.scene(),
         robots: scene.robots.iter().map(|robot| robot.start).collect(),
         objects: build::movable(scene).map(|object| object.pose).collect(),
         frames: ready.frames().cloned().unwrap_or_default(),

@@ -20,7 +20,7 @@ use self::view::{Content, Shot, ShotCamera};
 use super::EXIT_PROGRAM;
 use super::output::check_outputs;
 use super::output::say;
-use super::run::{self, Ran, RunArgs, carry_out, parse_seconds};
+use super::run::{self, FinishedRun, RunArgs, carry_out, parse_seconds};
 use crate::launch::settings::index_of;
 use crate::record::frame::Pixels;
 use crate::record::report::write_atomically;
@@ -162,7 +162,7 @@ fn subject(args: &mut ShotArgs) -> anyhow::Result<Subject> {
 }
 
 /// File of a display's picture, and its description.
-fn of_display(ran: &Ran, robot: u32, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
+fn of_display(ran: &FinishedRun, robot: u32, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
     let index = index_of(&ran.finished.scene, robot).context("--lcd")?;
     let panel = &ran.finished.ended.robots[index].panel;
     let time = format!("{:.3} s", ran.finished.report.sim_time_s);
@@ -175,7 +175,7 @@ fn of_display(ran: &Ran, robot: u32, args: &ShotArgs) -> anyhow::Result<(Vec<u8>
 }
 
 /// File of a view's picture, and its description.
-fn of_view(ran: &Ran, camera: &ShotCamera, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
+fn of_view(ran: &FinishedRun, camera: &ShotCamera, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
     let content = match args {
         ShotArgs { depth: true, .. } => Content::Depth,
         ShotArgs { labels: true, .. } => Content::Labels,
@@ -187,17 +187,17 @@ fn of_view(ran: &Ran, camera: &ShotCamera, args: &ShotArgs) -> anyhow::Result<(V
     if let Some(built) = ran.finished.scenery.built().filter(|_| is_new) {
         run::report_diagnostics(&built.diagnostics, &ran.finished.scenery.inputs(), args.run.strict)?;
     }
-    let taken = picture.time.seconds();
+    let time_s = picture.time.seconds();
     match args.at.map(|at| (at, picture.time.cmp(&at))) {
         Some((at, Ordering::Less)) => {
             say(format_args!(
-                "the run was over at {taken:.3} s, before --at {:.3}: the picture is of then",
+                "the run was over at {time_s:.3} s, before --at {:.3}: the picture is of then",
                 at.seconds()
             ));
         }
         Some((at, Ordering::Greater)) => {
             say(format_args!(
-                "--at {:.3}: a slot is longer than what the world remembers, the picture is of {taken:.3} s",
+                "--at {:.3}: a slot is longer than what the world remembers, the picture is of {time_s:.3} s",
                 at.seconds()
             ));
         }
@@ -215,7 +215,7 @@ fn of_view(ran: &Ran, camera: &ShotCamera, args: &ShotArgs) -> anyhow::Result<(V
         ShotCamera::Robot(robot) => format!("r{robot}, "),
         ShotCamera::Point(_) | ShotCamera::Above => String::new(),
     };
-    let what = format!("{whose}{what} at {taken:.3} s, {width} x {height} pixels");
+    let what = format!("{whose}{what} at {time_s:.3} s, {width} x {height} pixels");
     Ok((picture.file, what))
 }
 

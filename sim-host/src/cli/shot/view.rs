@@ -10,7 +10,7 @@ use sim_core::pose::Pose3;
 use sim_core::spec::{DEFAULT_FIELD_OF_VIEW, DEFAULT_LENS, MAX_FIELD_OF_VIEW_DEG};
 use sim_core::time::Time;
 
-use crate::cli::run::Ran;
+use crate::cli::run::FinishedRun;
 use crate::launch::settings::index_of;
 use crate::record::frame::Pixels;
 use crate::robios::camera::{self, ImageUnavailable};
@@ -106,7 +106,7 @@ impl Shot<'_> {
     ///
     /// # Errors
     /// If the robot or its camera does not exist, or the view is invalid.
-    pub fn take(&self, ran: &Ran) -> anyhow::Result<ShotPicture> {
+    pub fn take(&self, ran: &FinishedRun) -> anyhow::Result<ShotPicture> {
         let run = &ran.finished.ended.run;
         let world = run.world();
         // Nothing moves after the end. Motion before the end is kept for `HISTORY`.

@@ -77,7 +77,7 @@ impl Canvas {
     fn draw(&mut self, from: DVec2, to: DVec2) {
         /// Bits of the dots of a Braille character, by row and column.
         const BITS: [[u8; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]];
-        // Two steps per dot, so that no dot is left out.
+        // Two steps per dot, so that no dot is omitted.
         let steps = (2.0 * (to - from).abs().max_element() * self.scale).ceil().clamp(1.0, 1e4) as usize;
         for step in 0..=steps {
             let [x, y] = self.dot(from + (to - from) * (step as f64 / steps as f64));

@@ -77,9 +77,9 @@ impl Console {
 
     /// A heading across the whole width.
     fn rule(&mut self, title: &str, sign: char, style: Style) {
-        let left = self.width.saturating_sub(title.chars().count() + 2);
+        let remaining = self.width.saturating_sub(title.chars().count() + 2);
         let side = |count: usize| sign.to_string().repeat(count.max(3));
-        self.styled(&format!("{} {title} {}", side(left / 2), side(left - left / 2)), style);
+        self.styled(&format!("{} {title} {}", side(remaining / 2), side(remaining - remaining / 2)), style);
     }
 
     /// Prints the number of cases found.
@@ -201,8 +201,8 @@ impl Console {
         let picture = case.map(|case| picture::lines(case, result)).unwrap_or_default();
         if !picture.is_empty() {
             let at = row.at_s.map(|at| format!(" at {at:.3} s")).unwrap_or_default();
-            let place = row.x_m.zip(row.y_m).map(|(x, y)| format!(", X: ({:.0}, {:.0}) mm{at}", 1e3 * x, 1e3 * y));
-            self.line(&format!("  o: start{}", place.unwrap_or_default()));
+            let position = row.x_m.zip(row.y_m).map(|(x, y)| format!(", X: ({:.0}, {:.0}) mm{at}", 1e3 * x, 1e3 * y));
+            self.line(&format!("  o: start{}", position.unwrap_or_default()));
             picture.iter().for_each(|line| self.line(&format!("  {line}")));
         }
         if !result.output.is_empty() {
@@ -337,7 +337,7 @@ fn distinct(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
                 match b.outcome {
                     _ if a.outcome != b.outcome => false,
                     RowOutcome::Error => a.message == b.message && a.details == b.details,
-                    _ => a.variant == b.variant && way(a).eq(way(b)),
+                    _ => a.variant == b.variant && verdicts_of(a).eq(verdicts_of(b)),
                 }
             };
             match failures[begin..].iter_mut().find(is_same) {
@@ -350,7 +350,7 @@ fn distinct(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
 }
 
 /// Key by which failures are grouped: the verdicts of the checks and the outcomes of the programs.
-fn way(row: &Row) -> impl Iterator<Item = (bool, Option<Outcome>)> {
+fn verdicts_of(row: &Row) -> impl Iterator<Item = (bool, Option<Outcome>)> {
     let checks = row.checks.iter().map(|check| (check.passed, None));
     checks.chain(row.robots.iter().map(|robot| (robot.outcome.is_failure(), Some(robot.outcome))))
 }
@@ -359,17 +359,17 @@ fn way(row: &Row) -> impl Iterator<Item = (bool, Option<Outcome>)> {
 pub(super) fn of_seeds(rate: &Rate) -> String {
     let Rate { passed, count, low, high } = rate;
     // Near 0 and 100 % a rounded bound would suggest that the rate is exactly known.
-    let end = |share: f64| {
-        let digits = usize::from((0.0 < share && share < 0.01) || (0.99 < share && share < 1.0));
-        format!("{:.digits$}", 100.0 * share)
+    let end = |fraction: f64| {
+        let digits = usize::from((0.0 < fraction && fraction < 0.01) || (0.99 < fraction && fraction < 1.0));
+        format!("{:.digits$}", 100.0 * fraction)
     };
     let interval = format!("95 % interval {} to {} %", end(*low), end(*high));
     format!("{passed} of {count} ({}, {interval})", percent(rate.share()))
 }
 
 /// `90 %`.
-pub(in crate::cli) fn percent(share: f64) -> String {
-    format!("{} %", number(100.0 * share))
+pub(in crate::cli) fn percent(fraction: f64) -> String {
+    format!("{} %", number(100.0 * fraction))
 }
 
 /// A number with at most two digits after the point.

@@ -225,7 +225,7 @@ impl RunningWorker {
         let life = move || {
             let own: *const Worker = Arc::into_raw(own);
             WORKER.set(own);
-            // SAFETY: the count that was just taken is given back only after this thread has ended; the block has no other thread.
+            // SAFETY: the count that was just taken is released only after this thread has ended; the block has no other thread.
             let (own, result) = unsafe { (&*own, (*own).block.adopt_current_thread()) };
             let is_adopted = result.is_ok();
             // SAFETY: no fiber runs.
@@ -674,8 +674,8 @@ impl Executor for FiberExecutor {
         sample.is_some_and(|sample| fiber.timer.lock().is_overdue(&sample, timeout))
     }
 
-    fn place(&self, robot: RobotId) -> Vec<usize> {
-        self.running_fiber(robot).map(|fiber| threads::place(&fiber.block)).unwrap_or_default()
+    fn backtrace(&self, robot: RobotId) -> Vec<usize> {
+        self.running_fiber(robot).map(|fiber| threads::backtrace(&fiber.block)).unwrap_or_default()
     }
 
     fn break_overdue(&self, robot: RobotId) {

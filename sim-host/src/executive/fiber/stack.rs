@@ -13,14 +13,14 @@ use crate::program::share::page_size;
 /// The stacks of an executor.
 #[derive(Default)]
 pub struct Stacks {
-    places: Mutex<Places>,
+    pool: Mutex<StackPool>,
     /// No further stack will be taken, so that returned stacks need not be prepared for reuse.
     is_ending: AtomicBool,
 }
 
 /// Free slots for further stacks.
 #[derive(Default)]
-struct Places {
+struct StackPool {
     /// The newest block, with the number of stacks taken from it.
     block: Option<(Arc<Block>, usize)>,
     /// Stacks that have been returned: their blocks and lowest addresses.
@@ -90,13 +90,13 @@ impl Stacks {
     /// # Errors
     /// The system lacks memory for it.
     pub fn take(self: &Arc<Self>) -> io::Result<Stack> {
-        let mut places = self.places.lock();
-        let number = places.count;
-        let (block, start) = match places.returned.pop() {
+        let mut pool = self.pool.lock();
+        let number = pool.count;
+        let (block, start) = match pool.returned.pop() {
             Some(returned) => returned,
-            None => places.next()?,
+            None => pool.next()?,
         };
-        places.count += 1;
+        pool.count += 1;
         let top = start + SIZE - number % COLOURS * COLOUR_STEP;
         Ok(Stack { start, top, block, stacks: Arc::clone(self) })
     }
@@ -107,7 +107,7 @@ impl Stacks {
     }
 }
 
-impl Places {
+impl StackPool {
     /// Position of an unused stack, in a new block if necessary.
     fn next(&mut self) -> io::Result<(Arc<Block>, usize)> {
         if self.block.as_ref().is_none_or(|(block, taken)| *taken == block.count) {
@@ -192,7 +192,7 @@ impl Drop for Stack {
         let [low, _] = self.bounds();
         // SAFETY: the usable pages of this stack, on which its owner runs no code any more.
         unsafe { libc::madvise(ptr::with_exposed_provenance_mut(low), self.start + SIZE - low, libc::MADV_DONTNEED) };
-        self.stacks.places.lock().returned.push((Arc::clone(&self.block), self.start));
+        self.stacks.pool.lock().returned.push((Arc::clone(&self.block), self.start));
     }
 }
 
@@ -204,16 +204,16 @@ mod tests {
     fn neighbours_have_other_places_in_their_pages_and_room_above_the_guard() {
         let source = Arc::new(Stacks::default());
         let stacks: Vec<_> = (0..3 * COLOURS).map(|_| source.take().unwrap()).collect();
-        let mut places: Vec<_> = stacks.iter().map(|stack| stack.bounds()[1] % page_size()).collect();
-        places.sort_unstable();
-        places.dedup();
-        assert_eq!(places.len(), COLOURS);
+        let mut offsets: Vec<_> = stacks.iter().map(|stack| stack.bounds()[1] % page_size()).collect();
+        offsets.sort_unstable();
+        offsets.dedup();
+        assert_eq!(offsets.len(), COLOURS);
         let mut ranges: Vec<_> = stacks.iter().map(Stack::bounds).collect();
         ranges.sort_unstable();
         assert!(ranges.is_sorted_by(|[_, top], [low, _]| top + guard_size() <= *low));
         for [low, top] in ranges {
             assert!(top % 16 == 0 && top - low > SIZE - 4 * page_size(), "{low:#x} to {top:#x}");
-            // SAFETY: both ends of the stack, which nobody uses.
+            // SAFETY: both ends of the stack, which is unused.
             unsafe {
                 ptr::with_exposed_provenance_mut::<u8>(low).write_volatile(1);
                 ptr::with_exposed_provenance_mut::<u8>(top - 1).write_volatile(1);
@@ -227,7 +227,7 @@ mod tests {
         let low = || {
             let stack = source.take().unwrap();
             let [low, _] = stack.bounds();
-            // SAFETY: the lowest byte of the stack, which nobody uses.
+            // SAFETY: the lowest byte of the stack, which is unused.
             let before = unsafe {
                 let byte = ptr::with_exposed_provenance_mut::<u8>(low);
                 let before = byte.read_volatile();

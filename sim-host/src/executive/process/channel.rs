@@ -94,11 +94,11 @@ struct Header {
     import_ms: AtomicU32,
     place_state: AtomicU32,
     place_line: AtomicU32,
-    place_words: [AtomicU32; PLACE_BYTES / size_of::<u32>()],
+    location_words: [AtomicU32; LOCATION_BYTES / size_of::<u32>()],
 }
 
 /// Bytes for the location of a program that computes: two addresses, or the beginning of a file's name.
-const PLACE_BYTES: usize = 16;
+const LOCATION_BYTES: usize = 16;
 
 /// States of the request for the location at which a program computes; 0 if the child cannot be asked.
 mod place_state {
@@ -109,7 +109,7 @@ mod place_state {
 
 /// Location at which a program in a process computes, as the process reports it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ComputingPlace {
+pub enum ComputingLocation {
     /// Addresses in its library, the innermost first; 0 for none.
     Addresses([u64; 2]),
     /// A line of a source file; of the file's name only the first bytes are reported.
@@ -368,7 +368,7 @@ impl Channel {
         let header = self.header();
         header.place_line.store(0, Ordering::Relaxed);
         for (word, value) in
-            header.place_words.iter().zip(addresses.iter().flat_map(|address| [*address, address >> 32]))
+            header.location_words.iter().zip(addresses.iter().flat_map(|address| [*address, address >> 32]))
         {
             word.store(value as u32, Ordering::Relaxed);
         }
@@ -381,19 +381,19 @@ impl Channel {
     }
 
     /// Takes the location that the child has reported since it was asked; withdraws the request if there is none.
-    pub fn take_place(&self) -> Option<ComputingPlace> {
+    pub fn take_computing_location(&self) -> Option<ComputingLocation> {
         let header = self.header();
         if header.place_state.swap(place_state::READY, Ordering::AcqRel) != place_state::TOLD {
             return None;
         }
-        let words: Vec<u32> = header.place_words.iter().map(|word| word.load(Ordering::Relaxed)).collect();
+        let words: Vec<u32> = header.location_words.iter().map(|word| word.load(Ordering::Relaxed)).collect();
         let line = header.place_line.load(Ordering::Relaxed);
         if line == 0 {
             let address = |low: usize| u64::from(words[low]) | u64::from(words[low + 1]) << 32;
-            return Some(ComputingPlace::Addresses([address(0), address(2)]));
+            return Some(ComputingLocation::Addresses([address(0), address(2)]));
         }
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0).collect();
-        Some(ComputingPlace::Line { file: String::from_utf8_lossy(&bytes).into_owned(), line })
+        Some(ComputingLocation::Line { file: String::from_utf8_lossy(&bytes).into_owned(), line })
     }
 
     /// Number of channels (channel 0 only).

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 use robios_sys::wire::{Malformed, Reader};
 
-use super::channel::{Channel, Channels, ComputingPlace, Message, Turn, kind};
+use super::channel::{Channel, Channels, ComputingLocation, Message, Turn, kind};
 use super::client::NO_ROOM_FOR_TASK;
 use super::debugger::Debugger;
 use super::output;
@@ -345,7 +345,7 @@ impl Child {
     /// Asks the thread of `main` for the location at which it computes, and lets it continue. `None` if it does not
     /// compute, or does not answer in time; a thread that sleeps in the kernel is not asked, since the signal would end
     /// its sleep.
-    pub fn computing_place(&self) -> Option<ComputingPlace> {
+    pub fn computing_location(&self) -> Option<ComputingLocation> {
         /// Time within which a running thread receives the signal, even on a loaded machine.
         const TIMEOUT: Duration = Duration::from_millis(200);
         let thread = self.first.thread().cast_signed();
@@ -359,7 +359,7 @@ impl Child {
         while !self.first.is_place_reported() && start.elapsed() < TIMEOUT {
             std::thread::sleep(Duration::from_millis(1));
         }
-        self.first.take_place()
+        self.first.take_computing_location()
     }
 
     /// Returns true if the child was found overdue in this release and asked for its location; answering takes
@@ -424,7 +424,7 @@ impl Child {
             is_overdue: false,
             last_call,
             task: None,
-            place: String::new(),
+            location: String::new(),
             unfinished: Vec::new(),
             addresses: Vec::new(),
         }
@@ -466,7 +466,7 @@ impl Child {
             let fault = Fault { signal, code, address: address as usize, pc: pc as usize, sp: 0 };
             let last_call = self.last_call.load(Ordering::Relaxed);
             let broken = Broken::new(fault, [low as usize, high as usize], last_call, words.collect());
-            Ok(Broken { place: text, ..broken })
+            Ok(Broken { location: text, ..broken })
         };
         parse().unwrap_or_else(|Malformed| self.broken("its process broke, and did not say how"))
     }

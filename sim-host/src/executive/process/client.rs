@@ -304,8 +304,8 @@ fn fault_header(fault: &Fault, text: usize, [low, high]: [usize; 2]) -> [u8; 40]
     header[0..2].copy_from_slice(&(fault.signal as i16).to_le_bytes());
     header[2..4].copy_from_slice(&(fault.code as i16).to_le_bytes());
     header[4..8].copy_from_slice(&(text as u32).to_le_bytes());
-    for (place, value) in header[8..].chunks_exact_mut(8).zip([fault.address, fault.pc, low, high]) {
-        place.copy_from_slice(&(value as u64).to_le_bytes());
+    for (index, value) in header[8..].chunks_exact_mut(8).zip([fault.address, fault.pc, low, high]) {
+        index.copy_from_slice(&(value as u64).to_le_bytes());
     }
     header
 }
@@ -336,8 +336,8 @@ fn without_stale(words: &[u8], pc: usize) -> &[u8] {
     }
     // SAFETY: by the description's contract it points to a variable of the program, which runs on this thread.
     let address = unsafe { site.read() }.address.addr();
-    let place = words.chunks_exact(size_of::<usize>()).position(|word| word == address.to_ne_bytes());
-    &words[place.unwrap_or(0) * size_of::<usize>()..]
+    let index = words.chunks_exact(size_of::<usize>()).position(|word| word == address.to_ne_bytes());
+    &words[index.unwrap_or(0) * size_of::<usize>()..]
 }
 
 /// The bytes of words.

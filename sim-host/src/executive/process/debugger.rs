@@ -40,7 +40,7 @@ impl Debugger {
         let before: String = words[1..].iter().map(|word| format!("{} ", quoted(Path::new(word)))).collect();
         let child = format!("set args {before}child --debugged {} <> {}", quoted(library), quoted(channels));
         let settings = ["set breakpoint pending on", "set debuginfod enabled off", "set startup-with-shell on", &child];
-        let breakpoints = self.breakpoints.iter().map(|place| format!("break {place}"));
+        let breakpoints = self.breakpoints.iter().map(|location| format!("break {location}"));
         for line in settings.map(str::to_owned).into_iter().chain(breakpoints).chain(["run".to_owned()]) {
             command.arg("-ex").arg(line);
         }
@@ -70,11 +70,11 @@ mod tests {
         let command = debugger.command(Path::new("/tmp/it's.so"), Path::new("/proc/1/fd/5")).expect("a command");
         let arguments: Vec<String> =
             command.get_args().map(|argument| argument.to_string_lossy().into_owned()).collect();
-        let place =
+        let position_of =
             |text: &str| arguments.iter().position(|argument| argument == text).unwrap_or_else(|| panic!("{text}"));
-        assert!(place(r"set args child --debugged '/tmp/it'\''s.so' <> '/proc/1/fd/5'") < place("run"));
-        assert!(place("set breakpoint pending on") < place("break maze.c:12"));
-        assert!(place("break maze.c:12") < place("run"));
-        assert!(place("run") < place("-batch"));
+        assert!(position_of(r"set args child --debugged '/tmp/it'\''s.so' <> '/proc/1/fd/5'") < position_of("run"));
+        assert!(position_of("set breakpoint pending on") < position_of("break maze.c:12"));
+        assert!(position_of("break maze.c:12") < position_of("run"));
+        assert!(position_of("run") < position_of("-batch"));
     }
 }

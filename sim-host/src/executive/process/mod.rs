@@ -12,6 +12,6 @@ pub mod debugger;
 mod output;
 pub mod serve;
 
-pub use channel::ComputingPlace;
+pub use channel::ComputingLocation;
 pub use child::{CHILD_NAME, Child};
 pub use debugger::Debugger;

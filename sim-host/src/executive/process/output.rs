@@ -14,7 +14,7 @@ const MAX_BYTES: usize = 1 << 20;
 /// The system lacks the resources for the thread.
 pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
     let copy = move || {
-        let mut left = MAX_BYTES;
+        let mut remaining = MAX_BYTES;
         let mut buffer = [0; 1 << 14];
         loop {
             let count = match pipe.read(&mut buffer) {
@@ -23,11 +23,11 @@ pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
                 Err(_) => return,
             };
-            let shown = count.min(left);
-            left -= shown;
+            let printed = count.min(remaining);
+            remaining -= printed;
             // That standard error is closed is not the program's concern.
-            let _ = io::stderr().write_all(printable(&mut buffer[..shown]));
-            if shown < count && shown > 0 {
+            let _ = io::stderr().write_all(printable(&mut buffer[..printed]));
+            if printed < count && printed > 0 {
                 let _ = writeln!(
                     io::stderr(),
                     "\n... a program has printed more than {} kB past the simulator",

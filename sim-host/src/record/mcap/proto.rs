@@ -1,7 +1,7 @@
 //! Messages of Foxglove in the wire format of Protocol Buffers, and the descriptors by which a file declares them.
 //!
 //! One table serves both. Messages are encoded from JSON values: an absent field is not written, and null is an
-//! infinite number. Names and numbers are taken from Foxglove's schemas; fields that are never filled are left out.
+//! infinite number. Names and numbers are taken from Foxglove's schemas; fields that are never filled are omitted.
 //!
 //! Source: protobuf.dev, encoding; descriptor.proto.
 
@@ -287,8 +287,8 @@ fn descriptor(package: &str, message: &str, fields: &[Field]) -> Vec<u8> {
     for Field { name, number, kind, is_repeated } in fields {
         let mut field = Vec::new();
         bytes(&mut field, 1, name.as_bytes());
-        for (place, value) in [(3, u64::from(*number)), (4, if *is_repeated { 3 } else { 1 }), (5, kind.code())] {
-            tag(&mut field, place, VARINT);
+        for (index, value) in [(3, u64::from(*number)), (4, if *is_repeated { 3 } else { 1 }), (5, kind.code())] {
+            tag(&mut field, index, VARINT);
             varint(&mut field, value);
         }
         match kind {

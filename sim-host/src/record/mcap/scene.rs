@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use sim_core::pose::{Pose, Pose3};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId};
-use sim_view::protocol::{Body, Floor, Link, Mesh, Place, Point, Scene};
+use sim_view::protocol::{Attachment, Body, Floor, Link, Mesh, Point, Scene};
 
 use super::timestamp;
 use sim_core::math;
@@ -45,12 +45,12 @@ enum Owner {
 }
 
 impl Owner {
-    fn of(place: &Place) -> Self {
-        match place {
-            Place::World { .. } => Self::World,
-            Place::Robot { robot } => Self::Robot(*robot),
-            Place::Link { robot, link } => Self::Link(*robot, *link),
-            Place::Object { object } => Self::Object(*object),
+    fn of(attachment: &Attachment) -> Self {
+        match attachment {
+            Attachment::World { .. } => Self::World,
+            Attachment::Robot { robot } => Self::Robot(*robot),
+            Attachment::Link { robot, link } => Self::Link(*robot, *link),
+            Attachment::Object { object } => Self::Object(*object),
         }
     }
 }
@@ -136,7 +136,7 @@ fn triangles(scene: &Scene, owner: Owner) -> Vec<Value> {
     parts
         .flat_map(|part| {
             let at = match &part.place {
-                Place::World { at, .. } => *at,
+                Attachment::World { at, .. } => *at,
                 _ => Point { position_m: [0.0; 3], rotation: UPRIGHT },
             };
             scene.meshes.get(part.mesh as usize).map(|mesh| lists(mesh, &at)).unwrap_or_default()

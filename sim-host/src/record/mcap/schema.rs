@@ -71,14 +71,14 @@ impl Content {
         use Kind::*;
         Some(match kind {
             Pose | Object | Call => return None,
-            Distance | Angle | Reading | Odometry | OdometrySpeed | Key | SerialReceived | Scan | Signal | Frame
+            Distance | Compass | Reading | Odometry | OdometrySpeed | Key | SerialReceived | Scan | Signal | Image
             | Joint | Link | BodyHeight => Self::Reading,
             DriveSpeed | DriveStraight | DriveTurn | DriveCurve | SetOdometry | ControlStarted | ControlStopped
             | Motor | Servo | Output | LcdText | LcdClear | LcdGraphics | LcdMenu | Tone | Beep | Sample
             | SerialSent | TimerAttached | TimerDetached | Gait | LegSpeed | StepHeight | LegCorrection | Forbidden => {
                 Self::Command
             }
-            Contact | Touch => Self::Contact,
+            Contact | LegContact => Self::Contact,
             Posture | Footfall => Self::Walk,
             RadioSent | RadioArrived | RadioLost | RadioReceived => Self::Radio,
             Placed | ObjectPlaced | Intervention => Self::Intervention,

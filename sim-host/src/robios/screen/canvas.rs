@@ -62,7 +62,7 @@ impl Canvas {
 
     /// Colour of a pixel; `None` outside.
     pub fn pixel(&self, x: i32, y: i32) -> Option<Rgb> {
-        self.place(x.into(), y.into()).map(|place| self.pixels[place])
+        self.pixel_index(x.into(), y.into()).map(|index| self.pixels[index])
     }
 
     /// Draws one pixel.
@@ -132,13 +132,13 @@ impl Canvas {
     pub fn show(&mut self, [x, y]: [i32; 2], width: usize, image: impl Iterator<Item = Rgb>) -> u32 {
         let rows = self.height as i64 - i64::from(y);
         // Rows below the canvas are not read.
-        let seen = usize::try_from(rows).unwrap_or(0).saturating_mul(width);
-        let (mut across, mut down, mut changed) = (0, i64::from(y), 0);
-        for colour in image.take(seen) {
-            changed += self.draw(i64::from(x) + across, down, Ink::Colour(colour));
-            across += 1;
-            if across == width as i64 {
-                (across, down) = (0, down + 1);
+        let visible_pixels = usize::try_from(rows).unwrap_or(0).saturating_mul(width);
+        let (mut dx, mut down, mut changed) = (0, i64::from(y), 0);
+        for colour in image.take(visible_pixels) {
+            changed += self.draw(i64::from(x) + dx, down, Ink::Colour(colour));
+            dx += 1;
+            if dx == width as i64 {
+                (dx, down) = (0, down + 1);
             }
         }
         changed
@@ -146,9 +146,9 @@ impl Canvas {
 
     /// Blends a colour into one pixel by its coverage, 0 to 255.
     pub fn blend(&mut self, x: i32, y: i32, colour: Rgb, coverage: u8) {
-        if let Some(place) = self.place(x.into(), y.into()) {
-            let under = self.pixels[place];
-            self.pixels[place] = std::array::from_fn(|part| mix(under[part], colour[part], coverage));
+        if let Some(index) = self.pixel_index(x.into(), y.into()) {
+            let under = self.pixels[index];
+            self.pixels[index] = std::array::from_fn(|part| mix(under[part], colour[part], coverage));
         }
     }
 
@@ -171,16 +171,16 @@ impl Canvas {
     }
 
     fn draw(&mut self, x: i64, y: i64, ink: Ink) -> u32 {
-        let Some(place) = self.place(x, y) else { return 0 };
-        let old = self.pixels[place];
-        self.pixels[place] = match ink {
+        let Some(index) = self.pixel_index(x, y) else { return 0 };
+        let old = self.pixels[index];
+        self.pixels[index] = match ink {
             Ink::Colour(colour) => colour,
             Ink::Invert => inverse(old),
         };
-        u32::from(self.pixels[place] != old)
+        u32::from(self.pixels[index] != old)
     }
 
-    fn place(&self, x: i64, y: i64) -> Option<usize> {
+    fn pixel_index(&self, x: i64, y: i64) -> Option<usize> {
         let x = usize::try_from(x).ok().filter(|x| *x < self.width)?;
         let y = usize::try_from(y).ok().filter(|y| *y < self.height)?;
         Some(y * self.width + x)
@@ -197,7 +197,7 @@ pub fn line(from: [i32; 2], to: [i32; 2], size: [usize; 2]) -> impl Iterator<Ite
     };
     along(from, to, end as i64)
         .filter(move |(_, value)| (0..across as i64).contains(value))
-        .map(move |(place, value)| if is_flat { [place, value] } else { [value, place] })
+        .map(move |(index, value)| if is_flat { [index, value] } else { [value, index] })
 }
 
 /// Points of a line that is at least as long along its first coordinate as along its second, clipped to first
@@ -205,10 +205,10 @@ pub fn line(from: [i32; 2], to: [i32; 2], size: [usize; 2]) -> impl Iterator<Ite
 fn along(from: [i64; 2], to: [i64; 2], end: i64) -> impl Iterator<Item = (i64, i64)> {
     let ([start, first], [stop, last]) = if from[0] <= to[0] { (from, to) } else { (to, from) };
     let (length, rise) = (i128::from(stop - start), i128::from(last - first));
-    (start.max(0)..=stop.min(end - 1)).map(move |place| {
+    (start.max(0)..=stop.min(end - 1)).map(move |index| {
         // Rounded to the nearest, halves up; a line of one point has length 0.
-        let twice = 2 * rise * i128::from(place - start) + length;
-        (place, first + if length == 0 { 0 } else { twice.div_euclid(2 * length) as i64 })
+        let twice = 2 * rise * i128::from(index - start) + length;
+        (index, first + if length == 0 { 0 } else { twice.div_euclid(2 * length) as i64 })
     })
 }
 

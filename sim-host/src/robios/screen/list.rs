@@ -15,7 +15,7 @@ const FONT: Font = Font { family: Family::Helvetica, variation: Variation::Norma
 
 /// A line of the list.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Line {
+pub struct ListLine {
     /// Text and colours.
     pub entry: Entry,
     /// Code of the line's key; 0 for none.
@@ -28,7 +28,7 @@ pub fn room(height: u16) -> usize {
 }
 
 /// Draws the lines.
-pub fn draw(lines: &[Line], canvas: &mut Canvas) {
+pub fn draw(lines: &[ListLine], canvas: &mut Canvas) {
     let right = canvas.size()[0] as i32 - 1;
     for (top, line) in (0..).step_by(ROW.into()).zip(lines) {
         canvas.fill_area([0, top], [right, top + i32::from(ROW) - 1], Ink::Colour(line.entry.paper));

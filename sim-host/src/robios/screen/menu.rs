@@ -60,8 +60,8 @@ fn draw_label(entry: &Entry, [left, top]: [i32; 2], [right, bottom]: [i32; 2], c
     let lines: Vec<&str> = entry.text.split('\n').map(str::trim).collect();
     // Split at the blank nearest to the middle.
     let halves = entry.text.char_indices().filter(|(_, character)| *character == ' ');
-    let halves = halves.min_by_key(|(place, _)| place.abs_diff(entry.text.len() / 2));
-    let halves = halves.map(|(place, _)| vec![entry.text[..place].trim(), entry.text[place..].trim()]);
+    let halves = halves.min_by_key(|(index, _)| index.abs_diff(entry.text.len() / 2));
+    let halves = halves.map(|(index, _)| vec![entry.text[..index].trim(), entry.text[index..].trim()]);
     let (lines, font) = match halves {
         _ if is_fitting(&lines, font(Size::Normal)) => (lines, font(Size::Normal)),
         Some(halves) if is_fitting(&halves, font(Size::Normal)) => (halves, font(Size::Normal)),

@@ -13,7 +13,7 @@ mod tests;
 
 use canvas::{Canvas, Ink, Rgb, WHITE, inverse};
 use font::{Family, Font, Size, Variation};
-use list::Line;
+use list::ListLine;
 use menu::Entry;
 use page::{Cell, Page};
 
@@ -74,7 +74,7 @@ struct Content {
     page: Page,
     entries: [Entry; menu::KEYS],
     has_menu: bool,
-    list: Vec<Line>,
+    list: Vec<ListLine>,
     has_list: bool,
 }
 
@@ -164,7 +164,7 @@ impl Content {
     }
 
     /// Lines of the list; none while the list is hidden.
-    fn shown_list(&self) -> &[Line] {
+    fn shown_list(&self) -> &[ListLine] {
         if self.has_list { &self.list } else { &[] }
     }
 
@@ -336,7 +336,7 @@ impl Screen {
 
     /// Sets line `index` of the list and shows the list; `None` truncates the list before that line. Returns false if
     /// the line above it is missing, or the list is full.
-    pub fn set_list_line(&mut self, index: usize, line: Option<Line>) -> bool {
+    pub fn set_list_line(&mut self, index: usize, line: Option<ListLine>) -> bool {
         let is_place = index <= self.content.list.len() && index < self.list_room();
         match line {
             Some(line) if is_place => {

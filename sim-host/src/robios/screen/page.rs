@@ -24,7 +24,7 @@ pub struct Cell {
 }
 
 /// Upper left corner of a character: y, then x.
-type Place = (u16, u16);
+type CellIndex = (u16, u16);
 
 /// A rectangle: left, top, and the first column and row beyond the rectangle.
 type Area = [i64; 4];
@@ -37,7 +37,7 @@ pub struct Page {
     /// Pixels; while `None`, the page is black except for `cells`, all of which have paper.
     canvas: Option<Canvas>,
     /// Characters that have not been covered since they were written; no two overlap.
-    cells: BTreeMap<Place, Cell>,
+    cells: BTreeMap<CellIndex, Cell>,
 }
 
 impl Cell {
@@ -45,12 +45,12 @@ impl Cell {
         self.font.size.cell()[1]
     }
 
-    fn area(&self, (y, x): Place) -> Area {
+    fn area(&self, (y, x): CellIndex) -> Area {
         let (x, y) = (i64::from(x), i64::from(y));
         [x, y, x + i64::from(self.width), y + i64::from(self.height())]
     }
 
-    fn draw(&self, (y, x): Place, canvas: &mut Canvas) {
+    fn draw(&self, (y, x): CellIndex, canvas: &mut Canvas) {
         let (x, y) = (i32::from(x), i32::from(y));
         if let Some(paper) = self.paper {
             let corner = [x + i32::from(self.width) - 1, y + i32::from(self.height()) - 1];
@@ -85,26 +85,26 @@ impl Page {
     /// Writes a character; a character that is not entirely on the page is ignored.
     pub fn put(&mut self, x: i32, y: i32, mut cell: Cell) {
         let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y)) else { return };
-        let place = (y, x);
-        let area = cell.area(place);
+        let index = (y, x);
+        let area = cell.area(index);
         if area[2] > i64::from(self.width) || area[3] > i64::from(self.height) {
             return;
         }
         let before =
-            self.cells.get_mut(&place).filter(|old| (old.width, old.font.size) == (cell.width, cell.font.size));
+            self.cells.get_mut(&index).filter(|old| (old.width, old.font.size) == (cell.width, cell.font.size));
         match before {
             // The most frequent case by far: the cell is overwritten in place.
             Some(old) if cell.paper.is_some() => *old = cell,
-            _ => self.make_room(area, &mut cell, place),
+            _ => self.make_room(area, &mut cell, index),
         }
         if let Some(canvas) = &mut self.canvas {
-            cell.draw(place, canvas);
+            cell.draw(index, canvas);
         }
     }
 
-    fn make_room(&mut self, area: Area, cell: &mut Cell, place: Place) {
+    fn make_room(&mut self, area: Area, cell: &mut Cell, index: CellIndex) {
         let under = self.overlapping(area);
-        let is_whole = |under: &Place| contains(area, self.cells[under].area(*under));
+        let is_whole = |under: &CellIndex| contains(area, self.cells[under].area(*under));
         if self.canvas.is_none() && !under.is_empty() && !(cell.paper.is_some() && under.iter().all(is_whole)) {
             self.canvas_mut();
         }
@@ -113,33 +113,33 @@ impl Page {
             cell.paper.get_or_insert(BLACK);
         }
         under.iter().for_each(|under| _ = self.cells.remove(under));
-        self.cells.insert(place, *cell);
+        self.cells.insert(index, *cell);
     }
 
     /// Positions of the characters that share a pixel with `area`.
-    fn overlapping(&self, area: Area) -> Vec<Place> {
+    fn overlapping(&self, area: Area) -> Vec<CellIndex> {
         let [left, top, right, bottom] = area;
         let highest = top - i64::from(super::font::Size::Huge.cell()[1]);
         let range = (highest.max(0) as u16, 0)..(bottom.clamp(0, i64::from(u16::MAX)) as u16, 0);
-        let shares = |(place, cell): &(&Place, &Cell)| {
-            let [x1, y1, x2, y2] = cell.area(**place);
+        let index = |(cell_index, cell): &(&CellIndex, &Cell)| {
+            let [x1, y1, x2, y2] = cell.area(**cell_index);
             x1 < right && x2 > left && y1 < bottom && y2 > top
         };
-        self.cells.range(range).filter(shares).map(|(place, _)| *place).collect()
+        self.cells.range(range).filter(index).map(|(cell_index, _)| *cell_index).collect()
     }
 
     /// Removes the text that the rectangle between two corners, edges included, covers entirely.
     pub fn cover(&mut self, [x1, y1]: [i32; 2], [x2, y2]: [i32; 2]) {
         let [left, top] = [x1.min(x2), y1.min(y2)].map(i64::from);
         let [right, bottom] = [x1.max(x2), y1.max(y2)].map(|last| i64::from(last) + 1);
-        self.cells.retain(|place, cell| !contains([left, top, right, bottom], cell.area(*place)));
+        self.cells.retain(|index, cell| !contains([left, top, right, bottom], cell.area(*index)));
     }
 
     /// Moves everything above `bottom` up by `distance` pixels.
     pub fn scroll(&mut self, bottom: u16, distance: u16) {
         let (end, first) = (i64::from(bottom), i64::from(distance));
-        let is_cut = |(place, cell): (&Place, &Cell)| {
-            let [_, y1, _, y2] = cell.area(*place);
+        let is_cut = |(index, cell): (&CellIndex, &Cell)| {
+            let [_, y1, _, y2] = cell.area(*index);
             (y1 < first && y2 > first) || (y1 < end && y2 > end)
         };
         if self.canvas.is_none() && self.cells.iter().any(is_cut) {
@@ -148,7 +148,7 @@ impl Page {
         if let Some(canvas) = &mut self.canvas {
             canvas.scroll(bottom.into(), distance.into());
         }
-        let moved = |((y, x), cell): (Place, Cell)| {
+        let moved = |((y, x), cell): (CellIndex, Cell)| {
             let [_, y1, _, y2] = cell.area((y, x));
             if y1 >= end { Some(((y, x), cell)) } else { (y1 >= first && y2 <= end).then(|| ((y - distance, x), cell)) }
         };
@@ -204,9 +204,9 @@ pub fn draw_glyph(canvas: &mut Canvas, [x, y]: [i32; 2], font: Font, character: 
     }
 }
 
-fn painted(width: u16, height: u16, cells: &BTreeMap<Place, Cell>) -> Canvas {
+fn painted(width: u16, height: u16, cells: &BTreeMap<CellIndex, Cell>) -> Canvas {
     let mut canvas = Canvas::new(width.into(), height.into(), BLACK);
-    cells.iter().for_each(|(place, cell)| cell.draw(*place, &mut canvas));
+    cells.iter().for_each(|(index, cell)| cell.draw(*index, &mut canvas));
     canvas
 }
 

@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::canvas::{BLACK, Canvas, Ink, Rgb, WHITE, code, rgb};
 use super::font::{Family, Font, Size, Variation};
-use super::list::Line;
+use super::list::ListLine;
 use super::menu::Entry;
 use super::*;
 
@@ -295,10 +295,10 @@ fn the_menu_lies_above_all() {
 #[test]
 fn a_touch_in_a_field_of_the_menu_is_its_key() {
     let screen = Screen::default();
-    let keys = [[0, 208], [79, 239], [80, 220], [240, 220], [319, 239]].map(|place| screen.key_at(place));
+    let keys = [[0, 208], [79, 239], [80, 220], [240, 220], [319, 239]].map(|point| screen.key_at(point));
     assert_eq!(keys, [Some(0), Some(0), Some(1), Some(3), Some(3)]);
-    for place in [[0, 207], [-1, 220], [320, 220], [5, 240]] {
-        assert_eq!(screen.key_at(place), None);
+    for point in [[0, 207], [-1, 220], [320, 220], [5, 240]] {
+        assert_eq!(screen.key_at(point), None);
     }
     assert!((0..4).all(|index| screen.key_at(screen.middle_of_key(index)) == Some(index)));
     let odd = Screen::new([131, 99]);
@@ -307,7 +307,7 @@ fn a_touch_in_a_field_of_the_menu_is_its_key() {
 
 #[test]
 fn a_list_lies_above_the_text_and_its_lines_are_keys() {
-    let line = |text: &str, key| Some(Line { entry: Entry { text: text.into(), ink: WHITE, paper: RED }, key });
+    let line = |text: &str, key| Some(ListLine { entry: Entry { text: text.into(), ink: WHITE, paper: RED }, key });
     let mut screen = written("below");
     assert!(!screen.set_list_line(1, line("no line above", 1)));
     assert!(screen.set_list_line(0, line("title", 7)) && screen.set_list_line(1, line("one", 16)));

@@ -99,7 +99,7 @@ enum KillState {
 /// Place in the queue of tasks that wait for `key`.
 struct Queue {
     key: u64,
-    place: u64,
+    position: u64,
     is_woken: bool,
 }
 
@@ -293,13 +293,13 @@ impl Tasks {
         if queue.is_none() {
             self.queued += 1;
         }
-        queue.get_or_insert(Queue { key, place: self.queued, is_woken: false }).is_woken
+        queue.get_or_insert(Queue { key, position: self.queued, is_woken: false }).is_woken
     }
 
     /// Wakes the first task in the queue of `key` and returns its number. The task now holds the awaited resource.
     pub fn wake_first(&mut self, key: u64) -> Option<u32> {
-        let place_of = |task: &Task| task.queue.as_ref().filter(|queue| queue.is(key)).map(|queue| queue.place);
-        let (_, index) = self.list.iter().enumerate().filter_map(|(i, task)| Some((place_of(task)?, i))).min()?;
+        let position_of = |task: &Task| task.queue.as_ref().filter(|queue| queue.is(key)).map(|queue| queue.position);
+        let (_, index) = self.list.iter().enumerate().filter_map(|(i, task)| Some((position_of(task)?, i))).min()?;
         let task = &mut self.list[index];
         let number = task.number;
         task.wake = Time::ZERO;

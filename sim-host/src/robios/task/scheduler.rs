@@ -2,7 +2,7 @@
 //! virtual time.
 //!
 //! Strict priorities; round robin among equals, in order of readiness. A task that waits for the world (a busy wait)
-//! keeps its share of the processor; a task that sleeps, waits for another task or is suspended has none. Time slices
+//! keeps its fraction of the processor; a task that sleeps, waits for another task or is suspended has none. Time slices
 //! end at the ticks of the global 10 ms grid. The transfer of control between tasks is not part of this model: turns of
 //! tasks in busy waits are computed in closed form, and [`Scheduler::next`] names only tasks that have something to do.
 
@@ -230,18 +230,18 @@ impl Scheduler {
     /// Earliest time at which one of the tasks that take turns has something to do in its own slice.
     fn earliest_turn(&self, owner_wake: Time, peers: &VecDeque<u32>) -> Time {
         let round = Time(TICK.0 * (peers.len() as i64 + 1));
-        let chance = |place: usize, wake: Time| {
-            let end = self.slice_end + Time(TICK.0 * place as i64);
+        let chance = |task_index: usize, wake: Time| {
+            let end = self.slice_end + Time(TICK.0 * task_index as i64);
             if wake == Time::NEVER {
                 return Time::NEVER;
             }
             let rounds = if wake < end { 0 } else { (wake - end).0 / round.0 + 1 };
             let end = end + Time(round.0 * rounds);
-            wake.max(if place == 0 && rounds == 0 { self.now } else { end - TICK })
+            wake.max(if task_index == 0 && rounds == 0 { self.now } else { end - TICK })
         };
-        let of_peers = peers.iter().enumerate().map(|(place, number)| {
+        let of_peers = peers.iter().enumerate().map(|(task_index, number)| {
             let activity = self.index(*number).map(|index| self.entries[index].activity);
-            chance(place + 1, if let Some(Activity::Busy(wake)) = activity { wake } else { Time::ZERO })
+            chance(task_index + 1, if let Some(Activity::Busy(wake)) = activity { wake } else { Time::ZERO })
         });
         of_peers.fold(chance(0, owner_wake), Time::min)
     }

@@ -21,10 +21,10 @@ export function callsPanel(model: Model): HTMLElement {
   return panel;
 
   function draw(): void {
-    const wanted = words.value.toLowerCase();
+    const query = words.value.toLowerCase();
     const calls = model.calls.filter(({ robot }) => robot === model.chosen);
     shown = calls
-      .filter(({ text }) => text.toLowerCase().includes(wanted))
+      .filter(({ text }) => text.toLowerCase().includes(query))
       .map(({ number, t_s, text }) => ({ key: number, time: t_s.toFixed(6), who: "", kind: "", text }));
     list.show(shown);
     const none = model.player ? "a recording has no calls" : "no calls since this was opened";

@@ -60,16 +60,16 @@ export function checksPanel(model: Model): HTMLElement {
 function rowOf({ name, value }: CheckState): Row {
   const verdict = element("span", { className: "verdict" });
   const text = element("span", { className: "muted" });
-  const made = element("li", {}, [verdict, element("span", { className: "name", textContent: name }), text]);
-  if (value === null) return { element: made, verdict, text, curve: null, points: [] };
+  const item = element("li", {}, [verdict, element("span", { className: "name", textContent: name }), text]);
+  if (value === null) return { element: item, verdict, text, curve: null, points: [] };
   const picture = document.createElementNS(SVG, "svg");
   picture.setAttribute("viewBox", "0 0 100 24");
   picture.setAttribute("preserveAspectRatio", "none");
   picture.setAttribute("aria-hidden", "true");
   const curve = document.createElementNS(SVG, "polyline");
   picture.append(curve);
-  made.append(picture);
-  return { element: made, verdict, text, curve, points: [] };
+  item.append(picture);
+  return { element: item, verdict, text, curve, points: [] };
 }
 
 /** Corners of a curve that fills a picture of 100 by 24, with a margin of 2. */
@@ -78,7 +78,7 @@ function curveOf(points: readonly [number, number][]): string {
   if (!first || !last) return "";
   const values = points.map(([, value]) => value);
   const [low, high] = [Math.min(...values), Math.max(...values)];
-  const across = (t_s: number) => (100 * (t_s - first[0])) / (last[0] - first[0] || 1);
-  const up = (value: number) => (high > low ? 22 - (20 * (value - low)) / (high - low) : 12);
-  return points.map(([t_s, value]) => `${across(t_s).toFixed(2)},${up(value).toFixed(2)}`).join(" ");
+  const xOf = (t_s: number) => (100 * (t_s - first[0])) / (last[0] - first[0] || 1);
+  const yOf = (value: number) => (high > low ? 22 - (20 * (value - low)) / (high - low) : 12);
+  return points.map(([t_s, value]) => `${xOf(t_s).toFixed(2)},${yOf(value).toFixed(2)}`).join(" ");
 }

@@ -32,10 +32,10 @@ export function checkbox(text: string, testid: string, checked: boolean, change:
 export function section(title: string, testid: string, open: boolean, children: (Node | string)[]): HTMLDetailsElement {
   const memory = `eyesim.open.${testid}`;
   const summary = element("summary", {}, [element("h2", { textContent: title })]);
-  const made = element("details", { className: "panel", testid }, [summary, element("div", { className: "body" }, children)]);
-  made.open = recall(memory, open ? "1" : "0") === "1";
-  made.addEventListener("toggle", () => remember(memory, made.open ? "1" : "0"));
-  return made;
+  const details = element("details", { className: "panel", testid }, [summary, element("div", { className: "body" }, children)]);
+  details.open = recall(memory, open ? "1" : "0") === "1";
+  details.addEventListener("toggle", () => remember(memory, details.open ? "1" : "0"));
+  return details;
 }
 
 /** Returns a function that schedules `draw` while the section is open; opening the section also schedules it. */

@@ -14,7 +14,7 @@ export function editPanel(model: Model): HTMLElement {
   const which = choice("edit-which", "Robot or object", () => model.select(selectionOf(which.value)));
   const [x, y, heading] = [numberField("edit-x"), numberField("edit-y"), numberField("edit-heading")];
   const put = element("button", { type: "submit", textContent: "Put there", testid: "edit-place" });
-  const place = element("form", { className: "row" }, [labelled("x in mm", x), labelled("y in mm", y), labelled("heading in °", heading), put]);
+  const form = element("form", { className: "row" }, [labelled("x in mm", x), labelled("y in mm", y), labelled("heading in °", heading), put]);
   const move = (dx_mm: number, dy_mm: number, turn_deg: number) => () => nudge(dx_mm, dy_mm, turn_deg);
   const steps = [
     named(button("←", "edit-left", move(-STEP_MM, 0, 0)), `${STEP_MM} mm to the left (against x)`),
@@ -36,9 +36,9 @@ export function editPanel(model: Model): HTMLElement {
     element("div", { className: "row" }, [labelled("x in mm", addX), labelled("y in mm", addY), labelled("heading in °", addHeading), add]),
   ]);
   const nothing = element("p", { className: "muted", textContent: "This scene knows nothing that could be added." });
-  const panel = section("Edit", "edit-panel", false, [labelled("Robot or object", which), place, element("div", { className: "row" }, [...steps, remove]), element("hr"), adding, nothing]);
+  const panel = section("Edit", "edit-panel", false, [labelled("Robot or object", which), form, element("div", { className: "row" }, [...steps, remove]), element("hr"), adding, nothing]);
 
-  place.onsubmit = (event) => {
+  form.onsubmit = (event) => {
     event.preventDefault();
     const [x_mm, y_mm, turn_deg] = [numberOf(x), numberOf(y), numberOf(heading)];
     if (x_mm !== undefined && y_mm !== undefined && turn_deg !== undefined)
@@ -72,7 +72,7 @@ export function editPanel(model: Model): HTMLElement {
     const programs = robots.filter((robot) => robot.program !== "");
     setOptions(program, [["", "none"], ...programs.map(({ id, name, program }): [string, string] => [String(id), `${program} as ${name}`])]);
     showProgram();
-    if (!place.contains(document.activeElement)) fillPlace();
+    if (!form.contains(document.activeElement)) fillPlace();
     if (addX.value === "" && model.scene) fillMiddle(model.scene.bounds_m);
     allow();
   }
@@ -114,12 +114,12 @@ export function editPanel(model: Model): HTMLElement {
   async function addOne(): Promise<void> {
     const [x_mm, y_mm, turn_deg] = [numberOf(addX), numberOf(addY), numberOf(addHeading)];
     if (x_mm === undefined || y_mm === undefined || turn_deg === undefined) return;
-    const place = { x_m: x_mm / 1000, y_m: y_mm / 1000, phi_rad: turn_deg * DEGREE };
+    const pose = { x_m: x_mm / 1000, y_m: y_mm / 1000, phi_rad: turn_deg * DEGREE };
     const isRobot = kind.value.startsWith("robot ");
     const name = kind.value.slice(kind.value.indexOf(" ") + 1);
     const program_of = program.value === "" ? null : Number(program.value);
     selectNext(isRobot);
-    await act(model, isRobot ? { do: "add_robot", kind: name, program_of, ...place } : { do: "add_object", kind: name, ...place });
+    await act(model, isRobot ? { do: "add_robot", kind: name, program_of, ...pose } : { do: "add_object", kind: name, ...pose });
   }
 
   /** Selects the next robot or object that the scene gets, so that it can be dragged at once. */

@@ -24,10 +24,10 @@ export function eventsPanel(model: Model): HTMLElement {
     const robots = model.scene?.robots ?? [];
     const names = new Map(robots.map(({ id, name }) => [id, `${id} ${name}`]));
     setOptions(robot, [["", "all robots"], ["chosen", "the chosen robot"], ["world", "the world"], ...[...names].map(([id, name]): [string, string] => [String(id), name])]);
-    const shown = all.filter(isWanted);
-    list.show(shown.map((event) => lineOf(event, names)));
+    const visible = all.filter(isWanted);
+    list.show(visible.map((event) => lineOf(event, names)));
     const missed = model.missedEvents > 0 ? `, ${model.missedEvents} earlier ones left out` : "";
-    setText(count, `${shown.length} of ${all.length} events${missed}`);
+    setText(count, `${visible.length} of ${all.length} events${missed}`);
   }
 
   function isWanted(event: Event): boolean {

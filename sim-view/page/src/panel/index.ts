@@ -23,7 +23,7 @@ import { sensorsPanel } from "./sensors";
 /** All panels in order; those of class `bar` go into the bar above the 3D view. */
 export function panels(model: Model): HTMLElement[] {
   const picks = new PlotSelection();
-  const made = [
+  const panels = [
     runPanel(model),
     helpPanel(model),
     bannerPanel(model),
@@ -44,5 +44,5 @@ export function panels(model: Model): HTMLElement[] {
     noticePanel(model),
   ];
   listen();
-  return made;
+  return panels;
 }

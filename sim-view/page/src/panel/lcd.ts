@@ -14,10 +14,10 @@ const REMOTE_TOO = ["LEFT", "RIGHT", "UP", "DOWN", "OK", "POWER"];
 export function lcdPanel(model: Model): HTMLElement {
   const picture = element("img", { className: "pixels", testid: "lcd", alt: "Display; its text follows", draggable: false });
   const text = element("pre", { className: "hidden", testid: "lcd-text", label: "Text on the display" });
-  const keys = KEYS.map((key, place) => {
-    const pressed = button("", key.toLowerCase(), () => press(key), `${key} (${place + 1})`);
+  const keys = KEYS.map((key, index) => {
+    const pressed = button("", key.toLowerCase(), () => press(key), `${key} (${index + 1})`);
     pressed.classList.add("key");
-    shortcut(String(place + 1), `Press ${key} of the chosen robot`, () => press(key));
+    shortcut(String(index + 1), `Press ${key} of the chosen robot`, () => press(key));
     return pressed;
   });
   const screen = element("div", { className: "screen" }, [picture, text]);
@@ -70,8 +70,8 @@ export function lcdPanel(model: Model): HTMLElement {
     picture.classList.toggle("touchable", lcd.has_colours);
     showPicture(picture, text, detail);
     const menu = menuOf(detail?.lcd_text ?? [], lcd.has_colours);
-    keys.forEach((key, place) => setText(key, menu[place] || `${place + 1}`));
-    keys.forEach((key, place) => (key.ariaLabel = menu[place] ? `KEY${place + 1}: ${menu[place]}` : `KEY${place + 1}`));
+    keys.forEach((key, index) => setText(key, menu[index] || `${index + 1}`));
+    keys.forEach((key, index) => (key.ariaLabel = menu[index] ? `KEY${index + 1}: ${menu[index]}` : `KEY${index + 1}`));
   }
 }
 

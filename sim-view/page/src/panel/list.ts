@@ -65,9 +65,9 @@ export class LongList {
   private draw(): void {
     const first = Math.max(0, Math.floor(this.element.scrollTop / ROW_PX) - MARGIN_ROWS);
     const count = Math.ceil(this.element.clientHeight / ROW_PX) + 2 * MARGIN_ROWS;
-    const shown = this.lines.slice(first, first + count);
-    this.room.replaceChildren(...shown.map((line, place) => this.row(line, first + place)));
-    const active = shown.find((line) => line.key === this.active);
+    const visible = this.lines.slice(first, first + count);
+    this.room.replaceChildren(...visible.map((line, index) => this.row(line, first + index)));
+    const active = visible.find((line) => line.key === this.active);
     if (active) this.element.setAttribute("aria-activedescendant", this.id(active));
     else this.element.removeAttribute("aria-activedescendant");
   }

@@ -68,12 +68,12 @@ export function noisePanel(model: Model): HTMLElement {
       if (!bodies.has(group)) bodies.set(group, element("div", { className: "body" }));
       bodies.get(group)!.append(row.element);
     }
-    const made = [...bodies].map(([name, body]) => {
+    const tableRows = [...bodies].map(([name, body]) => {
       const group = element("details", { open: open.has(name) || bodies.size === 1 }, [element("summary", { textContent: name }), body]);
       group.dataset["group"] = name;
       return group;
     });
-    groups.replaceChildren(...made);
+    groups.replaceChildren(...tableRows);
     allow();
   }
 
@@ -135,10 +135,10 @@ function groupOf(name: string): string {
 
 /** Value at a slider step: linear, or cubic in wide ranges, so that small numbers can be set. */
 export function fromStep(step: number, [low, high]: [number, number]): number {
-  const share = step / STEPS;
-  if (high - low <= WIDE) return low + share * (high - low);
-  if (low >= 0) return low + share ** 3 * (high - low);
-  const side = 2 * share - 1;
+  const fraction = step / STEPS;
+  if (high - low <= WIDE) return low + fraction * (high - low);
+  if (low >= 0) return low + fraction ** 3 * (high - low);
+  const side = 2 * fraction - 1;
   return side ** 3 * (side < 0 ? -low : high);
 }
 

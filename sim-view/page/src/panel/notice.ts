@@ -6,7 +6,7 @@ import type { Action, Command } from "../protocol";
 import { button } from "./control";
 
 const STAYS_MS = 8000;
-const MOST = 4;
+const MAX_NOTICES = 4;
 
 const region = element("div", { className: "notices", testid: "notices", role: "status" });
 
@@ -27,7 +27,7 @@ export function notify(text: string): void {
   for (const event of ["pointerleave", "focusout"])
     notice.addEventListener(event, () => (timer = setTimeout(remove, STAYS_MS)));
   region.append(notice);
-  if (region.childElementCount > MOST) region.firstElementChild?.remove();
+  if (region.childElementCount > MAX_NOTICES) region.firstElementChild?.remove();
 }
 
 /** Sends a command; shows the reason if it is refused. */

@@ -13,7 +13,7 @@ const PRINTED = ["#0b6e99", "#b3400a", "#1c7d3c", "#8a2be2", "#8a6d00", "#a01c5a
 const WINDOWS: [value: string, text: string][] = [["5", "last 5 s"], ["20", "last 20 s"], ["60", "last minute"], ["all", "all"]];
 
 export function plotPanel(model: Model, picks: PlotSelection): HTMLElement {
-  const place = element("div", { className: "plot", testid: "plot", role: "img" });
+  const container = element("div", { className: "plot", testid: "plot", role: "img" });
   const none = element("p", { className: "muted", textContent: "Tick readings in the table above to see their curves." });
   const pause = button("Pause plot", "plot-pause", () => setPaused(!isPaused));
   const wide = choice("plot-window", "Time that is shown", () => follow());
@@ -28,7 +28,7 @@ export function plotPanel(model: Model, picks: PlotSelection): HTMLElement {
     button("Save SVG", "plot-svg", () => save("svg")),
     button("Save CSV", "plot-csv", () => save("csv")),
   ];
-  const panel = section("Plots", "plot-panel", true, [none, place, element("div", { className: "row" }, buttons)]);
+  const panel = section("Plots", "plot-panel", true, [none, container, element("div", { className: "row" }, buttons)]);
 
   let plot: uPlot | undefined;
   let shown: Series[] = [];
@@ -40,7 +40,7 @@ export function plotPanel(model: Model, picks: PlotSelection): HTMLElement {
   panel.addEventListener("toggle", soon);
   for (const topic of ["history", "chosen", "scene"] as const) model.subscribe(topic, soon);
   picks.subscribe(() => panel.open && draw());
-  new ResizeObserver(() => plot?.setSize({ width: place.clientWidth, height: HEIGHT_PX })).observe(place);
+  new ResizeObserver(() => plot?.setSize({ width: container.clientWidth, height: HEIGHT_PX })).observe(container);
   for (const query of ["(prefers-color-scheme: dark)", "(forced-colors: active)"])
     matchMedia(query).addEventListener("change", () => plot?.redraw());
   return panel;
@@ -52,9 +52,9 @@ export function plotPanel(model: Model, picks: PlotSelection): HTMLElement {
       return curve ? [{ name, ...curve }] : [];
     });
     none.hidden = shown.length > 0;
-    place.hidden = shown.length === 0;
+    container.hidden = shown.length === 0;
     const name = model.scene?.robots.find(({ id }) => id === model.chosen)?.name ?? "";
-    place.ariaLabel = `Curves of ${name}: ${shown.map(nameOf).join(", ")}`;
+    container.ariaLabel = `Curves of ${name}: ${shown.map(nameOf).join(", ")}`;
     const needed = JSON.stringify(shown.map(nameOf));
     if (needed !== key || !plot) {
       plot?.destroy();
@@ -69,11 +69,11 @@ export function plotPanel(model: Model, picks: PlotSelection): HTMLElement {
 
   function make(series: readonly Series[]): uPlot {
     const units = [...new Set(series.map(({ unit }) => unit))];
-    const line = () => colourOf("--text", place);
-    const grid = { stroke: () => colourOf("--line", place), width: 1 };
-    const made = new uPlot(
+    const line = () => colourOf("--text", container);
+    const grid = { stroke: () => colourOf("--line", container), width: 1 };
+    const chart = new uPlot(
       {
-        width: place.clientWidth || 300,
+        width: container.clientWidth || 300,
         height: HEIGHT_PX,
         scales: { x: { time: false } },
         cursor: { drag: { x: true, y: false, setScale: false } },
@@ -84,7 +84,7 @@ export function plotPanel(model: Model, picks: PlotSelection): HTMLElement {
           ...series.map(({ name, unit }, at) => ({
             label: name,
             scale: unit || "count",
-            stroke: () => colourOf(`--curve-${at + 1}`, place),
+            stroke: () => colourOf(`--curve-${at + 1}`, container),
             width: 1.5,
             dash: [[], [6, 3], [2, 3]][Math.floor(at / 3) % 3]!,
             points: { show: false },
@@ -106,10 +106,10 @@ export function plotPanel(model: Model, picks: PlotSelection): HTMLElement {
         ],
       },
       dataOf(series, range()),
-      place,
+      container,
     );
-    made.over.addEventListener("dblclick", follow);
-    return made;
+    chart.over.addEventListener("dblclick", follow);
+    return chart;
   }
 
   function selected(at: uPlot): void {
@@ -175,7 +175,7 @@ function dataOf(series: readonly Series[], [from, to]: [number, number]): uPlot.
 }
 
 /** A colour of the style sheet in a form that canvases accept. */
-function colourOf(variable: string, place: HTMLElement): string {
-  place.style.color = `var(${variable})`;
-  return getComputedStyle(place).color;
+function colourOf(variable: string, element: HTMLElement): string {
+  element.style.color = `var(${variable})`;
+  return getComputedStyle(element).color;
 }

@@ -150,6 +150,6 @@ function rateName(rate: number): string {
 /** Index of the step nearest to a speed. */
 function nearest(factor: number | null): number {
   if (factor === null) return LAST;
-  const apart = SPEEDS.map((speed) => (speed === null ? Infinity : Math.abs(Math.log(speed / factor))));
-  return apart.indexOf(Math.min(...apart));
+  const distances = SPEEDS.map((speed) => (speed === null ? Infinity : Math.abs(Math.log(speed / factor))));
+  return distances.indexOf(Math.min(...distances));
 }

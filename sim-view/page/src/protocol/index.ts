@@ -316,7 +316,7 @@ export type Part = {
   /** Index of its mesh in [`Scene::meshes`]. */
   mesh: number,
   /** Attachment of the mesh. */
-  place: Place, };
+  place: Attachment, };
 
 /** A picture. */
 export type Picture = {
@@ -326,7 +326,7 @@ export type Picture = {
   size_px: [number, number], };
 
 /** Attachment of a part. */
-export type Place = { "on": "world",
+export type Attachment = { "on": "world",
   /** Kind of the part: `wall`, `object` or `terrain`. */
   what: string,
   /** Pose of its frame in the world frame. */

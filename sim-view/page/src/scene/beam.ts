@@ -4,7 +4,7 @@ import * as THREE from "three";
 import type { Model } from "../model";
 import { poseOnPieces } from "../motion";
 import type { Pose, Robot } from "../protocol";
-import type { Bodies, Shown } from "./bodies";
+import type { Bodies, BodyView } from "./bodies";
 import { Pen, type Colour } from "./pen";
 
 const BEAM: Colour = [1, 0.45, 0.05];
@@ -26,10 +26,10 @@ export class Beams {
   private readonly frustumFaces = new Pen("triangles", { renderOrder: 5 });
   /** For each beam: from, to (robot's frame), half angle, 1 for a hit. */
   private numbers = new Float32Array(0);
-  private owners: (Shown | undefined)[] = [];
+  private owners: (BodyView | undefined)[] = [];
   private scanNumbers = new Float32Array(0);
-  private scanOwner: Shown | undefined;
-  private views: { body: Shown; corners: Float32Array }[] = [];
+  private scanOwner: BodyView | undefined;
+  private views: { body: BodyView; corners: Float32Array }[] = [];
   private readonly base: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
   private readonly at = new Float32Array(3);
 
@@ -102,7 +102,7 @@ export class Beams {
     hits.begin();
     for (let i = 0; i < this.owners.length; i++) {
       const body = this.owners[i];
-      if (!body?.isThere) continue;
+      if (!body?.isPresent) continue;
       const k = 8 * i;
       const half = numbers[k + 6]!;
       const isHit = numbers[k + 7] === 1;
@@ -133,7 +133,7 @@ export class Beams {
     const { scanFan: fan, scanHits: hits, scanNumbers: numbers, scanOwner: body, at } = this;
     fan.begin();
     hits.begin();
-    if (body?.isThere) {
+    if (body?.isPresent) {
       out(body, numbers, 0, at);
       const [fx, fy, fz] = [at[0]!, at[1]!, at[2]!];
       let [lastX, lastY, lastZ, lastTurn] = [NaN, NaN, NaN, NaN];
@@ -161,7 +161,7 @@ export class Beams {
     lines.begin();
     faces.begin();
     for (const { body, corners } of this.views) {
-      if (!body.isThere) continue;
+      if (!body.isPresent) continue;
       const isChosen = body.what === "robot" && body.id === this.model.chosen;
       const opacity = isChosen ? 0.9 : 0.4;
       for (let i = 0; i < 4; i++) {
@@ -185,22 +185,22 @@ export class Beams {
 /** Apex and four corners of a camera's view frustum, in the robot's frame. */
 function frustum(robot: Robot): Float32Array {
   const camera = robot.camera!;
-  const place = new THREE.Vector3(...camera.mount.position_m);
+  const position = new THREE.Vector3(...camera.mount.position_m);
   const turn = new THREE.Quaternion(...camera.mount.rotation);
   const depth = 3 * robot.body.radius_m;
   const corners = new Float32Array(15);
-  place.toArray(corners, 0);
+  position.toArray(corners, 0);
   // A full fisheye has no pyramid: the frustum is limited to 150 degrees.
-  const most = (75 * Math.PI) / 180;
-  const side = depth * Math.tan(Math.min(most, camera.horizontal_rad / 2));
-  const up = depth * Math.tan(Math.min(most, camera.vertical_rad / 2));
+  const maxHalfAngle = (75 * Math.PI) / 180;
+  const side = depth * Math.tan(Math.min(maxHalfAngle, camera.horizontal_rad / 2));
+  const up = depth * Math.tan(Math.min(maxHalfAngle, camera.vertical_rad / 2));
   [
     [1, 1],
     [-1, 1],
     [-1, -1],
     [1, -1],
   ].forEach(([left, high], i) => {
-    new THREE.Vector3(depth, left! * side, high! * up).applyQuaternion(turn).add(place).toArray(corners, 3 * (i + 1));
+    new THREE.Vector3(depth, left! * side, high! * up).applyQuaternion(turn).add(position).toArray(corners, 3 * (i + 1));
   });
   return corners;
 }
@@ -215,7 +215,7 @@ function into(pose: Pose, [x, y, z]: [number, number, number], numbers: Float32A
 }
 
 /** Transforms a point of a body's frame into the world. */
-function out(body: Shown, numbers: Float32Array, at: number, to: Float32Array): void {
+function out(body: BodyView, numbers: Float32Array, at: number, to: Float32Array): void {
   const { x_m, y_m, phi_rad } = body.pose;
   const [cos, sin] = [Math.cos(phi_rad), Math.sin(phi_rad)];
   const [x, y] = [numbers[at]!, numbers[at + 1]!];

@@ -6,7 +6,7 @@ import type { Posture } from "../motion";
 import type { Body, Link, Pose, Robot } from "../protocol";
 
 /** A robot or a movable object on display. */
-export interface Shown {
+export interface BodyView {
   readonly what: "robot" | "object";
   readonly id: number;
   readonly extent: Body;
@@ -22,33 +22,33 @@ export interface Shown {
   /** Pose to which the user drags it, until the run has placed it there; null if it is not dragged. */
   held: Pose | null;
   /** The body is in the world. */
-  isThere: boolean;
+  isPresent: boolean;
   isStalled: boolean;
 }
 
 /** All moving bodies. */
 export class Bodies {
-  robots: Shown[] = [];
-  objects: Shown[] = [];
+  robots: BodyView[] = [];
+  objects: BodyView[] = [];
   /** Robots, then objects. */
-  all: Shown[] = [];
-  private readonly byRobot = new Map<number, Shown>();
-  private readonly byObject = new Map<number, Shown>();
+  all: BodyView[] = [];
+  private readonly byRobot = new Map<number, BodyView>();
+  private readonly byObject = new Map<number, BodyView>();
   private readonly pose: Pose = { x_m: 0, y_m: 0, phi_rad: 0 };
   private readonly posture: Posture = { lift_m: 0, joints_rad: [] };
 
   constructor(private readonly model: Model) {}
 
-  robot(id: number | null): Shown | undefined {
+  robot(id: number | null): BodyView | undefined {
     return id === null ? undefined : this.byRobot.get(id);
   }
 
-  object(id: number): Shown | undefined {
+  object(id: number): BodyView | undefined {
     return this.byObject.get(id);
   }
 
   /** The selected body. */
-  get selected(): Shown | undefined {
+  get selected(): BodyView | undefined {
     const selected = this.model.selected;
     if (!selected) return undefined;
     return "robot" in selected ? this.robot(selected.robot) : this.object(selected.object);
@@ -80,13 +80,13 @@ export class Bodies {
     let hasMoved = false;
     for (const body of this.all) {
       const motion = this.model.motion;
-      let isThere = body.what === "robot" ? motion.robot(body.id, t_s, this.pose) : motion.object(body.id, t_s, this.pose);
+      let isPresent = body.what === "robot" ? motion.robot(body.id, t_s, this.pose) : motion.object(body.id, t_s, this.pose);
       const to = body.held ?? this.pose;
-      if (body.held) isThere = true;
+      if (body.held) isPresent = true;
       const { pose } = body;
-      if (isThere !== body.isThere || pose.x_m !== to.x_m || pose.y_m !== to.y_m || pose.phi_rad !== to.phi_rad) {
+      if (isPresent !== body.isPresent || pose.x_m !== to.x_m || pose.y_m !== to.y_m || pose.phi_rad !== to.phi_rad) {
         hasMoved = true;
-        body.isThere = isThere;
+        body.isPresent = isPresent;
         pose.x_m = to.x_m;
         pose.y_m = to.y_m;
         pose.phi_rad = to.phi_rad;
@@ -102,7 +102,7 @@ export class Bodies {
 }
 
 /** Displays a posture; returns false if it is displayed already. */
-function takePosture({ posture }: Shown, to: Posture): boolean {
+function takePosture({ posture }: BodyView, to: Posture): boolean {
   const { joints_rad } = posture;
   if (posture.lift_m === to.lift_m && joints_rad.every((angle, i) => angle === to.joints_rad[i])) return false;
   posture.lift_m = to.lift_m;
@@ -112,24 +112,24 @@ function takePosture({ posture }: Shown, to: Posture): boolean {
 
 const base = new THREE.Matrix4();
 const turned = new THREE.Matrix4();
-const place = new THREE.Vector3();
+const position = new THREE.Vector3();
 const turn = new THREE.Quaternion();
 const bend = new THREE.Quaternion();
 const axis = new THREE.Vector3();
 const UNIT = new THREE.Vector3(1, 1, 1);
 
 /** Computes the poses of a body's links from its pose and posture. */
-function placeLinks({ links, frames, pose, posture }: Shown): void {
+function placeLinks({ links, frames, pose, posture }: BodyView): void {
   if (links.length === 0) return;
   base.makeRotationZ(pose.phi_rad).setPosition(pose.x_m, pose.y_m, posture.lift_m);
   links.forEach(({ parent, origin, axis: about, joint }, i) => {
     bend.setFromAxisAngle(axis.set(...about), joint === null ? 0 : (posture.joints_rad[joint] ?? 0));
-    turned.compose(place.set(...origin.position_m), turn.set(...origin.rotation).multiply(bend), UNIT);
+    turned.compose(position.set(...origin.position_m), turn.set(...origin.rotation).multiply(bend), UNIT);
     frames[i]!.multiplyMatrices(parent === null ? base : frames[parent]!, turned);
   });
 }
 
-function shown(what: Shown["what"], id: number, extent: Body, [r, g, b]: [number, number, number], robot?: Robot): Shown {
+function shown(what: BodyView["what"], id: number, extent: Body, [r, g, b]: [number, number, number], robot?: Robot): BodyView {
   const links = robot?.links ?? [];
   return {
     what,
@@ -141,7 +141,7 @@ function shown(what: Shown["what"], id: number, extent: Body, [r, g, b]: [number
     links,
     frames: links.map(() => new THREE.Matrix4()),
     held: null,
-    isThere: false,
+    isPresent: false,
     isStalled: false,
   };
 }

@@ -4,7 +4,7 @@ import * as THREE from "three";
 import type { Model } from "../model";
 import { act } from "../panel/notice";
 import type { Pose } from "../protocol";
-import type { Bodies, Shown } from "./bodies";
+import type { Bodies, BodyView } from "./bodies";
 import type { ViewCamera } from "./camera";
 import type { Marks } from "./marks";
 
@@ -18,7 +18,7 @@ const REST_MS = 600;
 
 interface Drag {
   pointer: number;
-  body: Shown;
+  body: BodyView;
   isTurning: boolean;
   start: Pose;
   /** Point on the drag plane where the drag started; its pointer position is `x_px`, `y_px`. */
@@ -138,13 +138,13 @@ export class DragControl {
   }
 
   /** Asks the run to place a body at its dragged pose, where it is displayed until the run has answered. */
-  private async place(body: Shown): Promise<void> {
+  private async place(body: BodyView): Promise<void> {
     const { held } = body;
     if (!held) return;
-    const place = { x_m: held.x_m, y_m: held.y_m, phi_rad: held.phi_rad };
+    const pose = { x_m: held.x_m, y_m: held.y_m, phi_rad: held.phi_rad };
     const isPlaced = await act(
       this.model,
-      body.what === "robot" ? { do: "place_robot", robot: body.id, ...place } : { do: "place_object", object: body.id, ...place },
+      body.what === "robot" ? { do: "place_robot", robot: body.id, ...pose } : { do: "place_object", object: body.id, ...pose },
     );
     const letGo = () => {
       if (body.held === held) body.held = null;
@@ -167,7 +167,7 @@ export class DragControl {
     else if (event.key === "-") viewCamera.zoom(1.15);
     else if (event.key === "[" || event.key === "]") this.nudge(body, 0, 0, event.key === "[" ? TURN_RAD : -TURN_RAD);
     else if (arrow && event.shiftKey) this.push(body, arrow[0], arrow[1]);
-    else if (arrow && event.altKey) viewCamera.shift(arrow[0], arrow[1]);
+    else if (arrow && event.altKey) viewCamera.pan(arrow[0], arrow[1]);
     else if (arrow) viewCamera.orbit(-0.08 * arrow[0], 0.06 * arrow[1]);
     else return;
     event.preventDefault();
@@ -175,15 +175,15 @@ export class DragControl {
   }
 
   /** Moves a body by a step along the floor axis that is closest to the arrow's direction on the screen. */
-  private push(body: Shown | undefined, right: number, ahead: number): void {
+  private push(body: BodyView | undefined, right: number, ahead: number): void {
     const [x, y] = this.viewCamera().axes();
-    const way = x.multiplyScalar(right).add(y.multiplyScalar(ahead));
-    const isAlongX = Math.abs(way.x) >= Math.abs(way.y);
-    this.nudge(body, isAlongX ? STEP_M * Math.sign(way.x) : 0, isAlongX ? 0 : STEP_M * Math.sign(way.y), 0);
+    const offset = x.multiplyScalar(right).add(y.multiplyScalar(ahead));
+    const isAlongX = Math.abs(offset.x) >= Math.abs(offset.y);
+    this.nudge(body, isAlongX ? STEP_M * Math.sign(offset.x) : 0, isAlongX ? 0 : STEP_M * Math.sign(offset.y), 0);
   }
 
-  private nudge(body: Shown | undefined, x_m: number, y_m: number, phi_rad: number): void {
-    if (!body?.isThere || !this.model.mayAct) return;
+  private nudge(body: BodyView | undefined, x_m: number, y_m: number, phi_rad: number): void {
+    if (!body?.isPresent || !this.model.mayAct) return;
     const held = (body.held ??= { ...body.pose });
     held.x_m += x_m;
     held.y_m += y_m;
@@ -193,7 +193,7 @@ export class DragControl {
     this.resting = window.setTimeout(() => this.settle(body), REST_MS);
   }
 
-  private settle(body: Shown): void {
+  private settle(body: BodyView): void {
     clearTimeout(this.resting);
     void this.place(body);
   }
@@ -213,13 +213,13 @@ export class DragControl {
   }
 
   /** The nearest body whose upright bounding cylinder is at the pointer, or close to it. */
-  private pick(): Shown | undefined {
+  private pick(): BodyView | undefined {
     const { origin, direction } = this.ray.ray;
     const slack = NEAR_PX / this.viewCamera().px_per_m;
-    let found: Shown | undefined;
+    let found: BodyView | undefined;
     let nearest = Infinity;
     for (const body of this.bodies.all) {
-      if (!body.isThere) continue;
+      if (!body.isPresent) continue;
       const distance = hitCylinder(origin, direction, body, 0.25 * slack) ?? hitCylinder(origin, direction, body, slack);
       if (distance === null || distance >= nearest) continue;
       nearest = distance;
@@ -239,9 +239,9 @@ export class DragControl {
 
   private onPlane(height_m: number, out: THREE.Vector3): boolean {
     const { origin, direction } = this.ray.ray;
-    const way = (height_m - origin.z) / direction.z;
-    if (!Number.isFinite(way) || way <= 0) return false;
-    out.copy(origin).addScaledVector(direction, way);
+    const distance = (height_m - origin.z) / direction.z;
+    if (!Number.isFinite(distance) || distance <= 0) return false;
+    out.copy(origin).addScaledVector(direction, distance);
     return true;
   }
 }
@@ -254,7 +254,7 @@ const ARROWS: Record<string, readonly [number, number] | undefined> = {
 };
 
 /** Distance at which a ray hits a body's upright cylinder, widened by `slack`; null if there is no hit. */
-function hitCylinder(origin: THREE.Vector3, direction: THREE.Vector3, body: Shown, slack: number): number | null {
+function hitCylinder(origin: THREE.Vector3, direction: THREE.Vector3, body: BodyView, slack: number): number | null {
   const radius = body.extent.radius_m + slack;
   const [dx, dy] = [origin.x - body.pose.x_m, origin.y - body.pose.y_m];
   const a = direction.x ** 2 + direction.y ** 2;
@@ -265,7 +265,7 @@ function hitCylinder(origin: THREE.Vector3, direction: THREE.Vector3, body: Show
   if (top > 0 && (dx + top * direction.x) ** 2 + (dy + top * direction.y) ** 2 <= radius ** 2) return top;
   const root = b * b - a * c;
   if (a < 1e-12 || root < 0) return null;
-  const way = (-b - Math.sqrt(root)) / a;
-  const height = origin.z + way * direction.z;
-  return way > 0 && height >= -slack && height <= body.extent.height_m + slack ? way : null;
+  const distance = (-b - Math.sqrt(root)) / a;
+  const height = origin.z + distance * direction.z;
+  return distance > 0 && height >= -slack && height <= body.extent.height_m + slack ? distance : null;
 }

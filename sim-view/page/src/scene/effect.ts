@@ -79,11 +79,11 @@ export class EventEffects {
   }
 
   /** Draws messages and contacts; returns true while any is animated. */
-  update(passed_ms: number, isReduced: boolean, width_px: number, height_px: number): boolean {
+  update(passed_ms: number, prefersReducedMotion: boolean, width_px: number, height_px: number): boolean {
     const isStill = this.model.snapshot?.state.is === "paused" || this.model.player?.isPlaying === false;
     age(this.flights, passed_ms, SHOWN_MS, isStill);
     age(this.struck, passed_ms, CONTACT_MS, isStill);
-    this.drawFlights(isReduced, width_px, height_px);
+    this.drawFlights(prefersReducedMotion, width_px, height_px);
     this.drawContacts();
     const isPlaying = (item: { age_ms: number }, most: number) => !isStill || item.age_ms < 0.6 * most;
     return this.flights.some((flight) => isPlaying(flight, SHOWN_MS)) || this.struck.some((one) => isPlaying(one, CONTACT_MS));
@@ -108,7 +108,7 @@ export class EventEffects {
     }
   }
 
-  private drawFlights(isReduced: boolean, width_px: number, height_px: number): void {
+  private drawFlights(prefersReducedMotion: boolean, width_px: number, height_px: number): void {
     const { arcs, dots, fates } = this;
     arcs.begin();
     dots.begin();
@@ -117,18 +117,18 @@ export class EventEffects {
       const flight = this.flights[i]!;
       const from = this.bodies.robot(flight.from);
       const to = this.bodies.robot(flight.to);
-      if (!from?.isThere || !to?.isThere) continue;
-      const share = isReduced ? 1 : Math.min(1, flight.age_ms / FLIGHT_MS);
+      if (!from?.isPresent || !to?.isPresent) continue;
+      const progress = prefersReducedMotion ? 1 : Math.min(1, flight.age_ms / FLIGHT_MS);
       const rest = Math.max(0, (SHOWN_MS - flight.age_ms) / (SHOWN_MS - FLIGHT_MS));
-      const opacity = isReduced ? 1 : Math.min(1, rest);
-      const colour = share < 1 ? AIR : COLOURS[flight.fate];
+      const opacity = prefersReducedMotion ? 1 : Math.min(1, rest);
+      const colour = progress < 1 ? AIR : COLOURS[flight.fate];
       // A lost message ends about half-way.
       const goal = flight.fate === "lost" ? 0.55 : 1;
-      const end = goal * share;
+      const end = goal * progress;
       const z0 = from.extent.height_m + 0.02;
       const z1 = to.extent.height_m + 0.02;
-      const way = Math.hypot(to.pose.x_m - from.pose.x_m, to.pose.y_m - from.pose.y_m);
-      const rise = flight.from === flight.to ? 0.15 : 0.18 * way;
+      const distance = Math.hypot(to.pose.x_m - from.pose.x_m, to.pose.y_m - from.pose.y_m);
+      const rise = flight.from === flight.to ? 0.15 : 0.18 * distance;
       const parts = 20;
       for (let p = 0; p <= parts; p++) {
         const s = (end * p) / parts;
@@ -140,7 +140,7 @@ export class EventEffects {
         if (p < parts) arcs.to(at[0], at[1], at[2], colour, opacity * (p / parts));
       }
       dots.to(at[0]!, at[1]!, at[2]!, colour, opacity);
-      if (share === 1) fates.put(3 * i + FATES[flight.fate], at[0]!, at[1]!, at[2]!, 0.9 * opacity);
+      if (progress === 1) fates.put(3 * i + FATES[flight.fate], at[0]!, at[1]!, at[2]!, 0.9 * opacity);
     }
     arcs.end();
     dots.end();
@@ -152,12 +152,12 @@ export class EventEffects {
     const pen = this.bursts;
     pen.begin();
     for (const { x_m, y_m, age_ms } of this.struck) {
-      const share = age_ms / CONTACT_MS;
-      const size = 0.02 + 0.05 * share;
+      const progress = age_ms / CONTACT_MS;
+      const size = 0.02 + 0.05 * progress;
       for (let ray = 0; ray < 8; ray++) {
         const turn = (ray * Math.PI) / 4;
         const [cos, sin] = [Math.cos(turn), Math.sin(turn)];
-        const opacity = 0.95 * (1 - share);
+        const opacity = 0.95 * (1 - progress);
         const inner = 0.35 * size;
         pen.to(x_m + inner * cos - 0.2 * inner * sin, y_m + inner * sin + 0.2 * inner * cos, 0.06, CONTACT, opacity);
         pen.to(x_m + inner * cos + 0.2 * inner * sin, y_m + inner * sin - 0.2 * inner * cos, 0.06, CONTACT, opacity);
@@ -173,10 +173,10 @@ const FATES: Record<Fate, number> = { arrived: 0, damaged: 1, lost: 2 };
 const at = new Float64Array(3);
 
 /** Ages items and drops old ones; while the run is paused they stop at an age where they are fully visible. */
-function age(items: { age_ms: number }[], passed_ms: number, most_ms: number, isStill: boolean): void {
+function age(items: { age_ms: number }[], passed_ms: number, max_ms: number, isStill: boolean): void {
   for (const item of items) {
     const next = item.age_ms + passed_ms;
-    item.age_ms = isStill ? Math.max(item.age_ms, Math.min(next, 0.6 * most_ms)) : next;
+    item.age_ms = isStill ? Math.max(item.age_ms, Math.min(next, 0.6 * max_ms)) : next;
   }
-  while (items.length > 0 && items[0]!.age_ms > most_ms) items.shift();
+  while (items.length > 0 && items[0]!.age_ms > max_ms) items.shift();
 }

@@ -3,7 +3,7 @@
 import * as THREE from "three";
 import type { Model } from "../model";
 import type { Pose } from "../protocol";
-import type { Bodies, Shown } from "./bodies";
+import type { Bodies, BodyView } from "./bodies";
 import { Pen, type Colour } from "./pen";
 import { Sprites, inkOn } from "./sprite";
 import { write } from "./world";
@@ -86,7 +86,7 @@ export class Marks {
     if (this.ringMesh?.instanceColor) this.ringMesh.instanceColor.needsUpdate = true;
   }
 
-  update(width_px: number, height_px: number, hidden: Shown | null): void {
+  update(width_px: number, height_px: number, hidden: BodyView | null): void {
     const { robots, selected } = this.bodies;
     if (this.ringMesh) {
       const numbers = this.ringMesh.instanceMatrix.array;
@@ -100,7 +100,7 @@ export class Marks {
     if (this.sprites) {
       for (let i = 0; i < robots.length; i++) {
         const body = robots[i]!;
-        const isSeen = body.isThere && body !== hidden;
+        const isSeen = body.isPresent && body !== hidden;
         const { height_m, radius_m } = body.extent;
         const z = body.posture.lift_m + height_m + 0.5 * radius_m;
         this.sprites.put(i, body.pose.x_m, body.pose.y_m, z, isSeen ? (body === selected ? 1.25 : 1) : 0);
@@ -114,7 +114,7 @@ export class Marks {
   /** Position of the selected body's handle, on the floor; false if there is none. */
   handle(out: THREE.Vector3): boolean {
     const body = this.bodies.selected;
-    if (!body?.isThere) return false;
+    if (!body?.isPresent) return false;
     const reach = HANDLE * body.extent.radius_m;
     out.set(body.pose.x_m + reach * Math.cos(body.pose.phi_rad), body.pose.y_m + reach * Math.sin(body.pose.phi_rad), 0);
     return true;
@@ -138,11 +138,11 @@ export class Marks {
   }
 
   /** Draws a white ring, and a round handle ahead that turns the body. */
-  private drawSelection(body: Shown | undefined, hidden: Shown | null): void {
+  private drawSelection(body: BodyView | undefined, hidden: BodyView | null): void {
     const { selectionPen: pen, handlePen: knob } = this;
     pen.begin();
     knob.begin();
-    if (body?.isThere && body !== hidden) {
+    if (body?.isPresent && body !== hidden) {
       const { x_m, y_m, phi_rad } = body.pose;
       const radius = body.extent.radius_m;
       band(pen, x_m, y_m, 1.38 * radius, 1.5 * radius, SELECTED, 0.95);
@@ -165,7 +165,7 @@ export class Marks {
     const body = this.bodies.robot(this.model.chosen);
     const detail = this.model.chosen === null ? undefined : this.model.details.get(this.model.chosen);
     const anchor = detail && this.anchors.get(detail.robot);
-    if (body?.isThere && anchor && detail.run === this.model.scene?.run) {
+    if (body?.isPresent && anchor && detail.run === this.model.scene?.run) {
       // Odometry pose in the world frame; between two details it moves with the robot.
       relate(anchor.odometry, detail.odometry, anchor.pose, this.ghostPose);
       relate(detail.pose, { ...this.ghostPose }, body.pose, this.ghostPose);

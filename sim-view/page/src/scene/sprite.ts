@@ -16,7 +16,7 @@ export interface Text {
 /** Texts at positions that can change. */
 export class Sprites {
   readonly mesh: THREE.Mesh<THREE.InstancedBufferGeometry, THREE.ShaderMaterial>;
-  private readonly places: THREE.InstancedBufferAttribute;
+  private readonly positions: THREE.InstancedBufferAttribute;
 
   /** Each text is drawn `lift_px` pixels above its position. */
   constructor(texts: readonly Text[], lift_px: number, renderOrder = 20) {
@@ -33,9 +33,9 @@ export class Sprites {
     const geometry = new THREE.InstancedBufferGeometry();
     geometry.setAttribute("position", new THREE.Float32BufferAttribute([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], 3));
     geometry.setIndex([0, 1, 2, 0, 2, 3]);
-    this.places = new THREE.InstancedBufferAttribute(new Float32Array(4 * texts.length), 4);
-    this.places.setUsage(THREE.DynamicDrawUsage);
-    geometry.setAttribute("place", this.places);
+    this.positions = new THREE.InstancedBufferAttribute(new Float32Array(4 * texts.length), 4);
+    this.positions.setUsage(THREE.DynamicDrawUsage);
+    geometry.setAttribute("place", this.positions);
     const cells = new Float32Array(texts.flatMap((_, i) => [i % COLUMNS, Math.floor(i / COLUMNS), widths[i]! / CELL.width]));
     geometry.setAttribute("cell", new THREE.InstancedBufferAttribute(cells, 3));
     geometry.instanceCount = texts.length;
@@ -69,12 +69,12 @@ export class Sprites {
 
   /** Positions a text; size 0 hides it. */
   put(text: number, x: number, y: number, z: number, size: number): void {
-    this.places.setXYZW(text, x, y, z, size);
+    this.positions.setXYZW(text, x, y, z, size);
   }
 
   /** Uploads the positions, for a view of this size. */
   end(width_px: number, height_px: number): void {
-    this.places.needsUpdate = true;
+    this.positions.needsUpdate = true;
     (this.mesh.material.uniforms["screen"]!.value as THREE.Vector2).set(width_px, height_px);
   }
 
@@ -88,7 +88,7 @@ export class Sprites {
 
 /** Draws a text into its cell; returns its width. */
 function draw(context: CanvasRenderingContext2D, { text, plate, colour }: Text, cell: number): number {
-  const left = (cell % COLUMNS) * CELL.width;
+  const x = (cell % COLUMNS) * CELL.width;
   const top = Math.floor(cell / COLUMNS) * CELL.height;
   context.font = `600 25px system-ui, "DejaVu Sans", sans-serif`;
   context.textAlign = "center";
@@ -96,7 +96,7 @@ function draw(context: CanvasRenderingContext2D, { text, plate, colour }: Text, 
   const width = Math.min(CELL.width, Math.max(CELL.height, context.measureText(text).width + 20));
   if (plate !== null) {
     context.beginPath();
-    context.roundRect(left + 0.5 * (CELL.width - width) + 2, top + 2, width - 4, CELL.height - 4, 0.5 * CELL.height - 2);
+    context.roundRect(x + 0.5 * (CELL.width - width) + 2, top + 2, width - 4, CELL.height - 4, 0.5 * CELL.height - 2);
     context.fillStyle = plate;
     context.fill();
     context.lineWidth = 2.5;
@@ -104,7 +104,7 @@ function draw(context: CanvasRenderingContext2D, { text, plate, colour }: Text, 
     context.stroke();
   }
   context.fillStyle = colour;
-  context.fillText(text, left + 0.5 * CELL.width, top + 0.54 * CELL.height, CELL.width - 12);
+  context.fillText(text, x + 0.5 * CELL.width, top + 0.54 * CELL.height, CELL.width - 12);
   return width;
 }
 

@@ -1,7 +1,7 @@
 // Trails of robots: ribbons on the floor, of bounded length.
 
 import * as THREE from "three";
-import type { Bodies, Shown } from "./bodies";
+import type { Bodies, BodyView } from "./bodies";
 
 /** Most pieces of ribbon of all robots together: new pieces replace the oldest. */
 const MAX_PIECES = 24_000;
@@ -33,7 +33,7 @@ export async function trailsBefore(): Promise<TrailsBefore | null> {
 
 export class Trails {
   readonly group = new THREE.Group();
-  private readonly places = new THREE.BufferAttribute(new Float32Array(12 * MAX_PIECES), 3);
+  private readonly positions = new THREE.BufferAttribute(new Float32Array(12 * MAX_PIECES), 3);
   private readonly colours = new THREE.BufferAttribute(new Float32Array(12 * MAX_PIECES), 3);
   /** The run of the ribbons. */
   private run = 0;
@@ -45,13 +45,13 @@ export class Trails {
   private t_s = 0;
   private hasChanged = false;
 
-  /** `before` gives the trails of a run that goes on, up to now; null if there are none. */
+  /** `before` gives the trails of a run that continues, up to now; null if there are none. */
   constructor(
     private readonly bodies: Bodies,
     private readonly before: (run: number) => Promise<TrailsBefore | null>,
   ) {
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", this.places.setUsage(THREE.DynamicDrawUsage));
+    geometry.setAttribute("position", this.positions.setUsage(THREE.DynamicDrawUsage));
     geometry.setAttribute("color", this.colours.setUsage(THREE.DynamicDrawUsage));
     const index = new Uint32Array(6 * MAX_PIECES);
     for (let i = 0; i < MAX_PIECES; i++) {
@@ -98,37 +98,37 @@ export class Trails {
     for (let i = 0; i < robots.length; i++) this.follow(robots[i]!, 3 * i);
     if (!this.hasChanged) return;
     this.hasChanged = false;
-    this.places.needsUpdate = this.colours.needsUpdate = true;
+    this.positions.needsUpdate = this.colours.needsUpdate = true;
     this.mesh.geometry.setDrawRange(0, 6 * this.used);
   }
 
-  private follow(body: Shown, i: number): void {
+  private follow(body: BodyView, i: number): void {
     const { last } = this;
     const { x_m, y_m } = body.pose;
     const [dx, dy] = [x_m - last[i]!, y_m - last[i + 1]!];
     const radius = body.extent.radius_m;
-    const way = Math.hypot(dx, dy);
-    if (way < STEP * radius) return;
-    const isThere = body.isThere && !body.held;
+    const distance = Math.hypot(dx, dy);
+    if (distance < STEP * radius) return;
+    const isPresent = body.isPresent && !body.held;
     const seen_s = Math.min(BLINK_S, this.t_s - last[i + 2]!);
-    if (isThere && way < LEAP * radius + FASTEST_M_PER_S * seen_s) this.lay(body, x_m, y_m, dx, dy);
-    last[i] = isThere ? x_m : NaN;
+    if (isPresent && distance < LEAP * radius + FASTEST_M_PER_S * seen_s) this.lay(body, x_m, y_m, dx, dy);
+    last[i] = isPresent ? x_m : NaN;
     last[i + 1] = y_m;
     last[i + 2] = this.t_s;
   }
 
   /** Adds the piece of a robot's ribbon that ends at a point. */
-  private lay(body: Shown, x_m: number, y_m: number, dx: number, dy: number): void {
+  private lay(body: BodyView, x_m: number, y_m: number, dx: number, dy: number): void {
     const half = (HALF_WIDTH * body.extent.radius_m) / Math.max(Math.hypot(dx, dy), 1e-9);
     const [acrossX, acrossY] = [-dy * half, dx * half];
     const first = 4 * this.next;
-    this.places.setXY(first, x_m - dx - acrossX, y_m - dy - acrossY);
-    this.places.setXY(first + 1, x_m - acrossX, y_m - acrossY);
-    this.places.setXY(first + 2, x_m + acrossX, y_m + acrossY);
-    this.places.setXY(first + 3, x_m - dx + acrossX, y_m - dy + acrossY);
+    this.positions.setXY(first, x_m - dx - acrossX, y_m - dy - acrossY);
+    this.positions.setXY(first + 1, x_m - acrossX, y_m - acrossY);
+    this.positions.setXY(first + 2, x_m + acrossX, y_m + acrossY);
+    this.positions.setXY(first + 3, x_m - dx + acrossX, y_m - dy + acrossY);
     const [r, g, b] = body.colour;
     for (let corner = first; corner < first + 4; corner++) this.colours.setXYZ(corner, r, g, b);
-    for (const attribute of [this.places, this.colours]) {
+    for (const attribute of [this.positions, this.colours]) {
       if (!this.hasChanged) attribute.clearUpdateRanges();
       attribute.addUpdateRange(3 * first, 12);
     }

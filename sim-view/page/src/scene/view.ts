@@ -141,7 +141,7 @@ export class View {
     });
     model.subscribe("centre", () => {
       const body = this.bodies.robot(model.centred);
-      if (body?.isThere) this.viewCamera?.centre(body);
+      if (body?.isPresent) this.viewCamera?.centre(body);
     });
   }
 
@@ -253,9 +253,9 @@ export class View {
     const toggle = (mode: Mode) => () => this.viewCamera?.setMode(this.viewCamera.mode === mode ? "free" : mode);
     const button = (text: string, testid: string, key: string, what: string, run: () => void, mode?: Mode) => {
       shortcut(key, what, run);
-      const made = element("button", { type: "button", textContent: text, testid, title: `${what} (${key})`, onclick: run });
-      if (mode) this.modes.set(mode, made);
-      return made;
+      const node = element("button", { type: "button", textContent: text, testid, title: `${what} (${key})`, onclick: run });
+      if (mode) this.modes.set(mode, node);
+      return node;
     };
     return element("div", { className: "eyes", role: "toolbar", label: "View" }, [
       button("Home", "view-home", "h", "The whole world", () => this.viewCamera?.home()),

@@ -2,13 +2,13 @@
 
 import * as THREE from "three";
 import type { Scene } from "../protocol";
-import type { Bodies, Shown } from "./bodies";
+import type { Bodies, BodyView } from "./bodies";
 import { GeometryMerger } from "./surface";
 
 /** An instanced mesh, and the bodies that have it, on the link of this index or, if it is null, on the body itself. */
 interface InstanceGroup {
   mesh: THREE.InstancedMesh;
-  bodies: Shown[];
+  bodies: BodyView[];
   link: number | null;
 }
 
@@ -23,7 +23,7 @@ export class World {
   readonly surroundings = new THREE.Group();
   readonly sun = new THREE.DirectionalLight();
   /** The robot whose camera is shown, which does not see itself. */
-  hidden: Shown | null = null;
+  hidden: BodyView | null = null;
   private readonly instanceGroups: InstanceGroup[] = [];
   private readonly textures: THREE.Texture[] = [];
   private readonly materials: THREE.MeshLambertMaterial[] = [];
@@ -176,7 +176,7 @@ export class World {
 
   /** Bodies of equal appearance are drawn in one call. */
   private addBodies(): void {
-    const looks = new Map<string, { body: Shown; link: number | null; meshes: number[] }>();
+    const looks = new Map<string, { body: BodyView; link: number | null; meshes: number[] }>();
     for (const part of this.scene.parts) {
       const { place } = part;
       if (place.on === "world") continue;
@@ -188,7 +188,7 @@ export class World {
       if (found) found.meshes.push(part.mesh);
       else looks.set(key, { body, link, meshes: [part.mesh] });
     }
-    const alike = new Map<string, { meshes: number[]; bodies: Shown[]; link: number | null }>();
+    const alike = new Map<string, { meshes: number[]; bodies: BodyView[]; link: number | null }>();
     for (const { body, link, meshes } of looks.values()) {
       const key = `${body.what} ${link} ${meshes.join(" ")}`;
       const found = alike.get(key);
@@ -241,11 +241,11 @@ export class World {
 }
 
 /** Writes the matrix of the frame of a body or one of its links; it has scale 0 if the body is not in the world or not visible. */
-export function write(numbers: THREE.TypedArray, at: number, body: Shown, isVisible = true, link: number | null = null): void {
+export function write(numbers: THREE.TypedArray, at: number, body: BodyView, isVisible = true, link: number | null = null): void {
   const frame = link === null ? undefined : body.frames[link];
-  if (frame && body.isThere && isVisible) return void frame.toArray(numbers as unknown as number[], at);
+  if (frame && body.isPresent && isVisible) return void frame.toArray(numbers as unknown as number[], at);
   if (frame) return void numbers.fill(0, at, at + 15);
-  const size = body.isThere && isVisible ? 1 : 0;
+  const size = body.isPresent && isVisible ? 1 : 0;
   const cos = size * Math.cos(body.pose.phi_rad);
   const sin = size * Math.sin(body.pose.phi_rad);
   numbers[at] = cos;

@@ -204,8 +204,8 @@ impl PageConnection<'_> {
         changes.mark_changed();
         let mut ping = interval(PING);
         ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let mut heard = Instant::now();
-        let (mut next_news, mut next_read) = (heard, heard);
+        let mut last_heard = Instant::now();
+        let (mut next_news, mut next_read) = (last_heard, last_heard);
         loop {
             let now = Instant::now();
             tokio::select! {
@@ -217,7 +217,7 @@ impl PageConnection<'_> {
                 }
                 () = sleep_until(next_news), if now < next_news => {}
                 frame = socket.recv(), if now + READ_BURST >= next_read => {
-                    heard = now;
+                    last_heard = now;
                     next_read = next_read.max(now) + READ_INTERVAL;
                     if let Some(text) = receive(frame)?
                         && self.handle_request(parse(&text)?)?
@@ -231,7 +231,7 @@ impl PageConnection<'_> {
                     send(socket, text_of(&Message::Answer(answer))).await?;
                 }
                 _ = ping.tick() => {
-                    if heard.elapsed() > STALL_TIMEOUT {
+                    if last_heard.elapsed() > STALL_TIMEOUT {
                         return Err(None);
                     }
                     send_frame(socket, Frame::Ping(Vec::new().into())).await?;

@@ -24,7 +24,7 @@ pub struct Entry {
 
 /// Position of the cursor.
 #[derive(Debug, PartialEq)]
-pub enum Place<'t> {
+pub enum CursorPosition<'t> {
     /// In a header `[a.b]`: the keys before the one at the cursor.
     Header(Vec<String>),
     /// At a key of the table, written or not: the parts of a dotted key before the one at the cursor.
@@ -49,25 +49,25 @@ impl Outline {
     }
 
     /// Cursor position at the byte `offset`.
-    pub fn place(&self, offset: usize) -> Place<'_> {
+    pub fn cursor(&self, offset: usize) -> CursorPosition<'_> {
         if let Some((bytes, keys)) = self.headers.iter().find(|(bytes, _)| bytes.start < offset && offset <= bytes.end)
         {
             let before = keys.iter().take(keys.len().saturating_sub(1)).cloned().collect();
             debug_assert!(bytes.end >= offset);
-            return Place::Header(before);
+            return CursorPosition::Header(before);
         }
         let holds = |table: &&Table| table.body.start <= offset && offset <= table.body.end;
         // The root's body may be empty, but is the first table; inner tables follow the outer ones.
         let table = self.tables.iter().rfind(holds).unwrap_or(&self.tables[0]);
         for entry in &table.entries {
             if entry.value.as_ref().is_some_and(|value| value.start <= offset && offset <= value.end) {
-                return Place::Value(table, entry);
+                return CursorPosition::Value(table, entry);
             }
             if entry.key_bytes.start <= offset && offset <= entry.key_bytes.end {
-                return Place::Key(table, entry.key[..entry.key.len().saturating_sub(1)].to_vec());
+                return CursorPosition::Key(table, entry.key[..entry.key.len().saturating_sub(1)].to_vec());
             }
         }
-        Place::Key(table, Vec::new())
+        CursorPosition::Key(table, Vec::new())
     }
 
     /// The value of the text entry `key` of a table, without its quotation marks.
@@ -253,10 +253,12 @@ mod tests {
         let offset = text.find('|').expect("a cursor");
         let text = text.replacen('|', "", 1);
         let outline = Outline::of(&text);
-        match outline.place(offset) {
-            Place::Header(keys) => format!("header {}", keys.join(".")),
-            Place::Key(table, keys) => format!("key of {}", [&table.path[..], &keys].concat().join(".")),
-            Place::Value(table, entry) => format!("value of {}", [&table.path[..], &entry.key].concat().join(".")),
+        match outline.cursor(offset) {
+            CursorPosition::Header(keys) => format!("header {}", keys.join(".")),
+            CursorPosition::Key(table, keys) => format!("key of {}", [&table.path[..], &keys].concat().join(".")),
+            CursorPosition::Value(table, entry) => {
+                format!("value of {}", [&table.path[..], &entry.key].concat().join("."))
+            }
         }
     }
 
@@ -290,7 +292,7 @@ mod tests {
     fn any_text_has_an_outline() {
         for text in ["[[[", "a={{{[[[", "=", "\"", "'''", "]]}}", "[a\n=\n=", "{", "é = { ü = [", "a = [\n[b = 1]"] {
             let outline = Outline::of(text);
-            text.char_indices().for_each(|(offset, _)| _ = outline.place(offset));
+            text.char_indices().for_each(|(offset, _)| _ = outline.cursor(offset));
         }
     }
 }
