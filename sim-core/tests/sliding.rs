@@ -484,9 +484,9 @@ fn what_the_window_draws_is_where_the_robot_is() {
         for part in 0..5 {
             let at = world.slot_start() + Time(part * 10_000);
             let stretches: Vec<_> = world.stretches(RobotId(1)).collect();
-            let stretch = stretches.iter().rfind(|stretch| stretch.start <= at).unwrap_or(&stretches[0]);
-            let gone = (at - stretch.start).seconds().min(stretch.after);
-            let expected = stretch.from.moved(stretch.twist.scaled(gone));
+            let segment = stretches.iter().rfind(|segment| segment.start <= at).unwrap_or(&stretches[0]);
+            let gone = (at - segment.start).seconds().min(segment.after);
+            let expected = segment.from.moved(segment.twist.scaled(gone));
             let off = (expected.position - motion.pose(at).position).length();
             // Between a line and the circle of 0.3 m/s and 0.4 rad/s through its ends in 50 ms: v w t^2 / 8.
             assert!(off < 4e-5, "{off} m off at {at}");

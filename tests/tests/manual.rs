@@ -109,8 +109,8 @@ fn the_wall_is_followed_all_round() {
     on_each("wall", "rooms.wld", "600 600 90", |poses, radius| {
         let start = poses.iter().position(|&pose| to_walls(pose, &corners) < 0.35).expect("the wall is reached");
         for pose in &poses[start..] {
-            let away = to_walls(*pose, &corners);
-            assert!((radius..0.45).contains(&away), "{away} m from the wall at {pose:?}");
+            let distance = to_walls(*pose, &corners);
+            assert!((radius..0.45).contains(&distance), "{distance} m from the wall at {pose:?}");
         }
         for corner in corners {
             let is_near = |pose: &[f64; 3]| (pose[0] - corner[0]).hypot(pose[1] - corner[1]) < 0.55;

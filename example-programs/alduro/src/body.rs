@@ -59,14 +59,14 @@ pub fn mount(number: usize) -> Mount {
 
 impl Pose {
     /// Transforms a point from the robot's frame to the odometry frame.
-    pub fn to_odometry(&self, in_robot: &Vector3<f64>) -> Vector3<f64> {
+    pub fn in_odometry(&self, in_robot: &Vector3<f64>) -> Vector3<f64> {
         let point = self.ground.outward(in_robot.xy().into());
         Vector3::new(point.x, point.y, self.lift + in_robot.z)
     }
 
     /// Pose of a sonar in the odometry frame.
     pub fn sonar(&self, mount: &Mount) -> SonarPose {
-        SonarPose::new(self.to_odometry(&mount.position), self.ground.heading + mount.yaw, mount.pitch)
+        SonarPose::new(self.in_odometry(&mount.position), self.ground.heading + mount.yaw, mount.pitch)
     }
 }
 

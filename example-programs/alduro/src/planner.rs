@@ -197,7 +197,7 @@ impl Planner {
     /// the leg's limit, in the odometry frame.
     fn correct(&self, pose: &Pose, leg: &LegState, patches: &[Patch]) -> (Vector3<f64>, Vector2<f64>) {
         let above = |patch: &Patch| patch.z - pose.lift;
-        let shank = pose.to_odometry(&leg.shank);
+        let shank = pose.in_odometry(&leg.shank);
         let high = patches.iter().map(|patch| (*patch, HEIGHTS.high(above(patch))));
         let repulsion = match self.corrections {
             Corrections::Both | Corrections::High => -SHIFT * perception::high(shank.xy(), HIGH_REACH, high),
@@ -211,7 +211,7 @@ impl Planner {
                 let ahead = 2.0 * AHEAD_S * self.velocity;
                 let low = patches.iter().map(|patch| (*patch, HEIGHTS.low(above(patch))));
                 let perceived =
-                    perception::low(pose.to_odometry(&leg.tip), Vector3::new(ahead.x, ahead.y, 0.0), LOW_REACH, low);
+                    perception::low(pose.in_odometry(&leg.tip), Vector3::new(ahead.x, ahead.y, 0.0), LOW_REACH, low);
                 LIFT * perceived.norm()
             }
             false => 0.0,
@@ -246,7 +246,7 @@ mod tests {
 
     /// A patch of the map at a point of the robot's frame.
     fn patch(x: f64, y: f64, z: f64) -> Patch {
-        let point = pose().to_odometry(&Vector3::new(x, y, z));
+        let point = pose().in_odometry(&Vector3::new(x, y, z));
         Patch { x: point.x, y: point.y, z: point.z, sigma: 0.1 }
     }
 

@@ -588,12 +588,19 @@ fn noise_of_the_paper(walks: &Walks, make: &Make<'_>) -> Claim {
 
 fn stops(walks: &Walks, make: &Make<'_>) -> Claim {
     let all = Kind::ALL.iter().flat_map(|kind| Noise::ALL.map(|noise| walks.of(MountPoint::Tibia, *kind, noise)));
-    let (mut least, mut touches) = (f64::INFINITY, 0);
+    let (mut min_distance, mut touches) = (f64::INFINITY, 0);
     for walk in all {
-        least = least.min(walk.gap);
+        min_distance = min_distance.min(walk.gap);
         touches += walk.touches.len();
     }
     let paper = "the walk stops before robot and obstacle collide";
-    let ours = "minimum distance of the body's centre from the obstacle, and touches, in all walks with the sensor on the tibia";
-    make("6.3", paper, ours.to_owned(), format!("{least:.2} m, {touches} touches"), touches == 0 && least > 0.3)
+    let ours =
+        "minimum distance of the body's centre from the obstacle, and touches, in all walks with the sensor on the tibia";
+    make(
+        "6.3",
+        paper,
+        ours.to_owned(),
+        format!("{min_distance:.2} m, {touches} touches"),
+        touches == 0 && min_distance > 0.3,
+    )
 }

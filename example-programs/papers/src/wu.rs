@@ -82,7 +82,7 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     Ok(page)
 }
 
-/// A share in percent; `-` for NaN, the fraction of nothing.
+/// A fraction in percent; `-` for NaN.
 fn percent(fraction: f64) -> String {
     if fraction.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * fraction) }
 }

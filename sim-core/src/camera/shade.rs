@@ -88,7 +88,7 @@ fn shade_at<S: Simd, const FLAT: bool>(
             context.face(&faces[number as usize])
         };
         let has_sun = match &surface.light {
-            Lighting::Flat(shares) => shares.sun > 0.0,
+            Lighting::Flat(fractions) => fractions.sun > 0.0,
             Lighting::Smooth(..) => true,
         };
         let lit = match &context.sun {

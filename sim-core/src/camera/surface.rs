@@ -141,7 +141,7 @@ impl<'a> SurfaceContext<'a> {
         let side = if face.is_outside { 1.0 } else { -1.0 };
         let face_normal =
             rotation * self.scenery.render_mesh(face.part as usize).normals[face.triangle as usize] * side;
-        let flat_light = shares(self.scenery.light(), face_normal);
+        let flat_light = light_fractions(self.scenery.light(), face_normal);
         let light = triangle.normals.map_or(Lighting::Flat(flat_light), |normals| {
             let [a, b, c] = normals.map(|normal| rotation * normal.as_dvec3() * (side * face.per_det));
             let [x, y, z] = face.edges;
@@ -180,7 +180,7 @@ impl<'a> SurfaceContext<'a> {
             colour: ground.floor.as_ref().map_or(ground.colour, |floor| floor.colour).map(f32::from),
             tint: [1.0; 3],
             image,
-            light: Lighting::Flat(shares(self.scenery.light(), DVec3::Z)),
+            light: Lighting::Flat(light_fractions(self.scenery.light(), DVec3::Z)),
             face_id: (u32::MAX, u32::MAX),
             painted: Some(Painted { ground, at: [x, y] }),
         }
@@ -193,7 +193,7 @@ pub fn fill_from(light: &Light) -> DVec3 {
 }
 
 /// Fractions of light on a surface with this normal on its visible side.
-fn shares(light: &Light, normal: DVec3) -> Shares {
+fn light_fractions(light: &Light, normal: DVec3) -> Shares {
     let fill = 0.5 * (1.0 + normal.dot(fill_from(light)));
     let sun = normal.dot(light.towards).max(0.0);
     Shares { dim: (light.ambient + light.fill * fill) as f32, sun: (light.diffuse * sun) as f32 }

@@ -247,7 +247,7 @@ impl MipMap {
         let found = [upper_left, upper_right, lower_left, lower_right];
         let one = S::f32s::splat(simd, 1.0);
         let (left_share, high_share) = (one - right_share, one - low_share);
-        let shares =
+        let weights =
             [left_share * high_share, right_share * high_share, left_share * low_share, right_share * low_share];
         let mut sum = [S::f32s::splat(simd, 0.0); 4];
         let low_byte = S::i32s::splat(simd, 255);
@@ -257,12 +257,12 @@ impl MipMap {
             let red: S::f32s = (texel & low_byte).to_float();
             let green: S::f32s = ((texel >> 8) & low_byte).to_float();
             let blue: S::f32s = ((texel >> 16) & low_byte).to_float();
-            sum[0] += red * shares[corner];
-            sum[1] += green * shares[corner];
-            sum[2] += blue * shares[corner];
+            sum[0] += red * weights[corner];
+            sum[1] += green * weights[corner];
+            sum[2] += blue * weights[corner];
             if !self.is_opaque {
                 let opacity: S::f32s = ((texel >> 24) & low_byte).to_float();
-                sum[3] += opacity * shares[corner];
+                sum[3] += opacity * weights[corner];
             }
             corner += 1;
         }

@@ -44,7 +44,7 @@ pub struct Slide {
 }
 
 impl Push {
-    /// SlideMotion of the disc from the start of its free path, for at most `duration` seconds. The touched walls are
+    /// Motion of the disc from the start of its free path, for at most `duration` seconds. The touched walls are
     /// determined at the start; `met` always counts as touched.
     pub fn slide(&self, walls: &Walls, met: Option<WallId>, duration: f64) -> Slide {
         let touched = self.touched(walls, met);
@@ -114,7 +114,7 @@ impl Push {
         first_contact(path, self.radius, &contact.segment, duration).is_some_and(|contact| contact.after == 0.0)
     }
 
-    /// SlideMotion that this contact allows if it is the only one: the slip speed of the wheels over the floor, m/s, and the
+    /// Motion that this contact allows if it is the only one: the slip speed of the wheels over the floor, m/s, and the
     /// track of the centre. `is_grazed`: the disc approaches the wall only by a rounding error, so the wall is in the
     /// way without pressure.
     fn track_along(&self, contact: &Contact, is_grazed: bool) -> Option<(f64, Track)> {
@@ -144,7 +144,7 @@ impl Push {
         Some((slip, Track { sense, round, regime, length, seconds: motion.seconds }))
     }
 
-    /// SlideMotion at a contact from now on: along a face, or with `round` around an end of the wall.
+    /// Motion at a contact from now on: along a face, or with `round` around an end of the wall.
     fn motion_at(&self, contact: &Contact, round: bool, is_grazed: bool) -> Option<SlideMotion> {
         let alpha = contact.alpha;
         let rate = match (round, self.regime(contact, alpha)) {
@@ -409,7 +409,7 @@ impl Regime {
     }
 }
 
-/// SlideMotion that a contact allows for some time.
+/// Motion that a contact allows for some time.
 #[derive(Clone, Copy, Debug)]
 struct SlideMotion {
     regime: Regime,

@@ -37,7 +37,7 @@ impl Levels {
         if self.numbers == [NEUTRAL; 3] {
             return;
         }
-        let [brightness, hue, saturation] = self.shares();
+        let [brightness, hue, saturation] = self.fractions();
         let turned = DMat3::from_cols_array_2d(&turned_about_grey(PI * (hue - 1.0)));
         let grey = DMat3::from_cols(DVec3::ONE, DVec3::ONE, DVec3::ONE) * (1.0 / 3.0);
         let change = (turned * saturation + grey * (1.0 - saturation)) * brightness;
@@ -52,7 +52,7 @@ impl Levels {
         if self.numbers == [NEUTRAL; 3] {
             return;
         }
-        let [brightness, offset, contrast] = self.shares();
+        let [brightness, offset, contrast] = self.fractions();
         for [pixel] in pixels {
             let bright = f64::from(*pixel) * brightness + MIDDLE_LEVEL * (offset - 1.0);
             *pixel = level((bright - MIDDLE_LEVEL) * contrast + MIDDLE_LEVEL);
@@ -70,7 +70,7 @@ impl Levels {
     }
 
     /// Settings as multiples of the neutral one.
-    fn shares(&self) -> [f64; 3] {
+    fn fractions(&self) -> [f64; 3] {
         self.numbers.map(|number| f64::from(number) / f64::from(NEUTRAL))
     }
 }

@@ -32,7 +32,7 @@ struct ObjectBody {
     heading: Heading,
     is_held: bool,
     /// Last state of the object if it was removed from the world.
-    gone: Option<State>,
+    final_state: Option<State>,
 }
 
 /// Objects and walls of a scene as rigid bodies.
@@ -115,7 +115,7 @@ impl Bodies {
     pub fn remove(&mut self, object: ObjectId) {
         let state = self.state(object);
         let thing = &mut self.objects[object.index()];
-        if thing.gone.replace(state).is_none() {
+        if thing.final_state.replace(state).is_none() {
             self.world.remove_body(thing.handle);
         }
     }
@@ -130,7 +130,7 @@ impl Bodies {
 
     /// Returns true if an object has been removed from the world.
     pub fn is_removed(&self, object: ObjectId) -> bool {
-        self.objects[object.index()].gone.is_some()
+        self.objects[object.index()].final_state.is_some()
     }
 
     fn insert_walls(&mut self, walls: &Walls) {
@@ -186,7 +186,7 @@ impl Bodies {
             handle,
             heading: pose.heading,
             is_held: false,
-            gone: None,
+            final_state: None,
         });
     }
 
@@ -218,7 +218,7 @@ impl Bodies {
     /// Pose and velocity of an object; its last state if it was removed.
     pub fn state(&self, object: ObjectId) -> State {
         let thing = &self.objects[object.index()];
-        if let Some(state) = thing.gone {
+        if let Some(state) = thing.final_state {
             return state;
         }
         let body = &self.world.bodies[thing.handle];
@@ -251,7 +251,7 @@ impl Bodies {
     /// wakes it.
     pub fn is_asleep(&self, object: ObjectId) -> bool {
         let thing = &self.objects[object.index()];
-        thing.gone.is_some() || self.world.bodies[thing.handle].is_sleeping()
+        thing.final_state.is_some() || self.world.bodies[thing.handle].is_sleeping()
     }
 
     /// Objects that are awake, in ascending order.
@@ -267,7 +267,7 @@ impl Bodies {
             0.5 * (thing.properties.mass * plain(body.linvel()).length_squared()
                 + inertia * body.angvel() * body.angvel())
         };
-        self.objects.iter().filter(|thing| thing.gone.is_none()).map(of_thing).sum()
+        self.objects.iter().filter(|thing| thing.final_state.is_none()).map(of_thing).sum()
     }
 
     /// Advances by one [`STEP`] with `robots` among the objects, in the order of their ids; writes the effect on each robot to
@@ -345,7 +345,7 @@ impl Bodies {
         self.awake.clear();
         for index in 0..self.objects.len() {
             let thing = &self.objects[index];
-            if thing.gone.is_some() {
+            if thing.final_state.is_some() {
                 continue;
             }
             let body = &self.world.bodies[thing.handle];
@@ -462,7 +462,7 @@ impl Bodies {
 
     /// Updates the headings of the objects, including whole turns.
     fn turn(&mut self) {
-        for thing in self.objects.iter_mut().filter(|thing| thing.gone.is_none()) {
+        for thing in self.objects.iter_mut().filter(|thing| thing.final_state.is_none()) {
             let body = &self.world.bodies[thing.handle];
             if !body.is_sleeping() {
                 let angle = crate::math::atan2(body.rotation().sin(), body.rotation().cos());

@@ -130,7 +130,7 @@ pub struct DebugTarget {
     pub debugger: Debugger,
 }
 
-/// ExecutionKind in which a program runs if the user asks for `exec`, and the reason if that is a different place or `auto`
+/// Kind of execution of a program if the user asks for `exec`, and the reason if that is a different kind or `auto`
 /// chose the slower one: a line without its beginning, `` uses `fork`: ... ``.
 ///
 /// A Python program always has its own process, and so does a library whose code runs while it is loaded: if that code

@@ -32,7 +32,7 @@ pub enum Exec {
     Process,
 }
 
-/// ExecutionKind in which a program runs.
+/// Kind of execution of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExecutionKind {
     /// On a fiber of the host, which shares its thread with others.

@@ -381,7 +381,7 @@ pub fn is_junk(path: &str) -> bool {
     })
 }
 
-/// ArchiveKind of a file without contents.
+/// Kind of a file without contents.
 fn kind_in_words(kind: FileType) -> &'static str {
     if kind.is_symlink() {
         "is a link"

@@ -27,7 +27,7 @@ pub struct Submissions {
     pub ignored: Vec<String>,
 }
 
-/// SubmissionPart of a submission.
+/// Part of a submission.
 enum SubmissionPart {
     /// A file or folder of the disk, with the name under which its files appear.
     Disk(PathBuf, String),

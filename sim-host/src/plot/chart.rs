@@ -148,9 +148,9 @@ impl Axis {
             let marks: &[f64] = if is_short { &MARKS } else { &MARKS[..1] };
             // The axis extends to the next ticks outside, and by one more decade if it shows 0.
             let mark = |coordinate: f64, up: f64| {
-                let near = (-1..=1)
+                let candidates = (-1..=1)
                     .flat_map(|d| marks.iter().map(move |mark| coordinate.floor() + f64::from(d) + mark.log10()));
-                let outside = near.filter(|mark| up * (mark - coordinate) >= 0.0);
+                let outside = candidates.filter(|mark| up * (mark - coordinate) >= 0.0);
                 outside.min_by(|a, b| (a - coordinate).abs().total_cmp(&(b - coordinate).abs())).unwrap_or(coordinate)
             };
             (low, high) = (mark(low - 0.02, -1.0), mark(high + 0.02, 1.0));

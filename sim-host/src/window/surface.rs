@@ -153,10 +153,10 @@ mod tests {
         let image = Arc::new(Texture::new(1, 1, vec![[1, 2, 3, 255]]).expect("a pixel"));
         let material = Material { texture: Some(image), ..Material::default() };
         let smooth = Triangle { corners: [0, 1, 2], normals: Some(normals), uv: Some([Vec2::ONE; 3]), material: 0 };
-        let flat = Triangle { normals: None, uv: None, ..smooth };
+        let flat_triangle = Triangle { normals: None, uv: None, ..smooth };
         let mesh = Mesh {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
-            triangles: vec![smooth, flat],
+            triangles: vec![smooth, flat_triangle],
             materials: vec![material.clone(), material],
         };
         let mut surfaces = Surfaces::default();

@@ -25,7 +25,7 @@ const ROBOT: u32 = 1;
 /// Range of the rays that find the truth, m: across the room.
 const FAR: f64 = 20.0;
 
-/// MountPoint of the sensor on the robot.
+/// Mount point of the sensor on the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MountPoint {
     /// On the tibia of the right leg.

@@ -174,8 +174,8 @@ impl Hull {
         let reach = self.outline.iter().zip(next).filter_map(|(a, b)| {
             let (a, along) = (*a - self.centre, *b - *a);
             let determinant = direction.perp_dot(along);
-            let (reach, share) = (a.perp_dot(along) / determinant, a.perp_dot(direction) / determinant);
-            (determinant > 0.0 && (-1e-9..=1.0 + 1e-9).contains(&share)).then_some(reach)
+            let (reach, fraction) = (a.perp_dot(along) / determinant, a.perp_dot(direction) / determinant);
+            (determinant > 0.0 && (-1e-9..=1.0 + 1e-9).contains(&fraction)).then_some(reach)
         });
         self.centre + direction * reach.fold(0.0, f64::max)
     }

@@ -14,11 +14,11 @@ fn the_light_gives_walls_in_the_four_directions_and_the_floor_five_shades() {
         let fill = 0.5 * (1.0 + normal.dot(fill_from));
         light.ambient + light.fill * fill + light.diffuse * normal.dot(light.towards).max(0.0)
     };
-    let mut shares = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z].map(intensity);
-    shares.sort_by(f64::total_cmp);
+    let mut intensities = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z].map(intensity);
+    intensities.sort_by(f64::total_cmp);
     // A difference of six levels of 255 is visible side by side.
-    assert!(shares.windows(2).all(|pair| pair[1] - pair[0] > 6.0 / 255.0), "{shares:?}");
-    assert!(shares[4] <= 1.0 && shares[0] > 0.5, "{shares:?}");
+    assert!(intensities.windows(2).all(|pair| pair[1] - pair[0] > 6.0 / 255.0), "{intensities:?}");
+    assert!(intensities[4] <= 1.0 && intensities[0] > 0.5, "{intensities:?}");
 }
 
 const RED: [u8; 3] = [255, 0, 0];

@@ -29,7 +29,7 @@ struct Meeting {
     shown: Shown,
     distance: f64,
     /// Barycentric coordinates.
-    shares: [f64; 3],
+    barycentric: [f64; 3],
 }
 
 /// Relative margin by which a face must be nearer to cover an earlier one, so that the first of several coplanar faces
@@ -77,7 +77,7 @@ fn pose(posed: &PosedScenery, part: usize) -> Pose3 {
 }
 
 fn meet(posed: &PosedScenery, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Meeting {
-    let mut best = Meeting { shown: Shown::Sky, distance: f64::INFINITY, shares: [0.0; 3] };
+    let mut best = Meeting { shown: Shown::Sky, distance: f64::INFINITY, barycentric: [0.0; 3] };
     if posed.scenery().ground().is_some() && eye.z > 0.0 && ray.z < 0.0 {
         best = Meeting { shown: Shown::Ground, distance: eye.z / -ray.z, ..best };
     }
@@ -90,11 +90,11 @@ fn meet(posed: &PosedScenery, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Me
                 continue;
             }
             let corners = corners(posed, number, index);
-            if let Some((distance, shares)) = on_plane(corners, eye, ray)
-                && shares.iter().all(|fraction| *fraction >= 0.0)
+            if let Some((distance, barycentric)) = on_plane(corners, eye, ray)
+                && barycentric.iter().all(|fraction| *fraction >= 0.0)
                 && distance < best.distance * (1.0 - COPLANAR)
             {
-                best = Meeting { shown: Shown::Face(number, index), distance, shares };
+                best = Meeting { shown: Shown::Face(number, index), distance, barycentric };
             }
         }
     }
@@ -160,7 +160,8 @@ fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: 
             let colour = match (&material.texture, triangle.uv) {
                 (Some(image), Some(uv)) => {
                     let at = |ray: DVec3| {
-                        let fractions = on_plane(corners, eye, ray).map_or(meeting.shares, |(_, fractions)| fractions);
+                        let fractions =
+                            on_plane(corners, eye, ray).map_or(meeting.barycentric, |(_, fractions)| fractions);
                         (0..3).map(|corner| uv[corner].as_dvec2() * fractions[corner]).sum::<DVec2>()
                     };
                     let point = at(ray);
@@ -177,7 +178,7 @@ fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: 
             let turned = |normal: glam::Vec3| pose(posed, number).rotation * normal.as_dvec3();
             let normal = triangle.normals.map_or(face_normal, |normals| {
                 (0..3)
-                    .map(|corner| turned(normals[corner]) * meeting.shares[corner])
+                    .map(|corner| turned(normals[corner]) * meeting.barycentric[corner])
                     .sum::<DVec3>()
                     .normalize_or(face_normal)
             });

@@ -2,14 +2,14 @@
 
 use crate::time::Time;
 
-/// Quintic smoothstep: rises from 0 to 1 with `share`, with slope and curvature 0 at both ends; constant beyond.
+/// Quintic smoothstep: rises from 0 to 1 with `fraction`, with slope and curvature 0 at both ends; constant beyond.
 pub(super) fn smooth(fraction: f64) -> f64 {
     let s = fraction.clamp(0.0, 1.0);
     s * s * s * (10.0 + s * (6.0 * s - 15.0))
 }
 
 /// Elapsed fraction of a span at `at`; 1 for a span of length 0.
-pub(super) fn share(at: Time, start: Time, span: Time) -> f64 {
+pub(super) fn elapsed_fraction(at: Time, start: Time, span: Time) -> f64 {
     if span <= Time::ZERO { 1.0 } else { (at - start).seconds() / span.seconds() }
 }
 
@@ -22,7 +22,9 @@ pub(super) struct SmoothValue {
 
 impl SmoothValue {
     pub fn at(&self, at: Time) -> f64 {
-        self.steps.iter().fold(self.base, |sum, (start, span, by)| sum + by * smooth(share(at, *start, *span)))
+        self.steps
+            .iter()
+            .fold(self.base, |sum, (start, span, by)| sum + by * smooth(elapsed_fraction(at, *start, *span)))
     }
 
     /// Final value.

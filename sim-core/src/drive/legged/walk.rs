@@ -14,7 +14,7 @@ use super::{
     curve::{HEEL_OFF, NaturalGait, TOE_OFF, natural_pitch},
     gait::{Clock, GRID, Gait},
     leg::{Foot, LOWEST_HIP, Leg, Sole},
-    smooth::{SmoothValue, share, smooth},
+    smooth::{SmoothValue, elapsed_fraction, smooth},
 };
 use crate::{
     drive::{HISTORY, Piece},
@@ -649,7 +649,7 @@ impl Step {
         let (_, mut goal, mut apex) = self.goals[0];
         for pair in self.goals.windows(2) {
             let [(_, before, low), (since, after, high)] = [pair[0], pair[1]];
-            let part = smooth(share(at, since, self.touch_down - since));
+            let part = smooth(elapsed_fraction(at, since, self.touch_down - since));
             goal.point += (after.point - before.point) * part;
             goal.heading += Heading::default().turned(after.heading - before.heading).remainder() * part;
             apex += (high - low) * part;
@@ -659,14 +659,14 @@ impl Step {
 
     /// Contribution of the foot to the mean height of the footholds.
     fn base(&self, at: Time) -> f64 {
-        let part = smooth(share(at, self.lift_off, self.touch_down - self.lift_off));
+        let part = smooth(elapsed_fraction(at, self.lift_off, self.touch_down - self.lift_off));
         let (goal, _) = self.goal_at(at);
         self.from.point.z + (goal.point.z - self.from.point.z) * part
     }
 
     /// Closeness in time to the ground contact: 1 at lift-off and touch-down, 0 in mid-swing.
     fn nearness(&self, at: Time) -> f64 {
-        let part = share(at, self.lift_off, self.touch_down - self.lift_off);
+        let part = elapsed_fraction(at, self.lift_off, self.touch_down - self.lift_off);
         1.0 - smooth(4.0 * part) + smooth(4.0 * part - 3.0)
     }
 
@@ -689,20 +689,20 @@ impl Step {
             return 0.0;
         }
         if at >= self.touch_down {
-            let stood = share(at, self.touch_down, self.stand);
+            let stood = elapsed_fraction(at, self.touch_down, self.stand);
             return if stood * TOE_OFF < HEEL_OFF { self.level * natural_pitch(stood * TOE_OFF) } else { 0.0 };
         }
         if at < self.lift_off {
             return self.rolled(at);
         }
         let natural = |part: f64| self.level * natural_pitch(TOE_OFF + (1.0 - TOE_OFF) * part);
-        let part = share(at, self.lift_off, self.touch_down - self.lift_off);
+        let part = elapsed_fraction(at, self.lift_off, self.touch_down - self.lift_off);
         natural(part) + (self.pitch_at_lift_off() - natural(0.0)) * (1.0 - smooth(2.0 * part))
     }
 
     /// Pitch of a foot during roll-off, rad.
     fn rolled(&self, at: Time) -> f64 {
-        let part = share(at, self.heel_off, self.roll);
+        let part = elapsed_fraction(at, self.heel_off, self.roll);
         self.level * natural_pitch(HEEL_OFF + (TOE_OFF - HEEL_OFF) * part)
     }
 
@@ -730,7 +730,7 @@ impl Step {
             return standing(self.from);
         }
         let (goal, apex) = self.goal_at(at);
-        let part = share(at, self.lift_off, self.touch_down - self.lift_off);
+        let part = elapsed_fraction(at, self.lift_off, self.touch_down - self.lift_off);
         // The toe leaves the ground last, and the heel lands first.
         let leaving = if self.pitch_at_lift_off() > 0.0 { -shape.heel } else { shape.toe };
         let ahead = leaving - (leaving + shape.heel) * smooth(part);

@@ -114,14 +114,14 @@ impl Canvas {
         let mut changed = 0;
         // Columns are drawn where the rim is flat, rows where it is steep: no pixel twice, no gap on the diagonal.
         for column in visible(x, radius, self.width) {
-            let across = column - x;
-            if let Some(half) = half_chord(radius, across).filter(|half| *half >= across.abs()) {
+            let offset = column - x;
+            if let Some(half) = half_chord(radius, offset).filter(|half| *half >= offset.abs()) {
                 changed += self.draw_pair([column, y - half], [column, y + half], ink);
             }
         }
         for row in visible(y, radius, self.height) {
-            let across = row - y;
-            if let Some(half) = half_chord(radius, across).filter(|half| *half > across.abs()) {
+            let offset = row - y;
+            if let Some(half) = half_chord(radius, offset).filter(|half| *half > offset.abs()) {
                 changed += self.draw_pair([x - half, row], [x + half, row], ink);
             }
         }

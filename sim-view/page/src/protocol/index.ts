@@ -79,6 +79,21 @@ export type Answer = {
   /** Reason of the refusal; `None` if the command was carried out. */
   refused: string | null, };
 
+/** Attachment of a part. */
+export type Attachment = { "on": "world",
+  /** Kind of the part: `wall`, `object` or `terrain`. */
+  what: string,
+  /** Pose of its frame in the world frame. */
+  at: Point, } | { "on": "robot",
+  /** Its number. */
+  robot: number, } | { "on": "link",
+  /** Number of the robot. */
+  robot: number,
+  /** Index of the link in [`Robot::links`]. */
+  link: number, } | { "on": "object",
+  /** Its number. */
+  object: number, };
+
 /** A beam of a range sensor. */
 export type Beam = {
   /** Number of the robot. */
@@ -324,21 +339,6 @@ export type Picture = {
   url: string,
   /** Width and height. */
   size_px: [number, number], };
-
-/** Attachment of a part. */
-export type Attachment = { "on": "world",
-  /** Kind of the part: `wall`, `object` or `terrain`. */
-  what: string,
-  /** Pose of its frame in the world frame. */
-  at: Point, } | { "on": "robot",
-  /** Its number. */
-  robot: number, } | { "on": "link",
-  /** Number of the robot. */
-  robot: number,
-  /** Index of the link in [`Robot::links`]. */
-  link: number, } | { "on": "object",
-  /** Its number. */
-  object: number, };
 
 /** A pose in space. */
 export type Point = {
