@@ -74,7 +74,7 @@ const END: &str = "
 Files are real files. The guarantee does not cover robots that write the same file, nor programs that read data which
 changes between runs.
 
-Heap corruption that glibc detects (`free(): invalid pointer`) raises a signal and is reported as a fault.
+Heap corruption that glibc detects (`free(): invalid pointer`) raises a signal and is reported as a crash.
 ";
 
 /// The text of `docs/c-library.md`.

@@ -270,11 +270,11 @@ fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
         .maybe(PART, &mut sonar.side_lobes);
     keys.key(
         "threshold",
-        "Minimum energy of an audible echo; a perfect reflector 1 m ahead returns 1; default: from the preset.",
+        "Minimum energy of a detectable echo; a perfect reflector 1 m ahead returns 1; default: from the preset.",
     )
     .optional(Bounded(Quantity::number("threshold", 0.0, 1e9)), &mut sonar.threshold);
     keys.key("bus", "Its bus, with at most 16 sonars on each; default: 1.").optional(1..=MAX_BUS, bus);
-    keys.key("rays", "Rays of its fan; default: from the preset, 64.").optional(1..=MAX_RAYS, &mut sonar.rays);
+    keys.key("rays", "Number of rays; default: from the preset, 64.").optional(1..=MAX_RAYS, &mut sonar.rays);
 }
 
 /// Declares minimum and maximum distance. A pair that leaves an empty range is reported and ignored.
