@@ -9,6 +9,7 @@ mod drive;
 pub mod france;
 mod moving_target;
 mod noise;
+mod objects;
 mod radio;
 mod range_sensors;
 mod rays2d;
@@ -95,6 +96,8 @@ pub const STUDIES: &[Study] = &[
     drive::ODOMETRY,
     contact::STUDY,
     slide::STUDY,
+    objects::STUDY,
+    objects::CONSERVED,
     rays2d::STUDY,
     rays3d::STUDY,
     range_sensors::STUDY,
