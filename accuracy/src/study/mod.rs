@@ -7,6 +7,7 @@ mod camera;
 mod contact;
 mod drive;
 pub mod france;
+mod legs;
 mod moving_target;
 mod noise;
 mod objects;
@@ -98,6 +99,7 @@ pub const STUDIES: &[Study] = &[
     slide::STUDY,
     objects::STUDY,
     objects::CONSERVED,
+    legs::STUDY,
     rays2d::STUDY,
     rays3d::STUDY,
     range_sensors::STUDY,
