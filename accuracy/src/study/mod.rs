@@ -6,6 +6,7 @@
 mod camera;
 mod contact;
 mod drive;
+mod erring;
 pub mod france;
 mod legs;
 mod moving_target;
@@ -95,6 +96,7 @@ pub struct Study {
 pub const STUDIES: &[Study] = &[
     drive::DRIVE,
     drive::ODOMETRY,
+    erring::STUDY,
     contact::STUDY,
     slide::STUDY,
     objects::STUDY,
