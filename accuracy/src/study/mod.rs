@@ -6,9 +6,12 @@
 mod camera;
 mod contact;
 mod drive;
+mod erring;
 pub mod france;
+mod legs;
 mod moving_target;
 mod noise;
+mod objects;
 mod radio;
 mod range_sensors;
 mod rays2d;
@@ -93,8 +96,12 @@ pub struct Study {
 pub const STUDIES: &[Study] = &[
     drive::DRIVE,
     drive::ODOMETRY,
+    erring::STUDY,
     contact::STUDY,
     slide::STUDY,
+    objects::STUDY,
+    objects::CONSERVED,
+    legs::STUDY,
     rays2d::STUDY,
     rays3d::STUDY,
     range_sensors::STUDY,

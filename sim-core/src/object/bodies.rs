@@ -19,6 +19,7 @@ use crate::{
     ObjectId, RobotId,
     pose::{Heading, Pose},
     scene::Walls,
+    time::Time,
 };
 use energy::IslandBody;
 use friction::split;
@@ -46,6 +47,8 @@ pub struct Bodies {
     awake: Vec<Awake>,
     /// Owner of each rigid body, by the index of its handle.
     owners: Vec<Owner>,
+    /// Length of a step, s.
+    step: f64,
 }
 
 /// An object that is awake before the step.
@@ -81,8 +84,6 @@ impl Bodies {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::ZERO;
         let parameters = &mut world.integration_parameters;
-        parameters.dt = STEP.seconds();
-        parameters.min_ccd_dt = 0.01 * STEP.seconds();
         // Penetrations of robots and crates are resolved within a few ms instead of a tenth of a second.
         parameters.contact_softness = SpringCoefficients::new(240.0, 10.0);
         parameters.static_contact_softness = SpringCoefficients::new(480.0, 10.0);
@@ -97,7 +98,9 @@ impl Bodies {
             present: Vec::new(),
             awake: Vec::new(),
             owners: Vec::new(),
+            step: 0.0,
         };
+        bodies.set_step(STEP);
         bodies.insert_walls(walls);
         for (properties, pose) in objects {
             bodies.add(properties, pose);
@@ -270,7 +273,19 @@ impl Bodies {
         self.objects.iter().filter(|thing| thing.final_state.is_none()).map(of_thing).sum()
     }
 
-    /// Advances by one [`STEP`] with `robots` among the objects, in the order of their ids; writes the effect on each robot to
+    /// Sets the length of a step, for studies of its error; it is [`STEP`] otherwise.
+    ///
+    /// # Panics
+    /// If it is not positive.
+    pub fn set_step(&mut self, step: Time) {
+        assert!(step > Time::ZERO, "a step is positive, this one is {step}");
+        self.step = step.seconds();
+        let parameters = &mut self.world.integration_parameters;
+        parameters.dt = self.step;
+        parameters.min_ccd_dt = 0.01 * self.step;
+    }
+
+    /// Advances by one step with `robots` among the objects, in the order of their ids; writes the effect on each robot to
     /// `pushes`, in the same order.
     pub fn step(&mut self, robots: &[Pusher], pushes: &mut Vec<Push>) {
         self.place_robots(robots);
@@ -355,7 +370,7 @@ impl Bodies {
                 }
                 continue;
             }
-            let whole = thing.properties.resistance.deceleration() * STEP.seconds();
+            let whole = thing.properties.resistance.deceleration() * self.step;
             let velocity = velocity_of(body);
             let gyration_squared = thing.gyration_squared;
             let (before, mut after) = split(velocity.sliding(gyration_squared), whole);
@@ -430,7 +445,7 @@ impl Bodies {
                 let approach = body.velocity_at_point(at).dot(towards);
                 let is_new = point.data.impulse == 0.0;
                 // `dist` is the distance before the last step.
-                if 3.0 * approach * STEP.seconds() >= point.dist {
+                if 3.0 * approach * self.step >= point.dist {
                     let bounce = if is_new { restitution } else { 0.0 };
                     let impulse = body.mass() * approach * (1.0 + bounce);
                     if impulse > hardest.0 {
@@ -594,6 +609,7 @@ impl Clone for Bodies {
             present: self.present.clone(),
             awake: Vec::new(),
             owners: self.owners.clone(),
+            step: self.step,
         }
     }
 }

@@ -94,8 +94,8 @@ pub struct Stance {
 /// State of a foot at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FootState {
-    /// Contact point of the sole: at the foothold while the foot stands, and above the ground while it swings; in the
-    /// world, m.
+    /// Contact point of the sole: at the foothold while the foot stands, and on the path of the gait while it swings; in the
+    /// world, m. The joints of a leg in the air that does not reach the path put its foot above it.
     pub point: DVec3,
     /// Position of the contact point on the sole, and pitch of the foot.
     pub sole: Sole,
