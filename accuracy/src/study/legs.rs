@@ -125,8 +125,8 @@ impl Walker {
         let model = Model {
             kind: DriveKind::Legged,
             axis_offset: 0.0,
-            max_speed: speed.min(self.legs.greatest_speed(&self.legs.gaits[0])),
-            max_turn: turn.min(self.legs.greatest_turn(&self.legs.gaits[0])),
+            max_speed: speed.min(self.legs.max_speed(&self.legs.gaits[0])),
+            max_turn: turn.min(self.legs.max_turn_rate(&self.legs.gaits[0])),
             ..model()
         };
         let walls = Arc::new(Walls::new(Vec::new()));
