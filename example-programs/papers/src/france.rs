@@ -594,8 +594,7 @@ fn stops(walks: &Walks, make: &Make<'_>) -> Claim {
         touches += walk.touches.len();
     }
     let paper = "the walk stops before robot and obstacle collide";
-    let ours =
-        "minimum distance of the body's centre from the obstacle, and touches, in all walks with the sensor on the tibia";
+    let ours = "minimum distance of the body's centre from the obstacle, and touches, in all walks with the sensor on the tibia";
     make(
         "6.3",
         paper,

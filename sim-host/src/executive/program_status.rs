@@ -343,7 +343,8 @@ fn advice(report: &FaultReport, broken: &Broken, robot: &Robot, program: &RobotP
     } else {
         let null = null_pointer(broken, program).filter(|_| is_null).map(|pointer| format!("; {pointer} is NULL"));
         // A file is used within the C library, where no line of the program tells a pointer.
-        let why = open_failure.filter(|_| null.is_none()).map(|why| format!("; `fopen` has returned NULL before: {why}"));
+        let why =
+            open_failure.filter(|_| null.is_none()).map(|why| format!("; `fopen` has returned NULL before: {why}"));
         let is_wild = report.what.contains(WILD) || report.what.contains("an array overrun");
         let index = wild_index(broken, program).filter(|_| is_wild);
         [null, why, index].into_iter().flatten().collect()
