@@ -513,7 +513,7 @@ def _int(value, low, high, name):
     try:
         number = int(_pointee(value).value if isinstance(value, (_SIMPLE, _REFERENCE)) else value)
     except (TypeError, ValueError, OverflowError):
-        cause = ": check how it is calculated before this line" if isinstance(value, float) else ""
+        cause = ": check how it is calculated, in this line or above" if isinstance(value, float) else ""
         raise TypeError(f"{name}: expected a number, got {value!r}{cause}") from None
     if not low <= number <= high:
         raise OverflowError(f"{name}: {number} is not within {low} to {high}")
@@ -1490,6 +1490,8 @@ def _advice(error, trace):
         return f"relative paths begin in `{_os.getcwd()}`, the folder in which eyesim runs"
     if isinstance(error, TypeError) and "function' object is not subscriptable" in str(error):
         return "`[ ]` belongs to a list: a function is called with `( )`, as in `PSDGet(1)`"
+    if isinstance(error, AttributeError) and str(error).startswith("'NoneType' object has no attribute '"):
+        return f"what stands before `.{str(error).split(chr(39))[3]}` is None: test it with `if ... is not None:` first"
     if isinstance(error, TypeError) and "can only concatenate str" in str(error):
         return "`+` joins only texts: write `str(...)` around the number"
     return _missing_import(error, trace)

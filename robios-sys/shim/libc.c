@@ -859,7 +859,7 @@ static void check_newest(void)
     if ((guard.canary == CANARY_OF_BLOCK(newest.memory) && guard.len == newest.len) || !is_lost(newest.end + sizeof guard + sizeof(size_t)))
         return;
     newest.memory = NULL;
-    snprintf(text, sizeof text, "a loop or an index in a later line goes far beyond the end of the %zu bytes that are reserved", newest.len);
+    snprintf(text, sizeof text, "make a loop in a later line shorter, or reserve more memory: an index is far beyond the end of the %zu bytes reserved", newest.len);
     self.call_site.address = newest.caller;
     self.host->support->failed(self.robot, FAILED_HEAP, text_of(text), bytes_of(&newest.caller, sizeof newest.caller), &result);
     eyesim_trap_heap_lost();

@@ -279,7 +279,7 @@ impl Message<'_> {
                 "constant",
                 "outside of a function, a variable begins with a fixed number: set it within a function, such as `main`",
             ),
-            ("octal constant", "", "a number does not begin with 0: write `90`, not `090`"),
+            ("octal constant", "", "a whole number is written without a 0 before it: write `90`, not `090`"),
             ("invalid operands", "^", "`^` is not a power: multiply, or write `pow(a, b)` with `#include <math.h>`"),
             ("invalid operands", "%", "`%` is for whole numbers: write `fmod(a, b)` with `#include <math.h>`"),
             (
@@ -289,7 +289,7 @@ impl Message<'_> {
             ),
             ("main", "must return 'int'", "write `int main()`"),
             ("return type of 'main'", "is not 'int'", "write `int main(void)`, and `return 0;` at its end"),
-            ("no match for 'operator>>'", "ostream", "`cout` is followed by `<<`: `cout << d`"),
+            ("no match for 'operator>>'", "ostream", "`cout` is followed by `<<`, not by `>>`, as in `std::cout << d`"),
             ("no match for 'operator<<'", "istream", "`cin` is followed by `>>`: `cin >> d`"),
             ("", "from an initializer list", LIST_IS_SET),
             ("", "lvalue required as left operand", "the left side of `=` must be a variable"),
@@ -480,7 +480,7 @@ impl Message<'_> {
                 Some("this line does nothing: a function is called with `()`, as in `VWWait()`, and a variable is set by `=`".to_owned())
             }
             text if text.contains("implicit declaration of function") => {
-                Some(unknown_function(self.quoted(0)?))
+                Some(self.unknown_function(self.quoted(0)?))
             }
             text if text.contains("to binary 'operator+'") && text.contains("char") => {
                 Some("`+` does not join texts in quotes: make the first one a `std::string(\"...\")`".to_owned())
@@ -676,7 +676,16 @@ impl Message<'_> {
             Some((line, code)) => {
                 format!("`{code}` of line {line} is gone when the function ends: write `static {code}` in line {line}")
             }
-            None => "a variable is gone when its function ends: write `static` before its declaration".to_owned(),
+            None => {
+                let returned = self.code().and_then(|code| code.trim().strip_prefix("return ")?.strip_suffix(';'));
+                let name = returned.map_or("", |value| value.trim_start_matches('&').trim());
+                match name {
+                    name if !name.is_empty() && name.chars().all(is_name) => format!(
+                        "`{name}` is gone when the function ends: write `static` in front of the line that declares `{name}`"
+                    ),
+                    _ => "a variable is gone when its function ends: write `static` in front of the line that declares it".to_owned(),
+                }
+            }
         }
     }
 
@@ -689,7 +698,7 @@ impl Message<'_> {
         let first = self.more.iter().find(is_note).filter(is_here).and_then(|line| line.split(':').nth(1));
         let is_defined =
             first.map_or_else(|| "defined twice".to_owned(), |line| format!("already defined in line {line}"));
-        Some(format!("`{name}` is {is_defined}: leave one out, or give it another name"))
+        Some(format!("`{name}` is {is_defined}: delete one of them, or give it another name"))
     }
 
     /// A name where a type belongs.
@@ -798,7 +807,7 @@ impl Message<'_> {
             _ if name == "then" => "C has no `then`: leave it out".to_owned(),
             Some(near) => format!("`{name}` is not defined; did you mean `{near}`?"),
             None if misspelt(name).is_some() => misspelt(name)?,
-            None if self.code().is_some_and(|code| code.contains(&format!("{name}("))) => unknown_function(name),
+            None if self.code().is_some_and(|code| code.contains(&format!("{name}("))) => self.unknown_function(name),
             None => format!(
                 "`{name}` is not defined: declare it before this line, such as `int {name} = 0;`, or check the spelling"
             ),
@@ -848,6 +857,28 @@ impl Message<'_> {
         let [.., (first, head), (_, second)] = above.as_slice() else { return None };
         (begins_function(head) && begins_function(second) && head.trim_end().ends_with(')'))
             .then(|| format!("a `;` is missing at the end of line {}", first + 1))
+    }
+
+    /// A function that is called and not declared.
+    fn unknown_function(&self, name: &str) -> String {
+        let place = self.line.parse().unwrap_or(usize::MAX);
+        let code = code_only(self.source);
+        let below = code.lines().enumerate().skip(place).find_map(|(index, line)| {
+            let (head, _) = line.split_once('(')?;
+            let is_defined = head.trim_end().rsplit([' ', '*', '&']).next() == Some(name) && begins_function(line);
+            is_defined.then(|| (index + 1, line.trim_end().trim_end_matches('{').trim_end()))
+        });
+        match below {
+            Some((line, head)) if head.ends_with(')') => format!(
+                "`{name}` is defined below, in line {line}: move it above the function that calls it, or write `{head};` at the top, below `#include`"
+            ),
+            Some((line, _)) => {
+                format!("`{name}` is defined below, in line {line}: move it above the function that calls it")
+            }
+            None => {
+                format!("`{name}` is not known: check the spelling, or define the function above the one that calls it")
+            }
+        }
     }
 
     /// A function within another one.
@@ -1091,6 +1122,10 @@ impl Message<'_> {
             Some(pointee) if pointee == given => {
                 format!("the function writes to the address of a variable: write `&` before its name (`{expected}`)")
             }
+            // g++ takes an index of a function for the function behind it.
+            _ if given.contains("(*)") && self.sides().is_some_and(|(_, right)| right.starts_with(']')) => {
+                IS_CALLED.to_owned()
+            }
             _ if given.contains("(*)") => {
                 "the function is named here, but not called: write `( )` after it, as in `PSDGet(1)`".to_owned()
             }
@@ -1206,12 +1241,6 @@ fn mismatch(expected: &str, given: &str) -> String {
         return format!("a text stands where a number (`{expected}`) belongs: write a number, without quotes");
     }
     format!("a value of type `{given}` stands where one of type `{expected}` belongs")
-}
-
-fn unknown_function(name: &str) -> String {
-    format!(
-        "`{name}` is not known yet in this line: check the spelling, or move the function above this line, or write its first line, with a `;`, above it"
-    )
 }
 
 fn of_cpp(name: &str) -> String {
@@ -1794,7 +1823,7 @@ mod tests {
         }
         let twice = "mine.cpp:3:5: error: redefinition of 'int home()'\n    3 | int home() { return 2; }\n      |     ^~~~\n\
                      mine.cpp:2:5: note: 'int home()' previously defined here\n";
-        check(twice, "mine.cpp:3: `home` is already defined in line 2: leave one out, or give it another name\n");
+        check(twice, "mine.cpp:3: `home` is already defined in line 2: delete one of them, or give it another name\n");
     }
 
     #[test]

@@ -184,7 +184,7 @@ fn warning_about_stdin(folder: &Path, name: &str) -> Option<String> {
         let line = text.lines().position(|line| line.contains("stdin()") && !line.trim_start().starts_with("//"))? + 1;
         let file = file.strip_prefix(folder).unwrap_or(file).display();
         Some(format!(
-            "program `{name}`: {file}:{line}: a robot program has no `std::io::stdin`: write `robot.read_line()`, put the input into a file and run with `--stdin FILE`"
+            "program `{name}`: {file}:{line}: a robot program has no `std::io::stdin`: write `let line = robot.read_line().unwrap();` instead, write the input into a file `in.txt` and run with `--stdin in.txt`"
         ))
     })
 }

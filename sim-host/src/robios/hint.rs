@@ -104,7 +104,7 @@ impl Mistake {
                 "a drive of 0 m goes nowhere; in C, whole numbers divided give a whole number: 1/2 is 0, 1.0/2 is 0.5"
             }
             Self::NoLengthInMm => {
-                "a drive of 0 mm goes nowhere: RoBIOS-7 takes whole millimetres, such as 300; 0.3 becomes 0, and so does 1/2"
+                "a drive of 0 mm goes nowhere: RoBIOS-7 takes whole millimetres, such as 300; 0.3 becomes 0, and so does `1/2` in C (`1//2` in Python)"
             }
             Self::NoNumber => {
                 "a speed, length or angle is not a number, or too large: it comes from a division by 0.0, or from the root of a negative \
