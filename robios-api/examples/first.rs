@@ -14,10 +14,10 @@ fn main(robot: &Robot) -> Result {
     }
     drive.stop()?;
 
-    let metres = drive.position().x;
-    writeln!(robot.lcd(), "wall at {metres:.2}");
+    let x = drive.position().x;
+    writeln!(robot.lcd(), "wall at {x:.2}");
     drive.turn(180.degrees(), 1.radians_per_second())?.wait()?;
-    drive.straight(metres, 0.2.metres_per_second())?.wait()
+    drive.straight(x, 0.2.metres_per_second())?.wait()
 }
 
 #[cfg(test)]

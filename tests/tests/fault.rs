@@ -215,7 +215,7 @@ fn memory_written_beyond_its_end_is_told_where_it_is_given_back() {
         assert!(hint.contains("beyond the end of these 10 bytes") && hint.contains("alone.c:7"), "{exec}: {hint}");
         let far = run_alone(newest, &["--exec", exec])["robots"][0].clone();
         let reason = far["reason"].as_str().expect("a reason");
-        let message = "far beyond the end of the 16 bytes that are reserved at alone.c:3";
+        let message = "far beyond the end of the 16 bytes reserved at alone.c:3";
         assert!(far["outcome"] == "failed" && reason.contains(message), "{exec}: {reason}");
         let large = robot(400);
         assert_eq!(large["outcome"], "failed", "{exec}: {large:#}");
