@@ -21,8 +21,8 @@ def on_files(files, config):
     root = Path(config.config_file_path).parent
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     listed = subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout.split("\0")
-    # Pages of sim-host are templates of `eyesim new`.
-    names = [name for name in listed if name.startswith(FOLDERS) or name.endswith(".md") and not name.startswith("sim-host/")]
+    # Pages of the crate eyesim are templates of `eyesim new`.
+    names = [name for name in listed if name.startswith(FOLDERS) or name.endswith(".md") and not name.startswith("eyesim/")]
     theme = [file for file in files if not Path(file.abs_src_path).is_relative_to(config.docs_dir)]
     ours = [File(name, str(root), config.site_dir, config.use_directory_urls) for name in names if (root / name).is_file()]
     return Files(theme + ours)

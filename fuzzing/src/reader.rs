@@ -1,12 +1,12 @@
 //! Checks of the readers, one function per reader.
 
+use eyesim::pack::Pack;
 use glam::DVec3;
 use sim_core::build::MeshSource;
 use sim_core::spec::{ModelSpec, PathRef, RobiSpec, Span, WorldSpec};
 use sim_format::map::read_scenarios;
 use sim_format::suite::{MAX_CASES, SuiteSpec, read_suite};
 use sim_format::{Diagnostic, MemoryFiles, MeshReader};
-use sim_host::pack::Pack;
 
 use crate::archive::Archive;
 use crate::text::Lines;

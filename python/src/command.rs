@@ -31,8 +31,8 @@ pub fn eye_source() -> String {
 pub fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
     let code = py.detach(|| {
         sim_host::executive::save_memory();
-        sim_host::cli::run_words(words)
+        eyesim::cli::run_words(words)
     });
     // The standard library does not expose the number of an exit code, but compares exit codes.
-    (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(sim_host::cli::EXIT_INTERNAL)
+    (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(eyesim::cli::EXIT_INTERNAL)
 }

@@ -8,6 +8,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
+use eyesim::plot::{PictureKind, PlotError, draw_finished};
 use parking_lot::Mutex;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -16,7 +17,6 @@ use sim_host::executive::interrupt::Interrupt;
 use sim_host::executive::program::Exec;
 use sim_host::launch::settings::ProgramOption;
 use sim_host::launch::{self, Observers, Scene};
-use sim_host::plot::{PictureKind, PlotError};
 use sim_host::program::embedded::EmbeddedProgram;
 use sim_host::record::{RecordError, Sink, Trace, Trails};
 
@@ -189,7 +189,7 @@ fn carry_out(scene: Scene, has_trace: bool, interrupt: Interrupt) -> Result<(Str
     let mut running = ready.start(Observers { sinks, interrupt, ..Observers::default() })?;
     running.scheduler.advance_to(Time::NEVER);
     let finished = running.finish();
-    let svg = PictureKind::Svg.render(&finished.drawing(&trails.lock()), None)?;
+    let svg = PictureKind::Svg.render(&draw_finished(&finished, &trails.lock()), None)?;
     let trace = std::mem::take(&mut *lines.0.lock());
     Ok((finished.report.to_json()?, trace, String::from_utf8_lossy(&svg).into_owned()))
 }

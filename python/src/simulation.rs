@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use eyesim::plot::{PictureKind, draw_scene};
 use pyo3::buffer::{Element, PyBuffer};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
@@ -20,7 +21,6 @@ use sim_core::{ObjectId, RobotId};
 use sim_format::{MeshReader, Setting as SceneSetting};
 use sim_host::files::DiskFiles;
 use sim_host::launch::{self, Scene};
-use sim_host::plot::{PictureKind, draw_scene};
 
 use super::error::{error, of_launch, scene_error};
 

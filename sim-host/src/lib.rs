@@ -1,4 +1,4 @@
-//! Runs of robot programs in simulated worlds: the library of the command `eyesim`.
+//! Runs of robot programs in simulated worlds, as a library: the command `eyesim` and the Python package stand on it.
 //!
 //! ```no_run
 //! use sim_core::RobotId;
@@ -22,23 +22,15 @@
 //!
 //! Start at [`launch`]: scenes, options, runs, results. Below it, [`executive`] runs the programs' flows over a
 //! simulation of `sim_core`, [`robios`] implements the calls, [`program`] finds, builds and loads programs, and
-//! [`mod@record`] contains the sinks of the record. [`cli`] and [`window`] belong to the binary. A simulation without
-//! programs does not need this crate: see `sim_core::simulation`.
+//! [`mod@record`] contains the sinks of the record. A simulation without programs does not need this crate: see
+//! `sim_core::simulation`.
 
 pub mod check;
-pub mod cli;
 pub mod executive;
 pub mod files;
-pub mod grade;
 pub mod host;
 pub mod launch;
-pub mod pack;
-pub mod plot;
 pub mod program;
 pub mod record;
 pub mod robios;
 pub mod scenery;
-pub mod suite;
-pub mod sweep;
-#[cfg(feature = "window")]
-pub mod window;

@@ -118,7 +118,7 @@ fn other_profile() -> Option<PathBuf> {
 fn debug_and_release_give_the_same_digest() {
     let Some(other) = other_profile() else {
         println!(
-            "skipped: eyesim is not built in the other profile (cargo build -p sim-host, with and without --release)"
+            "skipped: eyesim is not built in the other profile (cargo build -p eyesim, with and without --release)"
         );
         return;
     };

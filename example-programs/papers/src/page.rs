@@ -10,7 +10,7 @@ use accuracy::figure::Figure as Chart;
 use anyhow::Context as _;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use sim_host::plot::chart;
+use eyesim::plot::chart;
 
 /// The page of a paper.
 #[derive(Clone, Debug)]

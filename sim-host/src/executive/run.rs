@@ -268,6 +268,11 @@ impl Run {
         Time(self.slot_end.load(Ordering::Acquire))
     }
 
+    /// World, recorder and checks between two slots, also for a caller that reads the world meanwhile.
+    pub fn environment(&self) -> RwLockReadGuard<'_, Environment> {
+        self.environment.read_recursive()
+    }
+
     /// The executor of the flows.
     pub(crate) fn executor(&self) -> &dyn Executor {
         &*self.executor

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
 use sim_core::ObjectId;
 use sim_core::pose::Pose;
 use sim_core::record::Outcome;
@@ -12,12 +11,10 @@ use sim_core::world::Lifetime;
 
 use super::settings::Settings;
 use crate::executive::scheduler::{Ended, RobotEnd};
-use crate::plot::{self, Drawing, RunObject, RunPicture, RunRobot};
 use crate::program::scene::shown_name;
+use crate::record::Report;
 use crate::record::notes::Notes;
 use crate::record::report::{DrawnReport, Input, ObjectReport, REPORT_SCHEMA, RobotReport};
-use crate::record::trail::BodyTrails;
-use crate::record::{Report, Trails};
 use crate::scenery::LazyScenery;
 
 /// A finished run.
@@ -35,44 +32,6 @@ pub struct Finished {
     /// Messages to the user about metrics that programs printed, and about programs that did not use their robots; one
     /// line each.
     pub remarks: Vec<String>,
-}
-
-impl Finished {
-    /// Draws the world from above with the paths that `trails`, a sink of the run, has recorded.
-    pub fn drawing(&self, trails: &Trails) -> Drawing {
-        let spawner = self.ended.run.spawner();
-        let robot = |((spec, end), trail): ((&RobotSpec, &RobotEnd), &BodyTrails)| RunRobot {
-            id: spec.id.0,
-            robi: Arc::clone(&spec.robi),
-            start: spec.start,
-            end: end.pose,
-            depth: end.depth,
-            joints: end.joints.clone(),
-            trails: trail.lines(),
-        };
-        let robots: Vec<RunRobot> =
-            spawner.roster().robots().iter().zip(&self.ended.robots).zip(trails.trails()).map(robot).collect();
-        let object = |object: &ObjectSpec, end: Pose, trails: Vec<Vec<DVec2>>| RunObject {
-            kind: Arc::clone(&object.kind),
-            start: object.pose,
-            end,
-            trails,
-        };
-        let fixed = self.scene.objects.iter().filter(|spec| spec.kind.is_fixed);
-        let fixed = fixed.map(|spec| object(spec, spec.pose, Vec::new()));
-        let moved = spawner.roster().objects().iter().zip(self.ended.objects.iter().zip(trails.objects()));
-        let moved = moved.map(|(spec, (end, trail))| object(spec, *end, trail.lines()));
-        let objects: Vec<RunObject> = fixed.chain(moved).collect();
-        plot::draw_run(&RunPicture {
-            title: &self.scene.file,
-            world: &self.scene.world,
-            floor: self.scenery.floor(),
-            markers: &self.scene.markers,
-            robots: &robots,
-            objects: &objects,
-            contacts: trails.contacts(),
-        })
-    }
 }
 
 /// Remarks on the programs of robots that ended well without a call of RoBIOS.

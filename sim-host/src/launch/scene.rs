@@ -179,13 +179,12 @@ impl Scene {
     ///
     /// # Errors
     /// An option does not fit the scene.
-    pub(crate) fn settings(&mut self) -> Result<Settings, OptionError> {
+    pub fn settings(&mut self) -> Result<Settings, OptionError> {
         Settings::new(&self.options, &mut self.loaded.scene)
     }
 
     /// The scene's specification and the scenery of its cameras.
-    #[cfg(feature = "window")]
-    pub(crate) fn into_scenery(self) -> (Arc<SceneSpec>, LazyScenery) {
+    pub fn into_scenery(self) -> (Arc<SceneSpec>, LazyScenery) {
         let Loaded { scene, diagnostics, inputs, .. } = self.loaded;
         let scene = Arc::new(scene);
         (Arc::clone(&scene), LazyScenery::new(scene, self.files, diagnostics, inputs))

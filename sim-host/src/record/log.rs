@@ -235,12 +235,15 @@ fn push_line(lines: &mut String, record: &Record<'_>, hint_location: Option<&str
 }
 
 /// Returns true for a character by which text could control a terminal or reorder its words.
-pub(crate) fn is_terminal_control(c: char) -> bool {
+pub fn is_terminal_control(c: char) -> bool {
     c.is_control() || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}')
 }
 
 /// Displays text of a program with control characters other than tabs escaped, so that it cannot control the terminal.
-pub(crate) struct Printable<'a>(pub(crate) &'a str);
+pub struct Printable<'a>(
+    /// The text.
+    pub &'a str,
+);
 
 impl std::fmt::Display for Printable<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

@@ -6,7 +6,7 @@
 //! from a truncated file.
 
 mod proto;
-pub(crate) mod scene;
+pub mod scene;
 mod schema;
 
 use std::collections::BTreeMap;

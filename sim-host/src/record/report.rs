@@ -267,7 +267,10 @@ impl Report {
 /// Replaces the file `path` atomically by one with these bytes.
 ///
 /// A file that is not regular, or in `/dev` (standard output may be a file), is appended to; a link is followed.
-pub(crate) fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     match fs::metadata(path) {
         Ok(metadata) if !metadata.is_file() || path.starts_with("/dev") => {
             fs::OpenOptions::new().append(true).open(path)?.write_all(bytes)

@@ -2,7 +2,7 @@
 //! and by both.
 
 use accuracy::comparison::{Difference, Interval, Verdict};
-use sim_host::suite::summary::Rate;
+use eyesim::suite::summary::Rate;
 
 use super::walk::{ROUGH, Route, Walk, routes, walk};
 use crate::page::{Basis, Claim, Page, Table, Weight};

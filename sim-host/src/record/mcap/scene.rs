@@ -31,7 +31,7 @@ pub(super) fn object_frame(ObjectId(object): ObjectId) -> String {
 }
 
 /// Pose in space, in the form used by pages and recordings.
-pub(crate) fn point(pose: &Pose3) -> Point {
+pub fn point(pose: &Pose3) -> Point {
     Point { position_m: pose.position.to_array(), rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array() }
 }
 

@@ -1,0 +1,200 @@
+//! The command line: one file for each subcommand, and fixed exit codes.
+//!
+//! 0: the run ended or reached `--until`; 1: a robot program or a check failed; 2: usage or file errors; 3: internal error;
+//! 130: interrupted.
+
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::{Parser, Subcommand};
+use output::say;
+use sim_host::executive::interrupt;
+
+#[cfg(not(all(feature = "accuracy", feature = "lsp", feature = "window")))]
+mod absent;
+#[cfg(feature = "accuracy")]
+pub mod accuracy;
+pub mod cc;
+pub mod check;
+pub mod child;
+pub mod convert;
+pub mod debug;
+pub mod diagnostic;
+mod diff;
+mod doctor;
+pub mod excerpt;
+pub mod explain;
+pub mod grade;
+#[cfg(feature = "lsp")]
+mod lsp;
+pub mod new;
+pub mod output;
+pub mod pack;
+pub mod plot;
+pub mod progress;
+#[cfg(feature = "window")]
+pub mod replay;
+pub mod run;
+mod shot;
+pub mod sweep;
+pub mod table;
+pub mod test;
+#[cfg(feature = "window")]
+mod view;
+
+/// A robot program or a check of the scene failed.
+pub const EXIT_PROGRAM: u8 = 1;
+/// The command line or a file is wrong.
+pub const EXIT_USAGE: u8 = 2;
+/// An internal error of eyesim.
+pub const EXIT_INTERNAL: u8 = 3;
+/// The user interrupted the run.
+pub const EXIT_INTERRUPTED: u8 = 130;
+
+/// Time within which this process must end once its command is done.
+const END_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Simulates mobile robots like EyeSim: robot programs written against RoBIOS, run in lockstep.
+#[derive(Parser)]
+#[command(name = "eyesim", version, about, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 ended or reached --until, 1 a robot program or a check failed, 2 usage or file errors, \
+                          3 internal error, 130 interrupted.";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a sim file: build and load its robot programs, run them in lockstep, report what happened
+    Run(Box<run::RunArgs>),
+    /// Run the cases of suites: scenes with seeds, noise and parameters, judged by checks
+    Test(test::TestArgs),
+    /// Run all cases of a suite and write their rows into a folder, on one or many machines; finished cases are not repeated
+    Sweep(sweep::SweepArgs),
+    /// Grade submissions by a suite, each built and run separately: writes pages, tables, and results for grading services
+    Grade(grade::GradeArgs),
+    /// Run a sim file in the window: watch it in 3D in a browser, and intervene
+    #[cfg(feature = "window")]
+    View(Box<view::ViewArgs>),
+    #[cfg(not(feature = "window"))]
+    #[command(hide = true)]
+    View(absent::AbsentArgs),
+    /// Show the run of a trace in a browser, or run it again and compare
+    #[cfg(feature = "window")]
+    Replay(replay::ReplayArgs),
+    #[cfg(not(feature = "window"))]
+    #[command(hide = true)]
+    Replay(absent::AbsentArgs),
+    /// Compare two runs by their traces or reports: the first event in which they differ
+    Diff(diff::DiffArgs),
+    /// Check files and print their mistakes
+    Check(check::CheckArgs),
+    /// Explain a diagnostic's code: its meaning, its consequences and the correct form
+    Explain(explain::ExplainArgs),
+    /// Draw a sim, world, maze, robi or object file from above, to scale
+    Plot(plot::PlotArgs),
+    /// Run a sim file and take a picture: a robot's camera view, the scene from any viewpoint, or a robot's display
+    Shot(Box<shot::ShotArgs>),
+    /// Convert a scene, a world or a type to another format: .sim, .wld, .maz, .robi and .esObj to and from .toml
+    Convert(convert::ConvertArgs),
+    /// Write a scene or a suite with all files that its runs read into an archive, which run, view and test can open
+    Pack(pack::PackArgs),
+    /// Print the JSON schema of TOML scenes or suites, which editors use for completion
+    Schema(convert::SchemaArgs),
+    /// Measure speed against error: of motion, contacts, rays, sensors and noise, beside slower and plainer methods
+    #[cfg(feature = "accuracy")]
+    Accuracy(accuracy::AccuracyArgs),
+    #[cfg(not(feature = "accuracy"))]
+    #[command(hide = true)]
+    Accuracy(absent::AbsentArgs),
+    /// Build a robot program from C sources by hand
+    Cc(cc::CcArgs),
+    /// A robot's process of `eyesim run --exec process`
+    #[command(hide = true)]
+    Child(child::ChildArgs),
+    /// Run a scene with the program of one robot in gdb
+    Debug(debug::DebugArgs),
+    /// Check files as one types them: a language server for editors
+    #[cfg(feature = "lsp")]
+    Lsp(lsp::LspArgs),
+    #[cfg(not(feature = "lsp"))]
+    #[command(hide = true)]
+    Lsp(absent::AbsentArgs),
+    /// List the tools and limits of this system, their purpose, and how to install missing tools
+    Doctor(doctor::DoctorArgs),
+    /// Write a new robot program with a robi, a world and a sim file, ready to run
+    New(new::NewArgs),
+}
+
+/// Runs the command line of this process.
+pub fn main() -> ExitCode {
+    run_words(std::env::args_os())
+}
+
+/// Runs a command line: the name of the command, then its arguments. Usage errors and help end the process.
+pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let words: Vec<OsString> = words.into_iter().collect();
+    if let Some(command) = run_of_scene(&words) {
+        say(format_args!("error: no command is given: `{command}` runs the scene"));
+        return ExitCode::from(EXIT_USAGE);
+    }
+    let result = match Cli::parse_from(words).command {
+        Command::Run(mut args) => pack::open_for_run(&mut args).and_then(|_unpacked| run::run(&args)),
+        Command::Pack(args) => pack::run(&args),
+        Command::Test(args) => test::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
+        Command::Grade(args) => grade::run(&args),
+        #[cfg(feature = "window")]
+        Command::View(args) => view::run(*args),
+        #[cfg(feature = "window")]
+        Command::Replay(args) => replay::run(&args),
+        #[cfg(not(feature = "window"))]
+        Command::View(_) | Command::Replay(_) => Err(absent::error("the window")),
+        Command::Diff(args) => diff::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Explain(args) => explain::run(&args),
+        Command::Plot(args) => plot::run(&args),
+        Command::Shot(args) => shot::run(*args),
+        Command::Convert(args) => convert::run(&args),
+        Command::Schema(args) => convert::schema(&args),
+        #[cfg(feature = "accuracy")]
+        Command::Accuracy(args) => accuracy::run(&args),
+        #[cfg(not(feature = "accuracy"))]
+        Command::Accuracy(_) => Err(absent::error("the accuracy report")),
+        Command::Cc(args) => cc::run(&args),
+        Command::Child(args) => child::run(&args),
+        Command::Debug(args) => debug::run(&args),
+        #[cfg(feature = "lsp")]
+        Command::Lsp(args) => lsp::run(&args),
+        #[cfg(not(feature = "lsp"))]
+        Command::Lsp(_) => Err(absent::error("the language server")),
+        Command::Doctor(args) => doctor::run(&args),
+        Command::New(args) => new::run(&args),
+    };
+    interrupt::end_within(END_TIMEOUT);
+    result.unwrap_or_else(|error| {
+        say(format_args!("error: {error:#}"));
+        ExitCode::from(if error.is::<Internal>() { EXIT_INTERNAL } else { EXIT_USAGE })
+    })
+}
+
+/// Parses a whole number, such as a seed.
+fn whole_number(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_invalid| "expected a whole number from 0".to_owned())
+}
+
+/// Command line with `run` before the scene, if it names a scene instead of a subcommand.
+fn run_of_scene(words: &[OsString]) -> Option<String> {
+    let scene = Path::new(words.get(1)?);
+    let is_scene = scene.is_file() && scene.extension().is_some_and(|it| it == "sim" || it == "toml");
+    is_scene.then(|| format!("eyesim run {}", scene.display()))
+}
+
+/// An error that no input should be able to cause.
+#[derive(Debug, thiserror::Error)]
+#[error("internal error: {0}")]
+pub struct Internal(pub String);

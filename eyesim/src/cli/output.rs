@@ -1,0 +1,83 @@
+//! Messages on standard error, and checks of output files before a command begins.
+
+use std::os::unix::fs::MetadataExt as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use sim_host::record::log::Printable;
+
+/// Prints lines on standard error. They may quote programs and foreign files: control characters, which a terminal
+/// would interpret, are shown as escapes.
+pub fn say(text: impl std::fmt::Display) {
+    for line in text.to_string().lines() {
+        eprintln!("{}", Printable(line));
+    }
+}
+
+/// Identity of the files behind standard output and standard error, which programs on threads of this process can replace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StandardStreams([Option<[u64; 3]>; 2]);
+
+impl StandardStreams {
+    /// The current standard streams.
+    pub fn now() -> Self {
+        Self([1, 2].map(|descriptor| {
+            let metadata = std::fs::metadata(format!("/proc/self/fd/{descriptor}")).ok()?;
+            Some([metadata.dev(), metadata.ino(), metadata.rdev()])
+        }))
+    }
+
+    /// Checks that they are still the current ones.
+    ///
+    /// # Errors
+    /// A program has closed or replaced one.
+    pub fn check(&self) -> anyhow::Result<()> {
+        if Self::now() == *self {
+            return Ok(());
+        }
+        bail!(
+            "a program has closed or replaced the descriptors of standard output or standard error: what was printed since is lost \
+             (`--exec process` keeps such a program apart)"
+        )
+    }
+}
+
+/// Checks that the files to be written lie in existing folders, and overwrite neither an input nor each other.
+///
+/// `outputs` are options with their file names; `inputs` are the files that are read.
+///
+/// # Errors
+/// The first of `outputs` that fails the check.
+pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item = &'a str>) -> anyhow::Result<()> {
+    let mut seen_outputs: Vec<(String, PathBuf)> = Vec::new();
+    for input in inputs {
+        if let Ok(path) = std::fs::canonicalize(input) {
+            seen_outputs.push((format!("the input `{input}`"), path));
+        }
+    }
+    for (option, path) in outputs {
+        let path_text = path.display();
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = std::fs::canonicalize(folder)
+            .with_context(|| format!("{option} `{path_text}`: there is no folder `{}`", folder.display()))?;
+        let canonical =
+            std::fs::canonicalize(path).unwrap_or_else(|_| folder.join(path.file_name().unwrap_or_default()));
+        if canonical.is_dir() {
+            bail!("{option} `{path_text}` is a folder, expected a file");
+        }
+        // Devices such as /dev/null take any number of outputs.
+        if canonical.starts_with("/dev") {
+            continue;
+        }
+        if let Some((what, _)) = seen_outputs.iter().find(|(_, other)| *other == canonical) {
+            bail!("{option} `{path_text}` would overwrite {what}");
+        }
+        seen_outputs.push((format!("what {option} writes"), canonical));
+    }
+    Ok(())
+}
+
+/// Options that the user has given.
+pub fn given<'a>(options: &[(&'a str, &'a Option<PathBuf>)]) -> Vec<(&'a str, &'a Path)> {
+    options.iter().filter_map(|(option, path)| Some((*option, path.as_deref()?))).collect()
+}

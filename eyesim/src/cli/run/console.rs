@@ -1,0 +1,289 @@
+//! Steps of a run from the command line: open, build, start, advance, finish, with the output for the user.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use accuracy::figure::{Figure, Mark, Scale, Series};
+use anyhow::{Context, bail};
+use parking_lot::Mutex;
+use sim_core::RobotId;
+use sim_core::spec::{CheckKind, SceneSpec, SwarmMetric};
+use sim_format::{Diagnostic, InputFile};
+use sim_host::executive::pace::Pace;
+use sim_host::executive::program::Exec;
+use sim_host::executive::run::Run;
+use sim_host::executive::scheduler::{self, Scheduler};
+use sim_host::executive::script::Script;
+use sim_host::files::slashed;
+use sim_host::launch::settings::index_of;
+use sim_host::launch::{BuiltScene, Error, Finished, Observers, Ready, Rejected, Running, Scene, check};
+use sim_host::record::log::{Filter, Pattern};
+use sim_host::record::report::Input;
+use sim_host::record::trace::TraceHeader;
+use sim_host::record::{Log, RecordError, Recorded, Report, Sink, Trace, Trails};
+
+use super::{RunArgs, Speed};
+use crate::cli::diagnostic::{self, Colour, Format};
+use crate::cli::output::say;
+use crate::cli::output::{self, given};
+use crate::cli::progress::{Building, Counts, Progress};
+use crate::plot;
+
+/// Opens the scene of the arguments and shows its diagnostics.
+///
+/// # Errors
+/// If files or arguments are wrong; [`Rejected`] if diagnostics reject the scene.
+pub fn open(args: &RunArgs) -> anyhow::Result<Scene> {
+    let scene = Scene::open(&args.sim, args.options())?;
+    report_diagnostics(scene.diagnostics(), scene.inputs(), args.strict)?;
+    if let Some(dialect) = scene.guessed_dialect().filter(|_| !args.quiet) {
+        say(format_args!(
+            "`{}` is written for EyeSim VR of 2018 (`robi` or `obj` loads a type): --dialect={} holds, --dialect=vr2023 changes that",
+            args.sim.display(),
+            dialect.word()
+        ));
+    }
+    Ok(scene)
+}
+
+/// Builds the programs of a scene, with progress on a terminal, and checks the output files of the run.
+///
+/// # Errors
+/// If files or arguments are wrong; [`Rejected`] if diagnostics reject the scene.
+pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<BuiltScene> {
+    let mut builder = scene.builder()?;
+    if !args.quiet {
+        builder = builder.with_observer(Box::new(Building::on_stderr()));
+    }
+    let built = scene.build(&builder).inspect_err(|error| {
+        if let Error::Rejected(Rejected { diagnostics, inputs }) = error {
+            _ = show(diagnostics, inputs);
+        }
+    })?;
+    check_outputs(args, built.inputs())?;
+    built.remarks().iter().for_each(say);
+    if args.verbose || args.exec() != Exec::Auto {
+        built.places().iter().for_each(say);
+    }
+    Ok(built)
+}
+
+/// Shows the diagnostics of a scene; rejects the scene if there are errors or, when `strict`, warnings.
+pub(in crate::cli) fn report_diagnostics(
+    diagnostics: &[Diagnostic],
+    inputs: &[InputFile],
+    strict: bool,
+) -> anyhow::Result<()> {
+    if !diagnostics.is_empty() {
+        show(diagnostics, inputs)?;
+    }
+    if check::is_rejected(diagnostics, strict) {
+        bail!(Error::Rejected(Rejected { diagnostics: diagnostics.to_vec(), inputs: inputs.to_vec() }));
+    }
+    Ok(())
+}
+
+/// Shows diagnostics on standard error.
+fn show(diagnostics: &[Diagnostic], inputs: &[InputFile]) -> anyhow::Result<()> {
+    let screen = diagnostic::Screen::of_stderr(Colour::Auto);
+    eprint!("{}", diagnostic::render(diagnostics, inputs, Format::Auto, screen)?);
+    Ok(())
+}
+
+/// Checks before the run that its output files overwrite no input and lie in existing folders.
+fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
+    let report = args.report_file();
+    let outputs = [("--report", &report), ("--trace", &args.trace), ("--record", &args.record), ("--plot", &args.plot)];
+    let repeated = args.repeat.as_deref().map(slashed);
+    let inputs = inputs.iter().map(|input| input.path.as_str()).chain(repeated.as_deref());
+    output::check_outputs(&given(&outputs), inputs)?;
+    args.plot.as_deref().map(plot::PictureKind::of).transpose().context("--plot")?;
+    Ok(())
+}
+
+/// A run with its output for the user.
+pub struct ConsoleRun {
+    running: Running,
+    progress: Progress,
+    trails: Option<Arc<Mutex<Trails>>>,
+}
+
+impl ConsoleRun {
+    /// Interval between two updates of the progress.
+    const PROGRESS_INTERVAL: Duration = Duration::from_millis(50);
+
+    /// Starts `ready` with the output files that the arguments ask for; shows no progress if `is_quiet`.
+    ///
+    /// # Errors
+    /// If a file cannot be written, or the system lacks resources for the robots.
+    pub fn start(ready: Ready, args: &RunArgs, observers: Observers, is_quiet: bool) -> anyhow::Result<Self> {
+        let is_hidden = args.verbose || args.quiet || is_quiet;
+        let progress = if is_hidden { Progress::hidden() } else { Progress::new(ready.settings().until) };
+        let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
+        if !args.is_silent {
+            let out = if args.prints_report() { progress.stderr() } else { progress.stdout() };
+            let log = Log::new(filter(args, ready.scene())?, out, progress.stderr());
+            sinks.push(Box::new(log.with_hint_locations(observers.hint_locations.clone())));
+        }
+        let trails = args.plot.is_some().then(|| Arc::new(Mutex::new(Trails::of_scene(ready.scene()))));
+        sinks.extend(trails.iter().map(|trails| Box::new(Arc::clone(trails)) as Box<dyn Sink>));
+        if let Some(path) = &args.trace {
+            let only = args.trace_only.as_ref().map(|filter| filter.words().to_vec()).unwrap_or_default();
+            sinks.push(Box::new(Trace::create(path, &TraceHeader { only, ..ready.trace_header() })?));
+        }
+        #[cfg(feature = "window")]
+        if let Some(path) = &args.record {
+            sinks.push(Box::new(super::recording::create(path, &ready)?));
+        }
+        #[cfg(not(feature = "window"))]
+        if args.record.is_some() {
+            return Err(crate::cli::absent::error("recordings in MCAP"));
+        }
+        sinks.extend(observers.sinks);
+        let mut err = progress.stderr();
+        let tell = move |diagnostics: &[Diagnostic], inputs: &[InputFile]| {
+            let screen = diagnostic::Screen::of_stderr(Colour::Auto);
+            let text = diagnostic::render(diagnostics, inputs, Format::Auto, screen);
+            let written = text.map_err(std::io::Error::other).and_then(|text| err.write_all(text.as_bytes()));
+            written.map_err(|source| RecordError::Print { stream: "standard error", source })
+        };
+        let mut running = ready.start(Observers { sinks, diagnostics: Some(Box::new(tell)), ..observers })?;
+        if let Some(computing) = progress.computing() {
+            running.scheduler.listen_to_computing(computing);
+        }
+        Ok(Self { running, progress, trails })
+    }
+
+    /// Scheduler of the run.
+    pub fn scheduler(&mut self) -> &mut Scheduler {
+        &mut self.running.scheduler
+    }
+
+    /// Advances the run to its end, following `script`.
+    pub fn follow(&mut self, script: &mut Script) {
+        let scheduler = &mut self.running.scheduler;
+        while script.advance(scheduler, Self::PROGRESS_INTERVAL) == scheduler::Progress::Paused {
+            let run = scheduler.run();
+            self.progress.update(run.slot_start(), || counts(run));
+        }
+    }
+
+    /// Ends the run, calls `ended`, and completes its report.
+    pub fn finish(self, ended: impl FnOnce()) -> FinishedRun {
+        let Self { running, mut progress, trails } = self;
+        let over = running.end();
+        ended();
+        let finished = over.judge();
+        progress.clear();
+        FinishedRun { finished, trails }
+    }
+}
+
+/// A finished run, and the trails for its plot.
+pub struct FinishedRun {
+    /// The run.
+    pub finished: Finished,
+    trails: Option<Arc<Mutex<Trails>>>,
+}
+
+impl FinishedRun {
+    /// Writes the report and the plot that the arguments ask for.
+    ///
+    /// # Errors
+    /// The first error; the remaining files are still written.
+    pub fn write_files(&self, args: &RunArgs) -> anyhow::Result<()> {
+        let Self { finished, trails } = self;
+        if finished.scenery.built().is_some() {
+            // Images that cameras loaded during the run are inputs, too.
+            let report = args.report_file();
+            let outputs = [("--report", &report), ("--plot", &args.plot)];
+            output::check_outputs(&given(&outputs), finished.report.inputs.iter().map(|input| input.path.as_str()))?;
+        }
+        let plot = |(path, trails): (&std::path::PathBuf, &Arc<Mutex<Trails>>)| {
+            plot::write(&plot::draw_finished(finished, &trails.lock()), path, None)?;
+            write_charts(&finished.report, &finished.scene, path)
+        };
+        let written = [
+            args.report.as_ref().map(|path| match args.prints_report() {
+                true => super::print(&finished.report.to_json()?),
+                false => Ok(finished.report.write(path)?),
+            }),
+            args.plot.as_ref().zip(trails.as_ref()).map(plot),
+        ];
+        written.into_iter().flatten().collect()
+    }
+}
+
+/// Writes the metrics of swarms over time beside the plot at `path`, one chart for each check: for `run.svg` named
+/// `run-NAME.svg`.
+fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Result<()> {
+    for (check, spec) in report.checks.iter().zip(&scene.checks) {
+        let (Some(series), CheckKind::Swarm { of, .. }) = (&check.series, &spec.kind) else { continue };
+        // The value is constant until it changes.
+        let ends = series.iter().skip(1).map(|[at, _]| *at).chain([report.sim_time_s]);
+        let points = series.iter().zip(ends).flat_map(|([at, value], end)| [(*at, *value), (end, *value)]).collect();
+        let label = match of {
+            SwarmMetric::Spread => "mean distance from the middle, m",
+            SwarmMetric::Order => "order",
+            SwarmMetric::Groups { .. } => "connected groups",
+            SwarmMetric::Coverage { .. } => "covered share",
+        };
+        let figure = Figure {
+            name: check.name.clone(),
+            title: format!("{}: {}", check.name, check.message),
+            x_label: "simulated time, s".to_owned(),
+            y_label: label.to_owned(),
+            x_scale: Scale::Linear,
+            y_scale: Scale::Linear,
+            series: vec![Series { name: check.name.clone(), mark: Mark::Line, points }],
+        };
+        let name: String = check.name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let file = path.with_file_name(format!("{stem}-{name}.svg"));
+        std::fs::write(&file, plot::chart::to_svg(&figure)?).with_context(|| format!("`{}`", file.display()))?;
+    }
+    Ok(())
+}
+
+/// Pace and recorded interventions that the arguments ask for.
+///
+/// # Errors
+/// If the trace cannot be read.
+pub(super) fn script(args: &RunArgs) -> anyhow::Result<Script> {
+    let pace = match args.speed {
+        Speed::Max => None,
+        Speed::Factor(factor) => Some(Pace::new(factor)),
+    };
+    let actions = args.repeat.as_ref().map(|trace| Recorded::read(trace).context("--repeat")).transpose()?;
+    Ok(Script::new(actions.into_iter().flat_map(|recorded| recorded.interventions)).paced(pace))
+}
+
+/// Filter of the lines shown during the run.
+///
+/// # Errors
+/// If the scene has no such robot.
+pub(super) fn filter(args: &RunArgs, scene: &SceneSpec) -> anyhow::Result<Filter> {
+    let robot = args.robot.map(|robot| index_of(scene, robot).context("--robot")).transpose()?;
+    Ok(Filter {
+        is_verbose: args.verbose,
+        only: args.only.as_deref().map(Pattern::parse_list).unwrap_or_default(),
+        robots: robot.into_iter().map(RobotId::from_index).collect(),
+    })
+}
+
+/// Numbers of robots in each state.
+fn counts(run: &Run) -> Counts {
+    let mut counts = Counts::default();
+    for id in run.ids_with_program() {
+        let robot = run.robot(id);
+        if robot.ending.is_some() {
+            counts.ended += 1;
+        } else if robot.tasks.are_waiting() {
+            counts.waiting += 1;
+        } else {
+            counts.running += 1;
+        }
+    }
+    counts
+}
