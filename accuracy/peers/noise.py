@@ -38,7 +38,7 @@ def distances(path):
     true = 2.0 - 1.48
     readings = [event.get("distance_m") for event in events(path, 1, "distance")]
     values = np.array([value for value in readings if value is not None])
-    sigma = math.hypot(0.002, 0.02 * true)
+    sigma = math.hypot(0.001, 0.005 * true, 0.094 * true**2)
     middle = np.median(values)
     core = values[abs(values - middle) < 5 * sigma]
     # An outlier is anywhere in the range of 60 mm to 4 m of the scout's sensor, within the core by chance.

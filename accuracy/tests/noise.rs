@@ -8,7 +8,7 @@ use std::sync::Arc;
 use accuracy::statistics::{Moments, binomial, chi_squared, kolmogorov, normal_cdf, uncorrelated};
 use sim_core::RobotId;
 use sim_core::drive::{self, Command, DriveKind, Imperfection, Model};
-use sim_core::math::{hypot, sin};
+use sim_core::math::{hypot, ln, sin};
 use sim_core::noise::{
     AngleErrors, AngleNoise, Events, ImageErrors, ImageNoise, MotionNoise, Purpose, RangeErrors, RangeKind, RangeNoise,
     TwistNoise,
@@ -175,9 +175,11 @@ fn sensor(model: RangeNoise) -> RangeErrors {
 
 #[test]
 fn readings_are_normal_about_the_distance() {
-    for exact in [5.0, 50.0] {
-        let model = RangeNoise { sigma: 0.003, sigma_share: 0.001, bias: 0.01, ..RangeNoise::default() };
-        let sigma = hypot(model.sigma, model.sigma_share * exact);
+    for exact in [5.0_f64, 50.0] {
+        let model =
+            RangeNoise { sigma: 0.003, sigma_share: 0.001, sigma_square: 0.000_1, bias: 0.01, ..RangeNoise::default() };
+        let parts = [model.sigma, model.sigma_share * exact, model.sigma_square * exact * exact];
+        let sigma = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
         let mut sample = readings(&sensor(model), MILLION, exact);
         passes(&format!("at {exact} m"), normality(&mut sample, exact + 0.01, sigma));
     }
@@ -260,7 +262,8 @@ fn a_drift_moves_the_mean_alone() {
 
 #[test]
 fn every_kind_of_every_preset_reads_as_it_says() {
-    const EXACT: f64 = 5.0;
+    // Near enough that no reading is clamped, although the standard deviation may grow with the square of the distance.
+    const EXACT: f64 = 0.5;
     for preset in presets() {
         let profile = preset.profile();
         for kind in RangeKind::ALL {
@@ -277,8 +280,7 @@ fn every_kind_of_every_preset_reads_as_it_says() {
             // At the start of the run the drift has its full size. A model with `bias_sigma` alone shows the sensor's own bias.
             let made = sensor(RangeNoise { bias_sigma: model.bias_sigma, ..RangeNoise::default() });
             let offset = made.reading(0, Time::ZERO, WIDE, Some(0.5)).expect("a distance") - 0.5;
-            let (mean, sigma) =
-                (EXACT + model.bias + offset + model.drift, hypot(model.sigma, model.sigma_share * EXACT));
+            let (mean, sigma) = (EXACT + model.bias + offset + model.drift, model.sigma_at(EXACT));
             let sample = readings(&errors, MILLION, EXACT);
             let count = sample.len() as u64;
             passes(&format!("{what}: drop-outs"), binomial(MILLION - count, MILLION, model.dropout));
@@ -314,6 +316,60 @@ fn every_kind_of_every_preset_reads_as_it_says() {
             passes(&format!("{what}: distribution"), of_distribution);
         }
     }
+}
+
+/// Published bounds of the error of a single reading of a Sharp GP2Y0A21, at 3.09 standard deviations: distance and bound, m. Source:
+/// Malheiros, Gonçalves & Costa 2009.
+const SHARP: [(f64, f64); 2] = [(0.08, 0.0025), (0.8, 0.1854)];
+/// Distance, m, at which the manufacturer's bound of a SRF08, m, is compared.
+const SRF08: (f64, f64) = (3.0, 0.04);
+
+/// Share of normal errors beyond `bound`, in percent.
+fn percent_beyond(bound: f64, sigma: f64) -> f64 {
+    if sigma == 0.0 { 0.0 } else { 200.0 * normal_cdf(-bound / sigma) }
+}
+
+/// Log-likelihood that a reading with the standard deviation `published` loses on average under a model with `sigma`, in nats: the
+/// Kullback-Leibler divergence of two normal distributions with one mean.
+fn nats_lost(published: f64, sigma: f64) -> f64 {
+    ln(sigma / published) + 0.5 * (published / sigma).powi(2) - 0.5
+}
+
+#[test]
+fn the_table_of_published_figures_is_that_of_the_presets() {
+    let page = include_str!("../../docs/noise.md");
+    let bounds = |sigmas: [f64; 2]| {
+        let shares = [0, 1].map(|at| percent_beyond(SHARP[at].1, sigmas[at]));
+        format!("{:.1} mm, {:.1} mm | {:.1} %, {:.1} %", 1e3 * sigmas[0], 1e3 * sigmas[1], shares[0], shares[1])
+    };
+    let published = SHARP.map(|(_, bound)| bound / 3.09);
+    let mut lines = vec![format!("| published | {} | 0, 0 | few |", bounds(published))];
+    for preset in presets().skip(1) {
+        let profile = preset.profile();
+        let sigmas = SHARP.map(|(distance, _)| profile.range(RangeKind::Psd, "").sigma_at(distance));
+        let lost = [0, 1].map(|at| nats_lost(published[at], sigmas[at]));
+        let sonar = percent_beyond(SRF08.1, profile.range(RangeKind::Sonar, "").sigma_at(SRF08.0));
+        let bounds = bounds(sigmas);
+        lines.push(format!("| `{}` | {bounds} | {:.1}, {:.1} | {sonar:.1} % |", preset.name, lost[0], lost[1]));
+    }
+    println!("{}", lines.join("\n"));
+    for line in lines {
+        assert!(page.contains(&line), "docs/noise.md has no line `{line}`");
+    }
+}
+
+#[test]
+fn a_share_beyond_a_bound_and_a_lost_likelihood_are_those_of_a_sample() {
+    // A model of half the true standard deviation.
+    let (published, sigma) = (0.06, 0.03);
+    let sample = readings(&sensor(RangeNoise { sigma: published, ..RangeNoise::default() }), MILLION, 5.0);
+    let beyond = sample.iter().filter(|read| (*read - 5.0).abs() > 0.1).count() as u64;
+    passes("share", binomial(beyond, MILLION, percent_beyond(0.1, published) / 100.0));
+    let log_density = |z: f64, sigma: f64| -0.5 * (z / sigma).powi(2) - ln(sigma);
+    let lost = sample.iter().map(|read| log_density(read - 5.0, published) - log_density(read - 5.0, sigma));
+    let mean = lost.sum::<f64>() / MILLION as f64;
+    // Four standard errors of the mean: the terms have a variance of (0.5 (4 - 1))^2 * 2.
+    assert!((mean - nats_lost(published, sigma)).abs() < 4.0 * 2.13e-3, "{mean}");
 }
 
 #[test]

@@ -19,6 +19,7 @@ base = "mild"
 [psd]
 sigma_mm = 1.5
 sigma_percent = 0.7
+sigma_per_m = 0.05
 bias_mm = -3
 bias_sigma_mm = 4
 step_mm = 10
@@ -84,6 +85,7 @@ fn a_profile_reads_as_it_says() {
     let psd = RangeNoise {
         sigma: 0.0015,
         sigma_share: 0.7 / 100.0,
+        sigma_square: 0.05,
         bias: -0.003,
         bias_sigma: 0.004,
         step: 0.01,
@@ -283,7 +285,7 @@ proptest! {
         numbers in prop::collection::vec((0_usize..4, 0.0..1.0_f64, -12..0_i32), 1..6),
         name in "[A-Za-z0-9_ .\"]{1,12}",
     ) {
-        let keys = ["sigma_mm", "sigma_percent", "bias_sigma_mm", "dropout"];
+        let keys = ["sigma_mm", "sigma_percent", "sigma_per_m", "dropout"];
         let lines: BTreeMap<&str, f64> =
             numbers.iter().map(|(key, digits, power)| (keys[*key], digits * 10_f64.powi(*power))).collect();
         let lines: String = lines.iter().map(|(key, value)| format!("{key} = {value:?}\n")).collect();

@@ -1,6 +1,8 @@
 //! `camera`: pictures of a furnished room, compared with a reference that averages many samples over each pixel.
 
+use sim_core::RobotId;
 use sim_core::camera::{Camera, Lens, Light, PosedScenery, View};
+use sim_core::noise::{ImageErrors, ImageNoise};
 use sim_core::time::Time;
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
@@ -13,6 +15,12 @@ pub const STUDY: Study = Study { name: "camera", title: "Pictures of a room, aga
 /// Width and height, and samples along a pixel's side.
 const SETTINGS: [([u32; 2], u32); 6] =
     [([80, 60], 1), ([160, 120], 1), ([320, 240], 1), ([160, 120], 2), ([160, 120], 3), ([160, 120], 4)];
+/// Numbers of pictures with noise, and samples along a pixel's side in each.
+const WITH_NOISE: [(u64, u32); 5] = [(1, 1), (1, 4), (10, 4), (100, 1), (100, 4)];
+/// Noise of a pixel in the preset `real`, without the blur of its lens, which is no error of the picture's mean over a pixel.
+const NOISE: ImageNoise =
+    ImageNoise { blur: 0.0, sigma: 4.0, salt_and_pepper: 0.000_5, salt: 0.5, hundreds_and_thousands: 0.0 };
+const SEED: u64 = 264_000;
 /// Number of views of the room.
 const VIEWS: usize = 6;
 /// Samples along a pixel's side for the reference.
@@ -28,6 +36,9 @@ fn run(effort: Effort) -> Outcome {
         let settings = SETTINGS.map(|setting| row(&posed, shadows, setting, effort));
         rows.extend(settings);
         rows.push(brute_force(&posed, shadows));
+        if shadows {
+            rows.extend(WITH_NOISE.map(|(count, samples)| noisy(&posed, count, samples)));
+        }
     }
     rows.into()
 }
@@ -97,6 +108,45 @@ fn row(posed: &PosedScenery, shadows: bool, (size, samples): ([u32; 2], u32), ef
     }
 }
 
+/// Mean of `count` pictures with shadows and noise.
+fn noisy(posed: &PosedScenery, count: u64, samples: u32) -> Row {
+    let size @ [width, height] = [160, 120];
+    let views = views(size);
+    let mut camera = Camera::default();
+    let mut means: Vec<Vec<[f64; 3]>> = Vec::new();
+    let time_ns = nanoseconds(1, views.len(), || {
+        let mean = |(number, view)| {
+            let exact = camera.colour(posed, view, None, samples);
+            let errors = ImageErrors::new(NOISE, SEED + number as u64, RobotId(1), "CAMERA");
+            let mut mean = vec![[0.0; 3]; exact.pixels().len()];
+            for frame in 0..count {
+                let mut picture = exact.pixels().to_vec();
+                errors.expose(frame, width as usize, &mut picture);
+                for (mean, pixel) in mean.iter_mut().zip(&picture) {
+                    *mean = std::array::from_fn(|channel| mean[channel] + f64::from(pixel[channel]) / count as f64);
+                }
+            }
+            mean
+        };
+        means = views.iter().enumerate().map(mean).collect();
+    });
+    let error = error(&Reference::new(posed, None), &views, |view, [column, row]| {
+        let number = views.iter().position(|other| other == view).unwrap_or_default();
+        means[number][(row * width + column) as usize]
+    });
+    let samples = if samples == 1 { String::new() } else { format!(", {samples} x {samples} samples") };
+    let pictures = if count == 1 { String::new() } else { format!(", mean of {count}") };
+    Row {
+        study: STUDY.name,
+        method: "camera, with shadows and noise".to_owned(),
+        setting: format!("{width} x {height}{samples}{pictures}"),
+        error,
+        unit: "grey levels",
+        time_ns,
+        per: "picture",
+    }
+}
+
 /// Brute force: one ray per pixel and another for shadows, each tested against all faces.
 fn brute_force(posed: &PosedScenery, shadows: bool) -> Row {
     let size @ [width, height] = [160, 120];
@@ -144,8 +194,12 @@ mod tests {
     #[test]
     fn samples_bring_a_picture_nearer_to_the_truth() {
         let rows = run(Effort::Quick).rows;
-        assert_eq!(rows.len(), 14);
-        for rows in rows.chunks(7) {
+        assert_eq!(rows.len(), 14 + WITH_NOISE.len());
+        let noisy: Vec<f64> = rows[14..].iter().map(|row| row.error).collect();
+        // A normal error of 4 levels has a mean size of 3.2; the mean of a hundred pictures is nearly the picture without noise.
+        assert!(noisy[0] > 3.0 && noisy[1] > 3.0 && noisy[1] < 4.0, "{noisy:?}");
+        assert!((noisy[3] - rows[8].error).abs() < 0.2 && noisy[4] < 0.6 && noisy[4] < noisy[2], "{noisy:?}");
+        for rows in rows[..14].chunks(7) {
             let [of_one, of_four, brute_force] = [1, 5, 6].map(|place| rows[place].error);
             assert!(of_four < 0.5 * of_one, "{of_four} for {of_one}");
             assert!((of_one - brute_force).abs() < 0.5, "rounded to whole levels: {of_one}, {brute_force}");

@@ -4,11 +4,13 @@
 //! from the [`Outcome`]s.
 
 mod camera;
+mod camera_noise;
 mod contact;
 mod drive;
 mod erring;
 pub mod france;
 mod legs;
+mod maps;
 mod moving_target;
 mod noise;
 mod objects;
@@ -17,6 +19,7 @@ mod range_sensors;
 mod rays2d;
 mod rays3d;
 mod reflectance;
+mod shadow;
 mod slide;
 mod sonar;
 mod stopwatch;
@@ -112,4 +115,7 @@ pub const STUDIES: &[Study] = &[
     radio::STUDY,
     radio::LATENCY,
     camera::STUDY,
+    camera_noise::STUDY,
+    shadow::STUDY,
+    maps::STUDY,
 ];

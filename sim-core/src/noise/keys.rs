@@ -58,6 +58,12 @@ pub const RANGE: Keys<RangeNoise> = &[
         share("standard deviation"),
         |range| &mut range.sigma_share,
     ),
+    key(
+        "sigma_per_m",
+        "Coefficient k in 1/m of a standard deviation k d^2 of each reading, where d is the distance.",
+        Quantity::per_metre("coefficient of the standard deviation", 1000.0),
+        |range| &mut range.sigma_square,
+    ),
     key("bias_mm", "Error of all readings in mm.", offset("bias"), |range| &mut range.bias),
     key(
         "bias_sigma_mm",

@@ -12,9 +12,9 @@ use crate::time::Time;
 /// 1. with probability `dropout` the reading becomes no return;
 /// 2. otherwise, with probability `outlier`, the reading is uniform over the sensor's range, even if there was no
 ///    return;
-/// 3. otherwise a missing return stays missing, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with s^2 =
-///    `sigma`^2 + (`sigma_share` d)^2, G standard normal for each reading, and B normal with the standard deviation `bias_sigma`, drawn
-///    once for each sensor;
+/// 3. otherwise a missing return stays missing, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with s the
+///    [standard deviation](Self::sigma_at) at d, G standard normal for each reading, and B normal with the standard deviation `bias_sigma`,
+///    drawn once for each sensor;
 /// 4. a distance is rounded to a multiple of `step`, then clamped to the sensor's range.
 ///
 /// Source: additive Gaussian noise from Koestler & Bräunl, section 5; the rest is our choice.
@@ -24,6 +24,8 @@ pub struct RangeNoise {
     pub sigma: f64,
     /// Standard deviation of each reading as a fraction of the distance.
     pub sigma_share: f64,
+    /// Coefficient k of a standard deviation k d^2 of each reading, 1/m: that of a sensor whose signal goes with 1/d and has constant noise.
+    pub sigma_square: f64,
     /// Error of all readings of all sensors, m.
     pub bias: f64,
     /// Standard deviation of B, the constant error that differs between sensors, m.
@@ -48,6 +50,7 @@ impl Default for RangeNoise {
         Self {
             sigma: 0.0,
             sigma_share: 0.0,
+            sigma_square: 0.0,
             bias: 0.0,
             bias_sigma: 0.0,
             step: 0.0,
@@ -57,6 +60,13 @@ impl Default for RangeNoise {
             drift_time: 60.0,
             device: 0.0,
         }
+    }
+}
+
+impl RangeNoise {
+    /// Standard deviation s of a reading at a distance d, in metres: s^2 = `sigma`^2 + (`sigma_share` d)^2 + (`sigma_square` d^2)^2.
+    pub fn sigma_at(&self, distance: f64) -> f64 {
+        math::hypot(math::hypot(self.sigma, self.sigma_share * distance), self.sigma_square * distance * distance)
     }
 }
 
@@ -140,7 +150,7 @@ impl ScanErrors<'_> {
             low + (high - low) * position
         } else {
             let exact = exact?;
-            exact + *offset + math::hypot(model.sigma, model.sigma_share * exact) * normal
+            exact + *offset + model.sigma_at(exact) * normal
         };
         Some(stepped(distance, model.step).max(low).min(high))
     }
@@ -182,6 +192,15 @@ mod tests {
         let strays = readings(RangeNoise { outlier: 0.25, ..model }, None).flatten().count();
         assert!((2_300..2_700).contains(&strays), "{strays} of 10000 at a quarter");
         assert!(readings(RangeNoise { outlier: 1.0, ..model }, None).all(|reading| reading.is_some()));
+    }
+
+    #[test]
+    fn the_parts_of_a_standard_deviation_add_as_variances() {
+        let model = RangeNoise { sigma: 0.02, sigma_share: 0.06, sigma_square: 0.09, ..RangeNoise::default() };
+        // 0.02, 0.03 and 0.0225 at 0.5 m; 0.02, 0.12 and 0.36 at 2 m.
+        assert!((model.sigma_at(0.5) - 0.042_5).abs() < 1e-15, "{}", model.sigma_at(0.5));
+        assert!((model.sigma_at(2.0) - 0.38).abs() < 1e-15, "{}", model.sigma_at(2.0));
+        assert_eq!(RangeNoise { sigma_square: 0.0, ..model }.sigma_at(0.5), math::hypot(0.02, 0.03), "to the bit");
     }
 
     #[test]

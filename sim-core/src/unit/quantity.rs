@@ -106,6 +106,11 @@ impl Quantity {
         Self::new(name, Unit::PERCENT, low, high)
     }
 
+    /// A coefficient per metre, 0 or more.
+    pub const fn per_metre(name: &'static str, high: f64) -> Self {
+        Self::new(name, Unit::si("1/m"), 0.0, high)
+    }
+
     /// This quantity with other bounds, given in its own unit.
     pub const fn within(self, low: f64, high: f64) -> Self {
         Self { low, high, ..self }
