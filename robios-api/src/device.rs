@@ -145,6 +145,8 @@ pub enum Device {
     Tasks,
     /// A semaphore.
     Semaphore,
+    /// Layers of the simulator's window.
+    Layers,
     /// A numbered device of RoBIOS-7: its kind and its number.
     Numbered(&'static str, u8),
 }
@@ -177,6 +179,7 @@ impl Display for Device {
             Self::Radio => f.write_str("radio"),
             Self::Tasks => f.write_str("task"),
             Self::Semaphore => f.write_str("semaphore"),
+            Self::Layers => f.write_str("layers of the window"),
             Self::Numbered(kind, number) => write!(f, "{kind} {number}"),
         }
     }

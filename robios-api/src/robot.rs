@@ -11,6 +11,7 @@ use robios_sys::{ByteBuffer, Host, Robios6Table, Robios7Table, Status, SupportTa
 use crate::audio::Audio;
 use crate::call_site;
 use crate::console::Console;
+use crate::layer::Layers;
 use crate::lcd::Lcd;
 use crate::port::Ports;
 use crate::psd::PsdState;
@@ -195,6 +196,11 @@ impl Robot {
     /// The robot's own random numbers.
     pub fn random(&self) -> Random<'_> {
         Random::new(self)
+    }
+
+    /// Layers of the simulator's window, which real robots do not have.
+    pub fn layers(&self) -> Layers<'_> {
+        Layers(self)
     }
 
     /// Loudspeaker and microphone.

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use robios_api::fake::{End, Fake};
 use robios_api::prelude::*;
-use robios_api::{AnalogValue, Ink, Pixel, Remaining, Ticks, TimeOfDay, Timer};
+use robios_api::{AnalogValue, Ink, LayerFrame, LayerGrid, Pixel, Remaining, Ticks, TimeOfDay, Timer};
 
 /// Return type of a program that is a closure: fixes the type of its errors.
 const DONE: Result = Ok(());
@@ -26,6 +26,32 @@ fn errors_name_the_device_and_the_call() {
     assert_eq!(run.expect_failed(), "`120 %` is no power of a motor, accepted: -100 to 100 %");
     let run = Fake::new().run(|robot| robot.every(15.millis(), |_| ()).map(|_| ()));
     assert_eq!(run.expect_failed(), "`15ms` is no period of a timer, accepted: multiples of 10 ms from 10 ms on");
+}
+
+#[test]
+fn layers_are_refused_beyond_their_limits() {
+    fn map(columns: usize, cells: &[u8]) -> LayerGrid<'_> {
+        LayerGrid { corner: [Length::ZERO; 2], cell: 50.millimetres(), columns, cells }
+    }
+    let frame = LayerFrame::Odometry;
+    let run = Fake::new().run(|robot| {
+        let before = [robot.now(), robot.now()];
+        robot.layers().grid("map", frame, &map(2, &[0, 100, LayerGrid::UNKNOWN, LayerGrid::cell_of(0.5)]))?;
+        robot.layers().points("hits", LayerFrame::World, &[[1.0, 2.0, 3.0]])?;
+        robot.layers().line("way", frame, &[[0.0, 0.0], [1.0, 2.0]])?;
+        robot.layers().points::<[f64; 2]>("hits", frame, &[])?;
+        assert_eq!(robot.now() - before[1], before[1] - before[0], "only reading the clock takes time");
+        for grid in [map(0, &[0]), map(2, &[0; 3]), map(1, &[]), map(1, &[0; (1 << 20) + 1])] {
+            assert!(matches!(robot.layers().grid("map", frame, &grid), Err(Error::OutOfRange { .. })));
+        }
+        let many = vec![[0.0; 2]; (1 << 16) + 1];
+        assert!(matches!(robot.layers().line("way", frame, &many), Err(Error::OutOfRange { .. })));
+        assert!(matches!(robot.layers().line("", frame, &[[0.0; 2]]), Err(Error::Refused { .. })));
+        robot.layers().points("hits", frame, &[[0.0, f64::NAN]])
+    });
+    assert_eq!(run.expect_failed(), "`show_points` was refused for the layers of the window with 1");
+    assert_eq!(run.calls_of("show_line").count(), 2, "the API refuses the long one itself");
+    assert_eq!([-1.0, 0.004, 0.5, 2.0, f64::NAN].map(LayerGrid::cell_of), [0, 0, 50, 100, LayerGrid::UNKNOWN]);
 }
 
 #[test]

@@ -600,7 +600,7 @@ def _request(row, values):
             body.append(_struct.pack("<B", _int(value, -128, 255, name) & 0xFF))
         elif kind in "IrRF":
             body.append(_struct.pack("<I", value))
-        elif kind in "qQ":
+        elif kind in "qQd":
             body.append(_struct.pack("<" + kind, value))
         elif kind in "oOe":
             body.append(b"\1")
@@ -1144,6 +1144,48 @@ def _cdll(loader):
             return lib if own else super().__new__(cls)
 
     return CDLL
+
+
+# ---- layers of the window: eyesim.h of C ----
+
+EYESIM_WORLD, EYESIM_ODOMETRY, EYESIM_OCCUPIED, EYESIM_UNKNOWN = 0, 1, 100, 255
+
+
+def eyesim_show_grid(name, frame, x_m, y_m, cell_m, columns, rows, cells):
+    """Shows a grid as the layer of this name in the window: one byte a cell, row by row from the smallest y, 0 (free) to 100
+    (occupied) or EYESIM_UNKNOWN; or a list of rows. Its lower left corner is at x_m, y_m. Returns 0, 1 on failure."""
+    if isinstance(cells, (list, tuple)) and cells and hasattr(cells[0], "__len__"):
+        cells = [cell for row in cells for cell in row]
+    corner = [_real(value, "eyesim_show_grid") for value in (x_m, y_m, cell_m)]
+    data = _memory(cells, max(0, _whole(columns)) * max(0, _whole(rows)), "eyesim_show_grid")
+    return _call(_support_show_grid, name, frame, *corner, columns, rows, data)[-1]
+
+
+def eyesim_show_points(name, frame, points):
+    """Shows points as the layer of this name in the window: a list of (x, y) or (x, y, z) in metres. Returns 0, 1 on failure."""
+    return _call(_support_show_points, name, frame, *_coordinates(points, "eyesim_show_points"))[-1]
+
+
+def eyesim_show_line(name, frame, points):
+    """As eyesim_show_points, for a line through the points."""
+    return _call(_support_show_line, name, frame, *_coordinates(points, "eyesim_show_line"))[-1]
+
+
+def _real(value, name):
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: expected a number, got {value!r}") from None
+
+
+def _coordinates(points, name):
+    """Dimensions, number and coordinates of points."""
+    points = [tuple(point) for point in points]
+    dimensions = len(points[0]) if points else 2
+    if any(len(point) != dimensions for point in points):
+        raise ValueError(f"{name}: expected points of {dimensions} coordinates like the first one")
+    numbers = [_real(value, name) for point in points for value in point]
+    return dimensions, len(points), _struct.pack(f"<{len(numbers)}d", *numbers)
 
 
 lib = _Library()

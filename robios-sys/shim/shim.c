@@ -6,6 +6,7 @@
  *   libc.c     the interposed functions of the C library
  *   getopt.c   getopt, whose state all copies of a library would share
  *   pthread.c  threads, which are tasks of the robot
+ *   layer.c    layers of the window
  * Programs with parts in C++ (EYESIM_CPP) have cpp.cpp beside it.
  *
  * All functions are weak: a program's own function of the same name wins. None of them calls a function that libc.c
@@ -277,6 +278,7 @@ static struct eyesim_callback callback_of(TimerFnc function)
 #include "libc.c"
 #include "getopt.c"
 #include "pthread.c"
+#include "layer.c"
 
 /* Formats as printf does. Returns `local`, or a buffer to be freed if `local` is too short; NULL without a format or on failure. */
 static char *formatted(char *local, size_t room, const char *format, va_list arguments)

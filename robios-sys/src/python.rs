@@ -126,6 +126,7 @@ fn kind(kind: &str) -> &'static str {
         "u32" => "I",
         "u8" | "Char" | "Flag" => "B",
         "f32" => "f",
+        "f64" => "d",
         "i64" => "q",
         "u64" => "Q",
         "Text" => "t",

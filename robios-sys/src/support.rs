@@ -1,5 +1,5 @@
-//! Services of the host for the run time of a program's language, independent of the RoBIOS generation: console, random
-//! numbers, virtual time and the end of the program.
+//! Services of the host, independent of the RoBIOS generation: console, random numbers, virtual time and the end of the program for
+//! the run time of its language, and layers that the program shows in the window.
 
 use crate::param::{Bytes, Callback, OutBytes, Text};
 
@@ -65,6 +65,28 @@ pub mod wait {
     pub const END: i32 = 8;
     /// The end of all other tasks.
     pub const ENDS: i32 = 9;
+}
+
+/// Frames, cells and limits of [`Support::show_grid`], [`Support::show_points`] and [`Support::show_line`].
+pub mod layer {
+    /// Frame: that of the world.
+    pub const WORLD: i32 = 0;
+    /// Frame: that of the robot's odometry, where it was when the program set the odometry last, or else at the robot's start.
+    pub const ODOMETRY: i32 = 1;
+    /// Cell that is surely occupied; 0 is surely free. Source: `nav_msgs/OccupancyGrid` of ROS.
+    pub const OCCUPIED: u8 = 100;
+    /// Cell of which nothing is known.
+    pub const UNKNOWN: u8 = 255;
+    /// Maximum number of cells of a grid.
+    pub const MAX_CELLS: usize = 1 << 20;
+    /// Maximum number of points of a layer.
+    pub const MAX_POINTS: usize = 1 << 16;
+    /// Maximum length of a layer's name, in bytes.
+    pub const MAX_NAME: usize = 32;
+    /// Maximum number of layers of a robot.
+    pub const MAX_LAYERS: usize = 16;
+    /// Maximum distance of a point from the origin of its frame along each axis, m.
+    pub const MAX_COORDINATE: f64 = 1e6;
 }
 
 crate::table::function_table! {
@@ -154,5 +176,19 @@ crate::table::function_table! {
         /// Reports where the program has just read at the end of its standard input, if the call site is not in its own code, as with
         /// `std::cin`. `stack` is as for `failed`. No time passes. Returns 0.
         fn read_at_end(stack: Bytes) -> i32 = 0;
+
+        /// Shows a grid as the robot's layer of this name, in place of an earlier one: in the window, below the robots, and in a
+        /// recording. `frame` is one of `layer`. The grid's corner with the smallest coordinates is at (`x_m`, `y_m`), its cells are
+        /// squares of `cell_m`. `cells` has a byte for each, row by row from the smallest y, each row from the smallest x: 0 (free)
+        /// to 100 (occupied), or 255 (unknown). The simulation is not affected, and no time passes. Returns 0; 1, with a hint, if an
+        /// argument is beyond the limits of `layer` or no number.
+        fn show_grid(name: Text, frame: i32, x_m: f64, y_m: f64, cell_m: f64, columns: i32, rows: i32, cells: Bytes) -> i32 = 1;
+
+        /// As `show_grid`, for points: `coordinates` has `count` times `dimensions` numbers of type f64, in m: x and y, or x, y and z,
+        /// of each point. Without points the layer is empty.
+        fn show_points(name: Text, frame: i32, dimensions: i32, count: i32, coordinates: Bytes) -> i32 = 1;
+
+        /// As `show_points`, for a line through the points, such as a path, or a profile of the ground.
+        fn show_line(name: Text, frame: i32, dimensions: i32, count: i32, coordinates: Bytes) -> i32 = 1;
     }
 }

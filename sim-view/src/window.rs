@@ -17,7 +17,7 @@ pub use hub::{Commands, PendingCommand};
 pub use serve::Download;
 
 use crate::page::Page;
-use crate::protocol::{Build, Detail, Event, Scene, Snapshot};
+use crate::protocol::{Build, Detail, Event, Layer, Scene, Snapshot};
 use hub::Hub;
 use serve::Server;
 
@@ -143,6 +143,12 @@ impl Window {
     /// without a display keeps the display of the previous detail.
     pub fn show(&self, snapshot: Snapshot, details: Vec<Detail>) {
         self.hub.show(snapshot, details);
+    }
+
+    /// Shows layers of programs. A page receives those of the robot that it has selected; the last one of each name is kept for pages
+    /// that connect later.
+    pub fn show_layers(&self, layers: Vec<Layer>) {
+        self.hub.show_layers(layers);
     }
 
     /// Reports events; the last 20,000 of the run are kept for pages that connect later. Events of kind `call` go only to pages

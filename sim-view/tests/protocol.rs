@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use common::*;
 use serde_json::json;
-use sim_view::protocol::{Action, Build, Command, PROTOCOL, Seed};
+use sim_view::protocol::{Action, Build, Command, Layer, LayerContent, PROTOCOL, Pose, Seed};
 use sim_view::{Look, PendingCommand, Window};
 
 fn next(window: &Window) -> PendingCommand {
@@ -48,6 +48,42 @@ fn hello_is_answered_with_all_there_is_to_see() {
     assert_eq!(page.hear(), json!({ "type": "build", "state": "failed", "output": "no" }));
     drop(page);
     until("the page has gone", || !window.has_pages());
+}
+
+#[test]
+fn layers_go_to_pages_that_look_at_their_robot() {
+    let window = local();
+    window.show_scene(scene(1));
+    let layer = |robot, name: &str, t_s| Layer {
+        run: 1,
+        robot,
+        name: name.into(),
+        t_s,
+        frame: Pose { x_m: 1.0, y_m: 2.0, phi_rad: 0.5 },
+        content: LayerContent::Points { positions: String::new() },
+    };
+    window.show_layers(vec![layer(1, "map", 0.1), layer(1, "path", 0.2), layer(2, "map", 0.3)]);
+    window.show_layers(vec![layer(1, "map", 0.4)]);
+    let (mut page, _) = Client::hello(&window, None);
+    assert_eq!(page.hear()["type"], "scene");
+    page.say(&json!({ "type": "look", "robot": 1, "camera": false, "calls": false }));
+    let frame = json!({ "x_m": 1.0, "y_m": 2.0, "phi_rad": 0.5 });
+    let expected = |robot: u32, name: &str, t_s: f64| {
+        let content = json!({ "kind": "points", "positions": "" });
+        json!({ "type": "layer", "run": 1, "robot": robot, "name": name, "t_s": t_s, "frame": frame, "content": content })
+    };
+    assert_eq!(page.hear(), expected(1, "map", 0.4), "the last one of its name");
+    assert_eq!(page.hear(), expected(1, "path", 0.2));
+    window.show_layers(vec![layer(2, "map", 0.5), layer(1, "path", 0.6)]);
+    assert_eq!(page.hear(), expected(1, "path", 0.6));
+    page.say(&json!({ "type": "look", "robot": 2, "camera": false, "calls": false }));
+    assert_eq!(page.hear(), expected(2, "map", 0.5));
+    page.say(&json!({ "type": "look", "robot": 1, "camera": false, "calls": false }));
+    assert_eq!([page.hear(), page.hear()], [expected(1, "map", 0.4), expected(1, "path", 0.6)], "again");
+    window.show_scene(scene(2));
+    assert_eq!(page.hear()["type"], "scene");
+    window.build(Build::Done);
+    assert_eq!(page.hear()["type"], "build", "another run has no layers yet");
 }
 
 #[test]

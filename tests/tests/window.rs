@@ -7,7 +7,8 @@ use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use sim_view::protocol::{
-    Action, Build, Command, Message, PROTOCOL, Recording, Request, RunState, Scene, Seed, Snapshot, Standing, Welcome,
+    Action, Build, Command, Layer, LayerContent, Message, PROTOCOL, Recording, Request, RunState, Scene, Seed,
+    Snapshot, Standing, Welcome,
 };
 use tests::{Scratch, number, write_scene};
 use tungstenite::WebSocket;
@@ -24,6 +25,11 @@ const ROVER: &str = "#include \"eyebot.h\"\nint main(void) {\n  VWHandle vw = VW
 /// Waits for a key.
 const WAITER: &str = "#include \"eyebot.h\"\nint main(void) {\n  LCDMenu(\"GO\", \"\", \"\", \"END\");\n  KEYWait(KEY1);\n  \
                       LCDPrintf(\"pressed\\n\");\n  return 0;\n}\n";
+
+/// Rests, and shows a map of two cells ten times a second.
+const MAPPER: &str = "#include \"eyebot.h\"\n#include \"eyesim.h\"\nint main(void) {\n  unsigned char cells[2] = {0, EYESIM_UNKNOWN};\n  \
+                      for (;;) {\n    cells[0] = (cells[0] + 1) % 100;\n    eyesim_show_grid(\"map\", EYESIM_ODOMETRY, 0.5, 0, 0.1, 2, 1, \
+                      cells);\n    OSWait(10);\n  }\n}\n";
 
 /// A process that serves pages until it is dropped.
 struct Served {
@@ -89,6 +95,7 @@ struct Page {
     snapshot: Option<Snapshot>,
     events: Vec<sim_view::protocol::Event>,
     lcd_text: Vec<String>,
+    layers: Vec<Layer>,
     builds: Vec<Build>,
 }
 
@@ -115,6 +122,7 @@ impl Page {
             snapshot: None,
             events: Vec::new(),
             lcd_text: Vec::new(),
+            layers: Vec::new(),
             builds: Vec::new(),
         };
         page.send(&Request::Hello { protocol: PROTOCOL, token: token.map(str::to_owned) });
@@ -140,6 +148,7 @@ impl Page {
             Message::Scene(scene) => self.scene = Some(*scene),
             Message::Snapshot(snapshot) => self.snapshot = Some(snapshot),
             Message::Detail(detail) => self.lcd_text = detail.lcd_text,
+            Message::Layer(layer) => self.layers.push(layer),
             Message::Events(mut events) => self.events.append(&mut events.events),
             Message::Build(build) => self.builds.push(build),
             Message::Answer(answer) => return Some(answer),
@@ -438,6 +447,30 @@ fn a_page_that_comes_late_gets_the_trails() {
     assert_eq!(trails["trails"].as_array().map(Vec::len), Some(robots));
     assert!(line.len() > 1 && line[0] != line[line.len() - 1], "{trails}");
     assert!(line.iter().all(|point| point.as_array().is_some_and(|point| point.len() == 2)), "{trails}");
+}
+
+#[test]
+fn a_page_that_comes_late_gets_the_last_layer() {
+    let scratch = scene_of(&[("mapper.c", MAPPER)]);
+    let served = Served::start(&scratch, &["view", "scene.sim"]);
+    let look = |page: &mut Page| page.send(&Request::Look { robot: Some(1), camera: false, calls: false });
+    let mut page = served.page();
+    look(&mut page);
+    page.until("a map that changes", |page| page.layers.len() > 2);
+    assert!(page.layers.windows(2).all(|two| two[0].t_s < two[1].t_s && two[0].content != two[1].content));
+    assert_eq!(page.ask(Command::Pause {}), None);
+    page.until("the pause", |page| page.state() == Some(&RunState::Paused));
+    page.until("the last map", |page| page.layers.last().is_some_and(|layer| layer.t_s > page.t_s() - 0.15));
+    let last = page.layers.last().expect("a map");
+    let LayerContent::Grid { corner_m, cell_m, columns, rows, .. } = last.content else { panic!("{last:?}") };
+    assert_eq!((last.name.as_str(), corner_m, cell_m, columns, rows), ("map", [0.5, 0.0], 0.1, 2, 1));
+    let start = page.snapshot.as_ref().expect("a snapshot").robots[0].motion[0].from;
+    let off = [last.frame.x_m - start.x_m, last.frame.y_m - start.y_m, last.frame.phi_rad - start.phi_rad];
+    assert!(off.iter().all(|off| off.abs() < 0.1), "{last:?} of a robot that rests at {start:?}");
+    let mut late = served.page();
+    look(&mut late);
+    late.until("a map", |page| !page.layers.is_empty());
+    assert_eq!(late.layers[0], *last);
 }
 
 #[test]

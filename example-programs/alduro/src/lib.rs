@@ -4,7 +4,8 @@
 //!
 //! Arguments `X Y` and, if wanted, the equations that correct its steps, `both`, `eq4`, `eq5` or `none`: the goal in the world, in metres. The operator on board sees the goal and gives its direction, to whole
 //! degrees, and its distance; both come from the true pose, since odometry is lost after tens of metres. All other parts of
-//! the program, such as the map, use only odometry, sonars and the encoders of the legs.
+//! the program, such as the map, use only odometry, sonars and the encoders of the legs. The window shows the heights of the map's cells
+//! about which the sonars have said something.
 
 mod body;
 #[cfg(test)]
@@ -14,10 +15,11 @@ mod perception;
 mod planner;
 
 use body::{Pose, SONARS};
-use mapping::local_map::LocalMap;
+use mapping::local_map::{LocalMap, Patch};
 use mapping::math;
 use nalgebra::{Rotation3, Vector3};
-use planner::{Corrections, LegState, Planner, Reading};
+use planner::{Corrections, HEIGHT_SIGMA, LegState, Planner, Reading};
+use robios_api::LayerFrame;
 use robios_api::robios7::prelude::*;
 use robios_api::robios7::{Leg, LegLink, Legs, Psd, TruePose};
 
@@ -32,6 +34,8 @@ const SURVEY_SPEED: Speed = Speed::millimetres_per_second(500.0);
 const ARRIVED: f64 = 0.5;
 /// Length of a shank from knee to tip, m; as in the robi.
 const SHANK: f64 = 1.1;
+/// Share of the prior deviation of a cell's height below which the window shows the cell.
+const KNOWN: f64 = 0.9;
 /// Period of printing the map, in cycles.
 const TOLD: u32 = 20;
 
@@ -103,6 +107,7 @@ fn walk(
         }
         let (vx, vy) = (orders.velocity.x.metres_per_second(), orders.velocity.y.metres_per_second());
         legs.set_speed(vx, vy, orders.turn.radians_per_second())?;
+        show(robot, planner.map())?;
         if cycle % TOLD == 0 {
             tell(robot, &pose, planner.map());
         }
@@ -141,6 +146,13 @@ fn state(legs: &Legs, leg: Leg) -> Result<LegState> {
         * Vector3::new(0.0, 0.0, -SHANK);
     let knee = Vector3::new(x, y, z);
     Ok(LegState { shank: knee + down / 2.0, tip: knee + down, is_in_the_air: !legs.is_on_ground(leg)? })
+}
+
+/// Shows the heights of the map in the window.
+fn show(robot: &Robot, map: &LocalMap) -> Result {
+    let is_known = |patch: &Patch| patch.sigma < KNOWN * HEIGHT_SIGMA;
+    let points: Vec<[f64; 3]> = map.patches().filter(is_known).map(|patch| [patch.x, patch.y, patch.z]).collect();
+    robot.layers().points("heights", LayerFrame::Odometry, &points)
 }
 
 /// Prints the map: a line `map X Y HEADING LOW_X LOW_Y CELL COLUMNS` (estimated pose of the robot and centre of the cell with the

@@ -18,6 +18,8 @@ use crate::perception::{self, Heights};
 
 /// Side of a cell of the local map, m.
 const CELL: f64 = 0.5;
+/// Standard deviation of the height of a cell of which nothing is known, m.
+pub const HEIGHT_SIGMA: f64 = 2.0;
 /// Half the side of the local map, m: more than twice the range of the sonars, else the robot would forget why it turned back.
 const MAP_HALF_WIDTH: f64 = 14.0;
 /// Ramps of the fuzzy sets `low` (a step overcomes the obstacle) and `high` (no step does): membership rises from 0 at the first height to
@@ -136,7 +138,7 @@ impl Planner {
         let settings = Settings {
             order: Order::Zero,
             fusion: Fusion::Cells { above: 0.3 },
-            height_sigma: 2.0,
+            height_sigma: HEIGHT_SIGMA,
             reading_sigma: 0.3,
             floor: 0.0,
             forgetting: 0.98,

@@ -2,12 +2,12 @@
 //!
 //! Each robot drives along the lane of its number, counted from the lowest, and senses the walls at both sides of every cell. It sends
 //! its findings to every other robot until they are acknowledged (stop-and-wait). A garbled message is recognised by its checksum and
-//! counts as lost. In the end all robots have the same map.
+//! counts as lost. In the end all robots have the same map, which the window shows as it grows.
 
 mod link;
 
-use robios_api::RobotNumber;
 use robios_api::prelude::*;
+use robios_api::{LayerFrame, LayerGrid, RobotNumber};
 
 use link::{Link, Walls};
 
@@ -38,6 +38,7 @@ fn main(robot: &Robot) -> Result {
         let walls = Walls { left: is_near(&left), right: is_near(&right) };
         map[usize::from(lane)][usize::from(column)] = Some(walls);
         link.tell_all(lane, column, walls);
+        show(robot, lane, &map)?;
         if column + 1 < COLUMNS {
             drive.straight(CELL, 0.2.metres_per_second())?;
             while !drive.is_done() {
@@ -47,6 +48,7 @@ fn main(robot: &Robot) -> Result {
     }
     while link.is_telling() || map.as_flattened().contains(&None) {
         link.serve(robot, 50.millis(), &mut map)?;
+        show(robot, lane, &map)?;
     }
     for (lane, cells) in map.iter().enumerate() {
         writeln!(robot.console(), "lane {lane} {}", shown(cells));
@@ -55,6 +57,28 @@ fn main(robot: &Robot) -> Result {
     link.serve_until_silent(robot, 3.seconds(), &mut map)?;
     writeln!(robot.console(), "{} repeats, {} garbled", link.repeats(), link.garbled());
     Ok(())
+}
+
+/// Shows the map in the window, in the frame of odometry, whose origin is the middle of the first cell of the robot's own lane. Each cell
+/// of the maze is a square of smaller ones, of which the outer ones at its sides show the walls.
+fn show(robot: &Robot, own_lane: u8, map: &Map) -> Result {
+    const SQUARE: usize = 9;
+    let row = |row: usize| {
+        let (cells, at) = (&map[row / SQUARE], row % SQUARE);
+        cells.iter().flat_map(move |cell| [shade(*cell, at == 0, at == SQUARE - 1); SQUARE])
+    };
+    let cells: Vec<u8> = (0..SQUARE * usize::from(LANES)).flat_map(row).collect();
+    let corner = [CELL * -0.5, CELL * (-0.5 - f64::from(own_lane))];
+    let grid = LayerGrid { corner, cell: CELL / SQUARE as f64, columns: SQUARE * usize::from(COLUMNS), cells: &cells };
+    robot.layers().grid("map", LayerFrame::Odometry, &grid)
+}
+
+/// A small cell of the grid in the window, at the right or the left side of a cell of the maze.
+fn shade(cell: Option<Walls>, is_right: bool, is_left: bool) -> u8 {
+    match cell {
+        None => LayerGrid::UNKNOWN,
+        Some(walls) => 100 * u8::from(walls.right && is_right || walls.left && is_left),
+    }
 }
 
 /// A lane as text: `=` walls at both sides, `'` at the left, `.` at the right, `-` none.

@@ -8,7 +8,7 @@
 //! x ahead, y to the left. Default: 4 m around, cells of 50 mm.
 //!
 //! It prints `look` with each [`Look`], `stop` for each place, and at the end the map as `row`s, the upper one first: `#` occupied,
-//! `.` free, `?` unknown. The display shows the map.
+//! `.` free, `?` unknown. The display shows the map, the window also its probabilities and the path to the next stop.
 
 mod plan;
 
@@ -18,7 +18,7 @@ use mapping::grid::{Cell, Frame};
 use mapping::pose::{Point, Pose};
 use mapping::score::Occupancy;
 use mapping::sector::{Fan, Look, Raster, Reading, SectorMap};
-use robios_api::{Drive, Psd, prelude::*};
+use robios_api::{Drive, LayerFrame, LayerGrid, Psd, prelude::*};
 
 use plan::Plan;
 
@@ -65,7 +65,10 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
         been.push(here);
         writeln!(robot.console(), "stop {} {:?} {:?}", been.len(), here.x, here.y);
         mapper.show();
+        mapper.show_layer()?;
         let Some(path) = Plan::new(mapper.map.probabilities(), &mapper.bumps).next(here, &been) else { break };
+        let way: Vec<[f64; 2]> = path.iter().map(|point| [point.x, point.y]).collect();
+        robot.layers().line("path", LayerFrame::Odometry, &way)?;
         mapper.follow(&path)?;
     }
     mapper.print();
@@ -172,6 +175,21 @@ impl Mapper<'_> {
             let text: String = (0..frame.columns()).map(|column| self.said(Cell { column, row })).collect();
             writeln!(self.robot.console(), "row {text}");
         }
+    }
+
+    /// Shows the map in the window; the prior of a cell, one half, as unknown.
+    fn show_layer(&self) -> Result {
+        let probabilities = self.map.probabilities();
+        let frame = probabilities.frame();
+        let cell = |probability: &f64| match *probability {
+            0.5 => LayerGrid::UNKNOWN,
+            probability => LayerGrid::cell_of(probability),
+        };
+        let cells: Vec<u8> = probabilities.values().iter().map(cell).collect();
+        let corner = [frame.origin().x, frame.origin().y].map(Length::metres);
+        let cell = Length::metres(frame.cell_size());
+        let grid = LayerGrid { corner, cell, columns: frame.columns(), cells: &cells };
+        self.robot.layers().grid("map", LayerFrame::Odometry, &grid)
     }
 
     /// Shows the map on the display, scaled to fit: occupied cells black, unknown ones as a checkerboard.

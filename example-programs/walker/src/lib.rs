@@ -6,7 +6,7 @@
 //! the link. A reading of the sensor's maximum distance adds nothing.
 //!
 //! It prints a line for each reading: `time_ms distance_mm x_mm z_mm`, with `-` for a distance without a point; x counts from
-//! the start, z from the floor. Source: France et al. 1999, section 6.2.
+//! the start, z from the floor. The window shows the profile as a line. Source: France et al. 1999, section 6.2.
 //!
 //! `walker scan SPEED WAY SENSOR...` walks WAY mm without looking and reads any number of sensors on the way. A SENSOR is
 //! `ID:LINK:X:Z:PITCH`: number of the device; `body` or a link such as `LEFT.shank`; place on it in mm; elevation in degrees. Each reading is
@@ -14,7 +14,7 @@
 
 use robios_api::robios7::Psd;
 use robios_api::robios7::prelude::*;
-use robios_api::{Leg, LegLink, Legs, LinkPose};
+use robios_api::{LayerFrame, Leg, LegLink, Legs, LinkPose};
 
 robios_api::program!(main);
 
@@ -28,6 +28,8 @@ const STOP: Length = Length::millimetres(650.0);
 const WAY: Length = Length::metres(4.0);
 /// Number of readings without progress after which the robot counts as stuck.
 const STUCK: u32 = 40;
+/// Number of points of the profile after which the window shows it again.
+const SHOWN: usize = 5;
 /// The leg that bears the sensors.
 const LEG: Leg = Leg(2);
 
@@ -184,6 +186,7 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     let psd = robot.psd(sensor.at)?;
     legs.set_speed(Speed::millimetres_per_second(speed), Speed::ZERO, TurnRate::ZERO)?;
     let mut nearest = WAY + STOP;
+    let mut profile = Vec::new();
     let ticker = robot.ticker(PERIOD);
     let mut x = Length::ZERO;
     let mut stuck = 0;
@@ -203,6 +206,10 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
         }
         let [x_mm, z_mm] = [point_x, point_z].map(Length::as_millimetres);
         writeln!(robot.console(), "{time_ms} {distance_mm} {x_mm:.1} {z_mm:.1}");
+        profile.push([point_x.as_metres(), 0.0, point_z.as_metres()]);
+        if profile.len() % SHOWN == 0 {
+            robot.layers().line("profile", LayerFrame::Odometry, &profile)?;
+        }
     }
     legs.stop()?;
     if stuck == STUCK {

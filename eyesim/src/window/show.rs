@@ -19,6 +19,7 @@ use sim_view::window::{Look, Window};
 
 use super::detail::Details;
 use super::feed::Feed;
+use super::layer::ShownLayers;
 use super::scene::{ObjectInput, RobotInput, SceneInput};
 use super::snapshot;
 
@@ -39,6 +40,7 @@ pub struct Show {
     /// Robots of which pages request details.
     looks: Vec<Look>,
     details: Details,
+    layers: ShownLayers,
 }
 
 /// The robots and the movable objects that are in the world.
@@ -102,7 +104,8 @@ impl Show {
     pub fn new(parts: ShowParts) -> Self {
         let ShowParts { window, run, seed, slot, spec, scenery, feed, tally } = parts;
         let (bodies, body_poses, looks, details) = (None, BodyPoses::default(), Vec::new(), Details::default());
-        Self { window, run, seed, slot, spec, scenery, feed, tally, bodies, body_poses, looks, details }
+        let layers = ShownLayers::default();
+        Self { window, run, seed, slot, spec, scenery, feed, tally, bodies, body_poses, looks, details, layers }
     }
 
     /// Shows the run; if no page is connected, only events are kept, for later pages.
@@ -118,6 +121,7 @@ impl Show {
         self.set_scene(run, world);
         self.window.tell(events);
         let Some((BodySet { robots, objects }, _)) = self.bodies.clone() else { return };
+        let is_at_rest = state != RunState::Running;
         let chosen = self.looks.iter().map(|look| RobotId(look.robot)).filter(|id| robots.contains(id));
         let chosen: Vec<RobotId> = chosen.collect();
         let others = robots.iter().copied().filter(|id| !chosen.contains(id));
@@ -135,6 +139,7 @@ impl Show {
         let details = self.looks.clone().into_iter().filter(|look| chosen.contains(&RobotId(look.robot)));
         let details = details.map(|look| self.detail(run, world, look, ends)).collect();
         self.window.show(snapshot, details);
+        self.window.show_layers(self.layers.changed(run, chosen.into_iter(), self.run, is_at_rest));
     }
 
     /// The checks of the scene, by their final `results` once there are any.

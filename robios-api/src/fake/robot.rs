@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use robios_sys::robios6::PSDHandle;
+use robios_sys::support::layer::MAX_NAME;
 use robios_sys::{CallContext, CallRecord, Callback, OutBytes, Stop, Support};
 
 use super::lcd::LcdBuffer;
@@ -400,6 +401,45 @@ impl Support for FakeRobot {
         Ok(7)
     }
 
+    fn show_grid(
+        &self,
+        name: Option<&[u8]>,
+        _: i32,
+        x_m: f64,
+        y_m: f64,
+        cell_m: f64,
+        _: i32,
+        _: i32,
+        _: Option<&[u8]>,
+    ) -> Result<i32, Stop> {
+        let is_shown = is_layer_name(name) && cell_m > 0.0 && [x_m, y_m, cell_m].into_iter().all(f64::is_finite);
+        Ok(i32::from(!is_shown))
+    }
+
+    fn show_points(
+        &self,
+        name: Option<&[u8]>,
+        _: i32,
+        _: i32,
+        _: i32,
+        coordinates: Option<&[u8]>,
+    ) -> Result<i32, Stop> {
+        let (numbers, _) = coordinates.unwrap_or_default().as_chunks();
+        let is_shown = is_layer_name(name) && numbers.iter().all(|number| f64::from_le_bytes(*number).is_finite());
+        Ok(i32::from(!is_shown))
+    }
+
+    fn show_line(
+        &self,
+        name: Option<&[u8]>,
+        frame: i32,
+        dimensions: i32,
+        count: i32,
+        coordinates: Option<&[u8]>,
+    ) -> Result<i32, Stop> {
+        self.show_points(name, frame, dimensions, count, coordinates)
+    }
+
     fn input(&self, bytes: &mut OutBytes) -> Result<i32, Stop> {
         self.act(|state| {
             let rest = &self.fake.input.as_bytes()[state.input_read..];
@@ -409,4 +449,9 @@ impl Support for FakeRobot {
             count as i32
         })
     }
+}
+
+/// Returns true for the name of a layer.
+fn is_layer_name(name: Option<&[u8]>) -> bool {
+    name.is_some_and(|name| (1..=MAX_NAME).contains(&name.len()))
 }

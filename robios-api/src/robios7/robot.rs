@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::time::Duration;
 
 use super::{Audio, Drive, Images, Lcd, Ports, Simulation, TvRemote};
-use crate::{Console, Random, Ticker};
+use crate::{Console, Layers, Random, Ticker};
 
 /// The robot, from which all devices and services are obtained.
 ///
@@ -65,6 +65,11 @@ impl Robot {
     /// The receiver of a TV remote control.
     pub fn tv_remote(&self) -> TvRemote<'_> {
         TvRemote(self)
+    }
+
+    /// Layers of the simulator's window, which real robots do not have.
+    pub fn layers(&self) -> Layers<'_> {
+        self.0.layers()
     }
 
     /// Ground truth, which a real robot does not know.

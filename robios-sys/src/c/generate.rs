@@ -77,6 +77,7 @@ impl CType {
             "i64" => ("long", "int64_t"),
             "u64" => ("unsigned long", "uint64_t"),
             "f32" => ("float", "float"),
+            "f64" => ("double", "double"),
             "u8" | "Byte" => ("BYTE", "uint8_t"),
             "Char" => ("char", "uint8_t"),
             "Flag" => ("bool", "uint8_t"),

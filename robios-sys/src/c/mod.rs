@@ -37,6 +37,7 @@ pub const HEADERS6: &[SourceFile] = files![
     "include/robios6" / "variants.h",
     "include/both" / "eyesim-c-library.h",
     "include/both" / "eyesim-truth.h",
+    "include/both" / "eyesim.h",
     "include/both" / "librobi/librobi.h",
 ];
 
@@ -49,6 +50,7 @@ pub const HEADERS7: &[SourceFile] = files![
     "include/robios7" / "X11/Xlib.h",
     "include/both" / "eyesim-c-library.h",
     "include/both" / "eyesim-truth.h",
+    "include/both" / "eyesim.h",
     "include/both" / "librobi/librobi.h",
 ];
 
@@ -83,6 +85,7 @@ pub const SHIM: &[SourceFile] = files![
     "shim" / "robios6_own.c",
     "shim" / "robios7_own.c",
     "shim" / "libc.c",
+    "shim" / "layer.c",
     "shim" / "getopt.c",
     "shim" / "pthread.c",
 ];

@@ -2,12 +2,14 @@
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use parking_lot::Mutex;
 use sim_core::RobotId;
 use sim_core::pose::Pose3;
 use sim_core::time::Time;
 
+use super::layer::Layer;
 use super::png;
 use super::report::write_atomically;
 use super::sink::{RecordError, Sink};
@@ -108,6 +110,8 @@ pub enum StoredCapture {
     Frame(StoredFrame),
     /// A scan.
     Scan(StoredScan),
+    /// The robot's layer of this name.
+    Layer(String, Arc<Layer>),
 }
 
 /// Destination of all images and scans that programs take. Images are written to the folder as they are taken. For a
@@ -184,6 +188,17 @@ impl Frames {
         if let Some(captures) = &self.captures {
             captures.lock().push((now, robot, StoredCapture::Scan(scan())));
         }
+    }
+
+    /// Stores a layer that `robot` shows, in place of an earlier one of this slot.
+    pub fn store_layer(&self, robot: RobotId, name: &str, layer: Arc<Layer>) {
+        let Some(captures) = &self.captures else { return };
+        let mut captures = captures.lock();
+        let is_earlier = |(_, shown_by, capture): &(Time, RobotId, StoredCapture)| {
+            *shown_by == robot && matches!(capture, StoredCapture::Layer(of, _) if of == name)
+        };
+        captures.retain(|capture| !is_earlier(capture));
+        captures.push((layer.at, robot, StoredCapture::Layer(name.to_owned(), layer)));
     }
 
     /// Writes and stores an image that `robot` takes. After an image that could not be written (see [`FrameFailures`]),

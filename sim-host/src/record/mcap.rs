@@ -27,6 +27,7 @@ use sim_view::protocol::{Link, Point, Scene};
 
 use super::file::{Proof, RecordFile};
 use super::frame::{Frames, StoredCapture, StoredFrame, StoredScan};
+use super::layer::{Layer, Shape};
 use super::sink::{RecordError, Sink};
 use schema::Content;
 
@@ -56,7 +57,7 @@ pub struct Mcap {
     writer: Option<Writer<Box<dyn Out>>>,
     path: PathBuf,
     /// Channels by robot and topic.
-    channels: BTreeMap<(RobotId, &'static str), u16>,
+    channels: BTreeMap<RobotId, BTreeMap<String, u16>>,
     sequence: u32,
     scene: Scene,
     frames: Arc<Frames>,
@@ -151,11 +152,11 @@ impl Mcap {
         &mut self,
         content: Content,
         robot: RobotId,
-        topic: &'static str,
+        topic: &str,
         at: Time,
         message: &impl serde::Serialize,
     ) -> Result<(), RecordError> {
-        let channel_id = match self.channels.get(&(robot, topic)) {
+        let channel_id = match self.channels.get(&robot).and_then(|of_robot| of_robot.get(topic)) {
             Some(channel) => *channel,
             None => self.add_channel(content, robot, topic)?,
         };
@@ -172,7 +173,7 @@ impl Mcap {
         self.with(|writer| writer.write_to_known_channel(&header, &data))
     }
 
-    fn add_channel(&mut self, content: Content, robot: RobotId, topic: &'static str) -> Result<u16, RecordError> {
+    fn add_channel(&mut self, content: Content, robot: RobotId, topic: &str) -> Result<u16, RecordError> {
         let (encoding, schema, messages) = if content.is_foxglove() {
             ("protobuf", proto::descriptors(), "protobuf")
         } else {
@@ -183,7 +184,7 @@ impl Mcap {
             let schema = writer.add_schema(content.name(), encoding, &schema)?;
             writer.add_channel(schema, &name, messages, &BTreeMap::new())
         })?;
-        self.channels.insert((robot, topic), channel);
+        self.channels.entry(robot).or_default().insert(topic.to_owned(), channel);
         Ok(channel)
     }
 
@@ -335,6 +336,42 @@ impl Mcap {
         });
         self.write(Content::Image, robot, topic, at, &message)
     }
+
+    fn write_layer(&mut self, at: Time, robot: RobotId, name: &str, layer: &Layer) -> Result<(), RecordError> {
+        const UINT8: u8 = 1;
+        const FLOAT64: u8 = 8;
+        let frame = &layer.world_from_frame;
+        let field = |name: &str, offset: usize, kind: u8| json!({ "name": name, "offset": offset, "type": kind });
+        match &layer.shape {
+            Shape::Grid(grid) => {
+                let corner = frame.compose(&Pose::new(grid.corner[0], grid.corner[1], 0.0));
+                let message = json!({
+                    "timestamp": timestamp(at),
+                    "frame_id": scene::WORLD,
+                    "pose": scene::pose(&scene::of_pose(&corner)),
+                    "column_count": grid.columns,
+                    "cell_size": { "x": grid.cell, "y": grid.cell },
+                    "row_stride": grid.columns,
+                    "cell_stride": 1,
+                    "fields": [field("occupied", 0, UINT8)],
+                    "data": STANDARD.encode(&grid.cells),
+                });
+                self.write(Content::Grid, robot, &format!("/grid/{name}"), at, &message)
+            }
+            Shape::Points(points) | Shape::Line(points) => {
+                let bytes: Vec<u8> = points.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
+                let message = json!({
+                    "timestamp": timestamp(at),
+                    "frame_id": scene::WORLD,
+                    "pose": scene::pose(&scene::of_pose(frame)),
+                    "point_stride": size_of::<[f64; 3]>(),
+                    "fields": [field("x", 0, FLOAT64), field("y", 8, FLOAT64), field("z", 16, FLOAT64)],
+                    "data": STANDARD.encode(bytes),
+                });
+                self.write(Content::Points, robot, &format!("/points/{name}"), at, &message)
+            }
+        }
+    }
 }
 
 /// The system's error, if there is one.
@@ -399,6 +436,7 @@ impl Sink for Mcap {
             match kept {
                 StoredCapture::Scan(scan) => self.write_scan(at, robot, &scan)?,
                 StoredCapture::Frame(frame) => self.write_frame(at, robot, &frame)?,
+                StoredCapture::Layer(name, layer) => self.write_layer(at, robot, &name, &layer)?,
             }
         }
         if self.has_news { self.flush() } else { Ok(()) }
@@ -426,6 +464,7 @@ mod tests {
     use super::*;
     use crate::record::Sinks;
     use crate::record::frame::{Frame, Pixels};
+    use crate::record::layer::Grid;
     use sim_core::record::{ActionText, Journal, Recorder};
 
     const SLOT: Time = Time::from_millis(50);
@@ -508,6 +547,12 @@ mod tests {
         frames.write(RobotId(1), &Frame { number: 1, exposed: Time(2_000), size: [1, 1], pixels });
         let pixels = Pixels::Depth(&[f32::INFINITY]);
         frames.write(RobotId(1), &Frame { number: 1, exposed: Time(2_000), size: [1, 1], pixels });
+        let layer = |at, shape| Arc::new(Layer { at: Time(at), world_from_frame: Pose::new(1.0, 2.0, 0.0), shape });
+        let points = || Shape::Points(vec![[1.0, 2.0, 3.0]]);
+        let grid = Grid { corner: [0.5, 0.25], cell: 0.1, columns: 2, rows: 1, cells: vec![100, 255] };
+        frames.store_layer(RobotId(1), "map", layer(1_000, points()));
+        frames.store_layer(RobotId(1), "map", layer(2_050, Shape::Grid(grid)));
+        frames.store_layer(RobotId(1), "hits", layer(2_060, points()));
         frames.store_scan(RobotId(1), Time(2_100), || StoredScan {
             world_from_scanner: Pose3::IDENTITY,
             bearings: [1.0, -1.0],
@@ -616,6 +661,8 @@ mod tests {
                 "/robot/1/camera/depth",
                 "/robot/1/commands",
                 "/robot/1/contacts",
+                "/robot/1/grid/map",
+                "/robot/1/points/hits",
                 "/robot/1/radio",
                 "/robot/1/readings",
                 "/robot/1/scan",
@@ -650,6 +697,13 @@ mod tests {
         assert_eq!(moved[0].3["transforms"][1]["child_frame_id"], "robot/1/PSD_FRONT");
         let scan = of_robot("/robot/1/scan");
         assert_eq!((scan[0].2, &scan[0].3["ranges"]), (2_100_000, &json!([0.5, null])), "infinity is null in JSON");
+        let grid = of_robot("/robot/1/grid/map");
+        assert_eq!((grid.len(), grid[0].2), (1, 2_050_000), "the last of the slot");
+        assert_eq!(grid[0].3["pose"]["position"], json!({ "x": 1.5, "y": 2.25, "z": 0.0 }));
+        assert_eq!(STANDARD.decode(grid[0].3["data"].as_str().unwrap()).unwrap(), [100, 255]);
+        let points = of_robot("/robot/1/points/hits");
+        let bytes: Vec<u8> = [1.0_f64, 2.0, 3.0].iter().flat_map(|number| number.to_le_bytes()).collect();
+        assert_eq!(STANDARD.decode(points[0].3["data"].as_str().unwrap()).unwrap(), bytes);
         let image = STANDARD.decode(of_robot("/robot/1/camera")[0].3["data"].as_str().unwrap()).unwrap();
         assert_eq!(image::load_from_memory(&image).unwrap().to_rgb8().as_raw(), &[255, 0, 0]);
         let contact = of_robot("/robot/1/contacts");

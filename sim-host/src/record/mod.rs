@@ -8,6 +8,7 @@ pub mod event_store;
 mod file;
 pub mod frame;
 pub mod hint_locations;
+pub mod layer;
 pub mod log;
 #[cfg(feature = "window")]
 pub mod mcap;

@@ -33,6 +33,7 @@ pub mod ir;
 pub mod irtv;
 pub mod key;
 pub mod latch;
+pub mod layer;
 pub mod lcd;
 mod leg;
 pub mod lidar;
@@ -118,6 +119,8 @@ pub struct Robios {
     pub infrareds: handle::Handles,
     /// True between `COMPASSInit` and `COMPASSRelease`.
     pub has_compass: bool,
+    /// Layers that the program shows in the window.
+    pub layers: layer::Layers,
     /// Latches and parallel port.
     pub latches: latch::Latches,
     /// Serial interfaces.

@@ -11,6 +11,7 @@ use super::call::Call;
 use super::support::Generators;
 use super::task::{TaskWait, Tasks};
 use super::timer::Timers;
+use super::vw;
 use crate::program::site::Site;
 
 /// A robot with the state of its running program, all guarded by one lock.
@@ -111,7 +112,10 @@ impl Robot {
         let generators = Generators::new(state.seed(), state.id);
         let (timers, tasks) = (Timers::default(), Tasks::default());
         let new_hints = Vec::new();
-        Self { state, robios, program, generators, timers, tasks, ending: None, has_called: false, new_hints }
+        let mut robot =
+            Self { state, robios, program, generators, timers, tasks, ending: None, has_called: false, new_hints };
+        vw::locate_odometry(&mut robot);
+        robot
     }
 
     /// Records a hint to the user about a likely mistake, which the call in progress has shown. A hint outside of calls

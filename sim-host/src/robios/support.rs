@@ -14,6 +14,7 @@ use super::console::print_lines;
 use super::flow::Flow;
 use super::hint::Mistake;
 use super::input::{self, Read};
+use super::layer::{self, Extent, Label};
 use super::robot::{Ending, Robot, WaitReason};
 use super::task::TaskWait;
 use crate::program::site::{RemoteSite, Site};
@@ -134,6 +135,46 @@ impl<F: Flow> Support for Caller<F> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
         self.untimed(SupportCall::unfinished, |robot| print_lines(robot, stream, &text));
         Ok(0)
+    }
+
+    fn show_grid(
+        &self,
+        name: Option<&[u8]>,
+        frame: i32,
+        x_m: f64,
+        y_m: f64,
+        cell_m: f64,
+        columns: i32,
+        rows: i32,
+        cells: Option<&[u8]>,
+    ) -> Result<i32, Stop> {
+        let extent = Extent { corner: [x_m, y_m], cell: cell_m, size: [columns, rows] };
+        let label = Label { name, frame };
+        Ok(self.untimed(SupportCall::show_grid, |robot| layer::show_grid(robot, label, extent, cells)))
+    }
+
+    fn show_points(
+        &self,
+        name: Option<&[u8]>,
+        frame: i32,
+        dimensions: i32,
+        count: i32,
+        coordinates: Option<&[u8]>,
+    ) -> Result<i32, Stop> {
+        let (label, size) = (Label { name, frame }, [dimensions, count]);
+        Ok(self.untimed(SupportCall::show_points, |robot| layer::show_points(robot, label, size, coordinates)))
+    }
+
+    fn show_line(
+        &self,
+        name: Option<&[u8]>,
+        frame: i32,
+        dimensions: i32,
+        count: i32,
+        coordinates: Option<&[u8]>,
+    ) -> Result<i32, Stop> {
+        let (label, size) = (Label { name, frame }, [dimensions, count]);
+        Ok(self.untimed(SupportCall::show_line, |robot| layer::show_line(robot, label, size, coordinates)))
     }
 
     fn program_name(&self, name: &mut OutBytes) -> Result<i32, Stop> {

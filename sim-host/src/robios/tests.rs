@@ -7,6 +7,7 @@ use robios_sys::robios6::semantics::*;
 use robios_sys::robios6::{
     ANYKEY, FALSE, HDTEntry, KEY2, KEY3, PSD_OUT_OF_RANGE, PositionType, SER9600, SERIAL1, SpeedType,
 };
+use robios_sys::support::layer::{MAX_LAYERS, ODOMETRY, WORLD};
 use robios_sys::{Out, OutBytes, Robios6Call as Call};
 use sim_core::RobotId;
 use sim_core::build;
@@ -120,6 +121,44 @@ fn ready<R>(poll: Poll<R>) -> R {
         Poll::Ready(result) => result,
         Poll::Pending { reason, .. } => panic!("{reason}"),
     }
+}
+
+#[test]
+fn layers_are_in_the_frame_of_odometry_as_the_program_has_set_it() {
+    let mut bench = Bench::rover();
+    let frame = |bench: &mut Bench| {
+        let label = layer::Label { name: Some(b"map"), frame: ODOMETRY };
+        assert_eq!(layer::show_points(&mut bench.robot, label, [2, 0], None), 0);
+        let Pose { position, heading } = bench.robot.robios.layers["map"].world_from_frame;
+        [position.x, position.y, heading.radians()]
+    };
+    assert_eq!(frame(&mut bench), [1.0, 0.5, 0.0], "that of the start");
+    let handle = bench.vw();
+    assert_eq!(vw::set_position(&mut bench.robot, handle, 0.25, 0.0, std::f32::consts::FRAC_PI_2), 0);
+    // A quarter turn to the right, about the robot.
+    let expected = [1.0, 0.75, -std::f64::consts::FRAC_PI_2];
+    let found = frame(&mut bench);
+    assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-6), "{found:?}");
+    bench.at_ms(100).robot.state.motion.place(Time::from_millis(100), Pose::new(0.3, 0.3, 1.0)).unwrap();
+    assert_eq!(frame(&mut bench), found, "a hand moves the robot, not what it believes");
+}
+
+#[test]
+fn a_refused_layer_leaves_the_others_as_they_are() {
+    let mut bench = Bench::rover();
+    let mut show = |name: &[u8], frame| {
+        let label = layer::Label { name: Some(name), frame };
+        let extent = layer::Extent { corner: [0.0; 2], cell: 0.1, size: [1, 1] };
+        (layer::show_grid(&mut bench.robot, label, extent, Some(&[7])), bench.robot.robios.layers.len())
+    };
+    for (name, frame) in [(&b""[..], WORLD), (&[b'a'; 33], WORLD), (b"\xff", WORLD), (b"a", 2), (b"a", -1)] {
+        assert_eq!(show(name, frame), (1, 0), "{name:?} {frame}");
+    }
+    for number in 1..=MAX_LAYERS {
+        assert_eq!(show(number.to_string().as_bytes(), WORLD), (0, number));
+    }
+    assert_eq!(show(b"one more", WORLD), (1, MAX_LAYERS));
+    assert_eq!(show(b"3", ODOMETRY), (0, MAX_LAYERS), "in place of an earlier one");
 }
 
 #[test]

@@ -5,7 +5,7 @@
 use robios_sys::robios6::hdt_type::HDT_VW;
 use robios_sys::robios6::{PositionType, SpeedType};
 use robios_sys::{Out, Robios6Call as Call};
-use sim_core::drive::{Command, CommandError, Gains};
+use sim_core::drive::{Command, CommandError, Gains, State};
 use sim_core::pose::{Pose, Twist};
 use sim_core::time::Time;
 use sim_core::world::World;
@@ -28,6 +28,8 @@ pub struct Vw {
     pub is_open: bool,
     /// Start of the last drive, and the function that waits for its end.
     pub begun: Option<(Time, &'static str)>,
+    /// Pose of the odometry frame in the world: that of the robot's axle at its start, or as the program has set it since.
+    pub world_from_odometry: Pose,
 }
 
 /// Reason why a command is refused.
@@ -50,6 +52,7 @@ pub fn init(robot: &mut Robot, world: &World, semantics: i32, timescale: i32) ->
     robot.halt(world);
     // This cannot be refused, since the origin is finite.
     let _ = robot.state.motion.set_odometry(robot.state.now, Pose::default());
+    locate_odometry(robot);
     robot.record(Event::SetOdometry { x_m: 0.0, y_m: 0.0, phi_rad: 0.0 });
     HANDLE
 }
@@ -286,8 +289,17 @@ pub(super) fn twist(robot: &mut Robot) -> Twist {
 /// Sets the odometry pose.
 pub(super) fn set_odometry(robot: &mut Robot, [x, y, phi]: [f64; 3]) -> Result<(), DriveRefusal> {
     robot.state.motion.set_odometry(robot.state.now, Pose::new(x, y, phi))?;
+    locate_odometry(robot);
     robot.record(Event::SetOdometry { x_m: x, y_m: y, phi_rad: phi });
     Ok(())
+}
+
+/// Stores the pose of the odometry frame in the world at which the odometry is now true.
+pub(super) fn locate_odometry(robot: &mut Robot) {
+    let State { world_from_axle, odometry, .. } = robot.state.motion.state(robot.state.now);
+    let turn = Pose::new(0.0, 0.0, world_from_axle.heading.radians() - odometry.heading.radians());
+    let position = world_from_axle.position - turn.transform_point(odometry.position);
+    robot.robios.vw.world_from_odometry = Pose { position, ..turn };
 }
 
 /// The odometry pose.

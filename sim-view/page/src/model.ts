@@ -2,7 +2,7 @@
 
 import { Clock } from "./clock";
 import { type MotionSource, SnapshotMotion } from "./motion";
-import type { Answer, Build, Command, Detail, Event, Message, Pose, Reading, Scene, Snapshot, Welcome } from "./protocol";
+import type { Answer, Build, Command, Detail, Event, Layer, Message, Pose, Reading, Scene, Snapshot, Welcome } from "./protocol";
 
 /** State of the connection to the run. */
 export type Connection =
@@ -53,6 +53,7 @@ export type Topic =
   | "scene"
   | "snapshot"
   | "detail"
+  | "layer"
   | "events"
   | "build"
   | "chosen"
@@ -86,6 +87,8 @@ export class Model {
   snapshot: Snapshot | null = null;
   /** The last detail of each robot, by its number; an `lcd` of `null` is replaced by the picture before. */
   readonly details = new Map<number, Detail>();
+  /** The last layers that the programs of robots have shown, by the robot's number and the layer's name. */
+  readonly layers = new Map<number, Map<string, Layer>>();
   /** The last events, oldest first, without calls. */
   events: Event[] = [];
   /** The last RoBIOS calls of the robots whose calls were requested, oldest first. */
@@ -208,6 +211,10 @@ export class Model {
         if (message.run !== this.scene?.run) return;
         this.takeDetail(message);
         break;
+      case "layer":
+        if (message.run !== this.scene?.run) return;
+        this.layers.set(message.robot, (this.layers.get(message.robot) ?? new Map<string, Layer>()).set(message.name, message));
+        break;
       case "events":
         this.takeEvents(message.events, message.missed);
         break;
@@ -234,10 +241,12 @@ export class Model {
     if (isAnotherRun) {
       this.snapshot = null;
       this.details.clear();
+      this.layers.clear();
       this.clock.restart();
       this.motion.restart?.();
       this.forget();
       this.tell("detail");
+      this.tell("layer");
     }
     if (!scene.robots.some((robot) => robot.id === this.chosen)) this.choose(scene.robots[0]?.id ?? null);
     const selected = this.selected;

@@ -71,6 +71,45 @@ test("each layer is drawn, and is not when it is switched off", { skip }, async 
   }
 });
 
+test("the layers of the chosen robot's program are drawn, each once", { skip }, async () => {
+  const { run } = mock.scene;
+  let t_s = 0;
+  /** Sends a layer; what is drawn once the page has it. */
+  const show = async (name, content, robot = 1) => {
+    const frame = { x_m: 0.2, y_m: 0.1, phi_rad: 0.3 };
+    mock.send({ type: "layer", run, robot, name, t_s: ++t_s, frame, content });
+    const has = ([robot, name, t_s]) => globalThis.eyesim.model.layers.get(robot)?.get(name)?.t_s === t_s;
+    await page.waitForFunction(has, [robot, name, t_s]);
+    return settled();
+  };
+  /** What is drawn when nothing changes any more. */
+  const settled = async () => {
+    for (let frame = 0; frame < 3; frame++) await page.evaluate(() => new Promise((done) => requestAnimationFrame(done)));
+    return page.evaluate(() => ({ calls: globalThis.eyesim.view.drawn.calls, ...globalThis.eyesim.view.memory }));
+  };
+  const map = (...cells) => ({ kind: "grid", corner_m: [0, 0], cell_m: 0.5, columns: 2, rows: cells.length / 2, cells: Buffer.from(cells).toString("base64") });
+  const positions = Buffer.from(Float32Array.of(0, 0, 0, 0.5, 0, 0.2, 1, 0.5, 0).buffer).toString("base64");
+  await page.evaluate(() => globalThis.eyesim.model.choose(1));
+  // Nothing has moved: shadows are not drawn again.
+  for (let frame = 0; frame < 2; frame++) await drawn(async () => mock.send(at(0.05)));
+  const none = await settled();
+  assert.equal((await show("map", map(0, 100, 255, 50))).calls, none.calls + 1);
+  assert.equal((await show("hits", { kind: "points", positions })).calls, none.calls + 2);
+  const all = await show("way", { kind: "line", positions });
+  assert.equal(all.calls, none.calls + 3);
+  // Other contents take their place and no more memory.
+  for (const cells of [[0, 0, 0, 0, 0, 0], [1, 2]]) assert.deepEqual(await show("map", map(...cells)), all);
+  assert.equal((await show("hits", { kind: "points", positions: "" })).calls, none.calls + 2, "no points");
+  assert.equal((await show("map", map(9, 9), 2)).calls, none.calls + 2, "of another robot");
+  assert.equal((await toggle("program")).calls, none.calls);
+  assert.equal((await toggle("program")).calls, none.calls + 2);
+  await page.evaluate(() => globalThis.eyesim.model.choose(2));
+  const other = await settled();
+  assert.equal((await toggle("program")).calls, other.calls - 1);
+  assert.equal((await toggle("program")).calls, other.calls);
+  await page.evaluate(() => globalThis.eyesim.model.choose(1));
+});
+
 test("a message that flies is drawn with its fate", { skip }, async () => {
   const fields = { from: 1, message: 1, arrived_s: 0.05, bit_errors: 0 };
   await drawn(async () => mock.send(at(0.05)));

@@ -6,6 +6,7 @@
 
 mod action;
 mod event;
+mod layer;
 mod recording;
 mod request;
 mod scene;
@@ -15,6 +16,7 @@ mod typescript;
 
 pub use action::Action;
 pub use event::{Event, Events};
+pub use layer::{Layer, LayerContent};
 pub use recording::{DisplayChange, Postures, Recording, RobotHistory, StandingChange, Track};
 pub use request::{Command, Request, Seed};
 pub use scene::{
@@ -44,6 +46,8 @@ pub enum Message {
     Snapshot(Snapshot),
     /// Details of the robot that the page has selected.
     Detail(Box<Detail>),
+    /// A layer that the program of the selected robot shows. A slow page gets fewer of them.
+    Layer(Layer),
     /// Events since the last message of this kind.
     Events(Events),
     /// Progress of building the programs.

@@ -12,7 +12,7 @@ use serde::Serialize;
 use tokio::sync::{mpsc, watch};
 
 use super::Look;
-use crate::protocol::{Answer, Build, Command, Detail, Event, Message, Picture, Scene, Snapshot};
+use crate::protocol::{Answer, Build, Command, Detail, Event, Layer, Message, Picture, Scene, Snapshot};
 
 /// Number of events kept for pages that connect later or are slow.
 pub(super) const EVENTS: usize = 20_000;
@@ -79,6 +79,8 @@ struct State {
     snapshot: Option<(u64, Arc<CachedText<Message>>)>,
     build: Option<(u64, Arc<CachedText<Message>>)>,
     details: BTreeMap<u32, (u64, Arc<CachedDetail>)>,
+    /// The last layers of programs, by robot and name.
+    layers: BTreeMap<u32, BTreeMap<String, (u64, Arc<CachedText<Message>>)>>,
     events: VecDeque<Arc<CachedText<Event>>>,
     /// Number of events that the ring buffer has dropped since the run began.
     lost: u64,
@@ -129,6 +131,7 @@ impl Hub {
             state.run = scene.run;
             state.snapshot = None;
             state.details.clear();
+            state.layers.clear();
             state.events.clear();
             state.lost = 0;
         }
@@ -156,6 +159,20 @@ impl Hub {
             };
             let cached = CachedDetail { lcd, lcd_version, lean: OnceLock::new(), whole: OnceLock::new(), detail };
             state.details.insert(cached.detail.robot, (version, Arc::new(cached)));
+        }
+        drop(state);
+        self.changed.send_replace(());
+    }
+
+    pub(super) fn show_layers(&self, layers: Vec<Layer>) {
+        if layers.is_empty() {
+            return;
+        }
+        let mut state = lock(&self.state);
+        for layer in layers {
+            let version = state.next();
+            let of_robot = state.layers.entry(layer.robot).or_default();
+            of_robot.insert(layer.name.clone(), (version, CachedText::new(Message::Layer(layer))));
         }
         drop(state);
         self.changed.send_replace(());
@@ -317,15 +334,19 @@ pub(super) struct SentVersions {
     build: u64,
     detail: u64,
     lcd: Option<(u32, u64)>,
+    /// Version of the newest layer of the selected robot.
+    layer: u64,
     /// Number of events of the run that the page has received or missed.
     events: u64,
 }
 
 impl SentVersions {
-    /// Forgets the detail, so that it is sent again with its display: the page has selected another robot or a new run began.
+    /// Forgets the detail and the layers, so that they are sent again, with the display: the page has selected another robot or a new
+    /// run began.
     pub(super) fn forget_detail(&mut self) {
         self.detail = 0;
         self.lcd = None;
+        self.layer = 0;
     }
 
     /// New messages for a page that looks at `look`, in the order of sending.
@@ -359,6 +380,10 @@ impl SentVersions {
             news.push(News::Detail(detail.clone(), self.lcd != lcd));
             self.lcd = lcd;
         }
+        let layers = look.and_then(|look| state.layers.get(&look.robot)).into_iter().flat_map(BTreeMap::values);
+        let new: Vec<_> = layers.filter(|(version, _)| *version > self.layer).collect();
+        self.layer = new.iter().map(|(version, _)| *version).max().unwrap_or(self.layer);
+        news.extend(new.into_iter().map(|(_, message)| News::Message(message.clone())));
         self.take_events(state, look, &mut news);
         news
     }

@@ -46,6 +46,8 @@ const VECTOR: Type = Type::Message("foxglove.Vector3");
 const POINT: Type = Type::Message("foxglove.Point3");
 const COLOUR: Type = Type::Message("foxglove.Color");
 const DELETIONS: &[&str] = &["MATCHING_ID", "ALL"];
+const PACKED: Type = Type::Message("foxglove.PackedElementField");
+const NUMBERS: &[&str] = &["UNKNOWN", "UINT8", "INT8", "UINT16", "INT16", "UINT32", "INT32", "FLOAT32", "FLOAT64"];
 const LEVELS: &[&str] = &["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"];
 
 /// Fields of each message. A message's package is its name without the last word. Each of Google's messages has its own
@@ -53,6 +55,7 @@ const LEVELS: &[&str] = &["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL
 const MESSAGES: &[(&str, &[Field])] = &[
     ("google.protobuf.Timestamp", &[one(1, "seconds", Type::Int64), one(2, "nanos", Type::Int32)]),
     ("google.protobuf.Duration", &[one(1, "seconds", Type::Int64), one(2, "nanos", Type::Int32)]),
+    ("foxglove.Vector2", &[one(1, "x", Type::Double), one(2, "y", Type::Double)]),
     ("foxglove.Vector3", &[one(1, "x", Type::Double), one(2, "y", Type::Double), one(3, "z", Type::Double)]),
     ("foxglove.Point3", &[one(1, "x", Type::Double), one(2, "y", Type::Double), one(3, "z", Type::Double)]),
     (
@@ -140,6 +143,39 @@ const MESSAGES: &[(&str, &[Field])] = &[
             one(2, "data", Type::Bytes),
             one(3, "format", Type::Text),
             one(4, "frame_id", Type::Text),
+        ],
+    ),
+    (
+        "foxglove.PackedElementField",
+        &[
+            one(1, "name", Type::Text),
+            one(2, "offset", Type::Fixed32),
+            one(3, "type", Type::Enum("NumericType", NUMBERS)),
+        ],
+    ),
+    (
+        "foxglove.Grid",
+        &[
+            one(1, "timestamp", TIME),
+            one(2, "frame_id", Type::Text),
+            one(3, "pose", POSE),
+            one(4, "column_count", Type::Fixed32),
+            one(5, "cell_size", Type::Message("foxglove.Vector2")),
+            one(6, "row_stride", Type::Fixed32),
+            one(7, "cell_stride", Type::Fixed32),
+            many(8, "fields", PACKED),
+            one(9, "data", Type::Bytes),
+        ],
+    ),
+    (
+        "foxglove.PointCloud",
+        &[
+            one(1, "timestamp", TIME),
+            one(2, "frame_id", Type::Text),
+            one(3, "pose", POSE),
+            one(4, "point_stride", Type::Fixed32),
+            many(5, "fields", PACKED),
+            one(6, "data", Type::Bytes),
         ],
     ),
     (

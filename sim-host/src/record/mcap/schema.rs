@@ -15,6 +15,10 @@ pub enum Content {
     Scan,
     /// Images of cameras: colours, depths or labels.
     Image,
+    /// Layers of programs that are grids.
+    Grid,
+    /// Layers of programs that are points or lines.
+    Points,
     /// Output of programs, and messages about them.
     Log,
     /// Readings of devices by programs.
@@ -34,11 +38,13 @@ pub enum Content {
 impl Content {
     /// All contents.
     #[cfg(test)]
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Scene,
         Self::Transforms,
         Self::Scan,
         Self::Image,
+        Self::Grid,
+        Self::Points,
         Self::Log,
         Self::Reading,
         Self::Command,
@@ -55,6 +61,8 @@ impl Content {
             Self::Transforms => "foxglove.FrameTransforms",
             Self::Scan => "foxglove.LaserScan",
             Self::Image => "foxglove.CompressedImage",
+            Self::Grid => "foxglove.Grid",
+            Self::Points => "foxglove.PointCloud",
             Self::Log => "foxglove.Log",
             Self::Reading => "eyesim.Reading",
             Self::Command => "eyesim.Command",
@@ -88,7 +96,8 @@ impl Content {
 
     /// Returns true for a message of Foxglove, in Protocol Buffers; all other messages are JSON.
     pub fn is_foxglove(self) -> bool {
-        matches!(self, Self::Scene | Self::Transforms | Self::Scan | Self::Image | Self::Log)
+        use Content::{Grid, Image, Log, Points, Scan, Scene, Transforms};
+        matches!(self, Scene | Transforms | Scan | Image | Grid | Points | Log)
     }
 
     /// JSON schema of one of eyesim's own messages. Its messages are lines of the trace (`docs/trace.md`), whose fields depend on the

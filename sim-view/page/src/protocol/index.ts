@@ -230,6 +230,38 @@ export type Image = {
   /** Its PNG as a `data:` URL. */
   url: string, };
 
+/** A layer that the program of a robot shows, in place of an earlier one of its name. */
+export type Layer = {
+  /** Number of the run. */
+  run: number,
+  /** Number of the robot. */
+  robot: number,
+  /** Name of the layer. */
+  name: string,
+  /** Virtual time at which the program has shown it. */
+  t_s: number,
+  /** Pose in the world of the frame of its coordinates. */
+  frame: Pose,
+  /** Its content. */
+  content: LayerContent, };
+
+/** Content of a layer. Numbers are little endian, in base64. */
+export type LayerContent = { "kind": "grid",
+  /** Corner with the smallest coordinates. */
+  corner_m: [number, number],
+  /** Side of a cell. */
+  cell_m: number,
+  /** Number of cells along x. */
+  columns: number,
+  /** Number of cells along y. */
+  rows: number,
+  /** A byte for each cell, row by row from the smallest y: 0 (free) to 100 (occupied), or 255 (unknown). */
+  cells: string, } | { "kind": "points",
+  /** x, y and z of each point in metres, `f32`. */
+  positions: string, } | { "kind": "line",
+  /** x, y and z of each point in metres, `f32`. */
+  positions: string, };
+
 /** A display. */
 export type Lcd = {
   /** Width and height. */
@@ -280,7 +312,7 @@ export type Mesh = {
   materials: Array<Material>, };
 
 /** Message from the server to a page. */
-export type Message = { "type": "welcome" } & Welcome | { "type": "scene" } & Scene | { "type": "snapshot" } & Snapshot | { "type": "detail" } & Detail | { "type": "events" } & Events | { "type": "build" } & Build | { "type": "answer" } & Answer;
+export type Message = { "type": "welcome" } & Welcome | { "type": "scene" } & Scene | { "type": "snapshot" } & Snapshot | { "type": "detail" } & Detail | { "type": "layer" } & Layer | { "type": "events" } & Events | { "type": "build" } & Build | { "type": "answer" } & Answer;
 
 /** Piece of motion of a body, with constant rates in the body's frame. */
 export type MotionPiece = {

@@ -80,13 +80,18 @@ export class GeometryMerger {
   }
 }
 
-/** Decodes 32-bit little-endian floats from base64. */
-export function floats(base64: string): Float32Array {
+/** Decodes bytes from base64. */
+export function bytes(base64: string): Uint8Array {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
-  const view = new DataView(bytes.buffer);
-  const numbers = new Float32Array(Math.floor(bytes.length / 4));
+  return bytes;
+}
+
+/** Decodes 32-bit little-endian floats from base64. */
+export function floats(base64: string): Float32Array {
+  const view = new DataView(bytes(base64).buffer);
+  const numbers = new Float32Array(Math.floor(view.byteLength / 4));
   for (let i = 0; i < numbers.length; i++) numbers[i] = view.getFloat32(4 * i, true);
   return numbers;
 }

@@ -12,6 +12,7 @@ import { DragControl } from "./drag";
 import { EventEffects } from "./effect";
 import { layerList, type Layer } from "./layer";
 import { Marks } from "./marks";
+import { ProgramLayers } from "./program";
 import { Trails, trailsBefore } from "./trail";
 import { World } from "./world";
 
@@ -39,6 +40,7 @@ export class View {
   private readonly beams: Beams;
   private readonly effects: EventEffects;
   private readonly guides = new Guides();
+  private readonly program: ProgramLayers;
   private readonly frame = element("div", { className: "camera-frame" });
   private readonly layers: Layer[];
   private readonly reduced = matchMedia("(prefers-reduced-motion: reduce)");
@@ -62,6 +64,7 @@ export class View {
     this.trails = new Trails(this.bodies, async () => (model.player ? null : trailsBefore()));
     this.beams = new Beams(model, this.bodies);
     this.effects = new EventEffects(model, this.bodies);
+    this.program = new ProgramLayers(model);
     this.canvas = element("canvas", { testid: "canvas", tabIndex: 0 });
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", "The world in 3D. Keys are listed in the help.");
@@ -73,7 +76,7 @@ export class View {
 
     const { marks, beams, effects, guides } = this;
     this.added.add(marks.rings, marks.labels, marks.selection, marks.ghost, this.trails.group);
-    this.added.add(beams.beams, beams.scan, beams.frusta, effects.radio, effects.contacts, guides.grid, guides.axes);
+    this.added.add(beams.beams, beams.scan, beams.frusta, effects.radio, effects.contacts, guides.grid, guides.axes, this.program.group);
     this.scene.add(this.added);
     this.layers = this.allLayers();
     const stale = () => void (this.isStale = true);
@@ -131,8 +134,14 @@ export class View {
       this.marks.takeOdometry();
       stale();
     };
+    const program = () => {
+      this.program.take();
+      stale();
+    };
     model.subscribe("detail", detail);
     model.subscribe("chosen", detail);
+    model.subscribe("layer", program);
+    model.subscribe("chosen", program);
     model.subscribe("selected", stale);
     model.subscribe("player", stale);
     model.subscribe("events", () => {
@@ -290,6 +299,7 @@ export class View {
       group("trails", "Trails", true, this.trails.group),
       group("beams", "Beams", true, beams.beams),
       group("scan", "Laser scan", true, beams.scan),
+      group("program", "Program’s map", true, this.program.group),
       group("frusta", "Camera views", false, beams.frusta),
       group("radio", "Radio", true, effects.radio),
       group("contacts", "Contacts", true, effects.contacts),
