@@ -1,4 +1,4 @@
-//! The command `eyesim` as a library: what it does beside running programs, for the binary and for other hosts such as the Python
+//! The command `eyesim` as a library: everything except running programs, for the binary and for other hosts such as the Python
 //! package.
 //!
 //! [`cli`] is the command line. Below it, [`suite`] runs the cases of suites in a pool of processes, [`sweep`] and [`grade`] build on

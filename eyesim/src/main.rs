@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-/// The host's heap is not libc's, which a robot program that faults may leave locked or corrupted.
+/// Heap of the host. It is not the heap of libc, which a faulty robot program may leave locked or corrupted.
 #[global_allocator]
 static HEAP: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

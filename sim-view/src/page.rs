@@ -127,7 +127,7 @@ fn safe_script(script: &str) -> String {
     while let Some(start) = rest.find('<') {
         let (before, tail) = rest.split_at(start);
         safe.push_str(before);
-        let begins = |with: &str| tail.get(..with.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(with));
+        let begins = |prefix: &str| tail.get(..prefix.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(prefix));
         safe.push_str(if begins("</script") || begins("<!--") { "\\x3c" } else { "<" });
         rest = &tail[1..];
     }
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn built_when_it_has_changed_and_by_one_at_a_time() {
+    fn page_is_rebuilt_after_changes_by_one_process_at_a_time() {
         if std::process::Command::new("npm").arg("--version").output().is_err() {
             eprintln!("skipped: there is no npm");
             return;
@@ -185,32 +185,32 @@ mod tests {
         let folder = folder.path();
         write_page(folder);
         let built = || build::built(folder, &mut |_| {}).unwrap();
-        let times = || std::fs::read(folder.join("built")).unwrap().len();
+        let build_count = || std::fs::read(folder.join("built")).unwrap().len();
         let expected =
             |main: &str| vec![("index.html".to_owned(), main.into()), ("sub/a.js".to_owned(), b"1".to_vec())];
         std::thread::scope(|scope| {
-            let both = [scope.spawn(built), scope.spawn(built)];
-            for one in both {
-                assert_eq!(one.join().unwrap(), expected("one"));
+            let threads = [scope.spawn(built), scope.spawn(built)];
+            for thread in threads {
+                assert_eq!(thread.join().unwrap(), expected("one"));
             }
         });
-        assert_eq!(times(), 1, "the second waits for the first and takes what it has built");
+        assert_eq!(build_count(), 1, "the second waits for the first and takes what it has built");
 
         std::fs::write(folder.join("src/main.ts"), "two").unwrap();
         assert_eq!(built(), expected("two"));
-        assert_eq!((built(), times()), (expected("two"), 2));
+        assert_eq!((built(), build_count()), (expected("two"), 2));
 
         std::fs::write(folder.join("package.json"), "{").unwrap();
-        let mut said = String::new();
-        assert_eq!(build::built(folder, &mut |text| said += text).unwrap(), expected("two"), "the older page does");
-        assert!(said.contains("` failed in `") && said.contains("older"), "{said}");
+        let mut messages = String::new();
+        assert_eq!(build::built(folder, &mut |text| messages += text).unwrap(), expected("two"), "the older page does");
+        assert!(messages.contains("` failed in `") && messages.contains("older"), "{messages}");
         std::fs::remove_dir_all(folder.join("dist")).unwrap();
         let why = build::built(folder, &mut |_| {}).unwrap_err();
         assert!(why.contains("` failed in `"), "{why}");
     }
 
     #[test]
-    fn one_file() {
+    fn page_is_inlined_into_one_file() {
         let html = concat!(
             "<html><head><link rel=\"icon\" href=\"data:,\" />",
             "<script type=\"module\" crossorigin src=\"./page.js\"></script>",
@@ -222,9 +222,9 @@ mod tests {
             ("page.css", "a::after { content: '</style>' }"),
         ];
         let page = Page::of(files.map(|(name, content)| (name.to_owned(), content.into())));
-        let one = page.with_recording(r#"{"title":"</script><b>"}"#).unwrap();
+        let inlined = page.with_recording(r#"{"title":"</script><b>"}"#).unwrap();
         assert_eq!(
-            one,
+            inlined,
             concat!(
                 "<html><head><link rel=\"icon\" href=\"data:,\" />",
                 "<script type=\"module\">let a = '\\x3c/script>\\x3c!--', b = /<\\/SCRIPT/, c = '\\x3c/SCRIPT>', ",

@@ -69,9 +69,9 @@ pub struct Window {
     hub: Arc<Hub>,
     commands: Commands,
     server: Arc<Server>,
-    /// Signals that the thread is about to end. The mutex is needed because several threads of the simulator share a
+    /// Disconnected when the thread is about to end. The mutex is needed because several threads of the simulator share a
     /// window.
-    done: Mutex<mpsc::Receiver<()>>,
+    thread_end: Mutex<mpsc::Receiver<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -81,22 +81,23 @@ impl Window {
     /// # Errors
     /// [`OpenError`], such as for a port that is taken.
     pub fn open(options: Options, page: Page) -> Result<Window, OpenError> {
-        let other = |error| OpenError::Other(options.address, error);
+        let other_error = |error| OpenError::Other(options.address, error);
         if matches!(&options.access, Access::Class { token } if token.is_empty()) {
             return Err(OpenError::NoToken);
         }
         let listener = TcpListener::bind(options.address).map_err(|error| match error.kind() {
             io::ErrorKind::AddrInUse => OpenError::Taken(options.address),
             io::ErrorKind::AddrNotAvailable => OpenError::NoAddress(options.address),
-            _ => other(error),
+            _ => other_error(error),
         })?;
-        listener.set_nonblocking(true).map_err(other)?;
-        let address = listener.local_addr().map_err(other)?;
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build().map_err(other)?;
+        listener.set_nonblocking(true).map_err(other_error)?;
+        let address = listener.local_addr().map_err(other_error)?;
+        let runtime =
+            tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build().map_err(other_error)?;
         let hub = Hub::new();
         let access = options.access.clone();
         let server = Server::new(address, options, page, hub.clone());
-        let (end, done) = mpsc::channel();
+        let (end, thread_end) = mpsc::channel();
         let thread = std::thread::Builder::new()
             .name("window".into())
             .spawn({
@@ -109,7 +110,7 @@ impl Window {
             })
             .map_err(|error| OpenError::Other(address, error))?;
         let commands = Commands { hub: hub.clone() };
-        Ok(Window { address, access, hub, commands, server, done: Mutex::new(done), thread: Some(thread) })
+        Ok(Window { address, access, hub, commands, server, thread_end: Mutex::new(thread_end), thread: Some(thread) })
     }
 
     /// Address at which the server listens.
@@ -130,7 +131,7 @@ impl Window {
     /// URL for other users, without the token.
     #[must_use]
     pub fn public_url(&self) -> String {
-        format!("http://{}/", SocketAddr::new(reachable(self.address.ip()), self.address.port()))
+        format!("http://{}/", SocketAddr::new(reachable_address(self.address.ip()), self.address.port()))
     }
 
     /// Shows the scene; must be called first, when a run starts, and when its bodies have changed. A new run number empties the list of
@@ -139,7 +140,7 @@ impl Window {
         self.hub.show_scene(scene);
     }
 
-    /// Shows the current state, with details of the robots that [`looks`](Self::looks) names. Slow pages skip intermediate states. A detail
+    /// Shows the current state, with details of the robots that [`looks`](Self::looks) returns. Slow pages skip intermediate states. A detail
     /// without a display keeps the display of the previous detail.
     pub fn show(&self, snapshot: Snapshot, details: Vec<Detail>) {
         self.hub.show(snapshot, details);
@@ -196,7 +197,7 @@ impl Drop for Window {
     fn drop(&mut self) {
         self.server.close();
         // A thread that hangs must not keep the process from ending.
-        if hub::lock(&self.done).recv_timeout(Duration::from_secs(2)) == Err(mpsc::RecvTimeoutError::Disconnected)
+        if hub::lock(&self.thread_end).recv_timeout(Duration::from_secs(2)) == Err(mpsc::RecvTimeoutError::Disconnected)
             && let Some(thread) = self.thread.take()
         {
             let _ = thread.join();
@@ -204,17 +205,17 @@ impl Drop for Window {
     }
 }
 
-/// Address at which other machines reach this one. An unspecified address is replaced by the address of the route to the outside, which is
-/// looked up without sending anything.
-fn reachable(ip: IpAddr) -> IpAddr {
+/// Address at which other machines reach this one. An unspecified address is replaced by the local address of the route to
+/// an outside address; finding this route sends nothing.
+fn reachable_address(ip: IpAddr) -> IpAddr {
     if !ip.is_unspecified() {
         return ip;
     }
-    let (own, outside): (IpAddr, SocketAddr) = match ip {
+    let (unspecified, outside): (IpAddr, SocketAddr) = match ip {
         IpAddr::V4(_) => (Ipv4Addr::UNSPECIFIED.into(), ([192, 0, 2, 1], 9).into()),
         IpAddr::V6(_) => (Ipv6Addr::UNSPECIFIED.into(), ([0x2001, 0xdb8, 0, 0, 0, 0, 0, 1], 9).into()),
     };
-    let local = UdpSocket::bind((own, 0)).and_then(|socket| {
+    let local = UdpSocket::bind((unspecified, 0)).and_then(|socket| {
         socket.connect(outside)?;
         socket.local_addr()
     });

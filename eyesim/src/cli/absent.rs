@@ -1,4 +1,4 @@
-//! Features that a build with `--no-default-features` leaves out.
+//! Features that are missing in a build with `--no-default-features`.
 
 use std::ffi::OsString;
 

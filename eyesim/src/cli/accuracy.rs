@@ -43,7 +43,7 @@ pub struct AccuracyArgs {
 /// # Errors
 /// If a study does not exist, a page lacks the markers for the tables, or a file cannot be written.
 pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
-    let studies = chosen(&args.studies)?;
+    let studies = selected_studies(&args.studies)?;
     let is_json_printed = args.json.as_deref() == Some(Path::new("-"));
     let json_file = args.json.as_deref().filter(|_| !is_json_printed);
     let json = json_file.map(|path| ("--json", path));
@@ -59,10 +59,10 @@ pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let mut rows = Vec::new();
     for study in studies {
-        let begin = Instant::now();
+        let start = Instant::now();
         eprintln!("{}: {} ...", study.name, study.title);
         let outcome = (study.run)(effort);
-        eprintln!("{}: measured in {:.1} s", study.name, begin.elapsed().as_secs_f64());
+        eprintln!("{}: measured in {:.1} s", study.name, start.elapsed().as_secs_f64());
         let table = format!("{}\n\n{}\n", study.title, text_table(&outcome.rows));
         let written = if is_json_printed { io::stderr().write_all(table.as_bytes()) } else { print(&table) };
         written.context("the table")?;
@@ -70,7 +70,7 @@ pub fn run(args: &AccuracyArgs) -> anyhow::Result<ExitCode> {
             write_figures(folder, &study, &outcome)?;
         }
         if let Some(page) = &mut page {
-            page.set(study.name, &markdown_table(&outcome.rows))?;
+            page.insert(study.name, &markdown_table(&outcome.rows))?;
         }
         rows.extend(outcome.rows);
     }
@@ -93,21 +93,21 @@ fn check_folder(folder: &Path) -> io::Result<()> {
     tempfile::tempfile_in(folder).map(|_| ())
 }
 
-/// The studies of these names, or all.
-fn chosen(names: &[String]) -> anyhow::Result<Vec<Study>> {
+/// The studies with these names; all studies if there are none.
+fn selected_studies(names: &[String]) -> anyhow::Result<Vec<Study>> {
     if names.is_empty() {
         return Ok(STUDIES.to_vec());
     }
     let find = |name: &String| {
         STUDIES.iter().find(|study| study.name == name).copied().ok_or_else(|| {
-            let all: Vec<&str> = STUDIES.iter().map(|study| study.name).collect();
-            anyhow!("there is no study `{name}`, accepted: {}", all.join(", "))
+            let names: Vec<&str> = STUDIES.iter().map(|study| study.name).collect();
+            anyhow!("there is no study `{name}`, accepted: {}", names.join(", "))
         })
     };
     names.iter().map(find).collect()
 }
 
-/// Writes the plot of the rows and the study's other plots.
+/// Writes the plot of the rows, and the other plots of the study.
 fn write_figures(folder: &Path, study: &Study, outcome: &Outcome) -> anyhow::Result<()> {
     let plot = Figure::of_rows(study.title, &outcome.rows);
     for figure in plot.iter().chain(&outcome.figures) {
@@ -118,7 +118,7 @@ fn write_figures(folder: &Path, study: &Study, outcome: &Outcome) -> anyhow::Res
     Ok(())
 }
 
-const HEADS: [&str; 4] = ["method", "setting", "error", "time"];
+const HEADINGS: [&str; 4] = ["method", "setting", "error", "time"];
 
 fn cells(row: &Row) -> [String; 4] {
     let error = if row.error == 0.0 { "0".to_owned() } else { format!("{:.1e}", row.error) };
@@ -140,7 +140,7 @@ fn duration(nanoseconds: f64) -> String {
 
 /// Table for a terminal.
 fn text_table(rows: &[Row]) -> String {
-    let lines: Vec<[String; 4]> = std::iter::once(HEADS.map(str::to_owned)).chain(rows.iter().map(cells)).collect();
+    let lines: Vec<[String; 4]> = std::iter::once(HEADINGS.map(str::to_owned)).chain(rows.iter().map(cells)).collect();
     let widths: [usize; 4] =
         std::array::from_fn(|column| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or_default());
     let mut text = String::new();
@@ -154,7 +154,7 @@ fn text_table(rows: &[Row]) -> String {
 
 /// Table for a page of the docs.
 fn markdown_table(rows: &[Row]) -> String {
-    let mut text = format!("| {} |\n|---|---|---|---|\n", HEADS.join(" | "));
+    let mut text = format!("| {} |\n|---|---|---|---|\n", HEADINGS.join(" | "));
     for row in rows {
         let _ = writeln!(text, "| {} |", cells(row).join(" | "));
     }
@@ -177,7 +177,7 @@ impl MarkdownPage {
     }
 
     /// Inserts the table of a study between its markers.
-    fn set(&mut self, study: &str, table: &str) -> anyhow::Result<()> {
+    fn insert(&mut self, study: &str, table: &str) -> anyhow::Result<()> {
         let range = self.range_of(study)?;
         self.text.replace_range(range, &format!("\n{table}"));
         Ok(())
@@ -185,15 +185,15 @@ impl MarkdownPage {
 
     /// Byte range of a study's table, between its two markers.
     fn range_of(&self, study: &str) -> anyhow::Result<Range<usize>> {
-        let begin = format!("<!-- accuracy: {study} -->");
+        let marker = format!("<!-- accuracy: {study} -->");
         let path = self.path.display();
-        let Some(start) = self.text.find(&begin).map(|at| at + begin.len()) else {
+        let Some(start) = self.text.find(&marker).map(|position| position + marker.len()) else {
             bail!(
-                "--page `{path}` has no place for the table of `{study}`: expected a line `{begin}`, and later `{END}`"
+                "--page `{path}` has no place for the table of `{study}`: expected a line `{marker}`, and later `{END}`"
             )
         };
         let Some(length) = self.text[start..].find(END) else {
-            bail!("--page `{path}`: expected `{END}` after `{begin}`")
+            bail!("--page `{path}`: expected `{END}` after `{marker}`")
         };
         Ok(start..start + length)
     }
@@ -219,22 +219,22 @@ mod tests {
     }
 
     #[test]
-    fn a_table_goes_between_its_marks_again_and_again() {
+    fn table_is_replaced_between_its_markers() {
         let mut page = MarkdownPage {
             path: PathBuf::from("p.md"),
             text: "a\n<!-- accuracy: drive -->\nold\n<!-- end -->\nb <!-- end -->\n".to_owned(),
         };
         for _ in 0..2 {
-            page.set("drive", &markdown_table(&[row(0.0, 5.0)])).expect("there is a place");
+            page.insert("drive", &markdown_table(&[row(0.0, 5.0)])).expect("there is a place");
             let table = "| method | setting | error | time |\n|---|---|---|---|\n\
                          | closed-form | slot of 1 ms | 0 m | 5.00 ns a second |\n";
             assert_eq!(page.text, format!("a\n<!-- accuracy: drive -->\n{table}<!-- end -->\nb <!-- end -->\n"));
         }
-        assert!(page.set("contact", "").is_err_and(|error| error.to_string().contains("accuracy: contact")));
+        assert!(page.insert("contact", "").is_err_and(|error| error.to_string().contains("accuracy: contact")));
     }
 
     #[test]
-    fn the_table_is_aligned() {
+    fn columns_are_aligned() {
         let text = text_table(&[row(1.3e-10, 5.0), row(0.0, 1e12)]);
         assert_eq!(
             text,

@@ -74,8 +74,9 @@ fn check_files(files: &[PathBuf], output: &Path) -> anyhow::Result<()> {
             );
         }
     }
-    let is_header =
-        output.extension().is_some_and(|extension| ["h", "hpp"].iter().any(|h| extension.eq_ignore_ascii_case(h)));
+    let is_header = output
+        .extension()
+        .is_some_and(|extension| ["h", "hpp"].iter().any(|header| extension.eq_ignore_ascii_case(header)));
     let is_source = is_header || Language::of(output).is_some();
     if is_source {
         bail!("the library would be written over `{}`: give it a name that ends in `.so`", output.display());
@@ -93,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn sources_are_not_overwritten_and_other_files_not_compiled() {
+    fn sources_are_not_overwritten_and_objects_not_compiled() {
         assert_eq!(check(&["maze.c", "MAP.C", "plan.cpp"], "maze.so"), Ok(()));
         assert!(check(&["maze.c"], "map.c").expect_err("a source").contains("written over `map.c`"));
         assert!(check(&["maze.o"], "maze.so").expect_err("an object").contains("`maze.o` is no C or C++ source"));

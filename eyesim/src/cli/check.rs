@@ -81,7 +81,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 /// Outcome of a check of several files.
 #[derive(Debug, Default)]
 pub struct Checked {
-    /// Diagnostics; a mistake in a file that several others name is listed once.
+    /// Diagnostics. A mistake in a file to which several others refer is listed once.
     pub diagnostics: Vec<Diagnostic>,
     /// The files that were read, each once.
     pub inputs: Vec<InputFile>,
@@ -95,7 +95,7 @@ impl Checked {
         is_rejected(&self.diagnostics, strict)
     }
 
-    /// `2 files checked: no mistakes`, or the numbers of errors and warnings.
+    /// Summary for the user: `2 files checked: no mistakes`, or the numbers of errors and warnings.
     pub fn summary(&self) -> String {
         let files = plural(self.inputs.len(), "file");
         if self.diagnostics.is_empty() {
@@ -128,11 +128,11 @@ fn check_one(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_progr
         "scen" => load_scenarios(name, files).1,
         extension if extension == "txt" || WORLD_EXTENSIONS.contains(&extension) => {
             let rules = CellRules { dialect: overrides.dialect, cell: overrides.maze_cell };
-            with_looks(sim_format::load_world_with(name, rules, files), files, |_| ())
+            with_meshes_and_images(sim_format::load_world_with(name, rules, files), files, |_| ())
         }
         "esobj" => {
             let (object, loaded) = sim_format::load_object(name, files);
-            with_looks(loaded, files, |reader| object.iter().for_each(|object| drop(reader.object(object))))
+            with_meshes_and_images(loaded, files, |reader| object.iter().for_each(|object| drop(reader.object(object))))
         }
         "robi" => check_robi(name, files),
         "toml" if is_suite_file(name, files) => check_suite(name, files),
@@ -161,7 +161,7 @@ pub(super) fn is_suite_file(name: &str, files: &dyn Files) -> bool {
     is_suite(name, &text)
 }
 
-/// A suite and the scene of its first case.
+/// Checks a suite and the scene of its first case.
 fn check_suite(name: &str, files: &dyn Files) -> Loaded {
     let LoadedSuite { suite, mut loaded } = load_suite(name, files);
     loaded.diagnostics.extend(unknown_forbidden(&suite.file, &suite.forbid));
@@ -181,7 +181,7 @@ pub(super) fn is_noise(name: &str, files: &dyn Files) -> bool {
 const EXTENSIONS: [&str; 6] = ["sim", "wld", "maz", "maze", "robi", "esObj"];
 
 fn check_sim(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_program: &FindProgram<'_>) -> Loaded {
-    let mut loaded = with_looks(sim_format::check_scene(name, overrides, files), files, |_| ());
+    let mut loaded = with_meshes_and_images(sim_format::check_scene(name, overrides, files), files, |_| ());
     // Only a warning, since EyeSim reads the file and places the robot nevertheless.
     let missing = missing_programs(&loaded.scene, Severity::Warning, find_program);
     loaded.diagnostics.extend(missing);
@@ -195,23 +195,28 @@ fn check_sim(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_progr
 
 fn check_robi(name: &str, files: &dyn Files) -> Loaded {
     let (robi, loaded) = sim_format::load_robi(name, files);
-    with_looks(loaded, files, |reader| robi.iter().for_each(|robi| drop(reader.robot(robi))))
+    with_meshes_and_images(loaded, files, |reader| robi.iter().for_each(|robi| drop(reader.robot(robi))))
 }
 
-/// Adds the diagnostics of the meshes and images of a scene, and of the diagnostics that `others` reads.
-pub(super) fn with_looks(mut loaded: Loaded, files: &dyn Files, others: impl FnOnce(&mut MeshReader<'_>)) -> Loaded {
+/// Adds the diagnostics of the meshes and images of a scene, and of those that `read_others` reads.
+pub(super) fn with_meshes_and_images(
+    mut loaded: Loaded,
+    files: &dyn Files,
+    read_others: impl FnOnce(&mut MeshReader<'_>),
+) -> Loaded {
     let mut reader = MeshReader::new(files);
     let SceneSpec { world, robots, objects, .. } = &loaded.scene;
     drop(reader.floor(world));
     robots.iter().for_each(|robot| drop(reader.robot(&robot.robi)));
     objects.iter().for_each(|object| drop(reader.object(&object.kind)));
-    others(&mut reader);
+    read_others(&mut reader);
     let (diagnostics, inputs) = reader.finish();
     // Meshes that range sensors see have been read with the scene.
-    let new: Vec<Diagnostic> = diagnostics.into_iter().filter(|it| !loaded.diagnostics.contains(it)).collect();
-    loaded.diagnostics.extend(new);
-    let new: Vec<InputFile> = inputs.into_iter().filter(|it| !loaded.inputs.contains(it)).collect();
-    loaded.inputs.extend(new);
+    let new_diagnostics: Vec<Diagnostic> =
+        diagnostics.into_iter().filter(|diagnostic| !loaded.diagnostics.contains(diagnostic)).collect();
+    loaded.diagnostics.extend(new_diagnostics);
+    let new_inputs: Vec<InputFile> = inputs.into_iter().filter(|input| !loaded.inputs.contains(input)).collect();
+    loaded.inputs.extend(new_inputs);
     loaded
 }
 
@@ -225,8 +230,8 @@ fn on_file(code: Code, name: &str, message: &str, expected: &str) -> Diagnostic 
 fn unknown_kind(name: &str) -> Diagnostic {
     let expected = "a name that ends in .sim, .scene.toml, .suite.toml, .noise.toml, .robi, .toml, .wld, .maz, .maze or .esObj, \
          or of a map or maze of another program: .yaml, .pgm, .pbm, .map, .scen, .world, .num, .txt";
-    let is_program =
-        Language::of(Path::new(name)).is_some() || [".py", ".rs", ".so"].iter().any(|it| name.ends_with(it));
+    let is_program = Language::of(Path::new(name)).is_some()
+        || [".py", ".rs", ".so"].iter().any(|extension| name.ends_with(extension));
     let message = match is_program {
         true => {
             "this is a program: `eyesim run` builds it with the scene that names it, and `eyesim cc` a program in C alone"
@@ -246,21 +251,21 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
             names.push(files.name(path));
             continue;
         }
-        let before = (names.len(), diagnostics.len());
-        let mut take = |found: &Path| {
+        let previous_counts = (names.len(), diagnostics.len());
+        let mut add_file = |found: &Path| {
             let name = files.name(found);
-            let is_toml = found.extension().is_some_and(|it| it == "toml");
-            let is_ours = || is_scene(&name, files) || is_noise(&name, files) || is_suite_file(&name, files);
-            if is_known(found) || is_toml && is_ours() {
+            let is_toml = found.extension().is_some_and(|extension| extension == "toml");
+            let is_own_format = || is_scene(&name, files) || is_noise(&name, files) || is_suite_file(&name, files);
+            if is_known(found) || is_toml && is_own_format() {
                 names.push(name);
             }
         };
-        walk(path, &mut take, &mut |folder, error| {
+        walk(path, &mut add_file, &mut |folder, error| {
             let message = format!("the folder cannot be read: {error}");
             let expected = "a folder that can be read";
             diagnostics.push(on_file(Code::FileUnreadable, &slashed(folder), &message, expected));
         });
-        if (names.len(), diagnostics.len()) == before {
+        if (names.len(), diagnostics.len()) == previous_counts {
             let expected = format!("a folder with files that end in .{} or .scene.toml", EXTENSIONS.join(", ."));
             let message = "there is no file in this folder that eyesim reads";
             diagnostics.push(on_file(Code::FolderEmpty, &slashed(path), message, &expected));
@@ -270,32 +275,36 @@ fn expand(paths: &[PathBuf], files: &mut DiskFiles) -> (Vec<String>, Vec<Diagnos
 }
 
 /// Visits all files below `folder`, in the order of their names. Hidden folders, and folders that are symbolic links
-/// (which may form cycles), are left out.
-pub(super) fn walk(folder: &Path, file: &mut dyn FnMut(&Path), unreadable: &mut dyn FnMut(&Path, &std::io::Error)) {
+/// (which may form cycles), are skipped.
+pub(super) fn walk(
+    folder: &Path,
+    visit: &mut dyn FnMut(&Path),
+    report_unreadable: &mut dyn FnMut(&Path, &std::io::Error),
+) {
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
         let listed = std::fs::read_dir(&folder).and_then(Iterator::collect::<std::io::Result<Vec<_>>>);
         let mut entries = match listed {
             Ok(entries) => entries,
             Err(error) => {
-                unreadable(&folder, &error);
+                report_unreadable(&folder, &error);
                 continue;
             }
         };
         entries.sort_by_key(std::fs::DirEntry::file_name);
-        let mut below = Vec::new();
+        let mut subfolders = Vec::new();
         for entry in entries {
             // `./a.wld` and `a.wld` are one file.
             let path = entry.path();
             let path = path.strip_prefix(".").unwrap_or(&path);
             let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
             if is_folder && !entry.file_name().as_encoded_bytes().starts_with(b".") {
-                below.push(path.to_owned());
+                subfolders.push(path.to_owned());
             } else if !is_folder && path.is_file() {
-                file(path);
+                visit(path);
             }
         }
-        folders.extend(below.into_iter().rev());
+        folders.extend(subfolders.into_iter().rev());
     }
 }
 
@@ -341,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn each_mistake_of_a_world_has_line_column_and_expected() {
+    fn each_mistake_in_a_world_has_a_location_and_an_expectation() {
         let (folder, names) = folder(&[("a.wld", BROKEN)]);
         let checked = check(&names, Overrides::default(), &DiskFiles::with_home(folder.path()), &find_all);
         let with_span: Vec<_> = checked.diagnostics.iter().filter(|diagnostic| diagnostic.span.line > 0).collect();
@@ -358,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sim_is_checked_with_its_programs() {
+    fn programs_of_a_sim_file_are_checked() {
         let sim = "world a.wld\nrobi r.robi p.so 100 1 0\nrobi r.robi p.so 400 2 0\n";
         let robi = "wheel 54 3600 1000 90\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
         let (folder, names) = folder(&[("s.sim", sim), ("r.robi", robi), ("a.wld", "floor 1000 1000")]);
@@ -372,14 +381,14 @@ mod tests {
     }
 
     #[test]
-    fn warnings_reject_only_when_strict() {
+    fn warnings_are_rejected_only_if_strict() {
         let (folder, names) = folder(&[("a.wld", "floor 1 1\n1 2 3\n")]);
         let checked = check(&names, Overrides::default(), &DiskFiles::with_home(folder.path()), &find_all);
         assert_eq!((checked.is_rejected(false), checked.is_rejected(true)), (false, true));
     }
 
     #[test]
-    fn files_without_a_kind_and_missing_files_are_errors() {
+    fn unknown_and_missing_files_are_errors() {
         let (folder, _) = folder(&[]);
         fs::write(folder.path().join("a.doc"), "").expect("a file");
         let names = ["a.doc", "a.maz"].map(|name| slashed(&folder.path().join(name)));
@@ -408,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn the_command_line_is_understood() {
+    fn command_line_is_parsed() {
         #[derive(clap::Parser)]
         struct Cli {
             #[command(flatten)]

@@ -17,7 +17,7 @@ pub struct ChildArgs {
     pub debugged: bool,
 }
 
-/// Runs the command; the standard input is the channel to the host.
+/// Runs the command; standard input is the connection to the host.
 ///
 /// # Errors
 /// If `eyesim run` has not started it.

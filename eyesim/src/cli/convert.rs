@@ -1,4 +1,4 @@
-//! `eyesim convert`: converts a file into another form; `eyesim schema`: the JSON schemas of scenes and suites for editors.
+//! `eyesim convert`: converts a file into another format; `eyesim schema`: the JSON schemas of scenes and suites for editors.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -47,9 +47,9 @@ pub struct ConvertArgs {
 /// If an output exists and may not be replaced, is also an input, or cannot be written.
 pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     let mut files = DiskFiles::of_environment();
-    // References are rewritten relative to the other folder, so both paths must have the same root.
-    let same_root = args.file.is_absolute() == args.output.is_absolute();
-    let rooted = |path: &Path| if same_root { Ok(path.to_owned()) } else { std::path::absolute(path) };
+    // References are rewritten relative to the output folder, so both paths must be relative or both absolute.
+    let have_same_root = args.file.is_absolute() == args.output.is_absolute();
+    let rooted = |path: &Path| if have_same_root { Ok(path.to_owned()) } else { std::path::absolute(path) };
     let from = rooted(&args.file).context("no working folder")?;
     let to = rooted(&args.output).context("no working folder")?;
     let search = search_path(&files).context("no working folder")?;
@@ -73,7 +73,7 @@ pub fn run(args: &ConvertArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Refuses, before anything is written, to replace an input or, without `force`, any existing file.
+/// Checks that no output would replace an input or, without `force`, any existing file.
 fn check_outputs(converted: &Converted, force: bool) -> anyhow::Result<()> {
     let inputs: Vec<PathBuf> =
         converted.inputs.iter().filter_map(|input| std::fs::canonicalize(&input.path).ok()).collect();

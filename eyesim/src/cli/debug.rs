@@ -1,4 +1,5 @@
-//! `eyesim debug`: a run with the program of one robot in gdb. Simulated time stands still while the program is stopped.
+//! `eyesim debug`: runs a scene with the program of one robot in gdb. While the program is stopped, simulated time does
+//! not advance.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -76,25 +77,25 @@ pub fn run(args: &DebugArgs) -> anyhow::Result<ExitCode> {
         quiet: true,
         ..RunArgs::of_scene(&args.sim)?
     };
-    let (robot, program) = choose(args)?;
+    let (robot, program) = choose_robot(args)?;
     if program.to_ascii_lowercase().ends_with(".py") {
         bail!("`{program}` is a Python program, of which gdb knows nothing: `print` tells of it at its virtual time");
     }
     let mut breakpoints = args.breakpoints.clone();
     if breakpoints.is_empty() {
-        breakpoints.push(main_of(&program));
+        breakpoints.push(location_of_main(&program));
     }
     run.debug = Some(DebugTarget { robot, debugger: Debugger { breakpoints, arguments: args.gdb.clone() } });
     interrupt::leave_interrupts_to_debugger();
     run::run(&run)
 }
 
-/// Robot to be debugged and the name of its program.
-fn choose(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
+/// Finds the robot to be debugged, and the name of its program.
+fn choose_robot(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
     let mut files = DiskFiles::of_environment();
     let overrides = Overrides { seed: args.seed, ..Overrides::default() };
     let loaded = load_scene_with(&files.name(&args.sim), overrides, &files);
-    if let Some(error) = loaded.diagnostics.iter().find(|it| it.severity == Severity::Error) {
+    if let Some(error) = loaded.diagnostics.iter().find(|diagnostic| diagnostic.severity == Severity::Error) {
         bail!("{error}");
     }
     let mut scene = loaded.scene;
@@ -111,7 +112,7 @@ fn choose(args: &DebugArgs) -> anyhow::Result<(RobotId, String)> {
 }
 
 /// Location of a program's `main` for gdb: the name alone would also match the `main` of eyesim.
-fn main_of(program: &str) -> String {
+fn location_of_main(program: &str) -> String {
     let first = program.split(',').next().unwrap_or(program).replace('\\', "/");
     let file = first.rsplit('/').next().unwrap_or(&first);
     match file.rsplit_once('.') {
@@ -127,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_main_of_a_program_is_not_that_of_eyesim() {
+    fn location_of_main_is_in_the_program() {
         for (program, main) in [
             ("maze.c", "maze.c:main"),
             ("%sim%/programs/maze.cpp", "maze.cpp:main"),
@@ -135,7 +136,7 @@ mod tests {
             ("main.c,map.c", "main.c:main"),
             ("../follow-wall", "follow_wall::main"),
         ] {
-            assert_eq!(main_of(program), main, "{program}");
+            assert_eq!(location_of_main(program), main, "{program}");
         }
     }
 }

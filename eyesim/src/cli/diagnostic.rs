@@ -12,7 +12,7 @@ use sim_format::{Diagnostic, InputFile, Severity};
 
 use super::excerpt::{Excerpt, printable};
 
-/// Maximum number of diagnostics of one file in the human-readable form; the other forms list all.
+/// Maximum number of diagnostics of one file in the human-readable format; the other formats list all.
 const MAX_SHOWN: usize = 20;
 /// Width in columns if there is no terminal.
 const DEFAULT_WIDTH: usize = 100;
@@ -57,11 +57,11 @@ pub enum Colour {
 /// Output stream for diagnostics, and its capabilities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Screen {
-    /// The stream is a terminal.
+    /// True if the stream is a terminal.
     pub is_terminal: bool,
     /// Width in columns.
     pub width: usize,
-    /// Colours may be used; nothing is shown by colour alone.
+    /// True if colours may be used; nothing is shown by colour alone.
     pub has_colour: bool,
 }
 
@@ -145,10 +145,10 @@ pub fn print(text: &str) -> std::io::Result<()> {
     }
 }
 
-/// One line for editors.
+/// Formats a diagnostic as one line, for editors.
 fn short(diagnostic: &Diagnostic) -> String {
     let mut text = diagnostic.to_string();
-    // Messages on numbers and on TOML name what was found, not what was expected.
+    // The messages of these codes say what was found, but not what was expected.
     let code = diagnostic.code.name();
     match &diagnostic.suggestion {
         Some(suggestion) => text.push_str(&format!("; {suggestion}")),
@@ -165,7 +165,7 @@ fn short(diagnostic: &Diagnostic) -> String {
 fn human(diagnostics: &[Diagnostic], inputs: &[InputFile], screen: Screen) -> String {
     let mut out = String::new();
     let mut texts: BTreeMap<&str, Option<String>> = BTreeMap::new();
-    let (shown, left_out) = choose(diagnostics);
+    let (shown, omitted) = choose(diagnostics);
     for diagnostic in shown {
         let text = texts.entry(&diagnostic.file).or_insert_with(|| {
             let input = inputs.iter().find(|input| input.path == diagnostic.file);
@@ -178,28 +178,28 @@ fn human(diagnostics: &[Diagnostic], inputs: &[InputFile], screen: Screen) -> St
         _ = handler(diagnostic.severity, screen).render_report(&mut out, &report);
         out.push('\n');
     }
-    for (file, left_out) in left_out {
-        let line = format!("... and {} more in {file}: `--format short` lists all", left_out);
+    for (file, omitted) in omitted {
+        let line = format!("... and {} more in {file}: `--format short` lists all", omitted);
         out.push_str(&format!("{}\n\n", printable(&line).style(screen.dim())));
     }
     // miette leaves blanks at the ends of lines.
     out.lines().map(|line| format!("{}\n", line.trim_end())).collect()
 }
 
-/// Diagnostics to show, and the number left out of each file; if a file has too many, errors take precedence over warnings.
+/// Diagnostics to show, and the number omitted of each file; if a file has too many, errors take precedence over warnings.
 fn choose(diagnostics: &[Diagnostic]) -> (Vec<&Diagnostic>, BTreeMap<&str, usize>) {
     let mut by_severity: Vec<(usize, &Diagnostic)> = diagnostics.iter().enumerate().collect();
     by_severity.sort_by_key(|(_, diagnostic)| std::cmp::Reverse(diagnostic.severity));
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     by_severity.retain(|(_, diagnostic)| {
-        let counts = counts.entry(&diagnostic.file).or_default();
-        *counts += 1;
-        *counts <= MAX_SHOWN
+        let count = counts.entry(&diagnostic.file).or_default();
+        *count += 1;
+        *count <= MAX_SHOWN
     });
     by_severity.sort_by_key(|(index, _)| *index);
-    let left_out =
-        counts.into_iter().filter(|(_, counts)| *counts > MAX_SHOWN).map(|(file, counts)| (file, counts - MAX_SHOWN));
-    (by_severity.into_iter().map(|(_, diagnostic)| diagnostic).collect(), left_out.collect())
+    let omitted =
+        counts.into_iter().filter(|(_, count)| *count > MAX_SHOWN).map(|(file, count)| (file, count - MAX_SHOWN));
+    (by_severity.into_iter().map(|(_, diagnostic)| diagnostic).collect(), omitted.collect())
 }
 
 /// Renderer in the colours of a severity.
@@ -241,8 +241,8 @@ impl fmt::Display for Report<'_> {
             }
             f.write_str(": ")?;
         }
-        let head = format!("{severity}[{code}]");
-        write!(f, "{}: {}", head.style(self.screen.severity(*severity)), printable(message))
+        let heading = format!("{severity}[{code}]");
+        write!(f, "{}: {}", heading.style(self.screen.severity(*severity)), printable(message))
     }
 }
 
@@ -288,12 +288,12 @@ mod tests {
         vec![InputFile { path: "a.wld".to_owned(), bytes: text.as_bytes().to_vec() }]
     }
 
-    fn of_world(text: &str) -> Vec<Diagnostic> {
+    fn diagnostics_of(text: &str) -> Vec<Diagnostic> {
         sim_format::read_world("a.wld", text).1
     }
 
-    fn shown(text: &str, screen: Screen) -> String {
-        render(&of_world(text), &input(text), Format::Human, screen).expect("plain text")
+    fn rendered(text: &str, screen: Screen) -> String {
+        render(&diagnostics_of(text), &input(text), Format::Human, screen).expect("plain text")
     }
 
     fn widest(text: &str) -> usize {
@@ -304,7 +304,7 @@ mod tests {
     fn reports_fit_into_any_terminal() {
         let text = "floor 4000 3000\n0 0 4000\t0 ; a wall\nfloor 1OO 100 ; 世界 is wide\nush 100 100 0\npush 0 0 inf\n";
         for width in [40, 80, 200] {
-            let output = shown(text, Screen { width, ..PLAIN });
+            let output = rendered(text, Screen { width, ..PLAIN });
             assert!(widest(&output) <= width, "{output}");
             insta::assert_snapshot!(format!("report-{width}"), output);
         }
@@ -313,8 +313,8 @@ mod tests {
     #[test]
     fn colours_are_added_to_words_and_signs() {
         let text = "floor 10 10\n0 0 1\npush 0 0 inf\n";
-        let coloured = shown(text, Screen { has_colour: true, ..PLAIN });
-        assert_eq!(console::strip_ansi_codes(&coloured), shown(text, PLAIN));
+        let coloured = rendered(text, Screen { has_colour: true, ..PLAIN });
+        assert_eq!(console::strip_ansi_codes(&coloured), rendered(text, PLAIN));
         // Orange and blue of the 256 colours, which do not depend on the user's palette of red and green.
         for sign in ["\x1b[38;5;166;1merror[number-range]", "\x1b[38;5;32;1mwarning[wld-wall-arity]"] {
             assert!(coloured.contains(sign), "{coloured:?}");
@@ -324,18 +324,18 @@ mod tests {
     }
 
     #[test]
-    fn a_hundred_mistakes_of_a_file_are_not_all_shown() {
+    fn only_some_of_many_mistakes_are_shown() {
         let text = format!("floor 9 9\n{}0 0 inf 0\n", "0 0 1\n".repeat(99));
-        let output = shown(&text, PLAIN);
+        let output = rendered(&text, PLAIN);
         assert_eq!(output.matches("warning[wld-wall-arity]").count(), 19);
         assert_eq!(output.matches("error[number-range]").count(), 1, "errors come before warnings");
         assert!(output.ends_with("... and 80 more in a.wld: `--format short` lists all\n\n"), "{output}");
-        assert_eq!(sim_host::launch::check::count(&of_world(&text)), "1 error, 99 warnings in 1 file");
+        assert_eq!(sim_host::launch::check::count(&diagnostics_of(&text)), "1 error, 99 warnings in 1 file");
     }
 
     #[test]
-    fn short_is_one_line_each() {
-        let mut diagnostics = of_world("floor 9 9\n0 0 1\nush 1 2 3\n");
+    fn short_format_has_one_line_per_diagnostic() {
+        let mut diagnostics = diagnostics_of("floor 9 9\n0 0 1\nush 1 2 3\n");
         diagnostics[0].message = "not found\n  tried `a`\n  tried `\x1bb`".to_owned();
         let short = render(&diagnostics, &[], Format::Short, PLAIN).expect("plain text");
         let expected = "a.wld:2:1: warning[wld-wall-arity]: not found; tried `a`; tried `\u{fffd}b`; \
@@ -350,7 +350,7 @@ mod tests {
     #[test]
     fn lines_of_100_kb_are_cut() {
         let text = format!("floor 9 9\n{}\n0 0 1 {}\n", "x".repeat(100_000), "1 ".repeat(50_000));
-        let output = shown(&text, PLAIN);
+        let output = rendered(&text, PLAIN);
         assert!(widest(&output) <= 80 && output.len() < 4000, "{output}");
         assert!(output.contains("╭─[a.wld:2:1]") && output.contains('…'), "{output}");
     }

@@ -21,8 +21,8 @@ use crate::plot::{self, Drawing, PictureKind};
 /// Maximum number of differences between two reports, and of robots of two traces, that are printed.
 const MAX_LINES: usize = 20;
 
-/// Entries of a report that may differ between equal runs: the wall-clock time, and how the run was started.
-const NOT_OF_THE_RUN: [&str; 3] = ["argv", "real_time_s", "eyesim_version"];
+/// Entries of a report that may differ between equal runs: arguments, wall-clock time and version.
+const IGNORED_ENTRIES: [&str; 3] = ["argv", "real_time_s", "eyesim_version"];
 
 /// Arguments of `eyesim diff`.
 #[derive(Args)]
@@ -59,18 +59,18 @@ pub fn run(args: &DiffArgs) -> anyhow::Result<ExitCode> {
     Ok(if is_equal { ExitCode::SUCCESS } else { ExitCode::from(EXIT_PROGRAM) })
 }
 
-/// The report at `path`; none if the file is a trace.
+/// Reads the report at `path`; returns `None` if the file is a trace.
 fn read_report(path: &Path) -> anyhow::Result<Option<Value>> {
     let name = || format!("`{}`", path.display());
     ensure!(std::fs::metadata(path).with_context(name)?.is_file(), "{} is no file", name());
-    let no_trace = match TraceReader::open(path) {
+    let trace_error = match TraceReader::open(path) {
         Ok(_) => return Ok(None),
         Err(error) => error,
     };
     let report: Option<Value> = serde_json::from_slice(&read_regular(path).with_context(name)?).ok();
     match report.filter(|report| report["digest"].is_string() && report["robots"].is_array()) {
         Some(report) => Ok(Some(report)),
-        None => bail!("{} is no report of a run, and {no_trace}", name()),
+        None => bail!("{} is no report of a run, and {trace_error}", name()),
     }
 }
 
@@ -96,7 +96,7 @@ fn diff_values(path: &str, a: &Value, b: &Value, lines: &mut Vec<String>) {
     let join = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
     match (a, b) {
         (Value::Object(a), Value::Object(b)) => {
-            for (name, value) in a.iter().filter(|(name, _)| !NOT_OF_THE_RUN.contains(&name.as_str())) {
+            for (name, value) in a.iter().filter(|(name, _)| !IGNORED_ENTRIES.contains(&name.as_str())) {
                 diff_values(&join(name), value, b.get(name).unwrap_or(&Value::Null), lines);
             }
             for (name, value) in b.iter().filter(|(name, _)| !a.contains_key(*name)) {
@@ -105,8 +105,8 @@ fn diff_values(path: &str, a: &Value, b: &Value, lines: &mut Vec<String>) {
         }
         (Value::Array(a), Value::Array(b)) => {
             for index in 0..a.len().max(b.len()) {
-                let of = |list: &[Value]| list.get(index).cloned().unwrap_or(Value::Null);
-                diff_values(&format!("{path}[{index}]"), &of(a), &of(b), lines);
+                let item = |list: &[Value]| list.get(index).cloned().unwrap_or(Value::Null);
+                diff_values(&format!("{path}[{index}]"), &item(a), &item(b), lines);
             }
         }
         _ if a != b => lines.push(format!("{path}: {a} in A, {b} in B")),
@@ -170,8 +170,8 @@ fn describe(diff: &TraceDiff) -> Result<String, std::fmt::Error> {
     }
     let mut farthest: Vec<_> = diff.paths.iter().filter_map(|(robot, paths)| Some((robot, paths.farthest?))).collect();
     farthest.sort_by(|(_, (a, _)), (_, (b, _))| b.total_cmp(a));
-    for (robot, (distance, at)) in farthest.iter().take(MAX_LINES) {
-        writeln!(text, "r{robot}: up to {} apart, at {at}", length(*distance))?;
+    for (robot, (distance, time)) in farthest.iter().take(MAX_LINES) {
+        writeln!(text, "r{robot}: up to {} apart, at {time}", length(*distance))?;
     }
     if farthest.len() > MAX_LINES {
         writeln!(text, "and {} more robots", farthest.len() - MAX_LINES)?;
@@ -180,10 +180,15 @@ fn describe(diff: &TraceDiff) -> Result<String, std::fmt::Error> {
 }
 
 fn describe_first(text: &mut String, first: &Difference) -> std::fmt::Result {
-    let who = first.robot.map_or("the world".to_owned(), |robot| format!("r{robot}"));
-    writeln!(text, "the runs part at {:.6} s, in the slot that ends at {}: {who}", first.at.seconds(), first.slot_end)?;
+    let subject = first.robot.map_or("the world".to_owned(), |robot| format!("r{robot}"));
+    writeln!(
+        text,
+        "the runs part at {:.6} s, in the slot that ends at {}: {subject}",
+        first.at.seconds(),
+        first.slot_end
+    )?;
     if let Some(last) = &first.last_common {
-        writeln!(text, "  equal up to {}", in_one_line(last))?;
+        writeln!(text, "  equal up to {}", event_text(last))?;
     }
     match &first.events {
         [Some(a), Some(b)] if a.kind == b.kind => {
@@ -196,7 +201,7 @@ fn describe_first(text: &mut String, first: &Difference) -> std::fmt::Result {
         }
         events => {
             for (run, event) in ["A", "B"].iter().zip(events) {
-                let event = event.as_ref().map_or("nothing more in this slot".to_owned(), in_one_line);
+                let event = event.as_ref().map_or("nothing more in this slot".to_owned(), event_text);
                 writeln!(text, "  then in {run}: {event}")?;
             }
         }
@@ -204,8 +209,8 @@ fn describe_first(text: &mut String, first: &Difference) -> std::fmt::Result {
     Ok(())
 }
 
-/// The event as one line, without the adjacent details.
-fn in_one_line(event: &RecordedEvent) -> String {
+/// The fields of the event as one line.
+fn event_text(event: &RecordedEvent) -> String {
     event.fields.to_string()
 }
 

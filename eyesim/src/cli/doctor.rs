@@ -25,27 +25,27 @@ use super::run::print;
 #[derive(Args)]
 pub struct DoctorArgs {}
 
-/// Time in which a tool must tell its version.
+/// Maximum time for a tool to print its version.
 const VERSION_TIMEOUT: Duration = Duration::from_secs(20);
-/// Memory mappings below which robots with private copies of their programs become few; the default of Linux.
+/// Number of memory mappings below which only few robots can have private copies of their programs; the default of Linux.
 const MAPPINGS: u64 = 65_530;
-/// Watches of files below which editors and `eyesim view` compete for them.
+/// Number of file watches below which editors and `eyesim view` may run out of them.
 const WATCHES: u64 = 8_192;
 /// Memory in MiB below which builds of Rust programs may fail.
 const MEMORY_MEBIBYTES: u64 = 1_024;
 
-/// One finding.
+/// Result for one tool or limit.
 struct Finding {
     subject: &'static str,
     answer: Answer,
     purpose: &'static str,
-    /// What to do if it is missing.
+    /// Instruction for the user if it is missing.
     remedy: String,
 }
 
 /// Result of the search for a tool or a limit.
 enum Answer {
-    /// It was found; with its description.
+    /// Description of what was found.
     Found(String),
     Missing,
     /// It exists, but did not answer within this time.
@@ -88,7 +88,7 @@ pub fn run(_: &DoctorArgs) -> anyhow::Result<ExitCode> {
         Ok(cache) => findings.extend(compilers(&tools, cache, &installer)),
         Err(error) => findings.push(Finding::new("cache", "built programs", None, error.to_string())),
     }
-    findings.extend(others(&installer));
+    findings.extend(other_tools(&installer));
     findings.push(sandbox());
     findings.extend(limits());
     findings.extend(cache.ok().map(|cache| {
@@ -123,8 +123,10 @@ fn compilers(tools: &Tools, cache: &Cache, installer: &Installer) -> Vec<Finding
         let found = Compiler::find(language, setting, cache);
         let remedy = found.as_ref().err().map(ToString::to_string).unwrap_or_default();
         let remedy = installer.command(packages).unwrap_or(remedy);
-        let of_host = host::current().map(|host| host.zig_installer.as_str()).filter(|installer| !installer.is_empty());
-        let remedy = of_host.map_or_else(|| remedy.clone(), |of_host| format!("{remedy}; without root: {of_host}"));
+        let installer_without_root =
+            host::current().map(|host| host.zig_installer.as_str()).filter(|installer| !installer.is_empty());
+        let remedy = installer_without_root
+            .map_or_else(|| remedy.clone(), |installer| format!("{remedy}; without root: {installer}"));
         let answer = match &found {
             Ok(compiler) => Answer::Found(compiler.description()),
             Err(CompilerError::Silent { error, .. } | CompilerError::Io(error)) => {
@@ -158,8 +160,8 @@ fn compilers(tools: &Tools, cache: &Cache, installer: &Installer) -> Vec<Finding
     ]
 }
 
-/// Tools that single commands need.
-fn others(installer: &Installer) -> Vec<Finding> {
+/// Tools that only some commands need.
+fn other_tools(installer: &Installer) -> Vec<Finding> {
     let tool = |subject, purpose, command: &str, packages| {
         Finding::new(subject, purpose, version(command, VERSION_TIMEOUT), installer.text(packages))
     };
@@ -190,10 +192,11 @@ fn sandbox() -> Finding {
 /// Limits and environment of this process.
 fn limits() -> Vec<Finding> {
     let number = |path: &str| fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
-    let enough = |value: Option<u64>, min: u64| value.filter(|value| *value >= min).map(|value| value.to_string());
+    let at_least = |value: Option<u64>, min: u64| value.filter(|value| *value >= min).map(|value| value.to_string());
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let locale =
-        ["LC_ALL", "LC_CTYPE", "LANG"].iter().find_map(|name| std::env::var(name).ok().filter(|it| !it.is_empty()));
+    let locale = ["LC_ALL", "LC_CTYPE", "LANG"]
+        .iter()
+        .find_map(|name| std::env::var(name).ok().filter(|locale| !locale.is_empty()));
     let is_utf8 = |locale: &String| locale.to_lowercase().replace('-', "").ends_with("utf8");
     let memory = memory_mebibytes();
     vec![
@@ -201,7 +204,7 @@ fn limits() -> Vec<Finding> {
         Finding::new(
             "memory",
             "many robots, and builds of Rust programs",
-            enough(memory, MEMORY_MEBIBYTES).map(|mebibytes| format!("{mebibytes} MiB")),
+            at_least(memory, MEMORY_MEBIBYTES).map(|mebibytes| format!("{mebibytes} MiB")),
             format!(
                 "{} MiB are left: close other programs, or raise the container's limit",
                 memory.unwrap_or_default()
@@ -210,13 +213,13 @@ fn limits() -> Vec<Finding> {
         Finding::new(
             "mappings",
             "thousands of robots on threads, each with a copy of its program",
-            enough(number("/proc/sys/vm/max_map_count"), MAPPINGS),
+            at_least(number("/proc/sys/vm/max_map_count"), MAPPINGS),
             format!("sudo sysctl vm.max_map_count={MAPPINGS}"),
         ),
         Finding::new(
             "file watches",
             "editors that follow changes of files",
-            enough(number("/proc/sys/fs/inotify/max_user_watches"), WATCHES),
+            at_least(number("/proc/sys/fs/inotify/max_user_watches"), WATCHES),
             "sudo sysctl fs.inotify.max_user_watches=524288",
         ),
         Finding::new(
@@ -225,32 +228,33 @@ fn limits() -> Vec<Finding> {
             locale.filter(is_utf8),
             "export LC_ALL=C.UTF-8",
         ),
-        Finding::new("system", "your questions to others: mention it", Some(surroundings()), ""),
+        Finding::new("system", "your questions to others: mention it", Some(system_description()), ""),
     ]
 }
 
-/// Available memory, the minimum of the machine's and this process's control group's, MiB.
+/// Available memory in MiB: the minimum for the machine and for the control group of this process.
 fn memory_mebibytes() -> Option<u64> {
     let information = fs::read_to_string("/proc/meminfo").ok()?;
     let line = information.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let machine = line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()? / 1024;
-    let of_group =
+    let group_value =
         |file: &str| fs::read_to_string(Path::new("/sys/fs/cgroup").join(file)).ok()?.trim().parse::<u64>().ok();
-    let group = of_group("memory.max").map(|max| max.saturating_sub(of_group("memory.current").unwrap_or(0)) >> 20);
+    let group =
+        group_value("memory.max").map(|max| max.saturating_sub(group_value("memory.current").unwrap_or(0)) >> 20);
     Some(group.map_or(machine, |group| group.min(machine)))
 }
 
 /// The system's name, and whether it is a container or runs within Windows.
-fn surroundings() -> String {
+fn system_description() -> String {
     let name = release().and_then(|text| release_value(&text, "PRETTY_NAME")).unwrap_or_else(|| "Linux".to_owned());
     let kernel = fs::read_to_string("/proc/sys/kernel/osrelease").unwrap_or_default();
     let is_container = Path::new("/.dockerenv").exists() || Path::new("/run/.containerenv").exists();
-    let within = match (kernel.to_lowercase().contains("microsoft"), is_container) {
+    let environment = match (kernel.to_lowercase().contains("microsoft"), is_container) {
         (true, _) => " in WSL",
         (false, true) => " in a container",
         (false, false) => "",
     };
-    format!("{name}{within}, kernel {}", kernel.trim())
+    format!("{name}{environment}, kernel {}", kernel.trim())
 }
 
 fn release() -> Option<String> {
@@ -317,7 +321,7 @@ impl Installer {
         }
     }
 
-    /// The text of [`Installer::command`]; on another system, the packages to look for.
+    /// The command of [`Installer::command`]; on an unknown system, a text with the package to look for.
     fn text(self, packages: [&str; 3]) -> String {
         self.command(packages).unwrap_or_else(|| format!("install the package `{}`, or one like it", packages[0]))
     }
@@ -328,16 +332,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn packages_are_those_of_the_system() {
-        let of = |text: &str| Installer::of_release(text).text(["g++", "gcc-c++", "gcc"]);
-        assert_eq!(of("NAME=x\nID=ubuntu\nID_LIKE=debian\n"), "sudo apt install g++");
-        assert_eq!(of("ID=\"rocky\"\nID_LIKE=\"rhel centos fedora\"\n"), "sudo dnf install gcc-c++");
-        assert_eq!(of("ID=arch\n"), "sudo pacman -S gcc");
-        assert_eq!(of(""), "install the package `g++`, or one like it");
+    fn packages_have_the_names_of_the_system() {
+        let command = |text: &str| Installer::of_release(text).text(["g++", "gcc-c++", "gcc"]);
+        assert_eq!(command("NAME=x\nID=ubuntu\nID_LIKE=debian\n"), "sudo apt install g++");
+        assert_eq!(command("ID=\"rocky\"\nID_LIKE=\"rhel centos fedora\"\n"), "sudo dnf install gcc-c++");
+        assert_eq!(command("ID=arch\n"), "sudo pacman -S gcc");
+        assert_eq!(command(""), "install the package `g++`, or one like it");
     }
 
     #[test]
-    fn a_tool_that_does_not_answer_is_not_missing() {
+    fn silent_tool_is_not_reported_as_missing() {
         let folder = tempfile::tempdir().expect("a folder");
         let tool = folder.path().join("tool");
         fs::write(&tool, "#!/bin/sh\nsleep 1000\n").expect("a script");
@@ -351,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_has_its_remedy() {
+    fn missing_tool_has_a_remedy() {
         let findings = [
             Finding::new("gdb", "`eyesim debug`", Answer::Missing, "sudo apt install gdb"),
             Finding::new("cores", "robots", Some("2".to_owned()), ""),

@@ -23,7 +23,7 @@ pub struct Excerpt {
     file: String,
     /// Shown text: no tabs, no control characters, lines ended by `\n`.
     text: String,
-    /// Number of its first line, from 0.
+    /// Number of the first shown line, from 0.
     first_line: usize,
     lines: usize,
     /// Line and column of the mistake in the file, from 0.
@@ -69,9 +69,8 @@ impl Excerpt {
 }
 
 impl SourceCode for Excerpt {
-    /// Returns the whole text for any span. If no context lines are requested, `miette` asks for the line and column to
-    /// print above the text: the returned position is then the position of the mistake. Otherwise it is the position of
-    /// the first line of the text.
+    /// Returns the whole text for any span. A call without context lines is for the position that `miette` prints above
+    /// the text: it returns the position of the mistake. Any other call returns the position of the first line.
     fn read_span<'a>(
         &'a self,
         _: &SourceSpan,
@@ -79,9 +78,9 @@ impl SourceCode for Excerpt {
         lines_after: usize,
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
         let (line, column) = if lines_before + lines_after == 0 { self.location } else { (self.first_line, 0) };
-        let all = SourceSpan::from(0..self.text.len());
+        let whole_text = SourceSpan::from(0..self.text.len());
         let (file, text) = (self.file.clone(), self.text.as_bytes());
-        Ok(Box::new(MietteSpanContents::new_named(file, text, all, line, column, self.lines)))
+        Ok(Box::new(MietteSpanContents::new_named(file, text, whole_text, line, column, self.lines)))
     }
 }
 
@@ -97,7 +96,7 @@ impl LineWindow {
     /// Reads only as much of the line as can be shown, since lines may be of any length.
     fn around(text: &str, span: Range<usize>, columns: usize) -> Self {
         let before_span = text[..span.start].char_indices().rev();
-        let mut before = span.start;
+        let mut shown_start = span.start;
         let mut is_shifted = false;
         for (count, (index, c)) in before_span.enumerate() {
             if is_break(c) {
@@ -107,12 +106,12 @@ impl LineWindow {
                 is_shifted = true;
                 break;
             }
-            before = index;
+            shown_start = index;
         }
-        let mut left = Cells::of(&text[before..span.start], 0);
+        let mut left = Cells::of(&text[shown_start..span.start], 0);
         if is_shifted || left.width > columns / 2 {
-            let keep = columns / 3;
-            while left.width > keep {
+            let kept_width = columns / 3;
+            while left.width > kept_width {
                 left.pop_front();
                 is_shifted = true;
             }
@@ -129,8 +128,8 @@ impl LineWindow {
         while let Some((index, c)) = characters.next() {
             let cell = cell(c, column);
             let width = measure_text_width(&cell);
-            let room = columns.saturating_sub(column + usize::from(characters.peek().is_some()));
-            if width > room {
+            let available = columns.saturating_sub(column + usize::from(characters.peek().is_some()));
+            if width > available {
                 line.push(CUT);
                 label_end = if span.start + index < span.end { line.len() } else { label_end };
                 break;
@@ -184,20 +183,20 @@ fn head(line: &str, columns: usize) -> String {
     LineWindow::around(line, 0..0, columns).text
 }
 
-/// The line above the line of byte `location`; none if it is too long to help.
+/// The line above the line of byte `offset`; none if it is too long to help.
 fn line_above(text: &str, offset: usize) -> Option<&str> {
     let start = text[..offset].rfind(is_break)?;
     // CR LF is one break.
     let end = if text[..=start].ends_with("\r\n") { start - 1 } else { start };
     let search_start = text.floor_char_boundary(end.saturating_sub(MAX_NEIGHBOUR));
     match text[search_start..end].rfind(is_break) {
-        Some(before) => Some(&text[search_start + before + 1..end]),
+        Some(previous) => Some(&text[search_start + previous + 1..end]),
         None if search_start == 0 => Some(&text[..end]),
         None => None,
     }
 }
 
-/// The line below the line of byte `location`.
+/// The line below the line of byte `offset`.
 fn line_below(text: &str, offset: usize) -> Option<&str> {
     let end = offset + text[offset..].find(is_break)?;
     let next = end + if text[end..].starts_with("\r\n") { 2 } else { 1 };
@@ -242,10 +241,10 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_shown_with_its_neighbours() {
+    fn neighbouring_lines_are_shown() {
         for eol in ["\n", "\r\n", "\r"] {
             let text = ["a", "b", "c d", "e", "f"].join(eol);
-            let start = text.find('d').expect("it is there");
+            let start = text.find('d').expect("the text contains d");
             let excerpt = excerpt(&text, start, start + 1, 3, 3, 80);
             assert_eq!((excerpt.text.as_str(), label(&excerpt)), ("b\nc d\ne", "d"), "{eol:?}");
             assert_eq!((excerpt.first_line, excerpt.lines, excerpt.location), (1, 3, (2, 2)));
@@ -253,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_and_the_last_line_have_one_neighbour() {
+    fn first_and_last_line_have_one_neighbour() {
         let first = excerpt("ab\ncd\n", 0, 2, 1, 1, 80);
         assert_eq!((first.text.as_str(), label(&first), first.first_line), ("ab\ncd", "ab", 0));
         let last = excerpt("ab\ncd\n", 3, 5, 2, 1, 80);
@@ -261,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn the_end_of_a_file_is_a_place() {
+    fn mistake_may_be_at_the_end_of_the_file() {
         for text in ["", "ab", "ab\n", "é"] {
             let excerpt = excerpt(text, text.len(), text.len(), 1 + u32::from(text.ends_with('\n')), 1, 80);
             assert_eq!(label(&excerpt), "", "{text:?}");
@@ -280,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_mistake_is_cut_too() {
+    fn long_mistakes_are_cut() {
         let excerpt = excerpt(&"word ".repeat(40), 0, 200, 1, 1, 40);
         assert_eq!(excerpt.text, "word word word word word word wor…");
         assert_eq!(label(&excerpt), excerpt.text);
@@ -296,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_does_not_steer_the_terminal() {
+    fn control_characters_are_replaced() {
         let text = "\u{feff}a\x1b[2J\0\u{202e}b";
         let excerpt = excerpt(text, 3, text.len(), 1, 1, 80);
         assert_eq!(excerpt.text, "a\u{fffd}[2J\u{fffd}\u{fffd}b");

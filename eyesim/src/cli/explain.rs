@@ -30,7 +30,7 @@ pub struct ExplainArgs {
 /// If nothing can be printed.
 pub fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
     let screen = Screen::of_stdout(args.color);
-    match args.code.as_deref().map(named).transpose() {
+    match args.code.as_deref().map(parse_code).transpose() {
         Ok(Some(code)) => print(&page(code, screen))?,
         Ok(None) => print(&list("", screen))?,
         Err(error) => {
@@ -46,7 +46,7 @@ pub fn run(args: &ExplainArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// Parses a code, bare or as in a message: `error[CODE]`.
-fn named(text: &str) -> Result<Code, UnknownCode> {
+fn parse_code(text: &str) -> Result<Code, UnknownCode> {
     let inner = text.split_once('[').map_or(text, |(_, rest)| rest.trim_end_matches([':', ']']));
     inner.trim().to_lowercase().parse()
 }
@@ -66,14 +66,14 @@ fn list(family: &str, screen: Screen) -> String {
     codes().map(line).collect()
 }
 
-/// The page of a code formatted for a terminal: paragraphs filled, examples indented, links as file names.
+/// The page of a code formatted for a terminal: paragraphs wrapped, examples indented, links as file names.
 fn page(code: Code, screen: Screen) -> String {
     let width = screen.width.min(MAX_WIDTH);
     let mut out = String::new();
     let mut blocks = code.page().split("```");
     while let Some(prose) = blocks.next() {
         for paragraph in prose.split("\n\n").map(str::trim).filter(|paragraph| !paragraph.is_empty()) {
-            out.push_str(&filled(paragraph, width, screen));
+            out.push_str(&wrapped(paragraph, width, screen));
             out.push('\n');
         }
         let Some((tag, example)) = blocks.next().and_then(|block| block.split_once('\n')) else { continue };
@@ -86,8 +86,8 @@ fn page(code: Code, screen: Screen) -> String {
     out.trim_end().to_owned() + "\n"
 }
 
-/// Fills a paragraph into lines of at most `width` columns.
-fn filled(paragraph: &str, width: usize, screen: Screen) -> String {
+/// Wraps a paragraph into lines of at most `width` columns.
+fn wrapped(paragraph: &str, width: usize, screen: Screen) -> String {
     if let Some(heading) = paragraph.strip_prefix("# ") {
         return format!("{}\n", heading.style(screen.bold()));
     }
@@ -122,7 +122,8 @@ fn emphasis(word: &str, screen: Screen) -> (String, Style) {
     (text, style)
 }
 
-/// `[text](../wld.md#push)` as `text (docs/formats/wld.md#push)`; a link to another code as its name.
+/// Replaces Markdown links: `[text](../wld.md#push)` by `text (docs/formats/wld.md#push)`, a link to another code by its
+/// name.
 fn plain_links(text: &str) -> String {
     let mut parts = text.split('[');
     let mut out = parts.next().unwrap_or_default().to_owned();
@@ -158,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn every_page_fits_and_has_no_marks_left() {
+    fn pages_fit_and_contain_no_markup() {
         for code in Code::ALL {
             let text = page(*code, SCREEN);
             let prose = text.lines().filter(|line| !line.starts_with(INDENT));
@@ -169,15 +170,15 @@ mod tests {
     }
 
     #[test]
-    fn codes_are_understood_as_they_are_copied() {
+    fn codes_are_parsed_as_copied_from_messages() {
         for text in ["wld-wall-arity", "WLD-WALL-ARITY", "warning[wld-wall-arity]", "error[wld-wall-arity]:"] {
-            assert_eq!(named(text), Ok(Code::WldWallArity), "{text}");
+            assert_eq!(parse_code(text), Ok(Code::WldWallArity), "{text}");
         }
-        assert_eq!(named("wld-wall-airty").expect_err("misspelt").nearest, Some(Code::WldWallArity));
+        assert_eq!(parse_code("wld-wall-airty").expect_err("misspelt").nearest, Some(Code::WldWallArity));
     }
 
     #[test]
-    fn lists_are_of_all_codes_or_of_a_family() {
+    fn lists_contain_all_codes_or_a_family() {
         assert_eq!(list("", SCREEN).lines().count(), Code::ALL.len());
         assert_eq!((family("wld-wal"), family("maz"), family("banana"), family("")), ("wld", "maz", "", ""));
         assert!(list("wld", SCREEN).lines().all(|line| line.starts_with("wld-")));

@@ -76,7 +76,7 @@ const AFTER_HELP: &str = "Exit codes: 0 graded, regardless of the points, 2 usag
                           continues.";
 
 /// Folder of cached results, in the output folder.
-const KEPT: &str = "graded";
+const CACHED_RESULTS: &str = "graded";
 
 /// A submission with its result.
 struct Student {
@@ -98,7 +98,7 @@ impl Student {
         self.graded.results.iter().filter(|result| result.row.outcome == RowOutcome::Passed).count()
     }
 
-    /// Verdict in words: all variants pass, some do not, or nothing could be run.
+    /// Verdict: `passed` if all variants pass, `error` if no case could be run, otherwise `failed`.
     fn verdict(&self) -> &'static str {
         if self.variants.iter().all(|variant| variant.passed) {
             "passed"
@@ -200,7 +200,7 @@ fn read(args: &GradeArgs, folder: &Path, grader: &Grader) -> anyhow::Result<(Vec
 
 /// Creates the output folder; returns the folder of cached results.
 fn prepare(output: &Path) -> anyhow::Result<PathBuf> {
-    let results_dir = output.join(KEPT);
+    let results_dir = output.join(CACHED_RESULTS);
     let is_in_use = fs::read_dir(output).is_ok_and(|mut entries| entries.next().is_some());
     if is_in_use && !results_dir.is_dir() {
         bail!("-o `{}`: expected an empty folder, or one that `eyesim grade` has written", output.display());
@@ -210,15 +210,15 @@ fn prepare(output: &Path) -> anyhow::Result<PathBuf> {
     Ok(results_dir)
 }
 
-/// Grades the submissions whose results are not cached; `None` if the user has interrupted it.
+/// Grades the submissions whose results are not cached; returns `None` if the user interrupts.
 fn grade(
     args: &GradeArgs,
     grader: &mut Grader,
     submissions: Vec<Submission>,
-    kept: Option<&Path>,
+    results_folder: Option<&Path>,
 ) -> anyhow::Result<Option<Vec<Student>>> {
     let keys: Vec<String> = submissions.iter().map(|submission| grader.key(submission)).collect();
-    let file = |key: &str| Some(kept?.join(format!("{key}.json")));
+    let file = |key: &str| Some(results_folder?.join(format!("{key}.json")));
     let mut results: BTreeMap<String, Graded> = BTreeMap::new();
     let mut missing: Vec<usize> = Vec::new();
     for (index, key) in keys.iter().enumerate() {
@@ -231,9 +231,9 @@ fn grade(
         }
     }
     let jobs = job_count(args.jobs);
-    let same = submissions.len() - missing.len();
-    if !args.quiet && same > 0 {
-        println!("{same} of {} submissions are unchanged or equal to another", submissions.len());
+    let cached_count = submissions.len() - missing.len();
+    if !args.quiet && cached_count > 0 {
+        println!("{cached_count} of {} submissions are unchanged or equal to another", submissions.len());
     }
     let mut count = 0;
     grade_all(grader, &submissions, &missing, jobs, &mut |index, graded| {
@@ -270,7 +270,7 @@ fn grade(
     Ok(Some(submissions.into_iter().zip(keys).map(student).collect::<anyhow::Result<_>>()?))
 }
 
-/// Writes everything into the output folder.
+/// Writes all pages, tables and results into the output folder.
 fn write_all(output: &Path, grader: &Grader, students: &[Student], start: Instant) -> anyhow::Result<()> {
     let folders = ["students", "sources"].map(|name| output.join(name));
     for folder in &folders {
@@ -281,13 +281,13 @@ fn write_all(output: &Path, grader: &Grader, students: &[Student], start: Instan
     let [pages, sources] = folders;
     let mut replays = Replays::default();
     for student in students {
-        let own = pages.join(&student.submission.folder);
+        let student_folder = pages.join(&student.submission.folder);
         let view = View::of(grader, student);
-        write(&own.join("index.html"), student::page(grader, student, &view).as_bytes())?;
-        write(&own.join("results.json"), &results::document(student, &view)?)?;
+        write(&student_folder.join("index.html"), student::page(grader, student, &view).as_bytes())?;
+        write(&student_folder.join("results.json"), &results::document(student, &view)?)?;
         for (name, scene) in &view.replays {
-            if let Some(bytes) = replays.of(grader, student, scene)? {
-                write(&own.join(name), &bytes)?;
+            if let Some(bytes) = replays.archive(grader, student, scene)? {
+                write(&student_folder.join(name), &bytes)?;
             }
         }
         export_sources(&sources, grader, &student.submission)?;
@@ -302,26 +302,26 @@ fn write_all(output: &Path, grader: &Grader, students: &[Student], start: Instan
     write(&output.join("junit.xml"), junit::document(suites, start.elapsed())?.as_bytes())
 }
 
-/// Writes the files of a submission's programs into a flat folder of its own, the layout that similarity checkers read.
+/// Writes the files of a submission's programs into one folder without subfolders, as similarity checkers expect.
 fn export_sources(sources: &Path, grader: &Grader, submission: &Submission) -> anyhow::Result<()> {
-    let own = sources.join(&submission.folder);
+    let folder = sources.join(&submission.folder);
     let Some(choice) = grader.choice(submission) else { return Ok(()) };
     for (path, bytes) in &choice.files {
         let file_name = path.replace('/', "__");
         let name = path.rsplit('/').next().unwrap_or(path);
-        let is_alone = choice.files.keys().filter(|other| other.rsplit('/').next() == Some(name)).count() == 1;
-        write(&own.join(if is_alone { name } else { &file_name }), bytes)?;
+        let is_unique = choice.files.keys().filter(|other| other.rsplit('/').next() == Some(name)).count() == 1;
+        write(&folder.join(if is_unique { name } else { &file_name }), bytes)?;
     }
     Ok(())
 }
 
-/// Archives of scenes, to which the programs of students are added.
+/// Archives of scenes without programs of students, by the path of the scene.
 #[derive(Default)]
 struct Replays(BTreeMap<PathBuf, Pack>);
 
 impl Replays {
-    /// The archive of a scene with the programs of a student; none if the submission has no programs.
-    fn of(&mut self, grader: &Grader, student: &Student, scene: &Path) -> anyhow::Result<Option<Vec<u8>>> {
+    /// Contents of the archive of a scene with the programs of a student; `None` if the submission has no programs.
+    fn archive(&mut self, grader: &Grader, student: &Student, scene: &Path) -> anyhow::Result<Option<Vec<u8>>> {
         let Some(choice) = grader.choice(&student.submission) else { return Ok(None) };
         if !self.0.contains_key(scene) {
             let (mut files, mut options) = (Collected::default(), BTreeMap::new());
@@ -331,7 +331,7 @@ impl Replays {
                 options.extend(grader.option_files(case));
             }
             let pack = files.into_pack(scene, &options)?;
-            pack::check_alone(&pack)?;
+            pack::check_self_contained(&pack)?;
             self.0.insert(scene.to_owned(), pack);
         }
         let mut pack = self.0[scene].clone();
@@ -353,7 +353,7 @@ fn suite_pack(grader: &Grader, path: &Path) -> anyhow::Result<Pack> {
         files.add_scene(grader.own_scene(case)?)?;
     }
     let pack = files.into_pack(path, &BTreeMap::new())?;
-    pack::check_alone(&pack)?;
+    pack::check_self_contained(&pack)?;
     Ok(pack)
 }
 

@@ -1,8 +1,8 @@
 //! `eyesim lsp`: the checks of `eyesim check` as a language server, for editors.
 //!
 //! The server reads an editor's requests from standard input and answers on standard output, by the [Language Server
-//! Protocol](https://microsoft.github.io/language-server-protocol/) 3.17. It holds the texts as they are typed and
-//! reads all other files from the disk. It runs no programs.
+//! Protocol](https://microsoft.github.io/language-server-protocol/) 3.17. It keeps the texts that are open in the editor
+//! and reads all other files from the disk. It runs no programs.
 
 mod documents;
 mod pages;
@@ -44,7 +44,7 @@ pub struct LspArgs {
 /// Runs the command until the editor ends it: exit code 0, or 1 if it ends without the protocol's `shutdown`.
 ///
 /// # Errors
-/// The working folder is unknown, or the other side does not speak the protocol.
+/// The working folder is unknown, or the editor violates the protocol.
 pub fn run(args: &LspArgs) -> anyhow::Result<ExitCode> {
     let LspArgs { stdio: _ } = args;
     let (connection, threads) = Connection::stdio();
@@ -113,7 +113,7 @@ impl Server {
                     Message::Notification(notification) if notification.method == notification::Exit::METHOD => {
                         return Ok(false);
                     }
-                    Message::Notification(notification) => is_changed |= self.take(notification),
+                    Message::Notification(notification) => is_changed |= self.apply(notification),
                     Message::Response(_) => {}
                 }
             }
@@ -127,27 +127,27 @@ impl Server {
         Ok(false)
     }
 
-    /// Applies a notification to the open documents; returns true if a text has changed. Wrong notifications are
+    /// Applies a notification to the open documents; returns true if a text has changed. Invalid notifications are
     /// ignored.
-    fn take(&mut self, notification: Notification) -> bool {
+    fn apply(&mut self, notification: Notification) -> bool {
         let Notification { method, params } = notification;
         match method.as_str() {
             notification::DidOpenTextDocument::METHOD => {
                 let opened: Option<DidOpenTextDocumentParams> = serde_json::from_value(params).ok();
-                opened.is_some_and(|it| self.documents.open(&it.text_document.uri, it.text_document.text))
+                opened.is_some_and(|opened| self.documents.open(&opened.text_document.uri, opened.text_document.text))
             }
             notification::DidChangeTextDocument::METHOD => {
                 let changed: Option<DidChangeTextDocumentParams> = serde_json::from_value(params).ok();
-                let text = |it: DidChangeTextDocumentParams| {
-                    Some((it.text_document.uri, it.content_changes.into_iter().last()?))
+                let text = |changed: DidChangeTextDocumentParams| {
+                    Some((changed.text_document.uri, changed.content_changes.into_iter().last()?))
                 };
                 changed.and_then(text).is_some_and(|(uri, change)| self.documents.open(&uri, change.text))
             }
             notification::DidCloseTextDocument::METHOD => {
                 let closed: Option<DidCloseTextDocumentParams> = serde_json::from_value(params).ok();
-                closed.is_some_and(|it| self.documents.close(&it.text_document.uri))
+                closed.is_some_and(|closed| self.documents.close(&closed.text_document.uri))
             }
-            notification::DidSaveTextDocument::METHOD => true, // of a file, too, that others name
+            notification::DidSaveTextDocument::METHOD => true, // other files may refer to the saved one
             _ => false,
         }
     }
@@ -162,7 +162,7 @@ impl Server {
         by_file.extend(std::mem::take(&mut self.published).into_iter().map(|name| (name, Vec::new())));
         for diagnostic in checked.diagnostics {
             let Some(document) = self.documents.document(&diagnostic.file) else { continue };
-            let converted = editors_diagnostic(&diagnostic, &document);
+            let converted = converted(&diagnostic, &document);
             by_file.entry(diagnostic.file).or_default().push(converted);
         }
         let publish = |(name, diagnostics): (String, Vec<Diagnostic>)| {
@@ -177,9 +177,11 @@ impl Server {
     fn answer(&self, request: Request) -> Response {
         let Request { id, method, params } = request;
         match method.as_str() {
-            request::Completion::METHOD => reply(id, params, |it: CompletionParams| self.completion(&it)),
-            request::HoverRequest::METHOD => reply(id, params, |it: HoverParams| self.hover(&it)),
-            request::GotoDefinition::METHOD => reply(id, params, |it: GotoDefinitionParams| self.definition(&it)),
+            request::Completion::METHOD => reply(id, params, |params: CompletionParams| self.completion(&params)),
+            request::HoverRequest::METHOD => reply(id, params, |params: HoverParams| self.hover(&params)),
+            request::GotoDefinition::METHOD => {
+                reply(id, params, |params: GotoDefinitionParams| self.definition(&params))
+            }
             _ => Response::new_err(id, ErrorCode::MethodNotFound as i32, format!("`{method}` is not answered here")),
         }
     }
@@ -230,7 +232,7 @@ fn reply<P: DeserializeOwned, R: Serialize>(
     }
 }
 
-fn editors_diagnostic(diagnostic: &sim_format::Diagnostic, document: &Document) -> Diagnostic {
+fn converted(diagnostic: &sim_format::Diagnostic, document: &Document) -> Diagnostic {
     let sim_format::Diagnostic { severity, code, span, message, expected, suggestion, .. } = diagnostic;
     let mut text = message.clone();
     if !expected.is_empty() {
@@ -251,7 +253,7 @@ fn editors_diagnostic(diagnostic: &sim_format::Diagnostic, document: &Document) 
     }
 }
 
-/// Completion of a word by `label`, with its explanation.
+/// Completion item with a label and an explanation.
 fn item(label: &str, kind: lsp_types::CompletionItemKind, explanation: &str) -> CompletionItem {
     let explanation = MarkupContent { kind: MarkupKind::Markdown, value: explanation.to_owned() };
     CompletionItem {

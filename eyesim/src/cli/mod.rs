@@ -138,7 +138,7 @@ pub fn main() -> ExitCode {
 /// Runs a command line: the name of the command, then its arguments. Usage errors and help end the process.
 pub fn run_words(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let words: Vec<OsString> = words.into_iter().collect();
-    if let Some(command) = run_of_scene(&words) {
+    if let Some(command) = run_command_for_scene(&words) {
         say(format_args!("error: no command is given: `{command}` runs the scene"));
         return ExitCode::from(EXIT_USAGE);
     }
@@ -187,10 +187,11 @@ fn whole_number(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_invalid| "expected a whole number from 0".to_owned())
 }
 
-/// Command line with `run` before the scene, if it names a scene instead of a subcommand.
-fn run_of_scene(words: &[OsString]) -> Option<String> {
+/// The command `eyesim run SCENE`, if the first argument is a scene instead of a subcommand.
+fn run_command_for_scene(words: &[OsString]) -> Option<String> {
     let scene = Path::new(words.get(1)?);
-    let is_scene = scene.is_file() && scene.extension().is_some_and(|it| it == "sim" || it == "toml");
+    let is_scene =
+        scene.is_file() && scene.extension().is_some_and(|extension| extension == "sim" || extension == "toml");
     is_scene.then(|| format!("eyesim run {}", scene.display()))
 }
 

@@ -86,7 +86,7 @@ pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
 }
 
 impl NewArgs {
-    /// The folder `name` where the user wants it.
+    /// The folder `name` in the folder of `--path`.
     fn folder(&self, name: &str) -> PathBuf {
         if self.path == Path::new(".") { PathBuf::from(name) } else { self.path.join(name) }
     }
@@ -157,8 +157,8 @@ const RESERVED: &[&str] = &[
     "yield",
 ];
 
-/// The command to use for a name that is a path.
-fn split_path(path: &str) -> Option<String> {
+/// Hint with the correct command, for a name that is a path.
+fn path_hint(path: &str) -> Option<String> {
     let path = path.trim_end_matches('/');
     let (folder, name) = path.rsplit_once('/')?;
     let folder = if folder.is_empty() { "/" } else { folder };
@@ -166,11 +166,11 @@ fn split_path(path: &str) -> Option<String> {
 }
 
 fn check_name(name: &str, lang: Language) -> anyhow::Result<()> {
-    let plain = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
-    if !plain || !name.starts_with(|first: char| first.is_ascii_alphabetic()) {
+    let has_valid_characters = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
+    if !has_valid_characters || !name.starts_with(|first: char| first.is_ascii_alphabetic()) {
         bail!(
             "`{name}` is no name for a program: it starts with a letter and has letters, digits, `-` and `_`{}",
-            split_path(name).unwrap_or_default()
+            path_hint(name).unwrap_or_default()
         );
     }
     if lang == Language::Rust && RESERVED.contains(&name.to_ascii_lowercase().as_str()) {
@@ -185,9 +185,9 @@ fn robios_api_folder() -> Option<PathBuf> {
     folder.join("Cargo.toml").is_file().then_some(folder)
 }
 
-/// RoBIOS generation of a program in `lang`: `asked`, or the generation that most programs in `lang` use.
-fn generation(lang: Language, asked: Option<u32>) -> anyhow::Result<Generation> {
-    match (asked, lang) {
+/// RoBIOS generation of a program in `lang`: `requested`, or the generation that most programs in `lang` use.
+fn generation(lang: Language, requested: Option<u32>) -> anyhow::Result<Generation> {
+    match (requested, lang) {
         (Some(6), Language::Python) => bail!("there is no RoBIOS 6 in Python: `--api 7`, or C, C++ or Rust"),
         (Some(7), _) | (None, Language::Cpp | Language::Python) => Ok(Generation::Robios7),
         _ => Ok(Generation::Robios6),
@@ -204,7 +204,7 @@ struct Project<'a> {
 }
 
 impl Project<'_> {
-    /// Its files: path in its folder, and text. `api` is the folder of `robios-api`.
+    /// The files of the program: path in its folder, and text. `api` is the folder of `robios-api`.
     fn files(&self, api: Option<&Path>) -> Vec<(String, String)> {
         let program = match self.lang {
             Language::C => format!("{}.c", self.name),
@@ -346,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_overwritten() {
+    fn existing_folders_are_not_overwritten() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         assert_eq!(new("maze", Language::C, folder.path()), Ok(()));
         let message = new("maze", Language::Rust, folder.path()).expect_err("it is there");
@@ -355,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn unfit_names_are_refused() {
+    fn invalid_names_are_refused() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         for name in ["", "1st", "a b", "../a", "-x", "ä"] {
             assert!(
@@ -377,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn the_files_of_vs_code_are_json_for_any_path() {
+    fn vs_code_files_are_json_for_any_path() {
         let eyesim = r#"/it's "here"\eyesim"#;
         for lang in [Language::C, Language::Rust] {
             let project = Project { name: "maze", lang, generation: Generation::Robios6, eyesim };
@@ -393,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn every_place_in_the_templates_is_filled() {
+    fn all_placeholders_of_the_templates_are_filled() {
         let library = Some(Path::new("/e/robios-api"));
         let python =
             Project { name: "maze", lang: Language::Python, generation: Generation::Robios7, eyesim: "/e/eyesim" };

@@ -20,19 +20,19 @@ pub struct StandardStreams([Option<[u64; 3]>; 2]);
 
 impl StandardStreams {
     /// The current standard streams.
-    pub fn now() -> Self {
+    pub fn current() -> Self {
         Self([1, 2].map(|descriptor| {
             let metadata = std::fs::metadata(format!("/proc/self/fd/{descriptor}")).ok()?;
             Some([metadata.dev(), metadata.ino(), metadata.rdev()])
         }))
     }
 
-    /// Checks that they are still the current ones.
+    /// Checks that the standard streams are still these files.
     ///
     /// # Errors
-    /// A program has closed or replaced one.
+    /// A program has closed or replaced a stream.
     pub fn check(&self) -> anyhow::Result<()> {
-        if Self::now() == *self {
+        if Self::current() == *self {
             return Ok(());
         }
         bail!(
@@ -49,10 +49,10 @@ impl StandardStreams {
 /// # Errors
 /// The first of `outputs` that fails the check.
 pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item = &'a str>) -> anyhow::Result<()> {
-    let mut seen_outputs: Vec<(String, PathBuf)> = Vec::new();
+    let mut seen_files: Vec<(String, PathBuf)> = Vec::new();
     for input in inputs {
         if let Ok(path) = std::fs::canonicalize(input) {
-            seen_outputs.push((format!("the input `{input}`"), path));
+            seen_files.push((format!("the input `{input}`"), path));
         }
     }
     for (option, path) in outputs {
@@ -69,15 +69,15 @@ pub fn check_outputs<'a>(outputs: &[(&str, &Path)], inputs: impl Iterator<Item =
         if canonical.starts_with("/dev") {
             continue;
         }
-        if let Some((what, _)) = seen_outputs.iter().find(|(_, other)| *other == canonical) {
-            bail!("{option} `{path_text}` would overwrite {what}");
+        if let Some((owner, _)) = seen_files.iter().find(|(_, other)| *other == canonical) {
+            bail!("{option} `{path_text}` would overwrite {owner}");
         }
-        seen_outputs.push((format!("what {option} writes"), canonical));
+        seen_files.push((format!("what {option} writes"), canonical));
     }
     Ok(())
 }
 
-/// Options that the user has given.
-pub fn given<'a>(options: &[(&'a str, &'a Option<PathBuf>)]) -> Vec<(&'a str, &'a Path)> {
+/// Options that the user has given, with their files.
+pub fn given_outputs<'a>(options: &[(&'a str, &'a Option<PathBuf>)]) -> Vec<(&'a str, &'a Path)> {
     options.iter().filter_map(|(option, path)| Some((*option, path.as_deref()?))).collect()
 }

@@ -16,7 +16,7 @@ use sim_host::launch::{BuiltScene, Options, Scene, check};
 use sim_host::program::find::ProgramSource;
 use sim_host::record::report::write_atomically;
 
-use super::check::with_looks;
+use super::check::with_meshes_and_images;
 use super::output::say;
 use super::run::{RunArgs, report_diagnostics};
 use crate::pack::{Manifest, Pack, Unpacked};
@@ -72,14 +72,14 @@ pub fn run(args: &PackArgs) -> anyhow::Result<ExitCode> {
     let mut pack = files.into_pack(&args.file, &BTreeMap::new())?;
     pack.manifest.seed = args.seed;
     for program in &args.programs {
-        let path = slashed(normal(Path::new(program.program()))?.strip_prefix(&root)?);
+        let path = slashed(normalized(Path::new(program.program()))?.strip_prefix(&root)?);
         let text = program.to_string();
         let selector = text.strip_suffix(program.program()).unwrap_or_default().to_owned();
         pack.manifest.programs.push((selector, path));
     }
     let bytes = pack.to_bytes()?;
     let count = pack.files.len();
-    check_alone(&pack)?;
+    check_self_contained(&pack)?;
     write_atomically(&args.output, &bytes).with_context(|| format!("cannot write `{}`", args.output.display()))?;
     say(format_args!("wrote `{}`: {count} files, {} kB", args.output.display(), bytes.len().div_ceil(1000)));
     Ok(ExitCode::SUCCESS)
@@ -90,14 +90,14 @@ pub(super) fn is_archive(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("zip"))
 }
 
-/// Files of an archive by their absolute paths.
+/// Files collected for an archive, by their absolute paths.
 #[derive(Default)]
 pub(super) struct Collected(BTreeMap<PathBuf, Vec<u8>>);
 
 impl Collected {
     fn add_all(&mut self, inputs: &[InputFile]) -> anyhow::Result<()> {
         for input in inputs {
-            self.0.insert(normal(Path::new(&input.path))?, input.bytes.clone());
+            self.0.insert(normalized(Path::new(&input.path))?, input.bytes.clone());
         }
         Ok(())
     }
@@ -105,15 +105,15 @@ impl Collected {
     /// Adds a suite with the programs of its checks, but not its scenes.
     pub(super) fn add_suite(&mut self, suite: &Suite) -> anyhow::Result<()> {
         self.add_all(&suite.inputs)?;
-        let of_suite = SceneSpec { checks: suite.spec.checks.clone(), ..SceneSpec::default() };
-        check::scripts(&of_suite).try_for_each(|script| self.add_program(&script))
+        let check_scene = SceneSpec { checks: suite.spec.checks.clone(), ..SceneSpec::default() };
+        check::scripts(&check_scene).try_for_each(|script| self.add_program(&script))
     }
 
     /// Adds a scene with everything that it refers to: worlds, types, meshes, images, programs.
     pub(super) fn add_scene(&mut self, scene: Scene) -> anyhow::Result<()> {
         let mut files = DiskFiles::of_environment();
         let loaded = load_scene_with(&files.name(Path::new(&scene.spec().file)), scene.options().overrides(), &files);
-        let loaded = with_looks(loaded, &files, |_| ());
+        let loaded = with_meshes_and_images(loaded, &files, |_| ());
         report_diagnostics(&loaded.diagnostics, &loaded.inputs, false)?;
         self.add_all(&loaded.inputs)?;
         check::scripts(scene.spec()).try_for_each(|script| self.add_program(&script))?;
@@ -135,7 +135,7 @@ impl Collected {
     /// Adds files that the options name.
     fn add_inputs(&mut self, built: &BuiltScene) -> anyhow::Result<()> {
         for input in built.inputs() {
-            let path = normal(Path::new(&input.path))?;
+            let path = normalized(Path::new(&input.path))?;
             if let Entry::Vacant(vacant) = self.0.entry(path) {
                 let bytes = read_regular(vacant.key()).with_context(|| format!("`{}`", vacant.key().display()))?;
                 vacant.insert(bytes);
@@ -146,18 +146,18 @@ impl Collected {
 
     /// Adds a program with the files of its folder that it includes or imports.
     fn add_program(&mut self, path: &Path) -> anyhow::Result<()> {
-        let mut open = vec![normal(path)?];
+        let mut pending = vec![normalized(path)?];
         let mut seen = BTreeSet::new();
-        while let Some(path) = open.pop() {
+        while let Some(path) = pending.pop() {
             if !seen.insert(path.clone()) {
                 continue;
             }
             let bytes = read_regular(&path).with_context(|| format!("`{}`", path.display()))?;
             let folder = path.parent().unwrap_or(Path::new("/"));
-            for name in mentioned(&path, &String::from_utf8_lossy(&bytes)) {
-                let file = normal(&folder.join(name))?;
+            for name in included_files(&path, &String::from_utf8_lossy(&bytes)) {
+                let file = normalized(&folder.join(name))?;
                 if file.is_file() {
-                    open.push(file);
+                    pending.push(file);
                 }
             }
             self.0.insert(path, bytes);
@@ -165,16 +165,16 @@ impl Collected {
         Ok(())
     }
 
-    /// The archive of these files. `main` is the scene or suite; `options` maps options to those of the files that they
+    /// The archive of these files. `main` is the scene or suite; `options` maps the values of options to the files that they
     /// name.
     pub(super) fn into_pack(self, main: &Path, options: &BTreeMap<String, PathBuf>) -> anyhow::Result<Pack> {
         let root = self.root();
-        let mut manifest = Manifest::new(slashed(normal(main)?.strip_prefix(&root)?));
+        let mut manifest = Manifest::new(slashed(normalized(main)?.strip_prefix(&root)?));
         let home = DiskFiles::of_environment();
-        let home = home.home().and_then(|home| normal(Path::new(home)).ok());
+        let home = home.home().and_then(|home| normalized(Path::new(home)).ok());
         manifest.home = home.and_then(|home| Some(slashed(home.strip_prefix(&root).ok()?)));
-        let option = |(given, path): (&String, &PathBuf)| {
-            anyhow::Ok((given.clone(), slashed(normal(path)?.strip_prefix(&root)?)))
+        let option = |(value, path): (&String, &PathBuf)| {
+            anyhow::Ok((value.clone(), slashed(normalized(path)?.strip_prefix(&root)?)))
         };
         manifest.options = options.iter().map(option).collect::<anyhow::Result<_>>()?;
         let contents = self.0.into_iter().map(|(path, bytes)| anyhow::Ok((slashed(path.strip_prefix(&root)?), bytes)));
@@ -192,36 +192,36 @@ impl Collected {
     }
 }
 
-/// Names of files that a source in C includes between quotation marks, or a program in Python imports.
-fn mentioned(path: &Path, text: &str) -> Vec<String> {
+/// Names of the files that a C source includes (in quotation marks) or that a Python program imports.
+fn included_files(path: &Path, text: &str) -> Vec<String> {
     let is_python = path.extension().is_some_and(|extension| extension == "py");
-    let included = |line: &str| {
+    let included_file = |line: &str| {
         let rest = line.trim_start().strip_prefix('#')?.trim_start().strip_prefix("include")?;
         Some(rest.split('"').nth(1)?.to_owned())
     };
-    let imported = |line: &str| {
+    let imported_file = |line: &str| {
         let rest = line.trim_start();
         let module = rest.strip_prefix("import ").or_else(|| rest.strip_prefix("from "))?;
         let name = module.split([' ', ',', ';']).next()?.replace('.', "/");
         Some(format!("{name}.py"))
     };
-    text.lines().filter_map(|line| if is_python { imported(line) } else { included(line) }).collect()
+    text.lines().filter_map(|line| if is_python { imported_file(line) } else { included_file(line) }).collect()
 }
 
 /// Absolute path without `.` and `..`.
-fn normal(path: &Path) -> anyhow::Result<PathBuf> {
-    let mut normal = PathBuf::new();
+fn normalized(path: &Path) -> anyhow::Result<PathBuf> {
+    let mut result = PathBuf::new();
     for part in std::path::absolute(path)?.components() {
         match part {
-            Component::ParentDir => _ = normal.pop(),
-            part => normal.push(part),
+            Component::ParentDir => _ = result.pop(),
+            part => result.push(part),
         }
     }
-    Ok(normal)
+    Ok(result)
 }
 
 /// Checks that the files of an archive refer to no files outside it.
-pub(super) fn check_alone(pack: &Pack) -> anyhow::Result<()> {
+pub(super) fn check_self_contained(pack: &Pack) -> anyhow::Result<()> {
     let unpacked = pack.clone().unpack()?;
     let home =
         unpacked.manifest().home.as_deref().map_or_else(|| unpacked.folder().to_owned(), |home| unpacked.place(home));
@@ -233,7 +233,7 @@ pub(super) fn check_alone(pack: &Pack) -> anyhow::Result<()> {
     } else {
         load_scene_with(&main, sim_format::Overrides::default(), &files)
     };
-    let loaded = with_looks(loaded, &files, |_| ());
+    let loaded = with_meshes_and_images(loaded, &files, |_| ());
     let outside = loaded.inputs.iter().find(|input| !Path::new(&input.path).starts_with(unpacked.folder()));
     if let Some(input) = outside {
         bail!(
@@ -258,13 +258,13 @@ pub(super) fn unpack(path: &Path) -> anyhow::Result<Unpacked> {
     Ok(unpacked)
 }
 
-/// Programs of an archive, unless `given` has others for the same robots.
+/// Programs of a run: those in `given`, and those of the archive for all other robots.
 pub(super) fn programs(unpacked: &Unpacked, given: &[ProgramOption]) -> anyhow::Result<Vec<ProgramOption>> {
     let mut programs = Vec::new();
     for (selector, path) in &unpacked.manifest().programs {
-        // A name with a comma is the name of one file, or a list of several sources.
-        let several: Vec<&str> = if unpacked.place(path).exists() { vec![path] } else { path.split(',').collect() };
-        let paths: Vec<String> = several.into_iter().map(|path| slashed(&unpacked.place(path))).collect();
+        // A path with a comma is the path of one file, or a list of several paths.
+        let parts: Vec<&str> = if unpacked.place(path).exists() { vec![path] } else { path.split(',').collect() };
+        let paths: Vec<String> = parts.into_iter().map(|path| slashed(&unpacked.place(path))).collect();
         let option = ProgramOption::parse(&format!("{selector}{}", paths.join(",")));
         let option = option.map_err(anyhow::Error::msg)?;
         if !given.iter().any(|other| other.has_robots_of(&option)) {

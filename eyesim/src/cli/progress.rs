@@ -24,10 +24,10 @@ pub struct Building {
 impl Building {
     /// Creates the line on standard error, hidden if standard error is not a terminal.
     pub fn on_stderr() -> Self {
-        Self::drawn_on(ProgressDrawTarget::stderr_with_hz(10))
+        Self::with_target(ProgressDrawTarget::stderr_with_hz(10))
     }
 
-    fn drawn_on(target: ProgressDrawTarget) -> Self {
+    fn with_target(target: ProgressDrawTarget) -> Self {
         let bar = ProgressBar::with_draw_target(None, target);
         // The template is valid; if it were not, the default style would do.
         let style = ProgressStyle::with_template("{spinner} building {wide_msg}");
@@ -83,27 +83,27 @@ pub struct Counts {
     pub ended: usize,
 }
 
-/// Bar drawn at most ten times per second; costs one clock reading per slot, or nothing if it is hidden.
+/// Progress bar, drawn at most ten times per second. It costs one clock reading per slot, or nothing if it is hidden.
 pub struct Progress {
     bar: Option<ProgressBar>,
     until: Time,
-    begin: Instant,
-    next: Instant,
+    start: Instant,
+    next_update: Instant,
 }
 
 impl Progress {
     /// Creates the bar of a run that ends at `until` at the latest ([`Time::NEVER`] if unknown), hidden if standard
     /// error is not a terminal.
     pub fn new(until: Time) -> Self {
-        Self::drawn_on(until, ProgressDrawTarget::stderr_with_hz(10))
+        Self::with_target(until, ProgressDrawTarget::stderr_with_hz(10))
     }
 
     /// A hidden bar.
     pub fn hidden() -> Self {
-        Self::drawn_on(Time::NEVER, ProgressDrawTarget::hidden())
+        Self::with_target(Time::NEVER, ProgressDrawTarget::hidden())
     }
 
-    fn drawn_on(until: Time, target: ProgressDrawTarget) -> Self {
+    fn with_target(until: Time, target: ProgressDrawTarget) -> Self {
         let length = (until != Time::NEVER).then_some(until.0.unsigned_abs());
         let bar = (!target.is_hidden()).then(|| {
             let bar = ProgressBar::with_draw_target(length, target);
@@ -113,7 +113,7 @@ impl Progress {
             bar
         });
         let now = Instant::now();
-        Self { bar, until, begin: now, next: now }
+        Self { bar, until, start: now, next_update: now }
     }
 
     /// Returns true if the bar is visible.
@@ -125,11 +125,11 @@ impl Progress {
     pub fn update(&mut self, now: Time, counts: impl FnOnce() -> Counts) {
         let Some(bar) = &self.bar else { return };
         let instant = Instant::now();
-        if instant < self.next {
+        if instant < self.next_update {
             return;
         }
-        self.next = instant + PERIOD;
-        let factor = now.seconds() / (instant - self.begin).as_secs_f64().max(1e-9);
+        self.next_update = instant + PERIOD;
+        let factor = now.seconds() / (instant - self.start).as_secs_f64().max(1e-9);
         bar.set_position(now.0.clamp(0, self.until.0).unsigned_abs());
         bar.set_message(message(now, self.until, factor, counts()));
         bar.tick();
@@ -139,14 +139,14 @@ impl Progress {
     /// bar is hidden.
     pub fn computing(&self) -> Option<impl FnMut(&str) + Send + use<>> {
         let bar = self.bar.clone()?;
-        let (mut time, mut shown) = (String::new(), String::new());
-        Some(move |words: &str| {
+        let (mut time, mut last_message) = (String::new(), String::new());
+        Some(move |text: &str| {
             let message = bar.message();
-            if message != shown {
+            if message != last_message {
                 time = message.split_inclusive(", ").next().unwrap_or_default().to_owned();
             }
-            shown = format!("{time}{words}");
-            bar.set_message(shown.clone());
+            last_message = format!("{time}{text}");
+            bar.set_message(last_message.clone());
             bar.tick();
         })
     }
@@ -160,40 +160,40 @@ impl Progress {
 
     /// Standard output, whose lines appear above the bar.
     pub fn stdout(&self) -> Box<dyn Write + Send> {
-        self.above(io::stdout(), io::stdout().is_terminal())
+        self.above_bar(io::stdout(), io::stdout().is_terminal())
     }
 
     /// Standard error, whose lines appear above the bar.
     pub fn stderr(&self) -> Box<dyn Write + Send> {
-        self.above(io::stderr(), true)
+        self.above_bar(io::stderr(), true)
     }
 
-    fn above(&self, stream: impl Write + Send + 'static, shares_the_screen: bool) -> Box<dyn Write + Send> {
+    fn above_bar(&self, stream: impl Write + Send + 'static, is_same_screen: bool) -> Box<dyn Write + Send> {
         match &self.bar {
-            Some(bar) if shares_the_screen => Box::new(Above { bar: bar.clone(), stream }),
+            Some(bar) if is_same_screen => Box::new(StreamAboveBar { bar: bar.clone(), stream }),
             _ => Box::new(stream),
         }
     }
 }
 
-/// `12.500 s of 600.000 s, 5200 times real time; 3 running, 1 waiting`.
+/// Message of the bar: `12.500 s of 600.000 s, 5200 times real time; 3 running, 1 waiting`.
 fn message(now: Time, until: Time, factor: f64, counts: Counts) -> String {
-    let of = if until == Time::NEVER { String::new() } else { format!(" of {until}") };
+    let end = if until == Time::NEVER { String::new() } else { format!(" of {until}") };
     let speed = if factor < 10.0 { format!("{factor:.1}") } else { format!("{factor:.0}") };
     let parts = [(counts.running, "running"), (counts.waiting, "waiting"), (counts.ended, "ended")];
     let parts: Vec<_> =
         parts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
     let robots = if parts.is_empty() { String::new() } else { format!("; {}", parts.join(", ")) };
-    format!("{now}{of}, {speed} times real time{robots}")
+    format!("{now}{end}, {speed} times real time{robots}")
 }
 
 /// Stream on the same screen as a bar, which is hidden during each write.
-struct Above<W> {
+struct StreamAboveBar<W> {
     bar: ProgressBar,
     stream: W,
 }
 
-impl<W: Write> Write for Above<W> {
+impl<W: Write> Write for StreamAboveBar<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let stream = &mut self.stream;
         self.bar.suspend(|| {
@@ -259,11 +259,11 @@ mod tests {
 
     fn progress(until: Time) -> (Progress, Screen) {
         let screen = Screen::default();
-        (Progress::drawn_on(until, ProgressDrawTarget::term_like(Box::new(screen.clone()))), screen)
+        (Progress::with_target(until, ProgressDrawTarget::term_like(Box::new(screen.clone()))), screen)
     }
 
     #[test]
-    fn the_bar_tells_time_and_robots() {
+    fn bar_shows_time_and_robots() {
         let (mut progress, screen) = progress(Time::from_millis(600_000));
         progress.update(Time::from_millis(12_500), || Counts { running: 3, waiting: 1, ended: 0 });
         let text = screen.0.lock().clone();
@@ -272,9 +272,9 @@ mod tests {
     }
 
     #[test]
-    fn it_is_drawn_ten_times_a_second_at_the_most() {
+    fn bar_is_drawn_at_most_ten_times_per_second() {
         let (mut progress, _) = progress(Time::NEVER);
-        let begin = progress.begin;
+        let start = progress.start;
         let mut drawn = 0;
         for slot in 0..100_000 {
             progress.update(Time(50_000 * slot), || {
@@ -282,12 +282,12 @@ mod tests {
                 Counts::default()
             });
         }
-        let max_count = 1 + begin.elapsed().as_millis() / PERIOD.as_millis();
+        let max_count = 1 + start.elapsed().as_millis() / PERIOD.as_millis();
         assert!((1..=max_count).contains(&drawn), "{drawn} times, at the most {max_count}");
     }
 
     #[test]
-    fn what_computes_is_shown_with_the_time_until_the_next_slot() {
+    fn computing_program_is_shown_until_the_next_slot() {
         let (mut progress, screen) = progress(Time::NEVER);
         let mut computing = progress.computing().unwrap();
         for location in ["loop.c:5", "loop.c:6"] {
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_appear_above_it() {
+    fn lines_appear_above_the_bar() {
         let (mut progress, screen) = progress(Time::NEVER);
         progress.update(Time(1), Counts::default);
         let before = screen.0.lock().len();
@@ -317,14 +317,14 @@ mod tests {
                 Ok(())
             }
         }
-        progress.above(Stream(screen.clone()), true).write_all(b"[r1 0.000 s] hello\n").unwrap();
+        progress.above_bar(Stream(screen.clone()), true).write_all(b"[r1 0.000 s] hello\n").unwrap();
         let text = screen.0.lock()[before..].to_owned();
         let (cleared, line) = (text.find("<clear>"), text.find("[r1 0.000 s] hello"));
         assert!(cleared.is_some() && cleared < line, "{text}");
     }
 
     #[test]
-    fn it_leaves_the_screen_clean() {
+    fn cleared_bar_leaves_no_text() {
         let (mut progress, screen) = progress(Time(1));
         progress.update(Time(1), Counts::default);
         progress.clear();
@@ -333,9 +333,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_being_built_is_named_until_it_is_done() {
+    fn programs_are_named_while_they_are_built() {
         let screen = Screen::default();
-        let building = Building::drawn_on(ProgressDrawTarget::term_like(Box::new(screen.clone())));
+        let building = Building::with_target(ProgressDrawTarget::term_like(Box::new(screen.clone())));
         assert_eq!(*screen.0.lock(), "", "nothing is shown where everything was built before");
         let maze = ProgramSource::of_files(vec!["sims/maze.c".into(), "sims/map.c".into()]);
         let avoid = ProgramSource::Cargo("example-programs/avoid".into());
@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_is_asked_where_nobody_sees() {
+    fn hidden_bar_does_not_count_robots() {
         let mut progress = Progress::hidden();
         progress.update(Time(1), || unreachable!("the bar is hidden"));
         assert!(!progress.is_visible());

@@ -112,11 +112,11 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
         args.sim.display()
     );
     let slot = scene.settings()?.slot;
-    let remarks = remarks(recorded, &present_inputs(recorded));
+    let remarks = remarks(recorded, &current_inputs(recorded));
     remarks.iter().for_each(say);
     let (spec, scenery) = scene.into_scenery();
-    let mut robots: Vec<RobotInput> = spec.robots.iter().map(subject_of_robot).collect();
-    let mut objects: Vec<ObjectInput> = (1..).map(ObjectId).zip(build::movable(&spec)).map(subject_of_object).collect();
+    let mut robots: Vec<RobotInput> = spec.robots.iter().map(robot_input).collect();
+    let mut objects: Vec<ObjectInput> = (1..).map(ObjectId).zip(build::movable(&spec)).map(object_input).collect();
     let roster = roster_of(&spec);
     for (_, action) in &recorded.interventions {
         match action {
@@ -149,7 +149,7 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     Ok(recording(TraceReader::open(trace)?, input.scene(), &spec, remarks)?)
 }
 
-fn subject_of_robot(spec: &RobotSpec) -> RobotInput {
+fn robot_input(spec: &RobotSpec) -> RobotInput {
     RobotInput {
         id: spec.id,
         robi: Arc::clone(&spec.robi),
@@ -159,12 +159,12 @@ fn subject_of_robot(spec: &RobotSpec) -> RobotInput {
     }
 }
 
-fn subject_of_object((id, spec): (ObjectId, &ObjectSpec)) -> ObjectInput {
+fn object_input((id, spec): (ObjectId, &ObjectSpec)) -> ObjectInput {
     ObjectInput { id, kind: Arc::clone(&spec.kind), position: spec.pose.position }
 }
 
 /// Current versions of the files that determined the run.
-fn present_inputs(recorded: &Recorded) -> Vec<Input> {
+fn current_inputs(recorded: &Recorded) -> Vec<Input> {
     let input = |old: &Input| {
         let path = Path::new(&old.path);
         Some(Input::new(path, &std::fs::read(path).ok()?))
@@ -172,7 +172,7 @@ fn present_inputs(recorded: &Recorded) -> Vec<Input> {
     recorded.header.inputs.iter().filter_map(input).collect()
 }
 
-/// Runs a trace again, and compares the digests slot by slot.
+/// Repeats the run of a trace, and compares the digests slot by slot.
 fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let recorded = Recorded::read(&args.trace)?;
     let run = RunArgs { threads: args.threads, is_silent: true, ..args_of(&recorded, &args.trace)? };
@@ -193,11 +193,11 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     let observers = Observers { sinks, interrupt, ..Observers::default() };
     let mut running = ConsoleRun::start(ready, &run, observers, true)?;
     run_until_divergence(running.scheduler(), &mut script, &comparison);
-    let ran = running.finish(|| {}).finished;
+    let finished = running.finish(|| {}).finished;
     for (at, why) in script.refused() {
         say(format_args!("at {at} the trace has an intervention that this run refuses: {why}"));
     }
-    if let End::Record(error) = &ran.ended.end {
+    if let End::Record(error) = &finished.ended.end {
         bail!("the run cannot go on: {error}");
     }
     let comparison = comparison.lock();
@@ -218,7 +218,7 @@ fn verify(args: &ReplayArgs) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// Arguments that run a recorded run again; a scene that is not found at its path is searched for beside the trace.
+/// Arguments that repeat a recorded run; a scene that is not found at its path is searched for beside the trace.
 ///
 /// # Errors
 /// If the trace has no arguments, or its scene is missing.
@@ -232,13 +232,13 @@ pub fn args_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<RunArgs> {
     );
     let mut args = RunArgs::of_words(&header.run)?;
     if !args.sim.exists() {
-        let beside = trace.parent().unwrap_or(Path::new("")).join(&args.sim);
+        let beside_trace = trace.parent().unwrap_or(Path::new("")).join(&args.sim);
         ensure!(
-            beside.exists(),
+            beside_trace.exists(),
             "there is no `{}`, of which the trace is: run this in the folder in which it was recorded",
             args.sim.display()
         );
-        args.sim = beside;
+        args.sim = beside_trace;
     }
     Ok(args)
 }
@@ -252,12 +252,12 @@ pub fn script_of(recorded: &Recorded) -> Script {
     }
 }
 
-/// Changes since the trace was recorded, because of which the outcome may differ.
+/// Remarks on changes since the trace was recorded, which may change the outcome.
 pub fn remarks(recorded: &Recorded, inputs: &[Input]) -> Vec<String> {
     let mut remarks = Vec::new();
-    let (version, own) = (&recorded.version, env!("CARGO_PKG_VERSION"));
-    if version != own {
-        remarks.push(format!("the trace was recorded by eyesim {version}, this is {own}"));
+    let (version, this_version) = (&recorded.version, env!("CARGO_PKG_VERSION"));
+    if version != this_version {
+        remarks.push(format!("the trace was recorded by eyesim {version}, this is {this_version}"));
     }
     if !recorded.header.only.is_empty() {
         remarks.push(format!(
@@ -282,7 +282,7 @@ pub fn remarks(recorded: &Recorded, inputs: &[Input]) -> Vec<String> {
     remarks
 }
 
-/// Comparison of a run's digests with a trace's.
+/// Comparison of the digests of a run with those of a trace.
 struct Comparison {
     expected: VecDeque<(Time, Digest)>,
     end: Option<(Time, Digest)>,
@@ -370,7 +370,7 @@ impl Sink for Comparison {
     }
 }
 
-/// Maximum time for which a run continues after the first difference.
+/// Wall-clock time between two checks for a difference.
 const CHECK_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Advances the run, following `script`, to its end or to the first difference.
@@ -398,28 +398,28 @@ mod tests {
             divergence: None,
         };
         for (end, digest) in slots {
-            comparison.end_slot(at(*end), Some(DIGESTS[*digest])).expect("it takes everything");
-            comparison.end_slot(at(*end), None).expect("it takes everything");
+            comparison.end_slot(at(*end), Some(DIGESTS[*digest])).expect("the comparison accepts all records");
+            comparison.end_slot(at(*end), None).expect("the comparison accepts all records");
         }
-        comparison.finish(at(end_ms), DIGESTS[2]).expect("it takes everything");
+        comparison.finish(at(end_ms), DIGESTS[2]).expect("the comparison accepts all records");
         comparison.divergence.map(|divergence| divergence.to_string())
     }
 
     #[test]
-    fn the_first_slot_that_differs_is_named() {
+    fn first_different_slot_is_reported() {
         assert_eq!(divergence(true, &[(50, 0), (100, 1)], 100), None);
-        let named = |slots: &[(i64, usize)], end| divergence(true, slots, end).expect("they part");
-        assert!(named(&[(50, 2), (100, 1)], 100).contains("ends at 0.050"), "{}", named(&[(50, 2)], 100));
-        assert!(named(&[(50, 0), (100, 2)], 100).contains("0303"));
-        assert!(named(&[(100, 1)], 100).ends_with("in this run nothing happens in it"));
-        assert!(named(&[(50, 0)], 100).ends_with("in this run nothing happens in it"));
-        assert!(named(&[(25, 0), (50, 0)], 100).ends_with("in the trace nothing happens in it"));
-        assert!(named(&[(50, 0), (100, 1), (150, 2)], 150).ends_with("in the trace nothing happens in it"));
-        assert!(named(&[(50, 0), (100, 1)], 150).starts_with("the runs part at their ends"));
+        let description = |slots: &[(i64, usize)], end| divergence(true, slots, end).expect("the runs differ");
+        assert!(description(&[(50, 2), (100, 1)], 100).contains("ends at 0.050"), "{}", description(&[(50, 2)], 100));
+        assert!(description(&[(50, 0), (100, 2)], 100).contains("0303"));
+        assert!(description(&[(100, 1)], 100).ends_with("in this run nothing happens in it"));
+        assert!(description(&[(50, 0)], 100).ends_with("in this run nothing happens in it"));
+        assert!(description(&[(25, 0), (50, 0)], 100).ends_with("in the trace nothing happens in it"));
+        assert!(description(&[(50, 0), (100, 1), (150, 2)], 150).ends_with("in the trace nothing happens in it"));
+        assert!(description(&[(50, 0), (100, 1)], 150).starts_with("the runs part at their ends"));
     }
 
     #[test]
-    fn of_a_trace_that_was_cut_off_what_is_there_is_compared() {
+    fn complete_slots_of_a_truncated_trace_are_compared() {
         assert_eq!(divergence(false, &[(50, 0), (100, 1), (150, 2)], 200), None);
         assert!(divergence(false, &[(50, 0), (100, 2)], 200).is_some());
         assert!(divergence(false, &[(50, 0)], 50).is_some());

@@ -169,13 +169,13 @@ pub struct RunArgs {
     /// With -v, show only calls of this robot
     #[arg(long, value_name = "NUMBER")]
     pub robot: Option<u32>,
-    /// Simulated time at which the run ends when neither the user nor the scene says it
+    /// Simulated time at which the run ends if neither the user nor the scene sets one
     #[arg(skip = DEFAULT_UNTIL)]
     pub default_until: Time,
-    /// The scene is that of an archive, whose programs of checks need `--allow-execute`
+    /// True if the scene comes from an archive: the programs of its checks then need `--allow-execute`
     #[arg(skip)]
     pub is_of_archive: bool,
-    /// The messages of the programs are shown nowhere
+    /// True if messages of the programs are not shown
     #[arg(skip)]
     pub is_silent: bool,
     /// The robot whose program `eyesim debug` opens in a debugger
@@ -259,7 +259,7 @@ impl RunArgs {
 fn exec_parser() -> impl TypedValueParser<Value = Exec> {
     let values = EXECS.map(|(_, name, help)| PossibleValue::new(name).help(help));
     let exec_of =
-        |name: String| EXECS.into_iter().find(|(_, own, _)| *own == name).map_or(Exec::Auto, |(exec, ..)| exec);
+        |name: String| EXECS.into_iter().find(|(_, value, _)| *value == name).map_or(Exec::Auto, |(exec, ..)| exec);
     PossibleValuesParser::new(values).map(exec_of)
 }
 
@@ -289,19 +289,19 @@ pub enum Speed {
 /// # Errors
 /// If files or arguments are wrong.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
-    let streams = StandardStreams::now();
-    let Some(ran) = carry_out(args, |_| Ok(()))? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
-    let written = ran.write_files(args);
-    let table = table::render(&ran.finished.report, TableScreen::of_stdout());
-    let view = view_command(&ran.finished.report).map(|line| format!("{line}\n")).unwrap_or_default();
+    let streams = StandardStreams::current();
+    let Some(finished_run) = carry_out(args, |_| Ok(()))? else { return Ok(ExitCode::from(EXIT_PROGRAM)) };
+    let written = finished_run.write_files(args);
+    let table = table::render(&finished_run.finished.report, TableScreen::of_stdout());
+    let view = view_command(&finished_run.finished.report).map(|line| format!("{line}\n")).unwrap_or_default();
     match args.prints_report() {
         true => eprint!("{table}{view}"),
         false => print(&(table + &view))?,
     }
-    explain(&ran.finished);
+    explain(&finished_run.finished);
     written?;
     streams.check()?;
-    Ok(exit_code(&ran.finished))
+    Ok(exit_code(&finished_run.finished))
 }
 
 /// Reads, builds and runs the scene of the arguments if `check` accepts it; returns `None`, after telling the user, if a program
@@ -334,12 +334,12 @@ pub fn carry_out(
     let subreaper = Subreaper::start();
     let mut run = ConsoleRun::start(ready, args, Observers { interrupt, ..Observers::default() }, false)?;
     run.follow(&mut script);
-    let ran = run.finish(|| match subreaper.end_all() {
+    let finished_run = run.finish(|| match subreaper.end_all() {
         0 => {}
         count => say(format_args!("{count} processes that programs had started and left behind were ended")),
     });
     script.refused().iter().for_each(|(at, why)| say(format_args!("--repeat: at {at}: {why}")));
-    Ok(Some(ran))
+    Ok(Some(finished_run))
 }
 
 /// Prints to standard output; a closed pipe (`| head`) is not an error.
@@ -388,15 +388,15 @@ pub fn explain(finished: &Finished) {
 
 /// Forbidden functions with the numbers of their calls: `SIMGetRobot` once, `SIMSetRobot` 3 times.
 pub fn forbidden_calls(calls: &BTreeMap<String, u64>) -> String {
-    let of_function = |(name, count): (&String, &u64)| match count {
+    let describe = |(name, count): (&String, &u64)| match count {
         1 => format!("`{name}` once"),
         count => format!("`{name}` {count} times"),
     };
-    calls.iter().map(of_function).collect::<Vec<_>>().join(", ")
+    calls.iter().map(describe).collect::<Vec<_>>().join(", ")
 }
 
-/// The command that shows in the window what led to the earliest failure of a check: the arguments of this run without
-/// its output files, and the time one second before the failure.
+/// The command that shows in the window what led to the earliest failure of a check: it has the arguments of this run
+/// except those of output files, and `--at` with the time one second before the failure.
 fn view_command(report: &Report) -> Option<String> {
     /// Options of a run that only write files or change what it prints, those with a value first.
     const OUTPUT: [&str; 10] = [
@@ -411,20 +411,20 @@ fn view_command(report: &Report) -> Option<String> {
         "-q",
         "--verbose",
     ];
-    const WITH_VALUE: usize = 7;
-    let at =
+    const WITH_VALUE_COUNT: usize = 7;
+    let failure_time =
         report.checks.iter().filter(|check| !check.passed).filter_map(|check| check.at_s).min_by(f64::total_cmp)?;
     let mut words = report.argv.iter().skip_while(|word| *word != "run").skip(1);
     let mut line = "to see it: eyesim view".to_owned();
     while let Some(word) = words.next() {
         let option = word.split_once('=').map_or(word.as_str(), |(option, _)| option);
         match OUTPUT.iter().position(|output| *output == option) {
-            Some(index) if index < WITH_VALUE && option == word => drop(words.next()),
+            Some(index) if index < WITH_VALUE_COUNT && option == word => drop(words.next()),
             Some(_) => {}
             None => line = format!("{line} {}", quoted(word)),
         }
     }
-    Some(format!("{line} --at {:.1}", (at - 1.0).max(0.0)))
+    Some(format!("{line} --at {:.1}", (failure_time - 1.0).max(0.0)))
 }
 
 fn exit_code(finished: &Finished) -> ExitCode {

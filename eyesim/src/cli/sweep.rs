@@ -24,7 +24,7 @@ use super::test::{builder, expect_suite, job_count};
 use super::{EXIT_INTERRUPTED, EXIT_PROGRAM};
 use crate::suite::table::Table;
 use crate::suite::{Case, CaseResult, Keep, Pool, PoolOptions, Preparation, Row, RowOutcome, Session, Suite};
-use crate::sweep::{Head, Lines, Shard, ShardFile, done, merge, read_all};
+use crate::sweep::{Head, Lines, Shard, ShardFile, finished_cases, merge, read_all};
 
 /// Arguments of `eyesim sweep`.
 #[derive(Args)]
@@ -125,7 +125,7 @@ pub fn run(args: &SweepArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// A suite with its cases.
+/// Opens a suite; returns it with its cases.
 fn open(path: &Path) -> anyhow::Result<(Suite, Vec<Case>)> {
     ensure!(!is_archive(path), "`{0}` is an archive: unpack it (`unzip {0}`) and name the suite in it", path.display());
     expect_suite(path)?;
@@ -135,7 +135,7 @@ fn open(path: &Path) -> anyhow::Result<(Suite, Vec<Case>)> {
     Ok((suite, cases))
 }
 
-/// Builds the programs of `cases` before the first of them runs.
+/// Prepares the run of `cases`: builds all their programs.
 ///
 /// # Errors
 /// A program cannot be built.
@@ -158,12 +158,12 @@ fn refusal(result: &CaseResult) -> anyhow::Error {
 fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let start = Instant::now();
     let (suite, cases) = open(&args.suite)?;
-    let own: Vec<usize> = (0..cases.len()).filter(|&case| args.shard.has(case)).collect();
+    let indices: Vec<usize> = (0..cases.len()).filter(|&case| args.shard.contains(case)).collect();
     let (file, lines) = ShardFile::open(&args.output, args.shard).context("-o")?;
     let interrupt = interrupt::of_process().context("no handlers of signals")?;
-    let of_shard: Vec<&Case> = own.iter().map(|&index| &cases[index]).collect();
-    let mut preparation = prepare(&suite, &of_shard, keep(args)?, &interrupt)?;
-    let mut outcomes = done(&lines, args.shard, (&suite, &cases[..]), &mut preparation.session)?;
+    let shard_cases: Vec<&Case> = indices.iter().map(|&index| &cases[index]).collect();
+    let mut preparation = prepare(&suite, &shard_cases, keep_policy(args)?, &interrupt)?;
+    let mut outcomes = finished_cases(&lines, args.shard, (&suite, &cases[..]), &mut preparation.session)?;
     file.begin(&lines, &Head::new(&suite.spec.file, cases.len(), args.shard))?;
     if lines.torn > 0 {
         say(format_args!(
@@ -173,12 +173,12 @@ fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
         ));
     }
     if !outcomes.is_empty() {
-        say(format_args!("{} of {} cases have their rows already", outcomes.len(), own.len()));
+        say(format_args!("{} of {} cases have their rows already", outcomes.len(), indices.len()));
     }
-    let missing: Vec<usize> = own.iter().copied().filter(|index| !outcomes.contains_key(index)).collect();
+    let missing: Vec<usize> = indices.iter().copied().filter(|index| !outcomes.contains_key(index)).collect();
     let options = PoolOptions { workers: job_count(args.jobs), isolate: args.isolate };
     let (mut failure, mut errors) = (None, BTreeSet::new());
-    let bar = progress(own.len(), outcomes.len());
+    let bar = progress(indices.len(), outcomes.len());
     Pool::new(&suite, &cases, preparation, options).run(&missing, &mut |index, CaseResult { row, .. }| {
         bar.inc(1);
         outcomes.insert(index, row.outcome);
@@ -197,7 +197,7 @@ fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
         say(format_args!(
             "interrupted: {} of {} cases have rows in {}; the same command continues",
             outcomes.len(),
-            own.len(),
+            indices.len(),
             lines.path.display()
         ));
         return Ok(ExitCode::from(EXIT_INTERRUPTED));
@@ -205,7 +205,7 @@ fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
     println!(
         "{} of {} cases have rows in {}: {}, in {:.1} s",
         outcomes.len(),
-        own.len(),
+        indices.len(),
         lines.path.display(),
         counts(outcomes.values().copied()),
         start.elapsed().as_secs_f64()
@@ -215,7 +215,7 @@ fn sweep(args: &RunArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// Parses `--keep`, and creates the folder of traces.
-fn keep(args: &RunArgs) -> anyhow::Result<Keep> {
+fn keep_policy(args: &RunArgs) -> anyhow::Result<Keep> {
     let folder = || {
         let folder = args.output.join("traces");
         std::fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder `{}`", folder.display()))?;
@@ -228,7 +228,7 @@ fn keep(args: &RunArgs) -> anyhow::Result<Keep> {
     })
 }
 
-/// Bar on standard error if that is a terminal. It has no thread, so that this process can fork.
+/// Progress bar on standard error, hidden if that is no terminal. It has no thread, so that this process can fork.
 fn progress(count: usize, done: usize) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr_with_hz(5));
     let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} {eta}");
@@ -237,7 +237,7 @@ fn progress(count: usize, done: usize) -> ProgressBar {
     bar.with_position(done as u64)
 }
 
-/// `4990 passed, 10 failed`.
+/// Text with the number of cases for each outcome: `4990 passed, 10 failed`.
 fn counts(outcomes: impl Iterator<Item = RowOutcome>) -> String {
     let mut counts: BTreeMap<RowOutcome, usize> = BTreeMap::new();
     outcomes.for_each(|outcome| *counts.entry(outcome).or_default() += 1);
@@ -245,7 +245,7 @@ fn counts(outcomes: impl Iterator<Item = RowOutcome>) -> String {
     if parts.is_empty() { "none".to_owned() } else { parts.join(", ") }
 }
 
-fn tell_torn(files: &[Lines]) {
+fn report_torn_lines(files: &[Lines]) {
     for lines in files.iter().filter(|lines| lines.torn > 0) {
         say(format_args!(
             "{}: the last line is not whole ({} bytes) and is left out",
@@ -258,22 +258,22 @@ fn tell_torn(files: &[Lines]) {
 /// Prints how many cases have rows, and which shards lack rows.
 fn status(folder: &Path) -> anyhow::Result<ExitCode> {
     let files = read_all(folder)?;
-    tell_torn(&files);
+    report_torn_lines(&files);
     let cases = files.iter().filter_map(|lines| Some(lines.head.as_ref()?.cases)).max().unwrap_or_default();
     let mut incomplete = Vec::new();
     for lines in &files {
-        let of_shard = lines.head.as_ref().map_or(0, |head| head.shard_cases);
-        let have = merge(vec![lines.clone()])?.iter().filter(|row| row.outcome != RowOutcome::Error).count();
-        if have < of_shard || lines.head.is_none() {
-            incomplete.push(format!("  shard {}: {have} of {of_shard} cases", lines.shard));
+        let expected = lines.head.as_ref().map_or(0, |head| head.shard_cases);
+        let with_row = merge(vec![lines.clone()])?.iter().filter(|row| row.outcome != RowOutcome::Error).count();
+        if with_row < expected || lines.head.is_none() {
+            incomplete.push(format!("  shard {}: {with_row} of {expected} cases", lines.shard));
         }
     }
     let counts_of_shards: BTreeSet<usize> = files.iter().map(|lines| lines.shard.count()).collect();
     for count in counts_of_shards {
-        let here: BTreeSet<usize> =
+        let present: BTreeSet<usize> =
             files.iter().filter(|lines| lines.shard.count() == count).map(|lines| lines.shard.index()).collect();
-        if here.len() < count {
-            let missing: Vec<usize> = (1..=count).filter(|index| !here.contains(index)).collect();
+        if present.len() < count {
+            let missing: Vec<usize> = (1..=count).filter(|index| !present.contains(index)).collect();
             incomplete.push(format!("  not begun: {} of {count} shards ({})", missing.len(), ranges(&missing)));
         }
     }
@@ -289,12 +289,12 @@ fn status(folder: &Path) -> anyhow::Result<ExitCode> {
 /// Formats numbers as `1,3-5`, the form of Slurm's `--array`.
 fn ranges(numbers: &[usize]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
-    let word = |run: &[usize]| match run {
-        [one] => one.to_string(),
+    let format_run = |run: &[usize]| match run {
+        [number] => number.to_string(),
         [first, .., last] => format!("{first}-{last}"),
         [] => String::new(),
     };
-    runs.map(word).collect::<Vec<_>>().join(",")
+    runs.map(format_run).collect::<Vec<_>>().join(",")
 }
 
 fn join(folders: &[PathBuf], output: &Path) -> anyhow::Result<ExitCode> {
@@ -308,7 +308,7 @@ fn join(folders: &[PathBuf], output: &Path) -> anyhow::Result<ExitCode> {
     for folder in folders {
         files.extend(read_all(folder)?);
     }
-    tell_torn(&files);
+    report_torn_lines(&files);
     let inputs: Vec<String> = files.iter().map(|lines| lines.path.display().to_string()).collect();
     check_outputs(&[("-o", output)], inputs.iter().map(String::as_str))?;
     let mut cases: BTreeMap<String, usize> = BTreeMap::new();
@@ -321,9 +321,9 @@ fn join(folders: &[PathBuf], output: &Path) -> anyhow::Result<ExitCode> {
         say(format_args!("warning: {count} cases have several rows, such as `{case}`: the suite or its files differ"));
     }
     for (suite, cases) in cases {
-        let have = keys.keys().filter(|(other, _)| *other == suite).count();
-        if have < cases {
-            say(format_args!("warning: {} of {cases} cases of `{suite}` have no row", cases - have));
+        let with_row = keys.keys().filter(|(other, _)| *other == suite).count();
+        if with_row < cases {
+            say(format_args!("warning: {} of {cases} cases of `{suite}` have no row", cases - with_row));
         }
     }
     let bytes = match extension {
@@ -373,21 +373,21 @@ fn case(path: &Path, key: &str) -> anyhow::Result<ExitCode> {
     let (suite, cases) = open(path)?;
     let interrupt = interrupt::of_process().context("no handlers of signals")?;
     let session = Session::new(builder(true, None)?, interrupt.clone());
-    let is_served = key == "-";
+    let reads_keys = key == "-";
     // The program of a single case is built when it runs.
-    let preparation = Preparation::of(&suite, cases.iter().filter(|_| is_served), session);
-    let mut pool = Pool::new(&suite, &cases, preparation, PoolOptions { workers: 1, isolate: !is_served });
+    let preparation = Preparation::of(&suite, cases.iter().filter(|_| reads_keys), session);
+    let mut pool = Pool::new(&suite, &cases, preparation, PoolOptions { workers: 1, isolate: !reads_keys });
     let names: BTreeMap<&str, usize> = (0..).zip(&cases).map(|(index, case)| (case.name.as_str(), index)).collect();
     let mut keys: BTreeMap<String, usize> = BTreeMap::new();
     let lines: Box<dyn Iterator<Item = io::Result<String>>> =
-        if is_served { Box::new(io::stdin().lines()) } else { Box::new(std::iter::once(Ok(key.to_owned()))) };
-    for word in lines {
-        let word = word.context("standard input")?;
-        if !names.contains_key(word.as_str()) && keys.is_empty() {
+        if reads_keys { Box::new(io::stdin().lines()) } else { Box::new(std::iter::once(Ok(key.to_owned()))) };
+    for key in lines {
+        let key = key.context("standard input")?;
+        if !names.contains_key(key.as_str()) && keys.is_empty() {
             keys = (0..cases.len()).filter_map(|index| Some((pool.key(index).ok()?, index))).collect();
         }
-        let index = names.get(word.as_str()).or(keys.get(&word)).copied();
-        let unknown = || format!("`{}` is neither a key nor a case of `{}`", Printable(&word), path.display());
+        let index = names.get(key.as_str()).or(keys.get(&key)).copied();
+        let unknown = || format!("`{}` is neither a key nor a case of `{}`", Printable(&key), path.display());
         let mut row = None;
         pool.run(&[index.with_context(unknown)?], &mut |_, result| {
             row = Some(result.row);

@@ -13,7 +13,7 @@ use sim_host::record::report::{CheckReport, PlanarPose, Report, RobotReport};
 const MAX_ROWS: usize = 24;
 /// Number of first robots that are shown in that case, in addition to the failed ones.
 const FIRST_ROWS: usize = 10;
-/// Width in columns to which the paths of programs are cut before other columns move below the rows.
+/// Width in columns to which the paths of programs are cut before any column of the table moves below the rows.
 const PROGRAM_WIDTH: usize = 20;
 /// Gap between two cells.
 const GAP: &str = "  ";
@@ -37,7 +37,7 @@ impl TableScreen {
     }
 }
 
-/// The table of `report`, then a line on the run as a whole.
+/// Renders the table of robots, and below it lines about the whole run and the checks.
 pub fn render(report: &Report, screen: TableScreen) -> String {
     let robots = shown_robots(&report.robots);
     let mut text = String::new();
@@ -52,17 +52,19 @@ pub fn render(report: &Report, screen: TableScreen) -> String {
     text
 }
 
-/// The results of the checks: a line on all together, then one for each.
+/// Results of the checks: a line with their number and points, then a line for each check.
 pub fn checks(report: &Report, screen: TableScreen) -> Vec<String> {
     if report.checks.is_empty() {
         return Vec::new();
     }
     let passed_count = report.checks.iter().filter(|check| check.passed).count();
-    let (points, whole) = (points(report.points), points(report.max_points));
+    let (points, max_points) = (points(report.points), points(report.max_points));
     let is_failed = report.robots.iter().any(|robot| robot.outcome.is_failure());
-    let but = if is_failed { " (none in `eyesim test`, since a program failed)" } else { "" };
-    let mut lines =
-        vec![format!("checks: {passed_count} of {} passed, {points} of {whole} points{but}", report.checks.len())];
+    let restriction = if is_failed { " (none in `eyesim test`, since a program failed)" } else { "" };
+    let mut lines = vec![format!(
+        "checks: {passed_count} of {} passed, {points} of {max_points} points{restriction}",
+        report.checks.len()
+    )];
     let width = |cell: &dyn Fn(&CheckReport) -> String| {
         report.checks.iter().map(|check| measure_text_width(&cell(check))).max().unwrap_or_default()
     };
@@ -70,13 +72,13 @@ pub fn checks(report: &Report, screen: TableScreen) -> Vec<String> {
         |check: &CheckReport| Printable(&check.name).to_string(),
         |check: &CheckReport| format!("{}/{}", self::points(check.points), self::points(check.max_points)),
     );
-    let (names, fraction_texts) = (width(&name).min(PROGRAM_WIDTH), width(&fraction_text));
+    let (name_width, fraction_width) = (width(&name).min(PROGRAM_WIDTH), width(&fraction_text));
     for check in &report.checks {
         let (word, style) =
             if check.passed { ("passed", Style::new().green()) } else { ("FAILED", Style::new().red().bold()) };
         let (name, fraction_text) = (name(check), fraction_text(check));
         let blanks = |width: usize, text: &str| " ".repeat(width.saturating_sub(measure_text_width(text)));
-        let (after, before) = (blanks(names, &name), blanks(fraction_texts, &fraction_text));
+        let (after, before) = (blanks(name_width, &name), blanks(fraction_width, &fraction_text));
         let line = format!("{word}  {name}{after}  {before}{fraction_text}  {}", Printable(&check.message));
         lines.push(fold(&line, screen).trim_start().replacen(word, &paint(style, screen, word), 1));
     }
@@ -145,7 +147,7 @@ impl Column {
     const ALL: [Self; 8] =
         [Self::Robot, Self::Program, Self::Outcome, Self::Time, Self::Path, Self::Contacts, Self::Pose, Self::Odometry];
 
-    fn head(self) -> &'static str {
+    fn heading(self) -> &'static str {
         match self {
             Self::Robot => "robot",
             Self::Program => "program",
@@ -192,33 +194,39 @@ fn word(outcome: Outcome) -> String {
 
 fn pose(pose: &PlanarPose) -> String {
     // No minus sign before a value rounded to zero.
-    let tidy = |value: f64| if value.abs() < 5e-4 { 0.0 } else { value };
-    format!("{:7.3} {:7.3} {:6.3}", tidy(pose.x_m), tidy(pose.y_m), tidy(pose.phi_rad))
+    let without_minus_zero = |value: f64| if value.abs() < 5e-4 { 0.0 } else { value };
+    format!(
+        "{:7.3} {:7.3} {:6.3}",
+        without_minus_zero(pose.x_m),
+        without_minus_zero(pose.y_m),
+        without_minus_zero(pose.phi_rad)
+    )
 }
 
 /// Columns of a table with their widths, and the columns that are printed below each row instead.
 struct Table {
     columns: Vec<(Column, usize)>,
-    below: Vec<Column>,
+    columns_below: Vec<Column>,
 }
 
 impl Table {
-    /// Table of `robots` that fits the screen: long programs are cut; then the odometry, then the pose moves below the row; then
-    /// names are cut.
+    /// Creates a table of `robots` that fits the screen. Until it fits, it first cuts the programs, then moves the odometry
+    /// and the pose below the rows, and then cuts the names.
     fn fitting(robots: &[&RobotReport], screen: TableScreen) -> Self {
         let width = |column: Column| {
             let cells = robots.iter().map(|robot| measure_text_width(&column.cell(robot)));
-            cells.fold(column.head().len(), usize::max)
+            cells.fold(column.heading().len(), usize::max)
         };
-        let mut table = Self { columns: Column::ALL.map(|column| (column, width(column))).to_vec(), below: vec![] };
+        let mut table =
+            Self { columns: Column::ALL.map(|column| (column, width(column))).to_vec(), columns_below: vec![] };
         table.cut(Column::Program, PROGRAM_WIDTH, screen);
-        while table.width() > screen.width && table.below.len() < 2 {
+        while table.width() > screen.width && table.columns_below.len() < 2 {
             if let Some((column, _)) = table.columns.pop() {
-                table.below.insert(0, column);
+                table.columns_below.insert(0, column);
             }
         }
-        table.cut(Column::Program, Column::Program.head().len(), screen);
-        table.cut(Column::Robot, Column::Robot.head().len(), screen);
+        table.cut(Column::Program, Column::Program.heading().len(), screen);
+        table.cut(Column::Robot, Column::Robot.heading().len(), screen);
         table
     }
 
@@ -235,7 +243,7 @@ impl Table {
     }
 
     fn lines(&self, robots: &[&RobotReport], screen: TableScreen) -> Vec<String> {
-        let mut lines = vec![paint(Style::new().bold(), screen, &self.row(|column| column.head().to_owned(), None))];
+        let mut lines = vec![paint(Style::new().bold(), screen, &self.row(|column| column.heading().to_owned(), None))];
         for robot in robots {
             lines.push(self.row(|column| column.cell(robot), Some((robot.outcome, screen))));
             lines.extend(self.details(robot).iter().map(|line| fold(line, screen)));
@@ -245,7 +253,7 @@ impl Table {
 
     /// A line with a cell in each column; the outcome is coloured if `painted` names it.
     fn row(&self, cell: impl Fn(Column) -> String, painted: Option<(Outcome, TableScreen)>) -> String {
-        let padded = |(column, width): &(Column, usize)| {
+        let padded_cell = |(column, width): &(Column, usize)| {
             let text = cell(*column);
             let text = match column {
                 Column::Program => keep_end(&text, *width),
@@ -260,13 +268,13 @@ impl Table {
                 _ => text + &blanks,
             }
         };
-        self.columns.iter().map(padded).collect::<Vec<_>>().join(GAP)
+        self.columns.iter().map(padded_cell).collect::<Vec<_>>().join(GAP)
     }
 
     /// Lines below the row of a robot.
     fn details(&self, robot: &RobotReport) -> Vec<String> {
         let mut lines: Vec<_> =
-            self.below.iter().map(|column| format!("{}  {}", column.head(), column.cell(robot))).collect();
+            self.columns_below.iter().map(|column| format!("{}  {}", column.heading(), column.cell(robot))).collect();
         lines.extend(robot.reason.iter().map(|reason| Printable(reason).to_string()));
         let lcd: Vec<_> = robot.lcd.iter().map(|line| line.trim_end()).filter(|line| !line.is_empty()).collect();
         if !lcd.is_empty() {
@@ -374,7 +382,7 @@ mod tests {
         }
     }
 
-    fn three() -> Report {
+    fn report_of_three() -> Report {
         let odometry = Some(PlanarPose { x_m: 10.125, y_m: 0.0, phi_rad: 3.125 });
         let waiting = RobotReport {
             reason: Some("waits for KEY4 since 2.31 s at maze.c:88 (try --keys \"3:KEY4\")".into()),
@@ -393,7 +401,7 @@ mod tests {
         report(vec![RobotReport { odometry, ..robot(1, Outcome::Finished) }, waiting, failed])
     }
 
-    fn many() -> Report {
+    fn report_of_many() -> Report {
         let outcome = |id| if id % 50 == 0 { Outcome::Timeout } else { Outcome::Running };
         report((1..=120).map(|id| robot(id, outcome(id))).collect())
     }
@@ -403,33 +411,33 @@ mod tests {
     }
 
     #[test]
-    fn a_wide_screen_shows_rows() {
-        insta::assert_snapshot!(render(&three(), TableScreen { width: usize::MAX, has_colour: false }));
+    fn wide_screen_shows_one_row_per_robot() {
+        insta::assert_snapshot!(render(&report_of_three(), TableScreen { width: usize::MAX, has_colour: false }));
     }
 
     #[test]
-    fn a_screen_of_80_columns_is_not_left() {
-        let text = render(&three(), TableScreen { width: 80, has_colour: false });
+    fn table_fits_80_columns() {
+        let text = render(&report_of_three(), TableScreen { width: 80, has_colour: false });
         assert!(widest(&text) <= 80, "{text}");
         insta::assert_snapshot!(text);
     }
 
     #[test]
-    fn a_narrow_screen_breaks_reasons_between_words() {
-        let text = render(&three(), TableScreen { width: 60, has_colour: false });
+    fn narrow_screen_breaks_reasons_between_words() {
+        let text = render(&report_of_three(), TableScreen { width: 60, has_colour: false });
         assert!(widest(&text) <= 60, "{text}");
         assert!(text.contains("waits for KEY4 since 2.31 s at maze.c:88 (try --keys\n    \"3:KEY4\")"), "{text}");
     }
 
     #[test]
-    fn many_robots_are_summed_up() {
-        let text = render(&many(), TableScreen { width: 120, has_colour: false });
+    fn many_robots_are_summarised() {
+        let text = render(&report_of_many(), TableScreen { width: 120, has_colour: false });
         insta::assert_snapshot!(text);
     }
 
     #[test]
-    fn colours_add_nothing_but_colour() {
-        for report in [three(), many()] {
+    fn coloured_table_has_the_text_of_the_plain_one() {
+        for report in [report_of_three(), report_of_many()] {
             let plain = render(&report, TableScreen { width: 100, has_colour: false });
             let painted = render(&report, TableScreen { width: 100, has_colour: true });
             assert_ne!(plain, painted);
@@ -440,17 +448,19 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_without_a_program_says_so() {
-        let stands = RobotReport { program: String::new(), exit_code: None, ..robot(2, Outcome::NoProgram) };
-        let text =
-            render(&report(vec![robot(1, Outcome::Finished), stands]), TableScreen { width: 120, has_colour: false });
+    fn robot_without_a_program_is_marked() {
+        let without_program = RobotReport { program: String::new(), exit_code: None, ..robot(2, Outcome::NoProgram) };
+        let text = render(
+            &report(vec![robot(1, Outcome::Finished), without_program]),
+            TableScreen { width: 120, has_colour: false },
+        );
         let row = text.lines().find(|line| line.starts_with("r2")).expect("a row");
         assert_eq!(row.split_whitespace().collect::<Vec<_>>()[2..5], ["none", "no", "program"], "{text}");
         assert!(text.contains("2 robots: 1 finished, 1 no program\n"), "{text}");
     }
 
     #[test]
-    fn text_of_programs_cannot_play_with_the_terminal() {
+    fn control_characters_of_programs_are_escaped() {
         let mut report = report(vec![robot(1, Outcome::Finished)]);
         report.robots[0].lcd[0] = "\u{1b}[2J".into();
         let text = render(&report, TableScreen { width: 80, has_colour: false });

@@ -25,7 +25,7 @@ use sim_host::program::{Builder, Cache, Kits, Tools};
 use sim_host::record::report::write_atomically;
 
 use super::check::walk;
-use super::output::{check_outputs, given};
+use super::output::{check_outputs, given_outputs};
 use super::pack::{self, is_archive};
 use super::progress::Building;
 use super::run::{parse_count, parse_sandbox, report_diagnostics};
@@ -103,18 +103,18 @@ const AFTER_HELP: &str =
 pub struct SuiteRun {
     /// The suite.
     pub suite: Suite,
-    /// All its cases.
+    /// All cases of the suite.
     pub cases: Vec<Case>,
     /// Indices of the cases that were to run.
     pub selected: Vec<usize>,
     /// Results, by the index of the case.
     pub results: BTreeMap<usize, CaseResult>,
-    /// Its variants.
+    /// Results of the variants.
     pub variants: Vec<Variant>,
 }
 
 impl SuiteRun {
-    /// Path of its file.
+    /// Path of the suite's file.
     pub fn name(&self) -> &str {
         &self.suite.spec.file
     }
@@ -124,7 +124,7 @@ impl SuiteRun {
         self.results.values().filter(|result| result.row.outcome != RowOutcome::Passed)
     }
 
-    /// At least one variant does not pass.
+    /// Returns true if at least one variant does not pass.
     pub fn is_failed(&self) -> bool {
         self.variants.iter().any(|variant| !variant.passed)
     }
@@ -149,7 +149,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     let mut runs = Vec::new();
     for path in &paths {
         let mut suite = if is_archive(path) {
-            // Each archive has an installation of its own.
+            // An archive brings its own installation, so only one can be open.
             ensure!(paths.len() == 1, "an archive is run alone, not with other suites");
             let archive = unpacked.insert(pack::unpack(path)?);
             let mut suite = Suite::open(&archive.main(), pack::programs(archive, &args.programs)?);
@@ -160,26 +160,30 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
         };
         suite.sandbox = args.sandbox.clone();
         report_diagnostics(&suite.diagnostics, &suite.inputs, false)?;
-        let in_suite = || format!("`{}`", path.display());
-        let cases = suite.cases().map_err(anyhow::Error::msg).with_context(in_suite)?;
-        suite.check_options(&cases).map_err(anyhow::Error::msg).with_context(in_suite)?;
+        let suite_path = || format!("`{}`", path.display());
+        let cases = suite.cases().map_err(anyhow::Error::msg).with_context(suite_path)?;
+        suite.check_options(&cases).map_err(anyhow::Error::msg).with_context(suite_path)?;
         runs.push(SuiteRun { suite, cases, selected: Vec::new(), results: BTreeMap::new(), variants: Vec::new() });
     }
-    let read = runs.iter().flat_map(|run| run.suite.inputs.iter().map(|input| input.path.clone()));
-    let inputs: Vec<String> = read.chain(args.programs.iter().map(|program| program.program().to_owned())).collect();
-    check_outputs(&given(&[("--junit", &args.junit), ("--report", &args.report)]), inputs.iter().map(String::as_str))?;
+    let suite_inputs = runs.iter().flat_map(|run| run.suite.inputs.iter().map(|input| input.path.clone()));
+    let inputs: Vec<String> =
+        suite_inputs.chain(args.programs.iter().map(|program| program.program().to_owned())).collect();
+    check_outputs(
+        &given_outputs(&[("--junit", &args.junit), ("--report", &args.report)]),
+        inputs.iter().map(String::as_str),
+    )?;
     let last_failed = LastFailed::of_user();
     let selected: Vec<Vec<usize>> = select(&runs, selection.as_ref(), args.lf.then_some(&last_failed));
-    let count: usize = selected.iter().map(Vec::len).sum();
+    let selected_count: usize = selected.iter().map(Vec::len).sum();
     let jobs = job_count(args.jobs);
-    let all = runs.iter().map(|run| run.cases.len()).sum();
+    let case_count = runs.iter().map(|run| run.cases.len()).sum();
     let mut console = Console::new(args.verbose, args.quiet);
-    console.collected(&paths, count, all, jobs);
+    console.collected(&paths, selected_count, case_count, jobs);
     if args.collect_only {
         for (run, selected) in runs.iter().zip(&selected) {
             selected.iter().for_each(|&index| console.line(&format!("{}::{}", run.name(), run.cases[index].name)));
         }
-        return Ok(ExitCode::from(if count == 0 { EXIT_NO_CASES } else { 0 }));
+        return Ok(ExitCode::from(if selected_count == 0 { EXIT_NO_CASES } else { 0 }));
     }
     for (run, selected) in runs.iter_mut().zip(selected) {
         run.selected = selected;
@@ -193,7 +197,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
         let mut is_stopped = false;
         let mut pool = Pool::new(suite, cases, preparation, PoolOptions { workers: jobs, isolate: args.isolate });
         pool.run(selected, &mut |index, result| {
-            console.done(&result.row);
+            console.show_done(&result.row);
             is_stopped = args.exitfirst && result.row.outcome != RowOutcome::Passed;
             results.insert(index, result);
             if is_stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -207,11 +211,11 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     let elapsed = start.elapsed();
     console.failures(&runs);
     console.summary(&runs, elapsed, interrupt.is_set());
-    last_failed.keep(&runs);
+    last_failed.save(&runs);
     write_files(args, &runs, elapsed)?;
     Ok(if interrupt.is_set() {
         ExitCode::from(EXIT_INTERRUPTED)
-    } else if count == 0 {
+    } else if selected_count == 0 {
         ExitCode::from(EXIT_NO_CASES)
     } else if runs.iter().any(SuiteRun::is_failed) {
         ExitCode::from(EXIT_PROGRAM)
@@ -238,7 +242,7 @@ pub(super) fn job_count(jobs: Option<NonZeroUsize>) -> usize {
     jobs.map_or_else(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get), NonZeroUsize::get)
 }
 
-/// The suites among `paths`, and the suites in folders.
+/// The suites among `paths`, and those in the folders among `paths`.
 fn find_suites(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     for path in paths {
@@ -251,14 +255,14 @@ fn find_suites(paths: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
             found.push(path.clone());
             continue;
         }
-        let before = found.len();
+        let previous_count = found.len();
         let mut unreadable = None;
-        let mut take = |file: &Path| {
-            let is_named = slashed(file).to_lowercase().ends_with(sim_format::suite::SUITE_EXTENSION);
-            found.extend(is_named.then(|| file.to_owned()));
+        let mut add_suite = |file: &Path| {
+            let is_suite_name = slashed(file).to_lowercase().ends_with(sim_format::suite::SUITE_EXTENSION);
+            found.extend(is_suite_name.then(|| file.to_owned()));
         };
-        walk(path, &mut take, &mut |folder, error| unreadable = Some(format!("`{}`: {error}", folder.display())));
-        if found.len() == before {
+        walk(path, &mut add_suite, &mut |folder, error| unreadable = Some(format!("`{}`: {error}", folder.display())));
+        if found.len() == previous_count {
             let why = unreadable.map(|why| format!(" ({why})")).unwrap_or_default();
             bail!("there is no NAME.suite.toml in `{}`{why}", path.display());
         }
@@ -285,20 +289,21 @@ pub(super) fn expect_suite(path: &Path) -> anyhow::Result<()> {
 
 /// Indices of the selected cases of each suite.
 fn select(runs: &[SuiteRun], selection: Option<&Selection>, last_failed: Option<&LastFailed>) -> Vec<Vec<usize>> {
-    let of_run = |run: &SuiteRun| {
-        let failed = last_failed.map(|last| last.of(run.name())).unwrap_or_default();
+    let selected_cases = |run: &SuiteRun| {
+        let failed = last_failed.map(|last| last.cases(run.name())).unwrap_or_default();
         let is_selected = |case: &Case| {
             let name = format!("{}::{}", run.name(), case.name);
-            selection.is_none_or(|selection| selection.holds_for(&name))
+            selection.is_none_or(|selection| selection.matches(&name))
                 && (failed.is_empty() || failed.contains(&case.name))
         };
         let indexed = run.cases.iter().enumerate();
         indexed.filter(|(_, case)| is_selected(case)).map(|(index, _)| index).collect()
     };
-    runs.iter().map(of_run).collect()
+    runs.iter().map(selected_cases).collect()
 }
 
-/// Names of the cases that failed the last time, in the folder of built programs.
+/// Files with the names of the cases that failed the last time, in the folder of built programs; `None` if there is no
+/// such folder.
 struct LastFailed(Option<PathBuf>);
 
 impl LastFailed {
@@ -312,13 +317,13 @@ impl LastFailed {
         Some(self.0.as_ref()?.join(format!("{}.json", &name[..32])))
     }
 
-    fn of(&self, suite: &str) -> Vec<String> {
+    fn cases(&self, suite: &str) -> Vec<String> {
         let read = || serde_json::from_slice(&std::fs::read(self.file(suite)?).ok()?).ok();
         read().unwrap_or_default()
     }
 
-    /// Keeps the failures of suites that were run. If they cannot be written, the next `--lf` runs all cases.
-    fn keep(&self, runs: &[SuiteRun]) {
+    /// Saves the names of the failed cases of the suites that were run. If they cannot be written, the next `--lf` runs all cases.
+    fn save(&self, runs: &[SuiteRun]) {
         for run in runs.iter().filter(|run| !run.results.is_empty()) {
             let names: Vec<&str> = run.failures().map(|result| result.row.case.as_str()).collect();
             if let (Some(file), Ok(bytes)) = (self.file(run.name()), serde_json::to_vec(&names)) {
@@ -328,12 +333,12 @@ impl LastFailed {
     }
 }
 
-/// All rows of a call of `eyesim test`.
+/// Report of `eyesim test` with all rows.
 #[derive(Serialize)]
 struct Report<'r> {
     schema: u32,
     eyesim_version: &'static str,
-    /// All suites passed, and all their cases have run.
+    /// True if all suites passed and all their cases have run.
     passed: bool,
     /// Number of selected cases that have not run.
     missing: usize,
@@ -385,8 +390,8 @@ fn write_files(args: &TestArgs, runs: &[SuiteRun], elapsed: Duration) -> anyhow:
         write("--report", path, &json)?;
     }
     if let Some(path) = &args.junit {
-        let ran = runs.iter().filter(|run| !run.results.is_empty());
-        let suites = ran.map(|run| {
+        let with_results = runs.iter().filter(|run| !run.results.is_empty());
+        let suites = with_results.map(|run| {
             let missing = run.selected.iter().filter(|index| !run.results.contains_key(index));
             junit::Cases {
                 suite: run.name(),

@@ -84,13 +84,13 @@ struct ListenAddress {
 }
 
 /// Default port of the window.
-const PORT: u16 = 7351;
+const DEFAULT_PORT: u16 = 7351;
 
 /// Interval between two checks for changed files with --watch.
 const WATCH_PERIOD: Duration = Duration::from_millis(50);
 
 /// Interval between two checks for requests once the run is over.
-const NAP: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Runs the command until Ctrl-C.
 ///
@@ -111,7 +111,7 @@ pub fn run(mut args: ViewArgs) -> anyhow::Result<ExitCode> {
     let window = Arc::new(open(&args, &title(ready.scene()))?);
     announce_address(&args, &window);
     let control = Arc::new(Control::default());
-    control.ask(|requests| {
+    control.update(|requests| {
         requests.is_paused = args.paused || args.at.is_some();
         requests.skip_to = args.at;
         requests.speed = match args.run.speed {
@@ -128,8 +128,9 @@ pub fn run(mut args: ViewArgs) -> anyhow::Result<ExitCode> {
         is_building: AtomicBool::new(false),
         files: Mutex::new(WatchedFiles::of(&ready)),
     });
-    let watch = args.watch.then(Instant::now);
-    let control_panel = ControlPanel::open(window, control, RestartHandler { session: Arc::clone(&session), watch })?;
+    let last_check = args.watch.then(Instant::now);
+    let control_panel =
+        ControlPanel::open(window, control, RestartHandler { session: Arc::clone(&session), last_check })?;
     let code = session.run_all(ready);
     drop(control_panel);
     code
@@ -142,7 +143,7 @@ fn prepare(args: &RunArgs) -> anyhow::Result<Ready> {
     Ok(run::build(run::open(&args)?, &args)?.load()?)
 }
 
-/// Opens the window that the arguments ask for.
+/// Opens the window with the access and address of the arguments.
 fn open(args: &ViewArgs, title: &str) -> anyhow::Result<Window> {
     let page = Page::load(|text| say(text));
     if let Some(why) = page.why_missing() {
@@ -154,14 +155,14 @@ fn open(args: &ViewArgs, title: &str) -> anyhow::Result<Window> {
         (None, None) => Access::Local,
     };
     let port = args.listen.and_then(|listen| listen.port);
-    if let (Some(one), Some(other)) = (port, args.port) {
-        ensure!(one == other, "--listen has the port {one}, and --port says {other}: give one of them");
+    if let (Some(listen_port), Some(port)) = (port, args.port) {
+        ensure!(listen_port == port, "--listen has the port {listen_port}, and --port says {port}: give one of them");
     }
     let ip = args.listen.map_or(Ipv4Addr::LOCALHOST.into(), |listen| listen.ip);
     open_window(page, access, ip, port.or(args.port), title)
 }
 
-/// Opens a window at `ip` and `port`; without a port at `PORT`, or at any free port if `PORT` is taken.
+/// Opens a window at `ip` and `port`; without a port at `DEFAULT_PORT`, or at any free port if `DEFAULT_PORT` is taken.
 ///
 /// # Errors
 /// If the port is taken, or the address belongs to another machine.
@@ -170,7 +171,7 @@ pub fn open_window(page: Page, access: Access, ip: IpAddr, port: Option<u16>, ti
         let (access, title, version) = (access.clone(), title.to_owned(), env!("CARGO_PKG_VERSION").to_owned());
         Window::open(Options { address: SocketAddr::new(ip, port), access, title, version }, page)
     };
-    match (open(port.unwrap_or(PORT), page.clone()), port) {
+    match (open(port.unwrap_or(DEFAULT_PORT), page.clone()), port) {
         (Err(OpenError::Taken(_)), None) => Ok(open(0, page)?),
         (window, _) => Ok(window?),
     }
@@ -191,18 +192,18 @@ fn announce_address(args: &ViewArgs, window: &Window) {
 
 /// Opens an address in the user's browser; returns false if there is none.
 pub fn open_browser(url: &str) -> bool {
-    let of_user = std::env::var("BROWSER").unwrap_or_default();
-    // `BROWSER` may hold several commands, separated by colons; `%s` stands for the address.
-    let of_user = of_user.split(':').filter(|command| !command.is_empty()).map(str::to_owned);
-    of_user.chain(["xdg-open".to_owned()]).any(|command| {
-        let mut words = command.split_whitespace();
-        let Some(program) = words.next() else { return false };
-        let mut words: Vec<String> = words.map(|word| word.replace("%s", url)).collect();
+    let user_commands = std::env::var("BROWSER").unwrap_or_default();
+    // `BROWSER` may contain several commands, separated by colons; `%s` is replaced by the address.
+    let user_commands = user_commands.split(':').filter(|command| !command.is_empty()).map(str::to_owned);
+    user_commands.chain(["xdg-open".to_owned()]).any(|command| {
+        let mut parts = command.split_whitespace();
+        let Some(program) = parts.next() else { return false };
+        let mut arguments: Vec<String> = parts.map(|word| word.replace("%s", url)).collect();
         if !command.contains("%s") {
-            words.push(url.to_owned());
+            arguments.push(url.to_owned());
         }
         let [input, output, errors] = [Stdio::null(), Stdio::null(), Stdio::null()];
-        std::process::Command::new(program).args(words).stdin(input).stdout(output).stderr(errors).spawn().is_ok()
+        std::process::Command::new(program).args(arguments).stdin(input).stdout(output).stderr(errors).spawn().is_ok()
     })
 }
 
@@ -225,8 +226,8 @@ impl Session {
     fn run_all(&self, mut ready: Ready) -> anyhow::Result<ExitCode> {
         for number in 1.. {
             let args = self.args.lock().clone();
-            let (show, feed) = self.show(&ready, number);
-            self.control.ask(|requests| {
+            let (show, feed) = self.create_show(&ready, number);
+            self.control.update(|requests| {
                 (requests.is_over, requests.is_ending, requests.steps) = (false, false, 0);
             });
             let event_store = self.offer(&ready, &show)?;
@@ -236,28 +237,28 @@ impl Session {
             let observers = Observers { sinks, interrupt: self.interrupt.clone(), ..Observers::default() };
             let mut running = ConsoleRun::start(ready, &args, observers, true)?;
             Driver::new(Arc::clone(&self.control), Arc::clone(&show)).drive(running.scheduler());
-            let ran = running.finish(|| {});
+            let finished_run = running.finish(|| {});
             // Pending interventions are refused: dropping them answers their commands.
-            drop(self.control.ask(|requests| {
+            drop(self.control.update(|requests| {
                 requests.is_over = true;
                 std::mem::take(&mut requests.actions)
             }));
-            if matches!(ran.finished.ended.end, End::Broken) {
-                // What is left of the program in this process may hold locks of the C library.
+            if matches!(finished_run.finished.ended.end, End::Broken) {
+                // The broken program may have left locks of the C library in this process, so later programs get processes.
                 self.args.lock().exec = Exec::Process;
             }
-            ran.write_files(&args)?;
+            finished_run.write_files(&args)?;
             let is_restart = self.next.lock().is_some();
             if !is_restart {
-                explain(&ran.finished);
-                table::checks(&ran.finished.report, TableScreen::of_stdout())
+                explain(&finished_run.finished);
+                table::checks(&finished_run.finished.report, TableScreen::of_stdout())
                     .iter()
                     .for_each(|line| println!("{line}"));
             }
-            match self.wait_for_next(&ran, &show) {
+            match self.wait_for_next(&finished_run, &show) {
                 Some((next, args)) => {
                     *self.args.lock() = args;
-                    self.files.lock().renew(&next);
+                    self.files.lock().update(&next);
                     ready = next;
                 }
                 None => break,
@@ -267,7 +268,7 @@ impl Session {
     }
 
     /// Creates the show of run `number`, and the feed of its events.
-    fn show(&self, ready: &Ready, number: u32) -> (Arc<Mutex<Show>>, Arc<Mutex<Feed>>) {
+    fn create_show(&self, ready: &Ready, number: u32) -> (Arc<Mutex<Show>>, Arc<Mutex<Feed>>) {
         let feed = Arc::new(Mutex::new(Feed::default()));
         let show = Show::new(ShowParts {
             window: Arc::clone(&self.window),
@@ -296,19 +297,19 @@ impl Session {
         self.window.offer("trails.json", Download::new("application/json", json));
     }
 
-    /// Offers the downloads of the run to pages; returns the temporary file that holds its trace.
+    /// Offers the downloads of the run to pages; returns the temporary file that contains its trace.
     fn offer(&self, ready: &Ready, show: &Arc<Mutex<Show>>) -> anyhow::Result<Arc<Mutex<EventStore>>> {
         let event_store =
             Arc::new(Mutex::new(EventStore::new(ready.trace_header()).context("no room for temporary files")?));
-        let of_trace = Arc::clone(&event_store);
-        let trace = move || EventStore::trace(&of_trace).map_err(|error| error.to_string());
+        let trace_store = Arc::clone(&event_store);
+        let trace = move || EventStore::trace(&trace_store).map_err(|error| error.to_string());
         self.window.offer("trace.jsonl", Download::new("application/jsonl", trace.clone()));
-        let (of_recording, spec) = (Arc::clone(show), Arc::clone(ready.scene()));
+        let (recorded_show, spec) = (Arc::clone(show), Arc::clone(ready.scene()));
         // Not `recording.json`, by which pages distinguish a replay from a live run.
         self.window.offer(
             "run.recording.json",
             Download::new("application/json", move || {
-                let scene = of_recording.lock().scene().ok_or("no page has looked at the run yet")?;
+                let scene = recorded_show.lock().scene().ok_or("no page has looked at the run yet")?;
                 let trace = trace()?;
                 let reader = TraceReader::new(&*trace, Path::new("trace.jsonl")).map_err(|error| error.to_string())?;
                 let recording =
@@ -316,23 +317,23 @@ impl Session {
                 serde_json::to_vec(&recording).map_err(|error| error.to_string())
             }),
         );
-        let (of_scene, file) = (Arc::clone(show), ready.scene().file.clone());
+        let (current_show, file) = (Arc::clone(show), ready.scene().file.clone());
         self.window.offer(
             "scene.toml",
             Download::new("application/toml", move || {
-                let BodyPoses { robots, objects } = of_scene.lock().body_poses().clone();
+                let BodyPoses { robots, objects } = current_show.lock().body_poses().clone();
                 let text = print_current_scene(&file, &DiskFiles::of_environment(), &robots, &objects);
                 text.map(String::into_bytes).map_err(|diagnostics| {
-                    let words = diagnostics.iter().map(|diagnostic| diagnostic.message.clone());
-                    words.collect::<Vec<_>>().join("\n")
+                    let messages = diagnostics.iter().map(|diagnostic| diagnostic.message.clone());
+                    messages.collect::<Vec<_>>().join("\n")
                 })
             }),
         );
         Ok(event_store)
     }
 
-    /// Shows the end of the run until another one begins; returns none if the user interrupts.
-    fn wait_for_next(&self, ran: &FinishedRun, show: &Mutex<Show>) -> Option<(Ready, RunArgs)> {
+    /// Shows the end of the run until the next run is ready; returns `None` if the user interrupts.
+    fn wait_for_next(&self, finished_run: &FinishedRun, show: &Mutex<Show>) -> Option<(Ready, RunArgs)> {
         let mut is_shown = false;
         loop {
             if self.interrupt.is_set() {
@@ -348,17 +349,18 @@ impl Session {
             };
             if !is_shown || show.lock().has_new_looks() {
                 is_shown = true;
-                self.show_end(ran, &mut show.lock(), speed);
+                self.show_end(finished_run, &mut show.lock(), speed);
             }
-            self.control.wait(NAP);
+            self.control.wait(POLL_INTERVAL);
         }
     }
 
-    fn show_end(&self, ran: &FinishedRun, show: &mut Show, speed: Option<f64>) {
-        let state = RunState::Ended { why: end_text(ran), digest: ran.finished.ended.digest.to_string() };
-        let (run, ends) = (&*ran.finished.ended.run, &ran.finished.ended.robots[..]);
+    fn show_end(&self, finished_run: &FinishedRun, show: &mut Show, speed: Option<f64>) {
+        let state =
+            RunState::Ended { why: end_text(finished_run), digest: finished_run.finished.ended.digest.to_string() };
+        let (run, ends) = (&*finished_run.finished.ended.run, &finished_run.finished.ended.robots[..]);
         let world = run.world();
-        let (now, results) = (ran.finished.ended.time, Some(&ran.finished.report.checks[..]));
+        let (now, results) = (finished_run.finished.ended.time, Some(&finished_run.finished.report.checks[..]));
         show.present(Moment { run, world: &world, now, state, speed, rate: 0.0, ends, results });
     }
 
@@ -376,7 +378,7 @@ impl Session {
                         // Both happen under one lock, so that the current run is ended and not the next one.
                         let mut next = session.next.lock();
                         *next = Some((ready, args));
-                        session.control.ask(|requests| requests.is_ending = true);
+                        session.control.update(|requests| requests.is_ending = true);
                     }
                     session.window.build(Build::Done);
                     pending.into_iter().for_each(PendingCommand::accept);
@@ -384,7 +386,7 @@ impl Session {
                 Err(error) => {
                     say(format_args!("error: {error:#}"));
                     let output = match error.downcast_ref::<Error>() {
-                        Some(Error::Rejected(rejected)) => in_full(rejected),
+                        Some(Error::Rejected(rejected)) => full_message(rejected),
                         _ => format!("{error:#}"),
                     };
                     pending.into_iter().for_each(|pending| pending.refuse("the run cannot be built"));
@@ -401,15 +403,15 @@ impl Session {
 }
 
 /// Reason for rejecting a scene, with all its diagnostics, for a page.
-fn in_full(rejected: &Rejected) -> String {
+fn full_message(rejected: &Rejected) -> String {
     let Rejected { diagnostics, inputs } = rejected;
     let text = diagnostic::render(diagnostics, inputs, Format::Auto, Screen::of_page());
     format!("{rejected}\n{}", text.unwrap_or_default())
 }
 
 /// Text for the page: why the run has ended, and the results of its checks.
-fn end_text(ran: &FinishedRun) -> String {
-    let checks = &ran.finished.report.checks;
+fn end_text(finished_run: &FinishedRun) -> String {
+    let checks = &finished_run.finished.report.checks;
     let failed: Vec<String> = checks
         .iter()
         .filter(|check| !check.passed)
@@ -418,13 +420,13 @@ fn end_text(ran: &FinishedRun) -> String {
     let passed_count = checks.len() - failed.len();
     let summary =
         if checks.is_empty() { String::new() } else { format!("; {passed_count} of {} checks passed", checks.len()) };
-    end_of(ran) + &summary + &failed.concat()
+    end_reason(finished_run) + &summary + &failed.concat()
 }
 
-fn end_of(ran: &FinishedRun) -> String {
-    match &ran.finished.ended.end {
+fn end_reason(finished_run: &FinishedRun) -> String {
+    match &finished_run.finished.ended.end {
         End::Finished => "all programs have ended".to_owned(),
-        End::Until => format!("its {} are over", ran.finished.ended.time),
+        End::Until => format!("its {} are over", finished_run.finished.ended.time),
         End::Stuck => "every program waits for what cannot come".to_owned(),
         End::Interrupted => "interrupted".to_owned(),
         End::Broken | End::HeapLost => "a program broke".to_owned(),
@@ -436,7 +438,7 @@ fn end_of(ran: &FinishedRun) -> String {
 struct RestartHandler {
     session: Arc<Session>,
     /// Time of the last check of the files, with --watch.
-    watch: Option<Instant>,
+    last_check: Option<Instant>,
 }
 
 impl RunStarter for RestartHandler {
@@ -456,10 +458,10 @@ impl RunStarter for RestartHandler {
     }
 
     fn tick(&mut self) {
-        if self.watch.is_none_or(|last| last.elapsed() < WATCH_PERIOD) {
+        if self.last_check.is_none_or(|last| last.elapsed() < WATCH_PERIOD) {
             return;
         }
-        self.watch = Some(Instant::now());
+        self.last_check = Some(Instant::now());
         if !self.session.is_building.load(Ordering::Acquire) && self.session.files.lock().have_changed() {
             let args = self.session.args.lock().clone();
             self.session.build(args, None);
@@ -482,14 +484,14 @@ impl WatchedFiles {
         Self(ready.inputs().iter().map(|input| file(&input.path)).collect())
     }
 
-    /// Replaces the files by the inputs of `ready`. Files already watched keep their last state, so that a change
-    /// during the build is not missed.
-    fn renew(&mut self, ready: &Ready) {
+    /// Replaces the list of files by the inputs of `ready`. The stored state of a file that was already in the list is
+    /// kept, so that a change during the build is not missed.
+    fn update(&mut self, ready: &Ready) {
         let known = std::mem::take(&mut self.0);
         *self = Self::of(ready);
         for (path, last) in &mut self.0 {
-            if let Some((_, before)) = known.iter().find(|(other, _)| other == path) {
-                *last = *before;
+            if let Some((_, known_state)) = known.iter().find(|(other, _)| other == path) {
+                *last = *known_state;
             }
         }
     }
@@ -499,7 +501,7 @@ impl WatchedFiles {
         let mut is_changed = false;
         for (path, last) in &mut self.0 {
             let now = file_state(path);
-            // A missing file is just being saved.
+            // A missing file is probably being replaced by an editor.
             if now.is_some() && now != *last {
                 (*last, is_changed) = (now, true);
             }
@@ -516,8 +518,9 @@ fn file_state(path: &Path) -> Option<(SystemTime, u64)> {
 
 fn parse_listen(text: &str) -> Result<ListenAddress, String> {
     let alone = text.parse::<IpAddr>().map(|ip| ListenAddress { ip, port: None });
-    let with_port =
-        |text: &str| text.parse::<SocketAddr>().map(|at| ListenAddress { ip: at.ip(), port: Some(at.port()) });
+    let with_port = |text: &str| {
+        text.parse::<SocketAddr>().map(|address| ListenAddress { ip: address.ip(), port: Some(address.port()) })
+    };
     alone.or_else(|_| with_port(text)).map_err(|_not_an_address| {
         "expected an address of this machine, alone or with a port: `0.0.0.0` (all), `192.168.1.20:7412`, `[::]:7412`".to_owned()
     })
@@ -534,7 +537,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_class_listens_at_an_address_with_or_without_a_port() {
+    fn listen_address_may_have_a_port() {
         let parsed = |text| parse_listen(text).map(|ListenAddress { ip, port }| (ip.to_string(), port));
         assert_eq!(parsed("0.0.0.0"), Ok(("0.0.0.0".to_owned(), None)));
         assert_eq!(parsed("0.0.0.0:7412"), Ok(("0.0.0.0".to_owned(), Some(7412))));

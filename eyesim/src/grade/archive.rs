@@ -28,16 +28,16 @@ const MAX_PATH: usize = 1024;
 /// Maximum length of a file name, in bytes: the limit of Linux.
 const MAX_NAME: usize = 255;
 
-/// Files by their paths with slashes, and remarks about what was left out.
+/// Files that were read, and remarks about those that were not.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Contents {
-    /// Contents of the files.
+    /// Contents of the files, by their paths with slashes.
     pub files: BTreeMap<String, Vec<u8>>,
-    /// Remarks: links, devices and archives of other kinds that are not read.
+    /// Remarks about links, devices and unsupported archives.
     pub notes: Vec<String>,
 }
 
-/// Reasons why a submission is refused as a whole.
+/// Reasons why a submission is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum ArchiveError {
     /// The file cannot be read.
@@ -56,7 +56,7 @@ pub enum ArchiveError {
         /// The reason.
         error: String,
     },
-    /// An entry would be written outside of the archive.
+    /// An entry's path leads out of the archive.
     #[error("the entry `{entry}` of `{name}` leads out of the archive")]
     Outside {
         /// The archive.
@@ -91,7 +91,7 @@ const KINDS: [(&str, ArchiveKind); 4] = [
     (".tgz", ArchiveKind::TarGz),
 ];
 /// Extensions of unsupported archives.
-const OTHER: [&str; 9] = [".rar", ".7z", ".tar.xz", ".txz", ".tar.bz2", ".tbz2", ".tar.zst", ".gz", ".xz"];
+const UNSUPPORTED: [&str; 9] = [".rar", ".7z", ".tar.xz", ".txz", ".tar.bz2", ".tbz2", ".tar.zst", ".gz", ".xz"];
 
 /// Name of a supported archive without its extension; `None` for any other name.
 pub fn stem_of_archive(name: &str) -> Option<&str> {
@@ -99,8 +99,8 @@ pub fn stem_of_archive(name: &str) -> Option<&str> {
 }
 
 /// Name of an unsupported archive without its extension; `None` for any other name.
-pub fn stem_of_other_archive(name: &str) -> Option<&str> {
-    if kind_of(name).is_some() { None } else { OTHER.iter().find_map(|ending| without_ending(name, ending)) }
+pub fn stem_of_unsupported_archive(name: &str) -> Option<&str> {
+    if kind_of(name).is_some() { None } else { UNSUPPORTED.iter().find_map(|ending| without_ending(name, ending)) }
 }
 
 fn kind_of(name: &str) -> Option<(&str, ArchiveKind)> {
@@ -110,46 +110,46 @@ fn kind_of(name: &str) -> Option<(&str, ArchiveKind)> {
 /// The name without this extension, compared case-insensitively.
 fn without_ending<'n>(name: &'n str, ending: &str) -> Option<&'n str> {
     let at = name.len().checked_sub(ending.len())?;
-    let is_it = name.is_char_boundary(at) && name[at..].eq_ignore_ascii_case(ending);
-    is_it.then(|| &name[..at])
+    let matches = name.is_char_boundary(at) && name[at..].eq_ignore_ascii_case(ending);
+    matches.then(|| &name[..at])
 }
 
-/// Reads a submission of several parts within common limits.
+/// Reads the parts of a submission; the limits apply to their sum.
 pub struct Reader<'w> {
     /// Predicate on paths: files whose contents are wanted; archives are always opened.
     is_wanted: &'w dyn Fn(&str) -> bool,
-    /// An archive with all submissions: archives in it stay closed, and all other entries appear, without contents
-    /// unless wanted.
+    /// True for an archive with all submissions: archives in it stay closed, and all other entries are listed, without
+    /// contents unless wanted.
     is_class: bool,
     byte_limit: u64,
     max_entries: usize,
     remaining: u64,
-    entries: usize,
+    entry_count: usize,
     contents: Contents,
 }
 
 impl<'w> Reader<'w> {
     /// Creates a reader of the files for which `is_wanted` returns true.
-    pub fn new(wanted: &'w dyn Fn(&str) -> bool) -> Self {
+    pub fn new(is_wanted: &'w dyn Fn(&str) -> bool) -> Self {
         Self {
-            is_wanted: wanted,
+            is_wanted,
             is_class: false,
             byte_limit: MAX_BYTES,
             max_entries: MAX_ENTRIES,
             remaining: MAX_BYTES,
-            entries: 0,
+            entry_count: 0,
             contents: Contents::default(),
         }
     }
 
     /// Creates a reader of an archive with all submissions: archives in it are treated as files.
-    pub fn of_class(wanted: &'w dyn Fn(&str) -> bool) -> Self {
+    pub fn of_class(is_wanted: &'w dyn Fn(&str) -> bool) -> Self {
         Self {
             is_class: true,
             byte_limit: MAX_CLASS_BYTES,
             max_entries: MAX_CLASS_ENTRIES,
             remaining: MAX_CLASS_BYTES,
-            ..Self::new(wanted)
+            ..Self::new(is_wanted)
         }
     }
 
@@ -168,7 +168,7 @@ impl<'w> Reader<'w> {
 
     fn walk(&mut self, path: &Path, name: &str, depth: usize) -> Result<(), ArchiveError> {
         let io = |error| ArchiveError::Io { name: printable(name), error };
-        self.count()?;
+        self.count_entry()?;
         let metadata = fs::symlink_metadata(path).map_err(io)?;
         if metadata.is_dir() {
             if depth == MAX_DEPTH {
@@ -177,15 +177,15 @@ impl<'w> Reader<'w> {
             let mut entries = fs::read_dir(path).map_err(io)?.collect::<Result<Vec<_>, _>>().map_err(io)?;
             entries.sort_by_key(fs::DirEntry::file_name);
             for entry in entries {
-                let own = entry.file_name().to_string_lossy().into_owned();
-                let name = if name.is_empty() { own } else { format!("{name}/{own}") };
+                let entry_name = entry.file_name().to_string_lossy().into_owned();
+                let name = if name.is_empty() { entry_name } else { format!("{name}/{entry_name}") };
                 self.walk(&entry.path(), &name, depth + 1)?;
             }
             return Ok(());
         }
         if !metadata.is_file() {
             if !is_junk(name) {
-                self.note(name, kind_in_words(metadata.file_type()));
+                self.note(name, describe_kind(metadata.file_type()));
             }
             return Ok(());
         }
@@ -199,7 +199,7 @@ impl<'w> Reader<'w> {
         self.read_file(name, bytes, 0)
     }
 
-    /// Takes a file with these contents, and opens it if it is an archive; `nested` archives are already open around
+    /// Adds a file with these contents, or opens it if it is an archive; `nested` is the number of archives that contain
     /// it.
     ///
     /// # Errors
@@ -217,7 +217,7 @@ impl<'w> Reader<'w> {
                 self.contents.files.insert(name.to_owned(), bytes);
                 Ok(())
             }
-            None if stem_of_other_archive(name).is_some() => {
+            None if stem_of_unsupported_archive(name).is_some() => {
                 self.note(name, "is an archive of a kind that is not read; expected .zip, .tar or .tar.gz");
                 Ok(())
             }
@@ -257,19 +257,20 @@ impl<'w> Reader<'w> {
         let broken = |error: ZipError| ArchiveError::Broken { name: printable(name), error: error.to_string() };
         let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
         for index in 0..archive.len() {
-            self.count()?;
+            self.count_entry()?;
             let mut file = archive.by_index(index).map_err(broken)?;
-            // Archives of macOS have names in UTF-8 without the flag for it.
-            let own = std::str::from_utf8(file.name_raw()).map_or_else(|_| file.name().to_owned(), str::to_owned);
-            let Some(path) = self.place(name, stem, &own)? else { continue };
+            // In archives from macOS, names are in UTF-8, but the flag for UTF-8 is not set.
+            let entry_name =
+                std::str::from_utf8(file.name_raw()).map_or_else(|_| file.name().to_owned(), str::to_owned);
+            let Some(path) = self.path_of_entry(name, stem, &entry_name)? else { continue };
             let mode = file.unix_mode().map_or(0, |mode| mode & 0o170_000);
             if file.is_symlink() || !matches!(mode, 0 | 0o100_000 | 0o040_000) {
                 self.note(&path, "is a link or a device");
             } else if file.is_dir() || !self.is_read(&path) {
-                self.mark(&path, file.is_dir());
+                self.list_entry(&path, file.is_dir());
             } else {
                 let content = self
-                    .take(&mut file)
+                    .read_entry(&mut file)
                     .map_err(|error| error.map_or_else(|| self.too_large(), |error| broken(ZipError::Io(error))))?;
                 drop(file);
                 self.read_file(&path, content, nested)?;
@@ -282,37 +283,39 @@ impl<'w> Reader<'w> {
         let broken = |error: io::Error| ArchiveError::Broken { name: printable(name), error: error.to_string() };
         let mut archive = tar::Archive::new(bytes);
         for entry in archive.entries().map_err(broken)? {
-            self.count()?;
+            self.count_entry()?;
             let mut entry = entry.map_err(broken)?;
-            let own = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
+            let entry_name = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
             let kind = entry.header().entry_type();
             if kind == tar::EntryType::XGlobalHeader {
                 continue;
             }
-            let Some(path) = self.place(name, stem, &own)? else { continue };
+            let Some(path) = self.path_of_entry(name, stem, &entry_name)? else { continue };
             if kind.is_dir() {
-                self.mark(&path, true);
+                self.list_entry(&path, true);
             } else if !(kind.is_file() || kind.is_contiguous() || kind.is_gnu_sparse()) {
                 self.note(&path, "is a link or a device");
             } else if self.is_read(&path) {
-                let content = self.take(&mut entry).map_err(|error| error.map_or_else(|| self.too_large(), broken))?;
+                let content =
+                    self.read_entry(&mut entry).map_err(|error| error.map_or_else(|| self.too_large(), broken))?;
                 self.read_file(&path, content, nested)?;
             } else {
-                self.mark(&path, false);
+                self.list_entry(&path, false);
             }
         }
         Ok(())
     }
 
-    /// The content of an entry, whose stated size is not trusted; no error if it is too large.
-    fn take(&self, file: &mut impl Read) -> Result<Vec<u8>, Option<io::Error>> {
+    /// Content of an entry; `Err(None)` if it is too large. The size in the entry's header is not trusted.
+    fn read_entry(&self, file: &mut impl Read) -> Result<Vec<u8>, Option<io::Error>> {
         let mut content = Vec::new();
         let read = file.take(self.remaining + 1).read_to_end(&mut content).map_err(Some)?;
         if read as u64 > self.remaining { Err(None) } else { Ok(content) }
     }
 
-    /// Path of an entry of the archive `name`; `None` for files that operating systems add.
-    fn place(&mut self, name: &str, stem: &str, entry: &str) -> Result<Option<String>, ArchiveError> {
+    /// Path of an entry of the archive `name`; `None` for files that operating systems add and for names that are too
+    /// long.
+    fn path_of_entry(&mut self, name: &str, stem: &str, entry: &str) -> Result<Option<String>, ArchiveError> {
         let outside = || ArchiveError::Outside { name: printable(name), entry: printable(entry) };
         let slashed = entry.replace('\\', "/");
         let has_drive = slashed.as_bytes().get(1) == Some(&b':');
@@ -341,33 +344,33 @@ impl<'w> Reader<'w> {
     /// Returns true if the content of the file is read: it is wanted, or an archive.
     fn is_read(&mut self, name: &str) -> bool {
         let is_read = (self.is_wanted)(name) || kind_of(name).is_some();
-        if !is_read && stem_of_other_archive(name).is_some() {
+        if !is_read && stem_of_unsupported_archive(name).is_some() {
             self.note(name, "is an archive of a kind that is not read; expected .zip, .tar or .tar.gz");
         }
         is_read
     }
 
     /// Lists an entry of an archive with all submissions without its contents, so that no student is missing.
-    fn mark(&mut self, path: &str, is_folder: bool) {
+    fn list_entry(&mut self, path: &str, is_folder: bool) {
         if self.is_class {
             let path = if is_folder { format!("{path}/.") } else { path.to_owned() };
             self.contents.files.insert(path, Vec::new());
         }
     }
 
-    fn count(&mut self) -> Result<(), ArchiveError> {
-        self.entries += 1;
-        if self.entries > self.max_entries { Err(ArchiveError::Entries(self.max_entries)) } else { Ok(()) }
+    fn count_entry(&mut self) -> Result<(), ArchiveError> {
+        self.entry_count += 1;
+        if self.entry_count > self.max_entries { Err(ArchiveError::Entries(self.max_entries)) } else { Ok(()) }
     }
 
     fn too_large(&self) -> ArchiveError {
         ArchiveError::Size(self.byte_limit)
     }
 
-    fn note(&mut self, name: &str, what: &str) {
+    fn note(&mut self, name: &str, reason: &str) {
         const MAX_NOTES: usize = 20;
         if self.contents.notes.len() < MAX_NOTES {
-            self.contents.notes.push(format!("`{}` {what}: it is not read", printable(name)));
+            self.contents.notes.push(format!("`{}` {reason}: it is not read", printable(name)));
         }
     }
 }
@@ -380,8 +383,8 @@ pub fn is_junk(path: &str) -> bool {
     })
 }
 
-/// Kind of a file without contents.
-fn kind_in_words(kind: FileType) -> &'static str {
+/// Describes a file that is neither a regular file nor a folder.
+fn describe_kind(kind: FileType) -> &'static str {
     if kind.is_symlink() {
         "is a link"
     } else if kind.is_fifo() {
@@ -421,7 +424,7 @@ mod tests {
         for (name, bytes) in entries {
             let mut header = tar::Header::new_gnu();
             header.set_size(bytes.len() as u64);
-            // `set_path` would refuse names that lead elsewhere.
+            // `set_path` would refuse names that lead out of the archive.
             header.as_gnu_mut().expect("a header").name[..name.len()].copy_from_slice(name.as_bytes());
             header.set_cksum();
             builder.append(&header, *bytes).expect("an entry");
@@ -447,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn archives_are_read_within_each_other() {
+    fn nested_archives_are_read() {
         let entries: [(&str, &[u8]); 4] =
             [("lab/a.c", b"1"), ("lab\\map.h", b"2"), ("__MACOSX/lab/._a.c", b"3"), ("lab/notes.txt", b"4")];
         let expected = ["x/lab/a.c", "x/lab/map.h"];
@@ -464,7 +467,7 @@ mod tests {
     }
 
     #[test]
-    fn entries_that_lead_elsewhere_are_refused() {
+    fn entries_outside_the_archive_are_refused() {
         for name in ["../a.c", "/etc/a.c", "a/../../a.c", "c:\\a.c", "..\\a.c"] {
             for result in [read("x.zip", zip_of(&[(name, b"1")])), read("x.tar", tar_of(&[(name, b"1")]))] {
                 assert!(matches!(result, Err(ArchiveError::Outside { .. })), "{name}: {result:?}");
@@ -473,7 +476,7 @@ mod tests {
     }
 
     #[test]
-    fn links_and_devices_are_left_out() {
+    fn links_and_devices_are_skipped() {
         let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
         writer.add_symlink("a.c", "/etc/passwd", SimpleFileOptions::default()).expect("a link");
         let contents = read("x.zip", writer.finish().expect("an archive").into_inner()).expect("files");
@@ -505,7 +508,7 @@ mod tests {
         let bomb = zip_of(&entries);
         assert!(bomb.len() < 2 << 20, "{}", bomb.len());
         assert!(matches!(read("x.zip", bomb), Err(ArchiveError::Size(_))));
-        // What is skipped is inflated as well.
+        // Skipped entries are decompressed, too.
         let skipped: Vec<(&str, &[u8])> = (0..6).map(|_| ("film.avi", &zeros[..])).collect();
         assert!(matches!(read("x.tgz", gz(&tar_of(&skipped))), Err(ArchiveError::Size(_))));
         let names: Vec<String> = (0..=MAX_ENTRIES).map(|index| format!("{index}.c")).collect();

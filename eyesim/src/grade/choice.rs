@@ -1,4 +1,4 @@
-//! Files of a submission that become programs of robots, by the `submit` of a suite.
+//! Chooses the files of a submission that become robot programs, by the patterns of `submit` in the suite.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -23,13 +23,13 @@ const HEADERS: [&str; 8] = ["h", "hh", "hpp", "hxx", "inc", "ipp", "tpp", "def"]
 /// The programs of a submission.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Choice {
-    /// Robots in the words of an option `--program`, with the files that are compiled, loaded or interpreted.
+    /// Robots, written as in an option `--program`, with the files that are compiled, loaded or interpreted.
     pub programs: Vec<(String, Vec<String>)>,
     /// All files that these programs may consist of, by their paths: the files above, headers and modules.
     pub files: BTreeMap<String, Vec<u8>>,
 }
 
-/// Language of a file that matches a pattern.
+/// Kind of a file that matches a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SourceKind {
     Source,
@@ -49,45 +49,46 @@ impl SourceKind {
 
 /// Returns true for a file that may be part of a program: other files of a submission are not read.
 pub fn is_wanted(submit: &[SubmitSpec], path: &str) -> bool {
-    SourceKind::of(path).is_some() || is_header(path) || submit.iter().any(|submit| fits(submit, path))
+    SourceKind::of(path).is_some() || is_header(path) || submit.iter().any(|submit| is_submitted(submit, path))
 }
 
 /// Chooses the files of each program. Files with a name in `supplied` are omitted: the suite supplies its own.
 ///
 /// # Errors
-/// No file or too many files match; with the message for the student.
+/// A message for the student, if no file or too many files match.
 pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Contents) -> Result<Choice, String> {
     let mut choice = Choice::default();
-    let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
+    let mut robots_of_path: BTreeMap<&str, &str> = BTreeMap::new();
     let is_supplied = |path: &str| supplied.contains(file_name(path));
     for submit in submit {
-        let fitting = contents.files.keys().map(String::as_str).filter(|path| fits(submit, path) && !is_supplied(path));
-        let fitting = without_copies(fitting.collect(), contents);
+        let matching =
+            contents.files.keys().map(String::as_str).filter(|path| is_submitted(submit, path) && !is_supplied(path));
+        let matching = without_copies(matching.collect(), contents);
         let expected = || patterns(submit);
-        let Some(first) = fitting.first() else { return Err(nothing_fits(submit, supplied, contents)) };
-        let of_robot = |path: &str| SourceKind::of(path);
-        let Some(kind) = of_robot(first) else {
+        let Some(first) = matching.first() else { return Err(no_match_message(submit, supplied, contents)) };
+        let kind_of = |path: &str| SourceKind::of(path);
+        let Some(kind) = kind_of(first) else {
             return Err(format!(
                 "`{}` is no program: expected a source in C or C++, a program in Python, or a library",
                 printable(first)
             ));
         };
-        if fitting.iter().any(|path| of_robot(path) != Some(kind)) {
-            return Err(format!("files of several kinds fit {}: {}; expected one kind", expected(), names(&fitting)));
+        if matching.iter().any(|path| kind_of(path) != Some(kind)) {
+            return Err(format!("files of several kinds fit {}: {}; expected one kind", expected(), names(&matching)));
         }
-        if kind != SourceKind::Source && fitting.len() > 1 {
+        if kind != SourceKind::Source && matching.len() > 1 {
             return Err(format!(
                 "{} files fit {}: {}; expected the one that is to be started",
-                fitting.len(),
+                matching.len(),
                 expected(),
-                names(&fitting)
+                names(&matching)
             ));
         }
-        if fitting.len() > MAX_SOURCES {
-            return Err(format!("{} files fit {}; expected at most {MAX_SOURCES}", fitting.len(), expected()));
+        if matching.len() > MAX_SOURCES {
+            return Err(format!("{} files fit {}; expected at most {MAX_SOURCES}", matching.len(), expected()));
         }
         let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
-        for path in &fitting {
+        for path in &matching {
             if let Some(other) = seen.insert(file_name(path), path) {
                 return Err(format!(
                     "`{}` and `{}` have one name: expected one version of each file",
@@ -95,7 +96,7 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
                     printable(path)
                 ));
             }
-            if let Some(robots) = owners.insert(path, &submit.robots) {
+            if let Some(robots) = robots_of_path.insert(path, &submit.robots) {
                 return Err(format!(
                     "`{}` fits the patterns of `{robots}` and of `{}`: expected a file for each",
                     printable(path),
@@ -103,7 +104,7 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
                 ));
             }
         }
-        choice.programs.push((submit.robots.clone(), fitting.into_iter().map(str::to_owned).collect()));
+        choice.programs.push((submit.robots.clone(), matching.into_iter().map(str::to_owned).collect()));
     }
     let has_python = choice
         .programs
@@ -111,7 +112,7 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
         .any(|(_, files)| files.iter().any(|path| SourceKind::of(path) == Some(SourceKind::Python)));
     let is_module = |path: &str| has_python && SourceKind::of(path) == Some(SourceKind::Python) && !is_supplied(path);
     let is_part = |path: &str| is_header(path) || is_module(path);
-    let chosen = |path: &String| owners.contains_key(path.as_str()) || is_part(path);
+    let chosen = |path: &String| robots_of_path.contains_key(path.as_str()) || is_part(path);
     let files = contents.files.iter().filter(|(path, _)| chosen(path));
     choice.files = files.map(|(path, bytes)| (path.clone(), bytes.clone())).collect();
     Ok(choice)
@@ -122,7 +123,7 @@ pub fn choose(submit: &[SubmitSpec], supplied: &BTreeSet<String>, contents: &Con
 pub struct Layout {
     /// Contents of the files by their paths.
     pub files: BTreeMap<String, Vec<u8>>,
-    /// Robots in the words of an option `--program`, each with the paths of its program: one file, one folder, or several files.
+    /// Robots, written as in an option `--program`, each with the paths of its program: one file, one folder, or several files.
     pub programs: Vec<(String, Vec<String>)>,
 }
 
@@ -131,8 +132,8 @@ impl Choice {
     pub fn layout(&self) -> Layout {
         let mut layout = Layout::default();
         for (robots, sources) in &self.programs {
-            let own = Self::folder_of(robots);
-            let path_of = |path: &str| format!("{own}/{}", on_disk(path));
+            let program_folder = Self::folder_of(robots);
+            let path_of = |path: &str| format!("{program_folder}/{}", sanitized_path(path));
             for (path, bytes) in &self.files {
                 // Sources of other robots would otherwise be compiled along with these.
                 if SourceKind::of(path).is_none_or(|kind| kind == SourceKind::Python) || sources.contains(path) {
@@ -140,13 +141,13 @@ impl Choice {
                 }
             }
             let paths: Vec<String> = sources.iter().map(|path| path_of(path)).collect();
-            let folder = |path_of: &String| path_of.rsplit_once('/').map(|(folder, _)| folder.to_owned());
-            let first = paths.first().and_then(folder);
-            // The name of a program, which is its folder's name, is part of its record, so that equal programs in files
-            // with different names behave the same.
+            let parent = |path: &String| path.rsplit_once('/').map(|(folder, _)| folder.to_owned());
+            let first_parent = paths.first().and_then(parent);
+            // A program in a folder has the folder's name, so that equal programs in files with different names have
+            // equal records.
             let is_source = sources.iter().all(|path| SourceKind::of(path) == Some(SourceKind::Source));
-            let is_folder = is_source && paths.iter().all(|path_of| folder(path_of) == first);
-            let program = first.filter(|_| is_folder).map_or(paths, |folder| vec![folder]);
+            let is_folder = is_source && paths.iter().all(|path| parent(path) == first_parent);
+            let program = first_parent.filter(|_| is_folder).map_or(paths, |folder| vec![folder]);
             layout.programs.push((robots.clone(), program));
         }
         layout
@@ -172,22 +173,22 @@ impl Choice {
 
     /// Folder of the program of these robots.
     pub(super) fn folder_of(robots: &str) -> String {
-        format!("robot-{}", plain(robots))
+        format!("robot-{}", sanitized_name(robots))
     }
 }
 
-/// Path under which a file is written: without characters that have a meaning in references to programs.
-fn on_disk(path: &str) -> String {
+/// Path at which a file is written, without characters that have a meaning in references to programs.
+fn sanitized_path(path: &str) -> String {
     let part = |part: &str| part.trim().replace([',', '\\', '='], "_");
     path.split('/').map(part).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("/")
 }
 
-fn plain(robots: &str) -> String {
+fn sanitized_name(robots: &str) -> String {
     robots.chars().map(|c| if c.is_alphanumeric() || c == '.' || c == '-' { c } else { '_' }).collect()
 }
 
 /// Returns true if a pattern matches the file's name, or the end of its path if the pattern has a slash.
-fn fits(submit: &SubmitSpec, path: &str) -> bool {
+fn is_submitted(submit: &SubmitSpec, path: &str) -> bool {
     submit.patterns.iter().any(|pattern| {
         let parts = pattern.matches('/').count() + 1;
         let at = path.rmatch_indices('/').nth(parts - 1).map_or(0, |(at, _)| at + 1);
@@ -211,16 +212,16 @@ fn without_copies<'p>(mut paths: Vec<&'p str>, contents: &Contents) -> Vec<&'p s
     kept
 }
 
-fn nothing_fits(submit: &SubmitSpec, supplied: &BTreeSet<String>, contents: &Contents) -> String {
-    let all: Vec<&str> = contents.files.keys().map(String::as_str).collect();
-    let has = if all.is_empty() { "no program files".to_owned() } else { names(&all) };
-    let left_out = all.iter().find(|path| supplied.contains(file_name(path)) && fits(submit, path));
+fn no_match_message(submit: &SubmitSpec, supplied: &BTreeSet<String>, contents: &Contents) -> String {
+    let paths: Vec<&str> = contents.files.keys().map(String::as_str).collect();
+    let found = if paths.is_empty() { "no program files".to_owned() } else { names(&paths) };
+    let left_out = paths.iter().find(|path| supplied.contains(file_name(path)) && is_submitted(submit, path));
     let left_out =
         left_out.map(|path| format!("\n`{}` is left out: the suite has a file of this name", printable(path)));
     let notes = contents.notes.iter().map(|note| format!("\n{note}"));
     let notes: String = left_out.into_iter().chain(notes).collect();
     format!(
-        "no file fits {}, for the program of robot `{}`; the submission has {has}{notes}",
+        "no file fits {}, for the program of robot `{}`; the submission has {found}{notes}",
         patterns(submit),
         submit.robots
     )
@@ -281,18 +282,18 @@ mod tests {
 
     #[test]
     fn files_are_chosen_by_patterns() {
-        let c = [submit("1", &["*.c", "*.cpp"])];
-        check(&c, &[("solve.c", "")], Ok(&[&["solve.c"]]));
-        check(&c, &[("src/SOLVE.C", ""), ("src/map.h", ""), ("x.py", "")], Ok(&[&["src/SOLVE.C"]]));
-        check(&c, &[("a.c", "1"), ("lib/b.cpp", "2")], Ok(&[&["a.c", "lib/b.cpp"]]));
-        check(&c, &[("a.c", "1"), ("again/a.c", "1")], Ok(&[&["a.c"]]));
-        check(&c, &[("a.c", "1"), ("old/a.c", "2")], Err("have one name"));
+        let c_or_cpp = [submit("1", &["*.c", "*.cpp"])];
+        check(&c_or_cpp, &[("solve.c", "")], Ok(&[&["solve.c"]]));
+        check(&c_or_cpp, &[("src/SOLVE.C", ""), ("src/map.h", ""), ("x.py", "")], Ok(&[&["src/SOLVE.C"]]));
+        check(&c_or_cpp, &[("a.c", "1"), ("lib/b.cpp", "2")], Ok(&[&["a.c", "lib/b.cpp"]]));
+        check(&c_or_cpp, &[("a.c", "1"), ("again/a.c", "1")], Ok(&[&["a.c"]]));
+        check(&c_or_cpp, &[("a.c", "1"), ("old/a.c", "2")], Err("have one name"));
         check(
-            &c,
+            &c_or_cpp,
             &[("map.h", "")],
             Err("no file fits `*.c` or `*.cpp`, for the program of robot `1`; the submission has `map.h`\n`x.rar`"),
         );
-        check(&c, &[], Err("no program files"));
+        check(&c_or_cpp, &[], Err("no program files"));
         let python = [submit("1", &["*.py"])];
         check(&python, &[("a.py", "1"), ("b.py", "2")], Err("2 files fit"));
         check(&[submit("1", &["main.py"])], &[("main.py", "1"), ("b.py", "2")], Ok(&[&["main.py"]]));

@@ -21,9 +21,11 @@ use super::archive::Contents;
 use super::choice::{self, Choice};
 use super::submission::Submission;
 use crate::suite::summary::{Variant, variants};
-use crate::suite::{Case, CaseResult, Pool, PoolError, PoolOptions, Preparation, Row, Session, Suite, lost_case};
+use crate::suite::{
+    Case, CaseResult, Pool, PoolError, PoolOptions, Preparation, Row, Session, Suite, unfinished_case_result,
+};
 
-/// Version of the results.
+/// Version of the format of results.
 const SCHEMA: u32 = 1;
 
 /// Reasons why nothing can be graded.
@@ -49,9 +51,9 @@ pub enum GradeError {
 /// eyesim.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Graded {
-    /// Version of this form.
+    /// Version of the format.
     pub schema: u32,
-    /// Reason why nothing was built: the submission is refused, or has no program.
+    /// Reason why nothing was built, such as a refused submission or a missing program.
     pub problem: Option<String>,
     /// Remarks about files that were not read.
     pub notes: Vec<String>,
@@ -89,8 +91,8 @@ pub struct Grader {
 }
 
 impl Grader {
-    /// Reads the suite at `path`, adds the `hidden_seeds` seeds to its own, and builds the programs that it brings with `builder`. Compilers and
-    /// programs of submissions run in `sandbox`.
+    /// Reads the suite at `path`, adds `hidden_seeds` to its seeds, and builds the suite's own programs with `builder`.
+    /// Compilers and programs of submissions run in `sandbox`.
     ///
     /// # Errors
     /// The suite or a scene has mistakes, does not declare files to submit, or one of its own programs cannot be built.
@@ -106,8 +108,8 @@ impl Grader {
         let hidden_seeds: BTreeSet<u64> = hidden_seeds.iter().copied().collect();
         let suite = open(path, &hidden_seeds, may_run_checks, &sandbox, Vec::new())?;
         if suite.spec.submit.is_empty() {
-            let what = "does not say which files of a submission are programs: expected `submit = { 1 = [\"*.c\"] }` in `[suite]`";
-            return Err(GradeError::Suite(format!("`{}` {what}", suite.spec.file)));
+            let problem = "does not say which files of a submission are programs: expected `submit = { 1 = [\"*.c\"] }` in `[suite]`";
+            return Err(GradeError::Suite(format!("`{}` {problem}", suite.spec.file)));
         }
         let cases = suite.cases().map_err(GradeError::Suite)?;
         let mut grader = Self {
@@ -129,9 +131,9 @@ impl Grader {
         let mut programs = ProgramCache::default();
         for (variant, case) in grader.variants_of_suite() {
             let built = grader.own_scene(case).and_then(|scene| scene.build_with(&builder, &mut programs));
-            let built = built.map_err(|error| GradeError::Suite(in_words(&error, case)))?;
-            let own = grader.suite.spec.checks.iter().chain(&built.scene().checks).map(|check| check.points).sum();
-            max_points.insert(variant.to_owned(), own);
+            let built = built.map_err(|error| GradeError::Suite(describe(&error, case)))?;
+            let points = grader.suite.spec.checks.iter().chain(&built.scene().checks).map(|check| check.points).sum();
+            max_points.insert(variant.to_owned(), points);
             inputs.extend(built.inputs().iter().map(|input: &Input| (input.path.clone(), input.sha256.clone())));
         }
         grader.max_points = max_points;
@@ -147,7 +149,7 @@ impl Grader {
         &self.suite
     }
 
-    /// Its cases.
+    /// The cases of the suite.
     pub fn cases(&self) -> &[Case] {
         &self.cases
     }
@@ -179,12 +181,12 @@ impl Grader {
     pub fn option_files(&self, case: &Case) -> BTreeMap<String, PathBuf> {
         let Options { noise, stdin, .. } = &case.options;
         let noise = noise.as_ref().map(PathBuf::from).filter(|path| path.is_file());
-        let named = |path: PathBuf| {
+        let with_name = |path: PathBuf| {
             let mut name = slashed(&path);
-            Places::of_suite(&self.suite.spec.folder).fix(&mut name);
+            PathReplacements::of_suite(&self.suite.spec.folder).replace_in(&mut name);
             (name, path)
         };
-        noise.into_iter().chain(stdin.clone()).map(named).collect()
+        noise.into_iter().chain(stdin.clone()).map(with_name).collect()
     }
 
     /// The variants of the suite, each with its first case.
@@ -232,16 +234,16 @@ impl Grader {
     /// only once.
     pub fn grade(&mut self, submission: &Submission, workers: usize) -> Graded {
         let start = Instant::now();
-        let mut graded = match self.attempt(submission, workers) {
+        let mut graded = match self.try_grade(submission, workers) {
             Ok(graded) => graded,
-            Err(problem) => self.lost(&problem),
+            Err(problem) => self.ungraded_result(&problem),
         };
         graded.notes = submission.contents.as_ref().map(|contents| contents.notes.clone()).unwrap_or_default();
         graded.real_time_s = start.elapsed().as_secs_f64();
         graded
     }
 
-    fn attempt(&mut self, submission: &Submission, workers: usize) -> Result<Graded, String> {
+    fn try_grade(&mut self, submission: &Submission, workers: usize) -> Result<Graded, String> {
         let choice = self.choose(submission.contents.as_ref()?)?;
         let key = self.key(submission);
         let folder = self.scratch.path().join(&key);
@@ -260,28 +262,29 @@ impl Grader {
         let mut results: BTreeMap<usize, CaseResult> = BTreeMap::new();
         let indices: Vec<usize> = (0..cases.len()).collect();
         let mut pool = Pool::new(&suite, &cases, preparation, PoolOptions { workers, isolate: true });
-        let done = &mut |index, result| {
+        let store = &mut |index, result| {
             results.insert(index, result);
             ControlFlow::Continue(())
         };
-        pool.run(&indices, done).map_err(|error| error.to_string())?;
-        let mut places = Places::new(&folder, &self.scratch.path().join(&key), &suite.spec.folder, &choice);
-        places.cache.clone_from(&self.cache);
+        pool.run(&indices, store).map_err(|error| error.to_string())?;
+        let mut replacements =
+            PathReplacements::new(&folder, &self.scratch.path().join(&key), &suite.spec.folder, &choice);
+        replacements.cache.clone_from(&self.cache);
         let mut graded = Graded { programs: choice.programs, ..Graded::of(results.into_values().collect()) };
-        graded.results.iter_mut().for_each(|result| places.relocate(result, &key));
+        graded.results.iter_mut().for_each(|result| replacements.replace_in_result(result, &key));
         _ = fs::remove_dir_all(&folder);
         Ok(graded)
     }
 
-    /// Result of a submission that cannot be run.
-    pub fn lost(&self, problem: &str) -> Graded {
-        let lost = |case: &Case| {
-            let mut result = lost_case(&self.suite, case, problem);
+    /// Result of a submission that cannot be graded.
+    pub fn ungraded_result(&self, problem: &str) -> Graded {
+        let ungraded = |case: &Case| {
+            let mut result = unfinished_case_result(&self.suite, case, problem);
             result.row.max_points = self.max_points.get(&case.variant).copied().unwrap_or_default();
-            Places::of_suite(&self.suite.spec.folder).relocate(&mut result, "");
+            PathReplacements::of_suite(&self.suite.spec.folder).replace_in_result(&mut result, "");
             result
         };
-        Graded { problem: Some(problem.to_owned()), ..Graded::of(self.cases.iter().map(lost).collect()) }
+        Graded { problem: Some(problem.to_owned()), ..Graded::of(self.cases.iter().map(ungraded).collect()) }
     }
 
     /// Variants of a graded submission.
@@ -296,10 +299,10 @@ impl Grader {
 
     fn hash(&self, inputs: &BTreeMap<String, String>) -> String {
         let mut hasher = blake3::Hasher::new();
-        let places = Places::of_suite(&self.suite.spec.folder);
+        let replacements = PathReplacements::of_suite(&self.suite.spec.folder);
         let mut add = |text: &str| {
             let mut text = text.to_owned();
-            places.fix(&mut text);
+            replacements.replace_in(&mut text);
             hasher.update(&(text.len() as u64).to_le_bytes());
             hasher.update(text.as_bytes());
         };
@@ -355,35 +358,35 @@ fn open(
     Ok(suite)
 }
 
-fn in_words(error: &Error, case: &Case) -> String {
-    let what = match error {
+fn describe(error: &Error, case: &Case) -> String {
+    let reason = match error {
         Error::Rejected(Rejected { diagnostics, .. }) => {
             diagnostics.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n")
         }
         error => error.to_string(),
     };
-    format!("the case `{}` of the suite cannot be run: {what}", case.name)
+    format!("the case `{}` of the suite cannot be run: {reason}", case.name)
 }
 
-/// Paths of this grading that are replaced in results.
-struct Places {
+/// Replacements of paths in results, so that results do not depend on temporary folders.
+struct PathReplacements {
     /// Text and its replacement, longer texts first.
     replaced: Vec<(String, String)>,
     /// The folder of built programs, in which each build has a folder of its own; empty if there is none.
     cache: String,
 }
 
-impl Places {
+impl PathReplacements {
     fn of_suite(folder: &str) -> Self {
         let folder = folder.trim_end_matches('/');
-        let is_real = folder.contains('/') || folder.len() > 2;
-        let replaced = is_real.then(|| (format!("{folder}/"), String::new())).into_iter().collect();
+        let is_distinctive = folder.contains('/') || folder.len() > 2;
+        let replaced = is_distinctive.then(|| (format!("{folder}/"), String::new())).into_iter().collect();
         Self { replaced, cache: String::new() }
     }
 
-    fn new(folder: &Path, other: &Path, suite: &str, choice: &Choice) -> Self {
+    fn new(folder: &Path, unresolved_folder: &Path, suite: &str, choice: &Choice) -> Self {
         let mut replaced = Vec::new();
-        for folder in [folder, other].map(slashed) {
+        for folder in [folder, unresolved_folder].map(slashed) {
             for (robots, _) in &choice.programs {
                 let name = Choice::folder_of(robots);
                 replaced.push((format!("{folder}/{name}/"), String::new()));
@@ -394,31 +397,32 @@ impl Places {
         Self { replaced, cache: String::new() }
     }
 
-    fn fix(&self, text: &mut String) {
+    fn replace_in(&self, text: &mut String) {
         for (from, to) in &self.replaced {
             if text.contains(from.as_str()) {
                 *text = text.replace(from.as_str(), to);
             }
         }
-        while let Some(at) = text.find(&self.cache).filter(|_| !self.cache.is_empty()) {
-            let rest = &text[at + self.cache.len()..];
-            let of_build = rest.starts_with("tmp-").then(|| rest.find('/')).flatten().map_or(0, |end| end + 1);
-            text.replace_range(at..at + self.cache.len() + of_build, "");
+        while let Some(start) = text.find(&self.cache).filter(|_| !self.cache.is_empty()) {
+            let rest = &text[start + self.cache.len()..];
+            let build_folder_length =
+                rest.starts_with("tmp-").then(|| rest.find('/')).flatten().map_or(0, |end| end + 1);
+            text.replace_range(start..start + self.cache.len() + build_folder_length, "");
         }
     }
 
-    fn relocate(&self, result: &mut CaseResult, key: &str) {
-        let fix = |text: &mut String| self.fix(text);
+    fn replace_in_result(&self, result: &mut CaseResult, key: &str) {
+        let replace = |text: &mut String| self.replace_in(text);
         let row = &mut result.row;
         let case = blake3::hash(format!("{key} {}", row.case).as_bytes());
         row.key = if key.is_empty() { String::new() } else { case.to_hex()[..32].to_owned() };
-        [&mut row.suite, &mut row.scene, &mut row.message, &mut row.details].into_iter().for_each(fix);
-        row.checks.iter_mut().for_each(|check| fix(&mut check.message));
+        [&mut row.suite, &mut row.scene, &mut row.message, &mut row.details].into_iter().for_each(replace);
+        row.checks.iter_mut().for_each(|check| replace(&mut check.message));
         for robot in &mut row.robots {
-            fix(&mut robot.program);
-            robot.reason.iter_mut().for_each(fix);
+            replace(&mut robot.program);
+            robot.reason.iter_mut().for_each(replace);
         }
-        row.words.iter_mut().for_each(fix);
-        result.output.iter_mut().for_each(fix);
+        row.words.iter_mut().for_each(replace);
+        result.output.iter_mut().for_each(replace);
     }
 }

@@ -27,13 +27,13 @@ pub fn grade_all(
 ) -> Result<(), GradeError> {
     let mut waiting = indices.iter().copied();
     let mut working: Vec<(usize, ForkedWorker)> = Vec::new();
-    // The cases of a single submission run on all processors.
-    let inner = (workers / indices.len().max(1)).max(1);
+    // With fewer submissions than workers, each submission runs its cases in several workers.
+    let workers_per_submission = (workers / indices.len().max(1)).max(1);
     while !grader.interrupt.is_set() {
         while working.len() < workers
             && let Some(index) = waiting.next()
         {
-            let serve = |stream| serve(grader, &submissions[index], inner, stream);
+            let serve = |stream| serve(grader, &submissions[index], workers_per_submission, stream);
             let process = ForkedWorker::start(serve).map_err(PoolError::Start)?;
             working.push((index, process));
         }
@@ -44,13 +44,14 @@ pub fn grade_all(
         for ready in readable(&streams, POLL).map_err(PoolError::Wait)?.into_iter().rev() {
             let (index, mut process) = working.remove(ready);
             let answer = receive(&mut process.stream);
-            let how = process.wait();
+            let exit_status = process.wait();
             match answer {
                 Ok(graded) => done(index, graded)?,
                 Err(_) if grader.interrupt.is_set() => {}
                 Err(_) => {
-                    let what = format!("the process that graded the submission ended without a result: {how}");
-                    done(index, grader.lost(&what))?;
+                    let problem =
+                        format!("the process that graded the submission ended without a result: {exit_status}");
+                    done(index, grader.ungraded_result(&problem))?;
                 }
             }
         }
@@ -60,7 +61,7 @@ pub fn grade_all(
 
 fn serve(grader: &mut Grader, submission: &Submission, workers: usize, mut stream: UnixStream) {
     let graded = grader.grade(submission, workers);
-    // An interrupted fork has no result.
+    // After an interrupt, the result may be incomplete and is not sent.
     if !grader.interrupt.is_set()
         && let Ok(bytes) = serde_json::to_vec(&graded)
     {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::archive::{ArchiveError, Contents, Reader, is_junk, stem_of_archive, stem_of_other_archive};
+use super::archive::{ArchiveError, Contents, Reader, is_junk, stem_of_archive, stem_of_unsupported_archive};
 
 /// A submission that has been read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub struct Submission {
     pub contents: Result<Contents, String>,
 }
 
-/// Submissions, and other files beside them.
+/// Submissions of a folder, and the names of its other files.
 #[derive(Debug, Default)]
 pub struct Submissions {
     /// The submissions, in the order of their names.
@@ -35,15 +35,15 @@ enum SubmissionPart {
     Files(BTreeMap<String, Vec<u8>>),
 }
 
-/// Reads the submissions in `path`: a folder, or an archive of one. Contents are read only for files for which `wanted`
+/// Reads the submissions in `path`: a folder, or an archive of one. Contents are read only for files for which `is_wanted`
 /// returns true.
 ///
 /// # Errors
 /// The folder or archive as a whole cannot be read.
-pub fn read_all(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Submissions, ArchiveError> {
+pub fn read_all(path: &Path, is_wanted: &dyn Fn(&str) -> bool) -> Result<Submissions, ArchiveError> {
     let mut groups: BTreeMap<String, (String, Vec<SubmissionPart>)> = BTreeMap::new();
     let mut ignored = Vec::new();
-    let mut add = |entry: Entry, part: &mut dyn FnMut(&str) -> SubmissionPart| match owner(&entry, wanted) {
+    let mut add = |entry: Entry, part: &mut dyn FnMut(&str) -> SubmissionPart| match owner(&entry, is_wanted) {
         Some(Owner { key, name, file }) => groups.entry(key).or_insert((name, Vec::new())).1.push(part(&file)),
         None if is_junk(&entry.name) => {}
         None => ignored.push(entry.name),
@@ -59,7 +59,7 @@ pub fn read_all(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Submission
             });
         }
     } else {
-        for (name, (is_folder, mut files)) in of_archive(path, wanted)? {
+        for (name, (is_folder, mut files)) in entries_of_archive(path, is_wanted)? {
             add(Entry { name, is_folder }, &mut |file| {
                 let renamed = |(path, bytes): (String, Vec<u8>)| match path.split_once('/') {
                     Some((_, rest)) => (format!("{file}/{rest}"), bytes),
@@ -76,22 +76,22 @@ pub fn read_all(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Submission
         let base = folder_name(&name);
         let count = folders.entry(base.to_lowercase()).and_modify(|count| *count += 1).or_insert(1);
         let folder = if *count == 1 { base } else { format!("{base}-{count}") };
-        list.push(Submission { name, folder, contents: read_parts(parts, wanted) });
+        list.push(Submission { name, folder, contents: read_parts(parts, is_wanted) });
     }
     list.sort_by(|a, b| (a.name.to_lowercase(), &a.folder).cmp(&(b.name.to_lowercase(), &b.folder)));
     Ok(Submissions { list, ignored })
 }
 
 /// Reads one submission: the file, archive or folder `path` as a whole.
-pub fn read_one(path: &Path, name: &str, wanted: &dyn Fn(&str) -> bool) -> Submission {
+pub fn read_one(path: &Path, name: &str, is_wanted: &dyn Fn(&str) -> bool) -> Submission {
     let file = if path.is_dir() { String::new() } else { name_of(path) };
-    let contents = read_parts(vec![SubmissionPart::Disk(path.to_owned(), file)], wanted);
+    let contents = read_parts(vec![SubmissionPart::Disk(path.to_owned(), file)], is_wanted);
     Submission { name: name.to_owned(), folder: folder_name(name), contents }
 }
 
-fn read_parts(mut parts: Vec<SubmissionPart>, wanted: &dyn Fn(&str) -> bool) -> Result<Contents, String> {
+fn read_parts(mut parts: Vec<SubmissionPart>, is_wanted: &dyn Fn(&str) -> bool) -> Result<Contents, String> {
     parts.sort_by(|a, b| part_name(a).cmp(part_name(b)));
-    let mut reader = Reader::new(wanted);
+    let mut reader = Reader::new(is_wanted);
     for part in parts {
         let read = match part {
             SubmissionPart::Disk(path, name) => reader.read_path(&path, &name),
@@ -115,19 +115,20 @@ fn part_name(part: &SubmissionPart) -> &str {
 type Entries = BTreeMap<String, (bool, BTreeMap<String, Vec<u8>>)>;
 
 /// Entries of an archive with all submissions.
-fn of_archive(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Entries, ArchiveError> {
-    let mut reader = Reader::of_class(wanted);
+fn entries_of_archive(path: &Path, is_wanted: &dyn Fn(&str) -> bool) -> Result<Entries, ArchiveError> {
+    let mut reader = Reader::of_class(is_wanted);
     reader.read_path(path, &name_of(path))?;
     let mut entries = Entries::new();
     // The first folder is named after the archive.
-    let inner = |(path, bytes): (String, Vec<u8>)| Some((path.split_once('/')?.1.to_owned(), bytes));
-    let mut files: Vec<(String, Vec<u8>)> = reader.into_contents().files.into_iter().filter_map(inner).collect();
+    let without_archive = |(path, bytes): (String, Vec<u8>)| Some((path.split_once('/')?.1.to_owned(), bytes));
+    let mut files: Vec<(String, Vec<u8>)> =
+        reader.into_contents().files.into_iter().filter_map(without_archive).collect();
     files.retain(|(path, _)| path != ".");
     // A folder around all submissions is not a submission itself.
     loop {
-        let firsts: std::collections::BTreeSet<&str> =
+        let top_folders: std::collections::BTreeSet<&str> =
             files.iter().filter_map(|(path, _)| path.split_once('/').map(|(first, _)| first)).collect();
-        let is_around = firsts.len() == 1
+        let is_common_folder = top_folders.len() == 1
             && files.iter().all(|(path, _)| {
                 let rest = path.split_once('/').map_or("", |(_, rest)| rest);
                 rest == "."
@@ -135,7 +136,7 @@ fn of_archive(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Entries, Arc
                     || stem_of_archive(rest).is_some()
                     || rest.contains("_assignsubmission_")
             });
-        if !is_around || files.is_empty() {
+        if !is_common_folder || files.is_empty() {
             break;
         }
         for (path, _) in &mut files {
@@ -163,7 +164,7 @@ struct Entry {
     is_folder: bool,
 }
 
-/// Owner of an entry.
+/// Owner of an entry, found in its name.
 #[derive(Debug, PartialEq, Eq)]
 struct Owner {
     /// Entries with the same key belong together.
@@ -177,19 +178,19 @@ struct Owner {
 ///
 /// Sources: files as downloaded from Moodle (`Name_12345_assignsubmission_file_...`), Canvas (`name_LATE_123_456_file.c`, `file-1.c` for a
 /// second attempt) and Blackboard (`Lab_user_attempt_2024-03-01-12-00-00_file.c`).
-fn owner(entry: &Entry, wanted: &dyn Fn(&str) -> bool) -> Option<Owner> {
+fn owner(entry: &Entry, is_wanted: &dyn Fn(&str) -> bool) -> Option<Owner> {
     let name = entry.name.as_str();
     if is_junk(name) || name.starts_with('.') {
         return None;
     }
     let is_archive = !entry.is_folder && stem_of_archive(name).is_some();
-    let of = |key: &str, name: &str, file: &str| {
+    let found = |key: &str, name: &str, file: &str| {
         Some(Owner { key: key.to_owned(), name: name.trim().to_owned(), file: file.to_owned() })
     };
     if let Some((student, rest)) = name.split_once("_assignsubmission_") {
-        let own = student.rsplit_once('_').filter(|(_, id)| is_number(id)).map_or(student, |(own, _)| own);
+        let student_name = student.rsplit_once('_').filter(|(_, id)| is_number(id)).map_or(student, |(name, _)| name);
         let file = rest.split_once('_').map_or("", |(_, file)| file);
-        return of(student, own, file);
+        return found(student, student_name, file);
     }
     if !entry.is_folder {
         let words: Vec<&str> = name.split('_').collect();
@@ -200,29 +201,29 @@ fn owner(entry: &Entry, wanted: &dyn Fn(&str) -> bool) -> Option<Owner> {
                 && is_number(submission)
                 && !file.is_empty()
             {
-                return of(&format!("{student}_{user}"), student, &without_attempt(&file.join("_")));
+                return found(&format!("{student}_{user}"), student, &without_attempt(&file.join("_")));
             }
         }
         if let Some((before, after)) = name.split_once("_attempt_") {
             let user = before.rsplit('_').next().unwrap_or(before);
             let file = after.split_once('_').map_or("", |(_, file)| file);
-            return of(user, user, file);
+            return found(user, user, file);
         }
     }
     if entry.is_folder {
-        return of(&format!("{name}/"), name, "");
+        return found(&format!("{name}/"), name, "");
     }
     if is_archive {
         let stem = stem_of_archive(name).unwrap_or(name);
-        return of(name, stem, name);
+        return found(name, stem, name);
     }
-    // A source with its headers.
-    if wanted(name) {
+    // Sources and headers with the same stem belong to one owner.
+    if is_wanted(name) {
         let stem = Path::new(name).file_stem().map_or(name.into(), std::ffi::OsStr::to_string_lossy);
-        return of(&stem, &stem, name);
+        return found(&stem, &stem, name);
     }
-    // Its owner is informed that it cannot be read.
-    of(name, stem_of_other_archive(name)?, name)
+    // An unsupported archive belongs to a submission, so that its owner learns that it cannot be read.
+    found(name, stem_of_unsupported_archive(name)?, name)
 }
 
 fn is_number(text: &str) -> bool {
@@ -233,8 +234,8 @@ fn is_number(text: &str) -> bool {
 fn without_attempt(file: &str) -> String {
     let split = || {
         let (stem, ending) = file.split_once('.')?;
-        let (own, attempt) = stem.rsplit_once('-')?;
-        (is_number(attempt) && !own.is_empty()).then(|| format!("{own}.{ending}"))
+        let (first_stem, attempt) = stem.rsplit_once('-')?;
+        (is_number(attempt) && !first_stem.is_empty()).then(|| format!("{first_stem}.{ending}"))
     };
     split().unwrap_or_else(|| file.to_owned())
 }
@@ -275,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_learning_systems_tell_the_owner() {
+    fn owners_are_found_in_names_of_learning_systems() {
         check(
             "Ana María Núñez_12345_assignsubmission_file_",
             true,
@@ -296,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_have_plain_names() {
+    fn folder_names_are_sanitized() {
         for (name, folder) in [
             ("Ana María", "Ana_María"),
             ("../../etc", "etc"),
@@ -310,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn common_folders_are_left_out() {
+    fn common_folders_are_removed() {
         let files = |paths: &[&str]| paths.iter().map(|path| ((*path).to_owned(), Vec::new())).collect();
         let check = |paths: &[&str], expected: &[&str]| {
             let found = without_common_folders(Contents { files: files(paths), notes: Vec::new() });
@@ -324,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_of_everything_is_read() {
+    fn submissions_of_a_folder_are_read() {
         let folder = tempfile::tempdir().expect("a folder");
         let write = |name: &str| {
             let path = folder.path().join(name);

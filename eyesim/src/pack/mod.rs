@@ -31,7 +31,7 @@ const MAX_NAME: usize = 1024;
 pub struct Manifest {
     /// Version of the manifest.
     pub schema: u32,
-    /// Version of eyesim that wrote it.
+    /// Version of eyesim that wrote the archive.
     pub eyesim_version: String,
     /// Path of the scene or suite.
     pub main: String,
@@ -62,10 +62,10 @@ pub enum PackError {
     /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// It is not a zip file, or is broken.
+    /// The file is not a zip file, or is broken.
     #[error("it is no archive that can be read: {0}")]
     Zip(#[from] ZipError),
-    /// It has no manifest.
+    /// The archive has no manifest.
     #[error("it was not written by `eyesim pack`: it has no `{MANIFEST}`")]
     NoManifest,
     /// The manifest cannot be read.
@@ -99,7 +99,7 @@ pub enum PackError {
     Missing(String),
 }
 
-/// An archive that has been unpacked; removed when dropped.
+/// An unpacked archive; its files are removed when it is dropped.
 #[derive(Debug)]
 pub struct Unpacked {
     folder: tempfile::TempDir,
@@ -116,7 +116,7 @@ impl Manifest {
 }
 
 impl Pack {
-    /// Bytes of the archive: equal for equal contents.
+    /// Bytes of the archive; equal contents give equal bytes.
     ///
     /// # Errors
     /// The files are too large, or have names that an archive must not contain.
@@ -145,7 +145,7 @@ impl Pack {
             return Err(PackError::Entries(archive.len()));
         }
         // The reader keeps the last of several entries with the same name.
-        if count_of_entries(bytes).is_some_and(|count| count != archive.len()) {
+        if entry_count(bytes).is_some_and(|count| count != archive.len()) {
             return Err(PackError::Twice);
         }
         let (mut manifest, mut files, mut remaining) = (None, BTreeMap::new(), MAX_BYTES);
@@ -155,7 +155,7 @@ impl Pack {
             if file.is_symlink()
                 || file.unix_mode().is_some_and(|mode| !matches!(mode & 0o170_000, 0 | 0o100_000 | 0o040_000))
             {
-                return Err(entry(&name, "is a link or a device, which an archive of eyesim has not"));
+                return Err(entry_error(&name, "is a link or a device, which an archive of eyesim has not"));
             }
             let path = if name == MANIFEST { None } else { Some(path_of(&name)?) };
             if file.is_dir() {
@@ -181,12 +181,12 @@ impl Pack {
             return Err(PackError::Missing(manifest.main));
         }
         // A program is a file, a folder, or several files.
-        let is_there = |path: &str| {
+        let exists = |path: &str| {
             let folder = format!("{path}/");
             files.contains_key(path) || check_path(path).is_ok() && files.keys().any(|file| file.starts_with(&folder))
         };
-        let mut named = manifest.programs.iter().map(|(_, path)| path);
-        if let Some(missing) = named.find(|path| !is_there(path) && !path.split(',').all(is_there)) {
+        let mut program_paths = manifest.programs.iter().map(|(_, path)| path);
+        if let Some(missing) = program_paths.find(|path| !exists(path) && !path.split(',').all(exists)) {
             return Err(PackError::Missing(missing.clone()));
         }
         if let Some(missing) = manifest.options.values().find(|path| !files.contains_key(*path)) {
@@ -195,12 +195,12 @@ impl Pack {
         manifest.home.as_deref().filter(|home| !home.is_empty()).map_or(Ok(()), check_path)?;
         // A file at the path of a folder would otherwise be noticed only when the files are written.
         for path in files.keys() {
-            let mut above = path.as_str();
-            while let Some((folder, _)) = above.rsplit_once('/') {
+            let mut rest = path.as_str();
+            while let Some((folder, _)) = rest.rsplit_once('/') {
                 if files.contains_key(folder) {
-                    return Err(entry(folder, "is a file and a folder"));
+                    return Err(entry_error(folder, "is a file and a folder"));
                 }
-                above = folder;
+                rest = folder;
             }
         }
         Ok(Self { manifest, files })
@@ -250,10 +250,10 @@ impl Unpacked {
 
 /// Path of an entry within the folder of files.
 fn path_of(name: &str) -> Result<String, PackError> {
-    let path = name.strip_prefix(FILES).ok_or_else(|| entry(name, "lies outside of the folder `files`"))?;
+    let path = name.strip_prefix(FILES).ok_or_else(|| entry_error(name, "lies outside of the folder `files`"))?;
     let path = path.strip_suffix('/').unwrap_or(path);
     if !path.is_empty() && check_path(path).is_err() {
-        return Err(entry(name, "has a name that leads elsewhere"));
+        return Err(entry_error(name, "has a name that leads elsewhere"));
     }
     Ok(path.to_owned())
 }
@@ -261,19 +261,19 @@ fn path_of(name: &str) -> Result<String, PackError> {
 /// Refuses paths with components that are not names.
 fn check_path(path: &str) -> Result<(), PackError> {
     let is_name = |part: &str| !part.is_empty() && part != "." && part != "..";
-    let is_plain = path.len() <= MAX_NAME && !path.contains(['\\', '\0', ':']) && path.split('/').all(is_name);
-    if is_plain { Ok(()) } else { Err(entry(path, "has a name that leads elsewhere")) }
+    let is_valid = path.len() <= MAX_NAME && !path.contains(['\\', '\0', ':']) && path.split('/').all(is_name);
+    if is_valid { Ok(()) } else { Err(entry_error(path, "has a name that leads elsewhere")) }
 }
 
-fn entry(name: &str, what: &'static str) -> PackError {
+fn entry_error(name: &str, what: &'static str) -> PackError {
     PackError::Entry { name: name.chars().take(200).flat_map(char::escape_debug).collect(), what }
 }
 
 /// Number of entries as stated at the end of the archive; `None` if it is missing or does not fit into 16 bits.
-fn count_of_entries(bytes: &[u8]) -> Option<usize> {
+fn entry_count(bytes: &[u8]) -> Option<usize> {
     const SIGNATURE: [u8; 4] = *b"PK\x05\x06";
-    let at = bytes.windows(SIGNATURE.len()).rposition(|window| window == SIGNATURE)?;
-    let count = bytes.get(at + 10..at + 12)?;
+    let start = bytes.windows(SIGNATURE.len()).rposition(|window| window == SIGNATURE)?;
+    let count = bytes.get(start + 10..start + 12)?;
     let count = u16::from_le_bytes([count[0], count[1]]);
     (count != u16::MAX).then_some(usize::from(count))
 }
@@ -292,8 +292,8 @@ mod tests {
     fn zip_of(entries: &[(&str, &[u8])]) -> Vec<u8> {
         let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
         let manifest = serde_json::to_vec(&pack().manifest).expect("JSON");
-        let own: [(&str, &[u8]); 2] = [(MANIFEST, &manifest), ("files/a/x.scene.toml", b"[world]")];
-        for (name, bytes) in own.iter().chain(entries) {
+        let required: [(&str, &[u8]); 2] = [(MANIFEST, &manifest), ("files/a/x.scene.toml", b"[world]")];
+        for (name, bytes) in required.iter().chain(entries) {
             writer.start_file(*name, SimpleFileOptions::default()).expect("an entry");
             writer.write_all(bytes).expect("bytes");
         }
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn an_archive_is_read_as_it_was_written() {
+    fn written_archive_is_read_back() {
         let bytes = pack().to_bytes().expect("an archive");
         assert_eq!(Pack::read(&bytes).expect("an archive"), pack());
         assert_eq!(pack().to_bytes().expect("an archive"), bytes);
@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn archives_that_would_write_elsewhere_are_refused() {
+    fn entries_outside_the_folder_are_refused() {
         for name in
             ["../x", "files/../../x", "/etc/x", "files//etc/x", "files/a/../x", "files/c:x", "files/a\\..\\x", "x"]
         {
@@ -322,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn links_bombs_and_other_files_are_refused() {
+    fn links_bombs_and_invalid_files_are_refused() {
         let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
         writer.add_symlink("files/a", "/etc/passwd", SimpleFileOptions::default()).expect("a link");
         let bytes = writer.finish().expect("an archive").into_inner();
@@ -343,7 +343,7 @@ mod tests {
     }
 
     #[test]
-    fn entries_of_one_name_are_refused() {
+    fn entries_with_equal_names_are_refused() {
         // The name of the second one is changed to that of the first after writing.
         let mut bytes = zip_of(&[("files/p", b"1"), ("files/q", b"2")]);
         while let Some(at) = bytes.windows(7).position(|window| window == b"files/q") {

@@ -53,25 +53,25 @@ impl Surface for SVGBackend<'_> {
 
 /// Colour of a pixel of an image on the floor: laid over white by its opacity, then lightened.
 pub fn lightened([red, green, blue, opacity]: [u8; 4]) -> [u8; 3] {
-    let part = f64::from(opacity) / 255.0 * (1.0 - WHITENESS);
-    [red, green, blue].map(|colour| (f64::from(colour) * part + 255.0 * (1.0 - part)).round() as u8)
+    let weight = f64::from(opacity) / 255.0 * (1.0 - WHITENESS);
+    [red, green, blue].map(|colour| (f64::from(colour) * weight + 255.0 * (1.0 - weight)).round() as u8)
 }
 
 /// Position of a text relative to its point.
 #[derive(Clone, Copy)]
 pub struct Anchor {
-    /// Left: the text begins at its point.
+    /// Horizontal alignment; `Left`: the text begins at its point.
     pub horizontal: HPos,
-    /// Top: the text is below its point.
+    /// Vertical alignment; `Top`: the text is below its point.
     pub vertical: VPos,
 }
 
 impl Anchor {
-    /// Begins at its point, vertically centred.
+    /// The text begins at its point, vertically centred.
     pub const START: Self = Self { horizontal: HPos::Left, vertical: VPos::Center };
-    /// Ends at its point, vertically centred.
+    /// The text ends at its point, vertically centred.
     pub const END: Self = Self { horizontal: HPos::Right, vertical: VPos::Center };
-    /// Below its point, horizontally centred.
+    /// The text is below its point, horizontally centred.
     pub const BELOW: Self = Self { horizontal: HPos::Center, vertical: VPos::Top };
 }
 
@@ -83,7 +83,7 @@ pub struct Canvas<'b, B> {
 }
 
 impl<'b, B: Surface> Canvas<'b, B> {
-    /// A canvas on `backend`, whose pixels have `unit` units.
+    /// Creates a canvas on `backend`, with `unit` units of the backend per pixel.
     pub fn new(backend: &'b mut B, unit: i32) -> Self {
         register_fonts();
         Self { backend, unit }
@@ -97,8 +97,8 @@ impl<'b, B: Surface> Canvas<'b, B> {
         if corners.len() < 3 {
             return Ok(());
         }
-        let points = self.units(corners);
-        check(self.backend.fill_polygon(points, &inside(fill)))
+        let points = self.all_to_units(corners);
+        check(self.backend.fill_polygon(points, &filled_style(fill)))
     }
 
     /// Fills the rectangle from its upper left to its lower right corner.
@@ -106,8 +106,8 @@ impl<'b, B: Surface> Canvas<'b, B> {
     /// # Errors
     /// Errors of the backend.
     pub fn rectangle(&mut self, from: DVec2, to: DVec2, fill: Paint) -> Result<(), PlotError> {
-        let (from, to) = (self.unit(from), self.unit(to));
-        check(self.backend.draw_rect(from, to, &inside(fill), true))
+        let (from, to) = (self.to_units(from), self.to_units(to));
+        check(self.backend.draw_rect(from, to, &filled_style(fill), true))
     }
 
     /// Draws the line through `points`.
@@ -122,16 +122,16 @@ impl<'b, B: Surface> Canvas<'b, B> {
         // The pixel backend fills the outline of a stroke by the even-odd rule, so that a self-intersecting path would
         // have gaps, and joins segments with mitres, which become long spikes where a path turns back. So the path is
         // cut before its turns add up to half a turn: until then it advances in one direction.
-        let mut turned = 0.0;
-        let is_cut = |at: &usize| {
-            let turn = (points[*at] - points[at - 1]).angle_to(points[at + 1] - points[*at]).abs();
-            turned = if turned + turn > MAX_TURN { 0.0 } else { turned + turn };
-            turn > 0.0 && turned == 0.0
+        let mut total_turn = 0.0;
+        let is_cut = |index: &usize| {
+            let turn = (points[*index] - points[index - 1]).angle_to(points[index + 1] - points[*index]).abs();
+            total_turn = if total_turn + turn > MAX_TURN { 0.0 } else { total_turn + turn };
+            turn > 0.0 && total_turn == 0.0
         };
         let cuts = (1..points.len().saturating_sub(1)).filter(is_cut).chain([points.len().saturating_sub(1)]);
         let mut from = 0;
         for cut in cuts {
-            let part = self.units(points.get(from..=cut).unwrap_or(points));
+            let part = self.all_to_units(points.get(from..=cut).unwrap_or(points));
             check(self.backend.draw_path(part, &style))?;
             from = cut;
         }
@@ -149,9 +149,9 @@ impl<'b, B: Surface> Canvas<'b, B> {
         fill: Option<Paint>,
         line: Option<Line>,
     ) -> Result<(), PlotError> {
-        let (centre, radius) = (self.unit(centre), (radius * f64::from(self.unit)).round().max(1.0) as u32);
+        let (centre, radius) = (self.to_units(centre), (radius * f64::from(self.unit)).round().max(1.0) as u32);
         if let Some(fill) = fill {
-            check(self.backend.draw_circle(centre, radius, &inside(fill), true))?;
+            check(self.backend.draw_circle(centre, radius, &filled_style(fill), true))?;
         }
         if let Some(line) = line {
             let style = self.stroke(line);
@@ -164,32 +164,32 @@ impl<'b, B: Surface> Canvas<'b, B> {
     ///
     /// # Errors
     /// Errors of the backend.
-    pub fn text(&mut self, words: &str, at: DVec2, height: f64, anchor: Anchor, paint: Paint) -> Result<(), PlotError> {
-        self.turned_text(words, at, height, anchor, paint, FontTransform::None)
+    pub fn text(&mut self, text: &str, at: DVec2, height: f64, anchor: Anchor, paint: Paint) -> Result<(), PlotError> {
+        self.rotated_text(text, at, height, anchor, paint, FontTransform::None)
     }
 
     /// Draws a line of text that reads upwards.
     ///
     /// # Errors
     /// Errors of the backend.
-    pub fn upward_text(&mut self, words: &str, at: DVec2, height: f64, paint: Paint) -> Result<(), PlotError> {
-        self.turned_text(words, at, height, Anchor::BELOW, paint, FontTransform::Rotate270)
+    pub fn upward_text(&mut self, text: &str, at: DVec2, height: f64, paint: Paint) -> Result<(), PlotError> {
+        self.rotated_text(text, at, height, Anchor::BELOW, paint, FontTransform::Rotate270)
     }
 
-    fn turned_text(
+    fn rotated_text(
         &mut self,
-        words: &str,
+        text: &str,
         at: DVec2,
         height: f64,
         anchor: Anchor,
         paint: Paint,
-        turn: FontTransform,
+        rotation: FontTransform,
     ) -> Result<(), PlotError> {
-        let font = font(height * f64::from(self.unit)).transform(turn);
+        let font = font(height * f64::from(self.unit)).transform(rotation);
         let colour = paint.colour.mix(paint.opacity);
         let style = TextStyle::from(font).color(&colour).pos(Pos::new(anchor.horizontal, anchor.vertical));
-        let at = self.unit(at);
-        check(self.backend.draw_text(words, &style, at))
+        let at = self.to_units(at);
+        check(self.backend.draw_text(text, &style, at))
     }
 
     /// Draws an image, stretched over the rectangle from its upper left to its lower right corner.
@@ -197,7 +197,7 @@ impl<'b, B: Surface> Canvas<'b, B> {
     /// # Errors
     /// Errors of the backend.
     pub fn image(&mut self, from: DVec2, to: DVec2, texture: &Texture) -> Result<(), PlotError> {
-        let (from, to) = (self.unit(from), self.unit(to));
+        let (from, to) = (self.to_units(from), self.to_units(to));
         let size = ((to.0 - from.0).max(0) as u32, (to.1 - from.1).max(0) as u32);
         self.backend.image(from, size, texture)
     }
@@ -210,31 +210,33 @@ impl<'b, B: Surface> Canvas<'b, B> {
         check(self.backend.present())
     }
 
-    fn unit(&self, point: DVec2) -> (i32, i32) {
+    fn to_units(&self, point: DVec2) -> (i32, i32) {
         let point = (point * f64::from(self.unit)).round();
         (point.x as i32, point.y as i32)
     }
 
-    fn units(&self, points: &[DVec2]) -> Vec<(i32, i32)> {
-        points.iter().map(|point| self.unit(*point)).collect()
+    fn all_to_units(&self, points: &[DVec2]) -> Vec<(i32, i32)> {
+        points.iter().map(|point| self.to_units(*point)).collect()
     }
 
     fn stroke(&self, line: Line) -> ShapeStyle {
         let width = (line.width * f64::from(self.unit)).round().max(1.0);
-        ShapeStyle { filled: false, stroke_width: width as u32, ..inside(line.paint) }
+        ShapeStyle { filled: false, stroke_width: width as u32, ..filled_style(line.paint) }
     }
 }
 
 /// Width in pixels of a text of `height` pixels.
-pub fn text_width(words: &str, height: f64) -> f64 {
+pub fn text_width(text: &str, height: f64) -> f64 {
     register_fonts();
-    // Measured at a larger size, since plotters rounds to integer units.
-    const FINE: f64 = 16.0;
-    let estimate = 0.6 * height * words.chars().count() as f64;
-    font(height * FINE).layout_box(words).map_or(estimate, |(low, high)| f64::from(high.0 - low.0) / FINE)
+    // The text is measured at a larger size, since plotters rounds to integer units.
+    const MAGNIFICATION: f64 = 16.0;
+    let estimate = 0.6 * height * text.chars().count() as f64;
+    font(height * MAGNIFICATION)
+        .layout_box(text)
+        .map_or(estimate, |(low, high)| f64::from(high.0 - low.0) / MAGNIFICATION)
 }
 
-fn inside(paint: Paint) -> ShapeStyle {
+fn filled_style(paint: Paint) -> ShapeStyle {
     ShapeStyle { color: paint.colour.mix(paint.opacity), filled: true, stroke_width: 0 }
 }
 
@@ -246,7 +248,7 @@ fn font(size: f64) -> FontDesc<'static> {
 pub fn register_fonts() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // An unreadable font would fail every test of a picture.
+        // A failure is not reported here: without the font, every test of a picture would fail.
         let _ = register_font("sans-serif", FontStyle::Normal, dejavu::sans::regular());
     });
 }

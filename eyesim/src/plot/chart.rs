@@ -40,14 +40,14 @@ fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::err
     let root = backend.into_drawing_area();
     root.fill(&WHITE)?;
     let text = TextStyle::from(("sans-serif", TEXT).into_font());
-    // The legend is beside the curves, so that it hides none.
+    // The legend is beside the chart, so that it hides no curve.
     let widths = figure.series.iter().map(|series| root.estimate_text_size(&series.name, &text).map(|size| size.0));
-    let legend = if figure.series.len() > 1 {
+    let legend_width = if figure.series.len() > 1 {
         LEGEND + widths.collect::<Result<Vec<_>, _>>()?.into_iter().max().unwrap_or(0)
     } else {
         0
     };
-    let (area, beside) = root.split_horizontally(SIZE.0 - legend);
+    let (area, legend_area) = root.split_horizontally(SIZE.0 - legend_width);
     let coordinates = |pick: fn(&(f64, f64)) -> f64| figure.series.iter().flat_map(|s| &s.points).map(pick);
     let is_histogram = figure.series.iter().any(|series| series.mark == Mark::Bars);
     let x_axis = Axis::new(figure.x_scale, coordinates(|point| point.0), false);
@@ -72,8 +72,8 @@ fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::err
     for (index, (series, &colour)) in figure.series.iter().zip(COLOURS.iter().cycle()).enumerate() {
         let points = || series.points.iter().map(|(x, y)| (x_axis.coordinate_on(*x), y_axis.coordinate_on(*y)));
         if matches!(series.mark, Mark::Line | Mark::LineAndDots) {
-            for run in stretches(points()) {
-                chart.draw_series([PathElement::new(run, colour.stroke_width(2))])?;
+            for part in finite_parts(points()) {
+                chart.draw_series([PathElement::new(part, colour.stroke_width(2))])?;
             }
         }
         if matches!(series.mark, Mark::Dots | Mark::LineAndDots) {
@@ -85,14 +85,14 @@ fn draw(figure: &Figure, backend: SVGBackend<'_>) -> Result<(), Box<dyn std::err
             chart.draw_series(points().filter(is_drawn).map(|point| Circle::new(point, radius, colour.filled())))?;
         }
         if series.mark == Mark::Bars {
-            let half = 0.5 * bar_width(series);
-            let bar = |(x, y)| Rectangle::new([(x - half, 0.0), (x + half, y)], colour.mix(0.45).filled());
+            let half_width = 0.5 * bar_width(series);
+            let bar = |(x, y)| Rectangle::new([(x - half_width, 0.0), (x + half_width, y)], colour.mix(0.45).filled());
             chart.draw_series(points().filter(is_drawn).map(bar))?;
         }
-        if legend > 0 {
+        if legend_width > 0 {
             let top = 36 + 20 * index as i32;
-            beside.draw(&Rectangle::new([(4, top), (18, top + 8)], colour.filled()))?;
-            beside.draw(&Text::new(series.name.as_str(), (24, top - 2), text.clone()))?;
+            legend_area.draw(&Rectangle::new([(4, top), (18, top + 8)], colour.filled()))?;
+            legend_area.draw(&Text::new(series.name.as_str(), (24, top - 2), text.clone()))?;
         }
     }
     root.present()?;
@@ -104,19 +104,19 @@ fn is_drawn(point: &(f64, f64)) -> bool {
 }
 
 /// Splits a line at points that are not finite.
-fn stretches(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
-    let mut runs = vec![Vec::new()];
+fn finite_parts(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
+    let mut parts = vec![Vec::new()];
     for point in points {
-        match runs.last_mut() {
-            Some(run) if is_drawn(&point) => run.push(point),
-            _ => runs.push(Vec::new()),
+        match parts.last_mut() {
+            Some(part) if is_drawn(&point) => part.push(point),
+            _ => parts.push(Vec::new()),
         }
     }
-    runs.retain(|run| !run.is_empty());
-    runs
+    parts.retain(|part| !part.is_empty());
+    parts
 }
 
-/// Distance between the first two points along x.
+/// Width of the bars of a histogram: the distance of the first two points along x.
 fn bar_width(series: &Series) -> f64 {
     series.points.windows(2).next().map_or(1.0, |pair| pair[1].0 - pair[0].0)
 }
@@ -127,14 +127,14 @@ struct Axis {
     scale: Scale,
     range: RangedCoordf64,
     low: f64,
-    /// Whether a logarithmic axis shows 0: numbers that are not positive are drawn at its lower edge, which is labelled
-    /// 0.
-    holds_zero: bool,
+    /// Whether the axis shows 0. On a logarithmic axis, numbers that are not positive are drawn at the lower edge, which
+    /// is labelled 0.
+    shows_zero: bool,
 }
 
 impl Axis {
-    /// Axis that covers these coordinates and, if `holds_zero`, 0.
-    fn new(scale: Scale, coordinates: impl Iterator<Item = f64>, holds_zero: bool) -> Self {
+    /// Axis that covers these coordinates and, if `shows_zero`, 0.
+    fn new(scale: Scale, coordinates: impl Iterator<Item = f64>, shows_zero: bool) -> Self {
         let coordinates: Vec<f64> = coordinates.filter(|c| c.is_finite()).collect();
         let is_log = scale == Scale::Logarithmic;
         let plotted = coordinates.iter().filter(|c| !is_log || **c > 0.0).map(|c| if is_log { c.log10() } else { *c });
@@ -142,31 +142,31 @@ impl Axis {
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        let holds_zero = if is_log { coordinates.iter().any(|c| *c <= 0.0) } else { holds_zero };
+        let shows_zero = if is_log { coordinates.iter().any(|c| *c <= 0.0) } else { shows_zero };
         if is_log {
-            let is_short = high - low < SHORT;
-            let marks: &[f64] = if is_short { &MARKS } else { &MARKS[..1] };
+            let is_short = high - low < FEW_DECADES;
+            let ticks: &[f64] = if is_short { &TICKS } else { &TICKS[..1] };
             // The axis extends to the next ticks outside, and by one more decade if it shows 0.
-            let mark = |coordinate: f64, up: f64| {
+            let tick_outside = |coordinate: f64, up: f64| {
                 let candidates = (-1..=1)
-                    .flat_map(|d| marks.iter().map(move |mark| coordinate.floor() + f64::from(d) + mark.log10()));
-                let outside = candidates.filter(|mark| up * (mark - coordinate) >= 0.0);
+                    .flat_map(|d| ticks.iter().map(move |tick| coordinate.floor() + f64::from(d) + tick.log10()));
+                let outside = candidates.filter(|tick| up * (tick - coordinate) >= 0.0);
                 outside.min_by(|a, b| (a - coordinate).abs().total_cmp(&(b - coordinate).abs())).unwrap_or(coordinate)
             };
-            (low, high) = (mark(low - 0.02, -1.0), mark(high + 0.02, 1.0));
-            if holds_zero {
+            (low, high) = (tick_outside(low - 0.02, -1.0), tick_outside(high + 0.02, 1.0));
+            if shows_zero {
                 low = low.floor() - 1.0;
             }
             low = low.max(high.ceil() - DECADES);
         } else {
-            if holds_zero {
+            if shows_zero {
                 low = low.min(0.0);
             }
             let margin = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1.0) };
-            low = if holds_zero && low == 0.0 { 0.0 } else { low - margin };
+            low = if shows_zero && low == 0.0 { 0.0 } else { low - margin };
             high += margin;
         }
-        Self { scale, range: RangedCoordf64::from(low..high), low, holds_zero }
+        Self { scale, range: RangedCoordf64::from(low..high), low, shows_zero }
     }
 
     /// Position of a coordinate along the axis.
@@ -183,21 +183,21 @@ impl Axis {
         match self.scale {
             // The steps of plotters have few digits, but their sums carry rounding errors.
             Scale::Linear => format!("{}", (coordinate * 1e9).round() / 1e9),
-            Scale::Logarithmic if self.holds_zero && coordinate == self.low => "0".to_owned(),
+            Scale::Logarithmic if self.shows_zero && coordinate == self.low => "0".to_owned(),
             Scale::Logarithmic => {
                 let decade = (coordinate + 1e-9).floor();
-                let off = |mark: &f64| (coordinate - decade - mark.log10()).abs();
-                let mark = MARKS.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0);
-                format!("{mark:.0}e{decade:.0}")
+                let distance = |tick: &f64| (coordinate - decade - tick.log10()).abs();
+                let tick = TICKS.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(1.0);
+                format!("{tick:.0}e{decade:.0}")
             }
         }
     }
 }
 
 /// A logarithmic axis of fewer decades than this has ticks between the powers of ten.
-const SHORT: f64 = 2.0;
+const FEW_DECADES: f64 = 2.0;
 /// The ticks of a decade.
-const MARKS: [f64; 3] = [1.0, 2.0, 5.0];
+const TICKS: [f64; 3] = [1.0, 2.0, 5.0];
 
 impl Ranged for Axis {
     type FormatOption = DefaultFormatting;
@@ -214,10 +214,11 @@ impl Ranged for Axis {
         let range = self.range.range();
         let first = range.start.floor();
         let decades = (range.end.ceil() - first).max(1.0) as usize;
-        let (step, marks) = if decades <= 3 { (1, &MARKS[..]) } else { (decades.div_ceil(10), &MARKS[..1]) };
-        let all = (0..=decades).step_by(step).flat_map(|decade| marks.iter().map(move |mark| (decade, mark.log10())));
-        let all = all.map(|(decade, mark)| first + decade as f64 + mark);
-        all.filter(|coordinate| (range.start - 1e-9..=range.end + 1e-9).contains(coordinate)).collect()
+        let (step, ticks) = if decades <= 3 { (1, &TICKS[..]) } else { (decades.div_ceil(10), &TICKS[..1]) };
+        let exponents =
+            (0..=decades).step_by(step).flat_map(|decade| ticks.iter().map(move |tick| (decade, tick.log10())));
+        let exponents = exponents.map(|(decade, tick)| first + decade as f64 + tick);
+        exponents.filter(|coordinate| (range.start - 1e-9..=range.end + 1e-9).contains(coordinate)).collect()
     }
 
     fn range(&self) -> std::ops::Range<f64> {
@@ -243,8 +244,8 @@ mod tests {
 
     #[test]
     fn any_points_can_be_drawn() {
-        let ugly = vec![(0.0, 0.0), (f64::NAN, 1.0), (1e-300, 1e300), (-1.0, f64::INFINITY), (5.0, 5.0)];
-        for points in [Vec::new(), vec![(1.0, 0.0)], vec![(1.0, 1.0), (2.0, 4.0)], ugly] {
+        let extreme = vec![(0.0, 0.0), (f64::NAN, 1.0), (1e-300, 1e300), (-1.0, f64::INFINITY), (5.0, 5.0)];
+        for points in [Vec::new(), vec![(1.0, 0.0)], vec![(1.0, 1.0), (2.0, 4.0)], extreme] {
             for scale in [Scale::Linear, Scale::Logarithmic] {
                 for mark in [Mark::Line, Mark::Dots, Mark::LineAndDots, Mark::Bars] {
                     let svg = to_svg(&figure(points.clone(), scale, mark)).expect("a picture");
@@ -255,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_power_of_ten_stands_on_its_line() {
+    fn powers_of_ten_are_at_whole_coordinates() {
         let axis = Axis::new(Scale::Logarithmic, [1.1e-9, 0.0, 0.9e-3].into_iter(), false);
         assert_eq!((axis.range().start, axis.range().end), (-10.0, -3.0));
         assert_eq!([1e-9, 1e-3, 0.0, -4.0].map(|c| axis.coordinate_on(c).round()), [-9.0, -3.0, -10.0, -10.0]);
@@ -263,10 +264,10 @@ mod tests {
     }
 
     #[test]
-    fn a_short_logarithmic_axis_has_marks_between_the_powers_of_ten() {
+    fn short_logarithmic_axis_has_ticks_between_powers_of_ten() {
         let axis = Axis::new(Scale::Logarithmic, [0.012, 0.34].into_iter(), false);
-        let marks = axis.key_points(plotters::coord::ranged1d::LightPoints::new(5, 5));
-        let labels: Vec<_> = marks.iter().map(|mark| axis.label(*mark)).collect();
+        let ticks = axis.key_points(plotters::coord::ranged1d::LightPoints::new(5, 5));
+        let labels: Vec<_> = ticks.iter().map(|tick| axis.label(*tick)).collect();
         assert_eq!(labels, ["1e-2", "2e-2", "5e-2", "1e-1", "2e-1", "5e-1"]);
     }
 }

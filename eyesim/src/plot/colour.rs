@@ -1,6 +1,6 @@
 //! Colours of all pictures: the palette of Okabe & Ito, which is distinct with any kind of colour vision, and greys.
 //!
-//! Colour is never the only distinction: forms differ too, and robots have their numbers.
+//! Colour is never the only distinction: shapes differ too, and robots have numbers.
 
 use plotters::style::RGBColor;
 
@@ -24,7 +24,7 @@ pub const GRID: RGBColor = RGBColor(226, 226, 226);
 pub const INK: RGBColor = RGBColor(34, 34, 34);
 /// Secondary elements: outlines of meshes, starts without a robot.
 pub const SHADE: RGBColor = RGBColor(120, 120, 120);
-/// Paper.
+/// Background of the picture.
 pub const PAPER: RGBColor = RGBColor(255, 255, 255);
 /// Wheels.
 pub const WHEEL: RGBColor = RGBColor(68, 68, 68);

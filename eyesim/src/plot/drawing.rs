@@ -33,7 +33,7 @@ pub struct Backdrop {
     pub texture: Arc<Texture>,
 }
 
-/// A form with its paint.
+/// A geometric form with its paint.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// Its form and position.
@@ -42,12 +42,11 @@ pub struct Shape {
     pub fill: Option<Paint>,
     /// Paint and width of its outline.
     pub line: Option<Line>,
-    /// Size of a detail in metres: the shape is omitted if this is too few pixels. Infinite for a shape that is always
-    /// drawn.
+    /// Size in metres: the shape is omitted if this is too few pixels. Infinite for a shape that is always drawn.
     pub detail: f64,
 }
 
-/// A form in the world.
+/// A geometric form in world coordinates.
 #[derive(Clone, Debug)]
 pub enum Form {
     /// The area within these corners.
@@ -103,9 +102,9 @@ pub struct Label {
     pub text: String,
     /// The labelled point.
     pub at: DVec2,
-    /// Radius around the point that the text leaves free, in metres.
+    /// Radius around the point that the text must not cover, in metres.
     pub clearance: f64,
-    /// Minimum of this radius, in pixels.
+    /// Minimum of `clearance`, in pixels.
     pub min_clearance_px: f64,
     /// Preferred direction of the text from the point; zero for none.
     pub direction: DVec2,
@@ -194,7 +193,7 @@ impl Shape {
         Self { line: Some(line), ..self }
     }
 
-    /// Returns the shape as a detail, left out if `size` metres are too few pixels.
+    /// Returns the shape as a detail: it is omitted if `size` metres are too few pixels.
     pub fn detail(self, size: f64) -> Self {
         Self { detail: size, ..self }
     }

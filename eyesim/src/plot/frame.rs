@@ -4,7 +4,7 @@ use glam::DVec2;
 
 /// Longer side of the world's area in a picture without a given size, in pixels.
 const LONG_SIDE: f64 = 800.0;
-/// Minimum length of its shorter side, in pixels: enough for a short legend.
+/// Minimum length of the area's shorter side, in pixels: enough for a short legend.
 const SHORT_SIDE: f64 = 240.0;
 
 /// Margin above the world's area, in pixels.
@@ -64,7 +64,7 @@ impl Frame {
     }
 
     /// Width and height of the whole picture in pixels.
-    pub fn whole(&self) -> (u32, u32) {
+    pub fn picture_size(&self) -> (u32, u32) {
         let pixels = self.pixels() + DVec2::new(LEFT + RIGHT + LEGEND, TOP + BOTTOM);
         (pixels.x as u32, pixels.y as u32)
     }
@@ -107,21 +107,21 @@ impl Frame {
                 }
                 continue;
             }
-            let (one, other) = ((low - start) / step, (high - start) / step);
-            first = first.max(one.min(other));
-            last = last.min(one.max(other));
+            let (at_low, at_high) = ((low - start) / step, (high - start) / step);
+            first = first.max(at_low.min(at_high));
+            last = last.min(at_low.max(at_high));
         }
         // End points inside are kept exactly, so that parts join.
-        let at = |part: f64| {
-            if part == 0.0 {
+        let point_at = |fraction: f64| {
+            if fraction == 0.0 {
                 from
-            } else if part == 1.0 {
+            } else if fraction == 1.0 {
                 to
             } else {
-                from + part * offset
+                from + fraction * offset
             }
         };
-        (first <= last).then(|| (at(first), at(last)))
+        (first <= last).then(|| (point_at(first), point_at(last)))
     }
 
     /// Visible part of an area.
@@ -129,21 +129,22 @@ impl Frame {
         if corners.iter().all(|corner| self.contains(*corner)) {
             return corners.to_vec();
         }
-        // Clips at one side of the frame after the other. Each function returns the distance of a point from its side,
-        // positive inside.
+        // Clips the polygon at one side of the frame after the other. Each function gives the distance of a point from a
+        // side, positive inside.
         let sides: [&dyn Fn(DVec2) -> f64; 4] =
             [&|point| point.x - self.min.x, &|point| self.max.x - point.x, &|point| point.y - self.min.y, &|point| {
                 self.max.y - point.y
             }];
-        sides.iter().fold(corners.to_vec(), |corners, inside| {
+        sides.iter().fold(corners.to_vec(), |corners, distance_inside| {
             let mut clipped = Vec::with_capacity(corners.len() + 1);
             for (index, corner) in corners.iter().enumerate() {
-                let before = corners[(index + corners.len() - 1) % corners.len()];
-                let (here, there) = (inside(*corner), inside(before));
-                if (here < 0.0) != (there < 0.0) {
-                    clipped.push(before + (*corner - before) * (there / (there - here)));
+                let previous = corners[(index + corners.len() - 1) % corners.len()];
+                let (distance, previous_distance) = (distance_inside(*corner), distance_inside(previous));
+                if (distance < 0.0) != (previous_distance < 0.0) {
+                    clipped
+                        .push(previous + (*corner - previous) * (previous_distance / (previous_distance - distance)));
                 }
-                if here >= 0.0 {
+                if distance >= 0.0 {
                     clipped.push(*corner);
                 }
             }
@@ -174,19 +175,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_directions_have_the_same_scale_and_up_is_up() {
+    fn both_axes_have_one_scale_and_y_points_up() {
         for size in [None, Some((1000, 500)), Some((400, 1000))] {
             let frame = Frame::around(DVec2::new(-1.0, 2.0), DVec2::new(3.0, 4.0), size);
             let (a, b, c) = (frame.pixel_of(DVec2::ZERO), frame.pixel_of(DVec2::X), frame.pixel_of(DVec2::Y));
             assert!((b - a - DVec2::new(frame.scale(), 0.0)).length() < 1e-9, "{a} {b}");
             assert!((c - a - DVec2::new(0.0, -frame.scale())).length() < 1e-9, "{a} {c}");
             assert!(frame.contains(DVec2::new(-1.0, 2.0)) && frame.contains(DVec2::new(3.0, 4.0)));
-            assert_eq!(frame.whole(), size.unwrap_or((LEFT as u32 + 800 + 14 + 210, 36 + 420 + 50)));
+            assert_eq!(frame.picture_size(), size.unwrap_or((LEFT as u32 + 800 + 14 + 210, 36 + 420 + 50)));
         }
     }
 
     #[test]
-    fn lines_and_areas_end_at_the_frame() {
+    fn lines_and_areas_are_clipped_at_the_frame() {
         let frame = Frame::around(DVec2::ZERO, DVec2::splat(10.0), Some((1296, 1086)));
         let (low, high) = frame.corners();
         assert!((low - DVec2::splat(-0.25)).length() < 1e-9 && (high - DVec2::splat(10.25)).length() < 1e-9);
@@ -213,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_round() {
+    fn steps_are_round_numbers() {
         let steps: Vec<String> =
             [0.0012, 0.02, 0.03, 0.7, 1.0, 3.1, 60.0].map(|min| metres(round_step(min), round_step(min))).into();
         assert_eq!(steps, ["0.002", "0.02", "0.05", "1", "1", "5", "100"]);

@@ -34,47 +34,49 @@ impl Obstacle {
 pub struct Labels<'a> {
     frame: &'a Frame,
     occupied: Vec<Obstacle>,
-    /// Bodies with labels; other labels do not cover them if there is space.
-    named: Vec<Obstacle>,
+    /// Bodies that have labels; a label covers such a body only if there is no other place.
+    bodies: Vec<Obstacle>,
 }
 
 impl<'a> Labels<'a> {
-    /// Placement without labels so far; `named` are all bodies that will get a label.
-    pub fn new(frame: &'a Frame, named: Vec<Obstacle>) -> Self {
-        Self { frame, occupied: Vec::new(), named }
+    /// Creates a placement without labels; `bodies` are all bodies that will get a label.
+    pub fn new(frame: &'a Frame, bodies: Vec<Obstacle>) -> Self {
+        Self { frame, occupied: Vec::new(), bodies }
     }
 
-    /// Upper left corner of the label in pixels, and its text. Of several positions around the body, the first free one
-    /// is taken, otherwise the first one that covers no other label. `None` if there is no such position.
+    /// Places a label: returns its upper left corner in pixels, and its text. Of several positions around the body, it
+    /// takes the first free one, otherwise the first one that covers no other label. `None` if there is no such position.
     pub fn place(&mut self, label: &Label) -> Option<(DVec2, String)> {
         if !self.frame.contains(label.at) {
             return None;
         }
         let width = text_width(&label.text, TEXT);
         let (centre, radius) = (self.frame.pixel_of(label.at), radius(label, self.frame) + GAP);
-        let wished = label.direction.try_normalize();
+        let preferred = label.direction.try_normalize();
         let around =
             [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0), (0.7, 0.7), (-0.7, 0.7), (-0.7, -0.7), (0.7, -0.7)];
-        let directions = wished.into_iter().chain(around.map(|(x, y)| DVec2::new(x, y)));
+        let directions = preferred.into_iter().chain(around.map(|(x, y)| DVec2::new(x, y)));
         let directions: Vec<DVec2> = directions.collect();
         let candidates =
-            [1.0, 1.0 + (HEIGHT + GAP) / radius, 1.0 + 2.5 * (HEIGHT + GAP) / radius].into_iter().flat_map(|far| {
+            [1.0, 1.0 + (HEIGHT + GAP) / radius, 1.0 + 2.5 * (HEIGHT + GAP) / radius].into_iter().flat_map(|factor| {
                 directions.iter().map(move |direction| {
-                    let middle = centre + far * radius * DVec2::new(direction.x, -direction.y);
+                    let middle = centre + factor * radius * DVec2::new(direction.x, -direction.y);
                     // The rectangle touches the circle from outside.
-                    let half = DVec2::new(0.5 * width, 0.5 * HEIGHT);
-                    let low = middle + half * (DVec2::new(direction.x.clamp(-1.0, 1.0), -direction.y) - DVec2::ONE);
-                    Obstacle { low, high: low + 2.0 * half }
+                    let half_size = DVec2::new(0.5 * width, 0.5 * HEIGHT);
+                    let low =
+                        middle + half_size * (DVec2::new(direction.x.clamp(-1.0, 1.0), -direction.y) - DVec2::ONE);
+                    Obstacle { low, high: low + 2.0 * half_size }
                 })
             });
-        let inside: Vec<Obstacle> = candidates.filter(|candidate| self.is_inside(candidate)).collect();
+        let visible: Vec<Obstacle> = candidates.filter(|candidate| self.is_inside(candidate)).collect();
         let is_free = |candidate: &&Obstacle| self.occupied.iter().all(|other| !other.overlaps(candidate));
-        let own = Obstacle::around(label, self.frame);
-        let spares = |candidate: &&Obstacle| self.named.iter().all(|other| *other == own || !other.overlaps(candidate));
-        let best = inside
+        let own_body = Obstacle::around(label, self.frame);
+        let avoids_bodies =
+            |candidate: &&Obstacle| self.bodies.iter().all(|other| *other == own_body || !other.overlaps(candidate));
+        let best = visible
             .iter()
-            .find(|candidate| is_free(candidate) && spares(candidate))
-            .or_else(|| inside.iter().find(is_free))?;
+            .find(|candidate| is_free(candidate) && avoids_bodies(candidate))
+            .or_else(|| visible.iter().find(is_free))?;
         self.occupied.push(*best);
         Some((best.low, label.text.clone()))
     }
@@ -85,7 +87,7 @@ impl<'a> Labels<'a> {
     }
 }
 
-/// Radius around the point of a label that it leaves free, in pixels.
+/// Radius around the labelled point that the text must not cover, in pixels.
 fn radius(label: &Label, frame: &Frame) -> f64 {
     (label.clearance * frame.scale()).max(label.min_clearance_px)
 }
@@ -99,26 +101,26 @@ mod tests {
     }
 
     #[test]
-    fn labels_hide_neither_each_other_nor_what_they_name() {
+    fn labels_cover_neither_labels_nor_bodies() {
         let frame = Frame::around(DVec2::ZERO, DVec2::splat(4.0), None);
-        // Sixteen in a heap, one robot beside the other.
-        let all: Vec<Label> = (0..16)
+        // Sixteen robots close to each other.
+        let requested: Vec<Label> = (0..16)
             .map(|i| label(&format!("robot {i}"), 1.5 + 0.22 * f64::from(i % 4), 1.5 + 0.22 * f64::from(i / 4)))
             .collect();
-        let named: Vec<Obstacle> = all.iter().map(|label| Obstacle::around(label, &frame)).collect();
-        let mut labels = Labels::new(&frame, named.clone());
-        let labelled: Vec<_> = all.iter().filter_map(|label| labels.place(label)).collect();
+        let bodies: Vec<Obstacle> = requested.iter().map(|label| Obstacle::around(label, &frame)).collect();
+        let mut labels = Labels::new(&frame, bodies.clone());
+        let labelled: Vec<_> = requested.iter().filter_map(|label| labels.place(label)).collect();
         assert!(labelled.len() >= 12, "{} of 16 have a place", labelled.len());
-        for (index, one) in labels.occupied.iter().enumerate() {
-            assert!(labels.occupied[..index].iter().all(|other| !other.overlaps(one)));
+        for (index, placed) in labels.occupied.iter().enumerate() {
+            assert!(labels.occupied[..index].iter().all(|other| !other.overlaps(placed)));
         }
         // Labels placed while there is room keep clear of the bodies.
         let first = labels.occupied[0];
-        assert!(named[1..].iter().all(|body| !body.overlaps(&first)));
+        assert!(bodies[1..].iter().all(|body| !body.overlaps(&first)));
     }
 
     #[test]
-    fn a_label_stands_where_it_is_wished() {
+    fn label_has_the_preferred_direction() {
         let frame = Frame::around(DVec2::ZERO, DVec2::splat(4.0), None);
         let up = Label { direction: DVec2::Y, ..label("up", 2.0, 2.0) };
         let mut labels = Labels::new(&frame, Vec::new());

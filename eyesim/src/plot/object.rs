@@ -48,7 +48,7 @@ pub fn draw_mesh(drawing: &mut Drawing, mesh: &Mesh, pose: &Pose, fill: Paint) {
     drawing.add_legend(Symbol::Square(Some(fill), MESH), "outline of a mesh");
 }
 
-/// A collider from above.
+/// Shape of a collider from above.
 pub fn collider_shape(collider: &Collider, pose: &Pose, fill: Paint, line: Line) -> Shape {
     let form = match *collider {
         Collider::Sphere { centre, radius }
@@ -71,24 +71,24 @@ pub fn footprint(collider: &Collider) -> Vec<DVec2> {
             centre + radius * DVec2::new(math::cos(angle), math::sin(angle))
         })
     };
-    let right = std::f64::consts::FRAC_PI_2;
+    let right_angle = std::f64::consts::FRAC_PI_2;
     match *collider {
         Collider::Box { centre, size } => {
             let (centre, half) = (centre.truncate(), 0.5 * size.truncate());
             [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| centre + half * DVec2::new(x, y)).to_vec()
         }
         Collider::Capsule { centre, radius, height, axis: axis @ (Axis::X | Axis::Y) } => {
-            let (direction, from) = if axis == Axis::X { (DVec2::X, -right) } else { (DVec2::Y, 0.0) };
-            let reach = (0.5 * height - radius).max(0.0) * direction;
-            let (front, back) = (centre.truncate() + reach, centre.truncate() - reach);
-            let ends = half_circle(front, radius, from).chain(half_circle(back, radius, from + 2.0 * right));
+            let (direction, from) = if axis == Axis::X { (DVec2::X, -right_angle) } else { (DVec2::Y, 0.0) };
+            let half_axis = (0.5 * height - radius).max(0.0) * direction;
+            let (front, back) = (centre.truncate() + half_axis, centre.truncate() - half_axis);
+            let ends = half_circle(front, radius, from).chain(half_circle(back, radius, from + 2.0 * right_angle));
             ends.collect()
         }
         Collider::Sphere { centre, radius }
         | Collider::Cylinder { centre, radius, .. }
         | Collider::Capsule { centre, radius, .. } => {
             let centre = centre.truncate();
-            half_circle(centre, radius, 0.0).chain(half_circle(centre, radius, 2.0 * right).skip(1)).collect()
+            half_circle(centre, radius, 0.0).chain(half_circle(centre, radius, 2.0 * right_angle).skip(1)).collect()
         }
     }
 }
@@ -103,8 +103,8 @@ pub fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     let chain = |points: &mut dyn Iterator<Item = DVec2>| {
         let mut chain: Vec<DVec2> = Vec::new();
         for point in points {
-            while let [.., before, last] = chain[..]
-                && (last - before).perp_dot(point - before) <= 0.0
+            while let [.., previous, last] = chain[..]
+                && (last - previous).perp_dot(point - previous) <= 0.0
             {
                 chain.pop();
             }
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hull_has_the_outer_corners_alone() {
+    fn convex_hull_has_only_outer_corners() {
         let points = [(0.0, 0.0), (2.0, 0.0), (1.0, 0.0), (1.0, 0.5), (2.0, 1.0), (0.0, 1.0), (0.0, 1.0), (0.5, 0.7)];
         let hull = convex_hull(points.map(|(x, y)| DVec2::new(x, y)).to_vec());
         assert_eq!(hull, [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)].map(|(x, y)| DVec2::new(x, y)));
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn footprints_are_as_large_as_their_shapes() {
+    fn footprints_have_the_size_of_their_colliders() {
         let centre = DVec3::new(1.0, 2.0, 3.0);
         for (collider, half) in [
             (Collider::Box { centre, size: DVec3::new(0.2, 0.4, 9.0) }, (0.1, 0.2)),

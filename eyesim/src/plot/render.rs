@@ -26,9 +26,9 @@ const MIN_DETAIL: f64 = 5.0;
 /// Height of a line of the legend in pixels.
 const ROW: f64 = 18.0;
 /// Minimum distance of the ticks of an axis in pixels.
-const TICKS: f64 = 50.0;
+const MIN_TICK_DISTANCE: f64 = 50.0;
 /// Minimum length of the scale bar in pixels.
-const BAR: f64 = 60.0;
+const MIN_SCALE_BAR: f64 = 60.0;
 
 const TEXT_PAINT: Paint = Paint::solid(INK);
 const AXIS: Line = Line::solid(INK, 1.0);
@@ -40,7 +40,7 @@ const AXIS: Line = Line::solid(INK, 1.0);
 pub fn to_svg(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<String, PlotError> {
     let (low, high) = drawing.extent();
     let frame = Frame::around(low, high, size);
-    let (width, height) = frame.whole();
+    let (width, height) = frame.picture_size();
     let units = (width * UNIT as u32, height * UNIT as u32);
     let mut svg = String::new();
     {
@@ -65,7 +65,7 @@ pub fn to_svg(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<String, Plo
 pub fn to_png(drawing: &Drawing, size: Option<(u32, u32)>) -> Result<Vec<u8>, PlotError> {
     let (low, high) = drawing.extent();
     let frame = Frame::around(low, high, size);
-    let (width, height) = frame.whole();
+    let (width, height) = frame.picture_size();
     let unit = if u64::from(width) * u64::from(height) > MANY_PIXELS { UNIT / 2 } else { UNIT };
     let fine = (width * unit as u32, height * unit as u32);
     let mut buffer = vec![0; 3 * fine.0 as usize * fine.1 as usize];
@@ -105,7 +105,6 @@ fn png(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, PlotError> {
 /// The image on the floor as an element of SVG.
 fn svg_image(backdrop: &Backdrop, frame: &Frame) -> Result<String, PlotError> {
     let (from, to) = corners_of(backdrop, frame);
-    let ((x, y), (right, top)) = ((from.x, from.y), (to.x, to.y));
     let (columns, rows) = backdrop.texture.size();
     let pixels = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
     let pixels = pixels.flat_map(|(column, row)| lightened(backdrop.texture.pixel(column, row)));
@@ -116,10 +115,10 @@ fn svg_image(backdrop: &Backdrop, frame: &Frame) -> Result<String, PlotError> {
         element,
         "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" \
          href=\"data:image/png;base64,{data}\"/>",
-        x * unit,
-        y * unit,
-        (right - x) * unit,
-        (top - y) * unit,
+        from.x * unit,
+        from.y * unit,
+        (to.x - from.x) * unit,
+        (to.y - from.y) * unit,
     );
     Ok(element)
 }
@@ -137,14 +136,14 @@ struct Painter<'a, 'b, B> {
 
 impl<B: Surface> Painter<'_, '_, B> {
     fn paint(mut self, drawing: &Drawing) -> Result<(), PlotError> {
-        let (width, height) = self.frame.whole();
-        let whole = DVec2::new(f64::from(width), f64::from(height));
-        self.canvas.rectangle(DVec2::ZERO, whole, Paint::solid(PAPER))?;
+        let (width, height) = self.frame.picture_size();
+        let picture_size = DVec2::new(f64::from(width), f64::from(height));
+        self.canvas.rectangle(DVec2::ZERO, picture_size, Paint::solid(PAPER))?;
         if let Some(backdrop) = &drawing.backdrop {
             let (from, to) = corners_of(backdrop, self.frame);
             self.canvas.image(from, to, &backdrop.texture)?;
         }
-        let title = shortened(&drawing.title, TITLE, whole.x - LEFT - RIGHT);
+        let title = shortened(&drawing.title, TITLE, picture_size.x - LEFT - RIGHT);
         self.canvas.text(&title, DVec2::new(LEFT, 18.0), TITLE, Anchor::START, TEXT_PAINT)?;
         // The floor, the first shape, lies below the grid.
         let (ground, others) = drawing.shapes.split_at(drawing.shapes.len().min(1));
@@ -159,7 +158,7 @@ impl<B: Surface> Painter<'_, '_, B> {
     /// Draws the grid, the ticks with their numbers, and the names of the axes.
     fn axes(&mut self) -> Result<(), PlotError> {
         let (low, high) = self.frame.corners();
-        let step = round_step(TICKS / self.frame.scale());
+        let step = round_step(MIN_TICK_DISTANCE / self.frame.scale());
         let (corner, opposite) = (self.frame.pixel_of(low), self.frame.pixel_of(high));
         let grid = Line { paint: Paint::translucent(GRID, 0.8), width: 1.0 };
         for value in ticks(low.x, high.x, step) {
@@ -183,7 +182,7 @@ impl<B: Surface> Painter<'_, '_, B> {
     }
 
     fn shapes(&mut self, shapes: &[Shape]) -> Result<(), PlotError> {
-        // Pixels that have a cross already: coinciding crosses are drawn once.
+        // Pixels at which a cross has been drawn: coinciding crosses are drawn once.
         let mut crosses = BTreeSet::new();
         for shape in shapes {
             if shape.detail * self.frame.scale() < MIN_DETAIL {
@@ -243,12 +242,12 @@ impl<B: Surface> Painter<'_, '_, B> {
         points.iter().map(|point| self.frame.pixel_of(*point)).collect()
     }
 
-    /// Draws an arrow of 20 pixels from `at` along `way`, a direction in the world frame.
+    /// Draws an arrow of 20 pixels from `at` along `direction`, given in the world frame.
     fn arrow(&mut self, at: DVec2, direction: DVec2, line: Line) -> Result<(), PlotError> {
-        let ahead = DVec2::new(direction.x, -direction.y);
-        let tip = at + 20.0 * ahead;
-        let barb = |side: f64| tip - 7.0 * ahead + side * 4.0 * ahead.perp();
-        self.canvas.path(&[at, tip - 3.0 * ahead], line)?;
+        let forward = DVec2::new(direction.x, -direction.y);
+        let tip = at + 20.0 * forward;
+        let barb = |side: f64| tip - 7.0 * forward + side * 4.0 * forward.perp();
+        self.canvas.path(&[at, tip - 3.0 * forward], line)?;
         self.canvas.area(&[tip, barb(1.0), barb(-1.0)], line.paint)
     }
 
@@ -266,8 +265,8 @@ impl<B: Surface> Painter<'_, '_, B> {
             let Some((corner, text)) = labels.place(label) else { continue };
             // A translucent background separates the text from the lines below it.
             let (width, height) = (text_width(&text, TEXT), TEXT + 2.0);
-            let veil = Paint::translucent(PAPER, 0.7);
-            self.canvas.rectangle(corner, corner + DVec2::new(width, height), veil)?;
+            let background = Paint::translucent(PAPER, 0.7);
+            self.canvas.rectangle(corner, corner + DVec2::new(width, height), background)?;
             let at = corner + DVec2::new(0.0, 0.5 * height);
             self.canvas.text(&text, at, TEXT, Anchor::START, TEXT_PAINT)?;
         }
@@ -276,20 +275,20 @@ impl<B: Surface> Painter<'_, '_, B> {
 
     /// Draws the scale bar, and as many lines of the legend as fit.
     fn legend(&mut self, drawing: &Drawing) -> Result<(), PlotError> {
-        let (width, height) = self.frame.whole();
+        let (width, height) = self.frame.picture_size();
         let left_edge = f64::from(width) - LEGEND;
         let row = |index: usize| TOP + ROW * (index as f64 + 0.5);
-        let length = round_step(BAR / self.frame.scale());
+        let length = round_step(MIN_SCALE_BAR / self.frame.scale());
         let (from, to) = (DVec2::new(left_edge, row(0)), DVec2::new(left_edge + length * self.frame.scale(), row(0)));
         let serif = DVec2::new(0.0, 4.0);
         self.canvas.path(&[from - serif, from + serif], AXIS)?;
         self.canvas.path(&[from, to], Line::solid(INK, 2.0))?;
         self.canvas.path(&[to - serif, to + serif], AXIS)?;
-        let words = format!("{} m", metres(length, length));
-        self.canvas.text(&words, to + DVec2::new(8.0, 0.0), TEXT, Anchor::START, TEXT_PAINT)?;
+        let length_text = format!("{} m", metres(length, length));
+        self.canvas.text(&length_text, to + DVec2::new(8.0, 0.0), TEXT, Anchor::START, TEXT_PAINT)?;
 
-        let room = (((f64::from(height) - TOP - 4.0) / ROW) as usize).saturating_sub(2).max(1);
-        let count = if drawing.legend.len() > room { room - 1 } else { drawing.legend.len() };
+        let capacity = (((f64::from(height) - TOP - 4.0) / ROW) as usize).saturating_sub(2).max(1);
+        let count = if drawing.legend.len() > capacity { capacity - 1 } else { drawing.legend.len() };
         for (index, entry) in drawing.legend[..count].iter().enumerate() {
             let y = row(index + 2);
             self.symbol(entry.symbol, DVec2::new(left_edge + 10.0, y))?;
@@ -339,12 +338,12 @@ fn ticks(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     (first..=last).map(move |number| number as f64 * step)
 }
 
-/// Cuts `words` to `width` pixels, and adds a marker at the cut.
-pub fn shortened(words: &str, height: f64, width: f64) -> String {
-    if text_width(words, height) <= width {
-        return words.to_owned();
+/// Cuts `text` to `width` pixels, and adds a marker at the cut.
+pub fn shortened(text: &str, height: f64, width: f64) -> String {
+    if text_width(text, height) <= width {
+        return text.to_owned();
     }
-    let mut characters: Vec<char> = words.chars().collect();
+    let mut characters: Vec<char> = text.chars().collect();
     loop {
         characters.pop();
         let cut: String = characters.iter().copied().chain(['\u{2026}']).collect();

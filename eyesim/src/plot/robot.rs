@@ -17,7 +17,7 @@ use super::drawing::{Drawing, Form, Label, Line, Paint, Shape, Symbol};
 use super::object::{collider_shape, draw_mesh, footprint};
 
 /// Minimum radius of a robot's body, in pixels.
-const MARK: f64 = 4.0;
+const MIN_RADIUS: f64 = 4.0;
 
 const PSD_LINE: Line = Line::solid(PSD, 1.25);
 const RANGE_LINE: Line = Line::solid(RANGE, 1.25);
@@ -35,7 +35,7 @@ pub struct RobotStyle<'a> {
     pub colour: RGBColor,
     /// Its mesh, if it is to be shown.
     pub mesh: Option<&'a Mesh>,
-    /// Angles of the joints of its legs, leg by leg, in radians; if there are none, it stands.
+    /// Angles of the joints of its legs, leg by leg, in radians; empty for a standing robot.
     pub joints: &'a [f64],
 }
 
@@ -49,7 +49,7 @@ pub fn draw_body(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, style: &Ro
     }
     draw_wheels(drawing, robi, pose);
     draw_legs(drawing, robi, pose, style);
-    let disc = Form::Disc { centre: pose.position, radius, min_radius_px: MARK };
+    let disc = Form::Disc { centre: pose.position, radius, min_radius_px: MIN_RADIUS };
     drawing.push(Shape::filled(disc, Paint::translucent(style.colour, 0.35)).with_line(edge));
     for collider in &robi.colliders {
         footprint(collider).into_iter().for_each(|point| drawing.include(pose.transform_point(point)));
@@ -62,16 +62,16 @@ pub fn draw_body(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, style: &Ro
 
 /// Draws the heading of a robot: a line from its centre to its edge.
 pub fn draw_heading(drawing: &mut Drawing, pose: &Pose, radius: f64) {
-    let needle = Form::Needle { pose: *pose, length: radius, min_length_px: MARK };
+    let needle = Form::Needle { pose: *pose, length: radius, min_length_px: MIN_RADIUS };
     drawing.push(Shape::outlined(needle, Line::solid(INK, 1.25)));
 }
 
 fn draw_wheels(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     // The width of a wheel is not specified; a fifth of its diameter looks right.
-    let half = 0.5 * robi.wheel.diameter * DVec2::new(1.0, 0.2);
+    let half_size = 0.5 * robi.wheel.diameter * DVec2::new(1.0, 0.2);
     for wheel in build::wheel_places(robi) {
         let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
-        let corners = corners.map(|(x, y)| pose.transform_point(wheel + half * DVec2::new(x, y)));
+        let corners = corners.map(|(x, y)| pose.transform_point(wheel + half_size * DVec2::new(x, y)));
         corners.iter().for_each(|corner| drawing.include(*corner));
         drawing.push(Shape::filled(Form::Polygon(corners.to_vec()), Paint::solid(WHEEL)).detail(robi.wheel.diameter));
     }
@@ -96,8 +96,8 @@ fn draw_legs(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, style: &RobotS
         let (Some(foot), Some(frame)) = (leg.foot, frame) else { continue };
         let corners = [(foot.toe, 2.0), (-foot.heel, 2.0), (-foot.heel, -2.0), (foot.toe, -2.0)];
         let corner =
-            |(ahead, left): (f64, f64)| frame.transform_point(DVec3::new(ahead, left * legs.radius, -foot.height));
-        draw(corners.map(|corner_index| pose.transform_point(corner(corner_index).truncate())).to_vec());
+            |(forward, left): (f64, f64)| frame.transform_point(DVec3::new(forward, left * legs.radius, -foot.height));
+        draw(corners.map(|offsets| pose.transform_point(corner(offsets).truncate())).to_vec());
     }
 }
 
@@ -105,13 +105,13 @@ fn draw_legs(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, style: &RobotS
 fn stadium([from, to]: [DVec2; 2], radius: f64) -> Vec<DVec2> {
     const STEPS: u32 = 8;
     let direction = (to - from).normalize_or(DVec2::X);
-    let half = |end: DVec2, ahead: DVec2| {
+    let cap = |end: DVec2, outward: DVec2| {
         (0..=STEPS).map(move |step| {
             let angle = PI * (f64::from(step) / f64::from(STEPS) - 0.5);
-            end + radius * (math::cos(angle) * ahead + math::sin(angle) * ahead.perp())
+            end + radius * (math::cos(angle) * outward + math::sin(angle) * outward.perp())
         })
     };
-    half(to, direction).chain(half(from, -direction)).collect()
+    cap(to, direction).chain(cap(from, -direction)).collect()
 }
 
 /// Draws bumpers and the origins of beams, on top of the body.
@@ -132,21 +132,21 @@ pub fn draw_fittings(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
 /// Draws the ranges of all sensors, below the bodies; beams end at `walls`.
 pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: &Walls) {
     draw_camera(drawing, robi, pose);
-    let reach = |origin: DVec2, direction: DVec2, range: f64| {
+    let visible_length = |origin: DVec2, direction: DVec2, range: f64| {
         walls.cast(origin, direction, range).map_or(range, |hit| hit.distance)
     };
     let sensor_views = sensor_views(robi);
-    for (view, half) in sensor_views.iter().filter_map(|view| Some((view, view.half_angle?))) {
-        draw_cone(drawing, view, half, pose, walls);
+    for (view, half_angle) in sensor_views.iter().filter_map(|view| Some((view, view.half_angle?))) {
+        draw_cone(drawing, view, half_angle, pose, walls);
     }
     let mut beam = |position: DVec2, angle: f64, range: f64, line: Line| {
         let origin = pose.transform_point(position);
         let direction = pose.heading.turned(angle).direction();
-        let end = origin + direction * reach(origin, direction, range);
+        let end = origin + direction * visible_length(origin, direction, range);
         drawing.push(Shape::outlined(Form::Path(vec![origin, end]), line).detail(range));
     };
     for view in &sensor_views {
-        beam(view.at, view.angle(), view.reach, view.line());
+        beam(view.at, view.angle(), view.floor_range, view.line());
     }
     for infrared in &robi.infrareds {
         beam(infrared.position.truncate(), infrared.angle, infrared.range, INFRARED_LINE);
@@ -155,9 +155,9 @@ pub fn draw_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose, walls: 
     if let Some(lidar) = &robi.lidar {
         // The scanner's full range would hide the other sensors: only short rays are drawn around its position, over
         // its sweep.
-        let start = pose.transform_point(scanner_place(robi, lidar).position.truncate());
+        let start = pose.transform_point(scanner_pose(robi, lidar).position.truncate());
         let steps = (36.0 * lidar.sweep / TAU).ceil().max(1.0) as u32;
-        let middle = scanner_place(robi, lidar).forward();
+        let middle = scanner_pose(robi, lidar).forward();
         let first = math::atan2(middle.y, middle.x) - 0.5 * lidar.sweep;
         for angle in (0..steps).map(|step| first + lidar.sweep * (f64::from(step) + 0.5) / f64::from(steps)) {
             let towards = pose.heading.turned(angle).direction();
@@ -200,7 +200,7 @@ struct SensorView<'r> {
     /// Line of sight in the robot's frame, projected on the floor; shorter than a unit vector if it points up or down.
     axis: DVec2,
     /// Range along the floor.
-    reach: f64,
+    floor_range: f64,
     /// Range along the line of sight.
     range: f64,
     /// Half angle of a sonar's beam.
@@ -230,8 +230,8 @@ fn sensor_views(robi: &RobiSpec) -> Vec<SensorView<'_>> {
             RangeModel::Laser(echo) | RangeModel::Ultrasonic(echo) | RangeModel::Reflectance(echo) => (echo.max, None),
             RangeModel::Sonar(sonar) => (sonar.max, Some(sonar.half_angle)),
         };
-        let (at, reach) = (frame.position.truncate(), range * forward.length());
-        SensorView { name, at, axis: forward, reach, range, half_angle, model: sensor.model }
+        let (at, floor_range) = (frame.position.truncate(), range * forward.length());
+        SensorView { name, at, axis: forward, floor_range, range, half_angle, model: sensor.model }
     };
     names.map(String::as_str).zip(&sensors).map(view).collect()
 }
@@ -246,22 +246,23 @@ fn frame_of(robi: &RobiSpec, mount: &Pose3, link: Option<usize>) -> Pose3 {
 }
 
 /// Pose of a laser scanner in the robot's frame.
-fn scanner_place(robi: &RobiSpec, lidar: &LidarSpec) -> Pose3 {
+fn scanner_pose(robi: &RobiSpec, lidar: &LidarSpec) -> Pose3 {
     let (mount, link) = build::scanner_mount(robi, lidar);
     frame_of(robi, &mount, link)
 }
 
 /// The cone of a sonar from above, up to its range or the walls.
-fn draw_cone(drawing: &mut Drawing, view: &SensorView<'_>, half: f64, pose: &Pose, walls: &Walls) {
+fn draw_cone(drawing: &mut Drawing, view: &SensorView<'_>, half_angle: f64, pose: &Pose, walls: &Walls) {
     const STEPS: u32 = 16;
     let origin = pose.transform_point(view.at);
     let end = |step: u32| {
-        let angle = view.angle() + half * (2.0 * f64::from(step) / f64::from(STEPS) - 1.0);
+        let angle = view.angle() + half_angle * (2.0 * f64::from(step) / f64::from(STEPS) - 1.0);
         let direction = pose.heading.turned(angle).direction();
-        origin + direction * walls.cast(origin, direction, view.reach).map_or(view.reach, |hit| hit.distance)
+        origin
+            + direction * walls.cast(origin, direction, view.floor_range).map_or(view.floor_range, |hit| hit.distance)
     };
     let outline = std::iter::once(origin).chain((0..=STEPS).map(end)).collect();
-    drawing.push(Shape::filled(Form::Polygon(outline), SONAR_FILL).detail(view.reach));
+    drawing.push(Shape::filled(Form::Polygon(outline), SONAR_FILL).detail(view.floor_range));
 }
 
 /// Draws the field of view of the camera and, if a servo pans it, the arc of the servo's range.
@@ -307,29 +308,29 @@ pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
             direction: pose.transform_vector(towards),
         });
     };
-    let direction_at = |angle: f64| DVec2::new(math::cos(angle), math::sin(angle));
+    let direction_of = |angle: f64| DVec2::new(math::cos(angle), math::sin(angle));
     // Labels are placed at the edge of the body, where the beams leave it, since the sensors themselves are close
     // together.
-    let edge = |position: DVec2, direction_at: DVec2, range: f64| {
-        let (along, radius) = (position.dot(direction_at), 0.5 * robi.diameter);
-        let beyond = along * along + radius * radius - position.length_squared();
-        position + direction_at * (beyond.max(0.0).sqrt() - along).clamp(0.0, range)
+    let edge = |position: DVec2, direction: DVec2, range: f64| {
+        let (along, radius) = (position.dot(direction), 0.5 * robi.diameter);
+        let edge_squared = along * along + radius * radius - position.length_squared();
+        position + direction * (edge_squared.max(0.0).sqrt() - along).clamp(0.0, range)
     };
     for view in sensor_views(robi) {
-        let direction_at = direction_at(view.angle());
+        let direction = direction_of(view.angle());
         label(
             format!("{}, {} m", view.name, rounded(view.range)),
-            edge(view.at, direction_at, view.reach),
-            direction_at,
+            edge(view.at, direction, view.floor_range),
+            direction,
         );
     }
     for infrared in &robi.infrareds {
         let text = format!("{}, {} m", infrared.name, rounded(infrared.range));
-        let (position, direction_at) = (infrared.position.truncate(), direction_at(infrared.angle));
-        label(text, edge(position, direction_at, infrared.range), direction_at);
+        let (position, direction) = (infrared.position.truncate(), direction_of(infrared.angle));
+        label(text, edge(position, direction, infrared.range), direction);
     }
     for bumper in &robi.bumpers {
-        let middle = direction_at(0.5 * (bumper.from + bumper.to));
+        let middle = direction_of(0.5 * (bumper.from + bumper.to));
         label(bumper.name.clone(), 0.5 * robi.diameter * middle, middle);
     }
     if let Some(camera) = &robi.camera {
@@ -337,7 +338,7 @@ pub fn label_sensors(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
         label(text, camera.position.truncate(), DVec2::ZERO);
     }
     if let Some(lidar) = &robi.lidar {
-        let point = scanner_place(robi, lidar).position.truncate();
+        let point = scanner_pose(robi, lidar).position.truncate();
         label(format!("lidar, {} points", lidar.points), point, DVec2::ZERO);
     }
 }

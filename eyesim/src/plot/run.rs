@@ -92,11 +92,11 @@ pub fn draw_finished(finished: &Finished, trails: &Trails) -> Drawing {
         end,
         trails,
     };
-    let fixed = scene.objects.iter().filter(|spec| spec.kind.is_fixed);
-    let fixed = fixed.map(|spec| object(spec, spec.pose, Vec::new()));
-    let moved = spawner.roster().objects().iter().zip(ended.objects.iter().zip(trails.objects()));
-    let moved = moved.map(|(spec, (end, trail))| object(spec, *end, trail.lines()));
-    let objects: Vec<RunObject> = fixed.chain(moved).collect();
+    let fixed_specs = scene.objects.iter().filter(|spec| spec.kind.is_fixed);
+    let fixed = fixed_specs.map(|spec| object(spec, spec.pose, Vec::new()));
+    let movable = spawner.roster().objects().iter().zip(ended.objects.iter().zip(trails.objects()));
+    let movable = movable.map(|(spec, (end, trail))| object(spec, *end, trail.lines()));
+    let objects: Vec<RunObject> = fixed.chain(movable).collect();
     draw_run(&RunPicture {
         title: &scene.file,
         world: &scene.world,

@@ -19,7 +19,7 @@ use super::{colour, ground, object};
 /// Maximum number of robots that get labels: more labels would hide the picture.
 pub const MAX_LABELS: usize = 100;
 /// Maximum number of robots whose sensors are drawn: more sensors would hide the picture.
-const MAX_SENSING: usize = 30;
+const MAX_WITH_SENSORS: usize = 30;
 
 /// Draws the world and its markers, without robots and objects, into `drawing`.
 pub fn draw_ground(mut drawing: Drawing, scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawing {
@@ -32,7 +32,7 @@ pub fn draw_ground(mut drawing: Drawing, scene: &SceneSpec, mesh_reader: &mut Me
 pub fn draw_scene(scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawing {
     let world = &scene.world;
     let mut drawing = draw_ground(Drawing::new(title(scene)), scene, mesh_reader);
-    // An arrow adds nothing to a robot at the same pose.
+    // A start at which a robot stands gets no arrow.
     let is_taken = |pose: &Pose| scene.robots.iter().any(|robot| robot.start == *pose);
     ground::draw_starts(&mut drawing, world.starts.iter().filter(|start| !is_taken(&start.pose)));
     let mut meshes = BTreeMap::new();
@@ -41,7 +41,7 @@ pub fn draw_scene(scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawin
         let mesh = meshes.entry((&kind.file, &kind.name)).or_insert_with(|| mesh_reader.object(kind));
         object::draw_object(&mut drawing, kind, mesh.as_deref(), &object.pose);
     }
-    if scene.robots.len() <= MAX_SENSING {
+    if scene.robots.len() <= MAX_WITH_SENSORS {
         let walls = build::walls(world);
         for robot in &scene.robots {
             draw_sensors(&mut drawing, &robot.robi, &robot.start, &walls);
@@ -57,10 +57,10 @@ pub fn draw_scene(scene: &SceneSpec, mesh_reader: &mut MeshReader<'_>) -> Drawin
         }
     }
     for (index, robot) in scene.robots.iter().enumerate() {
-        // Folders would leave no space for the name.
+        // The program's folders would leave no space for its name.
         let program = path::file_name(robot.program_name());
-        let words = [program].into_iter().chain(robot.arguments.iter().map(String::as_str));
-        let program = words.collect::<Vec<_>>().join(" ");
+        let command = [program].into_iter().chain(robot.arguments.iter().map(String::as_str));
+        let program = command.collect::<Vec<_>>().join(" ");
         let text = format!("r{} {} {program}", robot.id.0, robot.robi.name);
         drawing.add_legend(body_symbol(index), text.trim_end());
     }

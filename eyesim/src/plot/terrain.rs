@@ -18,7 +18,7 @@ const LIGHT: DVec3 = DVec3::new(-0.5, 0.5, std::f64::consts::FRAC_1_SQRT_2);
 /// Fraction of ambient light.
 const AMBIENT: f64 = 0.45;
 /// Brightness of a contour relative to the ground.
-const DARKER: f64 = 0.72;
+const CONTOUR_BRIGHTNESS: f64 = 0.72;
 
 /// Draws the ground, below all other shapes.
 pub fn draw_terrain(drawing: &mut Drawing, field: &HeightField) {
@@ -44,25 +44,25 @@ fn contour_step(range: f64) -> Option<f64> {
 fn image(field: &HeightField, step: Option<f64>) -> Option<Texture> {
     let Bounds { min, max } = field.bounds();
     let size = max - min;
-    let per_pixel = size.max_element() / PIXELS;
-    let [width, height] = (size / per_pixel).to_array().map(|pixels| pixels.ceil().max(1.0) as usize);
+    let pixel_size = size.max_element() / PIXELS;
+    let [width, height] = (size / pixel_size).to_array().map(|pixels| pixels.ceil().max(1.0) as usize);
     let point = |column: usize, row: usize| {
         let fractions = DVec2::new((column as f64 + 0.5) / width as f64, 1.0 - (row as f64 + 0.5) / height as f64);
         min + fractions * size
     };
-    let level = |point: DVec2| step.map_or(0, |step| (field.height(point.x, point.y) / step).floor() as i64);
+    let level_of = |point: DVec2| step.map_or(0, |step| (field.height(point.x, point.y) / step).floor() as i64);
     let levels: Vec<i64> =
-        (0..height).flat_map(|row| (0..width).map(move |column| level(point(column, row)))).collect();
+        (0..height).flat_map(|row| (0..width).map(move |column| level_of(point(column, row)))).collect();
     let pixel = |column: usize, row: usize| {
         let at = point(column, row);
-        let here = levels[row * width + column];
+        let level = levels[row * width + column];
         let is_contour = [(column + 1, row), (column, row + 1)]
             .into_iter()
-            .any(|(column, row)| column < width && row < height && levels[row * width + column] != here);
+            .any(|(column, row)| column < width && row < height && levels[row * width + column] != level);
         let light = AMBIENT + (1.0 - AMBIENT) * field.normal(at.x, at.y).dot(LIGHT).max(0.0) / LIGHT.z;
-        let fractions = light * if is_contour { DARKER } else { 1.0 };
+        let brightness = light * if is_contour { CONTOUR_BRIGHTNESS } else { 1.0 };
         let [red, green, blue] =
-            field.tint(field.height(at.x, at.y)).map(|shade| (255.0 * f64::from(shade) * fractions).min(255.0) as u8);
+            field.tint(field.height(at.x, at.y)).map(|shade| (255.0 * f64::from(shade) * brightness).min(255.0) as u8);
         [red, green, blue, 255]
     };
     let pixels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn contours_are_round_and_few() {
+    fn contour_steps_are_round_numbers() {
         assert_eq!(
             [0.0, 0.004, 0.3, 0.9, 7.0].map(contour_step),
             [None, Some(0.001), Some(0.05), Some(0.2), Some(1.0)]
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn the_side_towards_the_light_is_lighter() {
+    fn lit_side_is_lighter() {
         let roof = HeightField::new(vec![0.0, 1.0, 2.0], vec![0.0, 1.0], vec![0.0, 0.5, 0.0, 0.0, 0.5, 0.0]);
         let image = image(&roof.expect("a field"), None).expect("an image");
         let (width, height) = image.size();

@@ -63,8 +63,8 @@ fn svg(drawing: &Drawing) -> String {
 /// The elements of `svg` called `tag` that have `attribute`.
 fn elements<'s>(svg: &'s str, tag: &str, attribute: &str) -> Vec<&'s str> {
     let opening = format!("<{tag} ");
-    let all = svg.split(&opening).skip(1).map(|rest| rest.split('>').next().expect("an element ends"));
-    all.filter(|element| element.contains(attribute)).collect()
+    let contents = svg.split(&opening).skip(1).map(|rest| rest.split('>').next().expect("an element ends"));
+    contents.filter(|element| element.contains(attribute)).collect()
 }
 
 /// The points of a polyline in drawing units.
@@ -78,7 +78,7 @@ fn points(element: &str) -> Vec<(f64, f64)> {
 #[test]
 fn everything_is_drawn_once() {
     let svg = svg(&drawing(2.0, 3));
-    // The legend has one more.
+    // Four walls, and one line in the legend.
     assert_eq!(elements(&svg, "polyline", "#333333").len(), 4 + 1, "walls");
     assert_eq!(elements(&svg, "polygon", "#F8F7F3").len(), 1, "floor");
     for colour in ["#0072B2", "#D55E00", "#009E73"] {
@@ -89,7 +89,7 @@ fn everything_is_drawn_once() {
         assert_eq!(elements(&svg, "circle", colour).len(), 3, "{colour}: start, end, end filled");
     }
     assert_eq!(elements(&svg, "polyline", "stroke-width=\"5\"").len(), 2 * 3, "headings");
-    // Two contacts at one place are one mark; the legend has one more. A cross has two strokes.
+    // Two contacts at one place give one mark; the legend has one more. A cross has two strokes.
     let crosses = elements(&svg, "polyline", "stroke=\"#222222\" stroke-width=\"6\"");
     assert_eq!(crosses.len(), 2 * (2 + 1));
     for word in ["square.sim, 12.500 s", "x in m", "y in m", "start", "end", "contact", "r1", "r1 S1", "r3 S3"] {
@@ -98,7 +98,7 @@ fn everything_is_drawn_once() {
 }
 
 #[test]
-fn up_in_the_world_is_up_in_the_picture() {
+fn y_points_up_in_the_picture() {
     let mut robot = RunRobot {
         id: 1,
         robi: robi("S4"),
@@ -118,7 +118,7 @@ fn up_in_the_world_is_up_in_the_picture() {
 }
 
 #[test]
-fn objects_are_shown_where_they_came_to_and_where_they_were() {
+fn moved_objects_are_drawn_at_start_and_end() {
     let kind = Arc::new(read_esobj("tub.esObj", "name Tub\nmass 1\ncollider sphere 0 0 0 100\n").0);
     let object = |x: f64| RunObject {
         kind: Arc::clone(&kind),
@@ -138,7 +138,7 @@ fn objects_are_shown_where_they_came_to_and_where_they_were() {
 }
 
 #[test]
-fn a_hundred_robots_leave_the_legend_in_the_picture() {
+fn legend_of_a_hundred_robots_fits_the_picture() {
     let crowd = svg(&drawing(100.0, 100));
     let height: f64 = crowd
         .split("viewBox=\"")
@@ -157,7 +157,7 @@ fn a_hundred_robots_leave_the_legend_in_the_picture() {
             .expect("a number");
         assert!(y <= height, "{element}");
     }
-    // Three signs and the wall before them.
+    // The legend names three symbols and the wall before the robots.
     assert!(crowd.contains(" more\n"), "the legend says what it leaves out");
     assert!(crowd.contains("\nr100\n"), "a label beside each robot");
     assert!(!svg(&drawing(100.0, 101)).contains("\nr100\n"), "no labels beside too many robots");
@@ -181,7 +181,7 @@ fn names_are_escaped_and_shortened() {
 }
 
 #[test]
-fn an_empty_world_has_a_picture() {
+fn empty_world_can_be_drawn() {
     let empty = picture("", &WorldSpec::default(), &[], &[]);
     assert!(svg(&empty).contains("x in m"));
     assert!(render::to_png(&empty, None).is_ok());
@@ -194,13 +194,13 @@ fn pixels(drawing: &Drawing, size: Option<(u32, u32)>) -> image::RgbImage {
 }
 
 #[test]
-fn pixels_stand_where_the_world_says() {
+fn walls_and_floor_have_the_right_pixels() {
     let drawing = drawing(2.0, 0);
     for size in [None, Some((900, 600)), Some((600, 900)), Some((3000, 2000))] {
         let (low, high) = drawing.extent();
         let frame = Frame::around(low, high, size);
         let image = pixels(&drawing, size);
-        assert_eq!(image.dimensions(), frame.whole());
+        assert_eq!(image.dimensions(), frame.picture_size());
         let at = |x: f64, y: f64| {
             let pixel = frame.pixel_of(DVec2::new(x, y));
             image.get_pixel(pixel.x as u32, pixel.y as u32).0
@@ -215,14 +215,14 @@ fn pixels_stand_where_the_world_says() {
 }
 
 #[test]
-fn a_picture_is_the_same_every_time() {
-    let (one, other) = (drawing(2.0, 5), drawing(2.0, 5));
-    assert_eq!(render::to_png(&one, None).expect("a picture"), render::to_png(&other, None).expect("a picture"));
-    assert_eq!(svg(&one), svg(&other));
+fn pictures_are_deterministic() {
+    let (first, second) = (drawing(2.0, 5), drawing(2.0, 5));
+    assert_eq!(render::to_png(&first, None).expect("a picture"), render::to_png(&second, None).expect("a picture"));
+    assert_eq!(svg(&first), svg(&second));
 }
 
 #[test]
-fn the_name_says_which_kind_of_picture() {
+fn file_extension_selects_the_format() {
     use std::path::Path;
     assert_eq!(PictureKind::of(Path::new("a/b.SVG")).expect("a kind"), PictureKind::Svg);
     assert_eq!(PictureKind::of(Path::new("b.png")).expect("a kind"), PictureKind::Png);

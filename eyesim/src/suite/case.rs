@@ -71,8 +71,8 @@ pub enum Keep {
 }
 
 impl Keep {
-    /// Path of the trace of the case with this key, while it is written.
-    fn part(&self, key: &str) -> Option<PathBuf> {
+    /// Path of the unfinished trace of the case with this key; `None` if no traces are kept.
+    fn temporary_path(&self, key: &str) -> Option<PathBuf> {
         match self {
             Self::None => None,
             Self::Failed(folder) | Self::All(folder) => Some(folder.join(format!("{key}.part.jsonl.zst"))),
@@ -80,8 +80,8 @@ impl Keep {
     }
 
     /// Keeps or removes the trace of a finished case.
-    fn settle(&self, key: &str, outcome: RowOutcome) -> io::Result<()> {
-        let Some(part) = self.part(key) else { return Ok(()) };
+    fn keep_or_remove(&self, key: &str, outcome: RowOutcome) -> io::Result<()> {
+        let Some(part) = self.temporary_path(key) else { return Ok(()) };
         let is_kept = match outcome {
             RowOutcome::Interrupted => false,
             RowOutcome::Passed => matches!(self, Self::All(_)),
@@ -112,7 +112,7 @@ impl Session {
     pub fn prepare(&mut self, suite: &Suite, case: &Case) -> Result<bool, PrepareError> {
         match self.build(suite, case) {
             Ok(built) => Ok(built.is_on_fibers()),
-            Err(Failure { is_of_programs: false, .. }) => Err(PrepareError::Scene),
+            Err(Failure { is_build_failure: false, .. }) => Err(PrepareError::Scene),
             Err(failure) => Err(PrepareError::Programs(Box::new(failure.result(suite, case)))),
         }
     }
@@ -128,7 +128,7 @@ impl Session {
         }
     }
 
-    /// Ends the observation of compilers.
+    /// Removes the observer of builds.
     pub(super) fn end_building(&mut self) {
         self.builder.remove_observer();
     }
@@ -140,11 +140,11 @@ impl Session {
 
     fn build(&mut self, suite: &Suite, case: &Case) -> Result<BuiltScene, Failure> {
         let mut scene = Scene::open(&case.scene, case.options.clone())?;
-        let mistakes = check_of_suite(&suite.spec, scene.spec());
-        let own = scene.diagnostics().iter().chain(&mistakes);
-        if let Some(first) = own.clone().find(|diagnostic| diagnostic.severity == Severity::Error) {
-            let details = own.map(Diagnostic::to_string).collect::<Vec<_>>().join("\n");
-            return Err(Failure { message: first.to_string(), details, is_of_programs: false });
+        let check_diagnostics = check_of_suite(&suite.spec, scene.spec());
+        let diagnostics = scene.diagnostics().iter().chain(&check_diagnostics);
+        if let Some(first) = diagnostics.clone().find(|diagnostic| diagnostic.severity == Severity::Error) {
+            let details = diagnostics.map(Diagnostic::to_string).collect::<Vec<_>>().join("\n");
+            return Err(Failure { message: first.to_string(), details, is_build_failure: false });
         }
         if scene.spec().robots.is_empty() {
             return Err(Failure::of("the scene has no robots"));
@@ -165,7 +165,7 @@ impl Session {
 /// Reasons why the programs of a case are not built.
 #[derive(Debug)]
 pub enum PrepareError {
-    /// Its scene has mistakes, perhaps only with its seed.
+    /// The scene has mistakes, perhaps only with the seed of this case.
     Scene,
     /// A program cannot be built; the result of the case.
     Programs(Box<CaseResult>),
@@ -175,7 +175,7 @@ pub enum PrepareError {
 struct Failure {
     message: String,
     details: String,
-    is_of_programs: bool,
+    is_build_failure: bool,
 }
 
 impl Failure {
@@ -185,11 +185,11 @@ impl Failure {
         // Compilers first name the location, and linkers report their failure last.
         let find =
             |part: &str| text.lines().find(|line| is_long && line.contains(part) && !line.contains("ld returned"));
-        let of_linker = || find("multiple definition of").or_else(|| find("undefined reference to"));
-        let first = find(" error: ").or_else(of_linker).or(text.lines().next());
+        let linker_error = || find("multiple definition of").or_else(|| find("undefined reference to"));
+        let first = find(" error: ").or_else(linker_error).or(text.lines().next());
         let message = first.unwrap_or_default().trim().to_owned();
         let details = if is_long { text } else { String::new() };
-        Self { message, details, is_of_programs: false }
+        Self { message, details, is_build_failure: false }
     }
 
     fn result(self, suite: &Suite, case: &Case) -> CaseResult {
@@ -206,9 +206,9 @@ impl From<Error> for Failure {
                 let details = diagnostics.iter().map(Diagnostic::to_string).collect::<Vec<_>>().join("\n");
                 let first = diagnostics.iter().max_by_key(|diagnostic| diagnostic.severity);
                 let message = first.map_or_else(|| error.to_string(), Diagnostic::to_string);
-                Self { message, details, is_of_programs: false }
+                Self { message, details, is_build_failure: false }
             }
-            Error::Programs(_) => Self { is_of_programs: true, ..Self::of(error) },
+            Error::Programs(_) => Self { is_build_failure: true, ..Self::of(error) },
             _ => Self::of(error),
         }
     }
@@ -243,23 +243,23 @@ pub(super) fn row_of(suite: &Suite, case: &Case) -> Row {
 }
 
 /// Result of a case that could not be run to its end, with `message` as the reason.
-pub(crate) fn lost_case(suite: &Suite, case: &Case, message: &str) -> CaseResult {
+pub(crate) fn unfinished_case_result(suite: &Suite, case: &Case, message: &str) -> CaseResult {
     Failure::of(message).result(suite, case)
 }
 
 /// Runs a case in this process.
 pub fn run_case(suite: &Suite, case: &Case, session: &mut Session) -> CaseResult {
     let start = Instant::now();
-    match attempt(suite, case, session) {
+    match try_run(suite, case, session) {
         Ok(result) => CaseResult { real_time_s: start.elapsed().as_secs_f64(), ..result },
         Err(failure) => failure.result(suite, case),
     }
 }
 
 /// Interval at which the processor time of a case is compared with its limit.
-const STRETCH: Duration = Duration::from_millis(100);
+const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 
-fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResult, Failure> {
+fn try_run(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResult, Failure> {
     let built = session.build(suite, case)?;
     let key = key_of(suite, case, built.inputs());
     if !built.is_on_fibers() && session.subreaper.is_none() {
@@ -280,32 +280,35 @@ fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
     let trails = Arc::new(Mutex::new(Trails::new(&starts, &objects)));
     let output = Arc::new(Mutex::new(Output::default()));
     let mut sinks: Vec<Box<dyn Sink>> = vec![Box::new(Arc::clone(&trails)), Box::new(Arc::clone(&output))];
-    if let Some(part) = session.keep.part(&key) {
+    if let Some(part) = session.keep.temporary_path(&key) {
         sinks.push(Box::new(record::Trace::create(&part, &ready.trace_header()).map_err(Failure::of)?));
     }
     let observers = Observers { sinks, interrupt: session.interrupt.clone(), ..Observers::default() };
-    let begin = processor_seconds();
+    let start_seconds = processor_seconds();
     let mut running = ready.start(observers)?;
     let mut is_over_limit = false;
-    while running.scheduler.advance_within(Time::NEVER, STRETCH) == scheduler::Progress::Paused
+    while running.scheduler.advance_within(Time::NEVER, CHECK_INTERVAL) == scheduler::Progress::Paused
         && running.scheduler.boundary().next_within_limit().is_some()
     {
-        if processor_seconds() - begin > suite.spec.limits.processor {
+        if processor_seconds() - start_seconds > suite.spec.limits.processor {
             is_over_limit = true;
             running.scheduler.interrupt();
             break;
         }
     }
-    let over = running.end();
-    // Programs of checks run after all processes that the submission has started have ended.
+    let ended_run = running.end();
+    // Programs of checks run only when all processes that the robot programs have started are ended.
     session.subreaper.iter().for_each(|subreaper| _ = subreaper.end_all());
-    let finished = over.judge();
+    let finished = ended_run.judge();
     let limit = is_over_limit.then_some(suite.spec.limits.processor);
     let mut row = Row { key, words, ..judge(suite, case, &finished, limit) };
     if session.interrupt.is_set() && row.checks.iter().any(|check| check.broken) {
         (row.outcome, row.message) = (RowOutcome::Interrupted, "interrupted".to_owned());
     }
-    session.keep.settle(&row.key, row.outcome).map_err(|error| Failure::of(format!("its trace is lost: {error}")))?;
+    session
+        .keep
+        .keep_or_remove(&row.key, row.outcome)
+        .map_err(|error| Failure::of(format!("its trace is lost: {error}")))?;
     let is_shown = row.outcome != RowOutcome::Passed;
     let trace = |(index, trail): (usize, &BodyTrails)| {
         let points = |line: Vec<glam::DVec2>| line.into_iter().map(|point| point.to_array()).collect();
@@ -316,49 +319,49 @@ fn attempt(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
     Ok(CaseResult { row, real_time_s: 0.0, traces, output })
 }
 
-/// Verdict on a finished run; `limit` is the limit of processor time that ended it.
+/// Judges a finished run; `limit` is the limit of processor time if the run exceeded it.
 fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) -> Row {
     let Finished { ended, report, settings, .. } = finished;
     let failed_robot = report.robots.iter().find(|robot| robot.outcome.is_failure());
     let broken_check = report.checks.iter().find(|check| check.broken);
-    // The earliest failure is the cause of later ones; a goal that is missed at an instant is missed because of what
-    // happened then.
+    // The earliest failure is taken as the cause of later ones. At one instant, other checks come before a missed goal,
+    // since they are its cause.
     let instant = |check: &CheckReport| check.at_s.unwrap_or(f64::INFINITY);
     let is_goal = |check: &CheckReport| check.kind == "reach";
     let failed_checks = report.checks.iter().filter(|check| !check.passed);
     let by_cause =
         |a: &&CheckReport, b: &&CheckReport| instant(a).total_cmp(&instant(b)).then(is_goal(a).cmp(&is_goal(b)));
     let failed_check = broken_check.or(failed_checks.min_by(by_cause));
-    let of_robot = failed_robot.map(|robot| {
+    let robot_message = failed_robot.map(|robot| {
         let reason = robot.reason.as_deref().unwrap_or(robot.outcome.name());
         format!("r{} (`{}`) {reason}", robot.id, robot.program)
     });
-    let of_check = failed_check.map(|check| format!("{}: {}", check.name, check.message));
+    let check_message = failed_check.map(|check| format!("{}: {}", check.name, check.message));
     let (outcome, message) = match &ended.end {
         _ if let Some(limit) = limit => {
             (RowOutcome::Failed, format!("the case has used {limit} s of processor time (`processor_s` of `[limits]`)"))
         }
         End::Interrupted => (RowOutcome::Interrupted, "interrupted".to_owned()),
         End::Record(error) => (RowOutcome::Error, error.to_string()),
-        _ if let (Some(_), Some(message)) = (broken_check, &of_check) => (RowOutcome::Error, message.clone()),
-        _ => match (of_robot, of_check) {
+        _ if let (Some(_), Some(message)) = (broken_check, &check_message) => (RowOutcome::Error, message.clone()),
+        _ => match (robot_message, check_message) {
             (Some(message), _) | (None, Some(message)) => (RowOutcome::Failed, message),
             (None, None) => (RowOutcome::Passed, String::new()),
         },
     };
     // How far a program got before it was stopped for its processor time depends on the machine.
     let is_timed_out = limit.is_some() || report.robots.iter().any(|robot| robot.outcome == Outcome::Timeout);
-    let at = failed_check.and_then(|check| check.at_s);
-    let at = at.or(failed_robot.filter(|_| limit.is_none()).map(|robot| match robot.outcome {
+    let failure_time = failed_check.and_then(|check| check.at_s);
+    let failure_time = failure_time.or(failed_robot.filter(|_| limit.is_none()).map(|robot| match robot.outcome {
         // A program that hangs does so within a slot, at an instant that may depend on the machine.
         Outcome::Timeout => (robot.virtual_time_s / settings.slot.seconds() + 1e-9).floor() * settings.slot.seconds(),
         _ => robot.virtual_time_s,
     }));
     // The robots' poses are from the end of the run, not from the instant of a check.
-    let of_robot = failed_robot.or(report.robots.first()).map(|robot| (robot.pose.x_m, robot.pose.y_m));
+    let robot_position = failed_robot.or(report.robots.first()).map(|robot| (robot.pose.x_m, robot.pose.y_m));
     let position = match failed_check {
         Some(check) if check.at_s.is_some() => check.x_m.zip(check.y_m),
-        _ => of_robot,
+        _ => robot_position,
     };
     let position = position.filter(|_| outcome != RowOutcome::Passed && !is_timed_out);
     let robots = report.robots.iter().map(|robot| RowRobot {
@@ -373,7 +376,7 @@ fn judge(suite: &Suite, case: &Case, finished: &Finished, limit: Option<f64>) ->
         outcome,
         message,
         seed: settings.seed,
-        at_s: at.filter(|_| outcome != RowOutcome::Passed),
+        at_s: failure_time.filter(|_| outcome != RowOutcome::Passed),
         x_m: position.map(|position| position.0),
         y_m: position.map(|position| position.1),
         points: if failed_robot.is_some() || limit.is_some() { 0.0 } else { report.points },
@@ -393,8 +396,8 @@ fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
         "" => (!path.starts_with('/') && !path.starts_with("../")).then(|| path.to_owned()),
         _ => Some(path.strip_prefix(folder)?.strip_prefix('/')?.to_owned()),
     };
-    let named = |text: &str| in_folder(text).unwrap_or_else(|| text.to_owned());
-    let noise = case.options.noise.as_deref().map(named);
+    let relative_name = |text: &str| in_folder(text).unwrap_or_else(|| text.to_owned());
+    let noise = case.options.noise.as_deref().map(relative_name);
     let Options { seed, slot, until, linger, keys, arguments, settings, programs, forbid, .. } = &case.options;
     let mut hasher = blake3::Hasher::new();
     let mut add = |text: String| {
@@ -404,7 +407,7 @@ fn key_of(suite: &Suite, case: &Case, inputs: &[Input]) -> String {
     add(format!("eyesim {} {ROW_SCHEMA}", env!("CARGO_PKG_VERSION")));
     add(format!("{seed:?} {slot:?} {until:?} {linger:?} {keys:?} {arguments:?} {noise:?}"));
     settings.iter().for_each(|setting| add(setting.to_string()));
-    programs.iter().for_each(|program| add(program.with_program(&named(program.program())).to_string()));
+    programs.iter().for_each(|program| add(program.with_program(&relative_name(program.program())).to_string()));
     forbid.iter().for_each(|functions| add(format!("forbid {functions}")));
     add(format!("{} {:?}", suite.checks_text, suite.spec.limits));
     // Files elsewhere, such as the installation's, are identified by their names.

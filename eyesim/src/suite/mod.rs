@@ -1,7 +1,7 @@
 //! Suites as a library: the cases of a suite, their rows, and a pool that runs them.
 //!
-//! [`Suite::open`] reads a suite; [`Suite::cases`] plans it; [`run_case`] runs one case in this process and returns its
-//! [`Row`]; [`Pool`] runs many in forks of this process. [`summary`] counts rows over seeds, [`table`] converts them to
+//! [`Suite::open`] reads a suite; [`Suite::cases`] lists its cases; [`run_case`] runs one case in this process and returns its
+//! [`Row`]; [`Pool`] runs many cases in forks of this process. [`summary`] computes pass rates over seeds, [`table`] converts them to
 //! tables, for CSV and Parquet.
 
 mod case;
@@ -14,7 +14,7 @@ mod select;
 pub mod summary;
 pub mod table;
 
-pub(crate) use case::lost_case;
+pub(crate) use case::unfinished_case_result;
 pub use case::{Case, Keep, PrepareError, Session, run_case};
 pub use pool::{Pool, PoolError, PoolOptions};
 pub use prepare::Preparation;
@@ -40,14 +40,14 @@ pub struct Suite {
     pub spec: SuiteSpec,
     /// Mistakes in the suite and in the scene of its first case.
     pub diagnostics: Vec<Diagnostic>,
-    /// The files of the suite and of that scene.
+    /// The files of the suite and of the scene of its first case.
     pub inputs: Vec<InputFile>,
-    /// The programs of checks may run: the suite is the user's own, not from an archive.
+    /// True if the programs of checks may run; for a suite from an archive, the user must allow it.
     pub may_run_checks: bool,
     /// Restrictions of the programs and of the compilers that build them.
     pub sandbox: Option<Sandbox>,
     axes: Vec<Axis>,
-    /// Its checks as text, independent of the file's path and line numbers.
+    /// The checks of the suite as text, independent of the file's path and line numbers.
     checks_text: String,
     /// Programs that replace the suite's.
     programs: Vec<ProgramOption>,
@@ -58,9 +58,9 @@ impl Suite {
     pub fn open(path: &Path, programs: Vec<ProgramOption>) -> Self {
         let mut files = DiskFiles::of_environment();
         let LoadedSuite { suite: spec, mut loaded } = load_suite(&files.name(path), &files);
-        let own = SceneSpec { file: spec.file.clone(), checks: spec.checks.clone(), ..SceneSpec::default() };
+        let check_scene = SceneSpec { file: spec.file.clone(), checks: spec.checks.clone(), ..SceneSpec::default() };
         loaded.diagnostics.extend(check::unknown_forbidden(&spec.file, &spec.forbid));
-        loaded.diagnostics.extend(check::wrong_checks(&own));
+        loaded.diagnostics.extend(check::wrong_checks(&check_scene));
         let axes = spec.matrix.axes();
         let checks_text = print_suite(&SuiteSpec { checks: spec.checks.clone(), ..SuiteSpec::default() });
         Self {
@@ -81,14 +81,14 @@ impl Suite {
     /// The matrix zips the seeds with other values, or there would be too many cases.
     pub fn add_seeds(&mut self, seeds: impl Iterator<Item = u64>) -> Result<(), String> {
         let matrix = &mut self.spec.matrix;
-        let new: Vec<u64> = seeds.filter(|seed| !matrix.seed.contains(seed)).collect();
-        if new.is_empty() {
+        let new_seeds: Vec<u64> = seeds.filter(|seed| !matrix.seed.contains(seed)).collect();
+        if new_seeds.is_empty() {
             return Ok(());
         }
         if matrix.zip.iter().flatten().any(|name| name == "seed") {
             return Err("seeds cannot be added: `zip` lets them advance together with other values".to_owned());
         }
-        matrix.seed.extend(new);
+        matrix.seed.extend(new_seeds);
         if matrix.count() > MAX_CASES {
             return Err(format!("with all seeds the matrix has {} cases, at most {MAX_CASES}", matrix.count()));
         }
@@ -106,16 +106,16 @@ impl Suite {
     /// # Errors
     /// A program of the suite cannot be read as an option `--program`.
     pub fn cases(&self) -> Result<Vec<Case>, String> {
-        let of_suite = self.spec.programs.iter().map(|program| self.program(&program.text));
-        let mut programs: Vec<ProgramOption> = of_suite.collect::<Result<_, _>>()?;
+        let suite_programs = self.spec.programs.iter().map(|program| self.program(&program.text));
+        let mut programs: Vec<ProgramOption> = suite_programs.collect::<Result<_, _>>()?;
         for program in &self.programs {
             programs.retain(|other| !other.has_robots_of(program));
             programs.push(program.clone());
         }
         let case = |indices: Vec<usize>| {
             let settings: Vec<(String, String)> = self.settings_of(&indices);
-            let of_variant: Vec<&(String, String)> = settings.iter().filter(|(name, _)| name != "seed").collect();
-            let variant = name_of(of_variant.iter().copied());
+            let without_seed: Vec<&(String, String)> = settings.iter().filter(|(name, _)| name != "seed").collect();
+            let variant = name_of(without_seed.iter().copied());
             Case {
                 name: name_of(settings.iter()),
                 variant,

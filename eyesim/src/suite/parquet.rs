@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_is_read_back_with_its_types() {
+    fn tables_are_read_back_with_their_types() {
         let text = |text: &str| Some(Cell::Text(text.to_owned()));
         let table = Table {
             columns: [("case", Type::Text), ("mass", Type::Number), ("seed", Type::Count), ("check.goal", Type::Flag)]

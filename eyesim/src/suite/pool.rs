@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use sim_host::executive::fork::{ForkedWorker, limit_memory, readable};
 
-use super::case::{Case, Session, lost_case, run_case};
+use super::case::{Case, Session, run_case, unfinished_case_result};
 use super::row::{CaseResult, RowOutcome};
 use super::{Preparation, Suite};
 
@@ -18,7 +18,7 @@ use super::{Preparation, Suite};
 pub struct PoolOptions {
     /// Number of cases that run at the same time.
     pub workers: usize,
-    /// Every case runs in a process of its own.
+    /// True if every case runs in a process of its own.
     pub isolate: bool,
 }
 
@@ -44,19 +44,19 @@ pub struct Pool<'s> {
 /// A worker process with the cases that it has been given.
 struct Worker {
     process: ForkedWorker,
-    /// The part of its next answer that has arrived.
+    /// The part of the next answer that has arrived.
     received: Vec<u8>,
     /// Time at which that answer began to arrive.
     answer_started: Instant,
-    /// Indices of its cases; the front one is running.
+    /// Indices of the assigned cases; the first one is running.
     assigned: VecDeque<usize>,
-    /// The worker ends after its first case.
+    /// True if the worker ends after its first case.
     runs_one_case: bool,
     /// Start of the running case.
     case_started: Instant,
 }
 
-/// Cases queued at a worker that runs many: one runs and one waits, so that the worker is never idle.
+/// Number of cases assigned to a worker that runs many: one runs and one waits, so that the worker is never idle.
 const QUEUE_DEPTH: usize = 2;
 
 /// Longest delay until an interrupt is noticed.
@@ -74,8 +74,8 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 /// Maximum length of an answer of a worker, in bytes; paths of many robots and output of programs are much shorter.
 const MAX_ANSWER: usize = 256 << 20;
 
-/// Wall-clock seconds that a case gets per second of its processor-time limit; then its worker is killed. A last
-/// resort, far beyond what a loaded machine needs.
+/// Wall-clock seconds that a case gets per second of its processor-time limit; then its worker is killed. The value is
+/// far beyond what a loaded machine needs.
 const WALL_PER_PROCESSOR_SECOND: f64 = 20.0;
 
 impl<'s> Pool<'s> {
@@ -140,17 +140,17 @@ impl<'s> Pool<'s> {
                     Some(answer) => answer,
                     None => continue,
                 };
-                let first = workers[position].assigned.pop_front();
-                let (result, is_over) = match (answer, first) {
-                    (Ok((result, is_last)), Some(first)) => (Some((first, result)), is_last),
-                    (Err(why), Some(first)) => {
-                        let how = workers[position].process.end_within(WORKER_END_TIMEOUT);
-                        if workers[position].runs_one_case || suspects.contains(&first) {
-                            let message = format!("the process of the case {why}: {how}");
-                            (Some((first, self.lost(first, &message))), true)
+                let running = workers[position].assigned.pop_front();
+                let (result, is_over) = match (answer, running) {
+                    (Ok((result, is_last)), Some(running)) => (Some((running, result)), is_last),
+                    (Err(why), Some(running)) => {
+                        let exit_status = workers[position].process.end_within(WORKER_END_TIMEOUT);
+                        if workers[position].runs_one_case || suspects.contains(&running) {
+                            let message = format!("the process of the case {why}: {exit_status}");
+                            (Some((running, self.unfinished_result(running, &message))), true)
                         } else {
-                            suspects.push(first);
-                            isolated.push_front(first);
+                            suspects.push(running);
+                            isolated.push_front(running);
                             (None, true)
                         }
                     }
@@ -179,7 +179,7 @@ impl<'s> Pool<'s> {
         Ok(())
     }
 
-    /// Tops up the queues of the workers, and starts workers while there are cases and free places.
+    /// Tops up the queues of the workers, and starts workers while there are cases and fewer workers than allowed.
     fn fill_workers(
         &mut self,
         workers: &mut Vec<Worker>,
@@ -187,9 +187,11 @@ impl<'s> Pool<'s> {
         isolated: &mut VecDeque<usize>,
     ) -> Result<(), PoolError> {
         // A worker without a case is served first, so that the last cases are spread over all workers.
-        for ahead in 1..=QUEUE_DEPTH {
-            for worker in workers.iter_mut().filter(|worker| !worker.runs_one_case && worker.assigned.len() < ahead) {
-                give(worker, waiting);
+        for target_length in 1..=QUEUE_DEPTH {
+            for worker in
+                workers.iter_mut().filter(|worker| !worker.runs_one_case && worker.assigned.len() < target_length)
+            {
+                assign_next(worker, waiting);
             }
         }
         while workers.len() < self.options.workers {
@@ -206,7 +208,7 @@ impl<'s> Pool<'s> {
             let (received, assigned, now) = (Vec::new(), VecDeque::new(), Instant::now());
             let mut worker =
                 Worker { process, received, answer_started: now, assigned, runs_one_case, case_started: now };
-            give(&mut worker, queue);
+            assign_next(&mut worker, queue);
             workers.push(worker);
         }
         // A worker without a case is not needed any more: it removes its files and ends.
@@ -244,22 +246,22 @@ impl<'s> Pool<'s> {
                 } else {
                     "the process of the case gave a part of a result only; it was killed".to_owned()
                 };
-                done(index, self.lost(index, &message))?;
+                done(index, self.unfinished_result(index, &message))?;
             }
         }
         ControlFlow::Continue(())
     }
 
     /// Result of a case whose process ended without one, with `message` as the reason.
-    fn lost(&mut self, index: usize, message: &str) -> CaseResult {
-        let mut result = lost_case(self.suite, &self.cases[index], message);
+    fn unfinished_result(&mut self, index: usize, message: &str) -> CaseResult {
+        let mut result = unfinished_case_result(self.suite, &self.cases[index], message);
         result.row.key = self.key(index).unwrap_or_default();
         result
     }
 }
 
 /// Assigns the next case to the worker; returns false if there is none.
-fn give(worker: &mut Worker, queue: &mut VecDeque<usize>) -> bool {
+fn assign_next(worker: &mut Worker, queue: &mut VecDeque<usize>) -> bool {
     let Some(index) = queue.pop_front() else { return false };
     if worker.assigned.is_empty() {
         worker.case_started = Instant::now();
@@ -293,24 +295,25 @@ impl Worker {
     /// # Errors
     /// Verb phrase for the message, such as "ended without a result".
     fn receive(&mut self, expected: Option<&Case>) -> Result<Option<(CaseResult, bool)>, &'static str> {
-        const HEAD: usize = 5;
+        const HEADER_LENGTH: usize = 5;
         const ENDED: &str = "ended without a result";
         const MALFORMED: &str = "gave something else than a result";
         let mut bytes = [0; 1 << 16];
         loop {
-            let missing = match self.received.get(..HEAD) {
-                None => HEAD - self.received.len(),
+            let missing = match self.received.get(..HEADER_LENGTH) {
+                None => HEADER_LENGTH - self.received.len(),
                 Some(head) => {
                     let length = u32::from_le_bytes([head[1], head[2], head[3], head[4]]) as usize;
                     if length > MAX_ANSWER {
                         return Err(MALFORMED);
                     }
-                    HEAD + length - self.received.len()
+                    HEADER_LENGTH + length - self.received.len()
                 }
             };
-            if missing == 0 && self.received.len() >= HEAD {
+            if missing == 0 && self.received.len() >= HEADER_LENGTH {
                 let answer = std::mem::take(&mut self.received);
-                let result: CaseResult = serde_json::from_slice(&answer[HEAD..]).map_err(|_error| MALFORMED)?;
+                let result: CaseResult =
+                    serde_json::from_slice(&answer[HEADER_LENGTH..]).map_err(|_error| MALFORMED)?;
                 let is_expected = expected.is_none_or(|case| result.row.case == case.name);
                 return if is_expected { Ok(Some((result, answer[0] != 0))) } else { Err(MALFORMED) };
             }
@@ -331,7 +334,7 @@ impl Worker {
     }
 }
 
-/// Runs the cases that the pool asks for until it closes the connection; a single one if `runs_one_case`.
+/// Runs the cases that the pool requests, until it closes the connection; only one case if `runs_one_case`.
 fn serve(suite: &Suite, cases: &[Case], session: &mut Session, mut stream: UnixStream, runs_one_case: bool) {
     if let Some(bytes) = suite.spec.limits.memory
         && let Err(error) = limit_memory(bytes)

@@ -7,7 +7,7 @@ use super::Suite;
 use super::case::{Case, PrepareError, Session};
 use super::row::{CaseResult, Row};
 
-/// Programs of a suite's cases, built.
+/// The built programs of a suite's cases.
 pub struct Preparation {
     /// The session with the programs, inherited by each forked worker.
     pub session: Session,
@@ -57,7 +57,7 @@ impl Preparation {
 
 fn key(case: &Case) -> Key {
     let settings = case.options.settings.iter().map(ToString::to_string);
-    // A value of a scene may be a whole table of robots.
-    let of_programs = settings.filter(|setting| setting.contains("program") || setting.starts_with("robot="));
-    (case.scene.clone(), of_programs.collect())
+    // A setting of `robot` replaces whole tables of robots, which may contain programs.
+    let program_settings = settings.filter(|setting| setting.contains("program") || setting.starts_with("robot="));
+    (case.scene.clone(), program_settings.collect())
 }

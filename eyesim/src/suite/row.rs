@@ -37,9 +37,9 @@ pub struct Row {
     pub details: String,
     /// Instant that decided a failure, s.
     pub at_s: Option<f64>,
-    /// Place at that instant, m.
+    /// x coordinate of the failure, m.
     pub x_m: Option<f64>,
-    /// Place at that instant, m.
+    /// y coordinate of the failure, m.
     pub y_m: Option<f64>,
     /// Points of all checks together.
     pub points: f64,
@@ -53,7 +53,7 @@ pub struct Row {
     pub sim_time_s: f64,
     /// Digest of the run; none if it did not start, or its end depended on the machine.
     pub digest: Option<String>,
-    /// Words after `eyesim run` or `eyesim view` that show the case again.
+    /// Arguments of `eyesim run` or `eyesim view` that repeat the case.
     pub words: Vec<String>,
 }
 
@@ -67,12 +67,12 @@ pub enum RowOutcome {
     Failed,
     /// The case could not be run.
     Error,
-    /// The user has ended it.
+    /// The user interrupted the case.
     Interrupted,
 }
 
 impl RowOutcome {
-    /// The word for it in rows.
+    /// Name of the outcome in rows.
     pub fn word(self) -> &'static str {
         match self {
             Self::Passed => "passed",
@@ -96,7 +96,7 @@ pub struct RowRobot {
     pub reason: Option<String>,
     /// Last values of the metrics that its program printed, by name: for tables and plots, never for marks.
     pub metrics: BTreeMap<String, f64>,
-    /// Numbers of its calls of forbidden functions, by name.
+    /// Number of calls of each forbidden function, by the name of the function.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub forbidden_calls: BTreeMap<String, u64>,
 }
@@ -137,7 +137,8 @@ impl Row {
             return None;
         }
         let words: Vec<String> = self.words.iter().map(|word| sim_host::program::words::quoted(word)).collect();
-        let at = self.at_s.map(|at| format!(" --at {:.1}", (at - 1.0).max(0.0))).unwrap_or_default();
-        Some(format!("eyesim view {}{at}", words.join(" ")))
+        let option =
+            self.at_s.map(|failure_time| format!(" --at {:.1}", (failure_time - 1.0).max(0.0))).unwrap_or_default();
+        Some(format!("eyesim view {}{option}", words.join(" ")))
     }
 }

@@ -12,12 +12,12 @@ enum Term {
     Or(Box<Term>, Box<Term>),
 }
 
-/// The text is not such an expression.
+/// Error of a text that is no such expression.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}`: {what}; expected words with `and`, `or`, `not` and parentheses, such as `real and not seed=3`")]
+#[error("`{text}`: {problem}; expected words with `and`, `or`, `not` and parentheses, such as `real and not seed=3`")]
 pub struct SelectionError {
     text: String,
-    what: String,
+    problem: String,
 }
 
 impl Selection {
@@ -28,8 +28,8 @@ impl Selection {
     pub fn parse(text: &str) -> Result<Self, SelectionError> {
         let spaced = text.replace('(', " ( ").replace(')', " ) ");
         let mut words: Vec<&str> = spaced.split_whitespace().rev().collect();
-        let error = |what: String| SelectionError { text: text.to_owned(), what };
-        let term = any(&mut words).map_err(error)?;
+        let error = |problem: String| SelectionError { text: text.to_owned(), problem };
+        let term = parse_or(&mut words).map_err(error)?;
         match words.pop() {
             None => Ok(Self(term)),
             Some(word) => Err(error(format!("`{word}` has no place"))),
@@ -37,60 +37,60 @@ impl Selection {
     }
 
     /// Returns true for a name that the expression selects.
-    pub fn holds_for(&self, name: &str) -> bool {
-        self.0.holds_for(&name.to_lowercase())
+    pub fn matches(&self, name: &str) -> bool {
+        self.0.matches(&name.to_lowercase())
     }
 }
 
 impl Term {
-    fn holds_for(&self, name: &str) -> bool {
+    fn matches(&self, name: &str) -> bool {
         match self {
-            Self::Word(word) => is_part(name, word),
-            Self::Not(term) => !term.holds_for(name),
-            Self::And(a, b) => a.holds_for(name) && b.holds_for(name),
-            Self::Or(a, b) => a.holds_for(name) || b.holds_for(name),
+            Self::Word(word) => contains_word(name, word),
+            Self::Not(term) => !term.matches(name),
+            Self::And(a, b) => a.matches(name) && b.matches(name),
+            Self::Or(a, b) => a.matches(name) || b.matches(name),
         }
     }
 }
 
-/// Returns true if `name` contains `word`; a number at the end of the word is the whole number: `seed=1` does not match
-/// `seed=12`.
-fn is_part(name: &str, word: &str) -> bool {
+/// Returns true if `name` contains `word`. A number at the end of the word must be a whole number in the name: `seed=1`
+/// does not match `seed=12`.
+fn contains_word(name: &str, word: &str) -> bool {
     let is_digit = |c: char| c.is_ascii_digit() || c == '.';
-    name.match_indices(word).any(|(at, found)| {
-        let rest = &name[at + found.len()..];
+    name.match_indices(word).any(|(start, found)| {
+        let rest = &name[start + found.len()..];
         !(word.ends_with(is_digit) && rest.starts_with(is_digit))
     })
 }
 
-fn any(words: &mut Vec<&str>) -> Result<Term, String> {
-    let mut term = all(words)?;
+fn parse_or(words: &mut Vec<&str>) -> Result<Term, String> {
+    let mut term = parse_and(words)?;
     while words.last() == Some(&"or") {
         words.pop();
-        term = Term::Or(Box::new(term), Box::new(all(words)?));
+        term = Term::Or(Box::new(term), Box::new(parse_and(words)?));
     }
     Ok(term)
 }
 
-fn all(words: &mut Vec<&str>) -> Result<Term, String> {
-    let mut term = one(words)?;
+fn parse_and(words: &mut Vec<&str>) -> Result<Term, String> {
+    let mut term = parse_not(words)?;
     while words.last() == Some(&"and") {
         words.pop();
-        term = Term::And(Box::new(term), Box::new(one(words)?));
+        term = Term::And(Box::new(term), Box::new(parse_not(words)?));
     }
     Ok(term)
 }
 
-fn one(words: &mut Vec<&str>) -> Result<Term, String> {
+fn parse_not(words: &mut Vec<&str>) -> Result<Term, String> {
     // Each level of parentheses uses a level of the stack.
     const MAX_WORDS: usize = 200;
     if words.len() > MAX_WORDS {
         return Err(format!("more than {MAX_WORDS} words"));
     }
     match words.pop() {
-        Some("not") => Ok(Term::Not(Box::new(one(words)?))),
+        Some("not") => Ok(Term::Not(Box::new(parse_not(words)?))),
         Some("(") => {
-            let term = any(words)?;
+            let term = parse_or(words)?;
             match words.pop() {
                 Some(")") => Ok(term),
                 _ => Err("a `(` is not closed".to_owned()),
@@ -110,12 +110,12 @@ mod tests {
     fn check(text: &str, selected: &[&str]) {
         let names = ["noise=none,seed=1", "noise=real,seed=1", "noise=real,seed=12"];
         let selection = Selection::parse(text).expect("an expression");
-        let found: Vec<&str> = names.into_iter().filter(|name| selection.holds_for(name)).collect();
+        let found: Vec<&str> = names.into_iter().filter(|name| selection.matches(name)).collect();
         assert_eq!(found, selected, "{text}");
     }
 
     #[test]
-    fn words_are_joined() {
+    fn expressions_select_names() {
         check("real", &["noise=real,seed=1", "noise=real,seed=12"]);
         check("REAL and not seed=12", &["noise=real,seed=1"]);
         check("none or seed=12", &["noise=none,seed=1", "noise=real,seed=12"]);
@@ -125,12 +125,12 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told() {
-        for (text, what) in
+    fn invalid_expressions_are_reported() {
+        for (text, problem) in
             [("", "missing"), ("a and", "missing"), ("(a", "not closed"), ("a b", "`b` has no place"), ("or a", "`or`")]
         {
             let error = Selection::parse(text).expect_err(text).to_string();
-            assert!(error.contains(what), "{error}");
+            assert!(error.contains(problem), "{error}");
         }
         assert!(Selection::parse(&"(".repeat(10_000)).is_err());
     }

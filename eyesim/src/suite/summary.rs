@@ -1,4 +1,4 @@
-//! Counts of rows: the cases of a variant differ in their seeds; a fraction of them must pass.
+//! Pass rates: the cases of a variant differ only in their seeds, and a fraction of them must pass.
 
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// The rate of `passed` in `count` attempts, with its Wilson score interval of 95 %.
+    /// The rate of `passed` out of `count` attempts, with its Wilson score interval of 95 %.
     ///
     /// Source: E. B. Wilson, Probable inference, the law of succession, and statistical inference, JASA 22 (1927).
     pub fn of(passed: usize, count: usize) -> Self {
@@ -30,9 +30,9 @@ impl Rate {
         }
         let (n, p) = (count as f64, passed as f64 / count as f64);
         let middle = p + Z * Z / (2.0 * n);
-        let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
+        let half_width = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
         let scale = 1.0 + Z * Z / n;
-        let [low, high] = [middle - half, middle + half].map(|end| (end / scale).clamp(0.0, 1.0));
+        let [low, high] = [middle - half_width, middle + half_width].map(|end| (end / scale).clamp(0.0, 1.0));
         // Rounding must not exclude rates of 0 and 1.
         Self { passed, count, low: if passed == 0 { 0.0 } else { low }, high: if passed == count { 1.0 } else { high } }
     }
@@ -54,9 +54,9 @@ pub struct Variant {
     pub checks: Vec<(String, Rate)>,
     /// Mean of the points of its cases.
     pub points: f64,
-    /// Points if all pass.
+    /// Points if all checks pass.
     pub max_points: f64,
-    /// At least the required fraction of its cases pass.
+    /// True if at least the required fraction of its cases passes.
     pub passed: bool,
 }
 
@@ -103,15 +103,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn intervals_are_those_of_wilson() {
+    fn intervals_match_r() {
         // Values from R's prop.test(x, n, correct = FALSE).
-        let is_near = |rate: Rate, low: f64, high: f64| {
+        let assert_near = |rate: Rate, low: f64, high: f64| {
             assert!((rate.low - low).abs() < 5e-5 && (rate.high - high).abs() < 5e-5, "{rate:?}");
         };
-        is_near(Rate::of(9, 10), 0.5958, 0.9821);
-        is_near(Rate::of(0, 10), 0.0, 0.2775);
-        is_near(Rate::of(10, 10), 0.7225, 1.0);
-        is_near(Rate::of(50, 100), 0.4038, 0.5962);
+        assert_near(Rate::of(9, 10), 0.5958, 0.9821);
+        assert_near(Rate::of(0, 10), 0.0, 0.2775);
+        assert_near(Rate::of(10, 10), 0.7225, 1.0);
+        assert_near(Rate::of(50, 100), 0.4038, 0.5962);
         assert_eq!(Rate::of(0, 0).share(), 0.0);
     }
 }

@@ -65,7 +65,7 @@ pub fn cells(row: &Row) -> Vec<Option<Cell>> {
     ]
 }
 
-/// Rows in columns.
+/// Rows as a table with typed columns.
 #[derive(Debug, PartialEq)]
 pub struct Table {
     /// Name and type of each column.
@@ -81,7 +81,7 @@ impl Table {
     pub fn of(rows: &[Row]) -> Self {
         let mut columns: Vec<(String, Type)> = COLUMNS.map(|(name, kind)| (name.to_owned(), kind)).to_vec();
         let mut indices: HashMap<String, usize> = HashMap::new();
-        for (name, cell) in rows.iter().flat_map(further) {
+        for (name, cell) in rows.iter().flat_map(additional_cells) {
             let kind = cell.kind();
             let index = *indices.entry(name).or_insert_with_key(|name| {
                 columns.push((name.clone(), kind));
@@ -94,7 +94,7 @@ impl Table {
         let row_of = |row: &Row| {
             let mut row_cells = cells(row);
             row_cells.resize(columns.len(), None);
-            for (name, cell) in further(row) {
+            for (name, cell) in additional_cells(row) {
                 let index = indices[&name];
                 row_cells[index] = Some(if columns[index].1 == Type::Text { Cell::Text(cell.text()) } else { cell });
             }
@@ -152,8 +152,8 @@ pub fn texts(cells: &[Option<Cell>]) -> Vec<String> {
     cells.iter().map(|cell| cell.as_ref().map(Cell::text).unwrap_or_default()).collect()
 }
 
-/// Columns of a row after [`COLUMNS`], with its values.
-fn further(row: &Row) -> impl Iterator<Item = (String, Cell)> {
+/// Names and cells of a row in the columns after [`COLUMNS`].
+fn additional_cells(row: &Row) -> impl Iterator<Item = (String, Cell)> {
     let is_taken = |name: &str| COLUMNS.iter().any(|(column, _)| *column == name);
     let name_of = move |name: &str| if is_taken(name) { format!("setting.{name}") } else { name.to_owned() };
     let settings = row.settings.iter().filter(|(name, _)| name != "seed");
@@ -174,17 +174,17 @@ pub fn line(fields: &[String]) -> String {
     line
 }
 
-/// Escapes a field: a spreadsheet must not read it as a formula, and it has no control characters.
+/// Escapes a field, so that a spreadsheet does not read it as a formula; also escapes control characters.
 fn field(text: &str) -> String {
     let is_number = text.parse::<f64>().is_ok_and(f64::is_finite);
-    let mut plain = String::new();
+    let mut escaped = String::new();
     if !is_number && text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
-        plain.push('\'');
+        escaped.push('\'');
     }
     for c in text.chars() {
-        if is_terminal_control(c) && c != '\n' { plain.extend(c.escape_default()) } else { plain.push(c) }
+        if is_terminal_control(c) && c != '\n' { escaped.extend(c.escape_default()) } else { escaped.push(c) }
     }
-    if plain.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", plain.replace('"', "\"\"")) } else { plain }
+    if escaped.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", escaped.replace('"', "\"\"")) } else { escaped }
 }
 
 #[cfg(test)]
@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fields_are_no_formulas_and_have_no_controls() {
+    fn formulas_and_control_characters_are_escaped() {
         for (text, expected) in [
             ("Ana", "Ana"),
             ("-3.5", "-3.5"),

@@ -1,4 +1,4 @@
-//! Files of rows: JSON Lines, a head for each session and a line for each row, only appended to.
+//! Files of rows in JSON Lines: each session appends a header line and a line for each row.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -11,16 +11,16 @@ use serde::{Deserialize, Serialize};
 use super::{Shard, SweepError};
 use crate::suite::{ROW_SCHEMA, Row};
 
-/// Version of the form of these files.
+/// Version of the format of these files.
 const SCHEMA: u32 = 1;
 
-/// First characters of a head, which distinguish it from a row.
+/// First characters of a header, which distinguish it from a row.
 const HEAD: &str = "{\"sweep\":";
 
-/// First line of a session.
+/// Header: the first line of a session.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Head {
-    /// Version of this form.
+    /// Version of the format.
     sweep: u32,
     /// Version of the program.
     eyesim_version: String,
@@ -33,9 +33,9 @@ pub struct Head {
 }
 
 impl Head {
-    /// The head of a sweep of this suite.
+    /// Creates the header of a sweep of this suite.
     pub fn new(suite: &str, cases: usize, shard: Shard) -> Self {
-        let shard_cases = (0..cases).filter(|&case| shard.has(case)).count();
+        let shard_cases = (0..cases).filter(|&case| shard.contains(case)).count();
         Self {
             sweep: SCHEMA,
             eyesim_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -60,23 +60,23 @@ pub struct Line {
 pub struct Lines {
     /// The file.
     pub path: PathBuf,
-    /// Its shard.
+    /// Shard of the rows.
     pub shard: Shard,
-    /// Head of the last session; none in an empty file.
+    /// Header of the last session; none in an empty file.
     pub head: Option<Head>,
     /// The rows, in the order in which they were written.
     pub rows: Vec<Line>,
     /// Length of an incomplete last line in bytes; 0 if there is none.
     pub torn: u64,
     /// Length of the complete lines in bytes.
-    whole: u64,
+    complete_length: u64,
 }
 
 impl Lines {
     /// Reads a file of rows.
     ///
     /// # Errors
-    /// It cannot be read, is of another version, or has a line that is neither a head nor a row.
+    /// It cannot be read, is of another version, or has a line that is neither a header nor a row.
     pub fn read(path: &Path, shard: Shard) -> Result<Self, SweepError> {
         let io = |error| SweepError::Io { path: path.to_owned(), error };
         Self::read_from(&open(path, File::options().read(true)).map_err(io)?, path, shard)
@@ -87,7 +87,8 @@ impl Lines {
         if !file.metadata().map_err(io)?.is_file() {
             return Err(SweepError::Kind { path: path.to_owned(), expected: "file" });
         }
-        let mut lines = Self { path: path.to_owned(), shard, head: None, rows: Vec::new(), torn: 0, whole: 0 };
+        let mut lines =
+            Self { path: path.to_owned(), shard, head: None, rows: Vec::new(), torn: 0, complete_length: 0 };
         let mut reader = BufReader::new(file);
         let (mut bytes, mut number) = (Vec::new(), 0);
         loop {
@@ -98,7 +99,7 @@ impl Lines {
             }
             number += 1;
             if bytes.last() != Some(&b'\n') {
-                // A file that does not begin with a head was not written by a sweep.
+                // A file that does not begin with a header was not written by a sweep.
                 let part = &bytes[..bytes.len().min(HEAD.len())];
                 if number == 1 && !HEAD.as_bytes().starts_with(part) {
                     lines.add(&bytes, number)?;
@@ -107,7 +108,7 @@ impl Lines {
                 return Ok(lines);
             }
             lines.add(&bytes, number)?;
-            lines.whole += count;
+            lines.complete_length += count;
         }
     }
 
@@ -116,10 +117,10 @@ impl Lines {
         let path = || self.path.clone();
         let error = |error: serde_json::Error| {
             let text = error.to_string();
-            let what = text.split(" at line ").next().unwrap_or_default().to_owned();
-            SweepError::Line { path: path(), line: number, column: error.column().max(1), what }
+            let message = text.split(" at line ").next().unwrap_or_default().to_owned();
+            SweepError::Line { path: path(), line: number, column: error.column().max(1), what: message }
         };
-        let other = |what: String| SweepError::Line { path: path(), line: number, column: 1, what };
+        let invalid = |message: String| SweepError::Line { path: path(), line: number, column: 1, what: message };
         if bytes.starts_with(HEAD.as_bytes()) {
             let head: Head = serde_json::from_slice(bytes).map_err(error)?;
             if head.eyesim_version != env!("CARGO_PKG_VERSION") || head.sweep != SCHEMA {
@@ -129,18 +130,18 @@ impl Lines {
             return Ok(());
         }
         if self.head.is_none() {
-            return Err(other("the file does not begin as one of a sweep".to_owned()));
+            return Err(invalid("the file does not begin as one of a sweep".to_owned()));
         }
         let row: Row = serde_json::from_slice(bytes).map_err(error)?;
         if row.schema != ROW_SCHEMA {
-            return Err(other(format!("the row is of schema {}, not {ROW_SCHEMA}", row.schema)));
+            return Err(invalid(format!("the row is of schema {}, not {ROW_SCHEMA}", row.schema)));
         }
         self.rows.push(Line { number, row });
         Ok(())
     }
 }
 
-/// Opens a file; a pipe does not block.
+/// Opens a file without waiting, even if it is a pipe.
 fn open(path: &Path, options: &mut fs::OpenOptions) -> std::io::Result<File> {
     options.custom_flags(libc::O_NONBLOCK).open(path)
 }
@@ -162,7 +163,7 @@ pub fn read_all(folder: &Path) -> Result<Vec<Lines>, SweepError> {
     shards.into_iter().map(|shard| Lines::read(&folder.join(shard.file_name()), shard)).collect()
 }
 
-/// Time within which the processes of a killed sweep disappear.
+/// Maximum time until the processes of a killed sweep have released their lock.
 const RELEASE_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// The file of a shard, locked for this process.
@@ -192,14 +193,14 @@ impl ShardFile {
         Ok((Self { path, file }, lines))
     }
 
-    /// Begins a session: removes a torn last line, and writes `head` unless the last session had the same.
+    /// Begins a session: removes an incomplete last line, and writes `head` unless the last session had an equal one.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn begin(&self, lines: &Lines, head: &Head) -> Result<(), SweepError> {
         if lines.torn > 0 {
             let file = File::options().write(true).open(&self.path);
-            file.and_then(|file| file.set_len(lines.whole)).map_err(|error| self.io(error))?;
+            file.and_then(|file| file.set_len(lines.complete_length)).map_err(|error| self.io(error))?;
         }
         if lines.head.as_ref() == Some(head) { Ok(()) } else { self.write(head) }
     }
@@ -220,7 +221,7 @@ impl ShardFile {
         self.file.sync_all().map_err(|error| self.io(error))
     }
 
-    /// A line is written in one call, so that if this process is killed only the last line can be torn.
+    /// Appends a line in one call, so that only the last line can be incomplete if this process is killed.
     fn write(&self, line: &impl Serialize) -> Result<(), SweepError> {
         let mut bytes = serde_json::to_vec(line).map_err(|error| self.io(error.into()))?;
         bytes.push(b'\n');
@@ -233,7 +234,7 @@ impl ShardFile {
     }
 }
 
-/// Locks a file for this process. A file system without locks cannot detect a second process.
+/// Locks a file for this process. On a file system without locks, it does nothing: a second process is not detected.
 fn lock(file: &File, path: &Path) -> Result<(), SweepError> {
     let start = Instant::now();
     loop {

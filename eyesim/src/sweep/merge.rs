@@ -1,4 +1,4 @@
-//! Merges the rows of several files in one order.
+//! Merges the rows of several files, and sorts them.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ pub fn merge(files: Vec<Lines>) -> Result<Vec<Row>, SweepError> {
             }
             match rows.get_mut(&row.key) {
                 None => _ = rows.insert(row.key.clone(), (row, location)),
-                Some(other) => join(other, row, location)?,
+                Some(known) => join(known, row, location)?,
             }
         }
     }
@@ -31,25 +31,25 @@ pub fn merge(files: Vec<Lines>) -> Result<Vec<Row>, SweepError> {
         errors.remove(&(row.suite.clone(), row.case.clone()));
     }
     let mut rows: Vec<Row> = rows.into_values().map(|(row, _)| row).chain(errors.into_values()).collect();
-    rows.sort_by(order);
+    rows.sort_by(compare);
     Ok(rows)
 }
 
-/// Joins two rows of one key: a run that was stopped for its processor time has no digest, and is replaced by a run
-/// that was not.
+/// Joins two rows with one key. A row of a run that was stopped for its processor time has no digest; it is replaced by a
+/// row with a digest.
 fn join(known: &mut (Row, String), row: Row, location: String) -> Result<(), SweepError> {
-    let (other, its_place) = &*known;
-    let conflict = |what, first: &str, second: &str| SweepError::Conflict {
+    let (known_row, known_location) = &*known;
+    let conflict = |quantity, first: &str, second: &str| SweepError::Conflict {
         key: row.key.clone(),
         case: row.case.clone(),
-        what,
-        first: format!("`{first}` at {its_place}"),
+        what: quantity,
+        first: format!("`{first}` at {known_location}"),
         second: format!("`{second}` at {location}"),
     };
-    match (&other.digest, &row.digest) {
+    match (&known_row.digest, &row.digest) {
         (Some(first), Some(second)) if first != second => return Err(conflict("digests", first, second)),
-        (Some(_), Some(_)) | (None, None) if result(other) != result(&row) => {
-            return Err(conflict("results", &result(other), &result(&row)));
+        (Some(_), Some(_)) | (None, None) if result_text(known_row) != result_text(&row) => {
+            return Err(conflict("results", &result_text(known_row), &result_text(&row)));
         }
         (None, Some(_)) => *known = (row, location),
         _ => {}
@@ -57,18 +57,18 @@ fn join(known: &mut (Row, String), row: Row, location: String) -> Result<(), Swe
     Ok(())
 }
 
-fn result(row: &Row) -> String {
+fn result_text(row: &Row) -> String {
     format!("{}, {} of {} points at {} s", row.outcome.word(), row.points, row.max_points, row.sim_time_s)
 }
 
-fn order(a: &Row, b: &Row) -> Ordering {
-    let settings = a.settings.iter().zip(&b.settings).map(|((_, a), (_, b))| by_value(a, b));
+fn compare(a: &Row, b: &Row) -> Ordering {
+    let settings = a.settings.iter().zip(&b.settings).map(|((_, a), (_, b))| compare_values(a, b));
     let by_settings = settings.fold(Ordering::Equal, Ordering::then);
     a.suite.cmp(&b.suite).then(by_settings).then_with(|| (&a.case, &a.key).cmp(&(&b.case, &b.key)))
 }
 
 /// Orders numbers by value, before texts.
-fn by_value(a: &str, b: &str) -> Ordering {
+fn compare_values(a: &str, b: &str) -> Ordering {
     match (a.parse::<f64>(), b.parse::<f64>()) {
         (Ok(a), Ok(b)) => a.total_cmp(&b),
         (Ok(_), Err(_)) => Ordering::Less,

@@ -1,7 +1,7 @@
-//! Sweeps as a library: rows of a suite's cases in a folder, one file for each shard, all append-only.
+//! Sweeps as a library: the rows of the cases of a suite in a folder, with one append-only file for each shard.
 //!
 //! A [`Shard`] is the part of the cases that one process runs. [`ShardFile::open`] locks and reads the file of a shard,
-//! [`done`] determines which cases have rows in it, and [`ShardFile::append`] adds rows. [`read_all`] reads the files
+//! [`finished_cases`] determines which cases have rows in it, and [`ShardFile::append`] adds rows. [`read_all`] reads the files
 //! of all shards, [`merge`] joins their rows.
 
 mod file;
@@ -37,7 +37,7 @@ pub enum SweepError {
         /// The expected kind.
         expected: &'static str,
     },
-    /// A line is neither a head nor a row.
+    /// A line is neither a header nor a row.
     #[error(
         "{}:{line}:{column}: {what}; expected a line as `eyesim sweep` writes it. Remove the line, and its case runs again",
         path.display()
@@ -108,33 +108,33 @@ pub enum SweepError {
     },
 }
 
-/// The cases of a shard, by their indices, that have rows in its file, with their outcomes. A case that could not be run is not among them.
+/// Indices of the cases of a shard that have rows in its file, with their outcomes; without cases that could not be run.
 ///
 /// # Errors
 /// [`SweepError::Foreign`] for rows whose keys differ from the current keys of their cases.
-pub fn done(
+pub fn finished_cases(
     lines: &Lines,
     shard: Shard,
     (suite, cases): (&Suite, &[Case]),
     session: &mut Session,
 ) -> Result<BTreeMap<usize, RowOutcome>, SweepError> {
-    let own = cases.iter().enumerate().filter(|(index, _)| shard.has(*index));
-    let indices: HashMap<&str, usize> = own.map(|(index, case)| (case.name.as_str(), index)).collect();
-    let mut done = BTreeMap::new();
+    let shard_cases = cases.iter().enumerate().filter(|(index, _)| shard.contains(*index));
+    let indices: HashMap<&str, usize> = shard_cases.map(|(index, case)| (case.name.as_str(), index)).collect();
+    let mut outcomes = BTreeMap::new();
     let mut foreign: Option<(&Line, usize)> = None;
     for line in lines.rows.iter().filter(|line| line.row.outcome != RowOutcome::Error) {
         if session.interrupt.is_set() {
             break;
         }
         let index = indices.get(line.row.case.as_str()).copied();
-        let is_own = index.filter(|&index| session.key(suite, &cases[index]).is_ok_and(|key| key == line.row.key));
-        match is_own {
-            Some(index) => _ = done.insert(index, line.row.outcome),
+        let current = index.filter(|&index| session.key(suite, &cases[index]).is_ok_and(|key| key == line.row.key));
+        match current {
+            Some(index) => _ = outcomes.insert(index, line.row.outcome),
             None => foreign = Some(foreign.map_or((line, 0), |(first, others)| (first, others + 1))),
         }
     }
     match foreign {
-        None => Ok(done),
+        None => Ok(outcomes),
         Some((first, others)) => Err(SweepError::Foreign {
             path: lines.path.clone(),
             line: first.number,

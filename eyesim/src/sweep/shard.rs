@@ -6,7 +6,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Shard {
     count: usize,
-    /// From 1.
+    /// Number of the shard, from 1.
     index: usize,
 }
 
@@ -26,7 +26,7 @@ impl Shard {
         }
     }
 
-    /// Its number, from 1.
+    /// Number of the shard, from 1.
     pub fn index(self) -> usize {
         self.index
     }
@@ -36,12 +36,12 @@ impl Shard {
         self.count
     }
 
-    /// Returns true if the case with this index belongs to it.
-    pub fn has(self, case: usize) -> bool {
+    /// Returns true if the case with this index belongs to the shard.
+    pub fn contains(self, case: usize) -> bool {
         case % self.count == self.index - 1
     }
 
-    /// Name of its file.
+    /// Name of the shard's file.
     pub fn file_name(self) -> String {
         format!("rows-{}-of-{}.jsonl", self.index, self.count)
     }
@@ -64,16 +64,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_case_is_in_one_shard() {
+    fn every_case_is_in_exactly_one_shard() {
         let shards: Vec<Shard> = (1..=7).map(|index| Shard::parse(&format!("{index}/7")).expect("a shard")).collect();
         for case in 0..50 {
-            assert_eq!(shards.iter().filter(|shard| shard.has(case)).count(), 1);
+            assert_eq!(shards.iter().filter(|shard| shard.contains(case)).count(), 1);
         }
-        assert!((0..50).all(|case| Shard::WHOLE.has(case)));
+        assert!((0..50).all(|case| Shard::WHOLE.contains(case)));
     }
 
     #[test]
-    fn names_of_files_are_read() {
+    fn file_names_are_parsed() {
         let shard = Shard::parse("3/100").expect("a shard");
         assert_eq!(Shard::of_file_name(&shard.file_name()), Some(shard));
         for name in ["rows-3-of-2.jsonl", "rows-03-of-4.jsonl", "rows.jsonl", "rows-1-of-1.jsonl~"] {
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_shards_are_told() {
+    fn invalid_shards_are_reported() {
         for text in ["0/0", "0/2", "3/2", "1", "a/b", "1/", "-1/2", "1/2/3", ""] {
             assert!(Shard::parse(text).expect_err(text).contains("I/N"));
         }

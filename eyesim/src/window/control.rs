@@ -11,17 +11,17 @@ use sim_view::window::PendingCommand;
 /// Passes the pages' requests to the thread that advances the run, which checks for them between two slots.
 #[derive(Default)]
 pub struct Control {
-    is_changed: AtomicBool,
+    has_new_requests: AtomicBool,
     requests: Mutex<PendingRequests>,
-    changed: Condvar,
+    new_request: Condvar,
 }
 
 /// Pending requests to a run.
 #[derive(Default)]
 pub struct PendingRequests {
-    /// The run pauses before the next slot.
+    /// True if the run must pause before the next slot.
     pub is_paused: bool,
-    /// The run advances to this time as fast as possible, even while paused.
+    /// Time to which the run must advance as fast as possible, even while paused.
     pub skip_to: Option<Time>,
     /// Number of slots to run while paused.
     pub steps: u32,
@@ -29,39 +29,39 @@ pub struct PendingRequests {
     pub speed: Option<f64>,
     /// Interventions in order, each with the command of a page to be answered.
     pub actions: Vec<(Action, PendingCommand)>,
-    /// An update of the pages is due.
+    /// True if an update of the pages is due.
     pub is_show_due: bool,
-    /// The run must end because another run begins.
+    /// True if the run must end because another run begins.
     pub is_ending: bool,
-    /// The run is over or has not begun: interventions are refused.
+    /// True if the run is over or has not begun: interventions are refused.
     pub is_over: bool,
 }
 
 impl Control {
-    /// Changes the requests and wakes the thread that waits for them.
-    pub fn ask<T>(&self, change: impl FnOnce(&mut PendingRequests) -> T) -> T {
-        let answer = change(&mut self.requests.lock());
-        self.is_changed.store(true, Ordering::Release);
-        self.changed.notify_all();
-        answer
+    /// Updates the requests and wakes the thread that waits for them.
+    pub fn update<T>(&self, change: impl FnOnce(&mut PendingRequests) -> T) -> T {
+        let result = change(&mut self.requests.lock());
+        self.has_new_requests.store(true, Ordering::Release);
+        self.new_request.notify_all();
+        result
     }
 
     /// Returns true if something was requested since the last call of [`Self::requests`].
-    fn is_changed(&self) -> bool {
-        self.is_changed.load(Ordering::Acquire)
+    fn has_new_requests(&self) -> bool {
+        self.has_new_requests.load(Ordering::Acquire)
     }
 
     /// Locks the requests and marks them as seen.
     pub fn requests(&self) -> MutexGuard<'_, PendingRequests> {
-        self.is_changed.store(false, Ordering::Release);
+        self.has_new_requests.store(false, Ordering::Release);
         self.requests.lock()
     }
 
-    /// Waits for a request, at most for `time`.
-    pub fn wait(&self, time: Duration) {
+    /// Waits for a request, at most for `timeout`.
+    pub fn wait(&self, timeout: Duration) {
         let mut requests = self.requests.lock();
-        if !self.is_changed() {
-            self.changed.wait_for(&mut requests, time);
+        if !self.has_new_requests() {
+            self.new_request.wait_for(&mut requests, timeout);
         }
     }
 }

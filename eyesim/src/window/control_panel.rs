@@ -1,4 +1,4 @@
-//! Dispatch of the pages' commands to the run, to the thread that advances it, or to the [`RunStarter`].
+//! Dispatches the pages' commands to the run, to the thread that advances it, or to the [`RunStarter`].
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -16,11 +16,11 @@ use super::control::Control;
 const TICK: Duration = Duration::from_micros(16_667);
 
 /// Time between two updates while no page is connected.
-const LAZY_TICK: Duration = Duration::from_millis(200);
+const IDLE_TICK: Duration = Duration::from_millis(200);
 
 /// Restarts runs.
 pub trait RunStarter: Send {
-    /// Starts a run with this seed; answers `pending` once it is known if the run can start.
+    /// Starts a run with this seed; answers `pending` once it is known whether the run can start.
     fn restart(&mut self, seed: Seed, pending: PendingCommand);
 
     /// Called periodically, at least every 200 ms.
@@ -67,12 +67,12 @@ impl Drop for ControlPanel {
 fn serve(window: &Window, control: &Control, starter: &mut impl RunStarter, is_closing: &AtomicBool) {
     let mut last_shown = Instant::now();
     while !is_closing.load(Ordering::Acquire) {
-        let tick = if window.has_pages() { TICK } else { LAZY_TICK };
+        let tick = if window.has_pages() { TICK } else { IDLE_TICK };
         match window.commands().recv_timeout(tick.saturating_sub(last_shown.elapsed())) {
             Some(pending) => dispatch(pending, control, starter),
             None => {
                 last_shown = Instant::now();
-                control.ask(|requests| requests.is_show_due = true);
+                control.update(|requests| requests.is_show_due = true);
                 starter.tick();
             }
         }
@@ -82,24 +82,24 @@ fn serve(window: &Window, control: &Control, starter: &mut impl RunStarter, is_c
 fn dispatch(pending: PendingCommand, control: &Control, starter: &mut impl RunStarter) {
     match pending.command.clone() {
         Command::Run {} => {
-            control.ask(|requests| (requests.is_paused, requests.steps) = (false, 0));
+            control.update(|requests| (requests.is_paused, requests.steps) = (false, 0));
             pending.accept();
         }
         Command::Pause {} => {
-            control.ask(|requests| requests.is_paused = true);
+            control.update(|requests| requests.is_paused = true);
             pending.accept();
         }
         Command::Step {} => {
-            let is_over = control.ask(|requests| {
+            let is_over = control.update(|requests| {
                 if !requests.is_over {
                     (requests.is_paused, requests.steps) = (true, requests.steps + 1);
                 }
                 requests.is_over
             });
-            if is_over { pending.refuse(OVER) } else { pending.accept() }
+            if is_over { pending.refuse(RUN_IS_OVER) } else { pending.accept() }
         }
         Command::Speed { factor } if factor.is_none_or(|factor| SPEEDS.contains(&factor)) => {
-            control.ask(|requests| requests.speed = factor);
+            control.update(|requests| requests.speed = factor);
             pending.accept();
         }
         Command::Speed { .. } => {
@@ -107,9 +107,9 @@ fn dispatch(pending: PendingCommand, control: &Control, starter: &mut impl RunSt
             pending.refuse(format!("expected a factor from {min} to {max}, or none for as fast as possible"));
         }
         Command::Restart { seed } => starter.restart(seed, pending),
-        Command::Act { action } => control.ask(|requests| {
+        Command::Act { action } => control.update(|requests| {
             if requests.is_over {
-                return pending.refuse(OVER);
+                return pending.refuse(RUN_IS_OVER);
             }
             requests.actions.push((action_from_page(action), pending));
         }),
@@ -120,4 +120,4 @@ fn dispatch(pending: PendingCommand, control: &Control, starter: &mut impl RunSt
 /// at a higher speed an idle run would reach the end of simulated time within days.
 pub const SPEEDS: RangeInclusive<f64> = 0.001..=10_000.0;
 
-const OVER: &str = "the run is over: start it again";
+const RUN_IS_OVER: &str = "the run is over: start it again";

@@ -33,13 +33,13 @@ pub struct Details {
 }
 
 impl Details {
-    /// Detail of robot `id` now; `panel` is the robot's display, if the run has ended and handed the display over.
-    pub fn of(&mut self, run: &Run, world: &World, id: RobotId, panel: Option<PanelRef<'_>>) -> Detail {
+    /// Detail of robot `id` at the start of the slot. `panel` is the robot's last display if the run has ended.
+    pub fn robot(&mut self, run: &Run, world: &World, id: RobotId, panel: Option<PanelRef<'_>>) -> Detail {
         let at = world.slot_start();
         let mut robot = run.robot(id);
         let (pose, odometry) = (planar(&robot.motion.pose(at)), planar(&robot.motion.odometry(at)));
-        let points = |(from, points): (DVec3, Vec<DVec3>)| Scan {
-            from_m: from.to_array(),
+        let points = |(origin, points): (DVec3, Vec<DVec3>)| Scan {
+            from_m: origin.to_array(),
             points_m: points.iter().map(DVec3::to_array).collect(),
         };
         let is_scanning = robot.devices.switches.is_on(SensorId::Lidar);
@@ -72,7 +72,7 @@ impl Details {
 
     /// Noise-free picture of the camera of robot `id` now, or the last one if younger than `CAMERA_PERIOD`. None without a camera.
     pub fn camera(&mut self, run: &Run, world: &World, id: RobotId, scenery: &LazyScenery) -> Option<Picture> {
-        if let Some((_, picture)) = self.cameras.get(&id).filter(|(then, _)| then.elapsed() < CAMERA_PERIOD) {
+        if let Some((_, picture)) = self.cameras.get(&id).filter(|(rendered, _)| rendered.elapsed() < CAMERA_PERIOD) {
             return Some(picture.clone());
         }
         let image = self.render(&mut run.robot(id), world, scenery)?;
@@ -84,8 +84,8 @@ impl Details {
         let at = world.slot_start();
         let view = robot.camera_view(at, None).ok()?;
         let scenery = scenery.get();
-        let still = scenery.pose_at(world, at);
-        let image = self.renderer.colour(&still, &view, Some(robot.id), robot.camera_samples());
+        let posed_scenery = scenery.pose_at(world, at);
+        let image = self.renderer.colour(&posed_scenery, &view, Some(robot.id), robot.camera_samples());
         Some(picture(image.size(), image.pixels().as_flattened()))
     }
 }

@@ -1,4 +1,4 @@
-//! Devices of a robot type in the page's protocol.
+//! Converts the devices of a robot type to the page's protocol.
 
 use sim_core::build;
 use sim_core::camera::Lens;
@@ -34,7 +34,7 @@ pub fn sensors(robi: &RobiSpec) -> Vec<Sensor> {
     let infrareds = robi.infrareds.iter().map(|infrared| Sensor {
         mount: Some(point(&Pose3::from_angles(infrared.position, 0.0, 0.0, infrared.angle))),
         range_m: Some([0.0, infrared.range]),
-        ..plain(&infrared.name, SensorKind::Infrared)
+        ..sensor_without_geometry(&infrared.name, SensorKind::Infrared)
     });
     let lidar = robi.lidar.iter().map(|lidar| {
         let (mount, link) = build::scanner_mount(robi, lidar);
@@ -42,7 +42,7 @@ pub fn sensors(robi: &RobiSpec) -> Vec<Sensor> {
             mount: Some(point(&posture.world_from(&mount, link))),
             range_m: Some([0.0, lidar.range]),
             half_angle_rad: 0.5 * lidar.sweep,
-            ..plain(LIDAR, SensorKind::Lidar)
+            ..sensor_without_geometry(LIDAR, SensorKind::Lidar)
         }
     });
     let bumpers = robi.bumpers.iter().map(|bumper| {
@@ -50,20 +50,24 @@ pub fn sensors(robi: &RobiSpec) -> Vec<Sensor> {
         let body = Pose3::from_angles(glam::DVec3::ZERO, 0.0, 0.0, middle);
         let edge = Pose3 { position: 0.5 * robi.diameter * body.forward(), ..body };
         let half_angle_rad = 0.5 * (bumper.to - bumper.from).abs();
-        Sensor { mount: Some(point(&edge)), half_angle_rad, ..plain(&bumper.name, SensorKind::Bumper) }
+        Sensor {
+            mount: Some(point(&edge)),
+            half_angle_rad,
+            ..sensor_without_geometry(&bumper.name, SensorKind::Bumper)
+        }
     });
-    let compass = robi.compass.iter().map(|compass| plain(&compass.name, SensorKind::Compass));
+    let compass = robi.compass.iter().map(|compass| sensor_without_geometry(&compass.name, SensorKind::Compass));
     let encoders = robi.drive.motors.iter().filter_map(|motor| motor.encoder.as_ref());
-    let encoders = encoders.map(|name| plain(name, SensorKind::Encoder));
+    let encoders = encoders.map(|name| sensor_without_geometry(name, SensorKind::Encoder));
     let camera = camera(robi).into_iter().map(|camera| Sensor {
         mount: Some(camera.mount),
         half_angle_rad: 0.5 * camera.horizontal_rad,
-        ..plain(CAMERA, SensorKind::Camera)
+        ..sensor_without_geometry(CAMERA, SensorKind::Camera)
     });
     ranges.chain(infrareds).chain(lidar).chain(bumpers).chain(compass).chain(encoders).chain(camera).collect()
 }
 
-fn plain(name: &str, kind: SensorKind) -> Sensor {
+fn sensor_without_geometry(name: &str, kind: SensorKind) -> Sensor {
     Sensor { name: name.to_owned(), kind, mount: None, range_m: None, half_angle_rad: 0.0 }
 }
 

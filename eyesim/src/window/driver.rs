@@ -1,4 +1,4 @@
-//! Loop of a run that pages watch and control: paces, pauses and steps the run, applies the interventions that pages request,
+//! Advances a run that pages watch and control: paces, pauses and steps the run, applies the interventions that pages request,
 //! and shows the run's state.
 
 use std::mem::take;
@@ -45,10 +45,10 @@ pub struct Driver {
     anchor: Option<(Instant, Time)>,
     /// Simulated time that the run has reached.
     now: Time,
-    /// The latest change has not been shown to the pages yet.
+    /// True if the latest change has not been shown to the pages yet.
     has_unshown_change: bool,
     /// Earliest instant of the next update of the pages.
-    not_before: Option<Instant>,
+    next_update: Option<Instant>,
     rate: Rate,
 }
 
@@ -63,7 +63,7 @@ impl Driver {
             anchor: None,
             now: Time::ZERO,
             has_unshown_change: true,
-            not_before: None,
+            next_update: None,
             rate: Rate::default(),
         }
     }
@@ -101,12 +101,12 @@ impl Driver {
         self.show.lock().present(Moment { run, world, now, state, speed, rate, ends: &[], results: None });
         let is_full_speed = self.speed.is_none() && !self.is_paused;
         // The texts of the update are serialised on another thread, but on the same processors.
-        let rest = if is_full_speed {
+        let min_delay = if is_full_speed {
             (INVERSE_SHARE_AT_FULL_SPEED * start.elapsed()).max(PERIOD_AT_FULL_SPEED)
         } else {
             start.elapsed()
         };
-        self.not_before = Some(start + rest);
+        self.next_update = Some(start + min_delay);
         self.has_unshown_change = false;
     }
 
@@ -162,11 +162,11 @@ impl Driver {
                 return Progress::Over;
             }
             if !requests.actions.is_empty() {
-                return self.act(run, requests.actions);
+                return self.apply(run, requests.actions);
             }
             let is_over = boundary.next.is_some() && next.is_none() || next.is_none() && Self::is_finished(run);
             let is_idle = next.is_none();
-            let may_show = self.not_before.is_none_or(|instant| instant <= Instant::now());
+            let may_show = self.next_update.is_none_or(|instant| instant <= Instant::now());
             if self.has_unshown_change
                 || requests.is_show_due && may_show && (!self.is_paused || self.show.lock().has_new_looks())
             {
@@ -207,7 +207,7 @@ impl Driver {
     }
 
     /// Applies interventions to the run and answers the pages that requested them.
-    fn act(&mut self, run: &mut Scheduler, actions: Vec<(Action, PendingCommand)>) -> Progress {
+    fn apply(&mut self, run: &mut Scheduler, actions: Vec<(Action, PendingCommand)>) -> Progress {
         self.has_unshown_change = true;
         for (action, pending) in actions {
             match run.act(self.now, &action) {
@@ -227,7 +227,7 @@ impl Driver {
     }
 }
 
-/// Requests taken in one step.
+/// Requests that the driver takes at once.
 struct TakenRequests {
     is_ending: bool,
     is_show_due: bool,
@@ -243,10 +243,10 @@ struct Rate {
 
 impl Rate {
     fn measure(&mut self, real: Instant, simulated: Time) -> f64 {
-        let (start, from) = *self.window_start.get_or_insert((real, simulated));
+        let (start, start_time) = *self.window_start.get_or_insert((real, simulated));
         let seconds = (real - start).as_secs_f64();
         if seconds >= RATE_PERIOD.as_secs_f64() {
-            self.last = (simulated - from).seconds() / seconds;
+            self.last = (simulated - start_time).seconds() / seconds;
             self.window_start = Some((real, simulated));
         }
         self.last

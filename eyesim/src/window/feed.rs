@@ -1,4 +1,5 @@
-//! Events of a run for the pages: rare kinds one by one, frequent kinds (readings and commands) as latest values.
+//! Collects the events of a run for the pages: rare kinds one by one, frequent kinds (readings and commands) as latest
+//! values.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -41,17 +42,17 @@ impl Feed {
 
     /// Latest readings and commands of the program of a robot.
     pub fn readings(&self, robot: RobotId) -> Vec<Reading> {
-        let of_robot = self.readings.get(&robot).into_iter().flatten();
+        let values = self.readings.get(&robot).into_iter().flatten();
         let reading = |(name, Value { value, unit, at }): (&String, &Value)| Reading {
             name: name.clone(),
             value: *value,
             unit: (*unit).to_owned(),
             at_s: at.seconds(),
         };
-        of_robot.map(reading).collect()
+        values.map(reading).collect()
     }
 
-    fn keep(&mut self, record: &Record<'_>, name: &str, value: Option<f64>, unit: &'static str) {
+    fn store(&mut self, record: &Record<'_>, name: &str, value: Option<f64>, unit: &'static str) {
         let readings = self.readings.entry(record.robot).or_default();
         let value = Value { value, unit, at: record.time };
         match readings.get_mut(name) {
@@ -61,52 +62,52 @@ impl Feed {
     }
 
     /// Stores the readings in the event; returns false for an event of another kind.
-    fn keep_readings(&mut self, record: &Record<'_>) -> bool {
-        let mut keep = |name: &str, value: f64, unit| self.keep(record, name, Some(value), unit);
+    fn store_readings(&mut self, record: &Record<'_>) -> bool {
+        let mut store = |name: &str, value: f64, unit| self.store(record, name, Some(value), unit);
         match record.event {
-            Event::Distance { device, distance_m, .. } => self.keep(record, device, distance_m, "m"),
-            Event::Compass { device, angle_rad } => self.keep(record, device, angle_rad, "rad"),
-            Event::Reading { device, value } | Event::Output { device, value } => keep(device, value as f64, ""),
-            Event::Signal { device, signal, .. } => keep(&format!("{device} signal"), signal, ""),
-            Event::Motor { device, percent } => keep(device, percent.into(), "%"),
-            Event::Servo { device, position } => keep(device, position.into(), ""),
+            Event::Distance { device, distance_m, .. } => self.store(record, device, distance_m, "m"),
+            Event::Compass { device, angle_rad } => self.store(record, device, angle_rad, "rad"),
+            Event::Reading { device, value } | Event::Output { device, value } => store(device, value as f64, ""),
+            Event::Signal { device, signal, .. } => store(&format!("{device} signal"), signal, ""),
+            Event::Motor { device, percent } => store(device, percent.into(), "%"),
+            Event::Servo { device, position } => store(device, position.into(), ""),
             Event::DriveSpeed { v_m_per_s, omega_rad_per_s } => {
-                keep("commanded speed", v_m_per_s, "m/s");
-                keep("commanded turning speed", omega_rad_per_s, "rad/s");
+                store("commanded speed", v_m_per_s, "m/s");
+                store("commanded turning speed", omega_rad_per_s, "rad/s");
             }
             Event::LegSpeed { vx_m_per_s, vy_m_per_s, omega_rad_per_s } => {
-                keep("commanded speed", vx_m_per_s, "m/s");
-                keep("commanded speed to the left", vy_m_per_s, "m/s");
-                keep("commanded turning speed", omega_rad_per_s, "rad/s");
+                store("commanded speed", vx_m_per_s, "m/s");
+                store("commanded speed to the left", vy_m_per_s, "m/s");
+                store("commanded turning speed", omega_rad_per_s, "rad/s");
             }
-            Event::Gait { gait, .. } => keep("commanded gait", gait.into(), ""),
-            Event::StepHeight { height_m } => keep("commanded step height", height_m, "m"),
+            Event::Gait { gait, .. } => store("commanded gait", gait.into(), ""),
+            Event::StepHeight { height_m } => store("commanded step height", height_m, "m"),
             Event::LegCorrection { leg, dx_m, dy_m, dz_m } => {
-                keep(&format!("{leg} correction x"), dx_m, "m");
-                keep(&format!("{leg} correction y"), dy_m, "m");
-                keep(&format!("{leg} correction z"), dz_m, "m");
+                store(&format!("{leg} correction x"), dx_m, "m");
+                store(&format!("{leg} correction y"), dy_m, "m");
+                store(&format!("{leg} correction z"), dz_m, "m");
             }
-            Event::Joint { joint, angle_rad } => keep(joint, angle_rad, "rad"),
+            Event::Joint { joint, angle_rad } => store(joint, angle_rad, "rad"),
             Event::Link { link, x_m, y_m, z_m, .. } => {
-                keep(&format!("{link} x"), x_m, "m");
-                keep(&format!("{link} y"), y_m, "m");
-                keep(&format!("{link} z"), z_m, "m");
+                store(&format!("{link} x"), x_m, "m");
+                store(&format!("{link} y"), y_m, "m");
+                store(&format!("{link} z"), z_m, "m");
             }
-            Event::BodyHeight { height_m } => keep("body height", height_m, "m"),
+            Event::BodyHeight { height_m } => store("body height", height_m, "m"),
             Event::Odometry { x_m, y_m, phi_rad } => {
-                keep("odometry x", x_m, "m");
-                keep("odometry y", y_m, "m");
-                keep("odometry phi", phi_rad, "rad");
+                store("odometry x", x_m, "m");
+                store("odometry y", y_m, "m");
+                store("odometry phi", phi_rad, "rad");
             }
             Event::OdometrySpeed { v_m_per_s, omega_rad_per_s } => {
-                keep("odometry speed", v_m_per_s, "m/s");
-                keep("odometry turning speed", omega_rad_per_s, "rad/s");
+                store("odometry speed", v_m_per_s, "m/s");
+                store("odometry turning speed", omega_rad_per_s, "rad/s");
             }
             Event::Scan { nearest_m, bearing_rad, .. } => {
-                self.keep(record, "LIDAR nearest", nearest_m, "m");
-                self.keep(record, "LIDAR bearing", bearing_rad, "rad");
+                self.store(record, "LIDAR nearest", nearest_m, "m");
+                self.store(record, "LIDAR bearing", bearing_rad, "rad");
             }
-            Event::Image { frame, .. } => keep("CAMERA image", frame as f64, ""),
+            Event::Image { frame, .. } => store("CAMERA image", frame as f64, ""),
             _ => return false,
         }
         true
@@ -151,7 +152,7 @@ impl Sink for Feed {
     }
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
-        if !self.keep_readings(record) {
+        if !self.store_readings(record) {
             self.count += 1;
             if self.events.len() < MAX_EVENTS {
                 self.events.push(page_event(self.count, record));
@@ -165,14 +166,14 @@ impl Sink for Feed {
     }
 }
 
-/// Converts an event into the page's protocol; `number` counts within the run.
+/// Converts an event into the page's protocol; `number` is the number of the event in the run.
 fn page_event(number: u32, record: &Record<'_>) -> protocol::Event {
     let fields = serde_json::to_value(record).unwrap_or_default();
     let robot = (record.robot != WORLD).then_some(record.robot.0);
     event_of(number, record.time, robot, record.event.kind().name(), fields)
 }
 
-/// Converts a line of a trace into an event of the page's protocol; `number` counts within the run.
+/// Converts a line of a trace into an event of the page's protocol; `number` is the number of the event in the run.
 pub fn event_of(
     number: u32,
     at: Time,
@@ -212,11 +213,11 @@ impl Fields<'_> {
     }
 
     fn obstacle(&self) -> String {
-        let with = &self.0["with"];
-        match (with["robot"].as_u64(), with["object"].as_u64()) {
+        let obstacle = &self.0["with"];
+        match (obstacle["robot"].as_u64(), obstacle["object"].as_u64()) {
             (Some(robot), _) => format!("r{robot}"),
             (_, Some(object)) => format!("object {object}"),
-            _ if with == "terrain" => "the ground".to_owned(),
+            _ if obstacle == "terrain" => "the ground".to_owned(),
             _ => "a wall".to_owned(),
         }
     }
@@ -293,8 +294,8 @@ fn intervention(action: &serde_json::Value) -> String {
         "place_robot" => format!("a hand puts r{} at {}", number("robot"), fields.position_text()),
         "place_object" => format!("a hand puts object {} at {}", number("object"), fields.position_text()),
         "set_noise" => {
-            let whose = action["robot"].as_u64().map_or("all".to_owned(), |robot| format!("r{robot}"));
-            format!("a hand sets {} of {whose} to {}", fields.text("parameter"), number("value"))
+            let robots = action["robot"].as_u64().map_or("all".to_owned(), |robot| format!("r{robot}"));
+            format!("a hand sets {} of {robots} to {}", fields.text("parameter"), number("value"))
         }
         "switch_sensor" => {
             let state = if action["on"] == true { "on" } else { "off" };
@@ -331,12 +332,12 @@ fn fault(action: &serde_json::Value) -> String {
 
 /// Description of other events: the kind, and the fields by their names.
 fn describe_fields(kind: &str, fields: &serde_json::Value) -> String {
-    let mut words = kind.replace('_', " ");
+    let mut text = kind.replace('_', " ");
     for (name, value) in fields.as_object().into_iter().flatten() {
         // Writing to a string cannot fail.
-        _ = write!(words, ", {} {value}", name.replace('_', " "));
+        _ = write!(text, ", {} {value}", name.replace('_', " "));
     }
-    words
+    text
 }
 
 #[cfg(test)]
@@ -349,13 +350,13 @@ mod tests {
     }
 
     #[test]
-    fn frequent_kinds_are_readings_and_the_others_events() {
+    fn frequent_kinds_become_readings_and_rare_ones_events() {
         let mut feed = Feed::default();
         for distance_m in [Some(0.5), None] {
             let event = Event::Distance { device: "PSD_FRONT", distance_m, measured_s: 1.0 };
-            feed.record(&record(event)).expect("it takes everything");
+            feed.record(&record(event)).expect("the feed accepts every record");
         }
-        feed.record(&record(Event::Key { key: "KEY1" })).expect("it takes everything");
+        feed.record(&record(Event::Key { key: "KEY1" })).expect("the feed accepts every record");
         let readings = feed.readings(RobotId(2));
         assert_eq!((readings.len(), readings[0].value, readings[0].at_s), (1, None, 1.5), "the last one");
         let events = feed.take_events();
@@ -365,34 +366,34 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_takes_is_counted_and_left_out() {
+    fn events_beyond_the_maximum_are_only_counted() {
         let mut feed = Feed::default();
         for _ in 0..MAX_EVENTS + 5 {
-            feed.record(&record(Event::Beep {})).expect("it takes everything");
+            feed.record(&record(Event::Beep {})).expect("the feed accepts every record");
         }
         assert_eq!(feed.take_events().len(), MAX_EVENTS);
-        feed.record(&record(Event::Beep {})).expect("it takes everything");
+        feed.record(&record(Event::Beep {})).expect("the feed accepts every record");
         assert_eq!(feed.take_events()[0].number as usize, MAX_EVENTS + 6);
     }
 
     #[test]
-    fn events_have_words() {
-        let words = |event| page_event(1, &record(event)).text;
+    fn events_have_descriptions() {
+        let description = |event| page_event(1, &record(event)).text;
         let contact = |with| Event::Contact { at_s: 1.0, with, x_m: 0.5, y_m: 1.25 };
-        assert_eq!(words(contact(Obstacle::Wall)), "touches a wall at (0.500 m, 1.250 m)");
-        assert_eq!(words(contact(Obstacle::Robot(3))), "touches r3 at (0.500 m, 1.250 m)");
+        assert_eq!(description(contact(Obstacle::Wall)), "touches a wall at (0.500 m, 1.250 m)");
+        assert_eq!(description(contact(Obstacle::Robot(3))), "touches r3 at (0.500 m, 1.250 m)");
         let touch = Event::LegContact { part: "LEFT.shank", with: Obstacle::Terrain, x_m: 0.5, y_m: 1.25, z_m: 0.1 };
         let position = "(0.500 m, 1.250 m) 0.100 m above the floor";
-        assert_eq!(words(touch), format!("touches the ground with its LEFT.shank at {position}"));
+        assert_eq!(description(touch), format!("touches the ground with its LEFT.shank at {position}"));
         let sent = Event::RadioSent { message: 4, to: None, begins_s: None, data: &[1, 2] };
-        assert_eq!(words(sent), "sends message 4 to all, 2 bytes");
+        assert_eq!(description(sent), "sends message 4 to all, 2 bytes");
         let press = ActionText(r#"{"do":"press","robot":1,"key":"KEY1"}"#);
-        assert_eq!(words(Event::Intervention { action: press }), "a hand presses KEY1 of r1");
-        assert_eq!(words(Event::Call { function: "OSWait", arguments: "5", result: "" }), "OSWait(5)");
+        assert_eq!(description(Event::Intervention { action: press }), "a hand presses KEY1 of r1");
+        assert_eq!(description(Event::Call { function: "OSWait", arguments: "5", result: "" }), "OSWait(5)");
     }
 
     #[test]
-    fn every_kind_is_told_or_kept_or_shown() {
+    fn every_kind_is_listed_or_a_reading_or_shown() {
         let interest = Feed::default().interest();
         for kind in Kind::ALL {
             assert_eq!(interest.contains(*kind), is_listed(*kind) || READINGS.contains(kind), "{}", kind.name());

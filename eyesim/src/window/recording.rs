@@ -25,14 +25,14 @@ const TOLERANCE_RAD: f64 = TAU / 360.0;
 const MAX_OF_KIND: u32 = 5_000;
 
 /// Initial minimum time between two contents of a display, in seconds; it doubles when there are more than
-/// [`MAX_SHOWN`] contents.
+/// [`MAX_DISPLAY_CHANGES`] contents.
 const DISPLAY_PERIOD: f64 = 0.1;
 
 /// Minimum time between two postures of a robot, in seconds, less a margin for rounding errors.
 const POSTURE_PERIOD: f64 = 0.02 - 1e-9;
 
 /// Maximum number of contents kept of a display.
-const MAX_SHOWN: usize = 4_000;
+const MAX_DISPLAY_CHANGES: usize = 4_000;
 
 /// Builds the recording of a run from its trace and its scene; `spec` contains the robots' starting poses, which traces
 /// lack.
@@ -51,8 +51,8 @@ pub fn recording<R: BufRead>(
         robots: scene.robots.iter().map(|robot| (robot.id, RobotHistoryBuilder::default())).collect(),
         objects: scene.objects.iter().map(|object| (object.id, TrackBuilder::default())).collect(),
         events: Vec::new(),
-        counts: BTreeMap::new(),
-        count: 0,
+        counts_by_kind: BTreeMap::new(),
+        event_count: 0,
         next_robot: spec.robots.len() as u32 + 1,
         next_object: build::movable(spec).count() as u32 + 1,
     };
@@ -60,33 +60,33 @@ pub fn recording<R: BufRead>(
         let start = planar(&robot.start);
         builder.put_robot(robot.id.0, 0.0, [start.x_m, start.y_m, start.phi_rad]);
     }
-    let (mut duration_s, mut end) = (0.0_f64, None);
+    let (mut duration_s, mut digest) = (0.0_f64, None);
     while let Some(line) = trace.next_line()? {
         match line {
-            Line::Event(event) => builder.take(event),
+            Line::Event(event) => builder.add_event(event),
             Line::Slot { end, .. } => duration_s = duration_s.max(end.seconds()),
-            Line::End { end: at, digest } => {
-                duration_s = duration_s.max(at.seconds());
-                end = Some(digest);
+            Line::End { end, digest: run_digest } => {
+                duration_s = duration_s.max(end.seconds());
+                digest = Some(run_digest);
             }
         }
     }
-    if end.is_none() {
+    if digest.is_none() {
         remarks.push(format!("the trace was cut off after {duration_s:.3} s"));
     }
-    let RecordingBuilder { robots, objects, events, count, .. } = builder;
+    let RecordingBuilder { robots, objects, events, event_count, .. } = builder;
     for (robot, builder) in scene.robots.iter_mut().zip(robots.values()) {
         robot.lcd.has_colours |= builder.display.is_large;
     }
     Ok(Recording {
         scene,
         duration_s,
-        why: if end.is_some() { "the run ended".to_owned() } else { "the trace was cut off".to_owned() },
-        digest: end.map(|digest| digest.to_string()).unwrap_or_default(),
+        why: if digest.is_some() { "the run ended".to_owned() } else { "the trace was cut off".to_owned() },
+        digest: digest.map(|digest| digest.to_string()).unwrap_or_default(),
         remarks,
         robots: robots.into_values().map(RobotHistoryBuilder::finish).collect(),
         objects: objects.into_values().map(TrackBuilder::finish).collect(),
-        events_left_out: count - events.len() as u32,
+        events_left_out: event_count - events.len() as u32,
         events,
     })
 }
@@ -98,9 +98,9 @@ struct RecordingBuilder {
     objects: BTreeMap<u32, TrackBuilder>,
     events: Vec<sim_view::protocol::Event>,
     /// Number of events of each kind.
-    counts: BTreeMap<String, u32>,
+    counts_by_kind: BTreeMap<String, u32>,
     /// Number of events for pages, including the omitted ones.
-    count: u32,
+    event_count: u32,
     /// Number of the next robot that a user adds.
     next_robot: u32,
     /// Number of the next object that a user adds.
@@ -108,20 +108,20 @@ struct RecordingBuilder {
 }
 
 impl RecordingBuilder {
-    fn take(&mut self, event: RecordedEvent) {
+    fn add_event(&mut self, event: RecordedEvent) {
         let RecordedEvent { at, robot, kind, fields } = event;
         let t_s = at.seconds();
         self.move_bodies(t_s, robot, &kind, &fields);
         if let Some(builder) = robot.and_then(|robot| self.robots.get_mut(&robot)) {
-            builder.take(t_s, &kind, &fields);
+            builder.add_event(t_s, &kind, &fields);
         }
         let event_kind = Kind::ALL.iter().find(|event_kind| event_kind.name() == kind);
         if event_kind.is_none_or(|kind| is_listed(*kind)) {
-            self.count += 1;
-            let of_kind = self.counts.entry(kind.clone()).or_default();
-            *of_kind += 1;
-            if *of_kind <= MAX_OF_KIND {
-                self.events.push(event_of(self.count, at, robot, &kind, fields));
+            self.event_count += 1;
+            let kind_count = self.counts_by_kind.entry(kind.clone()).or_default();
+            *kind_count += 1;
+            if *kind_count <= MAX_OF_KIND {
+                self.events.push(event_of(self.event_count, at, robot, &kind, fields));
             }
         }
     }
@@ -156,12 +156,12 @@ impl RecordingBuilder {
             }
             Action::RemoveRobot { robot } => {
                 if let Some(builder) = self.robots.get_mut(&robot) {
-                    builder.track.until = Some(t_s);
+                    builder.track.removed_s = Some(t_s);
                 }
             }
             Action::RemoveObject { object } => {
                 if let Some(track) = self.objects.get_mut(&object) {
-                    track.until = Some(t_s);
+                    track.removed_s = Some(t_s);
                 }
             }
             _ => {}
@@ -198,16 +198,16 @@ struct RobotHistoryBuilder {
 }
 
 impl RobotHistoryBuilder {
-    fn take(&mut self, t_s: f64, kind: &str, fields: &serde_json::Value) {
-        let mut stand =
+    fn add_event(&mut self, t_s: f64, kind: &str, fields: &serde_json::Value) {
+        let mut add_standing =
             |standing| self.standings.push(StandingChange { t_s: round(t_s, 1e6), standing, why: String::new() });
         match kind {
-            "program_started" if fields["program"] == "" => stand(Standing::NoProgram),
-            "program_started" => stand(Standing::Running),
+            "program_started" if fields["program"] == "" => add_standing(Standing::NoProgram),
+            "program_started" => add_standing(Standing::Running),
             "program_ended" => match fields["outcome"].as_str().unwrap_or_default() {
-                "finished" => stand(Standing::Finished),
-                "failed" | "timeout" => stand(Standing::Failed),
-                "waiting" => stand(Standing::Waiting),
+                "finished" => add_standing(Standing::Finished),
+                "failed" | "timeout" => add_standing(Standing::Failed),
+                "waiting" => add_standing(Standing::Waiting),
                 _ => {}
             },
             "reason" => {
@@ -215,13 +215,13 @@ impl RobotHistoryBuilder {
                     last.why = fields["text"].as_str().unwrap_or_default().to_owned();
                 }
             }
-            "posture" => self.stand(t_s, fields),
-            _ => self.display.take(t_s, kind, fields),
+            "posture" => self.add_posture(t_s, fields),
+            _ => self.display.add_event(t_s, kind, fields),
         }
     }
 
-    /// Adds a posture, if the last is old enough.
-    fn stand(&mut self, t_s: f64, fields: &serde_json::Value) {
+    /// Adds a posture if the last one is at least [`POSTURE_PERIOD`] old.
+    fn add_posture(&mut self, t_s: f64, fields: &serde_json::Value) {
         let (Some(lift_m), Some(joints)) = (fields["lift_m"].as_f64(), fields["joints_rad"].as_array()) else { return };
         let postures = &mut self.postures;
         if postures.t_s.last().is_some_and(|last| t_s - last < POSTURE_PERIOD) {
@@ -246,7 +246,7 @@ impl RobotHistoryBuilder {
 #[derive(Default)]
 struct DisplayHistory {
     classic: Lcd,
-    /// Lines of a display larger than the classic one.
+    /// Lines of a display that is larger than the classic one.
     lines: Vec<String>,
     is_large: bool,
     display_changes: Vec<DisplayChange>,
@@ -255,7 +255,7 @@ struct DisplayHistory {
 }
 
 impl DisplayHistory {
-    fn take(&mut self, t_s: f64, kind: &str, fields: &serde_json::Value) {
+    fn add_event(&mut self, t_s: f64, kind: &str, fields: &serde_json::Value) {
         let number = |name: &str| fields[name].as_u64().unwrap_or_default() as usize;
         let text = fields["text"].as_str().unwrap_or_default();
         match kind {
@@ -276,8 +276,8 @@ impl DisplayHistory {
         if self.classic.set_position(row as i32, column as i32).is_ok() {
             self.classic.write(text.as_bytes());
         }
-        for (below, part) in text.lines().enumerate() {
-            let (row, column) = (row + below, if below == 0 { column } else { 0 });
+        for (line_offset, part) in text.lines().enumerate() {
+            let (row, column) = (row + line_offset, if line_offset == 0 { column } else { 0 });
             if row >= MAX_ROWS {
                 return;
             }
@@ -297,12 +297,12 @@ impl DisplayHistory {
             Some(last) if last.lines == lines => {}
             _ => self.display_changes.push(DisplayChange { t_s: round(t_s, 1e3), lines }),
         }
-        if self.display_changes.len() > MAX_SHOWN {
+        if self.display_changes.len() > MAX_DISPLAY_CHANGES {
             self.period *= 2.0;
-            let mut since = f64::NEG_INFINITY;
-            self.display_changes.retain(|shown| {
-                let is_kept = shown.t_s - since >= self.period;
-                since = if is_kept { shown.t_s } else { since };
+            let mut last_kept = f64::NEG_INFINITY;
+            self.display_changes.retain(|change| {
+                let is_kept = change.t_s - last_kept >= self.period;
+                last_kept = if is_kept { change.t_s } else { last_kept };
                 is_kept
             });
         }
@@ -321,9 +321,10 @@ const MAX_ROWS: usize = 256;
 #[derive(Default)]
 struct TrackBuilder {
     corners: Vec<Corner>,
-    /// The newest point, not yet a corner, and the range of slopes left for each axis.
-    open: Option<(Corner, [[f64; 2]; 3])>,
-    until: Option<f64>,
+    /// The newest point, not yet a corner, and for each axis the range of slopes that all points allow.
+    open_segment: Option<(Corner, [[f64; 2]; 3])>,
+    /// Time at which the body was removed, in seconds.
+    removed_s: Option<f64>,
 }
 
 /// Point of a track: time and pose (x, y, heading).
@@ -355,11 +356,11 @@ impl TrackBuilder {
     }
 
     fn last(&self) -> Option<Corner> {
-        self.open.map(|(point, _)| point).or(self.corners.last().copied())
+        self.open_segment.map(|(point, _)| point).or(self.corners.last().copied())
     }
 
     fn close(&mut self) {
-        self.corners.extend(self.open.take().map(|(point, _)| point));
+        self.corners.extend(self.open_segment.take().map(|(point, _)| point));
     }
 
     fn add(&mut self, point: Corner) {
@@ -368,20 +369,25 @@ impl TrackBuilder {
         if seconds <= 0.0 {
             return;
         }
-        let slope = |axis: usize, slack: f64| (point.pose[axis] - corner.pose[axis] + slack) / seconds;
-        let slack = [TOLERANCE, TOLERANCE, TOLERANCE_RAD];
-        let own: [[f64; 2]; 3] = std::array::from_fn(|axis| [slope(axis, -slack[axis]), slope(axis, slack[axis])]);
-        let slopes = match &self.open {
-            None => own,
-            Some((_, left)) if (0..3).all(|axis| (left[axis][0]..=left[axis][1]).contains(&slope(axis, 0.0))) => {
-                std::array::from_fn(|axis| [left[axis][0].max(own[axis][0]), left[axis][1].min(own[axis][1])])
+        let slope = |axis: usize, tolerance: f64| (point.pose[axis] - corner.pose[axis] + tolerance) / seconds;
+        let tolerance = [TOLERANCE, TOLERANCE, TOLERANCE_RAD];
+        let new_slopes: [[f64; 2]; 3] =
+            std::array::from_fn(|axis| [slope(axis, -tolerance[axis]), slope(axis, tolerance[axis])]);
+        let slopes = match &self.open_segment {
+            None => new_slopes,
+            Some((_, allowed))
+                if (0..3).all(|axis| (allowed[axis][0]..=allowed[axis][1]).contains(&slope(axis, 0.0))) =>
+            {
+                std::array::from_fn(|axis| {
+                    [allowed[axis][0].max(new_slopes[axis][0]), allowed[axis][1].min(new_slopes[axis][1])]
+                })
             }
             Some(_) => {
                 self.close();
                 return self.add(point);
             }
         };
-        self.open = Some((point, slopes));
+        self.open_segment = Some((point, slopes));
     }
 
     fn finish(mut self) -> Track {
@@ -392,7 +398,7 @@ impl TrackBuilder {
             x_m: axis(0),
             y_m: axis(1),
             phi_rad: axis(2),
-            until_s: self.until,
+            until_s: self.removed_s,
         }
     }
 }

@@ -18,7 +18,7 @@ use sim_view::protocol::{self, Body, Lcd, Part};
 use super::device;
 use super::surface::Surfaces;
 
-/// The parts of a run that do not change with every slot; its [`scene`](Self::scene) is built from them.
+/// Input of [`scene`](Self::scene): the parts of a run that do not change with every slot.
 pub struct SceneInput<'a> {
     /// Number of the run since the window was opened, from 1.
     pub run: u32,
@@ -48,7 +48,7 @@ pub struct RobotInput {
     pub program: String,
     /// Position in the world frame, in metres.
     pub position: DVec2,
-    /// The robot has the display of RoBIOS-7.
+    /// True if the robot has the display of RoBIOS-7.
     pub has_colours: bool,
 }
 
@@ -66,9 +66,10 @@ impl SceneInput<'_> {
     /// The scene in the page's protocol.
     pub fn scene(&self) -> protocol::Scene {
         let mut surfaces = Surfaces::default();
-        let parts = self.scenery.parts().iter().filter(|part| self.has(part.attachment));
+        let parts = self.scenery.parts().iter().filter(|part| self.is_present(part.attachment));
         let links = self.robots.iter().map(|robot| (robot.id, part_links(&robot.robi))).collect();
-        let parts = parts.map(|part| Part { mesh: surfaces.mesh(&part.mesh), place: place(part, &links) }).collect();
+        let parts =
+            parts.map(|part| Part { mesh: surfaces.mesh(&part.mesh), place: attachment_of(part, &links) }).collect();
         let ground = self.scenery.ground().map(|ground| ground_of(ground, &mut surfaces));
         let camera::Light { towards, ambient, fill, diffuse, shadows } = *self.scenery.light();
         let camera::Sky { horizon, zenith } = *self.scenery.sky();
@@ -90,7 +91,7 @@ impl SceneInput<'_> {
         }
     }
 
-    fn has(&self, attachment: Attachment) -> bool {
+    fn is_present(&self, attachment: Attachment) -> bool {
         match attachment {
             Attachment::Fixed(_) => true,
             Attachment::Robot(id) | Attachment::Leg(id, _) => self.robots.iter().any(|robot| robot.id == id),
@@ -106,9 +107,9 @@ impl SceneInput<'_> {
         let discs = discs.chain(objects).flat_map(|(centre, radius)| [centre - radius, centre + radius]);
         let terrain = self.spec.world.terrain.iter().filter_map(|terrain| terrain.mesh.as_ref()?.bounds());
         let terrain = terrain.flat_map(|(low, high)| [low.truncate(), high.truncate()]);
-        let all = discs.chain(terrain).fold([low, high], |[low, high], point| [low.min(point), high.max(point)]);
+        let corners = discs.chain(terrain).fold([low, high], |[low, high], point| [low.min(point), high.max(point)]);
         // An empty scene still needs a visible area.
-        if (all[1] - all[0]).min_element() > 0.0 { all } else { [all[0] - 1.0, all[1] + 1.0] }
+        if (corners[1] - corners[0]).min_element() > 0.0 { corners } else { [corners[0] - 1.0, corners[1] + 1.0] }
     }
 }
 
@@ -124,8 +125,8 @@ fn part_links(robi: &RobiSpec) -> Vec<usize> {
     build::legs(robi).map_or_else(Vec::new, |legs| legs.part_links())
 }
 
-/// Placement of a part; `links` has the links of the parts of each robot's legs.
-fn place(part: &camera::Part, links: &BTreeMap<RobotId, Vec<usize>>) -> protocol::Attachment {
+/// Attachment of a part; `links` contains, for each robot, the links of the parts of its legs.
+fn attachment_of(part: &camera::Part, links: &BTreeMap<RobotId, Vec<usize>>) -> protocol::Attachment {
     match part.attachment {
         Attachment::Robot(RobotId(robot)) => protocol::Attachment::Robot { robot },
         Attachment::Leg(id, part) => protocol::Attachment::Link { robot: id.0, link: links[&id][part] as u32 },

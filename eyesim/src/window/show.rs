@@ -33,9 +33,9 @@ pub struct Show {
     scenery: Arc<LazyScenery>,
     feed: Arc<Mutex<Feed>>,
     tally: Option<Arc<Mutex<Tally>>>,
-    /// Bodies of the scene that pages received last, and that scene.
+    /// The scene that pages received last, and the bodies in it.
     bodies: Option<(BodySet, Arc<Scene>)>,
-    /// Bodies when the run was shown last.
+    /// Poses of the bodies when the run was shown last.
     body_poses: BodyPoses,
     /// Robots of which pages request details.
     looks: Vec<Look>,
@@ -111,7 +111,7 @@ impl Show {
     /// Shows the run; if no page is connected, only events are kept, for later pages.
     pub fn present(&mut self, moment: Moment<'_>) {
         let Moment { run, world, now, state, speed, rate, ends, results } = moment;
-        self.look(run);
+        self.update_looks(run);
         self.body_poses = body_poses(run, world);
         let events = self.feed.lock().take_events();
         if !self.window.has_pages() {
@@ -122,9 +122,9 @@ impl Show {
         self.window.tell(events);
         let Some((BodySet { robots, objects }, _)) = self.bodies.clone() else { return };
         let is_at_rest = state != RunState::Running;
-        let chosen = self.looks.iter().map(|look| RobotId(look.robot)).filter(|id| robots.contains(id));
-        let chosen: Vec<RobotId> = chosen.collect();
-        let others = robots.iter().copied().filter(|id| !chosen.contains(id));
+        let selected = self.looks.iter().map(|look| RobotId(look.robot)).filter(|id| robots.contains(id));
+        let selected: Vec<RobotId> = selected.collect();
+        let others = robots.iter().copied().filter(|id| !selected.contains(id));
         let snapshot = Snapshot {
             run: self.run,
             t_s: now.seconds(),
@@ -133,16 +133,16 @@ impl Show {
             rate,
             robots: snapshot::robots(run, world, robots.iter().copied()),
             objects: snapshot::objects(world, objects.into_iter()),
-            beams: snapshot::beams(run, world, chosen.iter().copied().chain(others)),
+            beams: snapshot::beams(run, world, selected.iter().copied().chain(others)),
             checks: self.checks(run, now, results),
         };
-        let details = self.looks.clone().into_iter().filter(|look| chosen.contains(&RobotId(look.robot)));
+        let details = self.looks.clone().into_iter().filter(|look| selected.contains(&RobotId(look.robot)));
         let details = details.map(|look| self.detail(run, world, look, ends)).collect();
         self.window.show(snapshot, details);
-        self.window.show_layers(self.layers.changed(run, chosen.into_iter(), self.run, is_at_rest));
+        self.window.show_layers(self.layers.changed(run, selected.into_iter(), self.run, is_at_rest));
     }
 
-    /// The checks of the scene, by their final `results` once there are any.
+    /// States of the checks of the scene; `results` are the final results of a run that is over.
     fn checks(&self, run: &Run, now: Time, results: Option<&[CheckReport]>) -> Vec<CheckState> {
         if self.spec.checks.is_empty() {
             return Vec::new();
@@ -166,8 +166,9 @@ impl Show {
         self.window.looks() != self.looks || self.bodies.is_none() && self.window.has_pages()
     }
 
-    /// Records the RoBIOS calls of exactly the robots whose calls a page requests or a check counts.
-    fn look(&mut self, run: &Run) {
+    /// Takes over the selection of robots by pages, and records the RoBIOS calls of exactly those robots whose calls a page
+    /// requests or a check counts.
+    fn update_looks(&mut self, run: &Run) {
         let looks = self.window.looks();
         if looks == self.looks {
             return;
@@ -216,7 +217,7 @@ impl Show {
             scenery: &self.scenery.get(),
             robots: bodies.robots.iter().map(robot).collect(),
             objects: bodies.objects.iter().map(object).collect(),
-            workshop: names(spawner.roster()),
+            workshop: addable_types(spawner.roster()),
         };
         let scene = input.scene();
         self.window.show_scene(scene.clone());
@@ -236,7 +237,7 @@ impl Show {
     fn detail(&mut self, run: &Run, world: &World, look: Look, ends: &[RobotEnd]) -> Detail {
         let id = RobotId(look.robot);
         let panel = ends.get(id.index()).map(|end| end.panel.as_ref());
-        let detail = self.details.of(run, world, id, panel);
+        let detail = self.details.robot(run, world, id, panel);
         let camera = look.camera.then(|| self.details.camera(run, world, id, &self.scenery)).flatten();
         let mut readings = self.feed.lock().readings(id);
         let at = world.slot_start();
@@ -268,8 +269,8 @@ impl BodySet {
     }
 }
 
-/// Types that can be added.
-fn names(roster: &Roster) -> AddableTypes {
+/// Types of robots and objects that can be added.
+fn addable_types(roster: &Roster) -> AddableTypes {
     let robots = roster.robot_types.names().map(str::to_owned).collect();
     AddableTypes { robots, objects: roster.object_types.names().map(str::to_owned).collect() }
 }

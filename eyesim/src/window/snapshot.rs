@@ -87,8 +87,8 @@ fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<(u32, SensorView)> {
     let kinds = (0..ranges.len()).map(SensorId::Range);
     let infrareds = ir::views(robot, world, at);
     let kinds: Vec<SensorId> = kinds.chain((0..infrareds.len()).map(SensorId::Infrared)).collect();
-    let all = (0..).zip(ranges.into_iter().chain(infrareds)).zip(kinds);
-    all.filter(|(_, sensor)| robot.devices.switches.is_on(*sensor)).map(|(view, _)| view).collect()
+    let all_views = (0..).zip(ranges.into_iter().chain(infrareds)).zip(kinds);
+    all_views.filter(|(_, sensor)| robot.devices.switches.is_on(*sensor)).map(|(view, _)| view).collect()
 }
 
 fn beam(RobotId(robot): RobotId, sensor: u32, view: &SensorView) -> Beam {

@@ -12,15 +12,15 @@ use sim_view::protocol;
 
 use super::png_url;
 
-/// Collects meshes and textures, each once.
+/// Collects meshes and textures without duplicates.
 #[derive(Default)]
 pub struct Surfaces {
     /// Meshes in the order of their first use.
     pub meshes: Vec<protocol::Mesh>,
     /// Images in the order of their first use.
     pub images: Vec<protocol::Image>,
-    mesh_places: BTreeMap<*const Mesh, u32>,
-    image_places: BTreeMap<*const Texture, u32>,
+    mesh_indices: BTreeMap<*const Mesh, u32>,
+    image_indices: BTreeMap<*const Texture, u32>,
 }
 
 /// Minimum opacity of a visible material, as for the simulated cameras.
@@ -29,34 +29,34 @@ const MIN_OPACITY: f32 = 0.5;
 impl Surfaces {
     /// Index of `mesh` in [`Self::meshes`], to which its first use adds it.
     pub fn mesh(&mut self, mesh: &Arc<Mesh>) -> u32 {
-        if let Some(index) = self.mesh_places.get(&Arc::as_ptr(mesh)) {
+        if let Some(index) = self.mesh_indices.get(&Arc::as_ptr(mesh)) {
             return *index;
         }
-        let converted = self.made(mesh);
+        let converted = self.convert(mesh);
         self.meshes.push(converted);
         let index = self.meshes.len() as u32 - 1;
-        self.mesh_places.insert(Arc::as_ptr(mesh), index);
+        self.mesh_indices.insert(Arc::as_ptr(mesh), index);
         index
     }
 
     /// Index of `texture` in [`Self::images`], to which its first use adds it.
     pub fn image(&mut self, texture: &Arc<Texture>) -> u32 {
         let images = &mut self.images;
-        *self.image_places.entry(Arc::as_ptr(texture)).or_insert_with(|| {
+        *self.image_indices.entry(Arc::as_ptr(texture)).or_insert_with(|| {
             images.push(protocol::Image { url: png_url(&png_of(texture)) });
             images.len() as u32 - 1
         })
     }
 
     /// Converts a mesh: triangles sorted by material, without materials less opaque than [`MIN_OPACITY`].
-    fn made(&mut self, mesh: &Mesh) -> protocol::Mesh {
+    fn convert(&mut self, mesh: &Mesh) -> protocol::Mesh {
         let is_smooth = mesh.triangles.iter().any(|triangle| triangle.normals.is_some());
         let has_image = mesh.materials.iter().any(|material| material.texture.is_some());
-        let mut of_materials: Vec<Vec<&Triangle>> = vec![Vec::new(); mesh.materials.len()];
-        mesh.triangles.iter().for_each(|triangle| of_materials[triangle.material as usize].push(triangle));
+        let mut triangles_by_material: Vec<Vec<&Triangle>> = vec![Vec::new(); mesh.materials.len()];
+        mesh.triangles.iter().for_each(|triangle| triangles_by_material[triangle.material as usize].push(triangle));
         let (mut positions, mut normals, mut uvs) = (Floats::default(), Floats::default(), Floats::default());
         let mut materials = Vec::new();
-        for (material, triangles) in mesh.materials.iter().zip(of_materials) {
+        for (material, triangles) in mesh.materials.iter().zip(triangles_by_material) {
             if triangles.is_empty() || material.opacity < MIN_OPACITY {
                 continue;
             }
@@ -66,12 +66,12 @@ impl Surfaces {
                 if is_smooth {
                     let face_normal =
                         (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero().as_vec3();
-                    let of_corners: [Vec3; 3] = triangle.normals.unwrap_or([face_normal; 3]);
-                    of_corners.iter().for_each(|normal| normals.push(&normal.to_array()));
+                    let corner_normals: [Vec3; 3] = triangle.normals.unwrap_or([face_normal; 3]);
+                    corner_normals.iter().for_each(|normal| normals.push(&normal.to_array()));
                 }
                 if has_image {
-                    let of_corners = triangle.uv.unwrap_or([Vec2::ZERO; 3]);
-                    of_corners.iter().for_each(|uv| uvs.push(&uv.to_array()));
+                    let corner_uvs = triangle.uv.unwrap_or([Vec2::ZERO; 3]);
+                    corner_uvs.iter().for_each(|uv| uvs.push(&uv.to_array()));
                 }
             }
             materials.push(self.material(material, triangles.len()));
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_stand_in_the_order_of_their_materials() {
+    fn triangles_are_sorted_by_material() {
         let red = Material { colour: [1.0, 0.0, 0.0], ..Material::default() };
         let glass = Material { opacity: 0.2, ..Material::default() };
         let triangle = |corners, material| Triangle { corners, normals: None, uv: None, material };
@@ -141,7 +141,7 @@ mod tests {
         let converted = &surfaces.meshes[0];
         let colours: Vec<_> =
             converted.materials.iter().map(|material| (material.triangles, material.colour)).collect();
-        assert_eq!(colours, [(1, [255, 0, 0]), (1, [204; 3])], "what is seen through is left out");
+        assert_eq!(colours, [(1, [255, 0, 0]), (1, [204; 3])], "materials that are nearly transparent are omitted");
         let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         assert_eq!(floats(&converted.positions), corners);
         assert!(converted.normals.is_none() && converted.uvs.is_none());
@@ -164,7 +164,10 @@ mod tests {
         let converted = &surfaces.meshes[0];
         let normals = floats(converted.normals.as_deref().expect("normals"));
         assert_eq!((&normals[..3], &normals[9..12]), (&[1.0, 0.0, 0.0][..], &[0.0, 0.0, 1.0][..]));
-        assert_eq!(floats(converted.uvs.as_deref().expect("places"))[..7], [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0]);
+        assert_eq!(
+            floats(converted.uvs.as_deref().expect("texture coordinates"))[..7],
+            [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0]
+        );
         assert_eq!((converted.materials[0].image, surfaces.images.len()), (Some(0), 1));
     }
 }

@@ -10,7 +10,7 @@ use std::time::SystemTime;
 pub(crate) const SOURCES: [&str; 6] =
     ["index.html", "package-lock.json", "package.json", "src", "tsconfig.json", "vite.config.ts"];
 /// Minimum major version of Node.js, required by Vite 6.
-const NODE: u32 = 18;
+const MIN_NODE_VERSION: u32 = 18;
 
 /// Files of the page: path and content of each.
 pub(crate) type Files = Vec<(String, Vec<u8>)>;
@@ -49,7 +49,7 @@ fn build(folder: &Path, say: &mut dyn FnMut(&str)) -> Result<(), String> {
 
 fn check_node() -> Result<(), String> {
     let hint = format!(
-        "the page is built with Node.js {NODE} or newer and npm: install them (Debian: apt install nodejs npm); \
+        "the page is built with Node.js {MIN_NODE_VERSION} or newer and npm: install them (Debian: apt install nodejs npm); \
          everything else works without"
     );
     let version = |program: &str| {
@@ -58,7 +58,7 @@ fn check_node() -> Result<(), String> {
     };
     let Some(node) = version("node") else { return Err(format!("there is no Node.js: {hint}")) };
     let major = node.trim_start_matches('v').split('.').next().and_then(|major| major.parse().ok());
-    if major.is_none_or(|major: u32| major < NODE) {
+    if major.is_none_or(|major: u32| major < MIN_NODE_VERSION) {
         return Err(format!("Node.js is {node}: {hint}"));
     }
     version("npm").map(drop).ok_or(format!("there is no npm: {hint}"))
@@ -66,9 +66,9 @@ fn check_node() -> Result<(), String> {
 
 /// Returns true if npm has installed the packages of the lock file.
 fn is_installed(folder: &Path) -> bool {
-    let changed = |path: &str| fs::metadata(folder.join(path)).and_then(|file| file.modified()).ok();
+    let modified = |path: &str| fs::metadata(folder.join(path)).and_then(|file| file.modified()).ok();
     let never = SystemTime::UNIX_EPOCH;
-    changed("node_modules/.package-lock.json") >= Some(changed("package-lock.json").unwrap_or(never))
+    modified("node_modules/.package-lock.json") >= Some(modified("package-lock.json").unwrap_or(never))
 }
 
 fn npm(folder: &Path, arguments: &[&str]) -> Result<(), String> {
@@ -78,11 +78,11 @@ fn npm(folder: &Path, arguments: &[&str]) -> Result<(), String> {
     if output.status.success() {
         return Ok(());
     }
-    let said = [output.stdout, output.stderr].concat();
-    Err(format!("`{command}` failed in `{}`:\n{}", folder.display(), String::from_utf8_lossy(&said).trim()))
+    let messages = [output.stdout, output.stderr].concat();
+    Err(format!("`{command}` failed in `{}`:\n{}", folder.display(), String::from_utf8_lossy(&messages).trim()))
 }
 
-/// FNV-1a over paths and contents.
+/// FNV-1a hash of the paths and contents of the sources.
 fn hash_of(folder: &Path) -> io::Result<u64> {
     let mut hash = 0xcbf2_9ce4_8422_2325;
     let mut add = |bytes: &[u8]| {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// User intervention at the start of a slot. Traces hold it in this form, so that a run can be repeated.
+/// User intervention at the start of a slot. Traces contain it in this form, so that a run can be repeated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]

@@ -18,13 +18,13 @@ pub struct Recording {
     pub digest: String,
     /// Notices for the user: the trace is truncated, or the scene's files have changed since.
     pub remarks: Vec<String>,
-    /// One for each robot of the scene, in the same order.
+    /// Histories of the robots, in the order of the scene.
     pub robots: Vec<RobotHistory>,
-    /// One for each movable object of the scene, in the same order.
+    /// Tracks of the movable objects, in the order of the scene.
     pub objects: Vec<Track>,
     /// Events in order.
     pub events: Vec<Event>,
-    /// Number of events left out because their kinds are too frequent.
+    /// Number of events omitted because their kinds are too frequent.
     pub events_left_out: u32,
 }
 
@@ -89,6 +89,6 @@ pub struct StandingChange {
 pub struct DisplayChange {
     /// Time at which the contents appear.
     pub t_s: f64,
-    /// Its lines of text, the menu last.
+    /// The lines of text, the menu last.
     pub lines: Vec<String>,
 }

@@ -20,7 +20,7 @@ pub struct Scene {
     pub images: Vec<Image>,
     /// Surfaces; parts that look alike share one.
     pub meshes: Vec<Mesh>,
-    /// Placed meshes.
+    /// Meshes placed in the world or on bodies.
     pub parts: Vec<Part>,
     /// The floor.
     pub ground: Option<Ground>,
@@ -129,7 +129,7 @@ pub struct Ground {
     pub colour: [u8; 3],
     /// The world's floor.
     pub floor: Option<Floor>,
-    /// Discs painted on it; later ones cover earlier ones.
+    /// Discs painted on the floor; later ones cover earlier ones.
     pub spots: Vec<Spot>,
 }
 
@@ -274,9 +274,9 @@ pub enum SensorKind {
 pub struct Camera {
     /// Pose in the robot's frame; the camera looks along its own x axis, z points upwards.
     pub mount: Point,
-    /// Whole horizontal angle of view.
+    /// Full horizontal angle of view.
     pub horizontal_rad: f64,
-    /// Whole vertical angle of view.
+    /// Full vertical angle of view.
     pub vertical_rad: f64,
 }
 

@@ -36,7 +36,7 @@ pub struct CheckState {
     pub verdict: CheckVerdict,
     /// The verdict in words.
     pub text: String,
-    /// Present value of a metric that changes over time; none for another check.
+    /// Current value of a metric that changes over time; none for other checks.
     pub value: Option<f64>,
 }
 
@@ -45,9 +45,9 @@ pub struct CheckState {
 #[cfg_attr(test, derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum CheckVerdict {
-    /// The rest of the run decides the verdict.
+    /// The verdict depends on the rest of the run.
     Open,
-    /// The check is met for good.
+    /// The check is met, whatever the rest of the run.
     Met,
     /// The check can no longer be met.
     Failed,

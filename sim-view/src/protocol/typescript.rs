@@ -31,7 +31,7 @@ fn declarations() -> String {
     types.visit::<Recording>();
     let types: Vec<_> = types.0.into_values().collect();
     format!(
-        "// What server and page say to each other, made from `sim-view/src/protocol`:\n\
+        "// Messages between server and page, generated from `sim-view/src/protocol`:\n\
          // INSTA_UPDATE=always cargo test -p sim-view typescript\n\n\
          /** Version of the protocol. */\nexport const PROTOCOL = {PROTOCOL};\n\n{}",
         tidy(&types.join("\n"))
@@ -72,10 +72,14 @@ fn typescript() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("page/src/protocol/index.ts");
     let generated = declarations();
     assert!(!generated.contains("bigint"), "JavaScript has no integers of 64 bits");
-    if std::env::var("INSTA_UPDATE").is_ok_and(|how| how == "always") {
+    if std::env::var("INSTA_UPDATE").is_ok_and(|value| value == "always") {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(&path, &generated).unwrap();
     }
-    let there = std::fs::read_to_string(&path).unwrap();
-    assert!(there == generated, "`{}` is not what the protocol says: INSTA_UPDATE=always writes it", path.display());
+    let current = std::fs::read_to_string(&path).unwrap();
+    assert!(
+        current == generated,
+        "`{}` differs from the types of the protocol: INSTA_UPDATE=always writes it",
+        path.display()
+    );
 }

@@ -33,13 +33,13 @@ impl Access {
         match (self, given) {
             (Access::Local, _) => Some(true),
             (Access::Class { .. }, None) => Some(false),
-            (Access::Class { token }, Some(given)) => is_same(token, given).then_some(true),
+            (Access::Class { token }, Some(given)) => equals_in_constant_time(token, given).then_some(true),
         }
     }
 }
 
-/// Compares in constant time: the time depends neither on the contents nor on the length of `secret`.
-fn is_same(secret: &str, given: &str) -> bool {
+/// Compares two texts; the time depends neither on the contents nor on the length of `secret`.
+fn equals_in_constant_time(secret: &str, given: &str) -> bool {
     let secret = secret.as_bytes();
     let mut difference = u8::from(secret.len() != given.len() || secret.is_empty());
     for (index, byte) in given.bytes().enumerate() {
@@ -59,11 +59,11 @@ pub(super) fn refusal(headers: &HeaderMap, served: SocketAddr, is_socket: bool) 
         return Some("the request has no `Host`".into());
     };
     if !is_served(host, served) {
-        return Some(format!("`{}` is not an address of this server", shown(host)));
+        return Some(format!("`{}` is not an address of this server", shortened(host)));
     }
     if let Some(origin) = text(headers, header::ORIGIN) {
-        let own = origin.strip_prefix("http://").is_some_and(|rest| rest.eq_ignore_ascii_case(host));
-        return (!own).then(|| format!("a page of `{}` may not ask this server", shown(origin)));
+        let is_same_origin = origin.strip_prefix("http://").is_some_and(|rest| rest.eq_ignore_ascii_case(host));
+        return (!is_same_origin).then(|| format!("a page of `{}` may not ask this server", shortened(origin)));
     }
     if is_socket {
         return Some("the request has no `Origin`, which browsers send".into());
@@ -83,7 +83,7 @@ fn text(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
     }
 }
 
-fn shown(text: &str) -> String {
+fn shortened(text: &str) -> String {
     text.chars().take(80).collect()
 }
 
@@ -99,11 +99,11 @@ fn is_served(host: &str, served: SocketAddr) -> bool {
     if name.eq_ignore_ascii_case("localhost") {
         return ip.is_loopback() || ip.is_unspecified();
     }
-    let number: Option<IpAddr> = match name.strip_prefix('[').and_then(|name| name.strip_suffix(']')) {
-        Some(six) => six.parse().ok().map(IpAddr::V6),
+    let host_ip: Option<IpAddr> = match name.strip_prefix('[').and_then(|name| name.strip_suffix(']')) {
+        Some(ipv6) => ipv6.parse().ok().map(IpAddr::V6),
         None => name.parse().ok().map(IpAddr::V4),
     };
-    number.is_some_and(|number| number == ip || ip.is_unspecified())
+    host_ip.is_some_and(|host_ip| host_ip == ip || ip.is_unspecified())
 }
 
 #[cfg(test)]
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hosts() {
+    fn only_served_hosts_are_accepted() {
         let check = |served: &str, host: &str| is_served(host, served.parse().unwrap());
         for host in ["127.0.0.1:8000", "localhost:8000", "LOCALHOST:8000"] {
             assert!(check("127.0.0.1:8000", host), "{host}");
@@ -132,14 +132,14 @@ mod tests {
         assert!(check("[::1]:8000", "[::1]:8000"));
         assert!(check("[::1]:8000", "localhost:8000"));
         assert!(!check("[::1]:8000", "::1:8000"));
-        assert!(check("0.0.0.0:80", "192.0.2.7"), "port 80 is not said");
+        assert!(check("0.0.0.0:80", "192.0.2.7"), "port 80 is the default");
         assert!(check("[::]:8000", "[2001:db8::1]:8000"));
         assert!(!check("0.0.0.0:8000", "evil.example:8000"));
         assert!(!check("192.0.2.7:8000", "localhost:8000"));
     }
 
     #[test]
-    fn tokens() {
+    fn only_the_token_permits_to_act() {
         let class = Access::Class { token: "abcabc".into() };
         assert_eq!(class.may_act(None), Some(false));
         assert_eq!(class.may_act(Some("abcabc")), Some(true));
@@ -147,8 +147,8 @@ mod tests {
             assert_eq!(class.may_act(Some(wrong)), None, "{wrong}");
         }
         assert_eq!(Access::Class { token: String::new() }.may_act(Some("")), None, "an empty token is no token");
-        let (one, other) = (random_token().unwrap(), random_token().unwrap());
-        assert_eq!(one.len(), 32);
-        assert_ne!(one, other);
+        let (first, second) = (random_token().unwrap(), random_token().unwrap());
+        assert_eq!(first.len(), 32);
+        assert_ne!(first, second);
     }
 }

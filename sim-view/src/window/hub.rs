@@ -15,11 +15,11 @@ use super::Look;
 use crate::protocol::{Answer, Build, Command, Detail, Event, Layer, Message, Picture, Scene, Snapshot};
 
 /// Number of events kept for pages that connect later or are slow.
-pub(super) const EVENTS: usize = 20_000;
+pub(super) const MAX_EVENTS: usize = 20_000;
 /// Maximum number of events in one message.
-const BATCH: usize = 1_000;
+const MAX_BATCH: usize = 1_000;
 /// Maximum number of commands that wait for the simulation.
-pub(super) const COMMANDS: usize = 256;
+pub(super) const MAX_COMMANDS: usize = 256;
 
 /// Locks, ignoring poisoning: the guarded data is consistent after each statement.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -47,19 +47,19 @@ pub(super) fn text_of(message: &impl Serialize) -> Utf8Bytes {
     serde_json::to_string(message).unwrap_or_default().into()
 }
 
-/// A detail without its display, and the display separately, since some pages already have the display.
+/// A detail without its display. The display is stored separately, since some pages already have it.
 struct CachedDetail {
     detail: Detail,
     lcd: Option<Arc<Picture>>,
-    /// Version of the picture, counted over all robots.
+    /// Version of the display; versions of all messages are numbers of one sequence.
     lcd_version: u64,
-    lean: OnceLock<Utf8Bytes>,
-    whole: OnceLock<Utf8Bytes>,
+    text_without_lcd: OnceLock<Utf8Bytes>,
+    text_with_lcd: OnceLock<Utf8Bytes>,
 }
 
 impl CachedDetail {
     fn text(&self, with_lcd: bool) -> Utf8Bytes {
-        let cached = if with_lcd { &self.whole } else { &self.lean };
+        let cached = if with_lcd { &self.text_with_lcd } else { &self.text_without_lcd };
         cached
             .get_or_init(|| {
                 let mut detail = self.detail.clone();
@@ -72,7 +72,7 @@ impl CachedDetail {
 
 #[derive(Default)]
 struct State {
-    /// Number of changes.
+    /// Version of the latest message: the number of changes so far.
     version: u64,
     run: u32,
     scene: Option<(u64, Arc<CachedText<Message>>)>,
@@ -83,11 +83,11 @@ struct State {
     layers: BTreeMap<u32, BTreeMap<String, (u64, Arc<CachedText<Message>>)>>,
     events: VecDeque<Arc<CachedText<Event>>>,
     /// Number of events that the ring buffer has dropped since the run began.
-    lost: u64,
+    dropped_count: u64,
 }
 
 impl State {
-    fn next(&mut self) -> u64 {
+    fn next_version(&mut self) -> u64 {
         self.version += 1;
         self.version
     }
@@ -133,9 +133,9 @@ impl Hub {
             state.details.clear();
             state.layers.clear();
             state.events.clear();
-            state.lost = 0;
+            state.dropped_count = 0;
         }
-        let version = state.next();
+        let version = state.next_version();
         state.scene = Some((version, CachedText::new(Message::Scene(Box::new(scene)))));
         drop(state);
         self.changed.send_replace(());
@@ -143,21 +143,27 @@ impl Hub {
 
     pub(super) fn show(&self, snapshot: Snapshot, details: Vec<Detail>) {
         let mut state = lock(&self.state);
-        let version = state.next();
+        let version = state.next_version();
         state.snapshot = Some((version, CachedText::new(Message::Snapshot(snapshot))));
         for mut detail in details {
-            let version = state.next();
-            let before = state
+            let version = state.next_version();
+            let previous = state
                 .details
                 .get(&detail.robot)
-                .map(|(_, before)| before)
-                .filter(|before| before.detail.run == detail.run);
-            let (lcd, lcd_version) = match (detail.lcd.take(), before) {
+                .map(|(_, previous)| previous)
+                .filter(|previous| previous.detail.run == detail.run);
+            let (lcd, lcd_version) = match (detail.lcd.take(), previous) {
                 (Some(new), _) => (Some(Arc::new(new)), version),
-                (None, Some(before)) => (before.lcd.clone(), before.lcd_version),
+                (None, Some(previous)) => (previous.lcd.clone(), previous.lcd_version),
                 (None, None) => (None, 0),
             };
-            let cached = CachedDetail { lcd, lcd_version, lean: OnceLock::new(), whole: OnceLock::new(), detail };
+            let cached = CachedDetail {
+                lcd,
+                lcd_version,
+                text_without_lcd: OnceLock::new(),
+                text_with_lcd: OnceLock::new(),
+                detail,
+            };
             state.details.insert(cached.detail.robot, (version, Arc::new(cached)));
         }
         drop(state);
@@ -181,9 +187,9 @@ impl Hub {
     pub(super) fn tell(&self, events: Vec<Event>) {
         let mut state = lock(&self.state);
         for event in events {
-            if state.events.len() == EVENTS {
+            if state.events.len() == MAX_EVENTS {
                 state.events.pop_front();
-                state.lost += 1;
+                state.dropped_count += 1;
             }
             state.events.push_back(CachedText::new(event));
         }
@@ -193,7 +199,7 @@ impl Hub {
 
     pub(super) fn build(&self, build: Build) {
         let mut state = lock(&self.state);
-        let version = state.next();
+        let version = state.next_version();
         state.build = Some((version, CachedText::new(Message::Build(build))));
         drop(state);
         self.changed.send_replace(());
@@ -207,21 +213,22 @@ impl Hub {
         let inbox = lock(&self.inbox);
         let mut merged: BTreeMap<u32, Look> = BTreeMap::new();
         for look in inbox.looks.values() {
-            let one = merged.entry(look.robot).or_insert(Look { robot: look.robot, camera: false, calls: false });
-            one.camera |= look.camera;
-            one.calls |= look.calls;
+            let merged_look =
+                merged.entry(look.robot).or_insert(Look { robot: look.robot, camera: false, calls: false });
+            merged_look.camera |= look.camera;
+            merged_look.calls |= look.calls;
         }
         merged.into_values().collect()
     }
 
     /// Assigns a number to a new page.
-    pub(super) fn enter(&self) -> u64 {
+    pub(super) fn register_page(&self) -> u64 {
         let mut inbox = lock(&self.inbox);
         inbox.pages += 1;
         inbox.pages
     }
 
-    pub(super) fn look(&self, page: u64, look: Option<Look>) {
+    pub(super) fn set_look(&self, page: u64, look: Option<Look>) {
         let mut inbox = lock(&self.inbox);
         match look {
             Some(look) => inbox.looks.insert(page, look),
@@ -233,9 +240,9 @@ impl Hub {
     }
 
     /// Queues a command for the simulation; returns it if the queue is full.
-    pub(super) fn ask(&self, pending: PendingCommand) -> Result<(), PendingCommand> {
+    pub(super) fn enqueue(&self, pending: PendingCommand) -> Result<(), PendingCommand> {
         let mut inbox = lock(&self.inbox);
-        if inbox.commands.len() == COMMANDS {
+        if inbox.commands.len() == MAX_COMMANDS {
             return Err(pending);
         }
         inbox.commands.push_back(pending);
@@ -350,26 +357,26 @@ impl SentVersions {
     }
 
     /// New messages for a page that looks at `look`, in the order of sending.
-    pub(super) fn news(&mut self, hub: &Hub, look: Option<Look>) -> Vec<Utf8Bytes> {
-        let news = self.take(&lock(&hub.state), look);
+    pub(super) fn new_messages(&mut self, hub: &Hub, look: Option<Look>) -> Vec<Utf8Bytes> {
+        let messages = self.collect(&lock(&hub.state), look);
         // Texts are serialised outside the lock, so that the simulation never waits for them.
-        news.into_iter().map(News::text).collect()
+        messages.into_iter().map(NewMessage::text).collect()
     }
 
-    fn take(&mut self, state: &State, look: Option<Look>) -> Vec<News> {
-        let mut news = Vec::new();
+    fn collect(&mut self, state: &State, look: Option<Look>) -> Vec<NewMessage> {
+        let mut messages = Vec::new();
         if self.run != state.run {
             (self.run, self.events) = (state.run, 0);
             self.forget_detail();
         }
-        for (sent, place) in
+        for (sent, current) in
             [(&mut self.build, &state.build), (&mut self.scene, &state.scene), (&mut self.snapshot, &state.snapshot)]
         {
-            if let Some((version, message)) = place
+            if let Some((version, message)) = current
                 && *version > *sent
             {
                 *sent = *version;
-                news.push(News::Message(message.clone()));
+                messages.push(NewMessage::Message(message.clone()));
             }
         }
         if let Some((version, detail)) = look.and_then(|look| state.details.get(&look.robot))
@@ -377,28 +384,28 @@ impl SentVersions {
         {
             self.detail = *version;
             let lcd = Some((detail.detail.robot, detail.lcd_version));
-            news.push(News::Detail(detail.clone(), self.lcd != lcd));
+            messages.push(NewMessage::Detail(detail.clone(), self.lcd != lcd));
             self.lcd = lcd;
         }
         let layers = look.and_then(|look| state.layers.get(&look.robot)).into_iter().flat_map(BTreeMap::values);
         let new: Vec<_> = layers.filter(|(version, _)| *version > self.layer).collect();
         self.layer = new.iter().map(|(version, _)| *version).max().unwrap_or(self.layer);
-        news.extend(new.into_iter().map(|(_, message)| News::Message(message.clone())));
-        self.take_events(state, look, &mut news);
-        news
+        messages.extend(new.into_iter().map(|(_, message)| NewMessage::Message(message.clone())));
+        self.take_events(state, look, &mut messages);
+        messages
     }
 
-    fn take_events(&mut self, state: &State, look: Option<Look>, news: &mut Vec<News>) {
-        let mut missed = state.lost.saturating_sub(self.events);
-        let from = usize::try_from(self.events.max(state.lost) - state.lost).unwrap_or(usize::MAX);
+    fn take_events(&mut self, state: &State, look: Option<Look>, messages: &mut Vec<NewMessage>) {
+        let mut missed = state.dropped_count.saturating_sub(self.events);
+        let first = usize::try_from(self.events.max(state.dropped_count) - state.dropped_count).unwrap_or(usize::MAX);
         let wanted: Vec<_> =
-            state.events.iter().skip(from).filter(|event| is_wanted(&event.value, look)).cloned().collect();
-        self.events = state.lost + state.events.len() as u64;
-        for batch in wanted.chunks(BATCH) {
-            news.push(News::Events(batch.to_vec(), std::mem::take(&mut missed)));
+            state.events.iter().skip(first).filter(|event| is_wanted(&event.value, look)).cloned().collect();
+        self.events = state.dropped_count + state.events.len() as u64;
+        for batch in wanted.chunks(MAX_BATCH) {
+            messages.push(NewMessage::Events(batch.to_vec(), std::mem::take(&mut missed)));
         }
         if missed > 0 {
-            news.push(News::Events(Vec::new(), missed));
+            messages.push(NewMessage::Events(Vec::new(), missed));
         }
     }
 }
@@ -408,18 +415,18 @@ fn is_wanted(event: &Event, look: Option<Look>) -> bool {
     event.kind != "call" || look.is_some_and(|look| look.calls && Some(look.robot) == event.robot)
 }
 
-enum News {
+enum NewMessage {
     Message(Arc<CachedText<Message>>),
     Detail(Arc<CachedDetail>, bool),
     Events(Vec<Arc<CachedText<Event>>>, u64),
 }
 
-impl News {
+impl NewMessage {
     fn text(self) -> Utf8Bytes {
         match self {
-            News::Message(message) => message.text(text_of),
-            News::Detail(detail, with_lcd) => detail.text(with_lcd),
-            News::Events(events, missed) => {
+            NewMessage::Message(message) => message.text(text_of),
+            NewMessage::Detail(detail, with_lcd) => detail.text(with_lcd),
+            NewMessage::Events(events, missed) => {
                 // Format of `Message::Events`, composed of existing texts.
                 let texts: Vec<_> = events.iter().map(|event| event.text(text_of)).collect();
                 let texts: Vec<_> = texts.iter().map(Utf8Bytes::as_str).collect();

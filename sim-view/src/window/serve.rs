@@ -39,8 +39,8 @@ const MAX_REFUSED: usize = 32;
 /// the most connections.
 const MAX_CONNECTIONS: usize = 128;
 /// Maximum number of connections accepted in each tenth of a second.
-const ACCEPTS: u32 = 100;
-/// Time limit for the head of a request.
+const MAX_ACCEPTS: u32 = 100;
+/// Time limit for the header of a request.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time limit for a connection that is not a page, with all its requests.
 const REQUESTS_TIMEOUT: Duration = Duration::from_secs(300);
@@ -84,7 +84,7 @@ pub(super) struct Server {
     /// Number of open sockets of each address.
     addresses: Mutex<BTreeMap<IpAddr, usize>>,
     /// Permits for concurrently generated downloads.
-    making: Arc<Semaphore>,
+    generation_permits: Arc<Semaphore>,
     closing: watch::Sender<bool>,
 }
 
@@ -100,7 +100,7 @@ impl Server {
             files: Mutex::default(),
             sockets: AtomicUsize::new(0),
             addresses: Mutex::default(),
-            making: Arc::new(Semaphore::new(2)),
+            generation_permits: Arc::new(Semaphore::new(2)),
             closing: watch::Sender::new(false),
         })
     }
@@ -131,44 +131,47 @@ pub(super) async fn serve(server: Arc<Server>, listener: std::net::TcpListener) 
         () = accept(listener, routes) => {}
         _ = closing.wait_for(|closing| *closing) => {}
     }
-    let pages_left = async {
+    let pages_closed = async {
         while server.sockets.load(Ordering::Relaxed) > 0 {
             sleep(Duration::from_millis(5)).await;
         }
     };
-    let _ = timeout(Duration::from_millis(500), pages_left).await;
+    let _ = timeout(Duration::from_millis(500), pages_closed).await;
 }
 
 async fn accept(listener: TcpListener, routes: Router) {
     let mut connections: VecDeque<(IpAddr, AbortHandle)> = VecDeque::new();
     let mut accepted = 0;
-    let mut window = Instant::now();
+    let mut period_start = Instant::now();
     loop {
         let Ok((stream, peer)) = listener.accept().await else {
             // The process is out of file descriptors, or the client has already disconnected.
             sleep(Duration::from_millis(50)).await;
             continue;
         };
-        if window.elapsed() > Duration::from_millis(100) {
-            (window, accepted) = (Instant::now(), 0);
+        if period_start.elapsed() > Duration::from_millis(100) {
+            (period_start, accepted) = (Instant::now(), 0);
         }
         accepted += 1;
-        if accepted > ACCEPTS {
-            sleep_until(window + Duration::from_millis(100)).await;
+        if accepted > MAX_ACCEPTS {
+            sleep_until(period_start + Duration::from_millis(100)).await;
         }
         let address = peer.ip().to_canonical();
         connections.retain(|(_, connection)| !connection.is_finished());
         if connections.len() == MAX_CONNECTIONS {
-            let oldest = to_replace(connections.iter().map(|(address, _)| *address));
+            let oldest = connection_to_replace(connections.iter().map(|(address, _)| *address));
             connections.remove(oldest).into_iter().for_each(|(_, connection)| connection.abort());
         }
         let routes = routes.clone().layer(Extension(address));
-        connections.push_back((address, tokio::spawn(timeout(REQUESTS_TIMEOUT, talk(stream, routes))).abort_handle()));
+        connections.push_back((
+            address,
+            tokio::spawn(timeout(REQUESTS_TIMEOUT, serve_connection(stream, routes))).abort_handle(),
+        ));
     }
 }
 
 /// Index of the oldest connection of the address with the most connections; `addresses` go from the oldest to the newest connection.
-fn to_replace(addresses: impl Iterator<Item = IpAddr> + Clone) -> usize {
+fn connection_to_replace(addresses: impl Iterator<Item = IpAddr> + Clone) -> usize {
     let mut counts: BTreeMap<IpAddr, usize> = BTreeMap::new();
     addresses.clone().for_each(|address| *counts.entry(address).or_default() += 1);
     let max_count = counts.values().copied().max();
@@ -176,7 +179,7 @@ fn to_replace(addresses: impl Iterator<Item = IpAddr> + Clone) -> usize {
 }
 
 /// Serves the requests of one connection. A connection that becomes a socket continues in a separate task.
-async fn talk(stream: TcpStream, routes: Router) {
+async fn serve_connection(stream: TcpStream, routes: Router) {
     let _ = stream.set_nodelay(true);
     // Errors are caused by the client, which has disconnected or has sent invalid HTTP and got an error response.
     let _ = hyper::server::conn::http1::Builder::new()
@@ -245,7 +248,7 @@ async fn download(server: &Server, name: &str, is_saved: bool) -> Response {
         return (StatusCode::NOT_FOUND, "there is no such file").into_response();
     };
     // Some downloads are large: only a few are generated at a time, and the permit is held even if the client has disconnected.
-    let Ok(permit) = Arc::clone(&server.making).try_acquire_owned() else {
+    let Ok(permit) = Arc::clone(&server.generation_permits).try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "others are being made: try again in a moment").into_response();
     };
     let content = tokio::task::spawn_blocking(move || {
@@ -260,14 +263,14 @@ async fn download(server: &Server, name: &str, is_saved: bool) -> Response {
         Err(_) => return (StatusCode::INTERNAL_SERVER_ERROR, "it could not be made").into_response(),
     };
     let mut response = ([(header::CONTENT_TYPE, media_type)], content).into_response();
-    if is_saved && let Ok(value) = HeaderValue::from_str(&format!("attachment; filename=\"{}\"", plain(name))) {
+    if is_saved && let Ok(value) = HeaderValue::from_str(&format!("attachment; filename=\"{}\"", header_safe(name))) {
         response.headers_mut().insert(header::CONTENT_DISPOSITION, value);
     }
     response
 }
 
 /// Replaces characters of a name that would need quoting in a header.
-fn plain(name: &str) -> String {
+fn header_safe(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect()
 }
 
@@ -276,10 +279,10 @@ async fn open_socket(
     Extension(address): Extension<IpAddr>,
     upgrade: WebSocketUpgrade,
 ) -> Response {
-    let guard = SocketGuard::take(server, address);
+    let guard = SocketGuard::new(server, address);
     let open = guard.server.sockets.load(Ordering::Relaxed);
-    let refused = why_full(open, guard.of_address, address.is_loopback());
-    let is_crowding = !address.is_loopback() && guard.of_address > MAX_PAGES_OF_ADDRESS + MAX_REFUSED / 2;
+    let refused = why_full(open, guard.address_sockets, address.is_loopback());
+    let is_crowding = !address.is_loopback() && guard.address_sockets > MAX_PAGES_OF_ADDRESS + MAX_REFUSED / 2;
     if open > MAX_PAGES + MAX_REFUSED || is_crowding {
         return (StatusCode::SERVICE_UNAVAILABLE, refused.unwrap_or_default()).into_response();
     }
@@ -296,11 +299,11 @@ async fn open_socket(
         })
 }
 
-/// Reason for refusing a page if `open` pages are open, `of_address` of them from its address, itself included.
-fn why_full(open: usize, of_address: usize, is_own_machine: bool) -> Option<String> {
+/// Reason for refusing a page if `open` pages are open, this one included, `address_sockets` of them from its address.
+fn why_full(open: usize, address_sockets: usize, is_own_machine: bool) -> Option<String> {
     match () {
         () if open > MAX_PAGES => Some(format!("{MAX_PAGES} pages are open already")),
-        () if of_address > MAX_PAGES_OF_ADDRESS && !is_own_machine => {
+        () if address_sockets > MAX_PAGES_OF_ADDRESS && !is_own_machine => {
             Some(format!("{MAX_PAGES_OF_ADDRESS} pages of your machine or network are open already"))
         }
         () => None,
@@ -312,19 +315,19 @@ struct SocketGuard {
     server: Arc<Server>,
     address: IpAddr,
     /// Number of open sockets of the address, this one included.
-    of_address: usize,
+    address_sockets: usize,
 }
 
 impl SocketGuard {
-    fn take(server: Arc<Server>, address: IpAddr) -> SocketGuard {
+    fn new(server: Arc<Server>, address: IpAddr) -> SocketGuard {
         server.sockets.fetch_add(1, Ordering::Relaxed);
-        let of_address = {
+        let address_sockets = {
             let mut addresses = lock(&server.addresses);
             let count = addresses.entry(address).or_default();
             *count += 1;
             *count
         };
-        SocketGuard { server, address, of_address }
+        SocketGuard { server, address, address_sockets }
     }
 }
 
@@ -346,7 +349,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_address_leaves_places_for_others() {
+    fn one_address_cannot_occupy_all_pages() {
         assert_eq!(why_full(48, 48, false), None);
         assert_eq!(why_full(49, 49, false), Some("48 pages of your machine or network are open already".to_owned()));
         assert_eq!(why_full(50, 1, false), None, "another address");
@@ -355,11 +358,11 @@ mod tests {
     }
 
     #[test]
-    fn a_connection_replaces_one_of_the_address_that_has_most() {
+    fn oldest_connection_of_the_busiest_address_is_replaced() {
         let address = |number| IpAddr::from([10, 0, 0, number]);
-        let of = |numbers: &[u8]| to_replace(numbers.iter().map(|number| address(*number)));
-        assert_eq!(of(&[1, 2, 3, 2, 2, 1]), 1);
-        assert_eq!(of(&[1, 2, 3]), 0);
-        assert_eq!(of(&[1, 2, 2, 2, 3, 3]), 1);
+        let replaced = |numbers: &[u8]| connection_to_replace(numbers.iter().map(|number| address(*number)));
+        assert_eq!(replaced(&[1, 2, 3, 2, 2, 1]), 1);
+        assert_eq!(replaced(&[1, 2, 3]), 0);
+        assert_eq!(replaced(&[1, 2, 2, 2, 3, 3]), 1);
     }
 }

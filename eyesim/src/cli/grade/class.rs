@@ -15,7 +15,7 @@ const BARS: usize = 10;
 /// Maximum number of submissions in the list of the slowest.
 const MAX_SLOWEST: usize = 10;
 
-/// The page: points, distribution, checks of all students, the slowest, equal behaviour.
+/// The page of the class: distribution of the points, submissions, checks, groups of equal behaviour, slowest submissions.
 pub(super) fn page(grader: &Grader, students: &[Student]) -> String {
     let title = title(grader);
     let mut html = head(&format!("{title}: eyesim grade"), STYLE);
@@ -61,7 +61,7 @@ fn distribution(html: &mut String, points: &[f64], max_points: f64) {
     html.push_str("<h2>Distribution of points</h2>\n<figure><svg class=\"chart\" viewBox=\"0 0 620 190\" width=\"620\" role=\"img\">\n");
     for (index, &count) in bars.iter().enumerate() {
         let (height, x) = (130.0 * count as f64 / highest as f64, 10 + 60 * index);
-        let label = |at: usize| number(max_points * at as f64 / BARS as f64);
+        let label = |bar: usize| number(max_points * bar as f64 / BARS as f64);
         _ = writeln!(
             html,
             "<rect x=\"{x}\" y=\"{:.1}\" width=\"54\" height=\"{height:.1}\"/>\
@@ -130,8 +130,8 @@ fn shortened(text: &str) -> String {
 fn heat_map(html: &mut String, grader: &Grader, students: &[Student]) {
     let mut columns: Vec<(&str, usize, &str)> = Vec::new();
     for (name, _) in grader.variants_of_suite() {
-        let of_students = students.iter().flat_map(|student| &student.variants).filter(|variant| variant.name == name);
-        let longest = of_students.max_by_key(|variant| variant.checks.len());
+        let variants = students.iter().flat_map(|student| &student.variants).filter(|variant| variant.name == name);
+        let longest = variants.max_by_key(|variant| variant.checks.len());
         let checks = longest.into_iter().flat_map(|variant| &variant.checks);
         columns.extend(checks.enumerate().map(|(index, (check, _))| (name, index, check.as_str())));
     }
@@ -140,8 +140,8 @@ fn heat_map(html: &mut String, grader: &Grader, students: &[Student]) {
     }
     html.push_str("<h2>Checks</h2>\n<p>Share of the cases that meet each check.</p>\n<div class=\"wide\"><table class=\"map\">\n<tr><th></th>");
     for (variant, _, check) in &columns {
-        let of = if *variant == "run" { String::new() } else { format!("<br>{}", escaped(variant)) };
-        _ = write!(html, "<th>{}{of}</th>", escaped(check));
+        let label = if *variant == "run" { String::new() } else { format!("<br>{}", escaped(variant)) };
+        _ = write!(html, "<th>{}{label}</th>", escaped(check));
     }
     html.push_str("</tr>\n");
     let mut totals = vec![(0, 0); columns.len()];

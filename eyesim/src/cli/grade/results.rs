@@ -1,4 +1,4 @@
-//! Results of a submission in the form of Gradescope.
+//! Results of a submission in Gradescope's format.
 //!
 //! Source: the specification of its autograders, gradescope-autograders.readthedocs.io/en/latest/specs.
 
@@ -19,17 +19,17 @@ pub(super) fn document(student: &Student, view: &View) -> anyhow::Result<Vec<u8>
     let mut tests: Vec<Value> = Vec::new();
     let has_variants = student.variants.len() > 1;
     for variant in &student.variants {
-        let of = if has_variants { format!(" ({})", variant.name) } else { String::new() };
+        let suffix = if has_variants { format!(" ({})", variant.name) } else { String::new() };
         let results = || view.results.iter().filter(|result| result.row.variant == variant.name);
         if variant.checks.is_empty() {
             let text = student.graded.problem.clone().unwrap_or_else(|| failures(results(), None));
-            tests.push(test(&format!("build and run{of}"), (0.0, variant.max_points), variant.passed, &text));
+            tests.push(test(&format!("build and run{suffix}"), (0.0, variant.max_points), variant.passed, &text));
         }
         for (index, (name, rate)) in variant.checks.iter().enumerate() {
             let points = points_of_check(&student.graded.results, variant, index);
             let mut text = format!("met in {} of {} cases\n", rate.passed, rate.count);
             text.push_str(&failures(results(), Some(index)));
-            tests.push(test(&format!("{name}{of}"), points, rate.passed == rate.count, &text));
+            tests.push(test(&format!("{name}{suffix}"), points, rate.passed == rate.count, &text));
         }
     }
     let mut output = format!("{} of {} cases passed\n", student.passed(), student.graded.results.len());
@@ -42,7 +42,7 @@ pub(super) fn document(student: &Student, view: &View) -> anyhow::Result<Vec<u8>
     let document = json!({
         "score": rounded(student.points()),
         "execution_time": student.graded.real_time_s.ceil() as u64,
-        "output": plain(&output),
+        "output": escaped(&output),
         "output_format": "text",
         "test_output_format": "text",
         "test_name_format": "text",
@@ -58,22 +58,22 @@ pub(super) fn document(student: &Student, view: &View) -> anyhow::Result<Vec<u8>
 
 fn test(name: &str, (points, max_points): (f64, f64), passed: bool, output: &str) -> Value {
     json!({
-        "name": plain(name),
+        "name": escaped(name),
         "score": rounded(points),
         "max_score": rounded(max_points),
         "status": if passed { "passed" } else { "failed" },
-        "output": plain(output),
+        "output": escaped(output),
         "visibility": "visible",
     })
 }
 
-/// Reasons of failures of a check, or of cases as a whole.
+/// Reasons of the failures of a check; without a check, of the failures of the cases.
 fn failures<'r>(results: impl Iterator<Item = &'r CaseResult>, check: Option<usize>) -> String {
     let mut listed: Vec<(String, String)> = Vec::new();
     for result in results.filter(|result| result.row.outcome != RowOutcome::Passed) {
         let row = &result.row;
-        let of_check = check.and_then(|index| row.checks.get(index));
-        let message = match of_check {
+        let check_report = check.and_then(|index| row.checks.get(index));
+        let message = match check_report {
             Some(check) if check.passed && row.points > 0.0 => continue,
             Some(check) if !check.passed => check.message.clone(),
             // A program failed, or the case could not be run.
@@ -99,11 +99,15 @@ fn rounded(points: f64) -> f64 {
     (points * 1e4).round() / 1e4
 }
 
-/// Text without characters that control terminals or reorder words.
-fn plain(text: &str) -> String {
-    let mut plain = String::with_capacity(text.len());
+/// Escapes characters that control terminals or reorder words.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
-        if is_terminal_control(c) && c != '\n' && c != '\t' { plain.extend(c.escape_default()) } else { plain.push(c) }
+        if is_terminal_control(c) && c != '\n' && c != '\t' {
+            escaped.extend(c.escape_default())
+        } else {
+            escaped.push(c)
+        }
     }
-    plain
+    escaped
 }

@@ -17,12 +17,12 @@ pub(super) const STYLE: &str = include_str!("page.css");
 /// Maximum number of failures with details.
 const MAX_DETAILED: usize = 40;
 
-/// Results as the student may see them: cases with hidden seeds show nothing that reveals the seed, and commands that
-/// begin with the archive of the student's folder.
+/// Results as the student may see them: without anything that reveals a hidden seed, and with commands that show the
+/// archives in the student's folder.
 pub(super) struct View {
     /// Results, in the order of the cases.
     pub results: Vec<CaseResult>,
-    /// Archives of the student's folder that repeat failures, with their scenes.
+    /// Names of the archives in the student's folder that repeat failures, each with the path of its scene.
     pub replays: Vec<(String, PathBuf)>,
 }
 
@@ -55,10 +55,10 @@ impl View {
                     view.replays.push((name.clone(), case.scene.clone()));
                 }
                 // The archive has the program, but not the suite.
-                let is_left_out = |word: &String| {
+                let is_not_in_archive = |word: &String| {
                     ["--program=", "--exec=", "--checks="].iter().any(|option| word.starts_with(option))
                 };
-                result.row.words.retain(|word| !is_left_out(word));
+                result.row.words.retain(|word| !is_not_in_archive(word));
                 result.row.words[0] = name;
             }
         }
@@ -127,14 +127,15 @@ pub(super) fn page(grader: &Grader, student: &Student, view: &View) -> String {
 
 /// Calls of forbidden functions in all results together, in words; empty if there are none.
 pub(super) fn forbidden_of(results: &[CaseResult]) -> String {
-    let mut of_robots: BTreeMap<u32, BTreeMap<String, u64>> = BTreeMap::new();
+    let mut calls_by_robot: BTreeMap<u32, BTreeMap<String, u64>> = BTreeMap::new();
     for robot in results.iter().flat_map(|result| &result.row.robots) {
         for (name, count) in &robot.forbidden_calls {
-            *of_robots.entry(robot.id).or_default().entry(name.clone()).or_default() += count;
+            *calls_by_robot.entry(robot.id).or_default().entry(name.clone()).or_default() += count;
         }
     }
-    let words: Vec<String> = of_robots.iter().map(|(id, calls)| format!("r{id} {}", forbidden_calls(calls))).collect();
-    words.join("; ")
+    let texts: Vec<String> =
+        calls_by_robot.iter().map(|(id, calls)| format!("r{id} {}", forbidden_calls(calls))).collect();
+    texts.join("; ")
 }
 
 /// Name of the suite without its folder and extension.
@@ -146,14 +147,16 @@ pub(super) fn title(grader: &Grader) -> String {
 
 /// Mean points of a check over the cases of a variant, and its maximum points.
 pub(super) fn points_of_check(results: &[CaseResult], variant: &Variant, index: usize) -> (f64, f64) {
-    let of_variant = || results.iter().filter(|result| result.row.variant == variant.name);
+    let variant_results = || results.iter().filter(|result| result.row.variant == variant.name);
     let check = |result: &CaseResult| Some((result.row.points, result.row.checks.get(index)?.clone()));
-    // A case in which a program failed has no points, whatever its checks say.
+    // A case in which a program failed has no points, even if checks are met.
     // The sum of no numbers is -0 in Rust.
-    let points =
-        of_variant().filter_map(check).filter(|(all, _)| *all > 0.0).fold(0.0, |sum, (_, check)| sum + check.points);
-    let max_points = of_variant().filter_map(check).map(|(_, check)| check.max_points).fold(0.0, f64::max);
-    (points / of_variant().count().max(1) as f64, max_points)
+    let points = variant_results()
+        .filter_map(check)
+        .filter(|(case_points, _)| *case_points > 0.0)
+        .fold(0.0, |sum, (_, check)| sum + check.points);
+    let max_points = variant_results().filter_map(check).map(|(_, check)| check.max_points).fold(0.0, f64::max);
+    (points / variant_results().count().max(1) as f64, max_points)
 }
 
 fn rubric(html: &mut String, student: &Student) {
@@ -163,12 +166,12 @@ fn rubric(html: &mut String, student: &Student) {
         for (index, (name, rate)) in variant.checks.iter().enumerate() {
             let (points, max_points) = points_of_check(&student.graded.results, variant, index);
             let class = if rate.passed == rate.count { "passed" } else { "failed" };
-            let of = if has_variants { format!(" ({})", variant.name) } else { String::new() };
+            let suffix = if has_variants { format!(" ({})", variant.name) } else { String::new() };
             _ = writeln!(
                 html,
                 "<tr class=\"{class}\"><td>{}{}</td><td class=\"number\">{} of {} ({})</td><td class=\"number\">{} of {}</td></tr>",
                 escaped(name),
-                escaped(&of),
+                escaped(&suffix),
                 rate.passed,
                 rate.count,
                 percent(rate.share()),
@@ -202,14 +205,14 @@ fn details(html: &mut String, failures: &[&CaseResult], view: &View) {
             listed.push(result);
         }
     }
-    let same = failures.len() - listed.len();
+    let repeated = failures.len() - listed.len();
     for (index, result) in listed.iter().take(MAX_DETAILED).enumerate() {
         let mut text = String::new();
         failure(&mut text, result);
         html.push_str(&if index == 0 { text.replacen("<details ", "<details open ", 1) } else { text });
     }
-    if same > 0 {
-        _ = writeln!(html, "<p>{same} more cases end with the same error.</p>");
+    if repeated > 0 {
+        _ = writeln!(html, "<p>{repeated} more cases end with the same error.</p>");
     }
     if listed.len() > MAX_DETAILED {
         _ = writeln!(html, "<p>... and {} more.</p>", listed.len() - MAX_DETAILED);

@@ -1,4 +1,4 @@
-//! Tables in CSV, for spreadsheets.
+//! Tables of grades in CSV format, for spreadsheets.
 
 use super::Student;
 use super::student::points_of_check;
@@ -6,12 +6,12 @@ use crate::suite::table::{COLUMNS, cells, line, texts};
 
 /// Table with a line for each submission.
 pub(super) fn grades(students: &[Student]) -> String {
-    let mut names = Vec::new();
+    let mut checks = Vec::new();
     for variant in students.iter().flat_map(|student| &student.variants) {
         for (index, (check, _)) in variant.checks.iter().enumerate() {
             let column = (variant.name.as_str(), index, check.as_str());
-            if !names.contains(&column) {
-                names.push(column);
+            if !checks.contains(&column) {
+                checks.push(column);
             }
         }
     }
@@ -20,7 +20,7 @@ pub(super) fn grades(students: &[Student]) -> String {
             .into_iter()
             .map(str::to_owned)
             .collect::<Vec<_>>();
-    head.extend(names.iter().map(|(variant, _, check)| match *variant {
+    head.extend(checks.iter().map(|(variant, _, check)| match *variant {
         "run" => (*check).to_owned(),
         variant => format!("{check} ({variant})"),
     }));
@@ -37,7 +37,7 @@ pub(super) fn grades(students: &[Student]) -> String {
             student.message().to_owned(),
             student.graded.behaviour().unwrap_or_default(),
         ];
-        for (name, index, _) in &names {
+        for (name, index, _) in &checks {
             let variant = student.variants.iter().find(|variant| variant.name == *name);
             let points = variant
                 .filter(|variant| variant.checks.len() > *index)

@@ -1,4 +1,4 @@
-//! The texts that an editor has open, and positions in them.
+//! The documents that are open in an editor, and positions in them.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use sim_host::files::DiskFiles;
 
 use super::super::check::{is_noise, is_scene, is_suite_file};
 
-/// Unit of the columns that an editor counts.
+/// Unit in which an editor counts columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// Bytes.
@@ -32,7 +32,7 @@ impl Encoding {
 /// The open documents, by their paths, over the files of the disk.
 pub struct Documents {
     disk: DiskFiles,
-    /// The disk, on which the open documents replace their files.
+    /// Files on the disk, with the open documents in place of their files.
     files: DiskFiles,
     texts: BTreeMap<String, String>,
     encoding: Encoding,
@@ -47,18 +47,18 @@ impl Documents {
     pub fn open(&mut self, uri: &Uri, text: String) -> bool {
         let Some(name) = name_of(uri) else { return false };
         self.texts.insert(name, text);
-        self.overlay();
+        self.update_files();
         true
     }
 
     /// Closes a document, after which its file is read from the disk.
     pub fn close(&mut self, uri: &Uri) -> bool {
         let is_closed = name_of(uri).is_some_and(|name| self.texts.remove(&name).is_some());
-        self.overlay();
+        self.update_files();
         is_closed
     }
 
-    fn overlay(&mut self) {
+    fn update_files(&mut self) {
         let open = |files: DiskFiles, (name, text): (&String, &String)| files.with_text(Path::new(name), text);
         self.files = self.texts.iter().fold(self.disk.clone(), open);
     }
@@ -76,7 +76,7 @@ impl Documents {
     /// Names of the open documents that `eyesim check` reads. Most TOML files of a computer are not EyeSim's: a
     /// companion is recognised by the robi beside it.
     pub fn checkable(&self) -> Vec<String> {
-        let is_ours = |name: &&str| {
+        let is_own_format = |name: &&str| {
             let (stem, extension) = name.rsplit_once('.').unwrap_or((name, ""));
             match extension.to_lowercase().as_str() {
                 "sim" | "wld" | "maz" | "maze" | "esobj" | "robi" | "num" | "scen" => true,
@@ -89,7 +89,7 @@ impl Documents {
                 _ => false,
             }
         };
-        self.names().filter(is_ours).map(str::to_owned).collect()
+        self.names().filter(is_own_format).map(str::to_owned).collect()
     }
 
     /// The open document of an address.
@@ -141,9 +141,9 @@ impl Document {
         let mut units = 0;
         let text = self.text[line.clone()].char_indices();
         let target = text.clone().find(|(_, character)| {
-            let is_here = units >= position.character as usize;
+            let is_target = units >= position.character as usize;
             units += self.encoding.length(*character);
-            is_here
+            is_target
         });
         target.map_or(line.end, |(target, _)| line.start + target)
     }
@@ -174,7 +174,7 @@ impl Document {
         })
     }
 
-    /// The bytes of the line that holds `offset`.
+    /// The bytes of the line that contains `offset`.
     pub fn line(&self, offset: usize) -> Range<usize> {
         self.lines().take_while(|line| line.start <= offset).last().unwrap_or_default()
     }
@@ -183,14 +183,14 @@ impl Document {
     pub fn word(&self, offset: usize) -> Option<(&str, usize)> {
         let line = self.line(offset);
         let text = &self.text[line.clone()];
-        let at = offset.clamp(line.start, line.end) - line.start;
+        let position = offset.clamp(line.start, line.end) - line.start;
         let quotes: Vec<usize> = text.match_indices(['"', '\'']).map(|(quote, _)| quote).collect();
-        let quoted = quotes.chunks(2).find(|pair| pair[0] < at && pair.get(1).is_none_or(|end| at <= *end));
+        let quoted = quotes.chunks(2).find(|pair| pair[0] < position && pair.get(1).is_none_or(|end| position <= *end));
         let (start, end) = match quoted {
             Some(pair) => (pair[0] + 1, pair.get(1).copied().unwrap_or(text.len())),
             None => {
-                let start = text[..at].rfind(char::is_whitespace).map_or(0, |quote| quote + 1);
-                (start, text[at..].find(char::is_whitespace).map_or(text.len(), |length| at + length))
+                let start = text[..position].rfind(char::is_whitespace).map_or(0, |blank| blank + 1);
+                (start, text[position..].find(char::is_whitespace).map_or(text.len(), |length| position + length))
             }
         };
         let word = text.get(start..end)?;
@@ -198,7 +198,7 @@ impl Document {
     }
 }
 
-/// Path of the file at an address; `None` for addresses of other things.
+/// Path of the file at an address; `None` if the address is not that of a file.
 fn name_of(uri: &Uri) -> Option<String> {
     let is_file = uri.scheme().is_some_and(|scheme| scheme.as_str().eq_ignore_ascii_case("file"));
     let path = uri.path().as_estr().decode().into_string().ok()?;
@@ -231,9 +231,9 @@ mod tests {
         let text = "wörld 𝒜.wld\r\n\rrobi \u{feff}x\nend";
         for encoding in [Encoding::Utf8, Encoding::Utf16] {
             let document = document(text, encoding);
-            let of_lines =
+            let is_in_line =
                 |(offset, _): &(usize, char)| document.lines().any(|line| (line.start..=line.end).contains(offset));
-            for (offset, _) in text.char_indices().filter(of_lines) {
+            for (offset, _) in text.char_indices().filter(is_in_line) {
                 assert_eq!(document.offset(document.position(offset)), offset, "{encoding:?}");
             }
         }
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn addresses_keep_any_path() {
+    fn addresses_and_paths_are_inverse() {
         for name in ["/a b/ü%/c.sim", "/x/y.scene.toml"] {
             let uri = uri_of(name).expect("an address");
             assert_eq!(name_of(&uri).as_deref(), Some(name), "{}", uri.as_str());

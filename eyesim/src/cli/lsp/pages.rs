@@ -1,4 +1,4 @@
-//! Help on the classic formats, whose pages describe each keyword in a section of its own.
+//! Help on the classic formats: their pages have a section for each keyword.
 
 use lsp_types::{CompletionItem, CompletionItemKind};
 use sim_format::{Files, builtin, path};
@@ -38,10 +38,10 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
 
 /// Files and folders in the folder of the path that ends at `offset`.
 pub fn files_at(document: &Document, offset: usize, files: &dyn Files) -> Vec<CompletionItem> {
-    let begun = document.word(offset).map_or("", |(word, start)| &word[..offset - start]);
-    let folder = path::folder_of(begun);
-    let own = path::folder_of(&document.name);
-    let folders = path::candidates(if folder.is_empty() { "." } else { folder }, own, files.home());
+    let typed = document.word(offset).map_or("", |(word, start)| &word[..offset - start]);
+    let folder = path::folder_of(typed);
+    let document_folder = path::folder_of(&document.name);
+    let folders = path::candidates(if folder.is_empty() { "." } else { folder }, document_folder, files.home());
     let mut names: Vec<String> = folders.iter().flat_map(|candidate| files.list(candidate)).collect();
     names.retain(|name| !name.is_empty() && !name.starts_with('.'));
     names.sort();
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn each_keyword_of_the_formats_has_its_section() {
+    fn each_keyword_has_a_section() {
         for (name, words) in sim_format::KEYWORDS {
             for word in words {
                 let text = hover(&document(&format!("/a.{name}"), word), 0);
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn first_words_are_keywords_and_further_ones_files() {
+    fn first_words_complete_to_keywords_and_others_to_files() {
         let files = MemoryFiles::from_iter([("/lab/a.wld", ""), ("/lab/sub/b.wld", "")]);
         let text = "wo\nworld sub/\nS4 1 2 3 ";
         let document = document("/lab/x.sim", text);

@@ -1,4 +1,4 @@
-//! Help on EyeSim's own TOML files, whose JSON schemas describe each key.
+//! Help on the TOML formats: their JSON schemas describe each key.
 
 use lsp_types::{CompletionItem, CompletionItemKind};
 use serde_json::Value as Json;
@@ -18,9 +18,9 @@ pub fn hover(document: &Document, offset: usize) -> Option<String> {
             (schema.forms(&path), key)
         }
         CursorPosition::Key(table, before) => {
-            let at =
+            let is_at_cursor =
                 |entry: &&super::toml_cursor::Entry| entry.key_bytes.start <= offset && offset <= entry.key_bytes.end;
-            let key = table.entries.iter().find(at)?.key.get(before.len())?.clone();
+            let key = table.entries.iter().find(is_at_cursor)?.key.get(before.len())?.clone();
             (schema.forms_of(table, &before, &document.text), key)
         }
         CursorPosition::Value(table, entry) => {
@@ -33,8 +33,8 @@ pub fn hover(document: &Document, offset: usize) -> Option<String> {
     if let Some(kind) = schema.kind_name(property) {
         text.push_str(&format!("\n\n*{kind}*"));
     }
-    for (word, about) in schema.words(property) {
-        text.push_str(&format!("\n- `{word}`: {about}"));
+    for (word, description) in schema.words(property) {
+        text.push_str(&format!("\n- `{word}`: {description}"));
     }
     Some(text)
 }
@@ -51,20 +51,20 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
         }
         CursorPosition::Key(table, before) => {
             let forms = schema.forms_of(table, &before, &document.text);
-            let at = |bytes: &std::ops::Range<usize>| bytes.start <= offset && offset <= bytes.end;
+            let is_at_cursor = |bytes: &std::ops::Range<usize>| bytes.start <= offset && offset <= bytes.end;
             let is_taken = |key: &str| {
                 table
                     .entries
                     .iter()
-                    .any(|entry| entry.key.first().is_some_and(|first| first == key) && !at(&entry.key_bytes))
+                    .any(|entry| entry.key.first().is_some_and(|first| first == key) && !is_at_cursor(&entry.key_bytes))
             };
-            let free = properties(&forms).filter(|(key, _)| !before.is_empty() || !is_taken(key));
+            let unused = properties(&forms).filter(|(key, _)| !before.is_empty() || !is_taken(key));
             let complete = |(key, property): (&String, &Json)| CompletionItem {
                 detail: schema.kind_name(property),
                 insert_text: Some(format!("{key} = ")),
                 ..item(key, CompletionItemKind::PROPERTY, schema.description(property))
             };
-            free.map(complete).collect()
+            unused.map(complete).collect()
         }
         CursorPosition::Value(table, entry) => {
             let Some((key, before)) = entry.key.split_last() else { return Vec::new() };
@@ -73,12 +73,13 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
             let mut words = schema.words(property);
             if key == "kind" {
                 // Properties of all variants, not only of the written one.
-                let all = [&table.path[..], before].concat();
-                words = schema.forms(&all).iter().flat_map(|form| variant_of(form)).collect();
+                let path = [&table.path[..], before].concat();
+                words = schema.forms(&path).iter().flat_map(|form| variant_of(form)).collect();
             }
             let is_quoted = is_in_string(&document.text[..offset]);
             let quoted = |word: &str| if is_quoted { word.to_owned() } else { format!("\"{word}\"") };
-            let words = words.iter().map(|(word, about)| item(&quoted(word), CompletionItemKind::VALUE, about));
+            let words =
+                words.iter().map(|(word, description)| item(&quoted(word), CompletionItemKind::VALUE, description));
             let mut items: Vec<CompletionItem> = words.collect();
             match schema.kind_name(property).as_deref() {
                 Some("boolean") => {
@@ -92,7 +93,7 @@ pub fn completions(document: &Document, offset: usize, files: &dyn Files) -> Vec
     }
 }
 
-/// Keys of the header at `offset` before the cursor's, and that one.
+/// The key of the header at `offset`, preceded by the list of the keys before it.
 fn header_at(document: &Document, offset: usize) -> Option<(Vec<String>, String)> {
     let line = document.line(offset);
     let inner = document.text[line.clone()].trim().trim_start_matches('[').split(']').next()?;
@@ -116,13 +117,13 @@ fn is_in_string(text: &str) -> bool {
     !text.ends_with('\n') && line.matches('"').count() % 2 == 1
 }
 
-/// The properties of several forms, each once.
+/// The properties of several forms, without duplicates.
 fn properties<'s>(forms: &[&'s Json]) -> impl Iterator<Item = (&'s String, &'s Json)> {
-    let mut all: Vec<(&String, &Json)> =
+    let mut pairs: Vec<(&String, &Json)> =
         forms.iter().filter_map(|form| form["properties"].as_object()).flatten().collect();
-    all.sort_by_key(|(key, _)| key.as_str());
-    all.dedup_by_key(|(key, _)| key.as_str());
-    all.into_iter()
+    pairs.sort_by_key(|(key, _)| key.as_str());
+    pairs.dedup_by_key(|(key, _)| key.as_str());
+    pairs.into_iter()
 }
 
 /// The value of `kind` of a variant, and the variant's description.
@@ -152,8 +153,8 @@ impl Schema {
     /// Forms of the table at `path`, one for each variant.
     fn forms(&self, path: &[String]) -> Vec<&Json> {
         path.iter().fold(vec![&self.0], |forms, key| {
-            let below = forms.iter().filter_map(|form| form["properties"].get(key));
-            below.flat_map(|property| self.forms_below(property)).collect()
+            let children = forms.iter().filter_map(|form| form["properties"].get(key));
+            children.flat_map(|property| self.forms_below(property)).collect()
         })
     }
 
@@ -168,7 +169,7 @@ impl Schema {
         forms
     }
 
-    /// All forms of tables that a value of this schema can be, or can hold in an array.
+    /// All forms of tables that a value of this schema can be, or can contain in an array.
     fn forms_below<'s>(&'s self, schema: &'s Json) -> Vec<&'s Json> {
         let mut forms: Vec<&Json> = Vec::new();
         self.visit(schema, &mut |part| {
@@ -181,21 +182,21 @@ impl Schema {
 
     /// Returns true if a value can be a table, other than one that draws a value at random.
     fn is_table(&self, schema: &Json) -> bool {
-        let draws = self.forms_below(&self.0["$defs"]["DrawForm"]);
-        self.forms_below(schema).iter().any(|form| !draws.iter().any(|draw| std::ptr::eq(*draw, *form)))
+        let random_forms = self.forms_below(&self.0["$defs"]["DrawForm"]);
+        self.forms_below(schema).iter().any(|form| !random_forms.iter().any(|random| std::ptr::eq(*random, *form)))
     }
 
     /// Visits a schema's alternatives, following references and arrays.
-    fn visit<'s>(&'s self, schema: &'s Json, look: &mut dyn FnMut(&'s Json)) {
-        look(schema);
+    fn visit<'s>(&'s self, schema: &'s Json, visitor: &mut dyn FnMut(&'s Json)) {
+        visitor(schema);
         if let Some(target) = self.target(schema) {
-            self.visit(target, look);
+            self.visit(target, visitor);
         }
         for alternatives in [&schema["oneOf"], &schema["anyOf"]] {
-            alternatives.as_array().into_iter().flatten().for_each(|part| self.visit(part, look));
+            alternatives.as_array().into_iter().flatten().for_each(|part| self.visit(part, visitor));
         }
         if schema["items"].is_object() {
-            self.visit(&schema["items"], look);
+            self.visit(&schema["items"], visitor);
         }
     }
 
@@ -204,8 +205,8 @@ impl Schema {
     }
 
     fn description<'s>(&'s self, schema: &'s Json) -> &'s str {
-        let own = schema["description"].as_str();
-        own.or_else(|| self.target(schema)?["description"].as_str()).unwrap_or_default()
+        let description = schema["description"].as_str();
+        description.or_else(|| self.target(schema)?["description"].as_str()).unwrap_or_default()
     }
 
     /// Words that the value can be, each with its description.
@@ -277,10 +278,10 @@ mod tests {
             headers.iter().any(|label| label == "robot") && !headers.iter().any(|label| label == "title"),
             "{headers:?}"
         );
-        let of_world = labels(SCENE, "[world.|]");
+        let world_tables = labels(SCENE, "[world.|]");
         assert!(
-            of_world.iter().any(|label| label == "light") && !of_world.iter().any(|label| label == "floor_mm"),
-            "{of_world:?}"
+            world_tables.iter().any(|label| label == "light") && !world_tables.iter().any(|label| label == "floor_mm"),
+            "{world_tables:?}"
         );
         let draws = labels(SCENE, "[[robot]]\nx_mm = { | }");
         assert!(draws.iter().any(|label| label == "uniform"), "{draws:?}");
@@ -288,11 +289,11 @@ mod tests {
         assert!(robot.iter().any(|key| key == "y_mm") && !robot.iter().any(|key| key == "x_mm"), "{robot:?}");
         let kinds = labels(SCENE, "[[check]]\nkind = \"|\"");
         assert!(kinds.iter().any(|kind| kind == "reach") && kinds.iter().any(|kind| kind == "laps"), "{kinds:?}");
-        let of_reach = labels(SCENE, "[[check]]\nkind = \"reach\"\n|");
-        let of_contacts = labels(SCENE, "[[check]]\nkind = \"contacts\"\n|");
+        let reach_keys = labels(SCENE, "[[check]]\nkind = \"reach\"\n|");
+        let contact_keys = labels(SCENE, "[[check]]\nkind = \"contacts\"\n|");
         assert!(
-            of_reach.iter().any(|key| key == "at_mm") && !of_contacts.iter().any(|key| key == "at_mm"),
-            "{of_contacts:?}"
+            reach_keys.iter().any(|key| key == "at_mm") && !contact_keys.iter().any(|key| key == "at_mm"),
+            "{contact_keys:?}"
         );
         assert_eq!(labels(SCENE, "[world]\nfile = \"|\"\n"), ["a.wld", "drive.c"]);
         assert!(labels("/lab/x.suite.toml", "[matrix]\n|").iter().any(|key| key == "seed"));

@@ -7,7 +7,7 @@ use std::ops::Range;
 pub struct Table {
     /// Keys from the document's root.
     pub path: Vec<String>,
-    /// Bytes of its keys and values.
+    /// Bytes of the keys and values of the table.
     pub body: Range<usize>,
     pub entries: Vec<Entry>,
 }
@@ -43,7 +43,7 @@ pub struct Outline {
 impl Outline {
     /// Reads `text`, valid or not.
     pub fn of(text: &str) -> Self {
-        let mut scanner = Scanner { text, at: 0, outline: Self::default() };
+        let mut scanner = Scanner { text, position: 0, outline: Self::default() };
         scanner.document();
         scanner.outline
     }
@@ -56,9 +56,9 @@ impl Outline {
             debug_assert!(bytes.end >= offset);
             return CursorPosition::Header(before);
         }
-        let holds = |table: &&Table| table.body.start <= offset && offset <= table.body.end;
+        let contains_cursor = |table: &&Table| table.body.start <= offset && offset <= table.body.end;
         // The root's body may be empty, but is the first table; inner tables follow the outer ones.
-        let table = self.tables.iter().rfind(holds).unwrap_or(&self.tables[0]);
+        let table = self.tables.iter().rfind(contains_cursor).unwrap_or(&self.tables[0]);
         for entry in &table.entries {
             if entry.value.as_ref().is_some_and(|value| value.start <= offset && offset <= value.end) {
                 return CursorPosition::Value(table, entry);
@@ -80,22 +80,22 @@ impl Outline {
 
 struct Scanner<'t> {
     text: &'t str,
-    at: usize,
+    position: usize,
     outline: Outline,
 }
 
 impl Scanner<'_> {
     fn peek(&self) -> Option<char> {
-        self.text[self.at..].chars().next()
+        self.text[self.position..].chars().next()
     }
 
     fn skip(&mut self, is_skipped: impl Fn(char) -> bool) {
-        let rest = &self.text[self.at..];
-        self.at += rest.find(|character| !is_skipped(character)).unwrap_or(rest.len());
+        let rest = &self.text[self.position..];
+        self.position += rest.find(|character| !is_skipped(character)).unwrap_or(rest.len());
     }
 
     /// Skips blanks and comments; also line ends if `over_lines`.
-    fn blanks(&mut self, over_lines: bool) {
+    fn skip_blanks(&mut self, over_lines: bool) {
         loop {
             self.skip(|character| character == ' ' || character == '\t' || over_lines && character.is_whitespace());
             if self.peek() != Some('#') {
@@ -109,21 +109,21 @@ impl Scanner<'_> {
     }
 
     fn document(&mut self) {
-        let mut table = self.table(Vec::new());
+        let mut table = self.begin_table(Vec::new());
         loop {
-            self.blanks(true);
+            self.skip_blanks(true);
             match self.peek() {
                 None => break,
                 Some('[') => {
-                    self.outline.tables[table].body.end = self.at;
-                    let start = self.at;
+                    self.outline.tables[table].body.end = self.position;
+                    let start = self.position;
                     self.skip(|character| character == '[');
-                    let from = self.at;
+                    let keys_start = self.position;
                     self.skip(|character| character != ']' && character != '\n');
-                    let path = keys(&self.text[from..self.at]);
-                    self.outline.headers.push((start..self.at, path.clone()));
+                    let path = keys(&self.text[keys_start..self.position]);
+                    self.outline.headers.push((start..self.position, path.clone()));
                     self.skip(|character| character != '\n');
-                    table = self.table(path);
+                    table = self.begin_table(path);
                 }
                 Some(_) => self.entry(table, false),
             }
@@ -131,30 +131,30 @@ impl Scanner<'_> {
         self.outline.tables[table].body.end = self.text.len();
     }
 
-    /// Begins a table here.
-    fn table(&mut self, path: Vec<String>) -> usize {
-        self.outline.tables.push(Table { path, body: self.at..self.at, entries: Vec::new() });
+    /// Adds a table that begins at the current position.
+    fn begin_table(&mut self, path: Vec<String>) -> usize {
+        self.outline.tables.push(Table { path, body: self.position..self.position, entries: Vec::new() });
         self.outline.tables.len() - 1
     }
 
     fn entry(&mut self, table: usize, is_inline: bool) {
-        let start = self.at;
-        let ends =
+        let start = self.position;
+        let is_end =
             move |character| character == '=' || character == '\n' || is_inline && matches!(character, ',' | '}');
-        self.skip(|character| !ends(character));
-        let key = keys(&self.text[start..self.at]);
-        let mut entry = Entry { key, key_bytes: start..self.at, value: None };
+        self.skip(|character| !is_end(character));
+        let key = keys(&self.text[start..self.position]);
+        let mut entry = Entry { key, key_bytes: start..self.position, value: None };
         if self.peek() == Some('=') {
-            self.at += 1;
-            let from = self.at;
+            self.position += 1;
+            let value_start = self.position;
             let path = self.outline.tables[table].path.iter().chain(&entry.key).cloned().collect();
-            self.blanks(false);
+            self.skip_blanks(false);
             self.value(path);
             if !is_inline && !self.begins_statement() {
                 // The rest of the line after the value belongs to it.
                 self.skip(|character| character != '\n' && character != '#');
             }
-            entry.value = Some(from..self.at);
+            entry.value = Some(value_start..self.position);
         }
         self.outline.tables[table].entries.push(entry);
     }
@@ -164,58 +164,58 @@ impl Scanner<'_> {
         match self.peek() {
             Some(quote @ ('"' | '\'')) => self.string(quote),
             Some('[') => {
-                self.at += 1;
+                self.position += 1;
                 loop {
-                    self.blanks(true);
+                    self.skip_blanks(true);
                     match self.peek() {
-                        Some(']') => return self.at += 1,
-                        Some(',') => self.at += 1,
+                        Some(']') => return self.position += 1,
+                        Some(',') => self.position += 1,
                         Some(_) if !self.begins_statement() => self.value(path.clone()),
                         _ => return,
                     }
                 }
             }
             Some('{') => {
-                self.at += 1;
-                let table = self.table(path);
+                self.position += 1;
+                let table = self.begin_table(path);
                 loop {
-                    self.blanks(true);
+                    self.skip_blanks(true);
                     match self.peek() {
                         Some('}') => break,
-                        Some(',') => self.at += 1,
+                        Some(',') => self.position += 1,
                         Some(_) if !self.begins_statement() => self.entry(table, true),
                         _ => break,
                     }
                 }
-                self.outline.tables[table].body.end = self.at;
+                self.outline.tables[table].body.end = self.position;
                 if self.peek() == Some('}') {
-                    self.at += 1;
+                    self.position += 1;
                 }
             }
             _ => {
-                let before = self.at;
+                let start = self.position;
                 self.skip(|character| !matches!(character, ',' | ']' | '}' | '\n' | '#'));
-                if self.at == before && matches!(self.peek(), Some(']' | '}')) {
-                    self.at += 1; // of nothing that is open
+                if self.position == start && matches!(self.peek(), Some(']' | '}')) {
+                    self.position += 1; // a bracket that closes nothing
                 }
             }
         }
     }
 
     fn string(&mut self, quote: char) {
-        let rest = &self.text[self.at..];
+        let rest = &self.text[self.position..];
         let long = String::from_iter([quote; 3]);
         if rest.starts_with(&long) {
             let end = rest[3..].find(&long).map_or(rest.len(), |length| length + 6);
-            return self.at += end;
+            return self.position += end;
         }
-        self.at += 1;
+        self.position += 1;
         let mut is_escaped = false;
         for character in rest[1..].chars() {
             if character == '\n' {
                 return;
             }
-            self.at += character.len_utf8();
+            self.position += character.len_utf8();
             if character == quote && !is_escaped {
                 return;
             }
@@ -225,8 +225,8 @@ impl Scanner<'_> {
 
     /// Returns true at the start of a line that looks like a header or a key, so that an unfinished array or table ends before it.
     fn begins_statement(&self) -> bool {
-        let is_first = self.at == 0 || self.text[..self.at].ends_with('\n');
-        let line = self.text[self.at..].lines().next().unwrap_or_default();
+        let is_first = self.position == 0 || self.text[..self.position].ends_with('\n');
+        let line = self.text[self.position..].lines().next().unwrap_or_default();
         let is_header =
             line.starts_with('[') && line[1..].trim_start_matches('[').starts_with(|c: char| c.is_ascii_alphabetic());
         let is_key = line.split_once('=').is_some_and(|(key, _)| is_bare(key.trim()));
@@ -248,8 +248,8 @@ fn keys(text: &str) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Describes where the cursor `|` of a text is.
-    fn told(text: &str) -> String {
+    /// Describes the position of the cursor `|` in a text.
+    fn description(text: &str) -> String {
         let offset = text.find('|').expect("a cursor");
         let text = text.replacen('|', "", 1);
         let outline = Outline::of(&text);
@@ -263,29 +263,29 @@ mod tests {
     }
 
     #[test]
-    fn places_of_a_good_text() {
-        assert_eq!(told("|"), "key of ");
-        assert_eq!(told("a = 1\nb|"), "key of ");
-        assert_eq!(told("[wor|]"), "header ");
-        assert_eq!(told("[world.li|]\n"), "header world");
-        assert_eq!(told("[world]\nfile = \"a|.wld\"\n"), "value of world.file");
-        assert_eq!(told("[[robot]]\nx_mm = 1\n|\n[[robot]]\n"), "key of robot");
-        assert_eq!(told("[[robot]]\nx_mm = { uni| }"), "key of robot.x_mm");
-        assert_eq!(told("[[robot]]\nx_mm = { uniform = [1, |2] }\n"), "value of robot.x_mm.uniform");
-        assert_eq!(told("[a]\nb.c.d|"), "key of a.b.c");
-        assert_eq!(told("[a]\nwalls = [\n  { from_mm = [0, 0], t| },\n]\n"), "key of a.walls");
-        assert_eq!(told("[a] # what = 1\nb = \"# no [x]\" \n|"), "key of a");
-        assert_eq!(told("[a]\nt = \"\"\"\n[b]\nc = |\"\"\"\n"), "value of a.t");
+    fn cursor_in_a_valid_text() {
+        assert_eq!(description("|"), "key of ");
+        assert_eq!(description("a = 1\nb|"), "key of ");
+        assert_eq!(description("[wor|]"), "header ");
+        assert_eq!(description("[world.li|]\n"), "header world");
+        assert_eq!(description("[world]\nfile = \"a|.wld\"\n"), "value of world.file");
+        assert_eq!(description("[[robot]]\nx_mm = 1\n|\n[[robot]]\n"), "key of robot");
+        assert_eq!(description("[[robot]]\nx_mm = { uni| }"), "key of robot.x_mm");
+        assert_eq!(description("[[robot]]\nx_mm = { uniform = [1, |2] }\n"), "value of robot.x_mm.uniform");
+        assert_eq!(description("[a]\nb.c.d|"), "key of a.b.c");
+        assert_eq!(description("[a]\nwalls = [\n  { from_mm = [0, 0], t| },\n]\n"), "key of a.walls");
+        assert_eq!(description("[a] # what = 1\nb = \"# no [x]\" \n|"), "key of a");
+        assert_eq!(description("[a]\nt = \"\"\"\n[b]\nc = |\"\"\"\n"), "value of a.t");
     }
 
     #[test]
-    fn places_of_an_unfinished_text() {
-        assert_eq!(told("[world\nfile = \"a.wld\"\n[[robot]]\n|"), "key of robot");
-        assert_eq!(told("a = [1, 2\n[b]\nc = |"), "value of b.c");
-        assert_eq!(told("a = { b = 1,\nc = 2\n[d]\ne|"), "key of d");
-        assert_eq!(told("a = \"open\nb = |1"), "value of b");
-        assert_eq!(told("a = ]\nb = }\n|"), "key of ");
-        assert_eq!(told("[|"), "header ");
+    fn cursor_in_an_unfinished_text() {
+        assert_eq!(description("[world\nfile = \"a.wld\"\n[[robot]]\n|"), "key of robot");
+        assert_eq!(description("a = [1, 2\n[b]\nc = |"), "value of b.c");
+        assert_eq!(description("a = { b = 1,\nc = 2\n[d]\ne|"), "key of d");
+        assert_eq!(description("a = \"open\nb = |1"), "value of b");
+        assert_eq!(description("a = ]\nb = }\n|"), "key of ");
+        assert_eq!(description("[|"), "header ");
     }
 
     #[test]

@@ -27,8 +27,8 @@ pub(super) fn run(lab: &str, args: &NewArgs) -> anyhow::Result<ExitCode> {
     let files = DiskFiles::of_environment();
     let labs = files.home().map(|home| Path::new(home).join("labs")).filter(|labs| labs.is_dir());
     let labs = labs.context("this installation has no labs: set EYESIM_HOME to a folder that contains `labs`")?;
-    let Some((_, source)) = all(&labs)?.into_iter().find(|(name, _)| name == lab) else {
-        let names: Vec<String> = all(&labs)?.into_iter().map(|(name, _)| name).collect();
+    let Some((_, source)) = lab_folders(&labs)?.into_iter().find(|(name, _)| name == lab) else {
+        let names: Vec<String> = lab_folders(&labs)?.into_iter().map(|(name, _)| name).collect();
         bail!("`{lab}` is no lab: expected one of {}", names.join(", "));
     };
     let name = args.name.as_deref().unwrap_or(lab);
@@ -43,8 +43,8 @@ pub(super) fn run(lab: &str, args: &NewArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Names and folders of all labs, in the order of the course: `03-distbug` has `distbug`.
-fn all(labs: &Path) -> anyhow::Result<Vec<(String, PathBuf)>> {
+/// Names and folders of all labs, in the order of the course; the folder `03-distbug` contains the lab `distbug`.
+fn lab_folders(labs: &Path) -> anyhow::Result<Vec<(String, PathBuf)>> {
     let mut folders = Vec::new();
     for entry in fs::read_dir(labs).with_context(|| format!("cannot read `{}`", labs.display()))? {
         let path = entry?.path();
@@ -53,21 +53,21 @@ fn all(labs: &Path) -> anyhow::Result<Vec<(String, PathBuf)>> {
         }
     }
     folders.sort();
-    let named = |path: PathBuf| {
+    let with_name = |path: PathBuf| {
         let (number, name) = path.file_name()?.to_str()?.split_once('-')?;
         number.bytes().all(|byte| byte.is_ascii_digit()).then(|| (name.to_owned(), path.clone()))
     };
-    Ok(folders.into_iter().filter_map(named).collect())
+    Ok(folders.into_iter().filter_map(with_name).collect())
 }
 
-/// The files of a lab for a program with this extension: those beside the folder of the solutions, with one of the programs.
+/// The files of a lab, without its solutions and with only the program that has this extension.
 fn files_of(source: &Path, lab: &str, extension: &str) -> anyhow::Result<Vec<(String, String)>> {
-    let (program, others) = (format!("{lab}.{extension}"), [format!("{lab}.c"), format!("{lab}.py")]);
+    let (program, programs) = (format!("{lab}.{extension}"), [format!("{lab}.c"), format!("{lab}.py")]);
     let mut files = Vec::new();
     for entry in fs::read_dir(source).with_context(|| format!("cannot read `{}`", source.display()))? {
         let path = entry?.path();
         let Some(name) = path.file_name().and_then(|name| name.to_str()).filter(|_| path.is_file()) else { continue };
-        if name != program && others.iter().any(|other| other == name) {
+        if name != program && programs.iter().any(|other| other == name) {
             continue;
         }
         let text = fs::read_to_string(&path).with_context(|| format!("cannot read `{}`", path.display()))?;
@@ -88,9 +88,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_help_names_every_lab() {
+    fn help_names_every_lab() {
         let help = NewArgs::augment_args(clap::Command::new("new")).render_long_help().to_string();
-        let names = all(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../labs"))).expect("the labs");
+        let names = lab_folders(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../labs"))).expect("the labs");
         let names: Vec<String> = names.into_iter().map(|(name, _)| name).collect();
         let (last, others) = names.split_last().expect("labs");
         let named = help.split_whitespace().collect::<Vec<_>>().join(" ");

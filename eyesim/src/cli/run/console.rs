@@ -26,7 +26,7 @@ use sim_host::record::{Log, RecordError, Recorded, Report, Sink, Trace, Trails};
 use super::{RunArgs, Speed};
 use crate::cli::diagnostic::{self, Colour, Format};
 use crate::cli::output::say;
-use crate::cli::output::{self, given};
+use crate::cli::output::{self, given_outputs};
 use crate::cli::progress::{Building, Counts, Progress};
 use crate::plot;
 
@@ -97,7 +97,7 @@ fn check_outputs(args: &RunArgs, inputs: &[Input]) -> anyhow::Result<()> {
     let outputs = [("--report", &report), ("--trace", &args.trace), ("--record", &args.record), ("--plot", &args.plot)];
     let repeated = args.repeat.as_deref().map(slashed);
     let inputs = inputs.iter().map(|input| input.path.as_str()).chain(repeated.as_deref());
-    output::check_outputs(&given(&outputs), inputs)?;
+    output::check_outputs(&given_outputs(&outputs), inputs)?;
     args.plot.as_deref().map(plot::PictureKind::of).transpose().context("--plot")?;
     Ok(())
 }
@@ -113,7 +113,7 @@ impl ConsoleRun {
     /// Interval between two updates of the progress.
     const PROGRESS_INTERVAL: Duration = Duration::from_millis(50);
 
-    /// Starts `ready` with the output files that the arguments ask for; shows no progress if `is_quiet`.
+    /// Starts `ready` with the output files that the arguments name; shows no progress if `is_quiet`.
     ///
     /// # Errors
     /// If a file cannot be written, or the system lacks resources for the robots.
@@ -142,13 +142,13 @@ impl ConsoleRun {
         }
         sinks.extend(observers.sinks);
         let mut err = progress.stderr();
-        let tell = move |diagnostics: &[Diagnostic], inputs: &[InputFile]| {
+        let print = move |diagnostics: &[Diagnostic], inputs: &[InputFile]| {
             let screen = diagnostic::Screen::of_stderr(Colour::Auto);
             let text = diagnostic::render(diagnostics, inputs, Format::Auto, screen);
             let written = text.map_err(std::io::Error::other).and_then(|text| err.write_all(text.as_bytes()));
             written.map_err(|source| RecordError::Print { stream: "standard error", source })
         };
-        let mut running = ready.start(Observers { sinks, diagnostics: Some(Box::new(tell)), ..observers })?;
+        let mut running = ready.start(Observers { sinks, diagnostics: Some(Box::new(print)), ..observers })?;
         if let Some(computing) = progress.computing() {
             running.scheduler.listen_to_computing(computing);
         }
@@ -169,12 +169,12 @@ impl ConsoleRun {
         }
     }
 
-    /// Ends the run, calls `ended`, and completes its report.
-    pub fn finish(self, ended: impl FnOnce()) -> FinishedRun {
+    /// Ends the run, calls `after_end`, and completes the report.
+    pub fn finish(self, after_end: impl FnOnce()) -> FinishedRun {
         let Self { running, mut progress, trails } = self;
-        let over = running.end();
-        ended();
-        let finished = over.judge();
+        let ended_run = running.end();
+        after_end();
+        let finished = ended_run.judge();
         progress.clear();
         FinishedRun { finished, trails }
     }
@@ -188,7 +188,7 @@ pub struct FinishedRun {
 }
 
 impl FinishedRun {
-    /// Writes the report and the plot that the arguments ask for.
+    /// Writes the report and the plot that the arguments name.
     ///
     /// # Errors
     /// The first error; the remaining files are still written.
@@ -198,7 +198,10 @@ impl FinishedRun {
             // Images that cameras loaded during the run are inputs, too.
             let report = args.report_file();
             let outputs = [("--report", &report), ("--plot", &args.plot)];
-            output::check_outputs(&given(&outputs), finished.report.inputs.iter().map(|input| input.path.as_str()))?;
+            output::check_outputs(
+                &given_outputs(&outputs),
+                finished.report.inputs.iter().map(|input| input.path.as_str()),
+            )?;
         }
         let plot = |(path, trails): (&std::path::PathBuf, &Arc<Mutex<Trails>>)| {
             plot::write(&plot::draw_finished(finished, &trails.lock()), path, None)?;
@@ -215,14 +218,15 @@ impl FinishedRun {
     }
 }
 
-/// Writes the metrics of swarms over time beside the plot at `path`, one chart for each check: for `run.svg` named
-/// `run-NAME.svg`.
+/// Writes a chart of each swarm metric over time beside the plot at `path`: beside `run.svg`, the chart of the check
+/// NAME is `run-NAME.svg`.
 fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Result<()> {
     for (check, spec) in report.checks.iter().zip(&scene.checks) {
         let (Some(series), CheckKind::Swarm { of, .. }) = (&check.series, &spec.kind) else { continue };
         // The value is constant until it changes.
-        let ends = series.iter().skip(1).map(|[at, _]| *at).chain([report.sim_time_s]);
-        let points = series.iter().zip(ends).flat_map(|([at, value], end)| [(*at, *value), (end, *value)]).collect();
+        let ends = series.iter().skip(1).map(|[time, _]| *time).chain([report.sim_time_s]);
+        let points =
+            series.iter().zip(ends).flat_map(|([time, value], end)| [(*time, *value), (end, *value)]).collect();
         let label = match of {
             SwarmMetric::Spread => "mean distance from the middle, m",
             SwarmMetric::Order => "order",
@@ -246,7 +250,7 @@ fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Resu
     Ok(())
 }
 
-/// Pace and recorded interventions that the arguments ask for.
+/// Script of a run: the pace and the recorded interventions that the arguments name.
 ///
 /// # Errors
 /// If the trace cannot be read.

@@ -115,35 +115,36 @@ pub fn run(mut args: ShotArgs) -> anyhow::Result<ExitCode> {
     }
     check_outputs(&[("-o", &output)], std::iter::empty())?;
     args.run.until = args.at.or(args.run.until);
-    let Some(mut ran) = carry_out(&args.run, |scene| subject.check(scene))? else {
+    let Some(mut finished_run) = carry_out(&args.run, |scene| subject.check(scene))? else {
         return Ok(ExitCode::from(EXIT_PROGRAM));
     };
-    ran.write_files(&args.run)?;
-    let (file, what) = match &subject {
-        Subject::Display(robot) => of_display(&ran, *robot, &args)?,
-        Subject::View(camera) => of_view(&ran, camera, &args)?,
+    finished_run.write_files(&args.run)?;
+    let (file, description) = match &subject {
+        Subject::Display(robot) => display_picture(&finished_run, *robot, &args)?,
+        Subject::View(camera) => view_picture(&finished_run, camera, &args)?,
     };
-    let inputs = ran.finished.scenery.inputs();
+    let inputs = finished_run.finished.scenery.inputs();
     let inputs = inputs.iter().map(|input| input.path.as_str());
     check_outputs(
         &[("-o", &output)],
-        inputs.chain(ran.finished.report.inputs.iter().map(|input| input.path.as_str())),
+        inputs.chain(finished_run.finished.report.inputs.iter().map(|input| input.path.as_str())),
     )?;
     write_atomically(&output, &file).with_context(|| format!("-o `{}`", output.display()))?;
 
     // A program that waits for a key is not a failure here.
-    ran.finished.report.robots.iter_mut().for_each(|robot| {
+    finished_run.finished.report.robots.iter_mut().for_each(|robot| {
         if robot.outcome == Outcome::Waiting {
             robot.outcome = Outcome::Running;
         }
     });
-    run::explain(&ran.finished);
-    run::print(&format!("{}: {what}\n", output.display()))?;
-    let is_failed = ran.finished.report.robots.iter().any(|robot| robot.outcome.is_failure());
+    run::explain(&finished_run.finished);
+    run::print(&format!("{}: {description}\n", output.display()))?;
+    let is_failed = finished_run.finished.report.robots.iter().any(|robot| robot.outcome.is_failure());
     Ok(if is_failed { ExitCode::from(EXIT_PROGRAM) } else { ExitCode::SUCCESS })
 }
 
-/// Subject that the arguments ask for. Without --verbose, `--robot` selects only the camera, and is removed as a filter of calls.
+/// Subject that the arguments select. Without --verbose, `--robot` selects only the camera: it is then removed from the
+/// arguments of the run, where it selects the calls to show.
 fn subject(args: &mut ShotArgs) -> anyhow::Result<Subject> {
     let robot = if args.run.verbose { args.run.robot } else { args.run.robot.take() };
     let subject = match (args.lcd, args.from.zip(args.to), robot) {
@@ -161,31 +162,31 @@ fn subject(args: &mut ShotArgs) -> anyhow::Result<Subject> {
     Ok(subject)
 }
 
-/// File of a display's picture, and its description.
-fn of_display(ran: &FinishedRun, robot: u32, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
-    let index = index_of(&ran.finished.scene, robot).context("--lcd")?;
-    let panel = &ran.finished.ended.robots[index].panel;
-    let time = format!("{:.3} s", ran.finished.report.sim_time_s);
-    let caption = Caption { name: format!("{robot} {}", ran.finished.report.robots[index].name), time };
+/// PNG file of a display, and its description.
+fn display_picture(finished_run: &FinishedRun, robot: u32, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
+    let index = index_of(&finished_run.finished.scene, robot).context("--lcd")?;
+    let panel = &finished_run.finished.ended.robots[index].panel;
+    let time = format!("{:.3} s", finished_run.finished.report.sim_time_s);
+    let caption = Caption { name: format!("{robot} {}", finished_run.finished.report.robots[index].name), time };
     let picture = display::picture(panel, args.scale, Some(&caption).filter(|_| !args.bare));
     let size = picture.size().map(|side| side as u32);
     let [width, height] = panel.picture().size();
-    let what = format!("the display of r{robot} at {}, {width} x {height} pixels", caption.time);
-    Ok((Pixels::Colour(picture.pixels().as_flattened()).png(size), what))
+    let description = format!("the display of r{robot} at {}, {width} x {height} pixels", caption.time);
+    Ok((Pixels::Colour(picture.pixels().as_flattened()).png(size), description))
 }
 
-/// File of a view's picture, and its description.
-fn of_view(ran: &FinishedRun, camera: &ShotCamera, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
+/// PNG file of a view, and its description.
+fn view_picture(finished_run: &FinishedRun, camera: &ShotCamera, args: &ShotArgs) -> anyhow::Result<(Vec<u8>, String)> {
     let content = match args {
         ShotArgs { depth: true, .. } => Content::Depth,
         ShotArgs { labels: true, .. } => Content::Labels,
         _ => Content::Colour { samples: args.samples },
     };
-    let is_new = ran.finished.scenery.built().is_none();
+    let was_unbuilt = finished_run.finished.scenery.built().is_none();
     let shot = Shot { camera, at: args.at, size: args.size, content };
-    let picture = shot.take(ran)?;
-    if let Some(built) = ran.finished.scenery.built().filter(|_| is_new) {
-        run::report_diagnostics(&built.diagnostics, &ran.finished.scenery.inputs(), args.run.strict)?;
+    let picture = shot.take(finished_run)?;
+    if let Some(built) = finished_run.finished.scenery.built().filter(|_| was_unbuilt) {
+        run::report_diagnostics(&built.diagnostics, &finished_run.finished.scenery.inputs(), args.run.strict)?;
     }
     let time_s = picture.time.seconds();
     match args.at.map(|at| (at, picture.time.cmp(&at))) {
@@ -204,19 +205,19 @@ fn of_view(ran: &FinishedRun, camera: &ShotCamera, args: &ShotArgs) -> anyhow::R
         _ => {}
     }
     let [width, height] = picture.size;
-    let what = match (camera, content) {
+    let subject = match (camera, content) {
         (_, Content::Depth) => "distances",
         (_, Content::Labels) => "labels",
         (ShotCamera::Robot(_), _) => "what it sees",
         (ShotCamera::Point(_), _) => "the scene",
         (ShotCamera::Above, _) => "the scene from above",
     };
-    let whose = match camera {
+    let owner = match camera {
         ShotCamera::Robot(robot) => format!("r{robot}, "),
         ShotCamera::Point(_) | ShotCamera::Above => String::new(),
     };
-    let what = format!("{whose}{what} at {time_s:.3} s, {width} x {height} pixels");
-    Ok((picture.file, what))
+    let description = format!("{owner}{subject} at {time_s:.3} s, {width} x {height} pixels");
+    Ok((picture.file, description))
 }
 
 fn parse_robot(text: &str) -> Result<u32, String> {

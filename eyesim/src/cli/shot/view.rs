@@ -27,7 +27,7 @@ const SIZE: [u32; 2] = [640, 480];
 /// Default number of samples of a free camera along each side of a pixel.
 const SAMPLES: u32 = 4;
 
-/// Ratio of the area's size that a picture from above shows to the floor's: walls at the floor's edge are seen from the
+/// Size of the area in a picture from above, relative to the floor: the camera sees walls at the floor's edge from the
 /// side.
 const MARGIN: f64 = 1.15;
 
@@ -57,7 +57,7 @@ pub enum Content {
 
 /// A picture to be taken.
 pub struct Shot<'a> {
-    /// Its camera.
+    /// Camera of the picture.
     pub camera: &'a ShotCamera,
     /// Time of the picture; `None` for the run's end.
     pub at: Option<Time>,
@@ -90,14 +90,14 @@ impl ShotCamera {
     }
 }
 
-/// Pose of a camera with the default lens that looks straight down on the whole of a floor with a margin, its y to the
-/// top; the floor's size is in metres, the picture's in pixels.
-fn above(floor: DVec2, [width, height]: [u32; 2]) -> anyhow::Result<Pose3> {
-    // Metres of the floor that a pixel covers, at least.
-    let metres = (floor.x / f64::from(width)).max(floor.y / f64::from(height)) * MARGIN;
-    let up = 0.5 * f64::from(width) * metres / math::tan(0.5 * DEFAULT_FIELD_OF_VIEW);
+/// Pose of a camera with the default lens that looks straight down on a whole floor and a margin around it; y points to
+/// the top of the picture. The size of the floor is in metres, that of the picture in pixels.
+fn pose_above(floor: DVec2, [width, height]: [u32; 2]) -> anyhow::Result<Pose3> {
+    // Minimum length of the floor that a pixel must cover.
+    let metres_per_pixel = (floor.x / f64::from(width)).max(floor.y / f64::from(height)) * MARGIN;
+    let height_above = 0.5 * f64::from(width) * metres_per_pixel / math::tan(0.5 * DEFAULT_FIELD_OF_VIEW);
     let middle = (0.5 * floor).extend(0.0);
-    View::looking(middle + up * DVec3::Z, middle)
+    View::looking(middle + height_above * DVec3::Z, middle)
         .context("the floor has no size: `--from` and `--to` say what is shown")
 }
 
@@ -106,43 +106,48 @@ impl Shot<'_> {
     ///
     /// # Errors
     /// If the robot or its camera does not exist, or the view is invalid.
-    pub fn take(&self, ran: &FinishedRun) -> anyhow::Result<ShotPicture> {
-        let run = &ran.finished.ended.run;
+    pub fn take(&self, finished_run: &FinishedRun) -> anyhow::Result<ShotPicture> {
+        let run = &finished_run.finished.ended.run;
         let world = run.world();
         // Nothing moves after the end. Motion before the end is kept for `HISTORY`.
-        let time =
-            self.at.unwrap_or(ran.finished.ended.time).min(ran.finished.ended.time).max(world.slot_start() - HISTORY);
-        let (view, by) = match self.camera {
+        let time = self
+            .at
+            .unwrap_or(finished_run.finished.ended.time)
+            .min(finished_run.finished.ended.time)
+            .max(world.slot_start() - HISTORY);
+        let (view, viewer) = match self.camera {
             ShotCamera::Robot(number) => {
-                let id = RobotId::from_index(index_of(&ran.finished.scene, *number).context("--robot")?);
+                let id = RobotId::from_index(index_of(&finished_run.finished.scene, *number).context("--robot")?);
                 let view = run.robot(id).camera_view(time, self.size).map_err(ImageUnavailable::from);
                 (view.with_context(|| format!("--robot {number}"))?, Some(id))
             }
             ShotCamera::Point((pose, lens)) => (View::new(*pose, *lens, self.size.unwrap_or(SIZE))?, None),
             ShotCamera::Above => {
                 let size = self.size.unwrap_or(SIZE);
-                let floor = ran.finished.scene.world.floor;
-                (View::new(above(floor, size)?, DEFAULT_LENS, size)?, None)
+                let floor = finished_run.finished.scene.world.floor;
+                (View::new(pose_above(floor, size)?, DEFAULT_LENS, size)?, None)
             }
         };
-        let scenery = ran.finished.scenery.get();
-        let posed = scenery.pose_at(&world, time);
+        let scenery = finished_run.finished.scenery.get();
+        let posed_scenery = scenery.pose_at(&world, time);
         let mut renderer = Camera::default();
         let size = view.size();
         let file = match self.content {
             Content::Colour { samples } => {
-                let own = by.map_or(SAMPLES, |id| run.robot(id).camera_samples());
-                let mut picture = renderer.colour(&posed, &view, by, samples.unwrap_or(own));
-                if let Some(id) = by {
+                let default_samples = viewer.map_or(SAMPLES, |id| run.robot(id).camera_samples());
+                let mut picture = renderer.colour(&posed_scenery, &view, viewer, samples.unwrap_or(default_samples));
+                if let Some(id) = viewer {
                     let camera = &run.robot(id).devices.camera;
                     camera.develop(camera.number_at(time), &mut picture);
                 }
                 Pixels::Colour(picture.pixels().as_flattened()).png(size)
             }
-            Content::Depth => Pixels::Depth(&camera::mm_of_depth(&renderer.depth(&posed, &view, by))).png(size),
+            Content::Depth => {
+                Pixels::Depth(&camera::mm_of_depth(&renderer.depth(&posed_scenery, &view, viewer))).png(size)
+            }
             Content::Labels => {
-                let labels = renderer.labels(&posed, &view, by);
-                let entity_numbers = sim_host::robios::ground_truth::EntityNumbers::of(&ran.finished.scene);
+                let labels = renderer.labels(&posed_scenery, &view, viewer);
+                let entity_numbers = sim_host::robios::ground_truth::EntityNumbers::of(&finished_run.finished.scene);
                 Pixels::Labels(&camera::numbers_of_labels(&labels, &entity_numbers)).png(size)
             }
         };

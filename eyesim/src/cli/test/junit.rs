@@ -1,4 +1,4 @@
-//! Results of suites in the form of JUnit.
+//! Results of suites in JUnit format.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ pub(in crate::cli) struct Cases<'r> {
     pub missing: Vec<&'r str>,
 }
 
-/// The document of these suites.
+/// The JUnit document of these suites.
 pub(in crate::cli) fn document<'r>(
     suites: impl Iterator<Item = Cases<'r>>,
     elapsed: Duration,

@@ -1,4 +1,4 @@
-//! A page of the results of suites for a browser: one file without scripts and without the network.
+//! Page with the results of suites, for a browser: one file that contains no scripts and loads nothing.
 
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use sim_host::launch::Scene;
 use sim_host::record::log::is_terminal_control;
 
 use super::SuiteRun;
-use super::screen::{number, of_seeds, percent};
+use super::screen::{number, percent, rate_text};
 use crate::plot::{PictureKind, draw_trials};
 use crate::suite::summary::Variant;
 use crate::suite::{Case, CaseResult, Row, RowOutcome};
@@ -23,7 +23,7 @@ const MAX_PATHS: usize = 60;
 
 const STYLE: &str = include_str!("page.css");
 
-/// The page of all suites.
+/// The page with the results of all suites.
 pub(super) fn document(runs: &[SuiteRun], elapsed: Duration) -> String {
     let mut html = head("eyesim test", "");
     let count = |outcome| {
@@ -59,11 +59,11 @@ pub(in crate::cli) fn head(title: &str, style: &str) -> String {
 /// End of a page.
 pub(in crate::cli) const FOOT: &str = "</body>\n</html>\n";
 
-/// Cases with their results, as a page shows them.
+/// Cases and results shown on a page.
 pub(in crate::cli) struct Sheet<'r> {
     /// The cases.
     pub cases: &'r [Case],
-    /// Their results.
+    /// Results of those cases that have run.
     pub results: Vec<&'r CaseResult>,
 }
 
@@ -94,10 +94,11 @@ fn suite(html: &mut String, run: &SuiteRun) {
     html.push_str("</section>\n");
 }
 
-/// Table of a variant: a row for each check, a column for each case; and the paths of its failures.
+/// Writes the table of a variant, with a row for each check and a column for each case, and a picture with the paths of
+/// its failures.
 pub(in crate::cli) fn heat_map(html: &mut String, sheet: &Sheet<'_>, variant: &Variant) {
-    let of_variant = sheet.results.iter().filter(|result| result.row.variant == variant.name);
-    let results: Vec<&CaseResult> = of_variant.copied().collect();
+    let variant_results = sheet.results.iter().filter(|result| result.row.variant == variant.name);
+    let results: Vec<&CaseResult> = variant_results.copied().collect();
     let verdict = if variant.passed { "passed" } else { "failed" };
     let name = if variant.name == "run" { "all cases" } else { &variant.name };
     _ = write!(
@@ -105,7 +106,7 @@ pub(in crate::cli) fn heat_map(html: &mut String, sheet: &Sheet<'_>, variant: &V
         "<h3><span class=\"{verdict}\">{verdict}</span> {}</h3>\n<p>{}; {} of {} points</p>\n\
          <div class=\"wide\"><table class=\"map\">\n<tr><th></th>",
         escaped(name),
-        of_seeds(&variant.rate),
+        rate_text(&variant.rate),
         number(variant.points),
         number(variant.max_points)
     );

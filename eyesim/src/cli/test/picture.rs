@@ -1,5 +1,5 @@
-//! Small pictures of a failure on a terminal, in Braille characters: walls, the paths of the robots, the point of the
-//! failure.
+//! Small pictures of failures for a terminal, drawn with Braille characters: walls, the paths of the robots and the place
+//! of the failure.
 
 use glam::DVec2;
 use sim_host::launch::Scene;
@@ -19,7 +19,7 @@ pub(super) fn lines(case: &Case, result: &CaseResult) -> Vec<String> {
     let Ok(scene) = Scene::open(&case.scene, case.options.clone()) else { return Vec::new() };
     let (mut low, mut high) = scene.spec().world.bounds();
     let paths =
-        || result.traces.iter().flat_map(|trace| &trace.lines).map(|line| line.iter().map(|at| DVec2::from(*at)));
+        || result.traces.iter().flat_map(|trace| &trace.lines).map(|line| line.iter().map(|point| DVec2::from(*point)));
     for point in paths().flatten() {
         (low, high) = (low.min(point), high.max(point));
     }
@@ -40,7 +40,7 @@ pub(super) fn lines(case: &Case, result: &CaseResult) -> Vec<String> {
     canvas.lines()
 }
 
-/// Dots, eight in each character.
+/// Grid of characters with eight dots each.
 struct Canvas {
     low: DVec2,
     /// Dots per metre.
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_square_has_its_corners_and_its_marks() {
+    fn square_is_drawn_with_corners_and_marks() {
         let mut canvas = Canvas::new(DVec2::ZERO, DVec2::ONE);
         let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y, DVec2::ZERO];
         corners.windows(2).for_each(|pair| canvas.draw(pair[0], pair[1]));

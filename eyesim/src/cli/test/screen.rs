@@ -20,11 +20,11 @@ const MAX_DETAILED: usize = 10;
 const MAX_LISTED: usize = 60;
 /// Maximum number of variants in the table.
 const MAX_VARIANTS: usize = 40;
-/// Maximum number of lines of a compiler's output, and of a program's.
+/// Maximum number of lines of a compiler's output.
 const MAX_OUTPUT: usize = 30;
 /// Width of lines, in columns.
 const WIDTH: usize = 80;
-/// Time between two updates of the line of progress.
+/// Minimum time between two updates of the progress line.
 const PERIOD: Duration = Duration::from_millis(100);
 
 /// Standard output of `eyesim test`.
@@ -75,24 +75,27 @@ impl Console {
         self.flush();
     }
 
-    /// A heading across the whole width.
-    fn rule(&mut self, title: &str, sign: char, style: Style) {
+    /// Prints a heading across the whole width.
+    fn heading(&mut self, title: &str, sign: char, style: Style) {
         let remaining = self.width.saturating_sub(title.chars().count() + 2);
         let side = |count: usize| sign.to_string().repeat(count.max(3));
         self.styled(&format!("{} {title} {}", side(remaining / 2), side(remaining - remaining / 2)), style);
     }
 
-    /// Prints the number of cases found.
-    pub fn collected(&mut self, paths: &[PathBuf], count: usize, all: usize, jobs: usize) {
+    /// Prints the numbers of cases that were found and selected.
+    pub fn collected(&mut self, paths: &[PathBuf], selected_count: usize, case_count: usize, jobs: usize) {
         if self.is_quiet {
             return;
         }
-        self.rule("eyesim test", '=', Style::new().bold());
+        self.heading("eyesim test", '=', Style::new().bold());
         let suites = if paths.len() == 1 { String::new() } else { format!(" of {} suites", paths.len()) };
-        let deselected =
-            if count < all { format!(" / {} deselected / {count} selected", all - count) } else { String::new() };
-        let cases = if all == 1 { "case" } else { "cases" };
-        self.line(&format!("collected {all} {cases}{suites}{deselected}, {jobs} at a time"));
+        let deselected = if selected_count < case_count {
+            format!(" / {} deselected / {selected_count} selected", case_count - selected_count)
+        } else {
+            String::new()
+        };
+        let cases = if case_count == 1 { "case" } else { "cases" };
+        self.line(&format!("collected {case_count} {cases}{suites}{deselected}, {jobs} at a time"));
         self.line("");
     }
 
@@ -107,7 +110,7 @@ impl Console {
     }
 
     /// Shows that a case is done.
-    pub fn done(&mut self, row: &Row) {
+    pub fn show_done(&mut self, row: &Row) {
         self.done += 1;
         if self.is_quiet {
             return;
@@ -158,17 +161,17 @@ impl Console {
 
     /// Prints the first failures in detail: what failed, where, and how to view it.
     pub fn failures(&mut self, runs: &[SuiteRun]) {
-        let failures = distinct(runs);
+        let failures = grouped_failures(runs);
         if failures.is_empty() {
             return;
         }
         self.line("");
-        self.rule("FAILURES", '=', Style::new());
+        self.heading("FAILURES", '=', Style::new());
         for failure in failures.iter().take(MAX_DETAILED) {
             let name = failure.name();
             let name =
                 if runs.len() > 1 { &name } else { name.split_once("::").map_or(name.as_str(), |(_, case)| case) };
-            self.rule(name, '_', Style::new().red().bold());
+            self.heading(name, '_', Style::new().red().bold());
             self.failure(failure.run, failure.result);
         }
         if failures.len() > MAX_DETAILED {
@@ -200,8 +203,8 @@ impl Console {
         let case = run.cases.iter().find(|case| case.name == row.case);
         let picture = case.map(|case| picture::lines(case, result)).unwrap_or_default();
         if !picture.is_empty() {
-            let at = row.at_s.map(|at| format!(" at {at:.3} s")).unwrap_or_default();
-            let position = row.x_m.zip(row.y_m).map(|(x, y)| format!(", X: ({:.0}, {:.0}) mm{at}", 1e3 * x, 1e3 * y));
+            let time = row.at_s.map(|at| format!(" at {at:.3} s")).unwrap_or_default();
+            let position = row.x_m.zip(row.y_m).map(|(x, y)| format!(", X: ({:.0}, {:.0}) mm{time}", 1e3 * x, 1e3 * y));
             self.line(&format!("  o: start{}", position.unwrap_or_default()));
             picture.iter().for_each(|line| self.line(&format!("  {line}")));
         }
@@ -222,8 +225,8 @@ impl Console {
             self.rates(runs);
         }
         if count > 0 {
-            self.rule("short test summary info", '=', Style::new());
-            let failures = distinct(runs);
+            self.heading("short test summary info", '=', Style::new());
+            let failures = grouped_failures(runs);
             for failure in failures.iter().take(MAX_LISTED) {
                 let row = &failure.result.row;
                 let word = if row.outcome == RowOutcome::Error { "ERROR" } else { "FAILED" };
@@ -235,21 +238,21 @@ impl Console {
         }
         let missing: usize = runs.iter().map(SuiteRun::missing).sum();
         if is_interrupted {
-            self.rule("interrupted: the cases above have run", '!', Style::new().yellow());
+            self.heading("interrupted: the cases above have run", '!', Style::new().yellow());
         }
-        let of = |outcome| {
+        let count_of = |outcome| {
             let rows = runs.iter().flat_map(|run| run.results.values());
             rows.filter(|result| result.row.outcome == outcome).count()
         };
         let counts = [
-            (of(RowOutcome::Failed), "failed"),
-            (of(RowOutcome::Passed), "passed"),
-            (of(RowOutcome::Error), "errors"),
-            (of(RowOutcome::Interrupted), "interrupted"),
+            (count_of(RowOutcome::Failed), "failed"),
+            (count_of(RowOutcome::Passed), "passed"),
+            (count_of(RowOutcome::Error), "errors"),
+            (count_of(RowOutcome::Interrupted), "interrupted"),
         ];
         let parts: Vec<String> =
             counts.iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}")).collect();
-        let mut parts = if parts.is_empty() { none_ran(runs) } else { parts.join(", ") };
+        let mut parts = if parts.is_empty() { no_cases_message(runs) } else { parts.join(", ") };
         if missing > 0 {
             parts.push_str(&format!(", {missing} not run"));
         }
@@ -266,7 +269,7 @@ impl Console {
         let is_failed = runs.iter().any(SuiteRun::is_failed);
         let tolerated = if count > 0 && !is_failed && !is_interrupted { ", enough pass" } else { "" };
         let style = if is_failed { Style::new().red().bold() } else { Style::new().green().bold() };
-        self.rule(&format!("{parts}{tolerated}{points} in {:.2}s", elapsed.as_secs_f64()), '=', style);
+        self.heading(&format!("{parts}{tolerated}{points} in {:.2}s", elapsed.as_secs_f64()), '=', style);
     }
 
     /// Prints, for suites with several cases per variant, the share of cases that meets each check.
@@ -289,10 +292,10 @@ impl Console {
             if variant.passed { ("passed", Style::new().green()) } else { ("FAILED", Style::new().red()) };
         let points = format!("{}/{} points", number(variant.points), number(variant.max_points));
         let name = if variant.name == "run" { "all checks" } else { &variant.name };
-        self.styled(&format!("{verdict}  {name}: {}, {points}", of_seeds(&variant.rate)), style);
-        let mixed = variant.checks.iter().filter(|(_, rate)| has_checks || rate.passed < rate.count);
-        for (name, rate) in mixed {
-            self.line(&format!("          {name}: {}", of_seeds(rate)));
+        self.styled(&format!("{verdict}  {name}: {}, {points}", rate_text(&variant.rate)), style);
+        let shown = variant.checks.iter().filter(|(_, rate)| has_checks || rate.passed < rate.count);
+        for (name, rate) in shown {
+            self.line(&format!("          {name}: {}", rate_text(rate)));
         }
     }
 }
@@ -316,21 +319,21 @@ impl Failure<'_> {
     }
 }
 
-/// `no cases ran: `a.suite.toml` has 20, from `seed=1` to `seed=20``.
-fn none_ran(runs: &[SuiteRun]) -> String {
+/// Message if no case ran: `no cases ran: `a.suite.toml` has 20, from `seed=1` to `seed=20``.
+fn no_cases_message(runs: &[SuiteRun]) -> String {
     let cases = runs.iter().find_map(|run| Some((run, run.cases.first()?, run.cases.last()?)));
-    let of = |(run, first, last): (&SuiteRun, &Case, &Case)| {
+    let range = |(run, first, last): (&SuiteRun, &Case, &Case)| {
         format!(": `{}` has {}, from `{}` to `{}`", run.name(), run.cases.len(), first.name, last.name)
     };
-    format!("no cases ran{}", cases.map(of).unwrap_or_default())
+    format!("no cases ran{}", cases.map(range).unwrap_or_default())
 }
 
-/// The failures; cases that could not be run for one reason count as one, as do cases of a variant in which the same checks are not met and
-/// the same programs failed.
-fn distinct(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
+/// The failures, grouped: cases that could not be run for the same reason form one group, and so do cases of a variant in
+/// which the same checks and the same programs failed.
+fn grouped_failures(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
     let mut failures: Vec<Failure<'_>> = Vec::new();
     for run in runs {
-        let begin = failures.len();
+        let run_start = failures.len();
         for result in run.failures() {
             let is_same = |other: &&mut Failure<'_>| {
                 let [a, b] = [&other.result.row, &result.row];
@@ -340,7 +343,7 @@ fn distinct(runs: &[SuiteRun]) -> Vec<Failure<'_>> {
                     _ => a.variant == b.variant && verdicts_of(a).eq(verdicts_of(b)),
                 }
             };
-            match failures[begin..].iter_mut().find(is_same) {
+            match failures[run_start..].iter_mut().find(is_same) {
                 Some(failure) => failure.others += 1,
                 None => failures.push(Failure { run, result, others: 0 }),
             }
@@ -355,19 +358,19 @@ fn verdicts_of(row: &Row) -> impl Iterator<Item = (bool, Option<Outcome>)> {
     checks.chain(row.robots.iter().map(|robot| (robot.outcome.is_failure(), Some(robot.outcome))))
 }
 
-/// `9 of 10 (90 %, 95 % interval 60 to 98 %)`.
-pub(super) fn of_seeds(rate: &Rate) -> String {
+/// Text of a rate: `9 of 10 (90 %, 95 % interval 60 to 98 %)`.
+pub(super) fn rate_text(rate: &Rate) -> String {
     let Rate { passed, count, low, high } = rate;
     // Near 0 and 100 % a rounded bound would suggest that the rate is exactly known.
-    let end = |fraction: f64| {
+    let bound = |fraction: f64| {
         let digits = usize::from((0.0 < fraction && fraction < 0.01) || (0.99 < fraction && fraction < 1.0));
         format!("{:.digits$}", 100.0 * fraction)
     };
-    let interval = format!("95 % interval {} to {} %", end(*low), end(*high));
+    let interval = format!("95 % interval {} to {} %", bound(*low), bound(*high));
     format!("{passed} of {count} ({}, {interval})", percent(rate.share()))
 }
 
-/// `90 %`.
+/// Text of a fraction: `90 %`.
 pub(in crate::cli) fn percent(fraction: f64) -> String {
     format!("{} %", number(100.0 * fraction))
 }

@@ -1,10 +1,10 @@
-// What server and page say to each other, made from `sim-view/src/protocol`:
+// Messages between server and page, generated from `sim-view/src/protocol`:
 // INSTA_UPDATE=always cargo test -p sim-view typescript
 
 /** Version of the protocol. */
 export const PROTOCOL = 1;
 
-/** User intervention at the start of a slot. Traces hold it in this form, so that a run can be repeated. */
+/** User intervention at the start of a slot. Traces contain it in this form, so that a run can be repeated. */
 export type Action = { "do": "press",
   /** Number of the robot. */
   robot: number,
@@ -123,9 +123,9 @@ export type Build = { "state": "running" } | { "state": "done" } | { "state": "f
 export type Camera = {
   /** Pose in the robot's frame; the camera looks along its own x axis, z points upwards. */
   mount: Point,
-  /** Whole horizontal angle of view. */
+  /** Full horizontal angle of view. */
   horizontal_rad: number,
-  /** Whole vertical angle of view. */
+  /** Full vertical angle of view. */
   vertical_rad: number, };
 
 /** A check of the scene at one instant. */
@@ -136,7 +136,7 @@ export type CheckState = {
   verdict: CheckVerdict,
   /** The verdict in words. */
   text: string,
-  /** Present value of a metric that changes over time; none for another check. */
+  /** Current value of a metric that changes over time; none for other checks. */
   value: number | null, };
 
 /** Verdict of a check so far. */
@@ -182,7 +182,7 @@ export type Detail = {
 export type DisplayChange = {
   /** Time at which the contents appear. */
   t_s: number,
-  /** Its lines of text, the menu last. */
+  /** The lines of text, the menu last. */
   lines: Array<string>, };
 
 /** Event in a run. */
@@ -222,7 +222,7 @@ export type Ground = {
   colour: [number, number, number],
   /** The world's floor. */
   floor: Floor | null,
-  /** Discs painted on it; later ones cover earlier ones. */
+  /** Discs painted on the floor; later ones cover earlier ones. */
   spots: Array<Spot>, };
 
 /** An image. */
@@ -420,13 +420,13 @@ export type Recording = {
   digest: string,
   /** Notices for the user: the trace is truncated, or the scene's files have changed since. */
   remarks: Array<string>,
-  /** One for each robot of the scene, in the same order. */
+  /** Histories of the robots, in the order of the scene. */
   robots: Array<RobotHistory>,
-  /** One for each movable object of the scene, in the same order. */
+  /** Tracks of the movable objects, in the order of the scene. */
   objects: Array<Track>,
   /** Events in order. */
   events: Array<Event>,
-  /** Number of events left out because their kinds are too frequent. */
+  /** Number of events omitted because their kinds are too frequent. */
   events_left_out: number, };
 
 /** Message of a page. */
@@ -531,7 +531,7 @@ export type Scene = {
   images: Array<Image>,
   /** Surfaces; parts that look alike share one. */
   meshes: Array<Mesh>,
-  /** Placed meshes. */
+  /** Meshes placed in the world or on bodies. */
   parts: Array<Part>,
   /** The floor. */
   ground: Ground | null,

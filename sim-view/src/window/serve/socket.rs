@@ -16,19 +16,19 @@ pub(super) const MAX_MESSAGE_BYTES: usize = 64 * 1024;
 /// Time limit for the first message.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(5);
 /// Delay after a wrong token, against guessing.
-const WRONG_TOKEN: Duration = Duration::from_millis(500);
+const WRONG_TOKEN_DELAY: Duration = Duration::from_millis(500);
 /// Interval between two pings of a page.
-const PING: Duration = Duration::from_secs(5);
+const PING_INTERVAL: Duration = Duration::from_secs(5);
 /// Time after which a page that reads or sends nothing is disconnected.
 const STALL_TIMEOUT: Duration = Duration::from_secs(15);
 /// Minimum time between two updates of a page: 60 a second.
-const NEWS: Duration = Duration::from_millis(16);
+const UPDATE_INTERVAL: Duration = Duration::from_millis(16);
 /// Rate limit of a page's messages: on average one per `READ_INTERVAL` (200 a second), with bursts that exceed this rate by up to
 /// `READ_BURST` (100 messages).
 const READ_INTERVAL: Duration = Duration::from_millis(5);
 const READ_BURST: Duration = Duration::from_millis(500);
 /// Maximum number of unanswered commands of one page.
-const UNANSWERED: usize = 32;
+const MAX_UNANSWERED: usize = 32;
 
 /// Close frame with which the server ends a connection.
 #[derive(Debug)]
@@ -103,7 +103,7 @@ async fn serve_page(socket: &mut WebSocket, server: &Server) -> End {
     });
     let (answers, answered) = mpsc::unbounded_channel();
     let mut page = PageConnection {
-        id: server.hub.enter(),
+        id: server.hub.register_page(),
         server,
         may_act,
         look: None,
@@ -135,7 +135,7 @@ async fn hello(socket: &mut WebSocket, server: &Server) -> Result<bool, End> {
     match server.access.may_act(token.as_deref()) {
         Some(may_act) => Ok(may_act),
         None => {
-            tokio::time::sleep(WRONG_TOKEN).await;
+            tokio::time::sleep(WRONG_TOKEN_DELAY).await;
             Err(Some(CloseReason::new(code::TOKEN, "the token is wrong")))
         }
     }
@@ -182,40 +182,40 @@ struct PageConnection<'a> {
 
 impl Drop for PageConnection<'_> {
     fn drop(&mut self) {
-        self.server.hub.look(self.id, None);
+        self.server.hub.set_look(self.id, None);
     }
 }
 
 impl PageConnection<'_> {
     /// Serves the page. It never reads while it writes, so that a page that reads nothing cannot fill a queue here.
     async fn run(&mut self, socket: &mut WebSocket, mut answered: mpsc::UnboundedReceiver<Answer>) -> End {
-        match self.talk(socket, &mut answered).await {
+        match self.exchange_messages(socket, &mut answered).await {
             Ok(never) => match never {},
             Err(end) => end,
         }
     }
 
-    async fn talk(
+    async fn exchange_messages(
         &mut self,
         socket: &mut WebSocket,
         answered: &mut mpsc::UnboundedReceiver<Answer>,
     ) -> Result<std::convert::Infallible, End> {
         let mut changes = self.server.hub.changes();
         changes.mark_changed();
-        let mut ping = interval(PING);
+        let mut ping = interval(PING_INTERVAL);
         ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let mut last_heard = Instant::now();
-        let (mut next_news, mut next_read) = (last_heard, last_heard);
+        let (mut next_update, mut next_read) = (last_heard, last_heard);
         loop {
             let now = Instant::now();
             tokio::select! {
-                Ok(()) = changes.changed(), if now >= next_news => {
-                    for text in self.sent.news(&self.server.hub, self.look) {
+                Ok(()) = changes.changed(), if now >= next_update => {
+                    for text in self.sent.new_messages(&self.server.hub, self.look) {
                         send(socket, text).await?;
                     }
-                    next_news = now + NEWS;
+                    next_update = now + UPDATE_INTERVAL;
                 }
-                () = sleep_until(next_news), if now < next_news => {}
+                () = sleep_until(next_update), if now < next_update => {}
                 frame = socket.recv(), if now + READ_BURST >= next_read => {
                     last_heard = now;
                     next_read = next_read.max(now) + READ_INTERVAL;
@@ -240,14 +240,14 @@ impl PageConnection<'_> {
         }
     }
 
-    /// Carries out a request; returns true if it may result in news for the page.
+    /// Carries out a request; returns true if there may be new messages for the page.
     fn handle_request(&mut self, request: Request) -> Result<bool, End> {
         match request {
             Request::Hello { .. } => Err(Some(CloseReason::new(code::MALFORMED, "`hello` is the first message only"))),
             Request::Look { robot, camera, calls } => {
                 self.look = robot.map(|robot| Look { robot, camera, calls });
                 self.sent.forget_detail();
-                self.server.hub.look(self.id, self.look);
+                self.server.hub.set_look(self.id, self.look);
                 Ok(true)
             }
             Request::Act { number, command } => {
@@ -262,9 +262,9 @@ impl PageConnection<'_> {
         self.unanswered += 1;
         if !self.may_act {
             pending.refuse("this page may only watch: it has no token");
-        } else if self.unanswered > UNANSWERED {
+        } else if self.unanswered > MAX_UNANSWERED {
             pending.refuse("too many commands of this page wait already");
-        } else if let Err(pending) = self.server.hub.ask(pending) {
+        } else if let Err(pending) = self.server.hub.enqueue(pending) {
             pending.refuse("too many commands wait already");
         }
     }
