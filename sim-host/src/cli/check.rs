@@ -17,8 +17,8 @@ use super::diagnostic::{self, Colour, Format, Screen};
 use super::run::{parse_dialect, parse_maze_cell};
 use crate::files::{DiskFiles, slashed};
 use crate::launch::check::{
-    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_forbidden,
-    unknown_functions, wrong_checks,
+    FindProgram, count, finder, invalid_checks, is_rejected, missing_programs, plural, search_path,
+    unknown_forbidden_functions, unknown_functions,
 };
 use crate::program::Generation;
 use crate::program::language::Language;
@@ -164,9 +164,9 @@ pub(super) fn is_suite_file(name: &str, files: &dyn Files) -> bool {
 /// A suite and the scene of its first case.
 fn check_suite(name: &str, files: &dyn Files) -> Loaded {
     let LoadedSuite { suite, mut loaded } = load_suite(name, files);
-    loaded.diagnostics.extend(unknown_forbidden(&suite.file, &suite.forbid));
+    loaded.diagnostics.extend(unknown_forbidden_functions(&suite.file, &suite.forbid));
     let scene = SceneSpec { file: suite.file, checks: suite.checks, ..SceneSpec::default() };
-    loaded.diagnostics.extend(wrong_checks(&scene));
+    loaded.diagnostics.extend(invalid_checks(&scene));
     loaded
 }
 
@@ -188,8 +188,8 @@ fn check_sim(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_progr
     if let Some(CostsRef::Table(table)) = &loaded.scene.run.costs {
         loaded.diagnostics.extend(unknown_functions(table));
     }
-    loaded.diagnostics.extend(unknown_forbidden(&loaded.scene.file, &loaded.scene.run.forbid));
-    loaded.diagnostics.extend(wrong_checks(&loaded.scene));
+    loaded.diagnostics.extend(unknown_forbidden_functions(&loaded.scene.file, &loaded.scene.run.forbid));
+    loaded.diagnostics.extend(invalid_checks(&loaded.scene));
     loaded
 }
 

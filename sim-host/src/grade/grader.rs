@@ -15,7 +15,7 @@ use super::choice::{self, Choice};
 use super::submission::Submission;
 use crate::executive::interrupt::Interrupt;
 use crate::files::slashed;
-use crate::launch::settings::{ProgramOption, withdraw_programs};
+use crate::launch::settings::{ProgramOption, remove_programs};
 use crate::launch::{Error, Options, ProgramCache, Rejected, Scene};
 use crate::program::Builder;
 use crate::program::sandbox::Sandbox;
@@ -171,7 +171,7 @@ impl Grader {
         let options = Options { arguments: Vec::new(), ..case.options.clone() };
         let mut scene = Scene::open(&case.scene, options)?;
         let robots = self.suite.spec.submit.iter().map(|submit| submit.robots.as_str());
-        withdraw_programs(scene.spec_mut(), robots)?;
+        remove_programs(scene.spec_mut(), robots)?;
         Ok(scene)
     }
 
