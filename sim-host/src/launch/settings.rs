@@ -105,7 +105,7 @@ pub struct ProgramOption {
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum RobotSelector {
     /// All robots without a program.
-    Without,
+    WithoutProgram,
     /// One robot.
     Robot(u32),
     /// All robots whose program in the scene has this name; if there are none, all robots of the type with this name.
