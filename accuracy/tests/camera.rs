@@ -80,7 +80,7 @@ fn world(scene: &SceneSpec) -> World {
     let motion =
         |robot: &RobotSpec| Motion::new(robot.id, Arc::new(build::model(&robot.robi)), Arc::clone(&walls), robot.start);
     let mut motions: Vec<Motion> = scene.robots.iter().map(motion).collect();
-    let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
+    let objects = build::movable_objects(scene).map(|object| (build::properties(object), object.pose));
     World::new(Arc::clone(&walls), Time::from_millis(50), &mut motions).with_objects(objects)
 }
 

@@ -125,7 +125,7 @@ pub fn run<'py>(
     let interrupt = Interrupt::default();
     let run = || {
         let scene = match text {
-            Some(text) => Scene::of_text(&path, &text, options),
+            Some(text) => Scene::from_text(&path, &text, options),
             None => Scene::open(&path, options),
         }?;
         carry_out(scene, has_trace, interrupt.clone())

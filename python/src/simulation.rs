@@ -55,7 +55,7 @@ impl Simulation {
         let settings = parse_settings(py, &settings)?;
         let options = launch::Options { seed, noise, slot, settings, ..launch::Options::default() };
         let opened = py.detach(|| match text {
-            Some(text) => Scene::of_text(&path, &text, options),
+            Some(text) => Scene::from_text(&path, &text, options),
             None => Scene::open(&path, options),
         });
         let scene = opened.map_err(|failed| of_launch(py, failed))?;

@@ -1,7 +1,7 @@
-//! The simulation as a pure library: no files, threads, clock or `unsafe`, and no knowledge of RoBIOS.
+//! Simulation of mobile robots as a pure library: no files, threads, clock or `unsafe`, and independent of RoBIOS.
 //!
-//! [`Simulation`](simulation::Simulation) is a whole simulation as one value: its owner steps it, commands its robots,
-//! reads their devices, renders what their cameras see, clones it as a snapshot and restores it. The parts can be used
+//! [`Simulation`](simulation::Simulation) is a whole simulation as one value: the owner steps it, commands its robots,
+//! reads their devices, renders the images of their cameras, clones it as a snapshot and restores it. The parts can be used
 //! on their own: a [`world`] of bodies, the motion of a [`drive`](mod@drive), a [`sensor`], a [`camera`], the
 //! [`device`]s of a robot.
 //!
@@ -52,7 +52,7 @@ impl RobotId {
 }
 
 impl std::fmt::Display for RobotId {
-    /// Formats the id as `r1`, `r2`, ..., as everywhere in the output.
+    /// Formats the id as `r1`, `r2`, ..., the form in all output.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "r{}", self.0)
     }
@@ -78,7 +78,7 @@ impl ObjectId {
 }
 
 impl std::fmt::Display for ObjectId {
-    /// Formats the id as `o1`, `o2`, ..., as everywhere in the output.
+    /// Formats the id as `o1`, `o2`, ..., the form in all output.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "o{}", self.0)
     }

@@ -50,7 +50,7 @@ pub fn tanh(x: f64) -> f64 {
     libm::tanh(x)
 }
 
-/// Angle in [-pi/2, pi/2] whose sine is `x`, in radians; NaN beyond 1.
+/// Angle in [-pi/2, pi/2] whose sine is `x`, in radians; NaN if `x` is outside [-1, 1].
 pub fn asin(x: f64) -> f64 {
     libm::asin(x)
 }
@@ -65,18 +65,19 @@ pub fn ln_1p(x: f64) -> f64 {
     libm::log1p(x)
 }
 
-/// 1 - erf(x), without cancellation for large x: twice the fraction of a normal distribution beyond sqrt(2) x.
+/// 1 - erf(x), without cancellation for large x. For x >= 0 this is the probability that a standard normal number exceeds
+/// sqrt(2) x in absolute value.
 pub fn erfc(x: f64) -> f64 {
     libm::erfc(x)
 }
 
-/// sin(x) / x, continued by 1 at 0; full precision for every x.
+/// sin(x) / x, and 1 at 0; full precision for every x.
 pub fn sinc(x: f64) -> f64 {
     // Below 1e-4 the next term of the series, x^4 / 120, is under half a unit in the last place of 1.
     if x.abs() < 1e-4 { 1.0 - x * x / 6.0 } else { sin(x) / x }
 }
 
-/// (1 - cos(x)) / x, continued by 0 at 0, without cancellation.
+/// (1 - cos(x)) / x, and 0 at 0, without cancellation.
 pub fn cosc(x: f64) -> f64 {
     let half = sinc(0.5 * x);
     0.5 * x * half * half
@@ -87,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sinc_and_cosc_meet_their_series() {
+    fn sinc_and_cosc_match_their_series() {
         for x in [1e-300, 1e-9, 0.99e-4, 1.01e-4, 1e-2] {
             let (sinc_series, cosc_series) =
                 (1.0 - x * x / 6.0 + x * x * x * x / 120.0, x / 2.0 - x * x * x / 24.0 + x * x * x * x * x / 720.0);

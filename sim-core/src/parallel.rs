@@ -1,11 +1,11 @@
-//! Loops with independent iterations, for callers that have several threads.
+//! Loops with independent iterations, which a caller with several threads can run in parallel.
 
 /// Number of items in a section of a loop.
 pub const SECTION: usize = 8;
 
 /// Runs loops, in parallel if it has several threads.
 pub trait Pool {
-    /// Calls `act` once for each section of `items`, in any order and in parallel. Sections have [`SECTION`] items; the last may have
+    /// Calls `act` once for each section of `items`, in any order and in parallel. A section has [`SECTION`] items; the last one may have
     /// fewer. Returns when all calls have returned.
     fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync);
 
@@ -25,11 +25,11 @@ impl Pool for Serial {
     }
 }
 
-/// An empty vector of another type in the memory of `spare`, if the elements have the same layout, so that vectors of references needed in
-/// each slot do not allocate.
+/// An empty vector of another type that reuses the memory of `spare` if the elements have the same layout. With it, a vector of references
+/// that is needed in each slot does not allocate.
 pub fn reuse<T, U>(mut spare: Vec<T>) -> Vec<U> {
     spare.clear();
-    // The standard library collects in place here.
+    // The standard library reuses the memory of `spare` for this `collect`.
     spare.into_iter().map_while(|_| None).collect()
 }
 

@@ -13,7 +13,7 @@ use glam::{DMat3, DVec2, DVec3};
 use crate::math;
 pub use link::{Link, link_pose};
 
-/// A direction with whole turns counted separately, so that the remainder never loses digits.
+/// A direction as a number of whole turns and a remainder, so that the remainder never loses digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Heading {
     turns: i64,
@@ -46,10 +46,10 @@ impl Heading {
         if !radians.is_finite() {
             return self;
         }
-        let whole = (radians / TAU).round();
+        let whole_turns = (radians / TAU).round();
         let mut heading = Self {
-            turns: self.turns.saturating_add(whole as i64),
-            remainder: self.remainder + (radians - whole * TAU),
+            turns: self.turns.saturating_add(whole_turns as i64),
+            remainder: self.remainder + (radians - whole_turns * TAU),
         };
         if heading.remainder >= PI {
             heading.remainder -= TAU;
@@ -78,9 +78,9 @@ impl Heading {
 /// the robot's frame into coordinates in the world frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Pose {
-    /// Origin of the inner frame in the outer one, in metres.
+    /// Origin of the inner frame in the outer frame, in metres.
     pub position: DVec2,
-    /// Direction of the inner frame's x axis in the outer one.
+    /// Direction of the inner frame's x axis in the outer frame.
     pub heading: Heading,
 }
 
@@ -106,12 +106,12 @@ impl Pose {
         DVec2::new(direction.x, -direction.y).rotate(point - self.position)
     }
 
-    /// Composes two poses: `outer_from_inner.compose(&inner_from_point)` is `outer_from_point`.
-    pub fn compose(&self, inner: &Pose) -> Pose {
-        let turned = self.heading.turned(inner.heading.remainder);
+    /// Composes two poses: `outer_from_inner.compose(&inner_from_child)` is `outer_from_child`.
+    pub fn compose(&self, child: &Pose) -> Pose {
+        let turned = self.heading.turned(child.heading.remainder);
         Pose {
-            position: self.transform_point(inner.position),
-            heading: Heading { turns: turned.turns.saturating_add(inner.heading.turns), ..turned },
+            position: self.transform_point(child.position),
+            heading: Heading { turns: turned.turns.saturating_add(child.heading.turns), ..turned },
         }
     }
 
@@ -150,7 +150,7 @@ pub struct PlacementError;
 /// coordinates in the world frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose3 {
-    /// Origin of the inner frame in the outer one, m.
+    /// Origin of the inner frame in the outer frame, m.
     pub position: DVec3,
     /// Rotation whose columns are the inner frame's axes in the outer frame.
     pub rotation: DMat3,
@@ -169,12 +169,12 @@ impl Pose3 {
     /// The frame at `position`, turned about x by `roll`, then about y so that x rises by `pitch`, then about z by `yaw`,
     /// all about the outer frame's axes and in rad: Rz(yaw) Ry(-pitch) Rx(roll).
     ///
-    /// Positive `pitch` looks up, positive `roll` raises the left side, positive `yaw` turns to the left. An angle that is
-    /// 0 leaves zeros exact: a level frame has an exactly level x axis.
+    /// A positive `pitch` raises the x axis, a positive `roll` the left side; a positive `yaw` turns to the left. An angle that is
+    /// 0 keeps zeros exact: a level frame has an exactly level x axis.
     pub fn from_angles(position: DVec3, roll: f64, pitch: f64, yaw: f64) -> Self {
         let (sin_roll, cos_roll) = math::sin_cos(roll);
         let (sin_pitch, cos_pitch) = math::sin_cos(pitch);
-        // Computed as in planar poses, so that the results are bit-identical.
+        // Computed in the same way as in planar poses, so that the results are bit-identical.
         let DVec2 { x: cos_yaw, y: sin_yaw } = Heading::new(yaw).direction();
         let about_x =
             DMat3::from_cols(DVec3::X, DVec3::new(0.0, cos_roll, sin_roll), DVec3::new(0.0, -sin_roll, cos_roll));
@@ -296,7 +296,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_quarter_circle_ends_where_geometry_says() {
+    fn quarter_circle_ends_at_the_geometric_point() {
         let start = Pose::new(1.0, 2.0, 0.0);
         let radius = 0.5;
         let end = start.moved(Twist::new(radius * PI / 2.0, PI / 2.0));
@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn the_arc_goes_over_into_the_line() {
+    fn arc_converges_to_the_line() {
         for omega in [0.0, 1e-300, -1e-300, 1e-12] {
             let end = Pose::default().moved(Twist::new(3.0, omega));
             assert!((end.position - DVec2::new(3.0, 1.5 * omega)).length() < 1e-15, "omega {omega}: {end:?}");
@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn a_million_turns_keep_the_remainder() {
+    fn million_turns_keep_the_remainder() {
         let mut heading = Heading::new(0.25);
         for _ in 0..1_000_000 {
             heading = heading.turned(TAU);
@@ -324,22 +324,22 @@ mod tests {
     }
 
     #[test]
-    fn a_body_turning_about_a_point_ahead_moves_sideways() {
+    fn body_turning_about_a_point_in_front_moves_sideways() {
         let twist_of_axle = Twist::new(0.0, 2.0);
         let twist_of_centre = twist_of_axle.at_offset(DVec2::new(-0.04, 0.0));
         assert_eq!(twist_of_centre, Twist { vx: 0.0, vy: -0.08, omega: 2.0 });
     }
 
     #[test]
-    fn turns_in_space_have_the_signs_of_the_conventions() {
+    fn rotations_in_space_have_the_documented_signs() {
         let (roll, pitch, yaw) = (0.3, 0.4, 0.5);
         let close = |found: DVec3, expected: DVec3| assert!((found - expected).length() < 1e-15, "{found} {expected}");
         let (sin, cos) = math::sin_cos(0.4);
         close(Pose3::from_angles(DVec3::ZERO, roll, pitch, 0.0).forward(), DVec3::new(cos, 0.0, sin));
         let left = Pose3::from_angles(DVec3::ZERO, roll, 0.0, 0.0).rotation.y_axis;
         assert!(left.z > 0.0 && left.x == 0.0, "the left side rises: {left}");
-        let about = |axis, angle| Pose3::about_axis(axis, angle);
-        let product = about(DVec3::Z, yaw).then(&about(DVec3::Y, -pitch)).then(&about(DVec3::X, roll));
+        let rotation = |axis, angle| Pose3::about_axis(axis, angle);
+        let product = rotation(DVec3::Z, yaw).then(&rotation(DVec3::Y, -pitch)).then(&rotation(DVec3::X, roll));
         let pose = Pose3::from_angles(DVec3::new(1.0, 2.0, 3.0), roll, pitch, yaw);
         for (found, expected) in [
             (pose.rotation.x_axis, product.rotation.x_axis),
@@ -358,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn a_level_pose_in_space_is_the_planar_one() {
+    fn level_pose_in_space_matches_the_planar_pose() {
         let planar = Pose::new(1.0, -2.0, 2.5);
         let space = Pose3::from_planar(&planar, 0.3);
         assert_eq!(space, Pose3::from_angles(DVec3::new(1.0, -2.0, 0.3), 0.0, 0.0, 2.5));

@@ -1,4 +1,4 @@
-//! Virtual and simulation time: integers in microseconds, so that sums are exact and the same for every slot length.
+//! Virtual time and simulation time: integers in microseconds, so that sums are exact for every slot length.
 
 use std::ops::{Add, AddAssign, Sub};
 
@@ -8,7 +8,7 @@ use std::ops::{Add, AddAssign, Sub};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 pub struct Time(pub i64);
 
-/// System tick of RoBIOS, 10 ms: timers, tasks and motion controllers step on its global grid.
+/// System tick of RoBIOS, 10 ms: timers, tasks and motion controllers step at its multiples.
 ///
 /// Source: RoBIOS 6 manual, system tick of 100 Hz.
 pub const TICK: Time = Time(10_000);
@@ -24,7 +24,7 @@ impl Time {
         Self(n.saturating_mul(1_000))
     }
 
-    /// The span in seconds; exact to the last bit for spans below 2^53 us (285 years) divided by 10^6.
+    /// The span in seconds: for spans below 2^53 us (285 years), the `f64` nearest to the exact quotient by 10^6.
     pub fn seconds(self) -> f64 {
         self.0 as f64 / 1e6
     }
@@ -41,7 +41,7 @@ impl Time {
         time
     }
 
-    /// The last point of the grid `step, 2 step, ...` not after this instant.
+    /// The last multiple of `step` that is not after this instant.
     pub fn floor_to(self, step: Time) -> Self {
         Self(self.0.div_euclid(step.0) * step.0)
     }
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_wake_after_a_real_instant_is_never_before_it() {
+    fn from_seconds_ceil_is_never_early() {
         for micros in [0, 1, 3, 7, 1_000_001, 123_456_789_012] {
             let exact = Time(micros);
             assert_eq!(Time::from_seconds_ceil(exact.seconds()), exact);
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn the_grid_contains_its_own_points() {
+    fn floor_to_keeps_multiples_of_the_step() {
         assert_eq!(Time(20_000).floor_to(TICK), Time(20_000));
         assert_eq!(Time(19_999).floor_to(TICK), Time(10_000));
     }

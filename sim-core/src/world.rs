@@ -46,13 +46,13 @@ pub struct Contact {
     pub time: Time,
     /// Robot whose body was stopped.
     pub robot: RobotId,
-    /// Obstacle that stopped it.
+    /// Obstacle that stopped the body.
     pub with: Thing,
     /// Point of contact in the world frame, in metres.
     pub point: DVec2,
 }
 
-/// A stretch of a robot's published motion: constant twist, then rest.
+/// A part of a robot's published motion: constant twist, then rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
     /// Start of the stretch.
@@ -76,21 +76,21 @@ pub struct World {
     now: Time,
     /// In the order of the robots' ids.
     tracks: Vec<Track>,
-    /// Index over the bodies that move: bounds of their published motion from 100 ms before the present slot to its
+    /// Index over the moving bodies: bounds of their published motion from 100 ms before the present slot to the slot's
     /// end.
     moving: BoundsIndex<RobotId>,
     /// Index over the bodies at rest.
     resting: BoundsIndex<RobotId>,
     /// For each robot, true if its body is in `resting` and its [track](Track::is_resting) has not changed since.
     are_resting: Vec<bool>,
-    /// Number of robots that were removed longer ago than the history reaches.
+    /// Number of robots that were removed before the start of the queryable history.
     forgotten: usize,
     /// Buffer for the next rebuild of an index.
     bounds: Vec<(RobotId, Bounds)>,
     truth: TrueMotions,
     /// The movable objects; `None` in a scene without any.
     objects: Option<Box<Objects>>,
-    /// Geometry that only rays in space meet.
+    /// Geometry that only rays in space can hit.
     indexed_space: Arc<IndexedSpace>,
     quiescence: Quiescence,
     radio: Channel,
@@ -106,15 +106,15 @@ struct PublishedStance {
     parts: Vec<Pose3>,
 }
 
-/// Time up to which the only robot of a world follows its plan without a contact to resolve or a change to publish.
-/// Valid while the revision of the plan is the same.
+/// Time up to which a world's only robot follows its plan without a contact to resolve or a change to publish.
+/// Valid while the plan has this revision.
 #[derive(Clone, Copy, Debug, Default)]
 struct Quiescence {
     revision: u64,
     until: Time,
 }
 
-/// Look-ahead limit of [`Quiescence`], which keeps the robot's rectangle in the index small.
+/// Maximum look-ahead of [`Quiescence`]; it limits the size of the robot's rectangle in the index.
 const MAX_QUIESCENCE: Time = Time::from_millis(10_000);
 
 impl World {
@@ -123,7 +123,7 @@ impl World {
     /// # Panics
     /// If `slot` is not positive or the ids are not 1, 2, ... in this order.
     pub fn new<'a>(walls: Arc<Walls>, slot: Time, motions: impl IntoIterator<Item = &'a mut Motion>) -> Self {
-        assert!(slot > Time::ZERO, "a slot has a length");
+        assert!(slot > Time::ZERO, "the slot length is positive");
         let indexed_space = Arc::new(IndexedSpace::new(Space::default(), &walls));
         let mut world = Self {
             walls,
@@ -163,7 +163,7 @@ impl World {
         self
     }
 
-    /// Sets the geometry that only rays in space see: shapes, heights and surfaces.
+    /// Sets the geometry that only rays in space can hit: shapes, heights and surfaces.
     pub fn with_space(mut self, space: Space) -> Self {
         self.indexed_space = Arc::new(IndexedSpace::new(space, &self.walls));
         self
@@ -180,7 +180,7 @@ impl World {
         &self.radio
     }
 
-    /// The channel, mutable: between two slots it takes the messages that were sent.
+    /// The channel, mutable. It takes the queued messages between two slots.
     pub fn radio_mut(&mut self) -> &mut Channel {
         &mut self.radio
     }
@@ -195,7 +195,7 @@ impl World {
         }
         let others = (0..self.tracks.len()).map(RobotId::from_index);
         let others = others.filter(|other| *other != robot && self.is_robot_present(*other, at));
-        let reached = |other: RobotId| {
+        let check_reach = |other: RobotId| {
             let offset = self.tracks[other.index()].centre(at) - position;
             let distance = offset.length();
             if range.is_some_and(|range| distance > range) {
@@ -205,7 +205,7 @@ impl World {
                 line_of_sight && distance > 0.0 && self.walls.cast(position, offset / distance, distance).is_some();
             if is_hidden { Err(Loss::Sight) } else { Ok(()) }
         };
-        others.filter_map(|other| Some((other, reached(other).err()?))).collect()
+        others.filter_map(|other| Some((other, check_reach(other).err()?))).collect()
     }
 
     /// Number of movable objects, removed ones included.
@@ -250,7 +250,7 @@ impl World {
     }
 
     /// Places a movable object at `world_from_object`, at rest and awake, at the end of the present slot. Must be
-    /// called before [`World::advance`]. Of several calls for one object, the last one counts.
+    /// called before [`World::advance`]. If it is called several times for one object, the last call applies.
     ///
     /// Any pose is allowed: an object inside a wall or a body is pushed out. A removed object stays removed.
     ///
@@ -268,7 +268,7 @@ impl World {
     /// Places a movable object at `world_from_object` now, at the start of the slot, at rest and awake; publishes the
     /// pose immediately.
     ///
-    /// Any place is allowed: an object inside a wall or a body is pushed out.
+    /// Any pose is allowed: an object inside a wall or a body is pushed out.
     ///
     /// # Errors
     /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.
@@ -284,14 +284,14 @@ impl World {
         Ok(())
     }
 
-    /// Keeps the steps of movable objects for [`World::take_object_steps`] from now on.
+    /// Starts recording the steps of movable objects for [`World::take_object_steps`].
     pub fn keep_object_steps(&mut self) {
         if let Some(objects) = &mut self.objects {
             objects.keep_steps();
         }
     }
 
-    /// Takes the steps of movable objects since the last call, in order of time; only those kept since [`World::keep_object_steps`].
+    /// Removes and returns the recorded steps of movable objects, in order of time; see [`World::keep_object_steps`].
     pub fn take_object_steps(&mut self) -> Vec<ObjectStep> {
         self.objects.as_mut().map(|objects| objects.take_steps()).unwrap_or_default()
     }
@@ -339,12 +339,12 @@ impl World {
 
     /// Published pose of a robot's centre at `at`, which is at most 100 ms before the present slot.
     ///
-    /// A robot's exact own pose is [`Motion::pose`].
+    /// For the exact pose of a robot whose motion the caller has, see [`Motion::pose`].
     pub fn robot_pose(&self, robot: RobotId, at: Time) -> Pose {
         self.tracks[robot.index()].pose(at)
     }
 
-    /// Published motion of a robot in the present slot: at least one stretch, in the order of time; the first one
+    /// Published motion of a robot in the present slot: at least one part, in the order of time; the first one
     /// covers the slot's start.
     pub fn stretches(&self, robot: RobotId) -> impl Iterator<Item = Stretch> {
         let passages = self.tracks[robot.index()].passages();
@@ -361,7 +361,7 @@ impl World {
     }
 
     /// The bodies of other robots that touch the body of `motion` at `at`, in the order of their ids: the argument of
-    /// [`Motion::command`]. Their poses are published ones; the pose of `motion` is its own exact one.
+    /// [`Motion::command`]. Their poses are the published ones; the pose of `motion` is exact.
     pub fn touching(&self, motion: &mut Motion, at: Time) -> Vec<Body> {
         if self.tracks.len() < 2 {
             return Vec::new();
@@ -369,7 +369,7 @@ impl World {
         let centre = motion.pose(at).position;
         let radius = motion.radius();
         let mut bodies = Vec::new();
-        let mut look_at = |robot: RobotId| {
+        let mut visit = |robot: RobotId| {
             if robot != motion.id() && self.is_robot_present(robot, at) {
                 let body = self.body(robot, at);
                 if (body.centre - centre).length() <= radius + body.radius + TOUCH {
@@ -378,8 +378,8 @@ impl World {
             }
         };
         let bounds = Bounds::of_disc(centre, radius + TOUCH);
-        self.resting.visit_in(&bounds, &mut look_at);
-        self.moving.visit_in(&bounds, &mut look_at);
+        self.resting.visit_in(&bounds, &mut visit);
+        self.moving.visit_in(&bounds, &mut visit);
         bodies.sort_by_key(|body| body.robot);
         bodies.dedup_by_key(|body| body.robot);
         bodies
@@ -394,9 +394,9 @@ impl World {
         active.sort_by_key(|motion| motion.id());
         let mut contacts = Vec::new();
         if self.settle(active, &Serial, |_| {}) {
-            let (end, following) = (self.slot_end(), self.slot_end() + self.slot);
+            let (end, next_end) = (self.slot_end(), self.slot_end() + self.slot);
             for (motion, publication) in active.iter_mut().zip(self.publications()) {
-                publication.publish(motion, end, following, |contact| contacts.push(contact));
+                publication.publish(motion, end, next_end, |contact| contacts.push(contact));
             }
             contacts.sort_by_key(|contact| (contact.time, contact.robot));
             self.conclude(active);
@@ -405,10 +405,10 @@ impl World {
     }
 
     /// First part of the end of a slot: resolves the contacts between bodies, and releases bodies whose path has become free. `active`
-    /// is as for [`World::advance`], in the order of ids; `observe` gets each motion once its contacts are resolved, while the whole
-    /// slot can still be queried.
+    /// holds the motions as in [`World::advance`], sorted by id. `observe` is called with each motion when its contacts are resolved and
+    /// the whole slot can still be queried.
     ///
-    /// Returns false if the world has already advanced because nothing can have changed. Otherwise the caller has to publish all
+    /// Returns false if the world has already advanced because nothing can have changed. Otherwise the caller must publish all
     /// [publications](World::publications) and call [`World::conclude`].
     pub(crate) fn settle(
         &mut self,
@@ -480,7 +480,7 @@ impl World {
         self.truth = truth;
     }
 
-    /// Publishes the plan of `motion` for the present slot, at its start, after the robot was [placed](Motion::place)
+    /// Publishes the plan of `motion` at the start of the present slot again, after the robot was [placed](Motion::place)
     /// or changed there.
     pub fn republish(&mut self, motion: &mut Motion) {
         let (now, end) = (self.now, self.slot_end());
@@ -512,7 +512,7 @@ impl World {
         self.stances.get(&robot).map(|published| &published.stance)
     }
 
-    /// Pose in the world at `at` of a part of a robot's legs, with the stance at the start of the present slot. Parts
+    /// Pose in the world at `at` of a part of a robot's legs; the stance is the one at the start of the present slot. Parts
     /// are indexed as in [`Legs::parts`](crate::drive::legged::Legs::parts); `None` if there is no such part.
     pub fn leg_part_pose(&self, robot: RobotId, part: usize, at: Time) -> Option<Pose3> {
         let robot_from_part = self.stances.get(&robot)?.parts.get(part)?;
@@ -529,7 +529,7 @@ impl World {
         self.tracks.len() == 1 && self.objects.is_none()
     }
 
-    /// Returns true if the only robot has published a plan without its passages; the indices do not know it then.
+    /// Returns true if the only robot has published a plan without its passages; the plan is then not in the indices.
     fn has_plan_alone(&self) -> bool {
         self.has_single_robot() && self.tracks[0].has_plan()
     }
@@ -550,7 +550,7 @@ impl World {
     pub fn advance_to(&mut self, slot_start: Time) {
         assert!(
             slot_start >= self.now && slot_start.floor_to(self.slot) == slot_start,
-            "{slot_start} starts no later slot"
+            "{slot_start} is not the start of a later slot"
         );
         if slot_start == self.now {
             return;
@@ -563,7 +563,7 @@ impl World {
         self.refresh_index();
     }
 
-    /// Enters the bounds of the published motion into the indices. Bodies that stay at rest are not entered again.
+    /// Updates the indices with the bounds of the published motion. Bodies that stay at rest need no update.
     fn refresh_index(&mut self) {
         self.refresh_index_after(None);
     }
@@ -633,20 +633,20 @@ impl Publication<'_> {
         self.slot_motion.robot
     }
 
-    /// Ends the slot at `end` for `motion`, shows the contacts that began in it, in order of time, and publishes the motion up to
-    /// `following`.
-    pub fn publish(self, motion: &mut Motion, end: Time, following: Time, mut show: impl FnMut(Contact)) {
+    /// Ends the slot at `end` for `motion`, calls `report` with the contacts that began in the slot, in order of time, and publishes
+    /// the motion up to `next_end`.
+    pub fn publish(self, motion: &mut Motion, end: Time, next_end: Time, mut report: impl FnMut(Contact)) {
         let impacts = self.slot_motion.impacts.take().unwrap_or_else(|| motion.commit(end));
         for impact in impacts.into_iter().filter(|impact| impact.fresh) {
             let Impact { time, thing: with, point, .. } = impact;
-            show(Contact { time, robot: self.slot_motion.robot, with, point });
+            report(Contact { time, robot: self.slot_motion.robot, with, point });
         }
-        if self.track.is_alone && self.track.publish_plan(motion, end, following) {
+        if self.track.is_alone && self.track.publish_plan(motion, end, next_end) {
             return;
         }
-        self.track.publish(motion, end, following);
+        self.track.publish(motion, end, next_end);
         if !self.track.is_resting() {
-            self.refresh(end - HISTORY, following);
+            self.refresh(end - HISTORY, next_end);
         }
     }
 
@@ -657,7 +657,7 @@ impl Publication<'_> {
     }
 }
 
-/// The passage in force at `at`: the last passage started by then, otherwise the first.
+/// The passage in force at `at`: the last passage that has started by `at`, or the first if none has.
 fn passage_at(passages: &[Passage], at: Time) -> &Passage {
     let started = passages.iter().rposition(|passage| passage.since() <= at);
     &passages[started.unwrap_or(0)]

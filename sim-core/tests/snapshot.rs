@@ -325,24 +325,24 @@ impl Simulation {
 
     /// Transports the messages of the slot that ends at `end`.
     fn exchange(&mut self, end: Time, seen: &mut Vec<String>) {
-        let mut sendings = Vec::new();
+        let mut messages = Vec::new();
         let channel = self.world.radio_mut();
         for station in &mut self.stations {
             if let Some(change) = station.take_change() {
-                channel.change(change);
+                channel.report_change(change);
             }
-            sendings.extend(station.take_sent());
+            messages.extend(station.take_outgoing());
         }
-        let deliveries = channel.exchange(end, sendings);
+        let deliveries = channel.exchange(end, messages);
         seen.push(format!("{deliveries:?} {:?}", channel.due()));
-        for (robot, sequence) in channel.take_departed() {
-            self.stations[robot.index()].has_left(sequence);
+        for (robot, sequence) in channel.take_transmitted() {
+            self.stations[robot.index()].release(sequence);
         }
         for delivery in deliveries {
             self.stations[delivery.to.index()].deliver(delivery);
         }
         for station in &mut self.stations {
-            seen.push(format!("{:?} {:?}", station.settle(end - Time(1)), station.receive()));
+            seen.push(format!("{:?} {:?}", station.collect_visible(end - Time(1)), station.receive()));
         }
     }
 

@@ -24,7 +24,7 @@ pub(super) fn set_folder(checks: &mut [CheckSpec], of_file: &str) {
 /// Mistakes in the checks of a scene whose robots and objects are known.
 pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
     let mut sink = Sink::new(&scene.file);
-    let objects = build::movable(scene).count();
+    let objects = build::movable_objects(scene).count();
     let mut names: BTreeMap<&str, u32> = BTreeMap::new();
     for check in &scene.checks {
         for body in check.kind.bodies() {

@@ -68,7 +68,7 @@ fn run(main: impl Fn(&Program, Arc<dyn Calls>) -> EmbeddedEnd + Send + Sync + 's
         timeout: 0.2,
         ..Options::default()
     };
-    let scene = Scene::of_text("room.scene.toml", SCENE, options).expect("a scene");
+    let scene = Scene::from_text("room.scene.toml", SCENE, options).expect("a scene");
     let mut running = scene.load().expect("programs").start(Observers::default()).expect("a run");
     running.scheduler.advance_to(Time::NEVER);
     running.finish().report

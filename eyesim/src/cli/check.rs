@@ -10,8 +10,8 @@ use sim_core::spec::{CostsRef, Dialect, SceneSpec, Span};
 use sim_format::{CellRules, Code, Diagnostic, FileError, Files, InputFile, Loaded, MeshReader, Overrides, Severity};
 use sim_host::files::{DiskFiles, slashed};
 use sim_host::launch::check::{
-    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_forbidden,
-    unknown_functions, wrong_checks,
+    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_forbidden_functions,
+    unknown_functions, invalid_checks,
 };
 use sim_host::program::Generation;
 use sim_host::program::language::Language;
@@ -164,9 +164,9 @@ pub(super) fn is_suite_file(name: &str, files: &dyn Files) -> bool {
 /// Checks a suite and the scene of its first case.
 fn check_suite(name: &str, files: &dyn Files) -> Loaded {
     let LoadedSuite { suite, mut loaded } = load_suite(name, files);
-    loaded.diagnostics.extend(unknown_forbidden(&suite.file, &suite.forbid));
+    loaded.diagnostics.extend(unknown_forbidden_functions(&suite.file, &suite.forbid));
     let scene = SceneSpec { file: suite.file, checks: suite.checks, ..SceneSpec::default() };
-    loaded.diagnostics.extend(wrong_checks(&scene));
+    loaded.diagnostics.extend(invalid_checks(&scene));
     loaded
 }
 
@@ -188,8 +188,8 @@ fn check_sim(name: &str, overrides: Overrides<'_>, files: &dyn Files, find_progr
     if let Some(CostsRef::Table(table)) = &loaded.scene.run.costs {
         loaded.diagnostics.extend(unknown_functions(table));
     }
-    loaded.diagnostics.extend(unknown_forbidden(&loaded.scene.file, &loaded.scene.run.forbid));
-    loaded.diagnostics.extend(wrong_checks(&loaded.scene));
+    loaded.diagnostics.extend(unknown_forbidden_functions(&loaded.scene.file, &loaded.scene.run.forbid));
+    loaded.diagnostics.extend(invalid_checks(&loaded.scene));
     loaded
 }
 

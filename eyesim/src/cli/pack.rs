@@ -267,7 +267,7 @@ pub(super) fn programs(unpacked: &Unpacked, given: &[ProgramOption]) -> anyhow::
         let paths: Vec<String> = parts.into_iter().map(|path| slashed(&unpacked.place(path))).collect();
         let option = ProgramOption::parse(&format!("{selector}{}", paths.join(",")));
         let option = option.map_err(anyhow::Error::msg)?;
-        if !given.iter().any(|other| other.has_robots_of(&option)) {
+        if !given.iter().any(|other| other.selects_same_robots(&option)) {
             programs.push(option);
         }
     }

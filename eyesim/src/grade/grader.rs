@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use sim_format::{Diagnostic, Severity};
 use sim_host::executive::interrupt::Interrupt;
 use sim_host::files::slashed;
-use sim_host::launch::settings::{ProgramOption, withdraw_programs};
+use sim_host::launch::settings::{ProgramOption, remove_programs};
 use sim_host::launch::{Error, Options, ProgramCache, Rejected, Scene};
 use sim_host::program::Builder;
 use sim_host::program::sandbox::Sandbox;
@@ -173,7 +173,7 @@ impl Grader {
         let options = Options { arguments: Vec::new(), ..case.options.clone() };
         let mut scene = Scene::open(&case.scene, options)?;
         let robots = self.suite.spec.submit.iter().map(|submit| submit.robots.as_str());
-        withdraw_programs(scene.spec_mut(), robots)?;
+        remove_programs(scene.spec_mut(), robots)?;
         Ok(scene)
     }
 

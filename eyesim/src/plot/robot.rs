@@ -69,7 +69,7 @@ pub fn draw_heading(drawing: &mut Drawing, pose: &Pose, radius: f64) {
 fn draw_wheels(drawing: &mut Drawing, robi: &RobiSpec, pose: &Pose) {
     // The width of a wheel is not specified; a fifth of its diameter looks right.
     let half_size = 0.5 * robi.wheel.diameter * DVec2::new(1.0, 0.2);
-    for wheel in build::wheel_places(robi) {
+    for wheel in build::wheel_centres(robi) {
         let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
         let corners = corners.map(|(x, y)| pose.transform_point(wheel + half_size * DVec2::new(x, y)));
         corners.iter().for_each(|corner| drawing.include(*corner));

@@ -111,7 +111,7 @@ impl Session {
     /// [`PrepareError`].
     pub fn prepare(&mut self, suite: &Suite, case: &Case) -> Result<bool, PrepareError> {
         match self.build(suite, case) {
-            Ok(built) => Ok(built.is_on_fibers()),
+            Ok(built) => Ok(built.uses_only_fibers()),
             Err(Failure { is_build_failure: false, .. }) => Err(PrepareError::Scene),
             Err(failure) => Err(PrepareError::Programs(Box::new(failure.result(suite, case)))),
         }
@@ -262,7 +262,7 @@ const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 fn try_run(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResult, Failure> {
     let built = session.build(suite, case)?;
     let key = key_of(suite, case, built.inputs());
-    if !built.is_on_fibers() && session.subreaper.is_none() {
+    if !built.uses_only_fibers() && session.subreaper.is_none() {
         session.subreaper = Some(Subreaper::start());
     }
     let loader = match session.loader.take() {
@@ -270,13 +270,13 @@ fn try_run(suite: &Suite, case: &Case, session: &mut Session) -> Result<CaseResu
         None => Loader::new().map_err(Failure::of)?,
     };
     let ready = built.load_with(session.loader.insert(loader))?;
-    let mut words = ready.words();
+    let mut words = ready.repeat_arguments();
     if !suite.spec.checks.is_empty() {
         words.push(format!("--checks={}", suite.spec.file));
     }
     let scene = Arc::clone(ready.scene());
     let starts: Vec<_> = scene.robots.iter().map(|robot| robot.start).collect();
-    let objects: Vec<_> = build::movable(&scene).map(|object| object.pose).collect();
+    let objects: Vec<_> = build::movable_objects(&scene).map(|object| object.pose).collect();
     let trails = Arc::new(Mutex::new(Trails::new(&starts, &objects)));
     let output = Arc::new(Mutex::new(Output::default()));
     let mut sinks: Vec<Box<dyn Sink>> = vec![Box::new(Arc::clone(&trails)), Box::new(Arc::clone(&output))];

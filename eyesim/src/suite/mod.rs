@@ -59,8 +59,8 @@ impl Suite {
         let mut files = DiskFiles::of_environment();
         let LoadedSuite { suite: spec, mut loaded } = load_suite(&files.name(path), &files);
         let check_scene = SceneSpec { file: spec.file.clone(), checks: spec.checks.clone(), ..SceneSpec::default() };
-        loaded.diagnostics.extend(check::unknown_forbidden(&spec.file, &spec.forbid));
-        loaded.diagnostics.extend(check::wrong_checks(&check_scene));
+        loaded.diagnostics.extend(check::unknown_forbidden_functions(&spec.file, &spec.forbid));
+        loaded.diagnostics.extend(check::invalid_checks(&check_scene));
         let axes = spec.matrix.axes();
         let checks_text = print_suite(&SuiteSpec { checks: spec.checks.clone(), ..SuiteSpec::default() });
         Self {
@@ -109,7 +109,7 @@ impl Suite {
         let suite_programs = self.spec.programs.iter().map(|program| self.program(&program.text));
         let mut programs: Vec<ProgramOption> = suite_programs.collect::<Result<_, _>>()?;
         for program in &self.programs {
-            programs.retain(|other| !other.has_robots_of(program));
+            programs.retain(|other| !other.selects_same_robots(program));
             programs.push(program.clone());
         }
         let case = |indices: Vec<usize>| {

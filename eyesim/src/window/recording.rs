@@ -54,7 +54,7 @@ pub fn recording<R: BufRead>(
         counts_by_kind: BTreeMap::new(),
         event_count: 0,
         next_robot: spec.robots.len() as u32 + 1,
-        next_object: build::movable(spec).count() as u32 + 1,
+        next_object: build::movable_objects(spec).count() as u32 + 1,
     };
     for robot in &spec.robots {
         let start = planar(&robot.start);

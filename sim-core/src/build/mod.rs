@@ -21,7 +21,7 @@ use crate::spec::{
 use crate::time::Time;
 use crate::world::{Space, ThickWall};
 pub use scenery::{
-    MARKER_RADIUS, MeshSource, NoMeshes, ROBOT_COLOURS, SpawnedEntity, Visuals, WALL_COLOUR, scenery, wheel_places,
+    MARKER_RADIUS, MeshSource, NoMeshes, ROBOT_COLOURS, SpawnedEntity, Visuals, WALL_COLOUR, scenery, wheel_centres,
 };
 
 /// Coefficient of friction of an object against walls, robots and other objects. Source: our choice.
@@ -58,7 +58,7 @@ pub fn obstacles(scene: &SceneSpec) -> Arc<Walls> {
 /// Height field of a world's terrain, built from an image, random relief or steps; `None` for the plane z = 0, and for
 /// a terrain that is a mesh file.
 ///
-/// A pure function of the text of the scene and its images: [`HeightField::height`] is the ground truth of the terrain.
+/// It depends only on the text of the scene and its images. [`HeightField::height`] is the ground truth of the terrain.
 pub fn height_field(world: &WorldSpec) -> Option<&Arc<HeightField>> {
     world.terrain.as_ref()?.field.as_ref()
 }
@@ -69,7 +69,7 @@ pub fn ground(world: &WorldSpec) -> Arc<Ground> {
 }
 
 /// Shapes of bodies and upper faces of walls in space. Only rays in space use them, in addition to the scene's
-/// [`obstacles`] and [`movable`] objects.
+/// [`obstacles`] and [`movable_objects`].
 ///
 /// A robot is an upright cylinder of its diameter, as high as its highest collider; infinitely high without colliders.
 pub fn space(scene: &SceneSpec) -> Space {
@@ -91,9 +91,9 @@ pub fn space(scene: &SceneSpec) -> Space {
     let mut fixed: Vec<_> = terrain.map(|mesh| (Pose::default(), Arc::new(terrain_figure(mesh)))).into_iter().collect();
     let mut objects = Vec::new();
     // Objects or robots of the same type share a figure. The keys are addresses, so the maps must never be iterated.
-    let (mut of_types, mut of_robis) = (BTreeMap::new(), BTreeMap::new());
+    let (mut object_figures, mut robot_figures) = (BTreeMap::new(), BTreeMap::new());
     for object in &scene.objects {
-        let figure = of_types.entry(Arc::as_ptr(&object.kind)).or_insert_with(|| Arc::new(figure(&object.kind)));
+        let figure = object_figures.entry(Arc::as_ptr(&object.kind)).or_insert_with(|| Arc::new(figure(&object.kind)));
         if object.kind.is_fixed {
             fixed.push((object.pose, Arc::clone(figure)));
         } else {
@@ -101,7 +101,7 @@ pub fn space(scene: &SceneSpec) -> Space {
         }
     }
     let mut robot = |robi: &Arc<RobiSpec>| {
-        Arc::clone(of_robis.entry(Arc::as_ptr(robi)).or_insert_with(|| Arc::new(robot_figure(robi))))
+        Arc::clone(robot_figures.entry(Arc::as_ptr(robi)).or_insert_with(|| Arc::new(robot_figure(robi))))
     };
     let robots = scene.robots.iter().map(|spec| robot(&spec.robi)).collect();
     Space {
@@ -125,19 +125,19 @@ fn default_ground_surface(world: &WorldSpec) -> Surface {
     }
 }
 
-/// The shape in space of a type of robot: see [`space`].
+/// Shape in space of a robot type: see [`space`].
 pub fn robot_figure(robi: &RobiSpec) -> Figure {
     let top = robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(f64::INFINITY);
     Figure::cylinder(0.5 * robi.diameter, top, robi.surface)
 }
 
-/// The shape in space of a type of object: its mesh if the mesh is solid, otherwise its colliders, or its footprint if
+/// Shape in space of an object type: its mesh if sensors detect the mesh, otherwise its colliders, or its footprint if
 /// it has neither.
 pub fn figure(kind: &ObjectType) -> Figure {
     let solids = match &kind.solid {
         spec::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(&raised(mesh, kind.lift)))],
         _ if kind.colliders.is_empty() => {
-            let Part { shape: footprint, object_from_part: body_from_footprint } = no_shape();
+            let Part { shape: footprint, object_from_part: body_from_footprint } = default_footprint();
             vec![Solid::Prism { footprint, body_from_footprint, bottom: 0.0, top: f64::INFINITY }]
         }
         _ => kind.colliders.iter().map(|collider| solid(&collider.raised(kind.lift))).collect(),
@@ -163,7 +163,7 @@ fn index(mesh: &Mesh) -> Arc<MeshIndex> {
 /// The solid of a collider.
 fn solid(collider: &Collider) -> Solid {
     let prism = |bottom, top| {
-        let Part { shape: footprint, object_from_part: body_from_footprint } = part(collider);
+        let Part { shape: footprint, object_from_part: body_from_footprint } = footprint(collider);
         Solid::Prism { footprint, body_from_footprint, bottom, top }
     };
     match *collider {
@@ -182,8 +182,8 @@ fn solid(collider: &Collider) -> Solid {
     }
 }
 
-/// The movable objects of a scene; their ids count from 1 in this order.
-pub fn movable(scene: &SceneSpec) -> impl Iterator<Item = &ObjectSpec> {
+/// The movable objects of a scene, in the order of their ids 1, 2, ...
+pub fn movable_objects(scene: &SceneSpec) -> impl Iterator<Item = &ObjectSpec> {
     scene.objects.iter().filter(|object| !object.kind.is_fixed)
 }
 
@@ -193,9 +193,9 @@ pub fn movable(scene: &SceneSpec) -> impl Iterator<Item = &ObjectSpec> {
 /// without colliders is a disc of 1 mm.
 pub fn properties(object: &ObjectSpec) -> Arc<Properties> {
     let kind = &object.kind;
-    let mut parts: Vec<Part> = kind.colliders.iter().map(part).collect();
+    let mut parts: Vec<Part> = kind.colliders.iter().map(footprint).collect();
     if parts.is_empty() {
-        parts.push(no_shape());
+        parts.push(default_footprint());
     }
     Arc::new(Properties {
         mass: kind.mass,
@@ -213,12 +213,12 @@ pub fn properties(object: &ObjectSpec) -> Arc<Properties> {
 }
 
 /// The footprint of an object without a shape.
-fn no_shape() -> Part {
+fn default_footprint() -> Part {
     Part { shape: Shape::Disc { radius: 1e-3 }, object_from_part: Pose::default() }
 }
 
 /// The footprint of a collider.
-fn part(collider: &Collider) -> Part {
+fn footprint(collider: &Collider) -> Part {
     let disc = |radius| (Shape::Disc { radius }, 0.0);
     let (centre, (shape, phi)) = match *collider {
         Collider::Box { centre, size } => (centre, (Shape::Rectangle { half: size.truncate() * 0.5 }, 0.0)),
@@ -226,9 +226,9 @@ fn part(collider: &Collider) -> Part {
         Collider::Capsule { centre, radius, axis: Axis::Z, .. } => (centre, disc(radius)),
         Collider::Capsule { centre, radius, height, axis } => {
             let half_length = 0.5 * height - radius;
-            let lying = Shape::Capsule { half_length, radius };
+            let capsule = Shape::Capsule { half_length, radius };
             let phi = if axis == Axis::Y { FRAC_PI_2 } else { 0.0 };
-            (centre, if half_length > 0.0 { (lying, phi) } else { disc(radius) })
+            (centre, if half_length > 0.0 { (capsule, phi) } else { disc(radius) })
         }
     };
     Part { shape, object_from_part: Pose::new(centre.x, centre.y, phi) }
@@ -239,7 +239,7 @@ fn part(collider: &Collider) -> Part {
 pub fn links(robi: &RobiSpec) -> Vec<Link> {
     let legs = legs(robi);
     let order = link_order(robi);
-    let indices = link_places(robi, &order);
+    let indices = link_indices(robi, &order);
     let servos = robi.all_servos();
     let link = |index: &usize| {
         let LinkSpec { mount, turn, .. } = &robi.links[*index];
@@ -252,13 +252,13 @@ pub fn links(robi: &RobiSpec) -> Vec<Link> {
         let servo = turn.as_ref().and_then(|turn| servos.iter().position(|servo| servo.name == turn.servo.text));
         Link { parent: parent_link(mount.on.as_ref(), &indices), origin: pose(mount), axis, joint: servo }
     };
-    let of_legs = legs.map_or_else(Vec::new, |legs| legs.links(0, servos.len()));
-    of_legs.into_iter().chain(order.iter().map(link)).collect()
+    let leg_links = legs.map_or_else(Vec::new, |legs| legs.links(0, servos.len()));
+    leg_links.into_iter().chain(order.iter().map(link)).collect()
 }
 
 /// The range sensors of a robot type, PSDs first. Their link indices refer to [`links`].
 pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
-    let indices = link_places(robi, &link_order(robi));
+    let indices = link_indices(robi, &link_order(robi));
     let psds = robi.psds.iter().map(|psd| RangeSensor {
         mount: Pose3::from_angles(psd.position, 0.0, psd.pitch, psd.angle),
         link: parent_link(psd.on.as_ref(), &indices),
@@ -274,11 +274,11 @@ pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
 
 /// Pose of a laser scanner on its parent link, and the index of that link in [`links`]; `None` for the body.
 pub fn scanner_mount(robi: &RobiSpec, lidar: &LidarSpec) -> (Pose3, Option<usize>) {
-    let indices = link_places(robi, &link_order(robi));
+    let indices = link_indices(robi, &link_order(robi));
     (pose(&lidar.mount), parent_link(lidar.mount.on.as_ref(), &indices))
 }
 
-/// Pose relative to the parent.
+/// Pose of a mount relative to its parent.
 fn pose(mount: &MountSpec) -> Pose3 {
     Pose3::from_angles(mount.position, mount.roll, mount.pitch, mount.yaw)
 }
@@ -288,8 +288,8 @@ fn parent_link(on: Option<&PathRef>, indices: &BTreeMap<String, usize>) -> Optio
     on.and_then(|on| indices.get(on.text.as_str()).copied())
 }
 
-/// Indices of the links in [`links`] by name; the first of several links with the same name counts.
-fn link_places(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
+/// Indices of the links in [`links`] by name; for several links with the same name, that of the first one.
+fn link_indices(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
     let mut indices = BTreeMap::new();
     let mut first = 0;
     for leg in legs(robi).iter().flat_map(|legs| &legs.legs) {
@@ -302,7 +302,7 @@ fn link_places(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
     indices
 }
 
-/// Indices of the links of the file, ordered so that parents come before children.
+/// Indices in the file of a robot type's links, sorted so that parents come before children.
 fn link_order(robi: &RobiSpec) -> Vec<usize> {
     let mut names: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, link) in robi.links.iter().enumerate() {
@@ -312,13 +312,13 @@ fn link_order(robi: &RobiSpec) -> Vec<usize> {
     let mut is_placed = vec![false; robi.links.len()];
     let mut order = Vec::with_capacity(robi.links.len());
     for index in 0..robi.links.len() {
-        // Climbs from the link to the first ancestor already in the order, then appends the chain from the top down.
+        // Follows the parents up to the first ancestor that is already in `order`, then appends this chain, ancestors first.
         let mut chain = Vec::new();
-        let mut at = Some(index);
-        while let Some(link) = at.filter(|link| !is_placed[*link]) {
+        let mut next = Some(index);
+        while let Some(link) = next.filter(|link| !is_placed[*link]) {
             is_placed[link] = true;
             chain.push(link);
-            at = parent(link);
+            next = parent(link);
         }
         order.extend(chain.into_iter().rev());
     }
@@ -344,10 +344,10 @@ fn segments(world: &WorldSpec) -> (Vec<Segment>, Vec<f64>) {
 pub fn legs(robi: &RobiSpec) -> Option<Arc<Legs>> {
     let LegsSpec { step_height, radius, gaits, legs } = robi.legs.as_ref().filter(|legs| !legs.legs.is_empty())?;
     let legs: Vec<Leg> = legs.iter().map(leg).collect();
-    let usual =
+    let default_gait =
         || GaitSpec { name: "walk".to_owned(), period: DEFAULT_PERIOD, duty: DEFAULT_DUTY, ..GaitSpec::default() };
-    let usual = gaits.is_empty().then(usual);
-    let gaits = gaits.iter().chain(&usual).map(|spec| gait(spec, legs.len())).collect();
+    let default_gait = gaits.is_empty().then(default_gait);
+    let gaits = gaits.iter().chain(&default_gait).map(|spec| gait(spec, legs.len())).collect();
     // Without colliders, the underside of the body is at the height of the hips.
     let hips = legs.iter().map(|leg| leg.hip.z).fold(f64::INFINITY, f64::min);
     let belly = robi.colliders.iter().map(Collider::bottom).reduce(f64::min).unwrap_or(hips);
@@ -378,7 +378,7 @@ fn gait(spec: &GaitSpec, legs: usize) -> Gait {
     }
 }
 
-/// Drive and body model of a robot type. For a legged robot, the limits of speed and turn are lowered to the limits of
+/// Drive and body model of a robot type. For a legged robot, the maximum speed and turning speed are lowered to the limits of
 /// its gaits.
 pub fn model(robi: &RobiSpec) -> Model {
     let mut model = model_of_file(robi);
@@ -393,7 +393,7 @@ pub fn model(robi: &RobiSpec) -> Model {
 
 /// The hull of a robot type in water of this depth in metres; `None` for a robot without one.
 ///
-/// The hull is as high as its colliders, or as its diameter without any.
+/// The hull is as high as the highest collider, or as its diameter without colliders.
 pub fn hull(robi: &RobiSpec, water: f64) -> Option<Hull> {
     let HullSpec { thrust, drag } = robi.hull;
     (robi.drive.kind == DriveKind::Thrusters).then(|| Hull { thrust, drag, ceiling: water - hull_height(robi) })
@@ -404,8 +404,8 @@ pub fn hull_height(robi: &RobiSpec) -> f64 {
     robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(robi.diameter)
 }
 
-/// Contact rule of a robot at walls. The coefficient of friction is the smaller of the robot's and the walls', as between objects. A hull
-/// always slides, since it may rise and sink at the same time.
+/// Contact rule of a robot at walls. The coefficient of friction is the smaller one of the robot's and the walls' coefficients, as between
+/// objects. A hull always slides, since it may rise or sink while it touches a wall.
 pub fn contact_rule(kind: ContactKind, wall_friction: f64, robi: &RobiSpec) -> ContactRule {
     match kind {
         ContactKind::Stall if robi.drive.kind != DriveKind::Thrusters => ContactRule::Stall,

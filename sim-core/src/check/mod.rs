@@ -1,16 +1,16 @@
 //! Evaluation of checks on the motion of bodies, at exact instants.
 //!
-//! A [`Monitor`] sees the motion of each slot before the world forgets it, as sections in closed form, and evaluates it in cells of 100 ms
-//! of virtual time. Cells and sections do not depend on the slots, and neither do instants and verdicts. A monitor only reads: it draws no
-//! random numbers and records nothing. The host evaluates checks on events, output and the report.
+//! A [`Monitor`] receives the motion of each slot, as sections in closed form, before the world forgets the slot. It evaluates the motion
+//! in cells of 100 ms of virtual time. Cells and sections do not depend on the slots, so the verdicts and their instants do not either. A
+//! monitor only reads: it draws no random numbers and records nothing. The host evaluates checks on events, output and the report.
 
+mod condition;
 mod pending;
 mod region;
 mod section;
 mod swarm;
 #[cfg(test)]
 mod tests;
-mod watch;
 
 use std::sync::Arc;
 
@@ -23,8 +23,8 @@ use crate::spec::{BodyRef, CheckKind, SceneSpec};
 use crate::time::Time;
 use crate::world::World;
 use crate::{ObjectId, RobotId};
+use condition::{Condition, Surroundings};
 use pending::PendingMotion;
-use watch::{Surroundings, Watch};
 
 /// Length of a cell: the interval of virtual time that is evaluated at once.
 const CELL: Time = Time::from_millis(100);
@@ -34,12 +34,12 @@ const CELL: Time = Time::from_millis(100);
 pub struct Finding {
     /// True if the condition is met.
     pub is_met: bool,
-    /// Instant of the verdict, s: when the condition was met, or first violated, or came nearest to being met.
+    /// Instant of the verdict, s: when the condition was met or first violated, or when the body came nearest to meeting it.
     pub at: Option<f64>,
     /// Position of the body at that instant, world frame, m.
     pub position: Option<DVec2>,
-    /// The measured quantity, which depends on the variant of [`CheckKind`]: distance to the place, number of places or passages, smallest
-    /// gap, share, maximum error; in m, or a pure number.
+    /// The measured quantity, which depends on the variant of [`CheckKind`]: distance to the place, number of places or passages, minimum
+    /// gap, fraction, maximum error; in m, or a pure number.
     pub value: Option<f64>,
 }
 
@@ -48,53 +48,53 @@ pub struct Finding {
 #[derive(Clone, Debug)]
 pub struct Monitor {
     /// The checks with their indices in the scene.
-    watches: Vec<(usize, Watch)>,
+    conditions: Vec<(usize, Condition)>,
     walls: Arc<Walls>,
-    /// Instant after which motion does not count.
+    /// Instant after which motion is not evaluated.
     until: Time,
     /// Robots in the order of their ids; `None` for a robot that was not observed yet.
     robots: Vec<Option<PendingMotion>>,
     objects: Vec<Option<PendingMotion>>,
     /// Robots whose odometry is checked.
-    odometry_of: Vec<RobotId>,
+    odometry_robots: Vec<RobotId>,
     /// True if a check concerns movable objects.
-    wants_objects: bool,
-    /// Start of the first cell that has not been evaluated.
-    cell: Time,
+    needs_objects: bool,
+    /// Start of the first cell that is not yet evaluated.
+    cell_start: Time,
 }
 
 impl Monitor {
     /// Monitor of a run of `scene` up to `until`; `None` if no check of the scene concerns motion.
     pub fn new(scene: &SceneSpec, walls: &Arc<Walls>, until: Time) -> Option<Self> {
-        let watches = scene.checks.iter().enumerate();
-        let watches: Vec<(usize, Watch)> =
-            watches.filter_map(|(index, check)| Some((index, Watch::new(&check.kind, scene)?))).collect();
-        if watches.is_empty() {
+        let conditions = scene.checks.iter().enumerate();
+        let conditions: Vec<(usize, Condition)> =
+            conditions.filter_map(|(index, check)| Some((index, Condition::new(&check.kind, scene)?))).collect();
+        if conditions.is_empty() {
             return None;
         }
-        let odometry_of = scene.checks.iter().filter_map(|check| match check.kind {
+        let odometry_robots = scene.checks.iter().filter_map(|check| match check.kind {
             CheckKind::OdometryError { robot, .. } => Some(robot),
             _ => None,
         });
         let mut bodies = scene.checks.iter().flat_map(|check| check.kind.bodies());
         Some(Self {
-            watches,
+            conditions,
             walls: Arc::clone(walls),
             until: until.max(Time(1)),
             robots: Vec::new(),
             objects: Vec::new(),
-            odometry_of: odometry_of.collect(),
-            wants_objects: bodies.any(|body| matches!(body, BodyRef::Object(_))),
-            cell: Time::ZERO,
+            odometry_robots: odometry_robots.collect(),
+            needs_objects: bodies.any(|body| matches!(body, BodyRef::Object(_))),
+            cell_start: Time::ZERO,
         })
     }
 
     /// Returns true if a check concerns movable objects.
-    pub fn wants_objects(&self) -> bool {
-        self.wants_objects
+    pub fn needs_objects(&self) -> bool {
+        self.needs_objects
     }
 
-    /// Takes the motion of a robot in the slot `from` to `to`, as resolved and not yet committed.
+    /// Adds the motion of a robot in the slot from `from` to `to`: resolved, but not yet committed.
     pub(crate) fn observe(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
         let to = to.min(self.until);
         if from >= to {
@@ -104,43 +104,43 @@ impl Monitor {
         if self.robots.len() <= index {
             self.robots.resize_with(index + 1, || None);
         }
-        let wants_odometry = self.odometry_of.contains(&motion.id());
-        let pending = self.robots[index].get_or_insert_with(|| PendingMotion::of_robot(motion, from, wants_odometry));
+        let needs_odometry = self.odometry_robots.contains(&motion.id());
+        let pending = self.robots[index].get_or_insert_with(|| PendingMotion::of_robot(motion, from, needs_odometry));
         pending.append_robot(motion, (from, to));
     }
 
-    /// Ends the slot that ends at `to`: bodies not observed in it were at rest. Evaluates the complete cells.
+    /// Ends the slot at `to`: bodies not observed in it were at rest. Evaluates the complete cells.
     pub(crate) fn end_slot(&mut self, world: &mut World, to: Time) {
         let to = to.min(self.until);
-        self.rest(world, to);
-        while self.cell + CELL <= to {
+        self.extend_rest(world, to);
+        while self.cell_start + CELL <= to {
             let is_at_rest = self.pending().all(PendingMotion::is_at_rest);
-            let until = if is_at_rest { to.floor_to(CELL) } else { self.cell + CELL };
+            let until = if is_at_rest { to.floor_to(CELL) } else { self.cell_start + CELL };
             self.evaluate(until);
         }
     }
 
-    /// Ends the run at `time`; `is_settled` if it ended because nothing can happen any more.
+    /// Ends the run at `time`; `is_settled` is true if the run ended because nothing can happen any more.
     pub fn finish(&mut self, world: &mut World, time: Time, is_settled: bool) {
-        // A run of length 0 shows where the bodies start.
+        // In a run of length 0 the conditions are evaluated at the initial positions.
         let time = time.min(self.until).max(Time(1));
         self.end_slot(world, time);
-        if self.cell < time {
+        if self.cell_start < time {
             self.evaluate(time);
         }
         let end = time.seconds();
-        self.watches.iter_mut().for_each(|(_, watch)| watch.finish(end, is_settled));
+        self.conditions.iter_mut().for_each(|(_, condition)| condition.finish(end, is_settled));
     }
 
-    /// The findings up to the last cell, each with the index of its check in the scene.
+    /// Findings up to the last evaluated cell, each with the index of its check in the scene.
     pub fn findings(&self) -> impl Iterator<Item = (usize, Finding)> {
-        self.watches.iter().map(|(index, watch)| (*index, watch.finding()))
+        self.conditions.iter().map(|(index, condition)| (*index, condition.finding()))
     }
 
-    /// The metrics of swarms over time, each with the index of its check in the scene: instants (s) at which the value changed, with the
-    /// new values.
+    /// Metrics of swarms over time, each with the index of its check in the scene, as pairs: instant at which the value changed (s), new
+    /// value.
     pub fn series(&self) -> impl Iterator<Item = (usize, &[[f64; 2]])> {
-        self.watches.iter().filter_map(|(index, watch)| Some((*index, watch.series()?)))
+        self.conditions.iter().filter_map(|(index, condition)| Some((*index, condition.series()?)))
     }
 
     fn pending(&self) -> impl Iterator<Item = &PendingMotion> {
@@ -148,7 +148,7 @@ impl Monitor {
     }
 
     /// Keeps all bodies that were not observed up to `to` at rest until then, or until their removal.
-    fn rest(&mut self, world: &mut World, to: Time) {
+    fn extend_rest(&mut self, world: &mut World, to: Time) {
         self.robots.resize_with(world.robot_count(), || None);
         for (index, pending) in self.robots.iter_mut().enumerate() {
             let id = RobotId::from_index(index);
@@ -161,7 +161,7 @@ impl Monitor {
             });
             pending.rest_until(until);
         }
-        if !self.wants_objects {
+        if !self.needs_objects {
             return;
         }
         self.objects.resize_with(world.object_count(), || None);
@@ -170,10 +170,11 @@ impl Monitor {
             let id = ObjectId::from_index(index);
             let lifetime = world.object_lifetime(id);
             let (until, since) = (to.min(lifetime.until), lifetime.since.max(Time::ZERO));
-            let mut own = steps.iter().filter(|step| step.object == id).peekable();
-            let first = own.peek().map_or_else(|| world.object_pose(id, to).position, |step| step.from);
-            let pending = pending.get_or_insert_with(|| PendingMotion::resting(first, 0.0, since));
-            own.filter(|step| step.at <= until).for_each(|step| pending.step(step));
+            let mut object_steps = steps.iter().filter(|step| step.object == id).peekable();
+            let first_position =
+                object_steps.peek().map_or_else(|| world.object_pose(id, to).position, |step| step.from);
+            let pending = pending.get_or_insert_with(|| PendingMotion::resting(first_position, 0.0, since));
+            object_steps.filter(|step| step.at <= until).for_each(|step| pending.append_step(step));
             // The next step begins on the grid of steps even if the slot does not end on it.
             pending.rest_until(if until < lifetime.until { until.floor_to(STEP) } else { until });
         }
@@ -185,9 +186,9 @@ impl Monitor {
         let [robots, objects] = [&mut self.robots, &mut self.objects]
             .map(|bodies| bodies.iter_mut().map(|pending| pending.as_mut().map(|pending| pending.take_until(seconds))));
         let (robots, objects) = (robots.collect::<Vec<_>>(), objects.collect::<Vec<_>>());
-        let times = (self.cell, until);
+        let times = (self.cell_start, until);
         let surroundings = Surroundings { walls: &self.walls, robots: &robots, objects: &objects };
-        self.watches.iter_mut().for_each(|(_, watch)| watch.take(&surroundings, times));
-        self.cell = until;
+        self.conditions.iter_mut().for_each(|(_, condition)| condition.evaluate(&surroundings, times));
+        self.cell_start = until;
     }
 }

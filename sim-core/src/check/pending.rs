@@ -15,7 +15,7 @@ pub(super) struct PendingMotion {
     radius: f64,
     /// Motion of the centre, without gaps.
     body: Vec<MotionSection>,
-    /// Instant up to which the motion is known.
+    /// Instant up to which the motion is known, s.
     known_until: f64,
     /// Position at that instant.
     position: DVec2,
@@ -25,22 +25,22 @@ pub(super) struct PendingMotion {
 /// Motion of a robot's axle: the true one and the one that odometry computes.
 #[derive(Clone, Debug)]
 struct PendingOdometry {
-    /// Distance of the axle ahead of the centre, m.
-    ahead: f64,
+    /// Offset of the axle from the centre, forwards, m.
+    forward_offset: f64,
     truth: Vec<MotionSection>,
     /// The motion that odometry computes, in the world frame.
     estimate: Vec<MotionSection>,
     /// Rotation (a unit vector) and translation from the odometry frame to the world frame.
     world_from_odometry: (DVec2, DVec2),
-    /// True once the program has set its odometry, which fixes the frame.
+    /// True once the program has set its odometry, which fixes the odometry frame.
     is_anchored: bool,
-    /// True position and odometry position at the end of the known motion.
-    last: [DVec2; 2],
+    /// True position and odometry's position at the end of the known motion, world frame.
+    last_positions: [DVec2; 2],
 }
 
 /// Motion of one body over a time interval.
 #[derive(Clone, Debug)]
-pub(super) struct Interval {
+pub(super) struct BodyMotion {
     /// Radius of the body, m; 0 for an object.
     pub radius: f64,
     /// Motion of its centre.
@@ -56,19 +56,19 @@ impl PendingMotion {
     }
 
     /// Pending motion of a robot that is first observed in a slot that starts at `from`.
-    pub fn of_robot(motion: &mut Motion, from: Time, wants_odometry: bool) -> Self {
+    pub fn of_robot(motion: &mut Motion, from: Time, needs_odometry: bool) -> Self {
         let pending = Self::resting(motion.pose(from).position, motion.radius(), from);
-        let odometry = wants_odometry.then(|| {
+        let odometry = needs_odometry.then(|| {
             let state = motion.state(from);
-            let anchor = world_from_odometry(&state.world_from_axle, &state.odometry);
+            let frame_transform = world_from_odometry(&state.world_from_axle, &state.odometry);
             let position = state.world_from_axle.position;
             Box::new(PendingOdometry {
-                ahead: motion.model().axis_offset,
+                forward_offset: motion.model().axis_offset,
                 truth: Vec::new(),
                 estimate: Vec::new(),
-                world_from_odometry: anchor,
+                world_from_odometry: frame_transform,
                 is_anchored: false,
-                last: [position; 2],
+                last_positions: [position; 2],
             })
         });
         Self { odometry, ..pending }
@@ -81,14 +81,14 @@ impl PendingMotion {
         motion.passages(from, to, &mut passages);
         MotionSection::append(&mut self.body, &passages, (from, to), 0.0);
         if let Some(odometry) = &mut self.odometry {
-            MotionSection::append(&mut odometry.truth, &passages, (from, to), odometry.ahead);
+            MotionSection::append(&mut odometry.truth, &passages, (from, to), odometry.forward_offset);
             odometry.append_robot(motion, (from, to));
         }
         self.set_end(to.seconds());
     }
 
-    /// Appends a step of an object.
-    pub fn step(&mut self, step: &ObjectStep) {
+    /// Appends the motion of an object in one step.
+    pub fn append_step(&mut self, step: &ObjectStep) {
         let to = step.at.seconds();
         let from = if step.is_jump { to } else { step.since.seconds() };
         self.rest_until(step.since.max(Time::from_seconds_ceil(self.known_until)));
@@ -96,7 +96,7 @@ impl PendingMotion {
             let velocity = (step.to - step.from) / (to - from);
             let twist = Twist { vx: velocity.x, vy: velocity.y, omega: 0.0 };
             let path = Path { twist, ..Path::new(&Pose::new(step.from.x, step.from.y, 0.0), twist) };
-            push(&mut self.body, MotionSection::on(path, from, (from, to)));
+            push(&mut self.body, MotionSection::on_path(path, from, (from, to)));
             self.known_until = to;
         }
         self.position = step.to;
@@ -110,7 +110,7 @@ impl PendingMotion {
         }
         push(&mut self.body, MotionSection::resting(self.position, self.known_until, until));
         if let Some(odometry) = &mut self.odometry {
-            let [truth, estimate] = odometry.last;
+            let [truth, estimate] = odometry.last_positions;
             push(&mut odometry.truth, MotionSection::resting(truth, self.known_until, until));
             push(&mut odometry.estimate, MotionSection::resting(estimate, self.known_until, until));
         }
@@ -119,38 +119,43 @@ impl PendingMotion {
 
     /// Returns true if the body is at rest during all motion that is not yet evaluated.
     pub fn is_at_rest(&self) -> bool {
-        let rests = |sections: &[MotionSection]| sections.len() <= 1 && sections.iter().all(MotionSection::is_resting);
+        let is_resting =
+            |sections: &[MotionSection]| sections.len() <= 1 && sections.iter().all(MotionSection::is_resting);
         let odometry = self.odometry.as_ref();
-        rests(&self.body) && odometry.is_none_or(|odometry| rests(&odometry.truth) && rests(&odometry.estimate))
+        is_resting(&self.body)
+            && odometry.is_none_or(|odometry| is_resting(&odometry.truth) && is_resting(&odometry.estimate))
     }
 
-    /// Takes the motion before `until`.
-    pub fn take_until(&mut self, until: f64) -> Interval {
+    /// Removes and returns the motion before `until`, s.
+    pub fn take_until(&mut self, until: f64) -> BodyMotion {
         let axle = match &mut self.odometry {
             Some(odometry) => [take_until(&mut odometry.truth, until), take_until(&mut odometry.estimate, until)],
             None => [Vec::new(), Vec::new()],
         };
-        Interval { radius: self.radius, body: take_until(&mut self.body, until), axle }
+        BodyMotion { radius: self.radius, body: take_until(&mut self.body, until), axle }
     }
 
     /// Ends the known motion at `to`.
     fn set_end(&mut self, to: f64) {
-        let end = |sections: &[MotionSection]| sections.last().map(|section| section.position(to));
-        self.position = end(&self.body).unwrap_or(self.position);
+        let last_position = |sections: &[MotionSection]| sections.last().map(|section| section.position(to));
+        self.position = last_position(&self.body).unwrap_or(self.position);
         self.known_until = to;
         if let Some(odometry) = &mut self.odometry {
-            let [truth, estimate] = odometry.last;
-            odometry.last = [end(&odometry.truth).unwrap_or(truth), end(&odometry.estimate).unwrap_or(estimate)];
+            let [truth, estimate] = odometry.last_positions;
+            odometry.last_positions = [
+                last_position(&odometry.truth).unwrap_or(truth),
+                last_position(&odometry.estimate).unwrap_or(estimate),
+            ];
         }
     }
 }
 
 impl PendingOdometry {
-    /// Appends the motion that odometry computes. The first call that sets the odometry fixes the odometry frame in the world; later calls
-    /// are corrections and count in the check.
+    /// Appends the motion that odometry computes. The first call that sets the odometry fixes the odometry frame in the world. Later calls
+    /// are corrections, which the check takes as part of the odometry.
     fn append_robot(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
-        let reset = motion.odometry_set().filter(|_| !self.is_anchored);
-        let Some((at, pose)) = reset.filter(|(at, _)| *at < to) else {
+        let first_setting = motion.odometry_set().filter(|_| !self.is_anchored);
+        let Some((at, pose)) = first_setting.filter(|(at, _)| *at < to) else {
             return self.append(motion, (from, to));
         };
         if from < at {
@@ -167,7 +172,7 @@ impl PendingOdometry {
         let mut sections = Vec::new();
         MotionSection::append(&mut sections, &passages, times, 0.0);
         let (turn, shift) = self.world_from_odometry;
-        sections.iter().for_each(|section| push(&mut self.estimate, section.placed(turn, shift)));
+        sections.iter().for_each(|section| push(&mut self.estimate, section.transformed(turn, shift)));
     }
 }
 

@@ -1,4 +1,4 @@
-//! Time intervals in which a point is within a region of the floor.
+//! Time intervals in which a moving point is inside a region of the floor.
 
 use glam::DVec2;
 
@@ -10,83 +10,83 @@ use crate::spec::Region;
 pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Squared distance between a moving point and a fixed segment, minus a squared reference distance.
-pub(super) struct ToSegment<'a> {
+pub(super) struct DistanceToSegment<'a> {
     pub section: &'a MotionSection,
     pub segment: Segment,
-    pub less: f64,
+    pub squared_reference: f64,
 }
 
-impl Smooth for ToSegment<'_> {
+impl Smooth for DistanceToSegment<'_> {
     fn at(&self, t: f64) -> (f64, f64) {
         let position = self.section.position(t);
         let offset = position - self.segment.nearest_point(position);
-        (offset.length_squared() - self.less, 2.0 * offset.dot(self.section.velocity(t)))
+        (offset.length_squared() - self.squared_reference, 2.0 * offset.dot(self.section.velocity(t)))
     }
 
-    fn curvature(&self, t: f64, half: f64) -> f64 {
-        let (speed, position) = (self.section.speed(t, half), self.section.position(t));
-        let farthest = (position - self.segment.nearest_point(position)).length() + speed * half;
-        2.0 * (speed * speed + farthest * self.section.acceleration())
+    fn curvature_bound(&self, t: f64, half: f64) -> f64 {
+        let (speed, position) = (self.section.max_speed(t, half), self.section.position(t));
+        let max_distance = (position - self.segment.nearest_point(position)).length() + speed * half;
+        2.0 * (speed * speed + max_distance * self.section.max_acceleration())
     }
 }
 
 /// Squared distance between two moving points, minus a squared reference distance.
-pub(super) struct Between<'a> {
+pub(super) struct DistanceBetween<'a> {
     pub sections: [&'a MotionSection; 2],
-    pub less: f64,
+    pub squared_reference: f64,
 }
 
-impl Smooth for Between<'_> {
+impl Smooth for DistanceBetween<'_> {
     fn at(&self, t: f64) -> (f64, f64) {
         let [a, b] = self.sections;
         let (offset, rate) = (b.position(t) - a.position(t), b.velocity(t) - a.velocity(t));
-        (offset.length_squared() - self.less, 2.0 * offset.dot(rate))
+        (offset.length_squared() - self.squared_reference, 2.0 * offset.dot(rate))
     }
 
-    fn curvature(&self, t: f64, half: f64) -> f64 {
+    fn curvature_bound(&self, t: f64, half: f64) -> f64 {
         let [a, b] = self.sections;
-        let acceleration = a.acceleration() + b.acceleration();
-        let speed = (b.velocity(t) - a.velocity(t)).length() + acceleration * half;
-        let farthest = (b.position(t) - a.position(t)).length() + speed * half;
-        2.0 * (speed * speed + farthest * acceleration)
+        let max_acceleration = a.max_acceleration() + b.max_acceleration();
+        let speed = (b.velocity(t) - a.velocity(t)).length() + max_acceleration * half;
+        let max_distance = (b.position(t) - a.position(t)).length() + speed * half;
+        2.0 * (speed * speed + max_distance * max_acceleration)
     }
 }
 
-/// A function with the opposite sign of another function.
-pub(super) struct Negative<F>(pub F);
+/// A function times -1.
+pub(super) struct Negated<F>(pub F);
 
-impl<F: Smooth> Smooth for Negative<F> {
+impl<F: Smooth> Smooth for Negated<F> {
     fn at(&self, t: f64) -> (f64, f64) {
         let (value, slope) = self.0.at(t);
         (-value, -slope)
     }
 
-    fn curvature(&self, t: f64, half: f64) -> f64 {
-        self.0.curvature(t, half)
+    fn curvature_bound(&self, t: f64, half: f64) -> f64 {
+        self.0.curvature_bound(t, half)
     }
 }
 
 /// Signed distance of a moving point from a line: positive to the left.
-pub(super) struct ToLine<'a> {
+pub(super) struct DistanceToLine<'a> {
     pub section: &'a MotionSection,
     pub point: DVec2,
-    /// Unit vector to the left.
+    /// Unit vector perpendicular to the line, to the left.
     pub normal: DVec2,
 }
 
-impl Smooth for ToLine<'_> {
+impl Smooth for DistanceToLine<'_> {
     fn at(&self, t: f64) -> (f64, f64) {
         let distance = (self.section.position(t) - self.point).dot(self.normal);
         (distance, self.section.velocity(t).dot(self.normal))
     }
 
-    fn curvature(&self, _: f64, _: f64) -> f64 {
-        self.section.acceleration()
+    fn curvature_bound(&self, _: f64, _: f64) -> f64 {
+        self.section.max_acceleration()
     }
 }
 
-/// The intervals of a section, in order, each with the constant value of `is_inside`; `breaks` are the instants at which this value may
-/// change.
+/// Intervals of a section in the order of time, each with the constant value of `is_inside` in it. `breaks` are the instants at which the
+/// value may change.
 pub(super) fn intervals(
     section: &MotionSection,
     mut breaks: Vec<f64>,
@@ -117,7 +117,11 @@ pub(super) fn intervals_in(section: &MotionSection, region: &Region) -> Vec<(f64
     match region {
         Region::Disc { centre, radius } => {
             let radius = radius + margin;
-            let function = ToSegment { section, segment: Segment::new(*centre, *centre), less: radius * radius };
+            let function = DistanceToSegment {
+                section,
+                segment: Segment::new(*centre, *centre),
+                squared_reference: radius * radius,
+            };
             find_zeros(&function, section.from, section.to, &mut breaks);
             intervals(section, breaks, |t| function.at(t).0 <= 0.0)
         }
@@ -126,7 +130,7 @@ pub(super) fn intervals_in(section: &MotionSection, region: &Region) -> Vec<(f64
                 let along = edge.b - edge.a;
                 let Some(normal) = along.perp().try_normalize() else { continue };
                 for side in [-margin, margin] {
-                    let line = ToLine { section, point: edge.a + normal * side, normal };
+                    let line = DistanceToLine { section, point: edge.a + normal * side, normal };
                     find_zeros(&line, section.from, section.to, &mut breaks);
                 }
             }

@@ -17,25 +17,26 @@ pub(super) struct MotionSection {
     /// Instant at which the path starts.
     origin: f64,
     path: Path,
-    /// Distance of the point ahead of the path's point, m.
-    ahead: f64,
-    /// Heading of the body at `origin`; meaningless if `ahead` is 0.
+    /// Offset of the point from the path's point, forwards, m.
+    forward_offset: f64,
+    /// Heading of the body at `origin`; unused if `forward_offset` is 0.
     heading: Heading,
 }
 
 impl MotionSection {
     /// A section at rest at `position`.
     pub fn resting(position: DVec2, from: f64, to: f64) -> Self {
-        Self { from, to, origin: from, path: Path::resting(position), ahead: 0.0, heading: Heading::new(0.0) }
+        Self { from, to, origin: from, path: Path::resting(position), forward_offset: 0.0, heading: Heading::new(0.0) }
     }
 
     /// Motion along `path`, which starts at `origin`.
-    pub fn on(path: Path, origin: f64, (from, to): (f64, f64)) -> Self {
-        Self { from, to, origin, path, ahead: 0.0, heading: Heading::new(0.0) }
+    pub fn on_path(path: Path, origin: f64, (from, to): (f64, f64)) -> Self {
+        Self { from, to, origin, path, forward_offset: 0.0, heading: Heading::new(0.0) }
     }
 
-    /// Appends to `sections` the motion on a chain of passages from `from` to `to`, for the point `ahead` metres ahead of the centre.
-    pub fn append(sections: &mut Vec<Self>, passages: &[Passage], (from, to): (Time, Time), ahead: f64) {
+    /// Appends to `sections` the motion on successive passages from `from` to `to`, for the point that is `forward_offset` metres
+    /// in front of the centre.
+    pub fn append(sections: &mut Vec<Self>, passages: &[Passage], (from, to): (Time, Time), forward_offset: f64) {
         let origin = |passage: &Passage| passage.start.seconds() + passage.begin;
         let (from, to) = (from.seconds(), to.seconds());
         for (index, passage) in passages.iter().enumerate() {
@@ -50,15 +51,15 @@ impl MotionSection {
             }
             let end = (passage.start.seconds() + passage.after).min(next);
             let heading = passage.heading.turned(passage.path.omega() * passage.begin);
-            let is_moving = !passage.path.is_resting() || ahead != 0.0 && passage.path.omega() != 0.0;
-            let moving = Self { from: begin, to: end, origin: start, path: passage.path, ahead, heading };
+            let is_moving = !passage.path.is_resting() || forward_offset != 0.0 && passage.path.omega() != 0.0;
+            let moving = Self { from: begin, to: end, origin: start, path: passage.path, forward_offset, heading };
             if is_moving && begin < end {
                 push(sections, moving);
             }
-            let rests_at = if is_moving { end.max(start) } else { start };
-            let rests_from = if is_moving { begin.max(end) } else { begin };
-            if rests_from < next {
-                push(sections, Self::resting(moving.position(rests_at), rests_from, next));
+            let rest_position_time = if is_moving { end.max(start) } else { start };
+            let rest_start = if is_moving { begin.max(end) } else { begin };
+            if rest_start < next {
+                push(sections, Self::resting(moving.position(rest_position_time), rest_start, next));
             }
         }
     }
@@ -67,34 +68,38 @@ impl MotionSection {
     pub fn position(&self, t: f64) -> DVec2 {
         let seconds = t - self.origin;
         let position = self.path.position(seconds);
-        if self.ahead == 0.0 { position } else { position + self.ahead_vector(seconds) }
+        if self.forward_offset == 0.0 { position } else { position + self.offset_vector(seconds) }
     }
 
     /// Velocity of the point at `t`, in the world, m/s.
     pub fn velocity(&self, t: f64) -> DVec2 {
         let seconds = t - self.origin;
         let velocity = if self.path.is_resting() { DVec2::ZERO } else { self.path.velocity(seconds) };
-        if self.ahead == 0.0 { velocity } else { velocity + self.ahead_vector(seconds).perp() * self.path.omega() }
+        if self.forward_offset == 0.0 {
+            velocity
+        } else {
+            velocity + self.offset_vector(seconds).perp() * self.path.omega()
+        }
     }
 
-    fn ahead_vector(&self, seconds: f64) -> DVec2 {
-        self.heading.turned(self.path.omega() * seconds).direction() * self.ahead
+    fn offset_vector(&self, seconds: f64) -> DVec2 {
+        self.heading.turned(self.path.omega() * seconds).direction() * self.forward_offset
     }
 
     /// Returns true if the point is at rest throughout the section.
     pub fn is_resting(&self) -> bool {
-        self.path.is_resting() && (self.ahead == 0.0 || self.path.omega() == 0.0)
+        self.path.is_resting() && (self.forward_offset == 0.0 || self.path.omega() == 0.0)
     }
 
     /// Upper bound of the point's acceleration, m/s^2.
-    pub fn acceleration(&self) -> f64 {
+    pub fn max_acceleration(&self) -> f64 {
         let path = if self.path.is_resting() { 0.0 } else { self.path.acceleration() };
-        path + self.ahead.abs() * self.path.omega() * self.path.omega()
+        path + self.forward_offset.abs() * self.path.omega() * self.path.omega()
     }
 
     /// Upper bound of the point's speed within `half` seconds of `t`, m/s.
-    pub fn speed(&self, t: f64, half: f64) -> f64 {
-        self.velocity(t).length() + self.acceleration() * half
+    pub fn max_speed(&self, t: f64, half: f64) -> f64 {
+        self.velocity(t).length() + self.max_acceleration() * half
     }
 
     /// Length of the path from `from` to `to`, m.
@@ -106,7 +111,7 @@ impl MotionSection {
         }
     }
 
-    /// The part from `from` to `to`, both within the section.
+    /// The part from `from` to `to`, which must be within the section.
     pub fn part(&self, from: f64, to: f64) -> Self {
         Self { from, to, ..*self }
     }
@@ -114,14 +119,14 @@ impl MotionSection {
     /// Centre and radius of a disc that contains the section.
     pub fn surrounding_disc(&self) -> (DVec2, f64) {
         let (middle, half) = (0.5 * (self.from + self.to), 0.5 * (self.to - self.from));
-        (self.position(middle), self.speed(middle, half) * half)
+        (self.position(middle), self.max_speed(middle, half) * half)
     }
 
-    /// Turns the point by `turn` (a unit vector) about the world's origin, then moves it by `shift`.
-    pub fn placed(&self, turn: DVec2, shift: DVec2) -> Self {
+    /// This motion, rotated by `rotation` (a unit vector) about the world's origin, then moved by `shift`.
+    pub fn transformed(&self, rotation: DVec2, shift: DVec2) -> Self {
         let path = Path {
-            origin: turn.rotate(self.path.origin) + shift,
-            direction: turn.rotate(self.path.direction),
+            origin: rotation.rotate(self.path.origin) + shift,
+            direction: rotation.rotate(self.path.direction),
             ..self.path
         };
         Self { path, ..*self }
@@ -129,12 +134,12 @@ impl MotionSection {
 
     /// Returns true if `next` continues this section on the same path.
     fn continues_in(&self, next: &Self) -> bool {
-        let is_same = self.path == next.path && self.ahead == next.ahead;
+        let is_same = self.path == next.path && self.forward_offset == next.forward_offset;
         is_same && (self.origin == next.origin && self.heading == next.heading || self.is_resting())
     }
 }
 
-/// Appends `section`, merged with the last section if it continues that one, so that sections do not depend on the slots in which they were
+/// Appends `section`, or extends the last section if `section` continues it: sections then do not depend on the slots in which they were
 /// observed.
 pub(super) fn push(sections: &mut Vec<MotionSection>, section: MotionSection) {
     match sections.last_mut() {
@@ -146,8 +151,8 @@ pub(super) fn push(sections: &mut Vec<MotionSection>, section: MotionSection) {
 /// Removes the motion before `until` from `sections` and returns it; a section across `until` is split.
 pub(super) fn take_until(sections: &mut Vec<MotionSection>, until: f64) -> Vec<MotionSection> {
     let mut taken: Vec<MotionSection> = Vec::new();
-    let done = sections.partition_point(|section| section.to <= until);
-    taken.extend(sections.drain(..done));
+    let complete = sections.partition_point(|section| section.to <= until);
+    taken.extend(sections.drain(..complete));
     if let Some(first) = sections.first_mut().filter(|first| first.from < until) {
         taken.push(first.part(first.from, until));
         first.from = until;
@@ -157,32 +162,32 @@ pub(super) fn take_until(sections: &mut Vec<MotionSection>, until: f64) -> Vec<M
 
 /// Function of time with a bounded second derivative, for [`find_zeros`] and [`find_minimum`].
 pub(super) trait Smooth {
-    /// Value and derivative at `t`.
+    /// Value and first derivative at `t`.
     fn at(&self, t: f64) -> (f64, f64);
 
     /// Upper bound of the second derivative's absolute value within `half` of `t`.
-    fn curvature(&self, t: f64, half: f64) -> f64;
+    fn curvature_bound(&self, t: f64, half: f64) -> f64;
 }
 
-/// Half of the shortest interval, in seconds, that the search for zeros divides; closer zeros count as one.
+/// Half of the shortest interval, in seconds, that the search for zeros divides; closer zeros are found as one.
 const MIN_HALF_INTERVAL: f64 = 5e-7;
 
 /// Appends the zeros of `function` between `from` and `to` to `zeros`, in ascending order.
 ///
-/// The value in the middle and the bound of the second derivative decide whether an interval has no zero; the slope decides whether the
-/// function is monotonic in it. Any other interval is halved. No zero is missed, except pairs closer than a microsecond.
+/// The value, the slope in the middle and the bound of the second derivative show for some intervals that they contain no zero, and for
+/// others that the function is monotonic in them. All other intervals are halved. No zero is missed, except pairs closer than a microsecond.
 pub(super) fn find_zeros(function: &impl Smooth, from: f64, to: f64, zeros: &mut Vec<f64>) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
     if half <= 0.0 {
         return;
     }
     let (value, slope) = function.at(middle);
-    let curvature = function.curvature(middle, half);
-    let reach = slope.abs() * half + 0.5 * curvature * half * half;
-    if value.abs() > reach || reach == 0.0 {
+    let curvature_bound = function.curvature_bound(middle, half);
+    let max_change = slope.abs() * half + 0.5 * curvature_bound * half * half;
+    if value.abs() > max_change || max_change == 0.0 {
         return;
     }
-    if slope.abs() > curvature * half {
+    if slope.abs() > curvature_bound * half {
         let (first, last) = (function.at(from).0, function.at(to).0);
         if (first < 0.0) != (last < 0.0) {
             zeros.push(bisect(function, from, to, first < 0.0));
@@ -195,7 +200,7 @@ pub(super) fn find_zeros(function: &impl Smooth, from: f64, to: f64, zeros: &mut
     }
 }
 
-/// The first `f64` at which a monotonic function has changed its sign.
+/// The first `f64` at which a monotonic function has changed its sign, by bisection.
 fn bisect(function: &impl Smooth, mut from: f64, mut to: f64, is_rising: bool) -> f64 {
     loop {
         let middle = 0.5 * (from + to);
@@ -206,8 +211,8 @@ fn bisect(function: &impl Smooth, mut from: f64, mut to: f64, is_rising: bool) -
     }
 }
 
-/// Minimum value of `function` between `from` and `to` if it is below `best` by more than `tolerance`, with its
-/// instant.
+/// Finds the minimum of `function` between `from` and `to`, up to `tolerance`. If it is below `best`, a pair (value, instant), replaces
+/// `best`.
 pub(super) fn find_minimum(function: &impl Smooth, (from, to): (f64, f64), best: &mut (f64, f64), tolerance: f64) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
     let (value, slope) = function.at(middle);
@@ -217,9 +222,9 @@ pub(super) fn find_minimum(function: &impl Smooth, (from, to): (f64, f64), best:
             *best = (value, t);
         }
     }
-    let curvature = function.curvature(middle, half);
-    let bound = value - slope.abs() * half - 0.5 * curvature * half * half;
-    if bound >= best.0 - tolerance || half < MIN_HALF_INTERVAL {
+    let curvature_bound = function.curvature_bound(middle, half);
+    let lower_bound = value - slope.abs() * half - 0.5 * curvature_bound * half * half;
+    if lower_bound >= best.0 - tolerance || half < MIN_HALF_INTERVAL {
         return;
     }
     find_minimum(function, (from, middle), best, tolerance);

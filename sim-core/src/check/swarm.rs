@@ -1,40 +1,42 @@
-//! Metrics of a swarm over time.
+//! Condition on a metric of a swarm over time.
 
 use glam::DVec2;
 
+use super::condition::{Coverage, Surroundings};
 use super::region::ROUNDING;
-use super::watch::{Coverage, Surroundings};
 use super::{CELL, Finding};
 use crate::RobotId;
 use crate::math;
 use crate::spec::{BodyRef, SwarmMetric};
 use crate::time::Time;
 
-/// Minimum speed, m/s, at which a robot's direction counts.
+/// Minimum speed, m/s, of a robot whose direction is part of the order metric.
 const MIN_MOVING_SPEED: f64 = 1e-6;
 
-/// A metric of a group of robots at the end of each cell, with the demands on it.
+/// Condition: a metric of a group of robots, computed at the end of each cell, is within limits.
 #[derive(Clone, Debug)]
 pub(super) struct Swarm {
     pub robots: Vec<RobotId>,
-    pub of: SwarmMetric,
+    pub metric: SwarmMetric,
     pub min: Option<f64>,
     pub max: Option<f64>,
-    /// Instant before which the demands do not count.
+    /// Instant from which the limits apply.
     pub since: Time,
+    /// True if the limits apply only at the end of the run.
     pub at_end: bool,
-    /// Squares that a tool has covered; only for the metric coverage.
+    /// Squares that a tool has covered; only for [`SwarmMetric::Coverage`].
     pub coverage: Option<Coverage>,
+    /// Instant of the first violation, s.
     pub violated: Option<f64>,
-    /// Instants at which the value changed, with the new values.
+    /// Pairs: instant at which the value changed (s), new value.
     pub series: Vec<[f64; 2]>,
 }
 
 impl Swarm {
-    /// Evaluates the cells from `from` to `until`, s; in more than one cell all bodies are at rest.
-    pub fn take(&mut self, surroundings: &Surroundings<'_>, (from, until): (Time, Time)) {
+    /// Evaluates the cell from `from` to `until`, or several cells in which all bodies are at rest.
+    pub fn evaluate(&mut self, surroundings: &Surroundings<'_>, (from, until): (Time, Time)) {
         if let Some(coverage) = &mut self.coverage {
-            coverage.take(surroundings);
+            coverage.evaluate(surroundings);
         }
         let Some(value) = self.value(surroundings) else { return };
         if self.series.last().is_none_or(|[_, last]| *last != value) {
@@ -50,20 +52,20 @@ impl Swarm {
         self.min.is_none_or(|min| value >= min - ROUNDING) && self.max.is_none_or(|max| value <= max + ROUNDING)
     }
 
-    /// The metric at the end of the cell; `None` without robots, and for the order if no robot moves.
+    /// The metric at the end of the cell; `None` without robots, and for [`SwarmMetric::Order`] if no robot moves.
     fn value(&self, surroundings: &Surroundings<'_>) -> Option<f64> {
-        let last = |id: &RobotId| surroundings.sections(BodyRef::Robot(*id)).last();
-        let sections = || self.robots.iter().filter_map(last);
+        let last_section = |id: &RobotId| surroundings.sections(BodyRef::Robot(*id)).last();
+        let sections = || self.robots.iter().filter_map(last_section);
         let positions: Vec<DVec2> = sections().map(|section| section.position(section.to)).collect();
         if positions.is_empty() {
             return None;
         }
         let count = positions.len() as f64;
-        match &self.of {
+        match &self.metric {
             SwarmMetric::Spread => {
-                let middle = positions.iter().sum::<DVec2>() / count;
+                let centroid = positions.iter().sum::<DVec2>() / count;
                 Some(
-                    positions.iter().map(|point| math::hypot(point.x - middle.x, point.y - middle.y)).sum::<f64>()
+                    positions.iter().map(|point| math::hypot(point.x - centroid.x, point.y - centroid.y)).sum::<f64>()
                         / count,
                 )
             }
@@ -78,7 +80,7 @@ impl Swarm {
                 let sum = directions.iter().sum::<DVec2>();
                 (!directions.is_empty()).then(|| math::hypot(sum.x, sum.y) / directions.len() as f64)
             }
-            SwarmMetric::Groups { reach } => Some(groups(&positions, *reach) as f64),
+            SwarmMetric::Groups { reach } => Some(count_groups(&positions, *reach) as f64),
             SwarmMetric::Coverage { .. } => self.coverage.as_ref().and_then(|coverage| coverage.finding().value),
         }
     }
@@ -95,22 +97,22 @@ impl Swarm {
 }
 
 /// Number of groups of points that are connected by steps of at most `reach`.
-fn groups(points: &[DVec2], reach: f64) -> usize {
-    let mut group: Vec<usize> = (0..points.len()).collect();
-    fn root(group: &mut [usize], mut of: usize) -> usize {
-        while group[of] != of {
-            group[of] = group[group[of]];
-            of = group[of];
+fn count_groups(points: &[DVec2], reach: f64) -> usize {
+    let mut parent: Vec<usize> = (0..points.len()).collect();
+    fn root(parent: &mut [usize], mut index: usize) -> usize {
+        while parent[index] != index {
+            parent[index] = parent[parent[index]];
+            index = parent[index];
         }
-        of
+        index
     }
     let mut count = points.len();
     for (index, point) in points.iter().enumerate() {
         for (other, other_point) in points[..index].iter().enumerate() {
             if math::hypot(other_point.x - point.x, other_point.y - point.y) <= reach + ROUNDING {
-                let (one, two) = (root(&mut group, index), root(&mut group, other));
+                let (one, two) = (root(&mut parent, index), root(&mut parent, other));
                 if one != two {
-                    group[one.max(two)] = one.min(two);
+                    parent[one.max(two)] = one.min(two);
                     count -= 1;
                 }
             }
@@ -126,11 +128,11 @@ mod tests {
     #[test]
     fn groups_are_connected_by_short_steps() {
         let line: Vec<DVec2> = (0..6).map(|x| DVec2::new(f64::from(x), 0.0)).collect();
-        assert_eq!(groups(&line, 1.0), 1);
-        assert_eq!(groups(&line, 0.9), 6);
+        assert_eq!(count_groups(&line, 1.0), 1);
+        assert_eq!(count_groups(&line, 0.9), 6);
         let pairs = [0.0, 5.0, 0.5, 5.5, 20.0].map(|x| DVec2::new(x, 1.0));
-        assert_eq!(groups(&pairs, 1.0), 3);
-        assert_eq!(groups(&pairs, 4.5), 2);
-        assert_eq!(groups(&[], 1.0), 0);
+        assert_eq!(count_groups(&pairs, 1.0), 3);
+        assert_eq!(count_groups(&pairs, 4.5), 2);
+        assert_eq!(count_groups(&[], 1.0), 0);
     }
 }

@@ -1,14 +1,14 @@
-//! Transmissions on the air and their collisions.
+//! Transmissions and their collisions.
 
 use crate::RobotId;
 use crate::time::Time;
 
-use super::{RadioModel, SentMessage, SwitchedOff, air_time};
+use super::{OutgoingMessage, RadioModel, SwitchedOff, air_time};
 
 /// A message whose transmission has begun or begins at a known instant.
 #[derive(Clone, Debug)]
 pub(super) struct Transmission {
-    pub sending: SentMessage,
+    pub message: OutgoingMessage,
     pub begins: Time,
     /// End of the transmission.
     pub ends: Time,
@@ -17,21 +17,21 @@ pub(super) struct Transmission {
 }
 
 impl Transmission {
-    pub fn new(sending: SentMessage, begins: Time, model: &RadioModel) -> Self {
-        let ends = begins + air_time(sending.payload.len(), sending.baud);
-        Self { sending, begins, ends, arrives: ends + model.latency }
+    pub fn new(message: OutgoingMessage, begins: Time, model: &RadioModel) -> Self {
+        let ends = begins + air_time(message.payload.len(), message.baud);
+        Self { message, begins, ends, arrives: ends + model.latency }
     }
 
-    /// Returns true if the station is switched off before the transmission begins.
+    /// Returns true if `off` switches the sender off before the transmission begins.
     pub fn is_stopped_by(&self, off: &SwitchedOff) -> bool {
-        self.sending.from == off.robot && self.sending.sequence <= off.last_sequence && self.begins > off.at
+        self.message.from == off.robot && self.message.sequence <= off.last_sequence && self.begins > off.at
     }
 
-    /// Returns true if this transmission disturbs other transmissions at `receiver`, which sends it or is within its
-    /// reach.
+    /// Returns true if this transmission interferes with others at `receiver`: `receiver` sends this transmission or can
+    /// hear it.
     fn is_heard_by(&self, receiver: RobotId) -> bool {
-        let is_far = || self.sending.out_of_reach.binary_search_by_key(&receiver, |(robot, _)| *robot).is_ok();
-        self.sending.from == receiver || !is_far()
+        let is_out_of_reach = || self.message.out_of_reach.binary_search_by_key(&receiver, |(robot, _)| *robot).is_ok();
+        self.message.from == receiver || !is_out_of_reach()
     }
 }
 
@@ -50,10 +50,10 @@ impl Air {
             self.longest = self.longest.max(transmission.ends - transmission.begins);
             self.transmissions.push((transmission, false));
         }
-        self.transmissions.sort_by_key(|(it, _)| (it.begins, it.sending.from, it.sending.sequence));
+        self.transmissions.sort_by_key(|(it, _)| (it.begins, it.message.from, it.message.sequence));
     }
 
-    /// Removes and returns the transmissions that `off` prevents.
+    /// Removes and returns the transmissions that cannot begin because `off` switched their sender off.
     pub fn stop(&mut self, off: &SwitchedOff) -> impl Iterator<Item = Transmission> {
         self.transmissions
             .extract_if(.., |(transmission, _)| transmission.is_stopped_by(off))
@@ -62,14 +62,15 @@ impl Air {
 
     /// Transmissions that have arrived by `time` and are not yet decided.
     pub fn arrived(&self, time: Time) -> impl Iterator<Item = &Transmission> {
-        let due = move |(transmission, is_decided): &&(Transmission, bool)| !is_decided && transmission.arrives <= time;
-        self.transmissions.iter().filter(due).map(|(transmission, _)| transmission)
+        let is_due =
+            move |(transmission, is_decided): &&(Transmission, bool)| !is_decided && transmission.arrives <= time;
+        self.transmissions.iter().filter(is_due).map(|(transmission, _)| transmission)
     }
 
     /// Returns true if another transmission is on the air at `receiver` during this one.
-    pub fn disturbs(&self, transmission: &Transmission, receiver: RobotId) -> bool {
+    pub fn is_disturbed(&self, transmission: &Transmission, receiver: RobotId) -> bool {
         self.overlapping(transmission)
-            .any(|other| other.sending.from != transmission.sending.from && other.is_heard_by(receiver))
+            .any(|other| other.message.from != transmission.message.from && other.is_heard_by(receiver))
     }
 
     /// Other transmissions that overlap with this one in time.
@@ -80,22 +81,22 @@ impl Air {
         self.transmissions[start..end].iter().map(|(other, _)| other).filter(|other| other.ends > transmission.begins)
     }
 
-    /// Marks transmissions that have arrived by `time` as decided. Drops decided transmissions that can no longer
-    /// collide with an undecided one or with one that begins at `time` or later.
+    /// Marks transmissions that have arrived by `time` as decided. Removes decided transmissions that can no longer
+    /// collide with an undecided transmission or with one that begins at `time` or later.
     pub fn forget(&mut self, time: Time) {
-        let mut oldest = time;
+        let mut earliest_begin = time;
         for (transmission, is_decided) in &mut self.transmissions {
             *is_decided |= transmission.arrives <= time;
             if !*is_decided {
-                oldest = oldest.min(transmission.begins);
+                earliest_begin = earliest_begin.min(transmission.begins);
             }
         }
-        self.transmissions.retain(|(transmission, is_decided)| !is_decided || transmission.ends > oldest);
+        self.transmissions.retain(|(transmission, is_decided)| !is_decided || transmission.ends > earliest_begin);
     }
 
-    /// Time of the next arrival that is not decided.
+    /// Time of the next arrival among the undecided transmissions.
     pub fn next_arrival(&self) -> Time {
-        let open = self.transmissions.iter().filter(|(_, is_decided)| !is_decided);
-        open.map(|(transmission, _)| transmission.arrives).fold(Time::NEVER, Time::min)
+        let undecided = self.transmissions.iter().filter(|(_, is_decided)| !is_decided);
+        undecided.map(|(transmission, _)| transmission.arrives).fold(Time::NEVER, Time::min)
     }
 }

@@ -1,10 +1,10 @@
 //! Messages between robots: the channel that carries them, and the station of each robot.
 //!
-//! Within a slot a robot sends and receives only through its own [`Station`]. At the slot's end the [`Channel`] takes
+//! Within a simulation slot a robot sends and receives only through its own [`Station`]. At the slot's end the [`Channel`] takes
 //! the sent messages. It decides for each message and station whether and when the message is received, and with which
 //! bit errors; the result is a [`Delivery`].
 //!
-//! Source: Koestler & Bräunl, sections 5.1 and 6.2; for the rules of time, design section 7.
+//! Source: Koestler & Bräunl, sections 5.1 and 6.2; for the timing rules, design section 7.
 
 mod air;
 mod channel;
@@ -14,8 +14,8 @@ mod station;
 mod tests;
 
 pub use channel::Channel;
-pub use ring::SILENCE;
-pub use station::{BUFFER, Full, Message, Station};
+pub use ring::SILENCE_FRAMES;
+pub use station::{BUFFER_BYTES, BufferFull, ReceivedMessage, Station};
 
 use crate::RobotId;
 use crate::time::Time;
@@ -23,7 +23,7 @@ use crate::time::Time;
 /// Medium access of the stations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Medium {
-    /// Each station has a frequency of its own: no interference.
+    /// Each station sends on its own frequency, without interference.
     #[default]
     Free,
     /// All stations share one frequency and send at any time: messages that overlap at a receiver are all lost there
@@ -38,7 +38,7 @@ pub enum Medium {
 pub struct RadioModel {
     /// Medium access.
     pub medium: Medium,
-    /// Bits a second, ten per byte; positive. A RoBIOS 6 program may set another speed for its own station.
+    /// Bits per second, [`BITS_PER_BYTE`] for each byte; positive. A RoBIOS 6 program may set another speed for its station.
     pub baud: u32,
     /// Time from the end of a transmission to its arrival; not negative.
     pub latency: Time,
@@ -49,7 +49,7 @@ pub struct RadioModel {
 }
 
 impl Default for RadioModel {
-    /// A free medium of 115200 baud without limits: our choice.
+    /// Free medium with 115200 baud, no latency and unlimited range: our choice.
     fn default() -> Self {
         Self { medium: Medium::Free, baud: 115_200, latency: Time::ZERO, range: None, line_of_sight: false }
     }
@@ -58,14 +58,14 @@ impl Default for RadioModel {
 /// Bytes of a frame in addition to its payload: start, type, destination, source, next sender, length, checksum.
 ///
 /// Source: the network of the EyeBot.
-pub const HEADER: usize = 7;
+pub const HEADER_BYTES: usize = 7;
 
-/// Bits on the air for a byte: start, eight of data, stop.
+/// Bits transmitted for a byte: a start bit, eight data bits, a stop bit.
 pub const BITS_PER_BYTE: u64 = 10;
 
-/// Duration of the transmission of a message of `bytes` bytes, in whole microseconds, rounded up; at least one.
+/// Duration of the transmission of a message with a payload of `bytes` bytes, rounded up to whole microseconds.
 pub fn air_time(bytes: usize, baud: u32) -> Time {
-    let bits = (bytes as u128 + HEADER as u128) * u128::from(BITS_PER_BYTE);
+    let bits = (bytes as u128 + HEADER_BYTES as u128) * u128::from(BITS_PER_BYTE);
     let micros = (bits * 1_000_000).div_ceil(baud.max(1).into());
     i64::try_from(micros).map_or(Time::NEVER, Time)
 }
@@ -79,44 +79,44 @@ pub enum Address {
     One(u32),
 }
 
-/// A message that a station has sent.
+/// A message that a program has handed to its station for transmission.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SentMessage {
+pub struct OutgoingMessage {
     /// The sender.
     pub from: RobotId,
     /// Address of the sender's station.
     pub address: u32,
-    /// Number of the message, counted per sender from 1.
+    /// Sequence number of the message; each sender numbers its messages from 1.
     pub sequence: u64,
     /// Destination.
     pub to: Address,
     /// Payload.
     pub payload: Vec<u8>,
-    /// Time of sending: the end of the call.
-    pub sent: Time,
-    /// Start of the transmission, after the earlier messages of the station; `None` if the medium decides it (token).
+    /// Time when the program queued the message: the end of the call.
+    pub queued_at: Time,
+    /// Start of the transmission, after the earlier messages of the station; `None` in a token ring, which decides it later.
     pub begins: Option<Time>,
-    /// Speed of the sender, baud.
+    /// Speed of the sender's station, baud.
     pub baud: u32,
-    /// Robots that cannot receive the message, with the reason, in the order of their ids; judged by the motions that
-    /// are published when the message is sent.
+    /// Robots that cannot receive the message, with the reason, in the order of their ids; computed from the motions
+    /// that are published when the message is queued.
     pub out_of_reach: Vec<(RobotId, Loss)>,
 }
 
 /// Reason why a message was not received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Loss {
-    /// Lost by the channel (P_p).
+    /// The channel lost it (probability P_p).
     Packet,
     /// The receiver was too far away.
     Range,
-    /// A wall blocked it.
+    /// A wall blocked the line of sight.
     Sight,
-    /// Another message was on the air at the same time, or the receiver was sending.
+    /// Another message was on the air at the same time, or the receiver was message.
     Collision,
     /// The receiver uses another speed.
     Baud,
-    /// No other station with this address was on.
+    /// No other station with the destination's address was on.
     Nobody,
     /// The receiver was switched off before the message arrived.
     Off,
@@ -137,13 +137,13 @@ pub struct Delivery {
     pub from: RobotId,
     /// Address of the sender's station.
     pub address: u32,
-    /// Number of the message, counted per sender.
+    /// Sequence number of the message.
     pub sequence: u64,
-    /// Time of arrival: sending plus delay.
+    /// Time of arrival: end of the transmission plus latency.
     pub arrives: Time,
-    /// Time from which the receiver can see the message.
+    /// Time from which the receiver's program can read the message.
     pub visible: Time,
-    /// The received bytes, or the reason of the loss.
+    /// The received payload, or the reason for the loss.
     pub outcome: Result<Arrived, Loss>,
 }
 
@@ -156,7 +156,7 @@ pub struct Arrived {
     pub bit_errors: u32,
 }
 
-/// A station that is on, as the channel knows it.
+/// Address and speed of a station that is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StationInfo {
     /// The robot.
@@ -174,23 +174,23 @@ pub struct StationChange {
     pub robot: RobotId,
     /// Present state; `None` if it is off.
     pub member: Option<StationInfo>,
-    /// Times when it was switched off since the last report, in order.
+    /// Each switching off since the last report, in the order of time.
     pub switched_off: Vec<SwitchedOff>,
 }
 
-/// A station was switched off: messages whose transmission had not begun by then are never sent.
+/// A station was switched off. Messages whose transmission begins later are never transmitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SwitchedOff {
     /// The robot.
     pub robot: RobotId,
     /// Time of switching off.
     pub at: Time,
-    /// Number of the last message that the station had accepted by then.
+    /// Sequence number of the last message that the station had accepted by `at`.
     pub last_sequence: u64,
 }
 
 impl Loss {
-    /// Name of the loss in a trace.
+    /// Name of the reason in a trace.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Packet => "packet",

@@ -1,4 +1,4 @@
-//! Radio station of one robot: its sent and received messages.
+//! Radio station of one robot, with the buffers of its outgoing and its received messages.
 
 use std::collections::VecDeque;
 
@@ -6,25 +6,25 @@ use crate::RobotId;
 use crate::time::Time;
 
 use super::{
-    Address, Delivery, Loss, Medium, RadioModel, SentMessage, StationChange, StationInfo, SwitchedOff, air_time,
+    Address, Delivery, Loss, Medium, OutgoingMessage, RadioModel, StationChange, StationInfo, SwitchedOff, air_time,
 };
 
-/// Capacity in bytes of the buffer of unsent messages, and of the buffer of unread messages; our choice. An empty
-/// message counts as one byte.
-pub const BUFFER: usize = 1024;
+/// Capacity of the sender's buffer and of the receiver's buffer of a station, in bytes; our choice. An empty message
+/// takes one byte.
+pub const BUFFER_BYTES: usize = 1024;
 
 /// The sender's buffer has no room for the message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Full;
+pub struct BufferFull;
 
 /// A received message.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Message {
+pub struct ReceivedMessage {
     /// The sender.
     pub from: RobotId,
     /// Address of the sender's station.
     pub address: u32,
-    /// Number of the message, counted per sender.
+    /// Sequence number of the message.
     pub sequence: u64,
     /// Time of arrival.
     pub arrived: Time,
@@ -42,22 +42,22 @@ pub struct Station {
     has_changed: bool,
     switched_off: Vec<SwitchedOff>,
     last_sequence: u64,
-    /// Messages in the sender's buffer, in the order of their numbers.
-    outgoing: VecDeque<Outgoing>,
-    /// Messages not yet passed to the channel.
-    sent: Vec<SentMessage>,
-    /// Messages in transit, in order of (visible, arrives, sender, sequence).
-    coming: VecDeque<Delivery>,
-    /// Messages that wait to be read, in order of (arrived, sender, sequence).
-    inbox: VecDeque<Message>,
+    /// Messages in the sender's buffer, in the order of their sequence numbers.
+    send_buffer: VecDeque<BufferedMessage>,
+    /// Messages not yet taken for the channel.
+    untaken: Vec<OutgoingMessage>,
+    /// Decided deliveries that are not yet visible, sorted by (visible, arrives, sender, sequence).
+    in_transit: VecDeque<Delivery>,
+    /// Visible messages that are not yet read, sorted by (arrived, sender, sequence).
+    inbox: VecDeque<ReceivedMessage>,
 }
 
 /// A message in the sender's buffer.
 #[derive(Clone, Copy, Debug)]
-struct Outgoing {
+struct BufferedMessage {
     sequence: u64,
     size: usize,
-    /// Start and end of the transmission; `None` if the medium decides it.
+    /// Start and end of the transmission; `None` in a token ring, which decides them later.
     span: Option<(Time, Time)>,
 }
 
@@ -71,9 +71,9 @@ impl Station {
             has_changed: false,
             switched_off: Vec::new(),
             last_sequence: 0,
-            outgoing: VecDeque::new(),
-            sent: Vec::new(),
-            coming: VecDeque::new(),
+            send_buffer: VecDeque::new(),
+            untaken: Vec::new(),
+            in_transit: VecDeque::new(),
             inbox: VecDeque::new(),
         }
     }
@@ -85,43 +85,43 @@ impl Station {
     }
 
     /// Switches the station off. Unread messages are dropped and messages in transit are lost. Messages whose
-    /// transmission has not begun are never sent, unless the channel has already taken them (a free medium takes
-    /// messages at the end of each slot). Returns the outcomes of the messages in transit; the channel reports unsent
-    /// messages. Does nothing if the station is off.
+    /// transmission has not begun are never transmitted, unless a free medium has already taken them (at the end of a
+    /// slot). Returns the outcomes of the messages in transit; the channel reports the messages that are never
+    /// transmitted. Does nothing if the station is off.
     pub fn switch_off(&mut self, now: Time) -> Vec<Delivery> {
         self.switch_off_after(now)
     }
 
-    /// Switches the station off like [`Station::switch_off`], but still sends messages whose transmission begins by
+    /// Switches the station off like [`Station::switch_off`], but still transmits messages whose transmission begins by
     /// `last`.
     pub fn switch_off_after(&mut self, last: Time) -> Vec<Delivery> {
         if self.member.take().is_none() {
             return Vec::new();
         }
         self.has_changed = true;
-        self.outgoing = self.outgoing.iter().filter(|it| self.goes_out(it, last)).copied().collect();
+        self.send_buffer = self.send_buffer.iter().filter(|it| self.is_transmitted(it, last)).copied().collect();
         self.switched_off.push(SwitchedOff { robot: self.robot, at: last, last_sequence: self.last_sequence });
         self.inbox.clear();
-        let unheard = |delivery: Delivery| Delivery { outcome: delivery.outcome.and(Err(Loss::Off)), ..delivery };
-        self.coming.drain(..).map(unheard).collect()
+        let lose = |delivery: Delivery| Delivery { outcome: delivery.outcome.and(Err(Loss::Off)), ..delivery };
+        self.in_transit.drain(..).map(lose).collect()
     }
 
-    /// The later of `now` and the start of the last transmission; in a token ring, which decides this start later, `now`.
+    /// The later of `now` and the start of the last buffered message's transmission; `now` in a token ring, which decides this start later.
     pub fn last_start(&self, now: Time) -> Time {
-        self.outgoing.back().and_then(|it| it.span).map_or(now, |(begins, _)| begins.max(now))
+        self.send_buffer.back().and_then(|it| it.span).map_or(now, |(begins, _)| begins.max(now))
     }
 
-    /// Number of messages that would never be sent if the station were switched off at `now`, including messages that
-    /// wait for a token.
-    pub fn unsent(&self, now: Time) -> usize {
-        self.outgoing.iter().filter(|it| !self.goes_out(it, now)).count()
+    /// Number of messages that would never be transmitted if the station were switched off at `now`, including messages
+    /// that wait for a token.
+    pub fn unsent_count(&self, now: Time) -> usize {
+        self.send_buffer.iter().filter(|it| !self.is_transmitted(it, now)).count()
     }
 
-    /// Returns true if the message is sent even if the station is switched off at `now`: its transmission has begun, or the channel
-    /// has taken it.
-    fn goes_out(&self, message: &Outgoing, now: Time) -> bool {
-        let untaken = self.sent.first().map_or(u64::MAX, |sending| sending.sequence);
-        let is_taken = self.medium == Medium::Free && message.sequence < untaken;
+    /// Returns true if the message is transmitted even if the station is switched off at `now`: its transmission has begun, or a free
+    /// medium has taken it.
+    fn is_transmitted(&self, message: &BufferedMessage, now: Time) -> bool {
+        let first_untaken = self.untaken.first().map_or(u64::MAX, |message| message.sequence);
+        let is_taken = self.medium == Medium::Free && message.sequence < first_untaken;
         message.span.is_some_and(|(begins, _)| begins <= now || is_taken)
     }
 
@@ -130,17 +130,17 @@ impl Station {
         self.member
     }
 
-    /// Takes the report for the channel; `None` if the station was not switched since the last call.
+    /// Removes and returns the report for the channel; `None` if the station was not switched since the last call.
     pub fn take_change(&mut self) -> Option<StationChange> {
         let switched_off = std::mem::take(&mut self.switched_off);
         let change = StationChange { robot: self.robot, member: self.member, switched_off };
         std::mem::take(&mut self.has_changed).then_some(change)
     }
 
-    /// Sends a message at `now`; returns it with its number.
+    /// Queues a message for transmission at `now`; returns it with its sequence number.
     ///
     /// # Errors
-    /// [`Full`] when [`BUFFER`] has no room for it.
+    /// [`BufferFull`] if the sender's buffer has no room for the message.
     ///
     /// # Panics
     /// If the station is off.
@@ -150,108 +150,108 @@ impl Station {
         to: Address,
         payload: &[u8],
         out_of_reach: Vec<(RobotId, Loss)>,
-    ) -> Result<&SentMessage, Full> {
+    ) -> Result<&OutgoingMessage, BufferFull> {
         let member = self.member.expect("only a station that is on sends");
-        while self.outgoing.front().is_some_and(|it| it.span.is_some_and(|(_, ends)| ends <= now)) {
-            self.outgoing.pop_front();
+        while self.send_buffer.front().is_some_and(|it| it.span.is_some_and(|(_, ends)| ends <= now)) {
+            self.send_buffer.pop_front();
         }
         let size = payload.len().max(1);
-        if self.outgoing.iter().map(|it| it.size).sum::<usize>() + size > BUFFER {
-            return Err(Full);
+        if self.send_buffer.iter().map(|it| it.size).sum::<usize>() + size > BUFFER_BYTES {
+            return Err(BufferFull);
         }
         let begins = match self.medium {
             Medium::Free | Medium::Aloha => {
-                let free = self.outgoing.back().and_then(|it| it.span);
-                Some(free.map_or(now, |(_, ends)| ends.max(now)))
+                let last_span = self.send_buffer.back().and_then(|it| it.span);
+                Some(last_span.map_or(now, |(_, ends)| ends.max(now)))
             }
             Medium::TokenRing => None,
         };
         self.last_sequence += 1;
         let span = begins.map(|begins| (begins, begins + air_time(payload.len(), member.baud)));
-        self.outgoing.push_back(Outgoing { sequence: self.last_sequence, size, span });
-        self.sent.push(SentMessage {
+        self.send_buffer.push_back(BufferedMessage { sequence: self.last_sequence, size, span });
+        self.untaken.push(OutgoingMessage {
             from: self.robot,
             address: member.address,
             sequence: self.last_sequence,
             to,
             payload: payload.to_vec(),
-            sent: now,
+            queued_at: now,
             begins,
             baud: member.baud,
             out_of_reach,
         });
-        Ok(&self.sent[self.sent.len() - 1])
+        Ok(&self.untaken[self.untaken.len() - 1])
     }
 
-    /// Takes the messages sent since the last call.
-    pub fn take_sent(&mut self) -> Vec<SentMessage> {
-        std::mem::take(&mut self.sent)
+    /// Removes and returns the messages queued since the last call.
+    pub fn take_outgoing(&mut self) -> Vec<OutgoingMessage> {
+        std::mem::take(&mut self.untaken)
     }
 
-    /// Frees the buffer space of the message with this number, which the medium has transmitted.
-    pub fn has_left(&mut self, sequence: u64) {
-        self.outgoing.retain(|it| it.sequence != sequence);
+    /// Frees the buffer space of the message with this sequence number, which the token ring has transmitted.
+    pub fn release(&mut self, sequence: u64) {
+        self.send_buffer.retain(|it| it.sequence != sequence);
     }
 
-    /// Queues a message in transit to this station.
+    /// Adds a decided delivery to this station.
     pub fn deliver(&mut self, delivery: Delivery) {
         let key = |it: &Delivery| (it.visible, it.arrives, it.from, it.sequence);
-        let index = self.coming.partition_point(|it| key(it) <= key(&delivery));
-        self.coming.insert(index, delivery);
+        let index = self.in_transit.partition_point(|it| key(it) <= key(&delivery));
+        self.in_transit.insert(index, delivery);
     }
 
-    /// Time when the next message in transit becomes visible; [`Time::NEVER`] if there is none.
+    /// Time when the next delivery becomes visible; [`Time::NEVER`] if there is none.
     pub fn next_visible(&self) -> Time {
-        self.coming.front().map_or(Time::NEVER, |delivery| delivery.visible)
+        self.in_transit.front().map_or(Time::NEVER, |delivery| delivery.visible)
     }
 
-    /// Moves messages that are visible at `now` into the buffer; returns the outcome of each, in order.
-    pub fn settle(&mut self, now: Time) -> Vec<Delivery> {
-        let mut settled = Vec::new();
+    /// Moves messages that are visible at `now` into the receiver's buffer; returns their final outcomes, in order.
+    pub fn collect_visible(&mut self, now: Time) -> Vec<Delivery> {
+        let mut collected = Vec::new();
         if self.next_visible() > now {
-            return settled;
+            return collected;
         }
-        let room_of = |payload: &[u8]| payload.len().max(1);
-        let mut used: usize = self.inbox.iter().map(|message| room_of(&message.payload)).sum();
+        let size_of_payload = |payload: &[u8]| payload.len().max(1);
+        let mut used: usize = self.inbox.iter().map(|message| size_of_payload(&message.payload)).sum();
         while self.next_visible() <= now
-            && let Some(mut delivery) = self.coming.pop_front()
+            && let Some(mut delivery) = self.in_transit.pop_front()
         {
             if let Ok(arrived) = &delivery.outcome {
-                let room = room_of(&arrived.payload);
-                if used + room > BUFFER {
+                let size = size_of_payload(&arrived.payload);
+                if used + size > BUFFER_BYTES {
                     delivery.outcome = Err(Loss::Overflow);
                 } else {
-                    used += room;
-                    let message = Message {
+                    used += size;
+                    let message = ReceivedMessage {
                         from: delivery.from,
                         address: delivery.address,
                         sequence: delivery.sequence,
                         arrived: delivery.arrives,
                         payload: arrived.payload.clone(),
                     };
-                    let key = |it: &Message| (it.arrived, it.from, it.sequence);
+                    let key = |it: &ReceivedMessage| (it.arrived, it.from, it.sequence);
                     let index = self.inbox.partition_point(|it| key(it) <= key(&message));
                     self.inbox.insert(index, message);
                 }
             }
-            settled.push(delivery);
+            collected.push(delivery);
         }
-        settled
+        collected
     }
 
     /// Ends the run: returns the outcomes of the messages in transit, in order.
     pub fn finish(&mut self) -> Vec<Delivery> {
-        let fate = |it: Delivery| Delivery { outcome: it.outcome.and(Err(Loss::End)), ..it };
-        self.coming.drain(..).map(fate).collect()
+        let lose = |it: Delivery| Delivery { outcome: it.outcome.and(Err(Loss::End)), ..it };
+        self.in_transit.drain(..).map(lose).collect()
     }
 
-    /// Number of messages that wait to be read.
+    /// Number of unread messages.
     pub fn waiting(&self) -> usize {
         self.inbox.len()
     }
 
-    /// Takes the next message, in order of (arrived, sender, sequence).
-    pub fn receive(&mut self) -> Option<Message> {
+    /// Removes and returns the next unread message, in order of (arrived, sender, sequence).
+    pub fn receive(&mut self) -> Option<ReceivedMessage> {
         self.inbox.pop_front()
     }
 }

@@ -1,11 +1,11 @@
-//! Interventions: user actions on a running simulation.
+//! Actions of users on a running simulation (interventions).
 
 use serde::{Deserialize, Serialize};
 
 /// An intervention: one user action, which takes effect at the start of a slot.
 ///
-/// Its JSON is the canonical text in digest and trace, with which a run can be repeated: names and order of variants and fields are frozen.
-/// Other notations, such as the page's, are translated by their own modules.
+/// The JSON form is the canonical text in digest and trace, with which a run can be repeated: the names and the order of variants and
+/// fields are frozen. Other notations, such as that of the window's page, are translated by other modules.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Action {
@@ -45,22 +45,22 @@ pub enum Action {
         /// Heading, counter-clockwise from x.
         phi_rad: f64,
     },
-    /// Sets a number of the noise models.
+    /// Sets a parameter of the noise models.
     SetNoise {
-        /// Number of the robot; `None` for all.
+        /// Number of the robot; `None` for all robots.
         robot: Option<u32>,
         /// Table and key of the noise profile, such as `psd.sigma_mm`.
         parameter: String,
         /// Value in the profile's unit.
         value: f64,
     },
-    /// Switches a sensor off, so that it sees nothing, or on again.
+    /// Switches a sensor off, so that it detects nothing, or on again.
     SwitchSensor {
         /// Number of the robot.
         robot: u32,
         /// Name of the sensor.
         sensor: String,
-        /// True for on.
+        /// True to switch it on.
         on: bool,
     },
     /// Adds a robot of a type known to the scene.
@@ -104,7 +104,7 @@ pub enum Action {
         /// Number of the robot.
         robot: u32,
     },
-    /// Makes a range sensor repeat its present reading, or measure again.
+    /// Makes a range sensor repeat its present reading, or lets it measure again.
     StickSensor {
         /// Number of the robot.
         robot: u32,
@@ -113,7 +113,7 @@ pub enum Action {
         /// True to repeat the reading.
         on: bool,
     },
-    /// Silences a robot's radio, which then can neither be heard nor hear, or ends its silence.
+    /// Silences a robot's radio, so that it receives nothing and no other robot receives its messages, or ends the silence.
     SwitchRadio {
         /// Number of the robot.
         robot: u32,
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_canonical_text_is_frozen() {
+    fn canonical_text_is_frozen() {
         let canonical = [
             (Action::Press { robot: 1, key: "KEY1".into() }, r#"{"do":"press","robot":1,"key":"KEY1"}"#),
             (Action::Type { robot: 1, line: "3 4".into() }, r#"{"do":"type","robot":1,"line":"3 4"}"#),

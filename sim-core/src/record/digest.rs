@@ -15,7 +15,7 @@ use crate::time::Time;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Name of the construction; it must be changed whenever the construction or the events change.
+/// Name and version of the construction; change the version with every change of the construction or of the events.
 const DOMAIN: &[u8] = b"eyesim record 1";
 
 /// A 256-bit hash of everything recorded so far.
@@ -66,7 +66,7 @@ pub(super) fn chain_start(robot: RobotId) -> [u8; 32] {
 /// Combines the robots' chains, slot by slot.
 #[derive(Clone, Debug)]
 pub struct RunDigest {
-    /// The digest so far, followed by the input of the slot in progress, so that both can be hashed at once without a
+    /// The digest so far, followed by the chain values of the slot in progress: both are hashed in one call, without a
     /// copy.
     bytes: Vec<u8>,
 }
@@ -82,13 +82,13 @@ impl RunDigest {
         Self { bytes: hasher.finalize().as_bytes().to_vec() }
     }
 
-    /// Adds the chain value of a robot that recorded events in this slot. Must be called in order of the ids.
+    /// Adds the chain value of a robot that recorded events in this slot. Must be called in the order of the robots' ids.
     pub fn add(&mut self, robot: RobotId, chain: &[u8; 32]) {
         self.bytes.extend_from_slice(&robot.0.to_le_bytes());
         self.bytes.extend_from_slice(chain);
     }
 
-    /// Closes the slot that ends at `end`; `None` if no robot recorded an event in it.
+    /// Ends the slot at `end` and returns the new digest; `None` if no robot recorded an event in the slot.
     pub fn end_slot(&mut self, end: Time) -> Option<Digest> {
         if self.bytes.len() == DIGEST_LEN {
             return None;
@@ -100,7 +100,7 @@ impl RunDigest {
         Some(Digest(digest))
     }
 
-    /// The digest after the last closed slot.
+    /// Digest after the last ended slot.
     pub fn value(&self) -> Digest {
         let mut digest = [0; DIGEST_LEN];
         digest.copy_from_slice(&self.bytes[..DIGEST_LEN]);

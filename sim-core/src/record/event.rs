@@ -1,4 +1,4 @@
-//! Events of a run. One list generates enum, kinds and JSON names; `docs/trace.md` is checked against it.
+//! Events of a run. One list generates the enum, the kinds and the JSON names; a test compares `docs/trace.md` with it.
 
 mod canonical;
 mod field;
@@ -28,7 +28,7 @@ macro_rules! events {
             $( $(#[$doc])* $name { $( $(#[$field_doc])* $field: $type, )* }, )*
         }
 
-        /// Kind of an [`Event`]; its number is the first byte of the event's canonical form.
+        /// Kind of an [`Event`]. The number of the kind is the first byte of the event's canonical form.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(u8)]
         pub enum Kind {
@@ -77,7 +77,7 @@ macro_rules! events {
 }
 
 events! {
-    /// A program begins.
+    /// A program starts.
     ProgramStarted = "program_started" {
         /// The name of the program; empty for a robot without one.
         program: &'a str,
@@ -143,9 +143,9 @@ events! {
     }
     /// Command: set the odometry to this pose.
     SetOdometry = "set_odometry" {
-        /// m
+        /// World x, m.
         x_m: f64,
-        /// m
+        /// World y, m.
         y_m: f64,
         /// rad
         phi_rad: f64,
@@ -209,9 +209,9 @@ events! {
     }
     /// The odometry's pose is read.
     Odometry = "odometry" {
-        /// m
+        /// World x, m.
         x_m: f64,
-        /// m
+        /// World y, m.
         y_m: f64,
         /// rad
         phi_rad: f64,
@@ -317,7 +317,7 @@ events! {
         points: u32,
         /// The shortest distance; `None` if no ray has a return.
         nearest_m: Option<f64>,
-        /// Direction of that ray, counter-clockwise from ahead, rad.
+        /// Direction of that ray, counter-clockwise from the robot's forward direction, rad.
         bearing_rad: Option<f64>,
         /// Sum of all distances as the program gets them, mm.
         sum_mm: i64,
@@ -350,14 +350,14 @@ events! {
     Signal = "signal" {
         /// Name of the sensor.
         device: &'a str,
-        /// Signal in the sensor's unit: 1/m for a reflectance sensor; for a sonar, relative to the echo of a perfect reflector 1 m ahead.
+        /// Signal in the sensor's unit: 1/m for a reflectance sensor; for a sonar, relative to the echo of a perfect reflector at 1 m.
         signal: f64,
         /// Time of the measurement, s.
         measured_s: f64,
     }
     /// An image is taken by the camera, or depths or labels of the last image are read.
     Image = "frame" {
-        /// Number of the image, counted per camera from 1.
+        /// Number of the image; each camera counts its images from 1.
         frame: u64,
         /// `colour`, `grey` or `bayer`; `depth` or `labels` of the image.
         form: &'a str,
@@ -372,7 +372,7 @@ events! {
     }
     /// A message is sent by radio.
     RadioSent = "radio_sent" {
-        /// Number of the message, counted per sender from 1.
+        /// Number of the message; each sender numbers its messages from 1.
         message: u64,
         /// Destination address; `None` for all stations.
         to: Option<u32>,
@@ -381,11 +381,11 @@ events! {
         /// The bytes.
         data: &'a [u8],
     }
-    /// A message arrives at a robot's radio and waits there to be read.
+    /// A message arrives at a robot's radio, from which the program can read it.
     RadioArrived = "radio_arrived" {
-        /// Number of the robot that sent it.
+        /// Number of the robot that sent the message.
         from: u32,
-        /// Number of the message, counted per sender.
+        /// Number of the message.
         message: u64,
         /// Time of arrival, s: the end of the transmission plus the latency.
         arrived_s: f64,
@@ -394,9 +394,9 @@ events! {
     }
     /// A message is lost; recorded for the intended receiver if there is one, otherwise for the sender.
     RadioLost = "radio_lost" {
-        /// Number of the robot that sent it.
+        /// Number of the robot that sent the message.
         from: u32,
-        /// Number of the message, counted per sender.
+        /// Number of the message.
         message: u64,
         /// Time at which the message would have arrived, s.
         arrived_s: f64,
@@ -405,9 +405,9 @@ events! {
     }
     /// The program reads a message from its radio.
     RadioReceived = "radio_received" {
-        /// Number of the robot that sent it.
+        /// Number of the robot that sent the message.
         from: u32,
-        /// Number of the message, counted per sender.
+        /// Number of the message.
         message: u64,
         /// The bytes as received.
         data: &'a [u8],
@@ -443,9 +443,9 @@ events! {
     LegCorrection = "leg_correction" {
         /// Name of the leg.
         leg: &'a str,
-        /// Forward, m.
+        /// Shift forwards, m.
         dx_m: f64,
-        /// To the left, m.
+        /// Shift to the left, m.
         dy_m: f64,
         /// Additional height to which the foot is lifted, m.
         dz_m: f64,
@@ -461,9 +461,9 @@ events! {
     Link = "link" {
         /// Name of the leg and link.
         link: &'a str,
-        /// m
+        /// World x, m.
         x_m: f64,
-        /// m
+        /// World y, m.
         y_m: f64,
         /// m
         z_m: f64,
@@ -493,7 +493,7 @@ events! {
         leg: &'a str,
         /// Position of the foothold, m.
         x_m: f64,
-        /// m
+        /// World y, m.
         y_m: f64,
         /// m
         z_m: f64,
@@ -506,7 +506,7 @@ events! {
         with: Obstacle,
         /// Point of contact, m.
         x_m: f64,
-        /// m
+        /// World y, m.
         y_m: f64,
         /// m
         z_m: f64,
@@ -564,7 +564,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_kind_is_the_first_byte_of_the_canonical_form() {
+    fn canonical_form_begins_with_the_kind() {
         for event in [
             Event::ProgramStarted { program: "square.c" },
             Event::Beep {},

@@ -14,25 +14,25 @@ use super::lanes;
 /// Length of a chain value in bytes.
 const CHAIN_LEN: usize = 32;
 
-/// The list of one robot's events in the slot in progress. Recording an event takes a few stores, and no allocation
+/// The list of one robot's events in the slot in progress. Recording an event takes a few stores and no allocation
 /// once the buffers have grown.
 ///
-/// Events are kept in their canonical form (postcard of time and event), which the digest covers and the sinks decode.
-/// While a slot runs, only the robot itself writes. At the slot's end poses and contacts are added, and
+/// Events are stored in their canonical form (postcard of time and event), which is hashed for the digest and decoded for the sinks.
+/// During a slot only the robot's thread records events. At the slot's end poses and contacts are added, and
 /// [`super::Recorder::collect`] takes the events.
 #[derive(Clone, Debug)]
 pub struct Journal {
     robot: RobotId,
     next_sequence: u64,
-    page: Page,
+    slot: SlotEvents,
     is_sealed: bool,
     is_verbose: bool,
 }
 
-/// Buffers of a journal, which the recorder may hold while it merges.
+/// Events of a journal in one slot. The recorder takes the buffers while it merges the journals.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Page {
-    /// The chain value before the slot, followed by the canonical form of the events: hashed as a whole.
+pub(super) struct SlotEvents {
+    /// The chain value before the slot, followed by the canonical form of the events; the hash of all is the new chain value.
     events: Vec<u8>,
     /// Canonical form of the notes.
     notes: Vec<u8>,
@@ -41,19 +41,19 @@ pub(super) struct Page {
     pub(super) kinds: KindSet,
 }
 
-/// Result of the end of a slot for one journal.
+/// State of a journal after [`Journal::end_slot`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) enum EndedJournal {
-    /// The journal holds nothing for the recorder, and the next slot has begun.
+    /// The journal has nothing for the recorder; its next slot has begun.
     #[default]
     Empty,
-    /// The journal has this new chain value and no event to show, and the next slot has begun.
+    /// The journal has this new chain value and no event for the observer; its next slot has begun.
     Chain([u8; CHAIN_LEN]),
-    /// The recorder still has to collect the journal.
+    /// The recorder must still collect the journal.
     Sealed,
 }
 
-/// Index entry of an event in its page.
+/// Position of an event in [`SlotEvents`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     pub(super) time: Time,
@@ -63,14 +63,14 @@ pub(super) struct Entry {
 }
 
 impl Journal {
-    /// Number of journals that [`Journal::seal_all`] hashes at one time.
+    /// Number of journals that [`Journal::seal_all`] hashes in parallel.
     pub const LANES: usize = lanes::LANES;
 
     /// The empty journal of `robot`; `is_verbose` turns the recording of calls on.
     pub fn new(robot: RobotId, is_verbose: bool) -> Self {
-        let mut page = Page::default();
-        page.events.extend_from_slice(&digest::chain_start(robot));
-        Self { robot, next_sequence: 0, page, is_sealed: false, is_verbose }
+        let mut slot = SlotEvents::default();
+        slot.events.extend_from_slice(&digest::chain_start(robot));
+        Self { robot, next_sequence: 0, slot, is_sealed: false, is_verbose }
     }
 
     /// Robot of this journal.
@@ -78,7 +78,7 @@ impl Journal {
         self.robot
     }
 
-    /// Returns true if [`Event::Call`] is recorded; if not, callers can skip the formatting of the arguments.
+    /// Returns true if [`Event::Call`] is recorded; otherwise callers need not format the arguments.
     pub fn is_verbose(&self) -> bool {
         self.is_verbose
     }
@@ -90,14 +90,14 @@ impl Journal {
 
     /// Addresses of the heap memory that [`Journal::record`] writes to.
     pub(crate) fn hot_memory(&self) -> [Range<*const u8>; 2] {
-        let Page { events, entries, .. } = &self.page;
+        let SlotEvents { events, entries, .. } = &self.slot;
         let entries = entries.as_ptr()..entries.as_ptr().wrapping_add(entries.capacity());
         [events.as_ptr()..events.as_ptr().wrapping_add(events.capacity()), entries.start.cast()..entries.end.cast()]
     }
 
     /// Returns true if nothing has been recorded in this slot.
     pub fn is_empty(&self) -> bool {
-        self.page.entries.is_empty()
+        self.slot.entries.is_empty()
     }
 
     /// Appends `event`, which happened at virtual time `time`.
@@ -107,19 +107,19 @@ impl Journal {
     pub fn record(&mut self, time: Time, event: &Event<'_>) {
         assert!(!self.is_sealed, "the journal of {} is sealed", self.robot);
         let kind = event.kind();
-        let bytes = if kind.is_note() { &mut self.page.notes } else { &mut self.page.events };
+        let bytes = if kind.is_note() { &mut self.slot.notes } else { &mut self.slot.events };
         let start = bytes.len();
-        // Enough for most events, so that their fields need no further look at the capacity.
+        // Sufficient for most events, whose fields then need no further check of the capacity.
         bytes.reserve(64);
         time.0.write(bytes);
         event.write(bytes);
-        let sequence = (self.next_sequence - self.page.first_sequence) as u32;
+        let sequence = (self.next_sequence - self.slot.first_sequence) as u32;
         self.next_sequence += u64::from(!kind.is_note());
-        self.page.entries.push(Entry { time, start, sequence, kind });
-        self.page.kinds = self.page.kinds.union(kind.set());
+        self.slot.entries.push(Entry { time, start, sequence, kind });
+        self.slot.kinds = self.slot.kinds.union(kind.set());
     }
 
-    /// Ends the slot for this robot: adds its events to its chain. A robot without events keeps its chain value.
+    /// Ends the slot for this robot: computes its new chain value. A robot without events keeps its chain value.
     ///
     /// Hashing is the larger part of recording. Workers may call this method in parallel; the recorder seals the
     /// remaining journals.
@@ -127,21 +127,21 @@ impl Journal {
         self.seal_with(|events| *blake3::hash(events).as_bytes());
     }
 
-    /// Ends the slot as [`Journal::seal`] does for each of `journals`, whose events are hashed side by side.
+    /// Seals each of `journals` like [`Journal::seal`], with several hashes computed in parallel (SIMD).
     pub fn seal_all<'a>(journals: impl IntoIterator<Item = &'a mut Self>) {
-        let is_short = |journal: &&mut Self| journal.page.events.len() <= lanes::MAX_LEN;
+        let is_short = |journal: &&mut Self| journal.slot.events.len() <= lanes::MAX_LEN;
         let mut journals = journals.into_iter().filter(|journal| journal.has_events() && !journal.is_sealed);
         loop {
-            let mut few: [Option<&mut Self>; lanes::LANES] = Default::default();
-            few.iter_mut().zip(&mut journals).for_each(|(slot, journal)| *slot = Some(journal));
-            let count = few.iter().flatten().count();
-            // Empty lanes cost as much as full ones.
-            if 2 * count > lanes::LANES && few.iter().flatten().all(is_short) {
-                let messages = few.each_ref().map(|journal| journal.as_ref().map_or(&[][..], |it| &it.page.events));
+            let mut group: [Option<&mut Self>; lanes::LANES] = Default::default();
+            group.iter_mut().zip(&mut journals).for_each(|(lane, journal)| *lane = Some(journal));
+            let count = group.iter().flatten().count();
+            // An unused lane takes as long as a used one, so few journals are hashed one by one.
+            if 2 * count > lanes::LANES && group.iter().flatten().all(is_short) {
+                let messages = group.each_ref().map(|journal| journal.as_ref().map_or(&[][..], |it| &it.slot.events));
                 let chains = lanes::hash(Level::new(), &messages);
-                few.into_iter().flatten().zip(&chains).for_each(|(journal, chain)| journal.seal_with(|_| *chain));
+                group.into_iter().flatten().zip(&chains).for_each(|(journal, chain)| journal.seal_with(|_| *chain));
             } else {
-                few.into_iter().flatten().for_each(|journal| journal.seal());
+                group.into_iter().flatten().for_each(|journal| journal.seal());
             }
             if count < lanes::LANES {
                 return;
@@ -149,11 +149,11 @@ impl Journal {
         }
     }
 
-    /// Seals the journal; `hash` gives the hash of its events and the chain value before.
+    /// Seals the journal; `hash` computes the new chain value from the old one followed by the events.
     fn seal_with(&mut self, hash: impl FnOnce(&[u8]) -> [u8; CHAIN_LEN]) {
         if !self.is_sealed && self.has_events() {
-            let chain = hash(&self.page.events);
-            self.page.events[..CHAIN_LEN].copy_from_slice(&chain);
+            let chain = hash(&self.slot.events);
+            self.slot.events[..CHAIN_LEN].copy_from_slice(&chain);
         }
         self.is_sealed = true;
     }
@@ -166,53 +166,53 @@ impl Journal {
             return EndedJournal::Empty;
         }
         self.seal();
-        if self.page.kinds.intersects(interest) {
+        if self.slot.kinds.intersects(interest) {
             return EndedJournal::Sealed;
         }
         let ended = self.changed_chain().map_or(EndedJournal::Empty, |chain| EndedJournal::Chain(*chain));
-        self.clear_page();
+        self.clear_slot();
         ended
     }
 
     /// Returns true if the slot has an event that is not a note.
     fn has_events(&self) -> bool {
-        self.page.events.len() > CHAIN_LEN
+        self.slot.events.len() > CHAIN_LEN
     }
 
     /// The chain value, if the sealed slot has changed it.
     pub(super) fn changed_chain(&self) -> Option<&[u8; CHAIN_LEN]> {
-        if self.has_events() { self.page.events.first_chunk() } else { None }
+        if self.has_events() { self.slot.events.first_chunk() } else { None }
     }
 
     /// The kinds recorded in this slot.
     pub(super) fn kinds(&self) -> KindSet {
-        self.page.kinds
+        self.slot.kinds
     }
 
-    /// Begins the next slot: swaps the buffers of the last slot with the emptied buffers of `spare`.
-    pub(super) fn turn_page(&mut self, spare: &mut Page) {
+    /// Moves the events of the ended slot to `spare`, whose buffers are reused, and begins the next slot.
+    pub(super) fn take_slot(&mut self, spare: &mut SlotEvents) {
         spare.clear();
-        spare.events.extend_from_slice(&self.page.events[..CHAIN_LEN]);
-        std::mem::swap(&mut self.page, spare);
+        spare.events.extend_from_slice(&self.slot.events[..CHAIN_LEN]);
+        std::mem::swap(&mut self.slot, spare);
         self.begin_slot();
     }
 
-    /// Begins the next slot and drops the events of the last one.
-    pub(super) fn clear_page(&mut self) {
-        self.page.events.truncate(CHAIN_LEN);
-        self.page.notes.clear();
-        self.page.entries.clear();
-        self.page.kinds = KindSet::NONE;
+    /// Drops the events of the ended slot and begins the next one.
+    pub(super) fn clear_slot(&mut self) {
+        self.slot.events.truncate(CHAIN_LEN);
+        self.slot.notes.clear();
+        self.slot.entries.clear();
+        self.slot.kinds = KindSet::NONE;
         self.begin_slot();
     }
 
     fn begin_slot(&mut self) {
-        self.page.first_sequence = self.next_sequence;
+        self.slot.first_sequence = self.next_sequence;
         self.is_sealed = false;
     }
 }
 
-impl Page {
+impl SlotEvents {
     /// Empties the buffers, including the chain value.
     fn clear(&mut self) {
         self.events.clear();
@@ -221,15 +221,15 @@ impl Page {
         self.kinds = KindSet::NONE;
     }
 
-    /// Index of the events, in the order in which they were recorded.
+    /// Positions of the events, in the order of recording.
     pub(super) fn entries(&self) -> &[Entry] {
         &self.entries
     }
 
-    /// Decodes the record at `entry` of this page of `robot`.
+    /// Decodes the event at `entry`; `robot` is the robot of the journal.
     ///
     /// # Panics
-    /// If the bytes are not what [`Journal::record`] wrote, which would be a bug in this module.
+    /// If the bytes are not those that [`Journal::record`] wrote: a bug in this module.
     pub(super) fn decode(&self, robot: RobotId, entry: &Entry) -> Record<'_> {
         let is_note = entry.kind.is_note();
         let bytes = if is_note { &self.notes } else { &self.events };

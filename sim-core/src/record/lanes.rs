@@ -1,4 +1,4 @@
-//! BLAKE3 of short messages in parallel, one in each SIMD lane: hashing them one by one leaves most of a processor idle.
+//! BLAKE3 of several short messages in parallel, one in each SIMD lane. One short message alone does not fill the lanes.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, u32x8};
@@ -6,7 +6,7 @@ use fearless_simd::{Level, Simd, dispatch, u32x8};
 /// Number of messages that are hashed in parallel.
 pub(super) const LANES: usize = 8;
 
-/// Longest message, in bytes: one chunk of the hash's tree.
+/// Maximum length of a message, in bytes: one chunk of the hash tree.
 pub(super) const MAX_LEN: usize = blake3::CHUNK_LEN;
 
 /// Length of a block in bytes.
@@ -15,7 +15,7 @@ const BLOCK_LEN: usize = blake3::BLOCK_LEN;
 /// Number of words of a block.
 const WORDS: usize = BLOCK_LEN / 4;
 
-/// Initial chaining value. Source, also of all that follows: BLAKE3 specification, section 2.2.
+/// Initial chaining value. Source of this and of the remaining constants and functions: BLAKE3 specification, section 2.2.
 const IV: [u32; 8] =
     [0x6a09_e667, 0xbb67_ae85, 0x3c6e_f372, 0xa54f_f53a, 0x510e_527f, 0x9b05_688c, 0x1f83_d9ab, 0x5be0_cd19];
 
@@ -46,7 +46,7 @@ const fn schedule() -> [[usize; WORDS]; 7] {
     rounds
 }
 
-/// The hash of each of the messages.
+/// Hashes each of the messages.
 ///
 /// # Panics
 /// If a message is longer than [`MAX_LEN`].
@@ -60,12 +60,12 @@ fn hash_lanes<S: Simd>(simd: S, messages: &[&[u8]; LANES]) -> [[u8; 32]; LANES] 
     let mut hashes = [[0; 32]; LANES];
     let mut value = IV.map(|word| u32x8::splat(simd, word));
     let mut blocks = [0; LANES];
-    let mut count = 0;
+    let mut max_blocks = 0;
     for lane in 0..LANES {
         blocks[lane] = messages[lane].len().div_ceil(BLOCK_LEN).max(1);
-        count = count.max(blocks[lane]);
+        max_blocks = max_blocks.max(blocks[lane]);
     }
-    for block in 0..count {
+    for block in 0..max_blocks {
         let mut words = [[0_u32; LANES]; WORDS];
         let (mut lens, mut flags) = ([0; LANES], [0; LANES]);
         for lane in 0..LANES {
@@ -90,8 +90,8 @@ fn hash_lanes<S: Simd>(simd: S, messages: &[&[u8]; LANES]) -> [[u8; 32]; LANES] 
         }
         value = compress(simd, value, &words, lens, flags);
         let mut is_any_done = false;
-        for &count in &blocks {
-            is_any_done |= block + 1 == count;
+        for &block_count in &blocks {
+            is_any_done |= block + 1 == block_count;
         }
         if is_any_done {
             for index in 0..8 {
@@ -106,7 +106,7 @@ fn hash_lanes<S: Simd>(simd: S, messages: &[&[u8]; LANES]) -> [[u8; 32]; LANES] 
     hashes
 }
 
-/// The chaining value after a block of each message.
+/// Returns the chaining values after one more block of each message.
 #[inline(always)]
 fn compress<S: Simd>(
     simd: S,
@@ -149,7 +149,7 @@ fn compress<S: Simd>(
     [a ^ i, b ^ j, c ^ k, d ^ l, e ^ m, f ^ n, g ^ o, h ^ p]
 }
 
-/// Mixes four words of the state with two of the block.
+/// Mixes four words of the state with two words of the block.
 #[inline(always)]
 fn mix<S: Simd>(
     simd: S,
@@ -159,19 +159,19 @@ fn mix<S: Simd>(
     [first, second]: [usize; 2],
 ) {
     state[a] = state[a] + state[b] + u32x8::simd_from(simd, words[first]);
-    state[d] = turned(state[d] ^ state[a], 16);
+    state[d] = rotate_right(state[d] ^ state[a], 16);
     state[c] += state[d];
-    state[b] = turned(state[b] ^ state[c], 12);
+    state[b] = rotate_right(state[b] ^ state[c], 12);
     state[a] = state[a] + state[b] + u32x8::simd_from(simd, words[second]);
-    state[d] = turned(state[d] ^ state[a], 8);
+    state[d] = rotate_right(state[d] ^ state[a], 8);
     state[c] += state[d];
-    state[b] = turned(state[b] ^ state[c], 7);
+    state[b] = rotate_right(state[b] ^ state[c], 7);
 }
 
-/// The words rotated right by `count` bits.
+/// Rotates the words right by `count` bits.
 #[inline(always)]
-fn turned<S: Simd>(words: u32x8<S>, count: u32) -> u32x8<S> {
-    words >> count | words << (32 - count)
+fn rotate_right<S: Simd>(words: u32x8<S>, max_blocks: u32) -> u32x8<S> {
+    words >> max_blocks | words << (32 - max_blocks)
 }
 
 #[cfg(test)]
@@ -179,10 +179,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lanes_hash_as_the_crate_does() {
+    fn parallel_hashes_match_the_blake3_crate() {
         let bytes: Vec<u8> = (0..MAX_LEN).map(|index| (index * 31 % 251) as u8).collect();
-        let levels = [Level::fallback(), Level::baseline(), Level::new()];
-        for level in levels {
+        let simd_levels = [Level::fallback(), Level::baseline(), Level::new()];
+        for level in simd_levels {
             for first in [0, 1, 31, 57, 60, 63, 64, 65, 127, 128, 300, 500, 960, 1_017] {
                 let messages = std::array::from_fn(|lane| &bytes[..(first + lane * lane % 7).min(MAX_LEN)]);
                 let expected = messages.map(|message| *blake3::hash(message).as_bytes());

@@ -1,4 +1,4 @@
-//! Record of a simulation: events, the journals of the robots, the digest, and interventions.
+//! Recording of a simulation: events, the robots' journals, the digest, and interventions.
 //!
 //! Each robot appends its events to its own [`Journal`] while a slot runs. At the slot's end the [`Recorder`] seals the
 //! journals (digest) and merges them in the order (virtual time, robot, sequence) for the observers. Recording never influences

@@ -1,12 +1,12 @@
-//! Recorder: merges the robots' journals at each slot's end and computes the run's digest.
+//! Recorder: merges the robots' journals at the end of each slot and computes the run's digest.
 
 use super::digest::{Digest, RunDigest};
 use super::event::{KindSet, Record};
-use super::journal::{EndedJournal, Entry, Journal, Page};
+use super::journal::{EndedJournal, Entry, Journal, SlotEvents};
 use crate::RobotId;
 use crate::time::Time;
 
-/// Record of a run: merges the journals of a slot and computes the digest.
+/// Recorder of a run: merges the journals of a slot and computes the digest.
 ///
 /// At each slot's end, call [`Self::collect`] for the robots that may have recorded events, in order of their ids, then
 /// [`Self::end_slot`].
@@ -14,8 +14,8 @@ use crate::time::Time;
 pub struct Recorder {
     digest: RunDigest,
     interest: KindSet,
-    /// Pages of the robots in this slot (the first `used`), followed by spare pages.
-    pages: Vec<(RobotId, Page)>,
+    /// Events of the robots in this slot (the first `used` elements), followed by unused buffers.
+    collected: Vec<(RobotId, SlotEvents)>,
     used: usize,
     order: Vec<MergedEntry>,
 }
@@ -24,24 +24,24 @@ pub struct Recorder {
 #[derive(Clone, Copy, Debug)]
 struct MergedEntry {
     time: Time,
-    page: u32,
+    robot_index: u32,
     entry: u32,
 }
 
 impl Recorder {
-    /// Record of a run with `seed` and slots of length `slot`, before its first slot. The observer gets the events of the kinds in
+    /// Recorder of a run with `seed` and slots of length `slot`, before the first slot. The observer gets the events of the kinds in
     /// `interest`.
     pub fn new(seed: u64, slot: Time, interest: KindSet) -> Self {
-        Self { digest: RunDigest::new(seed, slot), interest, pages: Vec::new(), used: 0, order: Vec::new() }
+        Self { digest: RunDigest::new(seed, slot), interest, collected: Vec::new(), used: 0, order: Vec::new() }
     }
 
-    /// Sets the kinds of events to show, from this slot on.
+    /// Sets the kinds of events that the observer gets, from this slot on.
     pub fn set_interest(&mut self, interest: KindSet) {
         self.interest = interest;
     }
 
-    /// Takes the events of `journal` in this slot and begins its next slot. Must be called in order of the robots' ids;
-    /// robots without events may be left out.
+    /// Takes the events of `journal` in this slot and begins the journal's next slot. Must be called in the order of the robots' ids;
+    /// robots without events may be skipped.
     pub fn collect(&mut self, journal: &mut Journal) {
         if journal.is_empty() {
             return;
@@ -51,26 +51,26 @@ impl Recorder {
             self.digest.add(journal.robot(), chain);
         }
         if !journal.kinds().intersects(self.interest) {
-            journal.clear_page();
+            journal.clear_slot();
             return;
         }
-        if self.used == self.pages.len() {
-            self.pages.push((journal.robot(), Page::default()));
+        if self.used == self.collected.len() {
+            self.collected.push((journal.robot(), SlotEvents::default()));
         }
-        let (robot, page) = &mut self.pages[self.used];
+        let (robot, events) = &mut self.collected[self.used];
         *robot = journal.robot();
-        journal.turn_page(page);
-        let is_recorded = |(_, entry): &(usize, &Entry)| self.interest.contains(entry.kind);
-        let merged = |(index, entry): (usize, &Entry)| MergedEntry {
+        journal.take_slot(events);
+        let is_of_interest = |(_, entry): &(usize, &Entry)| self.interest.contains(entry.kind);
+        let merged_entry = |(index, entry): (usize, &Entry)| MergedEntry {
             time: entry.time,
-            page: self.used as u32,
+            robot_index: self.used as u32,
             entry: index as u32,
         };
-        self.order.extend(page.entries().iter().enumerate().filter(is_recorded).map(merged));
+        self.order.extend(events.entries().iter().enumerate().filter(is_of_interest).map(merged_entry));
         self.used += 1;
     }
 
-    /// Kinds of the events to show.
+    /// Kinds of the events that the observer gets.
     pub(crate) fn interest(&self) -> KindSet {
         self.interest
     }
@@ -84,23 +84,23 @@ impl Recorder {
         }
     }
 
-    /// Ends the slot: passes the collected events of interest to `show`, in order of (virtual time, robot, sequence). Returns the
+    /// Ends the slot: passes the collected events of interest to `observe`, in order of (virtual time, robot, sequence). Returns the
     /// digest of the run so far, if the slot changed it.
     ///
     /// # Errors
-    /// The first error of `show`; the remaining events of the slot are then not shown.
+    /// The first error of `observe`, which then does not get the remaining events of the slot.
     pub fn end_slot<E>(
         &mut self,
         end: Time,
-        mut show: impl FnMut(&Record<'_>) -> Result<(), E>,
+        mut observe: impl FnMut(&Record<'_>) -> Result<(), E>,
     ) -> Result<Option<Digest>, E> {
         let digest = self.digest.end_slot(end);
-        // Pages are in the order of the robots, entries in the order of recording.
-        self.order.sort_unstable_by_key(|entry| (entry.time, entry.page, entry.entry));
+        // The robots are in the order of their ids, the entries of a robot in the order of recording.
+        self.order.sort_unstable_by_key(|entry| (entry.time, entry.robot_index, entry.entry));
         self.used = 0;
         for entry in self.order.drain(..) {
-            let (robot, page) = &self.pages[entry.page as usize];
-            show(&page.decode(*robot, &page.entries()[entry.entry as usize]))?;
+            let (robot, events) = &self.collected[entry.robot_index as usize];
+            observe(&events.decode(*robot, &events.entries()[entry.entry as usize]))?;
         }
         Ok(digest)
     }
@@ -122,13 +122,13 @@ mod tests {
     #[derive(Default)]
     struct RunOutput(Vec<String>, Vec<Option<Digest>>);
 
-    fn end_slot(recorder: &mut Recorder, end: Time, shown: &mut RunOutput) {
-        let show = |record: &Record<'_>| -> Result<(), Infallible> {
-            shown.0.push(serde_json::to_string(record).unwrap());
+    fn end_slot(recorder: &mut Recorder, end: Time, output: &mut RunOutput) {
+        let observe = |record: &Record<'_>| -> Result<(), Infallible> {
+            output.0.push(serde_json::to_string(record).unwrap());
             Ok(())
         };
-        let Ok(digest) = recorder.end_slot(end, show);
-        shown.1.push(digest);
+        let Ok(digest) = recorder.end_slot(end, observe);
+        output.1.push(digest);
     }
 
     const SLOT: Time = Time::from_millis(50);
@@ -137,7 +137,7 @@ mod tests {
     fn run(order: [usize; 2], is_verbose: bool, interest: KindSet) -> (Digest, RunOutput) {
         let mut journals = [1, 2].map(|id| Journal::new(RobotId(id), is_verbose));
         let mut recorder = Recorder::new(7, SLOT, interest);
-        let mut shown = RunOutput::default();
+        let mut output = RunOutput::default();
         for slot in 0..2 {
             let begin = Time(50_000 * slot);
             for robot in order {
@@ -152,26 +152,26 @@ mod tests {
             let contact = Event::Contact { at_s: begin.seconds(), with: Obstacle::Robot(1), x_m, y_m };
             journals[1].record(begin, &contact);
             journals.iter_mut().for_each(|journal| recorder.collect(journal));
-            end_slot(&mut recorder, begin + SLOT, &mut shown);
+            end_slot(&mut recorder, begin + SLOT, &mut output);
         }
-        (recorder.digest(), shown)
+        (recorder.digest(), output)
     }
 
     #[test]
-    fn records_come_in_the_one_order() {
-        let (_, shown) = run([1, 0], false, KindSet::ALL);
-        insta::assert_snapshot!(shown.0.join("\n"));
+    fn records_are_ordered_by_time_robot_and_sequence() {
+        let (_, output) = run([1, 0], false, KindSet::ALL);
+        insta::assert_snapshot!(output.0.join("\n"));
     }
 
     #[test]
-    fn only_what_is_of_interest_is_shown() {
-        let (_, shown) = run([0, 1], true, Kind::Contact.set());
-        assert_eq!(shown.0.len(), 2, "{:?}", shown.0);
-        assert_eq!(shown.1.len(), 2);
+    fn observer_gets_only_kinds_of_interest() {
+        let (_, output) = run([0, 1], true, Kind::Contact.set());
+        assert_eq!(output.0.len(), 2, "{:?}", output.0);
+        assert_eq!(output.1.len(), 2);
     }
 
     #[test]
-    fn an_error_ends_the_slot_and_leaves_the_digest_as_it_is() {
+    fn error_of_the_observer_ends_the_slot_without_changing_the_digest() {
         let mut recorder = Recorder::new(7, SLOT, KindSet::ALL);
         let mut journal = Journal::new(RobotId(1), false);
         journal.record(Time(1), &Event::Beep {});
@@ -183,22 +183,22 @@ mod tests {
             Err("full")
         });
         assert_eq!((result, count), (Err("full"), 1));
-        let (digest, mut shown) = (recorder.digest(), RunOutput::default());
-        end_slot(&mut recorder, SLOT + SLOT, &mut shown);
-        assert_eq!((recorder.digest(), shown.0.len()), (digest, 0));
+        let (digest, mut output) = (recorder.digest(), RunOutput::default());
+        end_slot(&mut recorder, SLOT + SLOT, &mut output);
+        assert_eq!((recorder.digest(), output.0.len()), (digest, 0));
     }
 
     #[test]
-    fn the_digest_depends_neither_on_who_is_shown_it_nor_on_threads_nor_on_verbosity() {
+    fn digest_is_independent_of_observers_threads_and_verbosity() {
         let (digest, _) = run([0, 1], false, KindSet::NONE);
-        let (shown_all, shown) = run([1, 0], false, KindSet::ALL);
-        assert_eq!(digest, shown_all);
+        let (digest_with_observer, output) = run([1, 0], false, KindSet::ALL);
+        assert_eq!(digest, digest_with_observer);
         assert_eq!(digest, run([1, 0], true, Kind::Contact.set()).0);
-        assert_eq!(shown.1.last(), Some(&Some(digest)));
+        assert_eq!(output.1.last(), Some(&Some(digest)));
     }
 
     #[test]
-    fn slots_without_events_leave_the_digest_alone() {
+    fn slots_without_events_do_not_change_the_digest() {
         let mut recorder = Recorder::new(7, SLOT, KindSet::ALL);
         let empty = recorder.digest();
         let mut journal = Journal::new(RobotId(1), false);
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn the_construction_is_the_documented_one() {
+    fn digest_has_the_documented_construction() {
         let mut recorder = Recorder::new(7, SLOT, KindSet::ALL);
         let before = recorder.digest();
         let mut journal = Journal::new(RobotId(3), false);
@@ -219,15 +219,15 @@ mod tests {
         end_slot(&mut recorder, SLOT, &mut RunOutput::default());
 
         let hash = |parts: &[&[u8]]| *blake3::hash(&parts.concat()).as_bytes();
-        let start = hash(&[b"eyesim record 1 robot", &3_u32.to_le_bytes()]);
-        // Time 1 in zigzag form, number of the kind, length and letters of the name, value -1 in zigzag form.
-        let chain = hash(&[&start, &[2, Kind::Reading as u8, 2, b'I', b'R', 1]]);
+        let chain_start = hash(&[b"eyesim record 1 robot", &3_u32.to_le_bytes()]);
+        // Time 1 in zigzag form, number of the kind, length and letters of the device's name, value -1 in zigzag form.
+        let chain = hash(&[&chain_start, &[2, Kind::Reading as u8, 2, b'I', b'R', 1]]);
         let expected = hash(&[&before.0, &3_u32.to_le_bytes(), &chain, &50_000_i64.to_le_bytes()]);
         assert_eq!(recorder.digest(), Digest(expected));
     }
 
     #[test]
-    fn the_digest_is_golden() {
+    fn digest_matches_the_golden_value() {
         assert_eq!(
             run([0, 1], false, KindSet::NONE).0.to_string(),
             "8e7fe502083cc57b79bdc315b2dbf4e4388a5816eb2d64b0613cd2d99cf256ad"

@@ -86,7 +86,7 @@ impl Environment {
     /// This environment with a monitor of its motion; must be set before the first slot.
     pub fn with_monitor(mut self, monitor: Option<Monitor>) -> Self {
         self.monitor = monitor.map(Box::new);
-        if self.monitor.as_ref().is_some_and(|monitor| monitor.wants_objects()) {
+        if self.monitor.as_ref().is_some_and(|monitor| monitor.needs_objects()) {
             self.world.keep_object_steps();
         }
         self

@@ -121,12 +121,12 @@ impl RobotFactory {
         robots: impl IntoIterator<Item = &'a mut Robot>,
         reception_noise: Vec<RadioNoise>,
     ) -> Result<World, FactoryError> {
-        let movable = build::movable(scene).count();
+        let movable = build::movable_objects(scene).count();
         if movable > 0 && !Bodies::ARE_BUILT {
             return Err(FactoryError::Objects(movable));
         }
         let motions = robots.into_iter().map(|robot| &mut robot.motion);
-        let objects = build::movable(scene).map(|object| (build::properties(object), object.pose));
+        let objects = build::movable_objects(scene).map(|object| (build::properties(object), object.pose));
         let radio = Channel::new(scene.radio, self.seed, reception_noise);
         let world = World::new(Arc::clone(&self.walls), self.slot, motions);
         Ok(world.with_objects(objects).with_space(build::space(scene)).with_radio(radio))

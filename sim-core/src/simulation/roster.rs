@@ -52,10 +52,10 @@ impl Roster {
             robot_types.add(&robi.name, &robi.file, || Arc::clone(robi));
         }
         let mut object_types = Types::of("movable objects");
-        for kind in build::movable(scene).map(|object| &object.kind) {
+        for kind in build::movable_objects(scene).map(|object| &object.kind) {
             object_types.add(&kind.name, &kind.file, || Arc::clone(kind));
         }
-        let objects: Vec<ObjectSpec> = build::movable(scene).cloned().collect();
+        let objects: Vec<ObjectSpec> = build::movable_objects(scene).cloned().collect();
         let (robots, noise) = (scene.robots.clone(), scene.run.noise.clone());
         Self { robot_types, object_types, at_start: [robots.len(), objects.len()], robots, objects, noise }
     }

@@ -1,7 +1,7 @@
 //! Radio of a robot within the simulation: its station, and the events recorded for messages.
 
 use super::Robot;
-use crate::radio::{Address, Delivery, Full, Message, SentMessage, Station, StationInfo};
+use crate::radio::{Address, BufferFull, Delivery, OutgoingMessage, ReceivedMessage, Station, StationInfo};
 use crate::record::Event;
 use crate::time::Time;
 use crate::world::World;
@@ -46,7 +46,7 @@ impl Robot {
         self.settle_radio(now);
         let Some(station) = self.station_on() else { return 0 };
         let last = last(station, now);
-        let unsent = station.unsent(last);
+        let unsent = station.unsent_count(last);
         let unheard = station.switch_off_after(last);
         unheard.iter().for_each(|fate| self.record_fate(now, fate));
         unsent
@@ -55,17 +55,17 @@ impl Robot {
     /// Sends a message now.
     ///
     /// # Errors
-    /// [`Full`] if the station's buffer has no room for it.
+    /// [`BufferFull`] if the station's buffer has no room for it.
     ///
     /// # Panics
     /// If the radio is off.
-    pub fn send_message(&mut self, world: &World, to: Address, payload: &[u8]) -> Result<(), Full> {
+    pub fn send_message(&mut self, world: &World, to: Address, payload: &[u8]) -> Result<(), BufferFull> {
         let now = self.now;
         self.settle_radio(now);
         let out_of_reach = world.unreachable_robots(self.id, self.motion.pose(now).position, now);
         let Self { station, journal, .. } = self;
         let station = station.as_deref_mut().expect("only a station that is on sends");
-        let SentMessage { sequence, to, begins, payload, .. } = station.send(now, to, payload, out_of_reach)?;
+        let OutgoingMessage { sequence, to, begins, payload, .. } = station.send(now, to, payload, out_of_reach)?;
         let to = match to {
             Address::All => None,
             Address::One(address) => Some(*address),
@@ -76,7 +76,7 @@ impl Robot {
     }
 
     /// Removes and returns the next message received by now.
-    pub fn receive_message(&mut self) -> Option<Message> {
+    pub fn receive_message(&mut self) -> Option<ReceivedMessage> {
         self.settle_radio(self.now);
         let message = self.station_on()?.receive()?;
         self.record(Event::RadioReceived { from: message.from.0, message: message.sequence, data: &message.payload });
@@ -86,7 +86,7 @@ impl Robot {
     /// Moves messages that are visible at `by` into the station's buffer.
     pub fn settle_radio(&mut self, by: Time) {
         let Some(station) = &mut self.station else { return };
-        for fate in station.settle(by) {
+        for fate in station.collect_visible(by) {
             self.record_fate(fate.visible, &fate);
         }
     }

@@ -5,14 +5,14 @@ use std::collections::BinaryHeap;
 
 use super::Robot;
 use crate::RobotId;
-use crate::radio::{Channel, Delivery, SentMessage};
+use crate::radio::{Channel, Delivery, OutgoingMessage};
 use crate::time::Time;
 
 /// Messages between stations and channel.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Traffic {
-    /// Messages sent in the present slot.
-    sendings: Vec<SentMessage>,
+    /// Messages queued in the present slot.
+    messages: Vec<OutgoingMessage>,
     /// Outcomes that the channel has decided at the present slot's end.
     decided: Vec<Delivery>,
     /// Messages that have left the buffers of their senders by the slot's end: (sender, number).
@@ -28,19 +28,19 @@ impl Traffic {
     pub fn collect(&mut self, robot: &mut Robot, channel: &mut Channel) {
         let Some(station) = &mut robot.station else { return };
         if let Some(change) = station.take_change() {
-            channel.change(change);
+            channel.report_change(change);
         }
-        self.sendings.append(&mut station.take_sent());
+        self.messages.append(&mut station.take_outgoing());
     }
 
     /// Makes the channel decide the messages up to `slot_end`. Adds to `concerned` the robots that the outcomes affect
     /// and the robots for which a message has become visible.
     pub fn exchange(&mut self, slot_end: Time, channel: &mut Channel, concerned: &mut Vec<RobotId>) {
-        if !self.sendings.is_empty() || channel.due() <= slot_end {
-            self.decided = channel.exchange(slot_end, std::mem::take(&mut self.sendings));
+        if !self.messages.is_empty() || channel.due() <= slot_end {
+            self.decided = channel.exchange(slot_end, std::mem::take(&mut self.messages));
             // Deliveries to one robot that become visible together are adjacent.
             concerned.extend(self.decided.chunk_by(|one, other| one.to == other.to).map(|chunk| chunk[0].to));
-            self.departed = channel.take_departed();
+            self.departed = channel.take_transmitted();
             concerned.extend(self.departed.iter().map(|(robot, _)| *robot));
         }
         while let Some(Reverse((visible, robot))) = self.visible.peek()
@@ -59,7 +59,7 @@ impl Traffic {
             if let Ok(index) = robots.binary_search_by_key(&robot, |robot| robot.id)
                 && let Some(station) = &mut robots[index].station
             {
-                station.has_left(sequence);
+                station.release(sequence);
             }
         }
         let mut arrivals = Vec::new();

@@ -41,7 +41,7 @@ impl BuiltScene {
         &self.scene
     }
 
-    /// Sources of its programs.
+    /// Sources of the programs.
     pub fn sources(&self) -> impl Iterator<Item = &ProgramSource> {
         self.programs.iter().map(|program| &program.source)
     }
@@ -52,21 +52,21 @@ impl BuiltScene {
         &self.programs.remarks
     }
 
-    /// Programs that do not run on fibers, or not where [`Options::exec`](super::Options::exec) wants them, with the
+    /// Remarks on programs that do not run on fibers, or not as [`Options::exec`](super::Options::exec) requests, with the
     /// reasons, one line each.
-    pub fn places(&self) -> Vec<String> {
+    pub fn placement_remarks(&self) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
         for program in self.programs.iter() {
-            let (execution, why) = place_of(program, self.options.exec);
+            let (execution, reason) = place_of(program, self.options.exec);
             let execution = if execution == ExecutionKind::Process { "in a process" } else { "on a thread" };
-            let line = why.map(|why| format!("program `{}` runs {execution}: it {why}", program.name));
+            let line = reason.map(|reason| format!("program `{}` runs {execution}: it {reason}", program.name));
             lines.extend(line.filter(|line| !lines.contains(line)));
         }
         lines
     }
 
     /// Returns true if all programs run on fibers, where eyesim handles their faults.
-    pub fn is_on_fibers(&self) -> bool {
+    pub fn uses_only_fibers(&self) -> bool {
         self.programs.iter().all(|program| place_of(program, self.options.exec).0 == ExecutionKind::Fiber)
     }
 
@@ -86,7 +86,7 @@ impl BuiltScene {
     }
 
     /// Creates the robots and loads their programs as [`BuiltScene::load`] does, reusing the libraries that `loader`
-    /// has mapped for earlier runs, which must be over.
+    /// has mapped for earlier runs, which must have ended.
     ///
     /// # Errors
     /// See [`BuiltScene::load`].

@@ -1,4 +1,4 @@
-//! Checks of a scene beyond its files: programs that cannot be found, unknown RoBIOS functions.
+//! Checks of a scene that need more than its files: programs that cannot be found, unknown RoBIOS functions.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ pub fn search_path(files: &DiskFiles) -> std::io::Result<SearchPath> {
     Ok(SearchPath { working_folder, installation: files.home().map(PathBuf::from), ..SearchPath::default() })
 }
 
-/// A search for programs as in `eyesim run`: in the scene's folder and along `search`; `api` is the generation that
+/// Search for programs as in `eyesim run`: in the scene's folder and along `search`; `api` is the generation that
 /// replaces the scene's, and `sandbox` the sandbox in which programs are built.
 pub fn finder(search: SearchPath, api: Option<Generation>, sandbox: Option<Sandbox>) -> Box<FindProgram<'static>> {
     Box::new(move |scene, robot| {
@@ -37,8 +37,8 @@ pub fn finder(search: SearchPath, api: Option<Generation>, sandbox: Option<Sandb
         let found = find_program(&program.text, &search);
         let found = found.map_err(|error| (Code::ProgramMissing, error.to_string()))?;
         let ProgramSource::Sources { files, .. } = found.source else { return Ok(()) };
-        let said = wanted_of(robot);
-        let hint = GenerationHint { api: api.or(said.api), ..said };
+        let scene_hint = wanted_of(robot);
+        let hint = GenerationHint { api: api.or(scene_hint.api), ..scene_hint };
         let folders = sandbox.as_ref().map(|sandbox| sandbox.source_folders(&files));
         choose(&files, hint, folders.as_deref()).map(drop).map_err(|error| (Code::ProgramGeneration, error.to_string()))
     })
@@ -62,8 +62,8 @@ pub fn is_rejected(diagnostics: &[Diagnostic], strict: bool) -> bool {
 
 /// Numbers of errors, warnings and their files: `3 errors, 12 warnings in 2 files`.
 pub fn count(diagnostics: &[Diagnostic]) -> String {
-    let of = |severity| diagnostics.iter().filter(|diagnostic| diagnostic.severity == severity).count();
-    let counts = [(of(Severity::Error), "error"), (of(Severity::Warning), "warning")];
+    let number_of = |severity| diagnostics.iter().filter(|diagnostic| diagnostic.severity == severity).count();
+    let counts = [(number_of(Severity::Error), "error"), (number_of(Severity::Warning), "warning")];
     let parts: Vec<_> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, noun)| plural(*n, noun)).collect();
     let files: BTreeSet<&str> = diagnostics.iter().map(|diagnostic| diagnostic.file.as_str()).collect();
     format!("{} in {}", parts.join(", "), plural(files.len(), "file"))
@@ -88,24 +88,24 @@ pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> 
 }
 
 /// Diagnostics for the patterns of `forbid` in `file` that do not match a RoBIOS function.
-pub fn unknown_forbidden(file: &str, forbid: &[PathRef]) -> Vec<Diagnostic> {
-    let of_pattern = |pattern: &PathRef| {
-        let diagnostic = |(name, meant): (String, Option<String>)| Diagnostic {
+pub fn unknown_forbidden_functions(file: &str, forbid: &[PathRef]) -> Vec<Diagnostic> {
+    let diagnostics_of = |pattern: &PathRef| {
+        let diagnostic = |(name, similar): (String, Option<String>)| Diagnostic {
             severity: Severity::Error,
             code: Code::ForbidFunction,
             file: file.to_owned(),
             span: pattern.span,
             message: format!("there is no function `{name}`"),
             expected: "a function of RoBIOS, or a pattern of names such as `SIM*`".to_owned(),
-            suggestion: meant.map(|name| format!("did you mean `{name}`?")),
+            suggestion: similar.map(|name| format!("did you mean `{name}`?")),
         };
         forbidden::mistakes(&pattern.text).into_iter().map(diagnostic).collect::<Vec<_>>()
     };
-    forbid.iter().flat_map(of_pattern).collect()
+    forbid.iter().flat_map(diagnostics_of).collect()
 }
 
 /// Diagnostics for the checks of a scene that count calls of an unknown function, or whose program cannot be started.
-pub fn wrong_checks(scene: &SceneSpec) -> Vec<Diagnostic> {
+pub fn invalid_checks(scene: &SceneSpec) -> Vec<Diagnostic> {
     unknown_calls(scene).chain(wrong_scripts(scene)).collect()
 }
 
@@ -155,12 +155,12 @@ fn unknown_calls(scene: &SceneSpec) -> impl Iterator<Item = Diagnostic> {
 
 /// Diagnostics for programs that the files of a scene name and that are not found, each once, in the order of the robots.
 pub fn missing_programs(scene: &SceneSpec, severity: Severity, find_program: &FindProgram<'_>) -> Vec<Diagnostic> {
-    let mut tried: BTreeSet<&str> = BTreeSet::new();
+    let mut known_programs: BTreeSet<&str> = BTreeSet::new();
     let mut missing = Vec::new();
     for robot in &scene.robots {
         // Many robots may run the same program. A program named on the command line has no position in a file.
-        let of_file = robot.program.as_ref().filter(|program| program.span.line > 0);
-        let Some(program) = of_file.filter(|program| tried.insert(&program.text)) else { continue };
+        let file_program = robot.program.as_ref().filter(|program| program.span.line > 0);
+        let Some(program) = file_program.filter(|program| known_programs.insert(&program.text)) else { continue };
         if let Err((code, message)) = find_program(scene, robot) {
             let expected = match code {
                 Code::ProgramGeneration => "functions of one generation",

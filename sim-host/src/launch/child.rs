@@ -1,4 +1,4 @@
-//! Entry point of robots' processes, which are started from the binary that runs them.
+//! Entry point of the processes in which robot programs run; they are started from the binary of the simulator.
 
 use std::ffi::OsString;
 use std::os::unix::ffi::OsStrExt as _;

@@ -25,7 +25,7 @@ pub struct Finished {
     pub scene: Arc<SceneSpec>,
     /// Scenery of its cameras.
     pub scenery: Arc<LazyScenery>,
-    /// End of the run, with its world and its robots at rest.
+    /// State at the end of the run: world and robots.
     pub ended: Ended,
     /// The results as a report, which can be written to a file.
     pub report: Report,
@@ -35,7 +35,7 @@ pub struct Finished {
 }
 
 /// Remarks on the programs of robots that ended well without a call of RoBIOS.
-pub(super) fn remarks_on_idle(ended: &Ended, report: &Report) -> impl Iterator<Item = String> {
+pub(super) fn remarks_on_idle_programs(ended: &Ended, report: &Report) -> impl Iterator<Item = String> {
     /// Maximum number of robots that are named.
     const MAX: usize = 3;
     let is_idle = |(end, _): &(&RobotEnd, &RobotReport)| end.outcome == Outcome::Finished && !end.has_called;

@@ -1,7 +1,7 @@
 //! Runs of scenes with robot programs, as a library: no command line, no console.
 //!
-//! [`Scene::open`] reads a scene with all files to which it refers; mistakes in them are a list of diagnostics.
-//! [`Scene::load`] builds and loads its programs. [`Ready::start`] returns a [`Running`] run, which its owner advances
+//! [`Scene::open`] reads a scene with all files to which it refers, and lists the mistakes in them as diagnostics.
+//! [`Scene::load`] builds and loads the programs of the robots. [`Ready::start`] returns a [`Running`] run, which its owner advances
 //! step by step or to its end; [`Running::finish`] returns the results. Several runs may exist side by side in one
 //! process.
 
@@ -18,9 +18,9 @@ pub mod settings;
 pub use built::BuiltScene;
 pub use child::serve_child;
 pub use finished::Finished;
-pub use option_error::{CostsRefusal, OptionError, UnknownRobot};
+pub use option_error::{CostFileError, OptionError, UnknownRobot};
 pub use options::{DEFAULT_UNTIL, Options};
-pub use ready::{Observers, Over, Ready, Running};
+pub use ready::{EndedRun, Observers, Ready, Running};
 pub use scene::{NotAScene, ProgramCache, Scene};
 
 use std::path::PathBuf;
@@ -36,10 +36,10 @@ use crate::record::frame::FolderError;
 /// Reasons why a scene cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Its files have mistakes.
+    /// The scene's files have mistakes.
     #[error(transparent)]
     Rejected(#[from] Rejected),
-    /// The path is not a scene's.
+    /// The path is not that of a scene.
     #[error(transparent)]
     NotAScene(#[from] NotAScene),
     /// An option does not fit the scene.

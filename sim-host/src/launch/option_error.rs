@@ -1,4 +1,4 @@
-//! Options of a run that do not fit the scene, or whose files cannot be read.
+//! Errors for options of a run that do not fit the scene, or whose files cannot be read.
 
 use sim_format::PRESETS;
 
@@ -6,7 +6,8 @@ use crate::program::words::WordsError;
 use crate::robios::cost::CostError;
 use crate::robios::key::ScriptError;
 
-/// An option of a run that does not fit the scene, or whose file cannot be read. The message names the option of the command line.
+/// An option of a run that does not fit the scene, or whose file cannot be read. The message names the option of the command line, except
+/// for cost tables.
 #[derive(Debug, thiserror::Error)]
 pub enum OptionError {
     /// A script of key presses cannot be read.
@@ -26,21 +27,21 @@ pub enum OptionError {
         /// Number of the robot.
         robot: u32,
     },
-    /// Two options assign a program to all robots without one.
-    #[error("--program: one program for all robots without one, not `{first}` and `{second}`")]
+    /// Two options assign a program to all robots that have none.
+    #[error("--program: only one program can be given for the robots that have none, not `{first}` and `{second}`")]
     TwoProgramsForAll {
         /// The first program.
         first: String,
         /// The second program.
         second: String,
     },
-    /// A program is meant for robots without one, and every robot has one.
+    /// A program is given for the robots that have none, but every robot has one.
     #[error("--program {program}: every robot has a program; `--program 1={program}` replaces that of robot 1")]
     UnneededProgram {
         /// The program.
         program: String,
     },
-    /// A program is meant for robots with a program or type that no robot has.
+    /// A program is given for the robots with a certain program or type, but no robot has it.
     #[error("--program: no robot has a program or a type `{name}`: the scene has {known}")]
     UnknownName {
         /// Name of the program or type.
@@ -53,37 +54,37 @@ pub enum OptionError {
     Words {
         /// The option's value.
         text: String,
-        /// The mistake.
+        /// The error in it.
         error: WordsError,
     },
-    /// Arguments for a robot without a program.
+    /// Arguments are given for a robot without a program.
     #[error("--args: robot {robot} has no program: `--program {robot}=FILE` gives it one")]
     NoProgram {
         /// Number of the robot.
         robot: u32,
     },
-    /// A noise profile that is neither a preset nor a file.
+    /// The noise profile is neither a preset nor a file.
     #[error("--noise: `{name}` is no noise profile: expected one of {}, or a file NAME.toml", PRESETS.join(", "))]
     UnknownNoise {
         /// The option's value.
         name: String,
     },
-    /// The side of a maze's cells is given, but the scene's world is not a maze file.
-    #[error("--maze-cell: the world of `{scene}` is no maze in a file of its own")]
+    /// The cell size of a maze is given, but the scene's world is not a maze file.
+    #[error("--maze-cell: the world of `{scene}` is not a maze file")]
     NoMazeFile {
         /// The scene.
         scene: String,
     },
-    /// A function that is to be forbidden is unknown.
+    /// A function that an option forbids is unknown.
     #[error(
         "--forbid: there is no function `{pattern}`{}",
-        meant.as_ref().map(|name| format!(", did you mean `{name}`?")).unwrap_or_default()
+        suggestion.as_ref().map(|name| format!(", did you mean `{name}`?")).unwrap_or_default()
     )]
     UnknownFunction {
         /// Name or pattern.
         pattern: String,
         /// Name or pattern that was probably meant.
-        meant: Option<String>,
+        suggestion: Option<String>,
     },
     /// The text for standard input cannot be read.
     #[error("--stdin `{file}`: {error}")]
@@ -93,7 +94,7 @@ pub enum OptionError {
         /// The reason.
         error: std::io::Error,
     },
-    /// The suite whose checks are to judge the run cannot be read.
+    /// The suite with further checks cannot be read.
     #[error("--checks `{file}`: {error}")]
     Checks {
         /// The option's value.
@@ -107,20 +108,20 @@ pub enum OptionError {
         /// The file.
         file: String,
         /// The reason.
-        reason: CostsRefusal,
+        reason: CostFileError,
     },
     /// The costs in the scene cannot be used.
     #[error("cost table in `{file}`: {error}")]
     SceneCosts {
         /// The file with the table.
         file: String,
-        /// The mistake.
+        /// The error in it.
         error: CostError,
     },
 }
 
-// The message contains the mistake's message; the mistake is therefore not a source, since error chains would repeat
-// it.
+// The message contains that of the inner error. `#[from]` would also make the inner error the source, and error chains
+// would then print it twice.
 impl From<ScriptError> for OptionError {
     fn from(error: ScriptError) -> Self {
         Self::Keys(error)
@@ -128,8 +129,8 @@ impl From<ScriptError> for OptionError {
 }
 
 impl OptionError {
-    /// Conversion of [`UnknownRobot`] for an option.
-    pub(super) fn robot(option: &'static str) -> impl Fn(UnknownRobot) -> Self {
+    /// Function for `map_err` that adds the name of `option` to an [`UnknownRobot`].
+    pub(super) fn unknown_robot(option: &'static str) -> impl Fn(UnknownRobot) -> Self {
         move |robot| Self::UnknownRobot { option, robot }
     }
 }
@@ -146,14 +147,14 @@ pub struct UnknownRobot {
 
 /// Reasons why a file with costs cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub enum CostsRefusal {
-    /// It cannot be read.
+pub enum CostFileError {
+    /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    /// It is not UTF-8 text.
+    /// The file is not UTF-8 text.
     #[error(transparent)]
     Text(#[from] std::str::Utf8Error),
-    /// Its table has a mistake.
+    /// The table has an error.
     #[error(transparent)]
     Table(#[from] CostError),
 }

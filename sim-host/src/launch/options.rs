@@ -34,7 +34,7 @@ pub struct Options {
     pub linger: Time,
     /// Number of workers: robots that run at the same time; default: one for each processor.
     pub workers: Option<NonZeroUsize>,
-    /// Place of the programs; default: fibers and threads of this process. [`Exec::Process`] and [`Exec::Auto`] need a `main` that calls
+    /// Where programs run; default: fibers and threads of this process. [`Exec::Process`] and [`Exec::Auto`] need a `main` that calls
     /// [`serve_child`](super::serve_child) first.
     pub exec: Exec,
     /// Restrictions of the programs and of the compilers that build them; needs [`Exec::Process`].
@@ -60,7 +60,7 @@ pub struct Options {
     pub arguments: Vec<String>,
     /// File with the costs of RoBIOS calls, instead of the scene's.
     pub costs: Option<PathBuf>,
-    /// Functions that fail for all programs, in addition to the scene's: names, in which `*` stands for any letters.
+    /// Functions that fail for all programs, in addition to the scene's: names, in which `*` matches any letters.
     pub forbid: Vec<String>,
     /// Noise profile of all robots, instead of the scene's: a preset's name or a file.
     pub noise: Option<String>,
@@ -68,19 +68,19 @@ pub struct Options {
     pub contact: Option<ContactKind>,
     /// Suite whose checks judge the run, in addition to the scene's.
     pub checks: Option<PathBuf>,
-    /// Programs may run commands of this machine with `OSExecute`.
+    /// True if programs may run commands of this machine with `OSExecute`.
     pub allow_execute: bool,
-    /// The programs of checks may run: the scene is the user's own, not from an archive; default: true.
+    /// True if the programs of checks may run, since the scene is the user's own and not from an archive; default: true.
     pub may_run_checks: bool,
-    /// Maximum number of bytes that each program may print; the rest is cut; default: [`DEFAULT_OUTPUT_LIMIT`].
+    /// Maximum number of bytes that each program can print; further output is cut; default: [`DEFAULT_OUTPUT_LIMIT`].
     pub output_limit: u64,
-    /// Every RoBIOS call is recorded.
+    /// True to record every RoBIOS call.
     pub is_verbose: bool,
-    /// A scene with warnings is not run.
+    /// True to reject a scene with warnings.
     pub strict: bool,
     /// Folder for the images that programs take, as PNG.
     pub frames: Option<PathBuf>,
-    /// The images that programs take are kept for a recording.
+    /// True to keep the images that programs take, for a recording.
     pub keep_frames: bool,
     /// The robot whose program runs in a debugger.
     pub debug: Option<DebugTarget>,

@@ -1,4 +1,4 @@
-//! A run that is ready to start, and one that has started.
+//! A run: ready to start, running, and ended.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ use crate::robios::console::DEFAULT_OUTPUT_LIMIT;
 use crate::robios::robot::Robot;
 use crate::scenery::LazyScenery;
 
-/// A run that is ready to start: its programs are loaded.
+/// A run whose programs are loaded and that is ready to start.
 pub struct Ready {
     pub(super) options: Options,
     pub(super) settings: Settings,
@@ -50,23 +50,23 @@ pub struct Ready {
 }
 
 /// Callback for mistakes in the meshes and images that cameras need, with the files to which the diagnostics refer.
-pub type TellDiagnostics = dyn FnMut(&[Diagnostic], &[InputFile]) -> Result<(), RecordError> + Send;
+pub type ReportDiagnostics = dyn FnMut(&[Diagnostic], &[InputFile]) -> Result<(), RecordError> + Send;
 
 /// Observers of a run other than its owner, and its interrupt.
 #[derive(Default)]
 pub struct Observers {
     /// Receive the record, in this order.
     pub sinks: Vec<Box<dyn Sink>>,
-    /// Receives the mistakes in the meshes and images that are read when the first camera is used.
-    pub diagnostics: Option<Box<TellDiagnostics>>,
+    /// Receives the mistakes in the meshes and images, which are read when the first camera is used.
+    pub diagnostics: Option<Box<ReportDiagnostics>>,
     /// Ends the run from any thread.
     pub interrupt: Interrupt,
-    /// Takes the lines of programs at which hints are given, for sinks that show them.
+    /// Collects the source lines to which hints refer, for sinks that show them.
     pub hint_locations: HintLocations,
 }
 
 impl Ready {
-    /// The scene to be run.
+    /// The scene.
     pub fn scene(&self) -> &Arc<SceneSpec> {
         &self.scene
     }
@@ -76,17 +76,17 @@ impl Ready {
         &self.settings
     }
 
-    /// Scenery for its cameras.
+    /// Scenery for the cameras of the scene.
     pub fn scenery(&self) -> &Arc<LazyScenery> {
         &self.scenery
     }
 
-    /// Sink of the images that its programs will take, if requested.
+    /// Sink of the images that the programs will take, if requested.
     pub fn frames(&self) -> Option<&Arc<Frames>> {
         self.frames.as_ref()
     }
 
-    /// Events that checks count, if there are such checks.
+    /// Counter of the events that checks refer to, if there are such checks.
     pub fn tally(&self) -> Option<&Arc<Mutex<Tally>>> {
         self.tally.as_ref()
     }
@@ -97,8 +97,8 @@ impl Ready {
     }
 
     /// Arguments of `eyesim run` that repeat the run.
-    pub fn words(&self) -> Vec<String> {
-        words(&self.scene.file, &self.options, &self.settings)
+    pub fn repeat_arguments(&self) -> Vec<String> {
+        repeat_arguments(&self.scene.file, &self.options, &self.settings)
     }
 
     /// First line of the trace, with the command line that repeats the run.
@@ -112,7 +112,7 @@ impl Ready {
             seed: self.settings.seed,
             slot_us: self.settings.slot.0,
             robots: self.scene.robots.iter().map(robot).collect(),
-            run: self.words(),
+            run: self.repeat_arguments(),
             inputs: self.inputs.clone(),
             only: Vec::new(),
         }
@@ -127,22 +127,23 @@ impl Ready {
         let events = has_scripts.then(|| EventStore::new(self.trace_header())).transpose().map_err(Error::Start)?;
         let Self { options, settings, scene, scenery, inputs, frames, spawner, world, robots, tally, programs } = self;
         let Observers { sinks, diagnostics, interrupt, hint_locations } = observers;
-        let watch = SceneryWatch {
+        let scenery_diagnostics = SceneryDiagnostics {
             scenery: Arc::clone(&scenery),
             is_strict: options.strict,
-            tell: diagnostics.unwrap_or_else(|| Box::new(|_, _| Ok(()))),
-            is_told: false,
+            report: diagnostics.unwrap_or_else(|| Box::new(|_, _| Ok(()))),
+            is_reported: false,
         };
-        let failures = frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>);
-        let counts = tally.iter().map(|tally| Box::new(Arc::clone(tally)) as Box<dyn Sink>);
+        let frame_failures = frames.map(|frames| Box::new(FrameFailures(frames)) as Box<dyn Sink>);
+        let tally_sink = tally.iter().map(|tally| Box::new(Arc::clone(tally)) as Box<dyn Sink>);
         let notes = Arc::new(Mutex::new(Notes::new(hint_locations.clone())));
         let monitor = Monitor::new(&scene, world.walls(), settings.until);
         let events = events.map(|events| Arc::new(Mutex::new(events)));
-        let stored = events.iter().map(|events| Box::new(Arc::clone(events)) as Box<dyn Sink>);
+        let event_sink = events.iter().map(|events| Box::new(Arc::clone(events)) as Box<dyn Sink>);
         let noise = |id: RobotId| robots.get(id.index()).map(|robot| robot.noise().clone()).unwrap_or_default();
         let faults = Faults::new(&scene.faults, settings.seed, settings.until, noise);
-        let own = [Box::new(watch) as Box<dyn Sink>, Box::new(Arc::clone(&notes))];
-        let sinks: Sinks<'_> = own.into_iter().chain(sinks).chain(counts).chain(stored).chain(failures).collect();
+        let own_sinks = [Box::new(scenery_diagnostics) as Box<dyn Sink>, Box::new(Arc::clone(&notes))];
+        let sinks: Sinks<'_> =
+            own_sinks.into_iter().chain(sinks).chain(tally_sink).chain(event_sink).chain(frame_failures).collect();
         let limits = Limits {
             workers: options.worker_count(),
             until: settings.until,
@@ -150,12 +151,12 @@ impl Ready {
             is_verbose: options.is_verbose,
             linger: options.linger,
         };
-        let flows = programs.iter().flatten().count();
+        let program_count = programs.iter().flatten().count();
         let parts = RunParts {
             world,
             monitor,
             faults,
-            executor: Box::new(MixedExecutor::new(robots.len(), flows, limits.workers)),
+            executor: Box::new(MixedExecutor::new(robots.len(), program_count, limits.workers)),
             robots,
             programs,
             spawner,
@@ -189,12 +190,12 @@ impl Ready {
 /// Turns on the recording of the calls that checks count.
 fn record_calls(tally: &Tally, scheduler: &Scheduler) {
     let run = scheduler.run();
-    let all = (0..run.robot_count()).map(RobotId::from_index);
-    all.filter(|id| tally.counts_calls_of(*id)).for_each(|id| run.set_verbose(id, true));
+    let robots = (0..run.robot_count()).map(RobotId::from_index);
+    robots.filter(|id| tally.counts_calls_of(*id)).for_each(|id| run.set_verbose(id, true));
 }
 
 /// Arguments of `eyesim run` that repeat the run: everything that determines its results.
-fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
+fn repeat_arguments(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
     /// Maximum time in seconds that the command line accepts.
     const MAX_SECONDS: f64 = 1e9;
     let mut words = vec![scene.to_owned()];
@@ -232,7 +233,7 @@ fn words(scene: &str, options: &Options, settings: &Settings) -> Vec<String> {
     words
 }
 
-/// A run that has started. Its owner advances [`Running::scheduler`], and reads world and robots between two slots.
+/// A run that has started. Its owner advances [`Running::scheduler`], and can read world and robots between two slots.
 pub struct Running {
     /// Advances the run.
     pub scheduler: Scheduler,
@@ -243,7 +244,7 @@ pub struct Running {
     judging: Judging,
 }
 
-/// Data that the checks of a run need in addition to its motion.
+/// Data for judging a run, in addition to its motion.
 struct Judging {
     sandbox: Option<SandboxReport>,
     tally: Option<Arc<Mutex<Tally>>>,
@@ -254,8 +255,8 @@ struct Judging {
     may_run: bool,
 }
 
-/// A run whose programs have ended, before it is judged.
-pub struct Over {
+/// A run that has ended and is not yet judged.
+pub struct EndedRun {
     ended: Ended,
     settings: Settings,
     scene: Arc<SceneSpec>,
@@ -265,20 +266,20 @@ pub struct Over {
 }
 
 impl Running {
-    /// Ends the run, completes its record and judges it.
+    /// Ends the run, completes its record and judges it by the checks of its scene.
     pub fn finish(self) -> Finished {
         self.end().judge()
     }
 
-    /// Ends the run and completes its record. The caller may now end processes that its programs have left, before
-    /// programs of checks read the record.
-    pub fn end(self) -> Over {
+    /// Ends the run and completes its record. Before [`EndedRun::judge`] starts the programs of checks, the caller can end
+    /// processes that the robots' programs have left running.
+    pub fn end(self) -> EndedRun {
         let Self { scheduler, settings, scene, scenery, inputs, judging } = self;
-        Over { ended: scheduler.finish(), settings, scene, scenery, inputs, judging }
+        EndedRun { ended: scheduler.finish(), settings, scene, scenery, inputs, judging }
     }
 }
 
-impl Over {
+impl EndedRun {
     /// Judges the run by the checks of its scene.
     pub fn judge(self) -> Finished {
         let Self { ended, settings, scene, scenery, mut inputs, judging } = self;
@@ -302,21 +303,21 @@ impl Over {
             checks
         };
         let report = Report { sandbox, ..report.with_checks(checks) };
-        let remarks = notes.remarks.into_iter().chain(finished::remarks_on_idle(&ended, &report)).collect();
+        let remarks = notes.remarks.into_iter().chain(finished::remarks_on_idle_programs(&ended, &report)).collect();
         Finished { settings, scene, scenery, ended, report, remarks }
     }
 }
 
 /// Sink that reports mistakes in the meshes and images that cameras need, at the end of the slot in which a camera is
 /// first used. Ends the run if these mistakes reject the scene.
-struct SceneryWatch {
+struct SceneryDiagnostics {
     scenery: Arc<LazyScenery>,
     is_strict: bool,
-    tell: Box<TellDiagnostics>,
-    is_told: bool,
+    report: Box<ReportDiagnostics>,
+    is_reported: bool,
 }
 
-impl Sink for SceneryWatch {
+impl Sink for SceneryDiagnostics {
     fn interest(&self) -> KindSet {
         KindSet::NONE
     }
@@ -326,12 +327,12 @@ impl Sink for SceneryWatch {
     }
 
     fn end_slot(&mut self, _: Time, _: Option<Digest>) -> Result<(), RecordError> {
-        let Some(built) = self.scenery.built().filter(|_| !self.is_told) else { return Ok(()) };
-        self.is_told = true;
+        let Some(built) = self.scenery.built().filter(|_| !self.is_reported) else { return Ok(()) };
+        self.is_reported = true;
         if built.diagnostics.is_empty() {
             return Ok(());
         }
-        (self.tell)(&built.diagnostics, &self.scenery.inputs())?;
+        (self.report)(&built.diagnostics, &self.scenery.inputs())?;
         let is_rejected = check::is_rejected(&built.diagnostics, self.is_strict);
         if is_rejected { Err(RecordError::Strict(check::count(&built.diagnostics))) } else { Ok(()) }
     }

@@ -43,7 +43,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Option`] for an unknown noise profile.
-    pub fn of_text(path: impl AsRef<Path>, text: &str, options: Options) -> Result<Self, Error> {
+    pub fn from_text(path: impl AsRef<Path>, text: &str, options: Options) -> Result<Self, Error> {
         let path = path.as_ref();
         Self::read(path, DiskFiles::of_environment().with_text(path, text), options)
     }
@@ -60,8 +60,8 @@ impl Scene {
         if let Some(CostsRef::Table(table)) = loaded.scene.run.costs.as_ref().filter(|_| options.costs.is_none()) {
             loaded.diagnostics.extend(check::unknown_functions(table));
         }
-        loaded.diagnostics.extend(check::unknown_forbidden(&loaded.scene.file, &loaded.scene.run.forbid));
-        loaded.diagnostics.extend(check::wrong_checks(&loaded.scene));
+        loaded.diagnostics.extend(check::unknown_forbidden_functions(&loaded.scene.file, &loaded.scene.run.forbid));
+        loaded.diagnostics.extend(check::invalid_checks(&loaded.scene));
         if let Some(path) = &options.checks {
             add_checks(&mut loaded, path)?;
         }
@@ -79,7 +79,7 @@ impl Scene {
         &mut self.loaded.scene
     }
 
-    /// Dialect inferred only from the form of the sim file, if it is not the usual one.
+    /// Dialect inferred from the contents of the sim file, if it is not the default dialect and no option sets one.
     pub fn guessed_dialect(&self) -> Option<Dialect> {
         let is_sim = !self.loaded.scene.file.to_lowercase().ends_with(".toml");
         self.loaded.scene.run.dialect.filter(|_| is_sim && self.options.dialect.is_none())
@@ -105,7 +105,7 @@ impl Scene {
         check::is_rejected(&self.loaded.diagnostics, self.options.strict)
     }
 
-    /// Builder for its programs, with the compilers, flags and cache folder of this process's environment.
+    /// Builder for the programs, with the compilers, flags and cache folder of this process's environment.
     ///
     /// # Errors
     /// [`Error::Folder`] if no cache folder can be used.
@@ -113,13 +113,13 @@ impl Scene {
         let cache = Cache::of_user().map_err(folder("folder for built programs"))?;
         let mut tools = Tools::of_environment();
         if self.options.debug.is_some() {
-            // Unoptimised, so that every line and variable exists for the debugger; the user's own flags follow and take precedence.
+            // Without optimisation the debugger finds every line and variable. The user's flags follow and take precedence.
             tools.cflags = Some(format!("-O0 {}", tools.cflags.unwrap_or_default()));
         }
         Ok(Builder::new(cache, Kits::of_robios(), tools).with_sandbox(self.options.sandbox.clone()))
     }
 
-    /// Finds, builds and loads its programs.
+    /// Finds, builds and loads the programs of the robots.
     ///
     /// # Errors
     /// See [`Scene::build`] and [`BuiltScene::load`].
@@ -128,7 +128,7 @@ impl Scene {
         self.build(&builder)?.load()
     }
 
-    /// Finds its programs and builds them with `builder`, each once.
+    /// Finds the programs of the robots and builds each once with `builder`.
     ///
     /// # Errors
     /// [`Error::Rejected`] for mistakes in the scene's files, which include a program that is not found; [`Error::Option`] for an option
@@ -137,7 +137,7 @@ impl Scene {
         self.build_with(builder, &mut ProgramCache::default())
     }
 
-    /// Finds its programs as [`Scene::build`] does, and builds those that are not in `cache`.
+    /// Finds the programs like [`Scene::build`], and builds those that are not in `cache`.
     ///
     /// # Errors
     /// See [`Scene::build`].
@@ -147,15 +147,22 @@ impl Scene {
             return Err(reject(self.loaded.diagnostics, self.loaded.inputs));
         }
         let settings = self.settings()?;
-        let of_options = || settings.costs_input.iter().chain(&settings.stdin_input);
-        let scripts = hashed(check::scripts(&self.loaded.scene));
+        let option_files = || settings.costs_input.iter().chain(&settings.stdin_input);
+        let scripts = hash_files(check::scripts(&self.loaded.scene));
         let key = ProgramCache::key(&self.loaded.scene);
         if let Some((programs, sources)) = cache.programs_by_key.get(&key) {
             let Self { options, files, loaded: Loaded { scene, diagnostics, inputs, .. } } = self;
-            let read = read_files(inputs.iter().chain(of_options()), sources.iter().chain(&scripts));
+            let inputs_read = read_files(inputs.iter().chain(option_files()), sources.iter().chain(&scripts));
             let scene = Arc::new(scene);
             let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
-            return Ok(BuiltScene { options, settings, scene, scenery, inputs: read, programs: programs.clone() });
+            return Ok(BuiltScene {
+                options,
+                settings,
+                scene,
+                scenery,
+                inputs: inputs_read,
+                programs: programs.clone(),
+            });
         }
         let search = check::search_path(&self.files).map_err(folder("working folder"))?;
         let search = SearchPath { embedded: self.options.embedded.clone(), ..search };
@@ -168,11 +175,11 @@ impl Scene {
         let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search };
         let programs = Programs::build(&scene, &search, builder)?;
         let sources = source_inputs(&programs);
-        let read = read_files(inputs.iter().chain(of_options()), sources.iter().chain(&scripts));
+        let inputs_read = read_files(inputs.iter().chain(option_files()), sources.iter().chain(&scripts));
         cache.programs_by_key.insert(key, (programs.clone(), sources));
         let scene = Arc::new(scene);
         let scenery = Arc::new(LazyScenery::new(Arc::clone(&scene), files, diagnostics, inputs));
-        Ok(BuiltScene { options, settings, scene, scenery, inputs: read, programs })
+        Ok(BuiltScene { options, settings, scene, scenery, inputs: inputs_read, programs })
     }
 
     /// Computes the settings of the run, and assigns the programs and arguments of the options to its robots.
@@ -201,26 +208,26 @@ fn add_checks(loaded: &mut Loaded, path: &Path) -> Result<(), OptionError> {
     let (suite, diagnostics) = read_suite(&file, &decode(&bytes).0);
     loaded.diagnostics.extend(diagnostics);
     loaded.diagnostics.extend(check_of_suite(&suite, &loaded.scene));
-    let own = SceneSpec { file: file.clone(), checks: suite.checks, ..SceneSpec::default() };
-    loaded.diagnostics.extend(check::wrong_checks(&own));
-    loaded.scene.checks.extend(own.checks);
+    let suite_scene = SceneSpec { file: file.clone(), checks: suite.checks, ..SceneSpec::default() };
+    loaded.diagnostics.extend(check::invalid_checks(&suite_scene));
+    loaded.scene.checks.extend(suite_scene.checks);
     loaded.inputs.push(InputFile { path: file, bytes });
     Ok(())
 }
 
-/// A path that is not a scene's.
+/// A path that is not that of a scene.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NotAScene {
-    /// It is a folder.
+    /// The path is a folder.
     #[error("`{}` is a folder: name the scene in it (NAME.sim or NAME.scene.toml)", .0.display())]
     Folder(PathBuf),
-    /// It is a suite.
+    /// The path is a suite.
     #[error("`{path}` is a suite: `eyesim test {path}` runs it", path = .0.display())]
     Suite(PathBuf),
-    /// It is a TOML file without the tables of a scene.
+    /// The path is a TOML file without the tables of a scene.
     #[error("`{}` is no scene: it has none of `scene`, `world` and `robot` at its top level", .0.display())]
     OtherToml(PathBuf),
-    /// Its extension belongs to another kind of file.
+    /// The extension belongs to another kind of file.
     #[error(
         "`{}` is no scene: expected NAME.sim or NAME.scene.toml, which names a world and, for each robot, a type and a program",
         .0.display()
@@ -228,12 +235,12 @@ pub enum NotAScene {
     OtherFile(PathBuf),
 }
 
-/// Conversion to [`Error::Folder`].
+/// Function for `map_err` that converts to [`Error::Folder`].
 fn folder(purpose: &'static str) -> impl Fn(std::io::Error) -> Error {
     move |error| Error::Folder { purpose, error }
 }
 
-/// Refuses a path that is not a scene's, such as a program's, before it is read as a scene.
+/// Checks that the path is that of a scene and not, for example, of a program.
 fn expect_scene(path: &Path) -> Result<(), NotAScene> {
     let path_buf = || path.to_owned();
     if path.is_dir() {
@@ -243,11 +250,11 @@ fn expect_scene(path: &Path) -> Result<(), NotAScene> {
     if extension.eq_ignore_ascii_case("toml") {
         // The reader reports a file that cannot be read.
         let text = read_regular(path).map(|bytes| decode(&bytes).0);
-        let is_of = |is: fn(&str, &str) -> bool| text.as_ref().map(|text| is(&path.to_string_lossy(), text));
-        if is_of(is_suite).unwrap_or(false) {
+        let test = |is_kind: fn(&str, &str) -> bool| text.as_ref().map(|text| is_kind(&path.to_string_lossy(), text));
+        if test(is_suite).unwrap_or(false) {
             return Err(NotAScene::Suite(path_buf()));
         }
-        if !is_of(is_scene).unwrap_or(true) {
+        if !test(is_scene).unwrap_or(true) {
             return Err(NotAScene::OtherToml(path_buf()));
         }
     } else if !extension.is_empty() && !extension.eq_ignore_ascii_case("sim") {
@@ -256,41 +263,41 @@ fn expect_scene(path: &Path) -> Result<(), NotAScene> {
     Ok(())
 }
 
-/// Every file that determines the run, each once, in the order in which the files are read.
+/// Hashes of `files`, followed by `hashed`.
 fn read_files<'a>(files: impl Iterator<Item = &'a InputFile>, hashed: impl Iterator<Item = &'a Input>) -> Vec<Input> {
     let mut inputs: Vec<Input> = files.map(|file| Input::new(Path::new(&file.path), &file.bytes)).collect();
     inputs.extend(hashed.cloned());
     inputs
 }
 
-/// The files of programs, each once.
+/// Hashes of the files of programs, each file once.
 fn source_inputs(programs: &Programs) -> Vec<Input> {
-    hashed(programs.iter().flat_map(|program| program.inputs()))
+    hash_files(programs.iter().flat_map(|program| program.inputs()))
 }
 
-/// The files at these paths, each once.
-fn hashed(paths: impl Iterator<Item = PathBuf>) -> Vec<Input> {
+/// Hashes of the files at these paths, each file once.
+fn hash_files(paths: impl Iterator<Item = PathBuf>) -> Vec<Input> {
     let paths: BTreeSet<PathBuf> = paths.collect();
     // A source that was deleted after its compilation cannot be hashed any more.
     paths.iter().filter_map(|path| Some(Input::new(path, &read_regular(path).ok()?))).collect()
 }
 
-/// Cache of the built programs of scenes, for further runs with the same programs: they are neither searched nor built
+/// Cache of the built programs of scenes. Further runs with the same programs need not search or build them
 /// again.
 #[derive(Default)]
 pub struct ProgramCache {
     programs_by_key: BTreeMap<CacheKey, (Programs, Vec<Input>)>,
 }
 
-/// Folder of a scene, and for each robot its program, the line that names it, generation and dialect.
+/// Folder of the scene, and for each robot: program, true if a file of the scene names the program, generation and dialect.
 type CacheKey = (String, Vec<(String, bool, GenerationHint)>);
 
 impl ProgramCache {
     fn key(scene: &SceneSpec) -> CacheKey {
-        let of_robot = |robot: &RobotSpec| {
-            let is_of_file = robot.program.as_ref().is_some_and(|program| program.span.line > 0);
-            (robot.program_name().to_owned(), is_of_file, wanted_of(robot))
+        let robot_key = |robot: &RobotSpec| {
+            let is_from_file = robot.program.as_ref().is_some_and(|program| program.span.line > 0);
+            (robot.program_name().to_owned(), is_from_file, wanted_of(robot))
         };
-        (scene.folder.clone(), scene.robots.iter().map(of_robot).collect())
+        (scene.folder.clone(), scene.robots.iter().map(robot_key).collect())
     }
 }

@@ -10,7 +10,7 @@ use sim_core::time::Time;
 use sim_format::{InputFile, Loaded, load_noise, preset, unknown_sensors};
 
 use super::Options;
-use super::option_error::{CostsRefusal, OptionError, UnknownRobot};
+use super::option_error::{CostFileError, OptionError, UnknownRobot};
 use crate::files::{DiskFiles, read_regular, slashed};
 use crate::program::Generation;
 use crate::program::scene::program_of_command_line;
@@ -31,7 +31,7 @@ pub struct Settings {
     pub slot: Time,
     /// Simulated time at which the run ends.
     pub until: Time,
-    /// `until` is the default: neither the scene nor the options set it.
+    /// True if neither the scene nor the options set `until`.
     pub is_until_default: bool,
     /// Key presses.
     pub keys: Vec<Press>,
@@ -43,7 +43,7 @@ pub struct Settings {
     pub forbidden: Forbidden,
     /// Standard input of the programs.
     pub stdin: Source,
-    /// File of that text, if it is one.
+    /// File with the standard input, if it is a file.
     pub stdin_input: Option<InputFile>,
 }
 
@@ -51,27 +51,30 @@ impl Settings {
     /// Computes the settings of a run of `scene`, and assigns the programs and arguments of `options` to its robots.
     ///
     /// # Errors
-    /// A robot does not exist, keys, arguments or costs cannot be read, or no robot needs a program of the options.
+    /// A robot does not exist; keys, arguments or costs cannot be read; or no robot needs a program of the options.
     pub fn new(options: &Options, scene: &mut SceneSpec) -> Result<Self, OptionError> {
         let mut keys = Vec::new();
         for script in &options.keys {
             keys.extend(parse_script(script)?);
         }
         for press in &keys {
-            press.robot.map_or(Ok(0), |robot| index_of(scene, robot.0)).map_err(OptionError::robot("--keys"))?;
+            press
+                .robot
+                .map_or(Ok(0), |robot| index_of(scene, robot.0))
+                .map_err(OptionError::unknown_robot("--keys"))?;
         }
         assign_programs(scene, &options.programs)?;
         scene.robots.iter_mut().for_each(|robot| robot.api = options.api.map(Generation::number).or(robot.api));
         assign_arguments(scene, &options.arguments)?;
         let (costs, costs_input) = match &options.costs {
             Some(path) => read_costs(path)?,
-            None => (costs_of(scene)?, None),
+            None => (scene_costs(scene)?, None),
         };
-        if let Some((pattern, meant)) = options.forbid.iter().flat_map(|text| forbidden::mistakes(text)).next() {
-            return Err(OptionError::UnknownFunction { pattern, meant });
+        if let Some((pattern, suggestion)) = options.forbid.iter().flat_map(|text| forbidden::mistakes(text)).next() {
+            return Err(OptionError::UnknownFunction { pattern, suggestion });
         }
-        let of_scene = scene.run.forbid.iter().map(|pattern| pattern.text.as_str());
-        let forbidden = Forbidden::new(of_scene.chain(options.forbid.iter().map(String::as_str)));
+        let scene_patterns = scene.run.forbid.iter().map(|pattern| pattern.text.as_str());
+        let forbidden = Forbidden::new(scene_patterns.chain(options.forbid.iter().map(String::as_str)));
         let (stdin, stdin_input) = options.stdin.as_deref().map(read_stdin).transpose()?.unzip();
         let run = &scene.run;
         let until = options.until.or(run.until);
@@ -102,7 +105,7 @@ pub struct ProgramOption {
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum RobotSelector {
     /// All robots without a program.
-    Without,
+    WithoutProgram,
     /// One robot.
     Robot(u32),
     /// All robots whose program in the scene has this name; if there are none, all robots of the type with this name.
@@ -120,8 +123,8 @@ impl ProgramOption {
             (_, Some((name, program))) if !name.trim().is_empty() => {
                 (RobotSelector::Name(name.trim().to_owned()), program)
             }
-            (_, Some((_, program))) => (RobotSelector::Without, program),
-            _ => (RobotSelector::Without, text),
+            (_, Some((_, program))) => (RobotSelector::WithoutProgram, program),
+            _ => (RobotSelector::WithoutProgram, text),
         };
         if program.trim().is_empty() {
             return Err(
@@ -143,8 +146,8 @@ impl ProgramOption {
         Self { program: program.to_owned(), ..self.clone() }
     }
 
-    /// Returns true if both options select robots with the same text.
-    pub fn has_robots_of(&self, other: &Self) -> bool {
+    /// Returns true if both options have the same text for the robots.
+    pub fn selects_same_robots(&self, other: &Self) -> bool {
         self.selector == other.selector
     }
 }
@@ -153,8 +156,8 @@ impl std::fmt::Display for ProgramOption {
     /// Writes the option in the syntax of the command line.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match &self.selector {
-            RobotSelector::Without if self.program.contains('=') => write!(f, "={}", self.program),
-            RobotSelector::Without => f.write_str(&self.program),
+            RobotSelector::WithoutProgram if self.program.contains('=') => write!(f, "={}", self.program),
+            RobotSelector::WithoutProgram => f.write_str(&self.program),
             RobotSelector::Robot(robot) => write!(f, "{robot}={}", self.program),
             RobotSelector::Name(name) => write!(f, "{name}={}", self.program),
         }
@@ -167,31 +170,31 @@ impl std::fmt::Display for ProgramOption {
 /// # Errors
 /// An option matches no robot.
 pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> Result<(), OptionError> {
-    let mut by_robot: BTreeMap<usize, (Rank, &str)> = BTreeMap::new();
+    let mut by_robot: BTreeMap<usize, (Precedence, &str)> = BTreeMap::new();
     for option in options {
-        let (rank, robots) = robots_of(scene, &option.selector)?;
+        let (precedence, robots) = select_robots(scene, &option.selector)?;
         for index in robots {
-            let before = by_robot.get(&index).filter(|(before, _)| *before >= rank);
-            if before.is_some_and(|(before, _)| *before == rank) {
+            let previous = by_robot.get(&index).filter(|(previous, _)| *previous >= precedence);
+            if previous.is_some_and(|(previous, _)| *previous == precedence) {
                 return Err(OptionError::TwoPrograms { robot: scene.robots[index].id.0 });
             }
-            if before.is_none() {
-                by_robot.insert(index, (rank, &option.program));
+            if previous.is_none() {
+                by_robot.insert(index, (precedence, &option.program));
             }
         }
     }
-    let mut for_all = options.iter().filter(|option| option.selector == RobotSelector::Without);
-    if let Some(option) = for_all.next() {
-        if let Some(second) = for_all.next() {
+    let mut unselective = options.iter().filter(|option| option.selector == RobotSelector::WithoutProgram);
+    if let Some(option) = unselective.next() {
+        if let Some(second) = unselective.next() {
             let (first, second) = (option.program.clone(), second.program.clone());
             return Err(OptionError::TwoProgramsForAll { first, second });
         }
-        let is_without = |index: &usize| scene.robots[*index].program.is_none() && !by_robot.contains_key(index);
-        let without: Vec<usize> = (0..scene.robots.len()).filter(is_without).collect();
-        if without.is_empty() {
+        let has_no_program = |index: &usize| scene.robots[*index].program.is_none() && !by_robot.contains_key(index);
+        let robots: Vec<usize> = (0..scene.robots.len()).filter(has_no_program).collect();
+        if robots.is_empty() {
             return Err(OptionError::UnneededProgram { program: option.program.clone() });
         }
-        by_robot.extend(without.into_iter().map(|index| (index, (Rank::Type, option.program.as_str()))));
+        by_robot.extend(robots.into_iter().map(|index| (index, (Precedence::Type, option.program.as_str()))));
     }
     for (index, (_, program)) in by_robot {
         scene.robots[index].program = Some(program_of_command_line(program));
@@ -203,17 +206,17 @@ pub fn assign_programs(scene: &mut SceneSpec, options: &[ProgramOption]) -> Resu
 ///
 /// # Errors
 /// The scene has no such robots.
-pub fn withdraw_programs<'r>(scene: &mut SceneSpec, robots: impl Iterator<Item = &'r str>) -> Result<(), OptionError> {
+pub fn remove_programs<'r>(scene: &mut SceneSpec, robots: impl Iterator<Item = &'r str>) -> Result<(), OptionError> {
     // A name that no file can have.
-    const WITHDRAWN: &str = "\0withdrawn";
-    let withdrawn = |robots: &str| {
-        let named = ProgramOption::parse(&format!("{robots}={WITHDRAWN}")).ok();
-        named.unwrap_or(ProgramOption { selector: RobotSelector::Without, program: WITHDRAWN.to_owned() })
+    const REMOVED: &str = "\0removed";
+    let removal_option = |robots: &str| {
+        let named = ProgramOption::parse(&format!("{robots}={REMOVED}")).ok();
+        named.unwrap_or(ProgramOption { selector: RobotSelector::WithoutProgram, program: REMOVED.to_owned() })
     };
-    let options: Vec<ProgramOption> = robots.map(withdrawn).collect();
+    let options: Vec<ProgramOption> = robots.map(removal_option).collect();
     assign_programs(scene, &options)?;
     for robot in &mut scene.robots {
-        robot.program = robot.program.take().filter(|program| program.text != WITHDRAWN);
+        robot.program = robot.program.take().filter(|program| program.text != REMOVED);
     }
     Ok(())
 }
@@ -235,8 +238,8 @@ pub fn assign_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> R
             let (noise, read) = load_noise(&files.name(path), files);
             loaded.diagnostics.extend(read.diagnostics);
             // The scene may name the same file.
-            let is_new = |input: &InputFile| loaded.inputs.iter().all(|known| known.path != input.path);
-            let new: Vec<InputFile> = read.inputs.into_iter().filter(is_new).collect();
+            let is_unknown = |input: &InputFile| loaded.inputs.iter().all(|other| other.path != input.path);
+            let new: Vec<InputFile> = read.inputs.into_iter().filter(is_unknown).collect();
             loaded.inputs.extend(new);
             noise.unwrap_or(NoiseRef::Preset(Preset::default()))
         }
@@ -248,41 +251,41 @@ pub fn assign_noise(loaded: &mut Loaded, name: &str, files: &mut DiskFiles) -> R
     Ok(())
 }
 
-/// Precision with which an option names a robot, lowest first.
+/// Precedence of an option by the way in which it selects a robot, lowest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Rank {
+enum Precedence {
     Type,
     Program,
     Number,
 }
 
-/// Indices in the scene of the robots that `selector` names; empty for [`RobotSelector::Without`], which [`assign_programs`] handles.
-fn robots_of(scene: &SceneSpec, selector: &RobotSelector) -> Result<(Rank, Vec<usize>), OptionError> {
+/// Indices in the scene of the robots that `selector` names; empty for [`RobotSelector::WithoutProgram`], which [`assign_programs`] handles.
+fn select_robots(scene: &SceneSpec, selector: &RobotSelector) -> Result<(Precedence, Vec<usize>), OptionError> {
     match selector {
-        RobotSelector::Without => Ok((Rank::Type, Vec::new())),
+        RobotSelector::WithoutProgram => Ok((Precedence::Type, Vec::new())),
         RobotSelector::Robot(robot) => {
-            Ok((Rank::Number, vec![index_of(scene, *robot).map_err(OptionError::robot("--program"))?]))
+            Ok((Precedence::Number, vec![index_of(scene, *robot).map_err(OptionError::unknown_robot("--program"))?]))
         }
         RobotSelector::Name(name) => {
-            let matching_robots = |fits: &dyn Fn(&RobotSpec) -> bool| -> Vec<usize> {
-                (0..scene.robots.len()).filter(|index| fits(&scene.robots[*index])).collect()
+            let matching_robots = |matches_name: &dyn Fn(&RobotSpec) -> bool| -> Vec<usize> {
+                (0..scene.robots.len()).filter(|index| matches_name(&scene.robots[*index])).collect()
             };
-            let by_program = matching_robots(&|robot| names_of_file(robot.program_name()).any(|known| known == name));
+            let by_program = matching_robots(&|robot| names_of_file(robot.program_name()).any(|other| other == name));
             if !by_program.is_empty() {
-                return Ok((Rank::Program, by_program));
+                return Ok((Precedence::Program, by_program));
             }
             let by_type = matching_robots(&|robot| {
-                robot.robi.name == *name || names_of_file(&robot.robi.file).any(|known| known == name)
+                robot.robi.name == *name || names_of_file(&robot.robi.file).any(|other| other == name)
             });
             if by_type.is_empty() {
-                return Err(OptionError::UnknownName { name: name.clone(), known: known(scene) });
+                return Err(OptionError::UnknownName { name: name.clone(), known: available_names(scene) });
             }
-            Ok((Rank::Type, by_type))
+            Ok((Precedence::Type, by_type))
         }
     }
 }
 
-/// Names under which a file may be given: as written, without its folder, without folder and extension. Sim files contain paths in the
+/// Names by which an option may refer to a file: as written, without folder, without folder and extension. Sim files contain paths in the
 /// syntax of Windows or of Unix.
 fn names_of_file(path: &str) -> impl Iterator<Item = &str> {
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
@@ -291,7 +294,7 @@ fn names_of_file(path: &str) -> impl Iterator<Item = &str> {
 }
 
 /// The programs and types of a scene, each once, for a message.
-fn known(scene: &SceneSpec) -> String {
+fn available_names(scene: &SceneSpec) -> String {
     let list = |names: BTreeSet<&str>| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let programs: BTreeSet<&str> =
         scene.robots.iter().map(RobotSpec::program_name).filter(|name| !name.is_empty()).collect();
@@ -303,7 +306,7 @@ fn known(scene: &SceneSpec) -> String {
     }
 }
 
-/// Replaces the arguments of the robots that `options` name; several options for one robot are appended to each other.
+/// Replaces the arguments of the robots that `options` name. Several options for one robot are concatenated.
 fn assign_arguments(scene: &mut SceneSpec, options: &[String]) -> Result<(), OptionError> {
     let mut replaced = vec![false; scene.robots.len()];
     for text in options {
@@ -311,7 +314,7 @@ fn assign_arguments(scene: &mut SceneSpec, options: &[String]) -> Result<(), Opt
         let words = split_words(words).map_err(|error| OptionError::Words { text: text.clone(), error })?;
         let robots = match robot {
             Some(robot) => {
-                let index = index_of(scene, robot).map_err(OptionError::robot("--args"))?;
+                let index = index_of(scene, robot).map_err(OptionError::unknown_robot("--args"))?;
                 if scene.robots[index].program.is_none() {
                     return Err(OptionError::NoProgram { robot });
                 }
@@ -339,7 +342,7 @@ pub fn index_of(scene: &SceneSpec, robot: u32) -> Result<usize, UnknownRobot> {
     index.ok_or(UnknownRobot { robot, count: scene.robots.len() })
 }
 
-/// The robot's number before `separator`, if there is one, and the rest.
+/// Splits `text` into the robot's number before `separator`, if there is one, and the rest.
 fn split_robot(text: &str, separator: char) -> (Option<u32>, &str) {
     let split = || {
         let (robot, rest) = text.split_once(separator)?;
@@ -350,10 +353,10 @@ fn split_robot(text: &str, separator: char) -> (Option<u32>, &str) {
 }
 
 fn read_costs(path: &Path) -> Result<(Costs, Option<InputFile>), OptionError> {
-    let refuse = |reason: CostsRefusal| OptionError::Costs { file: path.display().to_string(), reason };
-    let bytes = read_regular(path).map_err(|error| refuse(error.into()))?;
-    let text = std::str::from_utf8(&bytes).map_err(|error| refuse(error.into()))?;
-    let costs = Costs::with(text).map_err(|error| refuse(error.into()))?;
+    let costs_error = |reason: CostFileError| OptionError::Costs { file: path.display().to_string(), reason };
+    let bytes = read_regular(path).map_err(|error| costs_error(error.into()))?;
+    let text = std::str::from_utf8(&bytes).map_err(|error| costs_error(error.into()))?;
+    let costs = Costs::with(text).map_err(|error| costs_error(error.into()))?;
     Ok((costs, Some(InputFile { path: slashed(path), bytes })))
 }
 
@@ -363,18 +366,18 @@ fn read_stdin(path: &Path) -> Result<(Source, Option<InputFile>), OptionError> {
     if path.as_os_str() == TYPED {
         return Ok((Source::Typed, None));
     }
-    let refuse = |error| OptionError::Stdin { file: path.display().to_string(), error };
+    let stdin_error = |error| OptionError::Stdin { file: path.display().to_string(), error };
     if path.as_os_str() == "-" {
         let mut bytes = Vec::new();
-        std::io::stdin().lock().read_to_end(&mut bytes).map_err(refuse)?;
+        std::io::stdin().lock().read_to_end(&mut bytes).map_err(stdin_error)?;
         return Ok((Source::Text(bytes.into()), None));
     }
-    let bytes = read_regular(path).map_err(refuse)?;
+    let bytes = read_regular(path).map_err(stdin_error)?;
     Ok((Source::Text(bytes.as_slice().into()), Some(InputFile { path: slashed(path), bytes })))
 }
 
 /// The costs given by the scene, with the built-in costs for all other calls.
-fn costs_of(scene: &SceneSpec) -> Result<Costs, OptionError> {
+fn scene_costs(scene: &SceneSpec) -> Result<Costs, OptionError> {
     let Some(CostsRef::Table(table)) = &scene.run.costs else { return Ok(Costs::default()) };
     Costs::of_table(table).map_err(|error| OptionError::SceneCosts { file: table.file.clone(), error })
 }
@@ -390,7 +393,7 @@ mod tests {
 
     use super::*;
 
-    const OWN: [&str; 2] = ["--own", "1"];
+    const SCENE_ARGUMENTS: [&str; 2] = ["--own", "1"];
 
     /// Three robots, of which the first has a program with arguments.
     fn scene() -> SceneSpec {
@@ -401,7 +404,7 @@ mod tests {
             robi: Arc::clone(&robi),
             start: Pose::new(0.0, 0.0, 0.0),
             program: (index == 0).then(|| PathRef { text: "own.c".into(), span }),
-            arguments: if index == 0 { OWN.map(str::to_owned).to_vec() } else { Vec::new() },
+            arguments: if index == 0 { SCENE_ARGUMENTS.map(str::to_owned).to_vec() } else { Vec::new() },
             api: None,
             noise: None,
             dialect: None,
@@ -427,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn programs_go_to_those_who_have_none_or_who_are_named() {
+    fn programs_are_assigned_to_robots_without_one_and_by_number() {
         assert_eq!(programs(&["x.c"]).unwrap(), ["own.c", "x.c", "x.c"]);
         assert_eq!(programs(&["1=x.c"]).unwrap(), ["x.c", "", ""]);
         assert_eq!(programs(&["y.c", "r3=x.c"]).unwrap(), ["own.c", "y.c", "x.c"]);
@@ -435,7 +438,7 @@ mod tests {
     }
 
     #[test]
-    fn programs_go_to_those_whose_program_or_type_is_named() {
+    fn programs_are_assigned_by_program_or_type_name() {
         let mut scene = scene();
         scene.robots[1].program = Some(program_of_command_line(r"..\Progs\maze.x"));
         scene.robots[2].program = Some(program_of_command_line("progs/maze.x"));
@@ -463,7 +466,7 @@ mod tests {
     }
 
     #[test]
-    fn programs_that_nobody_gets_are_refused() {
+    fn programs_that_match_no_robot_are_rejected() {
         let error = |options: &[&str]| programs(options).expect_err("refused");
         assert_eq!(error(&["4=x.c"]), "--program: there is no robot 4: the scene has robots 1 to 3");
         assert_eq!(error(&["2=x.c", "2=y.c"]), "--program: robot 2 gets two programs");
@@ -478,15 +481,15 @@ mod tests {
 
     #[test]
     fn arguments_replace_those_of_the_scene() {
-        assert_eq!(arguments(&[]).unwrap(), [&OWN[..], &[], &[]]);
+        assert_eq!(arguments(&[]).unwrap(), [&SCENE_ARGUMENTS[..], &[], &[]]);
         assert_eq!(arguments(&["1:a 'b c'", "1:d"]).unwrap(), [&["a", "b c", "d"][..], &[], &[]]);
-        assert_eq!(arguments(&["2:a"]).unwrap(), [&OWN[..], &["a"], &[]]);
+        assert_eq!(arguments(&["2:a"]).unwrap(), [&SCENE_ARGUMENTS[..], &["a"], &[]]);
         assert_eq!(arguments(&["x", "2:y"]).unwrap(), [&["x"][..], &["x", "y"], &["x"]]);
         assert_eq!(arguments(&["1:"]).unwrap(), [const { &[] as &[&str] }; 3]);
     }
 
     #[test]
-    fn arguments_for_nobody_are_refused() {
+    fn arguments_that_match_no_robot_are_rejected() {
         let error = arguments(&["3:a"]).expect_err("robot 3 has no program");
         assert_eq!(error, "--args: robot 3 has no program: `--program 3=FILE` gives it one");
         assert!(arguments(&["0:a"]).expect_err("no robot 0").contains("robots 1 to 3"));

@@ -1,4 +1,4 @@
-//! Comparison of two recorded runs: the first event in which they differ, and how far apart their robots get.
+//! Comparison of two recorded runs: the first difference between their events, and the maximum distance between the robots' positions.
 
 use std::collections::BTreeMap;
 use std::io::BufRead;
@@ -14,10 +14,10 @@ use super::trail::Trail;
 /// Comparison of two traces, A and B.
 #[derive(Debug, Default)]
 pub struct TraceDiff {
-    /// Differences between the headers, such as `seed: 1 in A, 2 in B`: possible causes, which by themselves do not
-    /// make runs different.
+    /// Differences between the headers, such as `seed: 1 in A, 2 in B`: possible causes of other differences, but not
+    /// differences between the runs.
     pub headers: Vec<String>,
-    /// First difference between the events; none if they are equal as far as both traces reach.
+    /// First difference between the events; none if the events are equal up to the end of the shorter trace.
     pub first: Option<Difference>,
     /// Ends of the runs A and B; none for a truncated trace.
     pub ends: [Option<Time>; 2],
@@ -32,7 +32,7 @@ pub struct TraceDiff {
 pub struct Difference {
     /// Virtual time of the earlier of the two events.
     pub at: Time,
-    /// End of the slot in which they lie.
+    /// End of the slot of the two events.
     pub slot_end: Time,
     /// Number of the robot; none for the world.
     pub robot: Option<u32>,
@@ -82,7 +82,7 @@ impl TraceDiff {
         Ok(diff)
     }
 
-    /// Returns true if no difference was found, and both runs end at the same time as far as both ends are known.
+    /// Returns true if no difference was found and both runs end at the same time, if both ends are known.
     pub fn is_equal(&self) -> bool {
         self.first.is_none() && !self.ends_differ()
     }
@@ -161,19 +161,19 @@ fn first_difference(
     last_events: &mut BTreeMap<Option<u32>, RecordedEvent>,
 ) -> Option<Difference> {
     // Within a slot robots are independent of each other, so the events of each robot are compared separately.
-    let mut of_robots: BTreeMap<Option<u32>, [Vec<RecordedEvent>; 2]> = BTreeMap::new();
+    let mut events_by_robot: BTreeMap<Option<u32>, [Vec<RecordedEvent>; 2]> = BTreeMap::new();
     for (run, events) in slots.into_iter().enumerate() {
         for event in events {
-            of_robots.entry(event.robot).or_default()[run].push(event);
+            events_by_robot.entry(event.robot).or_default()[run].push(event);
         }
     }
     let mut first: Option<Difference> = None;
-    for (robot, [a, b]) in of_robots {
-        let equal = a.iter().zip(&b).take_while(|(a, b)| a.fields == b.fields).count();
-        if let Some(event) = equal.checked_sub(1).and_then(|last| a.get(last)) {
+    for (robot, [a, b]) in events_by_robot {
+        let equal_count = a.iter().zip(&b).take_while(|(a, b)| a.fields == b.fields).count();
+        if let Some(event) = equal_count.checked_sub(1).and_then(|last| a.get(last)) {
             last_events.insert(robot, event.clone());
         }
-        let events = [a.into_iter().nth(equal), b.into_iter().nth(equal)];
+        let events = [a.into_iter().nth(equal_count), b.into_iter().nth(equal_count)];
         let at = events.iter().flatten().map(|event| event.at).min();
         if let Some(at) = at.filter(|at| first.as_ref().is_none_or(|first| *at < first.at)) {
             first = Some(Difference { at, slot_end, robot, last_common: last_events.get(&robot).cloned(), events });

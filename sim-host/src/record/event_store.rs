@@ -1,6 +1,6 @@
-//! Compact storage of a run's events during the run, from which a trace is made on request.
+//! Compact storage of a run's events during the run, from which a trace can be made.
 //!
-//! Events are stored in their canonical form in an unnamed temporary file, which takes a fraction of the time of
+//! Events are stored in their canonical form in an unnamed temporary file. This takes a fraction of the time of
 //! writing JSON lines.
 
 use std::fs::File;
@@ -78,7 +78,7 @@ impl EventStore {
         Ok(Self { header, file, batch: Vec::with_capacity(2 * BATCH), length: 0, failure: None })
     }
 
-    /// The trace up to now; the run may continue meanwhile.
+    /// The trace up to now. The run can continue during the call.
     ///
     /// # Errors
     /// [`EventStoreError`] if the events were not stored.
@@ -98,8 +98,8 @@ impl EventStore {
         let mut trace = Trace::new(Box::new(Shared(Arc::clone(&lines))), Path::new("trace.jsonl"), &header)?;
         let mut rest = &bytes[..];
         while !rest.is_empty() {
-            let (entry, after) = postcard::take_from_bytes(rest).map_err(io::Error::other)?;
-            rest = after;
+            let (entry, remaining) = postcard::take_from_bytes(rest).map_err(io::Error::other)?;
+            rest = remaining;
             match entry {
                 Entry::Event { time, robot, sequence, event } => {
                     trace.record(&Record { time: Time(time), robot: RobotId(robot), sequence, event })?;
@@ -114,7 +114,7 @@ impl EventStore {
         Ok(std::mem::take(&mut *lines.lock()))
     }
 
-    fn keep(&mut self, entry: &Entry<'_>) {
+    fn store(&mut self, entry: &Entry<'_>) {
         if self.failure.is_some() {
             return;
         }
@@ -143,7 +143,7 @@ impl EventStore {
     }
 }
 
-/// Never fails: a missing download must not end a run.
+/// Methods never return an error: a trace that cannot be provided must not end the run.
 impl Sink for EventStore {
     fn interest(&self) -> KindSet {
         KindSet::ALL.without(Kind::Call)
@@ -151,19 +151,19 @@ impl Sink for EventStore {
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
         let Record { time, robot, sequence, event } = *record;
-        self.keep(&Entry::Event { time: time.0, robot: robot.0, sequence, event });
+        self.store(&Entry::Event { time: time.0, robot: robot.0, sequence, event });
         Ok(())
     }
 
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {
         if let Some(Digest(digest)) = digest {
-            self.keep(&Entry::Slot { end: end.0, digest });
+            self.store(&Entry::Slot { end: end.0, digest });
         }
         Ok(())
     }
 
     fn finish(&mut self, end: Time, Digest(digest): Digest) -> Result<(), RecordError> {
-        self.keep(&Entry::End { end: end.0, digest });
+        self.store(&Entry::End { end: end.0, digest });
         Ok(())
     }
 }

@@ -15,10 +15,10 @@ pub struct RecordFile {
     proof: Arc<Proof>,
 }
 
-/// Expected contents of a file at the end of the run.
+/// Identity and expected contents of a file, to check its completeness at the end of the run.
 pub struct Proof {
     path: PathBuf,
-    /// Device and inode; `None` if it is not a regular file (a pipe, say), which cannot be checked.
+    /// Device and inode; `None` if the file is not a regular one (for example a pipe) and cannot be checked.
     identity: Option<(u64, u64)>,
     written: AtomicU64,
     /// Hash of the written bytes.
@@ -26,8 +26,8 @@ pub struct Proof {
 }
 
 impl RecordFile {
-    /// Creates the file at `path`, or empties it. All writes append, so that a file truncated meanwhile ends up too
-    /// short.
+    /// Creates the file at `path`, or empties it. All writes append, so that a file that is truncated during the run is too
+    /// short at the end.
     ///
     /// # Errors
     /// The file cannot be created or emptied.
@@ -43,14 +43,14 @@ impl RecordFile {
         Ok(Self { file, proof: Arc::new(Proof { path: path.to_owned(), identity, written, content }) })
     }
 
-    /// The proof, to be checked once everything is written.
+    /// The proof, which must be checked after everything is written.
     pub fn proof(&self) -> Arc<Proof> {
         Arc::clone(&self.proof)
     }
 }
 
 impl Proof {
-    /// Checks that the path still names the file, and that it contains what was written.
+    /// Checks that the file at the path is still this file and contains exactly the written bytes.
     ///
     /// # Errors
     /// The file is missing, was replaced, or has other contents.
@@ -111,21 +111,21 @@ impl Seek for RecordFile {
 mod tests {
     use super::*;
 
-    /// The check of a file of five bytes after `harm`.
-    fn check_after(harm: impl FnOnce(&Path)) -> Result<(), String> {
+    /// The result of the check for a file of five bytes after `damage`.
+    fn check_after(damage: impl FnOnce(&Path)) -> Result<(), String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t");
         fs::write(&path, "older than the run").unwrap();
         let mut file = RecordFile::create(&path).unwrap();
         file.write_all(b"abc").unwrap();
-        harm(&path);
+        damage(&path);
         // A descriptor that a program has closed cannot be tried here: the process would lose another file.
         file.write_all(b"de").unwrap();
         file.proof().check().map_err(|error| error.to_string())
     }
 
     #[test]
-    fn a_file_that_was_harmed_is_told() {
+    fn damaged_file_gives_an_error() {
         assert_eq!(check_after(|_| ()), Ok(()));
         assert!(check_after(|path| fs::remove_file(path).unwrap()).unwrap_err().contains("deleted"));
         let cut = check_after(|path| File::options().write(true).open(path).unwrap().set_len(0).unwrap());
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_device_proves_nothing() {
+    fn device_is_not_checked() {
         let mut file = RecordFile::create(Path::new("/dev/null")).unwrap();
         file.write_all(b"abc").unwrap();
         file.proof().check().unwrap();

@@ -15,16 +15,16 @@ use super::report::write_atomically;
 use super::sink::{RecordError, Sink};
 use sim_core::record::{Digest, KindSet, Record};
 
-/// Image that a program takes.
+/// Image taken by a program.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
-    /// Its number among the images of its camera, from 1.
+    /// Number of the image among those of its camera, from 1.
     pub number: u64,
-    /// Time of its exposure.
+    /// Time of the exposure.
     pub exposed: Time,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Its pixels, row by row from the top.
+    /// Pixels, row by row from the top.
     pub pixels: Pixels<'a>,
 }
 
@@ -55,7 +55,7 @@ impl Pixels<'_> {
         }
     }
 
-    /// Bytes of the pixels as a program gets them; numbers of several bytes are little endian.
+    /// Bytes of the pixels as a program receives them; numbers of several bytes are little endian.
     pub fn bytes(&self) -> Cow<'_, [u8]> {
         match self {
             Self::Colour(bytes) | Self::Grey(bytes) | Self::Bayer(bytes) => Cow::Borrowed(bytes),
@@ -64,8 +64,8 @@ impl Pixels<'_> {
         }
     }
 
-    /// Encodes the image as PNG: colours and greys with 8 bits; depths with 16 bits, in mm, 0 for the sky, 65535 for that distance
-    /// and beyond; labels unchanged, up to 255 with a palette, above with 16 bits.
+    /// Encodes the image as PNG: colours and greys with 8 bits; depths with 16 bits, in mm, 0 for the sky, 65535 for this distance
+    /// or a larger one; labels as their numbers, with a palette if none exceeds 255, otherwise with 16 bits.
     pub fn png(&self, size: [u32; 2]) -> Vec<u8> {
         match self {
             Self::Colour(bytes) => png::colour(size, bytes),
@@ -80,13 +80,13 @@ impl Pixels<'_> {
     }
 }
 
-/// Scan that a program takes.
+/// Scan taken by a program.
 #[derive(Clone, Debug)]
 pub struct StoredScan {
     /// Pose of the scanner.
     pub world_from_scanner: Pose3,
-    /// Bearings of the first and the last ray, counter-clockwise from ahead in the scanner's plane; the rays between
-    /// are spaced evenly.
+    /// Bearings of the first and the last ray, counter-clockwise from the scanner's forward direction in its plane, rad;
+    /// the rays between are evenly spaced.
     pub bearings: [f64; 2],
     /// Distance measured by each ray, m; none if nothing is within range.
     pub metres: Vec<Option<f64>>,
@@ -95,15 +95,15 @@ pub struct StoredScan {
 /// Image encoded as PNG.
 #[derive(Clone, Debug)]
 pub struct StoredFrame {
-    /// Its number among the images of its camera.
+    /// Number of the image among those of its camera.
     pub number: u64,
-    /// Name of its format in the trace.
+    /// Name of the format in the trace.
     pub form: &'static str,
     /// The PNG file.
     pub png: Vec<u8>,
 }
 
-/// Image or scan that a program takes; the trace has only a summary of it.
+/// Image or scan taken by a program; the trace contains only a summary of it.
 #[derive(Clone, Debug)]
 pub enum StoredCapture {
     /// An image.
@@ -114,7 +114,7 @@ pub enum StoredCapture {
     Layer(String, Arc<Layer>),
 }
 
-/// Destination of all images and scans that programs take. Images are written to the folder as they are taken. For a
+/// Destination of all images and scans that programs take. Images are written to a folder when they are taken. For a
 /// recording, images and scans are stored in memory until the recording takes them at the slot's end.
 #[derive(Debug, Default)]
 pub struct Frames {
@@ -128,7 +128,7 @@ pub struct Frames {
 #[derive(Debug)]
 struct Folder {
     path: PathBuf,
-    /// Number of digits of the maximum robot number.
+    /// Number of digits of the largest robot number.
     robot_digits: usize,
 }
 
@@ -138,7 +138,7 @@ struct Failure {
     error: RecordError,
 }
 
-/// Reason for refusing a folder for images.
+/// Error for a folder that cannot take the images.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// The folder is not empty.
@@ -147,13 +147,13 @@ pub enum FolderError {
     /// The path is a file.
     #[error("this is a file: expected a folder for the images, which may be new")]
     File,
-    /// The folder cannot be made or read.
+    /// The folder cannot be created or read.
     #[error(transparent)]
     Unusable(#[from] std::io::Error),
 }
 
 impl Frames {
-    /// Opens `folder` for the images of `robots` robots, creating it if it is missing.
+    /// Opens `folder` for the images of `robots` robots; creates it if it does not exist.
     ///
     /// # Errors
     /// [`FolderError`] if it is not empty or not a folder.
@@ -174,7 +174,7 @@ impl Frames {
         Self { captures: Some(Mutex::default()), ..self }
     }
 
-    /// Takes the images and scans stored since the last call, in order of (time, robot).
+    /// Removes and returns the images and scans stored since the last call, in order of (time, robot).
     pub fn take(&self) -> Vec<(Time, RobotId, StoredCapture)> {
         let mut captures =
             self.captures.as_ref().map(|captures| std::mem::take(&mut *captures.lock())).unwrap_or_default();
@@ -236,12 +236,12 @@ impl Folder {
     fn name(&self, robot: RobotId, frame: &Frame<'_>) -> String {
         let Time(us) = frame.exposed;
         let (seconds, us) = (us / 1_000_000, us % 1_000_000);
-        let behind = match frame.pixels {
+        let suffix = match frame.pixels {
             Pixels::Depth(_) | Pixels::Labels(_) => format!("-{}", frame.pixels.form()),
             _ => String::new(),
         };
         let digits = self.robot_digits;
-        format!("r{:0digits$}-{:06}-{seconds:05}.{us:06}{behind}.png", robot.0, frame.number)
+        format!("r{:0digits$}-{:06}-{seconds:05}.{us:06}{suffix}.png", robot.0, frame.number)
     }
 }
 

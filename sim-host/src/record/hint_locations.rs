@@ -1,4 +1,4 @@
-//! Lines of programs at which hints were given: shown to users, not part of the record and its digest.
+//! Source lines of programs to which hints refer; shown to users, but not part of the record and its digest.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -6,15 +6,16 @@ use std::sync::Arc;
 use parking_lot::Mutex;
 use sim_core::RobotId;
 
-/// Lines of programs by robot and text of the hint that was given there. A run notes them; its sinks show them.
+/// Source lines of programs to which hints refer, by robot and text of the hint. A run adds them; its sinks show them.
 #[derive(Clone, Debug, Default)]
 pub struct HintLocations(Arc<Mutex<BTreeMap<RobotId, BTreeMap<String, String>>>>);
 
-/// Maximum number of hints whose lines are kept for a robot.
+/// Maximum number of lines that are stored for a robot.
 const MAX_LOCATIONS: usize = 200;
 
 impl HintLocations {
-    /// Notes that the program of `robot` was given the hint `text` at `place`, such as `maze.c:12`; the first place counts.
+    /// Stores that the hint `text` for the program of `robot` refers to `location`, such as `maze.c:12`. A stored location is
+    /// not replaced.
     pub(crate) fn note(&self, robot: RobotId, text: &str, location: String) {
         let mut robots = self.0.lock();
         let locations = robots.entry(robot).or_default();
@@ -23,7 +24,7 @@ impl HintLocations {
         }
     }
 
-    /// The line of the program of `robot` at which it was given the hint `text`; `None` if the line is not known.
+    /// Source line to which the hint `text` for the program of `robot` refers; `None` if unknown.
     pub fn of(&self, robot: RobotId, text: &str) -> Option<String> {
         self.0.lock().get(&robot)?.get(text).cloned()
     }
@@ -34,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_place_of_a_hint_counts() {
+    fn first_location_of_a_hint_is_kept() {
         let locations = HintLocations::default();
         locations.note(RobotId(1), "a", "maze.c:1".to_owned());
         locations.note(RobotId(1), "a", "maze.c:2".to_owned());

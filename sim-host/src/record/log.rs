@@ -1,4 +1,4 @@
-//! Lines on the terminal during a run: `[r1 2.350 s] text` in the order of the run.
+//! Sink that prints lines to the terminal during a run: `[r1 2.350 s] text`, in the order of the record.
 //!
 //! Output of programs and hints are always shown, RoBIOS calls on request (`-v`).
 
@@ -16,7 +16,7 @@ use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 /// Selection of the lines to show.
 #[derive(Clone, Debug, Default)]
 pub struct Filter {
-    /// Show calls, faults and reasons, too.
+    /// True to show calls, faults and reasons as well.
     pub is_verbose: bool,
     /// Patterns of the calls to show (`VW*`); all if empty.
     pub only: Vec<Pattern>,
@@ -32,12 +32,12 @@ impl Filter {
 
     /// Returns true if calls of `function` by `robot` are shown.
     pub fn shows_call(&self, robot: RobotId, function: &str) -> bool {
-        let is_chosen = self.only.is_empty() || self.only.iter().any(|pattern| pattern.matches(function));
-        self.is_verbose && is_chosen && self.shows_robot(robot)
+        let is_selected = self.only.is_empty() || self.only.iter().any(|pattern| pattern.matches(function));
+        self.is_verbose && is_selected && self.shows_robot(robot)
     }
 }
 
-/// A pattern of names: `*` stands for any letters, `?` for one; case does not matter.
+/// A pattern of names: `*` matches any letters, `?` one letter; case is ignored.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pattern(String);
 
@@ -50,28 +50,28 @@ impl Pattern {
     /// Returns true if the pattern matches the whole of `name`.
     pub fn matches(&self, name: &str) -> bool {
         let (pattern, name) = (self.0.as_bytes(), name.as_bytes());
-        let (mut p, mut n) = (0, 0);
+        let (mut pattern_index, mut name_index) = (0, 0);
         // Backtracking point of the last `*`: the next position in the pattern, and the end of the part of `name` that
         // the `*` covers.
         let mut retry: Option<(usize, usize)> = None;
-        while n < name.len() {
-            match pattern.get(p) {
+        while name_index < name.len() {
+            match pattern.get(pattern_index) {
                 Some(b'*') => {
-                    retry = Some((p + 1, n));
-                    p += 1;
+                    retry = Some((pattern_index + 1, name_index));
+                    pattern_index += 1;
                 }
-                Some(letter) if *letter == b'?' || letter.eq_ignore_ascii_case(&name[n]) => {
-                    p += 1;
-                    n += 1;
+                Some(letter) if *letter == b'?' || letter.eq_ignore_ascii_case(&name[name_index]) => {
+                    pattern_index += 1;
+                    name_index += 1;
                 }
                 _ => {
-                    let Some((after_star, swallowed)) = retry else { return false };
-                    retry = Some((after_star, swallowed + 1));
-                    (p, n) = (after_star, swallowed + 1);
+                    let Some((after_star, star_end)) = retry else { return false };
+                    retry = Some((after_star, star_end + 1));
+                    (pattern_index, name_index) = (after_star, star_end + 1);
                 }
             }
         }
-        pattern[p..].iter().all(|letter| *letter == b'*')
+        pattern[pattern_index..].iter().all(|letter| *letter == b'*')
     }
 }
 
@@ -121,8 +121,8 @@ impl Log {
         Self { hint_locations, ..self }
     }
 
-    /// Selects the stream for the next lines.
-    fn choose(&mut self, stream: Stream) -> Result<(), RecordError> {
+    /// Selects the stream for the next lines; writes the pending lines if it changes.
+    fn select_stream(&mut self, stream: Stream) -> Result<(), RecordError> {
         if self.stream != stream {
             self.write_pending()?;
             self.stream = stream;
@@ -150,8 +150,8 @@ impl Log {
         }
     }
 
-    /// Counts a hint; returns true at its first occurrence.
-    fn is_new_hint(&mut self, text: &str) -> bool {
+    /// Counts a hint; returns true if it is the first one with this text.
+    fn count_hint(&mut self, text: &str) -> bool {
         match self.hints.get_mut(text) {
             Some(count) => {
                 *count += 1;
@@ -172,12 +172,12 @@ impl Sink for Log {
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
         let is_shown = match record.event {
             Event::Call { function, .. } => self.filter.shows_call(record.robot, function),
-            Event::Hint { text } => self.filter.shows_robot(record.robot) && self.is_new_hint(text),
+            Event::Hint { text } => self.filter.shows_robot(record.robot) && self.count_hint(text),
             _ => self.filter.shows_robot(record.robot),
         };
         if is_shown {
             let is_output = matches!(record.event, Event::Stdout { .. });
-            self.choose(if is_output { Stream::Out } else { Stream::Err })?;
+            self.select_stream(if is_output { Stream::Out } else { Stream::Err })?;
             let location = match record.event {
                 Event::Hint { text } => self.hint_locations.of(record.robot, text),
                 _ => None,
@@ -191,9 +191,9 @@ impl Sink for Log {
         self.write_pending()
     }
 
-    /// Prints the number of times for each hint that was recorded more than once.
+    /// Prints each hint that was recorded more than once, with the number of times.
     fn finish(&mut self, _: Time, _: Digest) -> Result<(), RecordError> {
-        self.choose(Stream::Err)?;
+        self.select_stream(Stream::Err)?;
         for (text, count) in std::mem::take(&mut self.hints) {
             if count > 1 {
                 // Writing to a string cannot fail.
@@ -204,7 +204,7 @@ impl Sink for Log {
     }
 }
 
-/// Appends the line of `record` to `lines`; a hint includes the line of the program to which it belongs. Appends
+/// Appends the line of `record` to `lines`; the line of a hint includes `hint_location`, its source line. Appends
 /// nothing for kinds that are not shown on the terminal.
 fn push_line(lines: &mut String, record: &Record<'_>, hint_location: Option<&str>) {
     let start = lines.len();
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn patterns_fit_whole_names() {
+    fn patterns_match_whole_names() {
         for (pattern, name) in [
             ("PSDGet", "PSDGet"),
             ("vw*", "VWDriveWait"),

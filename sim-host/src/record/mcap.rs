@@ -33,43 +33,44 @@ use schema::Content;
 
 /// Initial contents of a recording.
 pub struct InitialContents {
-    /// The master seed of the run.
+    /// Seed of the run.
     pub seed: u64,
     /// Length of a slot.
     pub slot: Time,
     /// Scene at the start.
     pub scene: Scene,
-    /// Starting poses of the scene's robots, in its order.
+    /// Starting poses of the scene's robots, in the order of the scene.
     pub robots: Vec<Pose>,
-    /// Starting poses of the scene's movable objects, in its order.
+    /// Starting poses of the scene's movable objects, in the order of the scene.
     pub objects: Vec<Pose>,
     /// Source of images and scans.
     pub frames: Arc<Frames>,
 }
 
 /// Output: a file, or memory in tests.
-trait Out: Write + Seek + Send {}
-impl<T: Write + Seek + Send> Out for T {}
+trait Output: Write + Seek + Send {}
+impl<T: Write + Seek + Send> Output for T {}
 
 /// Sink that writes a recording.
 pub struct Mcap {
     /// `None` after the end.
-    writer: Option<Writer<Box<dyn Out>>>,
+    writer: Option<Writer<Box<dyn Output>>>,
     path: PathBuf,
     /// Channels by robot and topic.
     channels: BTreeMap<RobotId, BTreeMap<String, u16>>,
     sequence: u32,
     scene: Scene,
     frames: Arc<Frames>,
-    /// Transforms of this slot.
-    moved: Vec<Value>,
+    /// Transforms that have changed in this slot.
+    changed_transforms: Vec<Value>,
     /// Heights of the bodies of robots with legs or in the water, m.
     lifts: BTreeMap<RobotId, f64>,
     /// Links of the robots with legs.
     links: BTreeMap<RobotId, Vec<Link>>,
     /// Numbers of the next robot and the next object to be added.
-    next: [u32; 2],
-    has_news: bool,
+    next_numbers: [u32; 2],
+    /// True if messages have been written since the last flush.
+    needs_flush: bool,
     /// Proof that is checked at the end, if the recording is a file.
     proof: Option<Arc<Proof>>,
 }
@@ -91,19 +92,19 @@ impl Mcap {
         Ok(Self { proof, ..Self::new(Box::new(BufWriter::with_capacity(1 << 16, file)), path, contents)? })
     }
 
-    fn new(out: Box<dyn Out>, path: &Path, contents: InitialContents) -> Result<Self, RecordError> {
+    fn new(out: Box<dyn Output>, path: &Path, contents: InitialContents) -> Result<Self, RecordError> {
         let InitialContents { seed, slot, scene, robots, objects, frames } = contents;
         // Compression would need a system library; chunks are written as a whole, so that the output need not be seekable.
         let options = WriteOptions::new()
             .compression(None)
             .disable_seeking(true)
             .library(format!("eyesim {}", env!("CARGO_PKG_VERSION")));
-        let writer = options.create(out).map_err(|error| RecordError::write("recording", path, of_mcap(error)))?;
-        let next = [
+        let writer = options.create(out).map_err(|error| RecordError::write("recording", path, io_error(error)))?;
+        let next_numbers = [
             scene.robots.iter().map(|robot| robot.id).max().unwrap_or(0) + 1,
             scene.objects.iter().map(|object| object.id).max().unwrap_or(0) + 1,
         ];
-        let (channels, moved) = (BTreeMap::new(), Vec::new());
+        let (channels, changed_transforms) = (BTreeMap::new(), Vec::new());
         let path = path.to_owned();
         let mut mcap = Self {
             writer: Some(writer),
@@ -112,26 +113,26 @@ impl Mcap {
             sequence: 0,
             scene,
             frames,
-            moved,
+            changed_transforms,
             lifts: BTreeMap::new(),
             links: BTreeMap::new(),
-            next,
-            has_news: true,
+            next_numbers,
+            needs_flush: true,
             proof: None,
         };
-        mcap.note("run", [("seed", seed.to_string()), ("slot_us", slot.0.to_string())])?;
-        mcap.begin(&robots, &objects)?;
+        mcap.write_metadata("run", [("seed", seed.to_string()), ("slot_us", slot.0.to_string())])?;
+        mcap.write_initial_contents(&robots, &objects)?;
         mcap.flush()?;
         Ok(mcap)
     }
 
     /// Writes the entities of all bodies, and the transforms of the bodies and their sensors.
-    fn begin(&mut self, robots: &[Pose], objects: &[Pose]) -> Result<(), RecordError> {
+    fn write_initial_contents(&mut self, robots: &[Pose], objects: &[Pose]) -> Result<(), RecordError> {
         let at = Time::ZERO;
         let mut transforms = Vec::new();
         for (robot, pose) in self.scene.robots.iter().zip(robots) {
             let frame = scene::robot_frame(RobotId(robot.id));
-            transforms.push(scene::transform(at, scene::WORLD, &frame, &scene::of_pose(pose)));
+            transforms.push(scene::transform(at, scene::WORLD, &frame, &scene::pose_in_space(pose)));
             transforms.extend(scene::links(at, RobotId(robot.id), &robot.links, &robot.standing_rad));
             self.links.insert(RobotId(robot.id), robot.links.clone());
             let mounts = robot.sensors.iter().filter_map(|sensor| Some((&sensor.name, sensor.mount?)));
@@ -140,7 +141,7 @@ impl Mcap {
         }
         for (object, pose) in self.scene.objects.iter().zip(objects) {
             let frame = scene::object_frame(ObjectId(object.id));
-            transforms.push(scene::transform(at, scene::WORLD, &frame, &scene::of_pose(pose)));
+            transforms.push(scene::transform(at, scene::WORLD, &frame, &scene::pose_in_space(pose)));
         }
         let entities = scene::all(&self.scene);
         self.write(Content::Scene, WORLD, "/scene", at, &json!({ "deletions": [], "entities": entities }))?;
@@ -169,8 +170,8 @@ impl Mcap {
         let log_time = u64::try_from(at.0).unwrap_or(0) * 1_000;
         let header = MessageHeader { channel_id, sequence: self.sequence, log_time, publish_time: log_time };
         self.sequence = self.sequence.wrapping_add(1);
-        self.has_news = true;
-        self.with(|writer| writer.write_to_known_channel(&header, &data))
+        self.needs_flush = true;
+        self.with_writer(|writer| writer.write_to_known_channel(&header, &data))
     }
 
     fn add_channel(&mut self, content: Content, robot: RobotId, topic: &str) -> Result<u16, RecordError> {
@@ -180,7 +181,7 @@ impl Mcap {
             ("jsonschema", content.schema().to_string().into_bytes(), "json")
         };
         let name = if robot == WORLD { topic.to_owned() } else { format!("/robot/{}{topic}", robot.0) };
-        let channel = self.with(|writer| {
+        let channel = self.with_writer(|writer| {
             let schema = writer.add_schema(content.name(), encoding, &schema)?;
             writer.add_channel(schema, &name, messages, &BTreeMap::new())
         })?;
@@ -188,25 +189,25 @@ impl Mcap {
         Ok(channel)
     }
 
-    /// Writes metadata: facts without a time.
-    fn note<const N: usize>(&mut self, name: &str, facts: [(&str, String); N]) -> Result<(), RecordError> {
+    /// Writes a metadata record: values without a time.
+    fn write_metadata<const N: usize>(&mut self, name: &str, facts: [(&str, String); N]) -> Result<(), RecordError> {
         let metadata = facts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
         let metadata = Metadata { name: name.into(), metadata };
-        self.with(|writer| writer.write_metadata(&metadata))
+        self.with_writer(|writer| writer.write_metadata(&metadata))
     }
 
     fn flush(&mut self) -> Result<(), RecordError> {
-        self.has_news = false;
-        self.with(Writer::flush)
+        self.needs_flush = false;
+        self.with_writer(Writer::flush)
     }
 
-    fn with<T>(
+    fn with_writer<T>(
         &mut self,
-        act: impl FnOnce(&mut Writer<Box<dyn Out>>) -> Result<T, McapError>,
+        act: impl FnOnce(&mut Writer<Box<dyn Output>>) -> Result<T, McapError>,
     ) -> Result<T, RecordError> {
         let ended = || RecordError::write("recording", &self.path, io::Error::other("it has ended"));
         let done = act(self.writer.as_mut().ok_or_else(ended)?);
-        done.map_err(|error| self.error(of_mcap(error)))
+        done.map_err(|error| self.error(io_error(error)))
     }
 
     fn error(&self, source: io::Error) -> RecordError {
@@ -214,7 +215,7 @@ impl Mcap {
     }
 
     fn move_to(&mut self, at: Time, child: &str, point: &Point) {
-        self.moved.push(scene::transform(at, scene::WORLD, child, point));
+        self.changed_transforms.push(scene::transform(at, scene::WORLD, child, point));
     }
 
     fn log(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
@@ -251,17 +252,17 @@ impl Mcap {
         self.write(Content::Log, WORLD, "/log", record.time, &message)
     }
 
-    /// Writes the changes of an intervention that adds, removes or places a body.
-    fn intervene(&mut self, at: Time, action: &Action) -> Result<(), RecordError> {
+    /// Writes the changes of the scene by an intervention that adds, removes or places a body.
+    fn apply_intervention(&mut self, at: Time, action: &Action) -> Result<(), RecordError> {
         let (mut deletions, mut entities) = (Vec::new(), Vec::new());
-        let gone = |id: String| json!({ "timestamp": timestamp(at), "type": 0, "id": id });
+        let deletion = |id: String| json!({ "timestamp": timestamp(at), "type": 0, "id": id });
         match action {
             Action::AddRobot { kind, x_m, y_m, phi_rad, .. } => {
                 let id = self.next_number(0);
                 self.move_to(at, &scene::robot_frame(RobotId(id)), &scene::upright(*x_m, *y_m, *phi_rad));
                 if let Some(model) = self.scene.robots.iter().find(|robot| robot.kind == *kind) {
                     entities.extend(scene::robot(&self.scene, id, model.id));
-                    self.moved.extend(scene::links(at, RobotId(id), &model.links, &model.standing_rad));
+                    self.changed_transforms.extend(scene::links(at, RobotId(id), &model.links, &model.standing_rad));
                     self.links.insert(RobotId(id), model.links.clone());
                 }
             }
@@ -273,10 +274,10 @@ impl Mcap {
             }
             Action::RemoveRobot { robot } => {
                 let links = self.links.remove(&RobotId(*robot)).unwrap_or_default();
-                deletions.push(gone(scene::robot_frame(RobotId(*robot))));
-                deletions.extend((0..links.len()).map(|link| gone(scene::link_frame(RobotId(*robot), link))));
+                deletions.push(deletion(scene::robot_frame(RobotId(*robot))));
+                deletions.extend((0..links.len()).map(|link| deletion(scene::link_frame(RobotId(*robot), link))));
             }
-            Action::RemoveObject { object } => deletions.push(gone(scene::object_frame(ObjectId(*object)))),
+            Action::RemoveObject { object } => deletions.push(deletion(scene::object_frame(ObjectId(*object)))),
             Action::PlaceRobot { robot, x_m, y_m, phi_rad } => {
                 self.move_to(at, &scene::robot_frame(RobotId(*robot)), &scene::upright(*x_m, *y_m, *phi_rad));
             }
@@ -300,10 +301,10 @@ impl Mcap {
         self.write(Content::Scene, WORLD, "/scene", at, &update)
     }
 
-    /// Number of an added robot (`which` 0) or object (1); numbers are not used again.
+    /// Returns the number of the next added robot (`which` 0) or object (1). Numbers are never reused.
     fn next_number(&mut self, which: usize) -> u32 {
-        let id = self.next[which];
-        self.next[which] += 1;
+        let id = self.next_numbers[which];
+        self.next_numbers[which] += 1;
         id
     }
 
@@ -374,8 +375,8 @@ impl Mcap {
     }
 }
 
-/// The system's error, if there is one.
-fn of_mcap(error: McapError) -> io::Error {
+/// Returns the inner error of the operating system, if there is one.
+fn io_error(error: McapError) -> io::Error {
     match error {
         McapError::Io(error) => error,
         error => io::Error::other(error),
@@ -400,14 +401,14 @@ impl Sink for Mcap {
                 self.lifts.insert(robot, lift_m);
                 let links = self.links.get(&robot).map_or(&[][..], |links| links);
                 let joints_rad: Vec<f64> = joints_rad.iter().collect();
-                self.moved.extend(scene::links(time, robot, links, &joints_rad));
+                self.changed_transforms.extend(scene::links(time, robot, links, &joints_rad));
             }
             Event::Object { object, x_m, y_m, phi_rad, .. } | Event::ObjectPlaced { object, x_m, y_m, phi_rad, .. } => {
                 self.move_to(time, &scene::object_frame(ObjectId(object)), &scene::upright(x_m, y_m, phi_rad));
             }
             Event::Intervention { action } => {
                 if let Some(action) = action.action() {
-                    self.intervene(time, &action)?;
+                    self.apply_intervention(time, &action)?;
                 }
             }
             _ => {}
@@ -423,29 +424,29 @@ impl Sink for Mcap {
             _ => return Ok(()),
         };
         let content = Content::of(event.kind()).unwrap_or(Content::Reading);
-        let of = if content == Content::Intervention { WORLD } else { robot };
-        self.write(content, of, topic, time, record)
+        let channel_robot = if content == Content::Intervention { WORLD } else { robot };
+        self.write(content, channel_robot, topic, time, record)
     }
 
     fn end_slot(&mut self, end: Time, _: Option<Digest>) -> Result<(), RecordError> {
-        if !self.moved.is_empty() {
-            let transforms = std::mem::take(&mut self.moved);
+        if !self.changed_transforms.is_empty() {
+            let transforms = std::mem::take(&mut self.changed_transforms);
             self.write(Content::Transforms, WORLD, "/tf", end, &json!({ "transforms": transforms }))?;
         }
-        for (at, robot, kept) in self.frames.clone().take() {
-            match kept {
+        for (at, robot, capture) in self.frames.clone().take() {
+            match capture {
                 StoredCapture::Scan(scan) => self.write_scan(at, robot, &scan)?,
                 StoredCapture::Frame(frame) => self.write_frame(at, robot, &frame)?,
                 StoredCapture::Layer(name, layer) => self.write_layer(at, robot, &name, &layer)?,
             }
         }
-        if self.has_news { self.flush() } else { Ok(()) }
+        if self.needs_flush { self.flush() } else { Ok(()) }
     }
 
     /// Writes the index, and the time and digest of the run's end.
     fn finish(&mut self, end: Time, digest: Digest) -> Result<(), RecordError> {
-        self.note("end", [("t_s", end.seconds().to_string()), ("digest", digest.to_string())])?;
-        self.with(|writer| writer.finish().map(drop))?;
+        self.write_metadata("end", [("t_s", end.seconds().to_string()), ("digest", digest.to_string())])?;
+        self.with_writer(|writer| writer.finish().map(drop))?;
         let Some(writer) = self.writer.take() else { return Ok(()) };
         let flushed = writer.into_inner().flush();
         let checked = flushed.and_then(|()| self.proof.as_ref().map_or(Ok(()), |proof| proof.check()));
@@ -530,14 +531,14 @@ mod tests {
     /// Records a slot with one event of each kind.
     fn record_everything(mcap: &mut Mcap, frames: &Frames, is_finished: bool) -> Digest {
         let (mut recorder, mut sinks) = (Recorder::new(42, SLOT, KindSet::ALL), Sinks::one(mcap));
-        let mut of_world = Journal::new(WORLD, true);
+        let mut world_journal = Journal::new(WORLD, true);
         for action in [
             r#"{"do":"add_robot","kind":"eve","program_of":null,"x_m":1.5,"y_m":2.5,"phi_rad":0.0}"#,
             r#"{"do":"add_object","kind":"ball","x_m":1.5,"y_m":2.5,"phi_rad":0.0}"#,
             r#"{"do":"remove_robot","robot":1}"#,
             r#"{"do":"remove_object","object":1}"#,
         ] {
-            of_world.record(Time(1_000), &Event::Intervention { action: ActionText(action) });
+            world_journal.record(Time(1_000), &Event::Intervention { action: ActionText(action) });
         }
         let mut journal = Journal::new(RobotId(1), true);
         for event in every_event() {
@@ -558,7 +559,7 @@ mod tests {
             bearings: [1.0, -1.0],
             metres: vec![Some(0.5), None],
         });
-        recorder.collect(&mut of_world);
+        recorder.collect(&mut world_journal);
         recorder.collect(&mut journal);
         sinks.take_slot(&mut recorder, SLOT).unwrap();
         if is_finished {
@@ -592,11 +593,11 @@ mod tests {
     /// Checks a value against the part of JSON Schema that eyesim's schemas use; any other keyword fails the test.
     fn validate(schema: &Value, value: &Value, path: &str) {
         for (keyword, rule) in schema.as_object().unwrap() {
-            let holds = match keyword.as_str() {
+            let is_valid = match keyword.as_str() {
                 "title" => true,
                 "type" => match rule {
-                    Value::Array(types) => types.iter().any(|kind| is_of(value, kind.as_str().unwrap())),
-                    kind => is_of(value, kind.as_str().unwrap()),
+                    Value::Array(types) => types.iter().any(|kind| has_type(value, kind.as_str().unwrap())),
+                    kind => has_type(value, kind.as_str().unwrap()),
                 },
                 "enum" => rule.as_array().unwrap().contains(value),
                 "minimum" => value.as_f64().unwrap() >= rule.as_f64().unwrap(),
@@ -622,11 +623,11 @@ mod tests {
                 }
                 other => panic!("{path}: `{other}` is not checked"),
             };
-            assert!(holds, "{path}: {keyword} {rule} does not hold of {value}");
+            assert!(is_valid, "{path}: {keyword} {rule} is not met by {value}");
         }
     }
 
-    fn is_of(value: &Value, kind: &str) -> bool {
+    fn has_type(value: &Value, kind: &str) -> bool {
         match kind {
             "object" => value.is_object(),
             "array" => value.is_array(),
@@ -640,7 +641,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_is_read_back_and_keeps_to_its_schema() {
+    fn recording_can_be_read_and_matches_its_schemas() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.mcap");
         let frames = Arc::new(Frames::default().storing());
@@ -651,7 +652,7 @@ mod tests {
             validate(schema, content, topic);
         }
         let topics: BTreeSet<&str> = messages.iter().map(|(topic, ..)| topic.as_str()).collect();
-        let of_robot = |topic: &str| messages.iter().filter(|(name, ..)| name == topic).collect::<Vec<_>>();
+        let messages_of = |topic: &str| messages.iter().filter(|(name, ..)| name == topic).collect::<Vec<_>>();
         assert_eq!(
             topics.into_iter().collect::<Vec<_>>(),
             [
@@ -680,35 +681,36 @@ mod tests {
             .collect();
         assert_eq!(names, Content::ALL.iter().map(|content| content.name().to_owned()).collect());
 
-        let at_start = &of_robot("/scene")[0].3["entities"];
-        let ids: Vec<_> = at_start.as_array().unwrap().iter().map(|entity| entity["id"].as_str().unwrap()).collect();
+        let initial_entities = &messages_of("/scene")[0].3["entities"];
+        let ids: Vec<_> =
+            initial_entities.as_array().unwrap().iter().map(|entity| entity["id"].as_str().unwrap()).collect();
         assert_eq!(ids, ["world", "robot/1", "object/1"]);
-        let walls = &at_start[0]["triangles"];
+        let walls = &initial_entities[0]["triangles"];
         assert_eq!(walls[1]["points"][2], json!({ "x": 15.0, "y": 16.0, "z": 17.0 }));
         assert_eq!(walls[1]["color"], json!({ "r": 0.0, "g": 1.0, "b": 0.0, "a": 1.0 }));
         assert_eq!(walls[0]["pose"]["position"], json!({ "x": 1.0, "y": 2.0, "z": 0.0 }));
-        assert_eq!(at_start[1]["cylinders"][0]["size"], json!({ "x": 0.2, "y": 0.2, "z": 0.2 }));
-        assert_eq!(of_robot("/scene")[1].3["entities"][0]["id"], "robot/2");
-        assert_eq!(of_robot("/scene")[3].3["deletions"][0]["id"], "robot/1");
+        assert_eq!(initial_entities[1]["cylinders"][0]["size"], json!({ "x": 0.2, "y": 0.2, "z": 0.2 }));
+        assert_eq!(messages_of("/scene")[1].3["entities"][0]["id"], "robot/2");
+        assert_eq!(messages_of("/scene")[3].3["deletions"][0]["id"], "robot/1");
 
-        let moved = of_robot("/tf");
-        assert_eq!((moved[0].2, moved[1].2), (0, 50_000_000));
-        assert_eq!(moved[0].3["transforms"][0]["translation"], json!({ "x": 0.5, "y": 0.25, "z": 0.0 }));
-        assert_eq!(moved[0].3["transforms"][1]["child_frame_id"], "robot/1/PSD_FRONT");
-        let scan = of_robot("/robot/1/scan");
+        let changed_transforms = messages_of("/tf");
+        assert_eq!((changed_transforms[0].2, changed_transforms[1].2), (0, 50_000_000));
+        assert_eq!(changed_transforms[0].3["transforms"][0]["translation"], json!({ "x": 0.5, "y": 0.25, "z": 0.0 }));
+        assert_eq!(changed_transforms[0].3["transforms"][1]["child_frame_id"], "robot/1/PSD_FRONT");
+        let scan = messages_of("/robot/1/scan");
         assert_eq!((scan[0].2, &scan[0].3["ranges"]), (2_100_000, &json!([0.5, null])), "infinity is null in JSON");
-        let grid = of_robot("/robot/1/grid/map");
+        let grid = messages_of("/robot/1/grid/map");
         assert_eq!((grid.len(), grid[0].2), (1, 2_050_000), "the last of the slot");
         assert_eq!(grid[0].3["pose"]["position"], json!({ "x": 1.5, "y": 2.25, "z": 0.0 }));
         assert_eq!(STANDARD.decode(grid[0].3["data"].as_str().unwrap()).unwrap(), [100, 255]);
-        let points = of_robot("/robot/1/points/hits");
+        let points = messages_of("/robot/1/points/hits");
         let bytes: Vec<u8> = [1.0_f64, 2.0, 3.0].iter().flat_map(|number| number.to_le_bytes()).collect();
         assert_eq!(STANDARD.decode(points[0].3["data"].as_str().unwrap()).unwrap(), bytes);
-        let image = STANDARD.decode(of_robot("/robot/1/camera")[0].3["data"].as_str().unwrap()).unwrap();
+        let image = STANDARD.decode(messages_of("/robot/1/camera")[0].3["data"].as_str().unwrap()).unwrap();
         assert_eq!(image::load_from_memory(&image).unwrap().to_rgb8().as_raw(), &[255, 0, 0]);
-        let contact = of_robot("/robot/1/contacts");
+        let contact = messages_of("/robot/1/contacts");
         assert_eq!((contact[0].2, &contact[0].3["with"]), (2_350_000, &json!({ "robot": 2 })));
-        let fault = of_robot("/log").into_iter().find(|(.., log)| log["level"] == 5).unwrap();
+        let fault = messages_of("/log").into_iter().find(|(.., log)| log["level"] == 5).unwrap();
         assert_eq!((&fault.3["file"], &fault.3["line"]), (&json!("maze.c"), &json!(88)));
 
         let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
@@ -719,22 +721,22 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_breaks_leaves_every_complete_slot() {
+    fn aborted_run_keeps_every_complete_slot() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.mcap");
         let frames = Arc::new(Frames::default().storing());
         let mut mcap = create(&path, &frames);
         record_everything(&mut mcap, &frames, false);
-        // Read as another process would, before this one has ended.
-        let broken = std::fs::read(&path).unwrap();
+        // The file is read as another process would read it while the run is in progress.
+        let aborted = std::fs::read(&path).unwrap();
         std::mem::forget(mcap);
         let whole = folder.path().join("whole.mcap");
         record_everything(&mut create(&whole, &frames), &frames, true);
-        assert_eq!(messages(&broken, false), messages(&std::fs::read(&whole).unwrap(), true));
+        assert_eq!(messages(&aborted, false), messages(&std::fs::read(&whole).unwrap(), true));
     }
 
     #[test]
-    fn a_full_disk_is_an_error() {
+    fn full_disk_gives_an_error() {
         if !Path::new("/dev/full").exists() {
             println!("skipped: no /dev/full here");
             return;
@@ -746,7 +748,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_documents_every_channel_and_event() {
+    fn page_documents_every_channel_and_event() {
         let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/mcap.md")).unwrap();
         for content in Content::ALL {
             let rows: Vec<_> =

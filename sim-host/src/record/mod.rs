@@ -1,6 +1,6 @@
 //! Output of a run: trace, report, recordings, pictures and the lines on the terminal.
 //!
-//! Each is a [`Sink`] of the simulation's records. Nothing here influences the run: its events and its digest are the same with
+//! Each output is a [`Sink`] of the simulation's records. Sinks do not influence a run: its events and its digest are equal with
 //! and without sinks.
 
 pub mod diff;

@@ -10,16 +10,16 @@ use super::hint_locations::HintLocations;
 use super::report::HintReport;
 use super::sink::{RecordError, Sink};
 
-/// Maximum number of contact times that are kept for a robot.
+/// Maximum number of contact times that are stored for a robot.
 pub const MAX_CONTACT_TIMES: usize = 1000;
 
-/// Maximum number of hints that are kept for a robot.
+/// Maximum number of hints that are stored for a robot.
 pub const MAX_HINTS: usize = 100;
 
-/// Maximum number of metrics that are kept for a robot.
+/// Maximum number of metrics that are stored for a robot.
 const MAX_METRICS: usize = 200;
 
-/// Maximum number of remarks that are kept.
+/// Maximum number of remarks that are stored.
 const MAX_REMARKS: usize = 20;
 
 /// Prefix of a line with which a program reports a metric.
@@ -38,18 +38,18 @@ pub struct Notes {
 /// Notes of one robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RobotNotes {
-    /// Instants at which its contacts began, s.
+    /// Instants at which the robot's contacts began, s.
     pub contact_times: Vec<f64>,
-    /// Hints that its program was given.
+    /// Hints for the robot's program.
     pub hints: Vec<HintReport>,
     /// Last value of each metric.
     pub metrics: BTreeMap<String, f64>,
-    /// Numbers of calls of forbidden functions, by name.
+    /// Number of calls of each forbidden function, by name.
     pub forbidden_calls: BTreeMap<String, u64>,
 }
 
 impl Notes {
-    /// Creates empty notes; lines of hints are noted in `hint_locations`.
+    /// Creates empty notes; `hint_locations` are the source lines to which hints refer.
     pub fn new(hint_locations: HintLocations) -> Self {
         Self { hint_locations, ..Self::default() }
     }
@@ -65,10 +65,10 @@ impl Notes {
         self.robots.get(&robot).unwrap_or(&NONE)
     }
 
-    fn take_line(&mut self, robot: RobotId, line: &str) {
+    fn add_output_line(&mut self, robot: RobotId, line: &str) {
         let Some(text) = line.strip_prefix(METRIC) else { return };
         let metrics = &mut self.robots.entry(robot).or_default().metrics;
-        let refused = match parse(text) {
+        let problem = match parse(text) {
             Ok((name, value)) if metrics.contains_key(name) || metrics.len() < MAX_METRICS => {
                 metrics.insert(name.to_owned(), value);
                 return;
@@ -77,7 +77,7 @@ impl Notes {
             Err(why) => why,
         };
         if self.remarks.len() < MAX_REMARKS {
-            self.remarks.push(format!("{robot}: `{}` is not kept: {refused}", line.trim_end()));
+            self.remarks.push(format!("{robot}: `{}` is not kept: {problem}", line.trim_end()));
         }
     }
 }
@@ -119,7 +119,7 @@ impl Sink for Notes {
                     hints.push(HintReport { at_s: record.time.seconds(), at, text: text.to_owned() });
                 }
             }
-            Event::Stdout { text } => text.lines().for_each(|line| self.take_line(record.robot, line)),
+            Event::Stdout { text } => text.lines().for_each(|line| self.add_output_line(record.robot, line)),
             _ => {}
         }
         Ok(())
@@ -135,10 +135,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_value_of_each_metric_counts() {
+    fn last_value_of_each_metric_is_kept() {
         let (mut notes, robot) = (Notes::default(), RobotId(1));
         for line in ["METRIC error_mm=12.5", "hello", "METRIC laps = 2", "METRIC error_mm=-3e1", "METRICS are fine"] {
-            notes.take_line(robot, line);
+            notes.add_output_line(robot, line);
         }
         let expected = [("error_mm".to_owned(), -30.0), ("laps".to_owned(), 2.0)].into();
         assert_eq!(notes.of(robot).metrics, expected);
@@ -146,10 +146,10 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_is_no_metric_is_told() {
+    fn malformed_metric_gives_a_remark() {
         let (mut notes, robot) = (Notes::default(), RobotId(3));
         for line in ["METRIC 12.5", "METRIC error=", "METRIC error=nan", "METRIC my error=1", "METRIC =1"] {
-            notes.take_line(robot, line);
+            notes.add_output_line(robot, line);
         }
         assert!(notes.of(robot).metrics.is_empty());
         assert_eq!(notes.remarks.len(), 5);
@@ -159,7 +159,7 @@ mod tests {
         );
         assert!(notes.remarks[2].contains("`nan` is no finite number"), "{}", notes.remarks[2]);
         for number in 0..2 * MAX_METRICS {
-            notes.take_line(robot, &format!("METRIC m{number}=1"));
+            notes.add_output_line(robot, &format!("METRIC m{number}=1"));
         }
         assert_eq!((notes.of(robot).metrics.len(), notes.remarks.len()), (MAX_METRICS, MAX_REMARKS));
         assert!(notes.remarks[19].contains("at most 200 metrics"), "{}", notes.remarks[19]);

@@ -1,4 +1,4 @@
-//! Encodes images as PNG, deterministically: equal pixels yield equal bytes.
+//! Encoder of images as PNG. It is deterministic: equal pixels give equal bytes.
 
 use png::{BitDepth, ColorType, Encoder};
 
@@ -26,8 +26,8 @@ pub fn grey16(size: [u32; 2], levels: &[u16]) -> Vec<u8> {
     encode(size, ColorType::Grayscale, BitDepth::Sixteen, None, &bytes)
 }
 
-/// Encodes a label of each pixel. If no label exceeds 255, labels are indices of visible colours, the format that
-/// readers of segmented images expect (PASCAL VOC, for one). Otherwise all labels are grey levels of 16 bits.
+/// Encodes a label of each pixel. If no label exceeds 255, labels are indices into a palette of distinct colours, a common
+/// format of segmented images (for example of PASCAL VOC). Otherwise labels are grey levels of 16 bits.
 pub fn labels(size: [u32; 2], labels: &[i32]) -> Vec<u8> {
     let indices: Option<Vec<u8>> = labels.iter().map(|label| u8::try_from(*label).ok()).collect();
     match indices {
@@ -45,7 +45,7 @@ fn colour_of_label(label: u8) -> [u8; 3] {
         0 => [0x9c, 0xc4, 0xe4],
         1 => [0x6b, 0x6b, 0x6b],
         2 => [0xd8, 0xd0, 0xc0],
-        // Steps around the circle of hues by about the golden angle, 137.5 degrees, alternately lighter and darker.
+        // Successive hues differ by about the golden angle, 137.5 degrees; even labels are lighter than odd ones.
         _ => {
             let hue = u32::from(label) * 1373 % 3600;
             let (sector, rest) = (hue / 600, hue % 600);
@@ -82,7 +82,7 @@ fn encode(
         writer.write_image_data(bytes)?;
         writer.finish()
     });
-    written.expect("memory takes a picture that has as many pixels as its size says");
+    written.expect("the number of pixels matches the size");
     file
 }
 
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_read() {
+    fn encoded_images_can_be_decoded() {
         let decoded = image::load_from_memory(&colour([2, 1], &[1, 2, 3, 4, 5, 6])).expect("a picture");
         assert_eq!(decoded.to_rgb8().into_raw(), [1, 2, 3, 4, 5, 6]);
         let decoded = image::load_from_memory(&grey16([1, 2], &[1234, 65535])).expect("a picture");

@@ -1,7 +1,7 @@
-//! Reads traces: line by line, or the contents that are needed to repeat a recorded run.
+//! Reader of traces: line by line, or all contents that are needed to repeat a recorded run.
 //!
-//! For any file the result is either a value or an error that names the line; the complete lines of a truncated trace
-//! are read.
+//! For any file the result is a value or an error that names the line. The complete lines of a truncated trace
+//! can be read.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read as _};
@@ -45,7 +45,7 @@ pub enum TraceError {
     Schema {
         /// The file as the user named it.
         path: PathBuf,
-        /// Its schema.
+        /// Schema of the trace.
         schema: u64,
         /// The version of the program that wrote it.
         version: String,
@@ -90,7 +90,7 @@ pub struct RecordedEvent {
     pub at: Time,
     /// Number of the robot; none for the world.
     pub robot: Option<u32>,
-    /// Name of its kind, such as `pose`.
+    /// Name of the event's kind, such as `pose`.
     pub kind: String,
     /// The whole line, a JSON object.
     pub fields: Value,
@@ -144,10 +144,10 @@ fn open_text(path: &Path) -> io::Result<Box<dyn BufRead>> {
 }
 
 impl<R: BufRead> TraceReader<R> {
-    /// Reads the trace `input`; error messages call it `path`.
+    /// Reads the trace `input`; `path` is its name in error messages.
     ///
     /// # Errors
-    /// [`TraceError`] if it cannot be read or is not a trace.
+    /// [`TraceError`] if `input` cannot be read or is not a trace.
     pub fn new(input: R, path: &Path) -> Result<Self, TraceError> {
         let header = TraceHeader { seed: 0, slot_us: 0, robots: vec![], run: vec![], inputs: vec![], only: vec![] };
         let path = path.to_owned();
@@ -190,7 +190,7 @@ impl<R: BufRead> TraceReader<R> {
         &self.version
     }
 
-    /// Reads the next line; none after the last complete one.
+    /// Reads the next line; `None` after the last complete line.
     ///
     /// # Errors
     /// [`TraceError`] for an invalid line.
@@ -256,7 +256,7 @@ pub struct Recorded {
     pub slots: Vec<(Time, Digest)>,
     /// End and digest of the run; none if the trace is truncated.
     pub end: Option<(Time, Digest)>,
-    /// The user interrupted the run, with or without a recorded intervention.
+    /// True if the user interrupted the run, with or without a recorded intervention.
     pub is_interrupted: bool,
 }
 
@@ -286,13 +286,13 @@ impl Recorded {
                     recorded.slots.push((end, digest));
                 }
                 Line::End { end, digest } => recorded.end = Some((end, digest)),
-                Line::Event(event) => recorded.take(&event).map_err(|why| reader.wrong(&why))?,
+                Line::Event(event) => recorded.add_event(&event).map_err(|why| reader.wrong(&why))?,
             }
         }
         Ok(recorded)
     }
 
-    fn take(&mut self, event: &RecordedEvent) -> Result<(), String> {
+    fn add_event(&mut self, event: &RecordedEvent) -> Result<(), String> {
         if event.kind == Kind::Intervention.name() {
             let action = Action::deserialize(&event.fields["action"])
                 .map_err(|error| format!("`action` is nothing that a hand can do: {error}"))?;
@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn what_it_takes_to_run_it_again_is_read() {
+    fn contents_to_repeat_a_run_are_read() {
         let press = r#"{"do":"press","robot":1,"key":"KEY1"}"#;
         let text = format!(
             "{HEADER}\n{{\"t_s\":0.05,\"seq\":0,\"event\":\"intervention\",\"action\":{press}}}\n\
@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_trace_is_told() {
+    fn other_files_give_an_error() {
         assert_eq!(message(""), "`t.jsonl` is no trace: it is empty");
         assert_eq!(message("{}\n"), "`t.jsonl` is no trace: its first line is no `header`");
         assert!(message("robi eve.robi\n").starts_with("`t.jsonl` is no trace: its first line is no JSON"));
@@ -368,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_line_is_named_by_its_number() {
+    fn error_names_the_invalid_line() {
         let line_2 = |line: &str| message(format!("{HEADER}\n{line}\n"));
         for (line, why) in [
             ("[", "it is no JSON"),
@@ -396,7 +396,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_without_an_end_is_refused_before_it_fills_the_memory() {
+    fn endless_line_gives_an_error() {
         let endless = io::Cursor::new(HEADER).chain(io::Cursor::new("\n")).chain(io::repeat(b' '));
         let reader = TraceReader::new(BufReader::new(endless), Path::new("t.jsonl")).expect("a header");
         let why = Recorded::of(reader).expect_err("a line without an end").to_string();

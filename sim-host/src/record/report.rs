@@ -1,4 +1,4 @@
-//! The report of a run: one JSON file at its end. Its schema is `docs/report.md`.
+//! The report of a run: one JSON file, written at the end. Its schema is in `docs/report.md`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,7 +21,7 @@ pub const REPORT_SCHEMA: u32 = 1;
 pub struct Report {
     /// [`REPORT_SCHEMA`].
     pub schema: u32,
-    /// Version of the program that ran it.
+    /// Version of eyesim.
     pub eyesim_version: String,
     /// The command line.
     pub argv: Vec<String>,
@@ -50,10 +50,10 @@ pub struct Report {
     /// Restrictions of the programs; none if they were not restricted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sandbox: Option<SandboxReport>,
-    /// Points of all checks together.
+    /// Sum of the points of all checks.
     #[serde(serialize_with = "finite")]
     pub points: f64,
-    /// Points for a run that passes all checks.
+    /// Maximum sum of points, for a run that passes all checks.
     #[serde(serialize_with = "finite")]
     pub max_points: f64,
 }
@@ -70,29 +70,29 @@ pub struct DrawnReport {
 /// Result of a check.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CheckReport {
-    /// Its name, or its kind.
+    /// Name of the check; its kind if it has no name.
     pub name: String,
-    /// Its kind.
+    /// Kind of the check.
     pub kind: String,
-    /// The condition is met.
+    /// True if the condition is met.
     pub passed: bool,
-    /// The program of a check gave no verdict: the check is wrong, not the run.
+    /// True if the check's program gave no verdict: the check is faulty, not the run.
     pub broken: bool,
     /// Points of the run.
     #[serde(serialize_with = "finite")]
     pub points: f64,
-    /// Points for a run that passes.
+    /// Points for a run that passes the check.
     #[serde(serialize_with = "finite")]
     pub max_points: f64,
-    /// Instant that decided, s; none if no single instant did.
+    /// Instant of the verdict, s; none if the check has no single instant.
     pub at_s: Option<f64>,
-    /// Place at that instant, m; none if no place is known.
+    /// World x of the body at that instant, m; none if unknown.
     pub x_m: Option<f64>,
-    /// Place at that instant, m.
+    /// World y of the body at that instant, m; none if unknown.
     pub y_m: Option<f64>,
     /// The measured quantity; none for a check without one.
     pub value: Option<f64>,
-    /// Instants, s, and values at which the metric of a swarm has changed; none for another check.
+    /// Pairs of instant (s) and new value at which the metric of a swarm changed; none for other checks.
     pub series: Option<Vec<[f64; 2]>>,
     /// The result in words.
     pub message: String,
@@ -101,13 +101,13 @@ pub struct CheckReport {
 /// Final state of a movable object.
 #[derive(Clone, Debug, Serialize)]
 pub struct ObjectReport {
-    /// Its number.
+    /// Number in the scene.
     pub id: u32,
-    /// The name of its type.
+    /// Name of the object's type.
     pub name: String,
-    /// Its first pose.
+    /// Pose at the start, or when it was added.
     pub start: PlanarPose,
-    /// Its pose at the end, or when it was removed.
+    /// Pose at the end, or when it was removed.
     pub pose: PlanarPose,
     /// Time at which it was added, s; none if it was there from the start.
     pub added_s: Option<f64>,
@@ -118,14 +118,14 @@ pub struct ObjectReport {
 /// A file that was read.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Input {
-    /// Path as written by the user or by the file that names it, resolved.
+    /// Path as the user or another file names it, resolved.
     pub path: String,
-    /// SHA-256 of its bytes, 64 lower-case hexadecimal digits.
+    /// SHA-256 of the file, 64 lower-case hexadecimal digits.
     pub sha256: String,
 }
 
 impl Input {
-    /// The input `path` with these bytes.
+    /// Input for the file `path` with these bytes.
     pub fn new(path: &Path, bytes: &[u8]) -> Self {
         use std::fmt::Write as _;
         let mut sha256 = String::with_capacity(64);
@@ -140,52 +140,52 @@ impl Input {
 /// Final state of a robot.
 #[derive(Clone, Debug, Serialize)]
 pub struct RobotReport {
-    /// Its number.
+    /// Number in the scene.
     pub id: u32,
-    /// Its name.
+    /// Name of the robot's type.
     pub name: String,
-    /// Its program as the sim file or the command line names it, but the folder's name for the `Cargo.toml` of a package; empty for a
-    /// robot without one.
+    /// Program as the sim file or the command line names it; for the `Cargo.toml` of a package, the name of its folder; empty for a robot
+    /// without a program.
     pub program: String,
     /// State of the program.
     pub outcome: Outcome,
-    /// Reason in words, if there is one.
+    /// Reason for the outcome, as text.
     pub reason: Option<String>,
     /// The program's exit code, if it returned one.
     pub exit_code: Option<i32>,
     /// Virtual time of the robot, s.
     #[serde(serialize_with = "finite")]
     pub virtual_time_s: f64,
-    /// Its pose at the start, or where it was added.
+    /// Pose at the start, or when it was added.
     pub start: PlanarPose,
-    /// Its true pose.
+    /// True pose at the end, or when it was removed.
     pub pose: PlanarPose,
-    /// Depth of its hull under the surface of the water, m; none for a robot on dry land.
+    /// Depth of the hull below the surface of the water, m; none for a robot without a hull.
     pub depth_m: Option<f64>,
-    /// Its pose by odometry, in the odometry frame; none if it never had odometry.
+    /// Pose by odometry, in the odometry frame; none if the robot never used odometry.
     pub odometry: Option<PlanarPose>,
-    /// Length of the path of its axle's centre, m.
+    /// Length of the path of the axle's centre, m.
     #[serde(serialize_with = "finite")]
     pub path_m: f64,
     /// Number of contacts that began.
     pub contacts: u64,
     /// Instants at which the first [`MAX_CONTACT_TIMES`](super::notes::MAX_CONTACT_TIMES) contacts of the trace began, s.
     pub contact_times_s: Vec<f64>,
-    /// The first [`MAX_HINTS`](super::notes::MAX_HINTS) hints that its program was given.
+    /// The first [`MAX_HINTS`](super::notes::MAX_HINTS) hints for the robot's program.
     pub hints: Vec<HintReport>,
-    /// Last values of the metrics that its program printed, by name: the program's own word, by which no check judges.
+    /// Last values of the metrics that the program printed, by name. No check uses them, since the program could print any value.
     pub metrics: BTreeMap<String, f64>,
-    /// Numbers of its calls of forbidden functions, by name.
+    /// Number of the program's calls of each forbidden function, by name.
     pub forbidden_calls: BTreeMap<String, u64>,
-    /// Time at which its centre first left the floor, s; none if it did not.
+    /// Time at which the robot's centre first left the floor, s; none if it never did.
     pub left_floor_s: Option<f64>,
     /// Number of footfalls; none for a robot without legs.
     pub footfalls: Option<u64>,
-    /// Number of touches that began by parts other than soles; none for a robot without legs.
+    /// Number of touches by parts other than the soles; none for a robot without legs.
     pub touches: Option<u64>,
     /// The text lines of the display, from the top.
     pub lcd: Vec<String>,
-    /// Bytes printed by its program beyond `--output-limit`, which were cut.
+    /// Number of bytes that the program printed beyond `--output-limit` and that were cut.
     pub output_cut_bytes: u64,
     /// Time at which it was added, s; none if it was there from the start.
     pub added_s: Option<f64>,
@@ -193,12 +193,12 @@ pub struct RobotReport {
     pub removed_s: Option<f64>,
 }
 
-/// A hint at a likely mistake in a program.
+/// Hint about a likely mistake in a program.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HintReport {
-    /// Time of the call that showed it, s.
+    /// Time of the call that caused the hint, s.
     pub at_s: f64,
-    /// Line of the program that made the call, such as `maze.c:12`; none if there is no such line.
+    /// Source line of the call, such as `maze.c:12`; none if unknown.
     pub at: Option<String>,
     /// The hint.
     pub text: String,
@@ -213,7 +213,7 @@ pub struct PlanarPose {
     /// World coordinate upwards, m.
     #[serde(serialize_with = "finite")]
     pub y_m: f64,
-    /// In [-pi, pi), counter-clockwise from x, rad.
+    /// Heading in [-pi, pi), counter-clockwise from x, rad.
     #[serde(serialize_with = "finite")]
     pub phi_rad: f64,
 }
@@ -225,7 +225,7 @@ impl From<Pose> for PlanarPose {
     }
 }
 
-/// Serialises a finite number: JSON has no others, and a correct run yields none.
+/// Serialises a finite number. JSON cannot represent other numbers, and a correct run has none.
 fn finite<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if number.is_finite() {
         serializer.serialize_f64(*number)
@@ -237,7 +237,7 @@ fn finite<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error>
 impl Report {
     /// This report with the results of checks.
     pub fn with_checks(self, checks: Vec<CheckReport>) -> Self {
-        // From 0 on: the sum of no numbers is -0.
+        // Starts at 0, since `sum` gives -0 for an empty list.
         let add =
             |[points, max_sum]: [f64; 2], check: &CheckReport| [points + check.points, max_sum + check.max_points];
         let [points, max_points] = checks.iter().fold([0.0; 2], add);
@@ -382,7 +382,7 @@ mod tests {
     }
 
     #[test]
-    fn the_schema_is_the_documented_one() {
+    fn report_has_the_documented_schema() {
         insta::assert_snapshot!(report().to_json().unwrap());
     }
 
@@ -399,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_documents_every_field() {
+    fn page_documents_every_field() {
         let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/report.md")).unwrap();
         let mut found = std::collections::BTreeSet::new();
         keys(&serde_json::to_value(report()).unwrap(), &mut found);
@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn poses_keep_their_bits() {
+    fn poses_are_written_exactly() {
         let mut report = report();
         let x_m = 0.1 + 0.2;
         report.robots[0].pose = PlanarPose { x_m, y_m: 1e-300, phi_rad: -0.0 };
@@ -425,14 +425,14 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_json_cannot_say_is_refused() {
+    fn non_finite_number_gives_an_error() {
         let mut report = report();
         report.robots[1].path_m = f64::NAN;
         assert_eq!(report.to_json().unwrap_err().to_string(), "cannot write the report: a number of the report is NaN");
     }
 
     #[test]
-    fn a_written_report_replaces_the_old_one_and_leaves_nothing_else() {
+    fn report_replaces_the_old_file_without_leftovers() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("r.json");
         fs::write(&path, "old").unwrap();
@@ -442,7 +442,7 @@ mod tests {
     }
 
     #[test]
-    fn a_link_stays_a_link() {
+    fn symbolic_link_is_followed() {
         let folder = tempfile::tempdir().unwrap();
         let (file, link) = (folder.path().join("r.json"), folder.path().join("latest.json"));
         fs::write(&file, "old").unwrap();
@@ -454,7 +454,7 @@ mod tests {
     }
 
     #[test]
-    fn a_report_that_cannot_be_written_names_its_path() {
+    fn write_error_names_the_path() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("missing/r.json");
         let message = report().write(&path).unwrap_err().to_string();
@@ -462,7 +462,7 @@ mod tests {
     }
 
     #[test]
-    fn inputs_are_hashed_as_everywhere() {
+    fn inputs_are_hashed_with_sha256() {
         // The test vector of FIPS 180-2 for "abc".
         let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         assert_eq!(Input::new(Path::new("a"), b"abc"), Input { path: "a".into(), sha256: expected.into() });

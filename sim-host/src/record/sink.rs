@@ -28,7 +28,7 @@ pub enum RecordError {
         /// The system's error.
         source: std::io::Error,
     },
-    /// The cameras' scenery has warnings, and the user has asked to treat warnings as errors.
+    /// The cameras' scenery has warnings, and the options treat warnings as errors.
     #[error("the scene is not run on: {0}")]
     Strict(String),
     /// The report contains a value that its schema does not allow.
@@ -37,7 +37,7 @@ pub enum RecordError {
 }
 
 impl RecordError {
-    /// Error of the system when writing the `what` at `path`.
+    /// Error of the system when writing the file `path`; `what` names the kind of file.
     pub(crate) fn write(what: &'static str, path: &Path, source: std::io::Error) -> Self {
         Self::Write { what, path: path.to_owned(), source }
     }
@@ -45,7 +45,7 @@ impl RecordError {
 
 /// Consumer of records.
 pub trait Sink: Send {
-    /// Kinds of records that the sink takes, constant during a run. In a slot that has only other records, only
+    /// Kinds of records that the sink takes; constant during a run. In a slot with records of other kinds only, only
     /// [`Self::end_slot`] is called.
     fn interest(&self) -> KindSet;
 
@@ -64,7 +64,7 @@ pub trait Sink: Send {
     /// Completes the record of the run, which has ended at `end` with `digest`.
     ///
     /// # Errors
-    /// If it cannot be completed.
+    /// If the record cannot be completed.
     fn finish(&mut self, _end: Time, _digest: Digest) -> Result<(), RecordError> {
         Ok(())
     }
@@ -88,7 +88,7 @@ impl<S: Sink + ?Sized> Sink for &mut S {
     }
 }
 
-/// A sink that its owner reads during the run or after it.
+/// A sink that its owner can read during the run or after it.
 impl<S: Sink> Sink for Arc<Mutex<S>> {
     fn interest(&self) -> KindSet {
         self.lock().interest()
@@ -117,7 +117,7 @@ pub struct Sinks<'s> {
 }
 
 impl<'s> Sinks<'s> {
-    /// A single sink.
+    /// Sinks with a single element.
     pub fn one(sink: impl Sink + 's) -> Self {
         Self { sinks: vec![(sink.interest(), Box::new(sink))] }
     }
@@ -149,12 +149,15 @@ impl<'s> FromIterator<Box<dyn Sink + 's>> for Sinks<'s> {
 impl Sink for Sinks<'_> {
     /// Union of the sinks' interests.
     fn interest(&self) -> KindSet {
-        self.sinks.iter().fold(KindSet::NONE, |set, (wanted, _)| set.union(*wanted))
+        self.sinks.iter().fold(KindSet::NONE, |set, (interest, _)| set.union(*interest))
     }
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
         let kind = record.event.kind();
-        self.sinks.iter_mut().filter(|(wanted, _)| wanted.contains(kind)).try_for_each(|(_, sink)| sink.record(record))
+        self.sinks
+            .iter_mut()
+            .filter(|(interest, _)| interest.contains(kind))
+            .try_for_each(|(_, sink)| sink.record(record))
     }
 
     fn end_slot(&mut self, end: Time, digest: Option<Digest>) -> Result<(), RecordError> {

@@ -1,6 +1,6 @@
 //! The trace: one JSON object per line, streamed during the run. Its schema is `docs/trace.md`.
 //!
-//! At the end of each slot its lines are written in one system call, before the next slot begins, so that a crash or
+//! At the end of each slot, its lines are written in one system call before the next slot begins, so that a crash or
 //! `kill -9` of the process loses no complete slot. There is no fsync: a power failure may lose the last seconds.
 
 use std::io::{self, BufWriter, Write};
@@ -22,24 +22,24 @@ pub const TRACE_SCHEMA: u32 = 1;
 /// First line of a trace, without schema and version of the program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceHeader {
-    /// The master seed of the run.
+    /// Seed of the run.
     pub seed: u64,
     /// Length of a slot, us.
     pub slot_us: i64,
     /// All robots in order of their ids.
     pub robots: Vec<TraceRobot>,
-    /// Arguments of `eyesim run` that repeat the run: the scene, then every option that matters.
+    /// Arguments of `eyesim run` that repeat the run: the scene, then every option that affects the results.
     #[serde(default)]
     pub run: Vec<String>,
-    /// Every file that determines the run, as far as known at the start.
+    /// Every file known at the start that determines the run.
     #[serde(default)]
     pub inputs: Vec<Input>,
-    /// Kinds of events, or groups of kinds, that the trace holds; empty for all.
+    /// Kinds of events, or groups of kinds, that the trace contains; empty for all.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub only: Vec<String>,
 }
 
-/// Kinds of events that a trace holds, as the user names them.
+/// Names, given by the user, of the kinds of events that a trace contains.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TraceFilter(Vec<String>);
 
@@ -74,7 +74,7 @@ impl TraceFilter {
     /// Parses names of kinds and of the groups `poses`, `readings` and `events` (all others), with commas between them.
     ///
     /// # Errors
-    /// A name is unknown; the message lists the known ones.
+    /// A name is unknown; the message lists the known names.
     pub fn parse(text: &str) -> Result<Self, String> {
         let words: Vec<String> = text.split(',').map(|word| word.trim().to_owned()).collect();
         match words.iter().find(|word| kinds_of(word).is_none()) {
@@ -97,7 +97,7 @@ impl TraceFilter {
     }
 }
 
-/// Kinds of a group, or the kind of this name.
+/// Kinds of the group or the kind with this name; `None` for an unknown name.
 fn kinds_of(word: &str) -> Option<KindSet> {
     match word {
         "poses" => Some(KindSet::of(POSES)),
@@ -119,9 +119,9 @@ fn kinds_of_trace(only: &[String]) -> KindSet {
 pub struct TraceRobot {
     /// Number of the robot.
     pub id: u32,
-    /// Its name.
+    /// Name of the robot's type.
     pub name: String,
-    /// Its program as the sim file names it.
+    /// The robot's program as the sim file names it.
     pub program: String,
 }
 
@@ -170,7 +170,7 @@ impl Trace {
         Ok(Self { proof, ..Self::begin(Box::new(file), path, header, is_compressed.then(Vec::new))? })
     }
 
-    /// Trace that is written to `out`; error messages call it `path`.
+    /// Trace that is written to `out`; `path` is its name in error messages.
     ///
     /// # Errors
     /// [`RecordError::Write`] if the first line cannot be written.
@@ -210,9 +210,9 @@ impl Trace {
         written.map_err(|source| self.error(source))
     }
 
-    /// Writes the lines that are not compressed yet as a frame, if they are at least `least` bytes.
-    fn compress(&mut self, least: usize) -> Result<(), RecordError> {
-        let Some(text) = self.uncompressed.as_mut().filter(|text| text.len() >= least) else { return Ok(()) };
+    /// Compresses the lines that are not compressed yet to a frame, if they have at least `min_bytes` bytes.
+    fn compress(&mut self, min_bytes: usize) -> Result<(), RecordError> {
+        let Some(text) = self.uncompressed.as_mut().filter(|text| text.len() >= min_bytes) else { return Ok(()) };
         let frame = zstd::frame(text);
         text.clear();
         self.out.write_all(&frame).map_err(|source| self.error(source))
@@ -401,13 +401,13 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn every_kind_has_its_line() {
+    fn line_of_every_kind() {
         assert_eq!(every_event().iter().map(Event::kind).collect::<Vec<_>>(), Kind::ALL);
         insta::assert_snapshot!(trace_of_everything());
     }
 
     #[test]
-    fn every_line_is_an_object_with_an_event() {
+    fn every_line_is_a_json_object_with_an_event() {
         for line in trace_of_everything().lines() {
             let value: serde_json::Value = serde_json::from_str(line).unwrap();
             assert!(value["event"].is_string(), "{line}");
@@ -415,7 +415,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_complete_slot_has_left_the_process_before_the_next_one() {
+    fn slot_is_written_before_the_next_one_begins() {
         let shared = Shared::default();
         let mut trace = Trace::new(Box::new(shared.clone()), Path::new("t.jsonl"), &header()).unwrap();
         assert_eq!(shared.text().lines().count(), 1);
@@ -429,7 +429,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_full_disk_ends_the_record_with_a_message() {
+    fn full_disk_gives_an_error() {
         let Ok(full) = std::fs::File::create("/dev/full") else {
             println!("skipped: no /dev/full here");
             return;
@@ -440,8 +440,8 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_disk_that_fills_up_ends_the_slot_with_an_error() {
-        /// Takes the first line and no more.
+    fn disk_that_fills_up_gives_an_error_at_the_end_of_the_slot() {
+        /// Device that accepts one write and is full afterwards.
         struct Full(bool);
         impl Write for Full {
             fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
@@ -465,7 +465,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_filter_names_kinds_and_groups() {
+    fn filter_selects_kinds_and_groups() {
         let kinds = |text: &str| kinds_of_trace(TraceFilter::parse(text).expect("a filter").words());
         let poses = kinds("poses, contact");
         for kind in [Kind::Pose, Kind::Object, Kind::Contact, Kind::Intervention, Kind::ProgramEnded] {
@@ -482,7 +482,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_compressed_trace_reads_as_the_plain_one() {
+    fn compressed_trace_has_the_text_of_the_plain_one() {
         let folder = tempfile::tempdir().expect("a folder");
         let texts = ["a.jsonl", "a.jsonl.zst"].map(|name| {
             let path = folder.path().join(name);
@@ -503,7 +503,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_page_documents_every_kind_and_field() {
+    fn page_documents_every_kind_and_field() {
         let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/trace.md")).unwrap();
         // The rows must be in the order of the kinds' numbers in the digest.
         let mut rows = page.lines();

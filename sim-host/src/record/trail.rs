@@ -1,4 +1,4 @@
-//! Trails of robots and objects: polylines that keep their shape in bounded memory.
+//! Trails of robots and objects: polylines that approximate paths in bounded memory.
 
 use std::collections::VecDeque;
 
@@ -16,18 +16,17 @@ use sim_core::record::{Digest, Event, Kind, KindSet, Record};
 /// Initial deviation of a trail from the recorded positions, in metres.
 const TOLERANCE: f64 = 1e-3;
 
-/// A trail with more points than this is thinned with twice the tolerance.
+/// Maximum number of points of a trail; a longer trail is simplified again, with twice the tolerance.
 const MAX_POINTS: usize = 4096;
 
 /// A polyline that stays within [`Self::deviation`] of every pushed position.
 ///
-/// Intermediate points are dropped as they arrive: only the last corner is kept, with the sector of directions that passes all
-/// positions since then (cone intersection, Sklansky & Gonzalez 1980). The tolerance is 1 mm and doubles when the trail exceeds
-/// 4096 points.
+/// Positions since the last corner are not stored, only the sector of directions of a segment that passes all of them within the
+/// tolerance (cone intersection, Sklansky & Gonzalez 1980). The tolerance is 1 mm and doubles when the trail exceeds 4096 points.
 #[derive(Clone, Debug)]
 pub struct Trail {
     corners: Vec<DVec2>,
-    /// The newest position, at the end of the open segment.
+    /// The last position, at the end of the open segment.
     last: DVec2,
     tolerance: f64,
     segment: Option<Sector>,
@@ -40,8 +39,8 @@ struct Sector {
     axis: DVec2,
     /// Angles between which the segment must lie, rad.
     angles: (f64, f64),
-    /// Maximum distance of a position from the corner, m.
-    reach: f64,
+    /// Maximum distance of the segment's positions from the corner, m.
+    max_distance: f64,
 }
 
 impl Trail {
@@ -57,21 +56,21 @@ impl Trail {
     /// Continues the trail to `position`, in metres.
     pub fn push(&mut self, position: DVec2) {
         let corner = self.corners[self.corners.len() - 1];
-        match self.extended(position - corner) {
+        match self.extend_segment(position - corner) {
             Ok(segment) => self.segment = segment,
             Err(CornerNeeded) => {
                 self.corners.push(self.last);
                 self.segment = None;
-                self.segment = self.extended(position - self.last).unwrap_or(None);
+                self.segment = self.extend_segment(position - self.last).unwrap_or(None);
             }
         }
         self.last = position;
         if self.corners.len() > MAX_POINTS {
-            self.thin();
+            self.simplify();
         }
     }
 
-    /// The points of the polyline: first, corners, newest.
+    /// Points of the polyline: the first position, the corners, the last position.
     pub fn points(&self) -> Vec<DVec2> {
         self.corners
             .iter()
@@ -87,8 +86,8 @@ impl Trail {
         2.0 * std::f64::consts::SQRT_2 * self.tolerance
     }
 
-    /// The open segment extended to `offset` from its corner, or [`CornerNeeded`] if a new corner is needed before that.
-    fn extended(&self, offset: DVec2) -> Result<Option<Sector>, CornerNeeded> {
+    /// The open segment, extended to the position at `offset` from its corner; [`CornerNeeded`] if the segment cannot pass this position.
+    fn extend_segment(&self, offset: DVec2) -> Result<Option<Sector>, CornerNeeded> {
         let distance = math::hypot(offset.x, offset.y);
         let Some(sector) = self.segment else {
             let width = self.tolerance / distance;
@@ -96,10 +95,10 @@ impl Trail {
             return Ok((!is_near).then(|| Sector {
                 axis: offset / distance,
                 angles: (-width, width),
-                reach: distance,
+                max_distance: distance,
             }));
         };
-        if distance < sector.reach - self.tolerance {
+        if distance < sector.max_distance - self.tolerance {
             return Err(CornerNeeded);
         }
         let angle = math::atan2(sector.axis.perp_dot(offset), sector.axis.dot(offset));
@@ -110,15 +109,15 @@ impl Trail {
         // The sine of an angle is less than the angle, so this width is conservative.
         let width = self.tolerance / distance;
         let angles = (low.max(angle - width), high.min(angle + width));
-        Ok(Some(Sector { angles, reach: sector.reach.max(distance), ..sector }))
+        Ok(Some(Sector { angles, max_distance: sector.max_distance.max(distance), ..sector }))
     }
 
     /// Doubles the tolerance until at most three quarters of the points are left.
-    fn thin(&mut self) {
+    fn simplify(&mut self) {
         while self.corners.len() > MAX_POINTS / 4 * 3 {
-            let mut thinner = Self::with_tolerance(self.corners[0], 2.0 * self.tolerance);
-            self.points().into_iter().skip(1).for_each(|point| thinner.push(point));
-            *self = thinner;
+            let mut simplified = Self::with_tolerance(self.corners[0], 2.0 * self.tolerance);
+            self.points().into_iter().skip(1).for_each(|point| simplified.push(point));
+            *self = simplified;
         }
     }
 }
@@ -129,7 +128,7 @@ struct CornerNeeded;
 /// Maximum number of trails kept for a body that is placed repeatedly; the latest ones are kept.
 const MAX_TRAILS: usize = 64;
 
-/// Trails of one body: a new one begins each time that the body is placed.
+/// Trails of one body: a new trail begins each time the body is placed.
 #[derive(Clone, Debug)]
 pub struct BodyTrails {
     trails: VecDeque<Trail>,
@@ -155,7 +154,7 @@ impl BodyTrails {
         self.trails.push_back(Trail::new(position));
     }
 
-    /// Points of each trail, in order of time.
+    /// Points of each trail; the trails are in order of time.
     pub fn lines(&self) -> Vec<Vec<DVec2>> {
         self.trails.iter().map(Trail::points).collect()
     }
@@ -173,7 +172,7 @@ impl Trails {
     /// Trails of the robots and movable objects of `scene`.
     pub fn of_scene(scene: &SceneSpec) -> Self {
         let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
-        let objects: Vec<Pose> = build::movable(scene).map(|object| object.pose).collect();
+        let objects: Vec<Pose> = build::movable_objects(scene).map(|object| object.pose).collect();
         Self::new(&starts, &objects)
     }
 
@@ -267,13 +266,13 @@ mod tests {
     }
 
     #[test]
-    fn a_straight_line_is_two_points() {
+    fn straight_line_has_two_points() {
         let points: Vec<_> = (0..=1000).map(|i| DVec2::new(0.01 * f64::from(i), 0.02 * f64::from(i))).collect();
         assert_eq!(trail_of(&points).points(), [points[0], points[1000]]);
     }
 
     #[test]
-    fn a_square_keeps_its_corners() {
+    fn square_keeps_its_corners() {
         let side = |from: DVec2, by: DVec2| (1..=50).map(move |i| from + by * f64::from(i) / 50.0);
         let mut points = vec![DVec2::ZERO];
         for by in [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y] {
@@ -285,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_there_and_back_shows_how_far_it_went() {
+    fn turning_point_is_kept() {
         let there = (0..=100).map(|i| DVec2::new(0.01 * f64::from(i), 0.0));
         let points: Vec<_> = there.clone().chain(there.rev()).collect();
         let trail = trail_of(&points).points();
@@ -294,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn every_position_is_within_the_tolerance() {
+    fn trail_is_within_the_tolerance_of_every_position() {
         // A curve with loops and cusps: an epitrochoid that drifts.
         let at = |i: i32| {
             let t = 0.003 * f64::from(i);
@@ -311,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_run_stays_bounded_and_within_its_own_bound() {
+    fn long_trail_has_bounded_size_and_deviation() {
         let mut random = 1_u64;
         let mut step = || {
             random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -326,14 +325,14 @@ mod tests {
         let trail = trail_of(&points);
         let line = trail.points();
         assert!(line.len() <= MAX_POINTS + 1, "{} points", line.len());
-        assert!(trail.deviation() > 2.0 * TOLERANCE, "the test is to reach the limit");
+        assert!(trail.deviation() > 2.0 * TOLERANCE, "the test must reach the limit");
         for point in points.into_iter().step_by(37) {
             assert!(distance(&line, point) <= trail.deviation(), "{point}");
         }
     }
 
     #[test]
-    fn no_line_leads_to_where_a_body_is_put() {
+    fn placing_a_body_begins_a_new_trail() {
         let mut trail = BodyTrails::new(DVec2::ZERO);
         trail.push(DVec2::X);
         trail.restart_at(DVec2::new(5.0, 5.0));
@@ -344,7 +343,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_that_stands_has_one_point() {
+    fn robot_at_rest_has_one_point() {
         let points = [DVec2::ONE; 10];
         assert_eq!(trail_of(&points).points(), [DVec2::ONE]);
     }

@@ -1,4 +1,4 @@
-//! Zstandard compression of traces: whole frames, one after the other.
+//! Zstandard compression of traces, as a sequence of complete frames.
 
 use std::io::{self, BufRead, Read};
 
@@ -8,7 +8,7 @@ use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 /// First bytes of a frame.
 pub const MAGIC: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
 
-/// Length of the text in a frame, in bytes; our choice: longer frames hardly compress better.
+/// Length of the text in a frame, in bytes. Our choice: longer frames hardly improve the compression.
 pub const FRAME: usize = 1 << 20;
 
 /// Compresses `text` into a frame.
@@ -29,7 +29,7 @@ impl<R: BufRead> Frames<R> {
         Self { input, decoder: FrameDecoder::new(), is_open: false }
     }
 
-    /// Returns the error of a frame, unless the input ended within it.
+    /// Returns the error of a frame, or 0 bytes if the input ended within the frame.
     fn error(&mut self, error: impl std::fmt::Display) -> io::Result<usize> {
         self.is_open = false;
         if self.input.fill_buf()?.is_empty() {
@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_give_their_text_back() {
+    fn compressed_text_is_restored() {
         let long: String = (0..100_000).map(|line| format!("{{\"t_s\":{line},\"event\":\"pose\"}}\n")).collect();
         let bytes = [frame(long.as_bytes()), frame(b""), frame(b"the end")].concat();
         assert!(bytes.starts_with(&MAGIC));
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_frame_is_told() {
+    fn damaged_frame_gives_an_error() {
         let bytes = [frame(b"whole"), b"no frame at all, but long enough".to_vec()].concat();
         let error = read(&bytes).expect_err("damaged").to_string();
         assert!(error.starts_with("its compression (Zstandard) is damaged: "), "{error}");

@@ -6,7 +6,7 @@
 
 use robios_sys::robios6::{BROADCAST, RadioIOParameters};
 use sim_core::RobotId;
-use sim_core::radio::{Address, Message};
+use sim_core::radio::{Address, ReceivedMessage};
 use sim_core::world::World;
 
 use super::call::Call;
@@ -95,7 +95,12 @@ pub fn check(robot: &mut Robot, call: impl Into<Call>) -> i32 {
 }
 
 /// Waits for a message, which `give` passes to the program.
-pub fn receive(robot: &mut Robot, call: impl Into<Call>, failure: i32, give: impl FnOnce(&Message)) -> Poll<i32> {
+pub fn receive(
+    robot: &mut Robot,
+    call: impl Into<Call>,
+    failure: i32,
+    give: impl FnOnce(&ReceivedMessage),
+) -> Poll<i32> {
     let now = robot.now;
     robot.settle_radio(now);
     if robot.radio_member().is_none() {

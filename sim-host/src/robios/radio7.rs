@@ -3,7 +3,7 @@
 //! Source: RoBIOS-7 library, radio communication; that 0 is the broadcast address is our choice.
 
 use robios_sys::{Out, OutBytes, OutInts, Robios7Call as Call};
-use sim_core::radio::BUFFER;
+use sim_core::radio::BUFFER_BYTES;
 use sim_core::world::World;
 
 use super::caller::Poll;
@@ -11,7 +11,7 @@ use super::robot::Robot;
 use super::{os7, radio};
 
 /// Maximum length of a text in bytes, without the final 0 that fills the buffer.
-const MAX_TEXT: usize = BUFFER - 1;
+const MAX_TEXT: usize = BUFFER_BYTES - 1;
 
 /// Return value of a call that fails.
 const FAILURE: i32 = 1;

@@ -176,7 +176,7 @@ impl Hub {
         }
         let mut state = lock(&self.state);
         for layer in layers {
-            let version = state.next();
+            let version = state.next_version();
             let of_robot = state.layers.entry(layer.robot).or_default();
             of_robot.insert(layer.name.clone(), (version, CachedText::new(Message::Layer(layer))));
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use sim_core::math::exp;
 use sim_core::noise::RadioNoise;
-use sim_core::radio::{Address, Delivery, Medium, SentMessage, air_time};
+use sim_core::radio::{Address, Delivery, Medium, OutgoingMessage, air_time};
 use sim_core::time::Time;
 
 use super::*;
@@ -88,7 +88,7 @@ fn expected_wait(stations: u32, load: f64) -> f64 {
 /// Messages at random instants with offered load `load`: the mean number of messages in the air time of one. In a token
 /// ring each goes from a random station to the next one. On other media the robots from 2 on send in turn, all to robot
 /// 1.
-pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<SentMessage> {
+pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<OutgoingMessage> {
     let mut stream = stream(stations, load.to_bits());
     let mean = air_time(BYTES, BAUD).seconds() / load;
     let mut at = 1.0;
@@ -100,24 +100,24 @@ pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<Se
             Medium::TokenRing => (1 + draw, 1 + (1 + draw) % stations, None),
             Medium::Free | Medium::Aloha => (2 + sequence as u32 % stations, 1, Some(sent)),
         };
-        SentMessage { begins, ..sent_message(from, sequence, Address::One(to), vec![0; BYTES], sent) }
+        OutgoingMessage { begins, ..sent_message(from, sequence, Address::One(to), vec![0; BYTES], sent) }
     };
     (1..=count as u64).map(message).collect()
 }
 
 /// Sends `traffic` through a channel on which the stations 1 to `receivers` listen. Returns the time of sending and the delivery of
 /// each message, in the order of sending.
-pub fn exchange(medium: Medium, receivers: u32, slot: Time, traffic: &[SentMessage]) -> Vec<(Time, Delivery)> {
+pub fn exchange(medium: Medium, receivers: u32, slot: Time, traffic: &[OutgoingMessage]) -> Vec<(Time, Delivery)> {
     let mut channel = channel(medium, RadioNoise::default(), receivers);
     let mut deliveries = BTreeMap::new();
     let mut messages = traffic.iter().peekable();
     let mut slot_end = slot;
     loop {
-        let sent = std::iter::from_fn(|| messages.next_if(|message| message.sent < slot_end)).cloned().collect();
+        let sent = std::iter::from_fn(|| messages.next_if(|message| message.queued_at < slot_end)).cloned().collect();
         deliveries.extend(channel.exchange(slot_end, sent).into_iter().map(|delivery| (delivery.sequence, delivery)));
-        let next = messages.peek().map_or(Time::NEVER, |message| message.sent).min(channel.due());
+        let next = messages.peek().map_or(Time::NEVER, |message| message.queued_at).min(channel.due());
         if next == Time::NEVER {
-            return traffic.iter().map(|message| message.sent).zip(deliveries.into_values()).collect();
+            return traffic.iter().map(|message| message.queued_at).zip(deliveries.into_values()).collect();
         }
         slot_end = next.floor_to(slot) + slot;
     }

@@ -14,7 +14,7 @@ mod stop_and_wait;
 use sim_core::RobotId;
 use sim_core::math::{exp, ln};
 use sim_core::noise::{Purpose, RadioNoise, Stream};
-use sim_core::radio::{Address, Channel, Medium, RadioModel, SentMessage, StationInfo};
+use sim_core::radio::{Address, Channel, Medium, OutgoingMessage, RadioModel, StationInfo};
 use sim_core::time::Time;
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
@@ -118,15 +118,15 @@ fn channel(medium: Medium, noise: RadioNoise, stations: u32) -> Channel {
     channel
 }
 
-fn sent_message(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) -> SentMessage {
+fn sent_message(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) -> OutgoingMessage {
     let out_of_reach = Vec::new();
-    SentMessage {
+    OutgoingMessage {
         from: RobotId(from),
         address: from,
         sequence,
         to,
         payload,
-        sent,
+        queued_at: sent,
         begins: None,
         baud: BAUD,
         out_of_reach,

@@ -106,7 +106,7 @@ fn transfer_seconds(errors: RadioNoise, slot: Time) -> f64 {
     let mut stations = [1, 2].map(|robot| Station::new(RobotId(robot), &model));
     for (station, address) in stations.iter_mut().zip([1, 2]) {
         station.switch_on(address, BAUD);
-        station.take_change().into_iter().for_each(|change| channel.change(change));
+        station.take_change().into_iter().for_each(|change| channel.report_change(change));
     }
     let send = |stations: &mut [Station; 2], robot: usize, at: Time, payload: &[u8]| {
         let to = Address::One(2 - robot as u32);
@@ -119,14 +119,14 @@ fn transfer_seconds(errors: RadioNoise, slot: Time) -> f64 {
     while number < COUNT {
         // End of the slot in which a station sent or received.
         let slot_end = now.floor_to(slot) + slot;
-        let sent = stations.iter_mut().flat_map(Station::take_sent).collect();
+        let sent = stations.iter_mut().flat_map(Station::take_outgoing).collect();
         for delivery in channel.exchange(slot_end, sent) {
             stations[delivery.to.index()].deliver(delivery);
         }
         // The next delivery or timeout wakes a robot.
         let [first, second] = [0, 1].map(|robot: usize| stations[robot].next_visible());
         now = first.min(second).min(alarm);
-        stations.iter_mut().for_each(|station| drop(station.settle(now)));
+        stations.iter_mut().for_each(|station| drop(station.collect_visible(now)));
         while let Some(message) = stations[1].receive() {
             if message.payload == payload(number) {
                 send(&mut stations, 1, now, &[number as u8; ACK]);

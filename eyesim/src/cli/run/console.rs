@@ -64,7 +64,7 @@ pub fn build(scene: Scene, args: &RunArgs) -> anyhow::Result<BuiltScene> {
     check_outputs(args, built.inputs())?;
     built.remarks().iter().for_each(say);
     if args.verbose || args.exec() != Exec::Auto {
-        built.places().iter().for_each(say);
+        built.placement_remarks().iter().for_each(say);
     }
     Ok(built)
 }

@@ -35,7 +35,7 @@ pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
         spec: scene,
         scenery: &ready.scenery().get(),
         robots: scene.robots.iter().map(robot).collect(),
-        objects: (1..).zip(build::movable(scene)).map(object).collect(),
+        objects: (1..).zip(build::movable_objects(scene)).map(object).collect(),
         workshop: protocol::AddableTypes::default(),
     };
     let contents = InitialContents {
@@ -43,7 +43,7 @@ pub(super) fn create(path: &Path, ready: &Ready) -> anyhow::Result<Mcap> {
         slot: settings.slot,
         scene: scene_input.scene(),
         robots: scene.robots.iter().map(|robot| robot.start).collect(),
-        objects: build::movable(scene).map(|object| object.pose).collect(),
+        objects: build::movable_objects(scene).map(|object| object.pose).collect(),
         frames: ready.frames().cloned().unwrap_or_default(),
     };
     Ok(Mcap::create(path, contents)?)

@@ -1,8 +1,8 @@
 //! Default appearance of robots without a mesh.
 //!
 //! The hull has the robot's colour. It consists of the robi's colliders; without colliders it is a cylinder of the
-//! robot's diameter, or for cars and Mecanum drives a box whose diagonal is that diameter. Marks show the heading from
-//! every side: a bright wedge that points ahead; white lamps in front and red lamps behind; a green lamp at the right
+//! robot's diameter, or for cars and Mecanum drives a box whose diagonal is that diameter. These marks show the heading from
+//! every side: a bright wedge that points forwards; white lamps in front and red lamps behind; a green lamp at the right
 //! and a red lamp at the left, as on ships; a sloping display towards the rear; the camera; dark wheels that match the
 //! drive. Source: our choice.
 
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use super::sketch::{Paint, Round, Sketch, circle, direction};
+use super::mesh_builder::{MeshBuilder, Paint, RoundSize, circle, direction};
 use crate::build;
 use crate::drive::DriveKind;
 use crate::math;
@@ -48,12 +48,12 @@ const ROUND_HEIGHT: f64 = 0.4;
 const BOX_HEIGHT: f64 = 0.26;
 /// Minimum ratio of the hull's height to the robot's diameter, for a hull under a low camera.
 const MIN_HEIGHT_RATIO: f64 = 0.15;
-/// Scale of the hull within its outline, so that lamps protrude.
+/// Scale of the drawn hull relative to its outline; lamps on the outline then protrude.
 const INSET: f64 = 0.98;
 
 /// Centres of the wheels in the robot's frame, in metres: left before right; for a car, the driven wheels first; for a
 /// Mecanum drive, the front wheels first.
-pub fn wheel_places(robi: &RobiSpec) -> Vec<DVec2> {
+pub fn wheel_centres(robi: &RobiSpec) -> Vec<DVec2> {
     let (half_track, half_base) = (0.5 * robi.wheel.track, 0.5 * robi.drive.wheelbase);
     let pair = |x: f64| [DVec2::new(x, half_track), DVec2::new(x, -half_track)];
     let axis = robi.axis_offset;
@@ -66,21 +66,21 @@ pub fn wheel_places(robi: &RobiSpec) -> Vec<DVec2> {
 }
 
 /// Mesh of a robot type's body in a colour.
-pub fn looks(robi: &RobiSpec, colour: [u8; 3]) -> Arc<Mesh> {
-    let hull = Hull::of(robi);
-    let mut sketch = Sketch::default();
-    let paint = sketch.paint(colour);
+pub fn mesh(robi: &RobiSpec, colour: [u8; 3]) -> Arc<Mesh> {
+    let hull = Hull::new(robi);
+    let mut builder = MeshBuilder::default();
+    let paint = builder.paint(colour);
     if robi.colliders.is_empty() {
-        hull.draw(&mut sketch, paint);
+        hull.draw(&mut builder, paint);
     }
-    robi.colliders.iter().for_each(|collider| sketch.collider(collider, paint));
-    draw_wheels(&mut sketch, robi, &hull);
-    hull.draw_lamps(&mut sketch);
-    hull.draw_deck(&mut sketch);
+    robi.colliders.iter().for_each(|collider| builder.collider(collider, paint));
+    draw_wheels(&mut builder, robi, &hull);
+    hull.draw_lamps(&mut builder);
+    hull.draw_deck(&mut builder);
     if let Some(camera) = &robi.camera {
-        draw_camera(&mut sketch, camera, &hull, robi.diameter);
+        draw_camera(&mut builder, camera, &hull, robi.diameter);
     }
-    sketch.finish()
+    builder.finish()
 }
 
 /// The main part of a body, which carries all other parts.
@@ -91,17 +91,17 @@ struct Hull {
     top: f64,
     /// Centre of the outline.
     centre: DVec2,
-    /// Half length and half width.
-    half: DVec2,
+    /// Half length and half width, m.
+    half_size: DVec2,
     /// Half height of the lamps.
-    lamp: f64,
+    lamp_half_height: f64,
 }
 
 impl Hull {
-    fn of(robi: &RobiSpec) -> Self {
+    fn new(robi: &RobiSpec) -> Self {
         let volume = |collider: &Collider| {
-            let (half, height, _) = extent(collider);
-            half.x * half.y * height
+            let (half_size, height, _) = extent(collider);
+            half_size.x * half_size.y * height
         };
         let largest = robi.colliders.iter().max_by(|a, b| volume(a).total_cmp(&volume(b)));
         largest.map_or_else(|| Self::of_drive(robi), Self::of_collider)
@@ -113,7 +113,7 @@ impl Hull {
         // The underside of a legged robot's hull is at its belly.
         let belly = build::legs(robi).map_or(0.0, |legs| legs.belly);
         // Wheels are visible below the hull, and for a car also beside it.
-        let (outline, bottom, half, height) = match robi.drive.kind {
+        let (outline, bottom, half_size, height) = match robi.drive.kind {
             DriveKind::Differential => (circle(radius, HULL_SIDES), 0.7 * wheel, DVec2::splat(radius), ROUND_HEIGHT),
             DriveKind::Legged | DriveKind::Thrusters => {
                 (circle(radius, HULL_SIDES), belly, DVec2::splat(radius), ROUND_HEIGHT)
@@ -122,48 +122,51 @@ impl Hull {
                 let between = robi.wheel.track - (WHEEL_WIDTH + 0.1) * wheel;
                 let width = between.clamp(0.35 * diameter, 0.75 * diameter);
                 let length = (diameter * diameter - width * width).sqrt();
-                let half = 0.5 * DVec2::new(length, width);
-                (rectangle(DVec2::ZERO, half), 0.4 * wheel, half, BOX_HEIGHT)
+                let half_size = 0.5 * DVec2::new(length, width);
+                (rectangle(DVec2::ZERO, half_size), 0.4 * wheel, half_size, BOX_HEIGHT)
             }
         };
         let bottom = if robi.drive.kind == DriveKind::Legged { bottom } else { bottom.min(0.5 * diameter) };
-        let usual = bottom + height * diameter;
-        let below_camera = robi.camera.as_ref().map_or(usual, |camera| camera.position.z - 0.06 * diameter);
-        let top = usual.min(below_camera).max(bottom + MIN_HEIGHT_RATIO * diameter);
-        Self { outline, bottom, top, centre: DVec2::ZERO, half, lamp: 0.15 * (top - bottom) }
+        let default_top = bottom + height * diameter;
+        let below_camera = robi.camera.as_ref().map_or(default_top, |camera| camera.position.z - 0.06 * diameter);
+        let top = default_top.min(below_camera).max(bottom + MIN_HEIGHT_RATIO * diameter);
+        Self { outline, bottom, top, centre: DVec2::ZERO, half_size, lamp_half_height: 0.15 * (top - bottom) }
     }
 
     fn of_collider(collider: &Collider) -> Self {
-        let (half, height, centre) = extent(collider);
+        let (half_size, height, centre) = extent(collider);
         let (bottom, top) = (centre.z - 0.5 * height, centre.z + 0.5 * height);
         let middle = centre.truncate();
         let is_flat = matches!(collider, Collider::Box { .. } | Collider::Cylinder { .. });
         let outline = match collider {
-            Collider::Box { .. } => rectangle(middle, half),
-            _ if half.x == half.y => circle(half.x, HULL_SIDES).into_iter().map(|corner| middle + corner).collect(),
+            Collider::Box { .. } => rectangle(middle, half_size),
+            _ if half_size.x == half_size.y => {
+                circle(half_size.x, HULL_SIDES).into_iter().map(|corner| middle + corner).collect()
+            }
             _ => {
                 // A lying capsule.
-                let round = half.min_element();
-                let shift = half - DVec2::splat(round);
+                let round = half_size.min_element();
+                let shift = half_size - DVec2::splat(round);
                 let corners = circle(round, HULL_SIDES).into_iter();
                 corners.map(|corner| middle + corner + shift * corner.signum()).collect()
             }
         };
         // A rounded hull is narrower than its outline above and below its middle height, so its lamps are lower.
-        let lamp = if is_flat { 0.15 } else { 0.06 } * height;
-        Self { outline, bottom, top, centre: middle, half, lamp }
+        let lamp_half_height = if is_flat { 0.15 } else { 0.06 } * height;
+        Self { outline, bottom, top, centre: middle, half_size, lamp_half_height }
     }
 
-    fn draw(&self, sketch: &mut Sketch, paint: Paint) {
+    fn draw(&self, builder: &mut MeshBuilder, paint: Paint) {
         let outline: Vec<DVec2> =
             self.outline.iter().map(|corner| self.centre + INSET * (*corner - self.centre)).collect();
-        sketch.column(&outline, self.bottom, |_| self.top, paint, paint);
-        let chassis = sketch.paint(CHASSIS);
+        builder.column(&outline, self.bottom, |_| self.top, paint, paint);
+        let chassis = builder.paint(CHASSIS);
         let lower: Vec<DVec3> = outline.iter().rev().map(|corner| corner.extend(self.bottom)).collect();
-        sketch.polygon(&lower, chassis);
+        builder.polygon(&lower, chassis);
     }
 
-    fn middle(&self) -> f64 {
+    /// Height halfway between bottom and top.
+    fn middle_height(&self) -> f64 {
         0.5 * (self.bottom + self.top)
     }
 
@@ -171,69 +174,69 @@ impl Hull {
     fn rim(&self, angle: f64) -> DVec2 {
         let direction = direction(angle);
         let next = self.outline.iter().cycle().skip(1);
-        let reach = self.outline.iter().zip(next).filter_map(|(a, b)| {
+        let distance = self.outline.iter().zip(next).filter_map(|(a, b)| {
             let (a, along) = (*a - self.centre, *b - *a);
             let determinant = direction.perp_dot(along);
-            let (reach, fraction) = (a.perp_dot(along) / determinant, a.perp_dot(direction) / determinant);
-            (determinant > 0.0 && (-1e-9..=1.0 + 1e-9).contains(&fraction)).then_some(reach)
+            let (distance, fraction) = (a.perp_dot(along) / determinant, a.perp_dot(direction) / determinant);
+            (determinant > 0.0 && (-1e-9..=1.0 + 1e-9).contains(&fraction)).then_some(distance)
         });
-        self.centre + direction * reach.fold(0.0, f64::max)
+        self.centre + direction * distance.fold(0.0, f64::max)
     }
 
-    fn draw_lamps(&self, sketch: &mut Sketch) {
+    fn draw_lamps(&self, builder: &mut MeshBuilder) {
         let [front, right, back, left] = [0.0, -0.25 * TAU, 0.5 * TAU, 0.25 * TAU];
         // Angle of the corner of a long hull, seen from its centre; lamps in front and behind shift towards it.
-        let corner = math::atan2(self.half.y, self.half.x);
+        let corner = math::atan2(self.half_size.y, self.half_size.x);
         for side in [-1.0, 1.0] {
-            self.lamp(sketch, front + side * 0.62 * corner, 0.25 * corner, WHITE_LAMP);
-            self.lamp(sketch, back + side * 0.62 * corner, 0.25 * corner, RED_LAMP);
+            self.draw_lamp(builder, front + side * 0.62 * corner, 0.25 * corner, WHITE_LAMP);
+            self.draw_lamp(builder, back + side * 0.62 * corner, 0.25 * corner, RED_LAMP);
         }
         let complement = 0.25 * TAU - corner;
-        self.lamp(sketch, right, 0.3 * complement, GREEN_LAMP);
-        self.lamp(sketch, left, 0.3 * complement, RED_LAMP);
+        self.draw_lamp(builder, right, 0.3 * complement, GREEN_LAMP);
+        self.draw_lamp(builder, left, 0.3 * complement, RED_LAMP);
     }
 
-    /// A lamp on the rim, over the directions `middle - half` to `middle + half`.
-    fn lamp(&self, sketch: &mut Sketch, middle: f64, half: f64, colour: [u8; 3]) {
+    /// A lamp on the rim, over the directions `middle - half_angle` to `middle + half_angle`.
+    fn draw_lamp(&self, builder: &mut MeshBuilder, middle: f64, half_angle: f64, colour: [u8; 3]) {
         const STEPS: i32 = 1;
-        let paint = sketch.paint(colour);
-        let height = self.middle() + 0.5 * (self.top - self.middle()).min(4.0 * self.lamp);
-        let (low, high) = (height - self.lamp, height + self.lamp);
-        let outside = |step: i32| self.rim(middle + half * f64::from(step) / f64::from(STEPS));
+        let paint = builder.paint(colour);
+        let height = self.middle_height() + 0.5 * (self.top - self.middle_height()).min(4.0 * self.lamp_half_height);
+        let (low, high) = (height - self.lamp_half_height, height + self.lamp_half_height);
+        let outside = |step: i32| self.rim(middle + half_angle * f64::from(step) / f64::from(STEPS));
         let inside = |step: i32| self.centre + 0.9 * (outside(step) - self.centre);
         for step in -STEPS..STEPS {
             let (a, b, c, d) = (outside(step), outside(step + 1), inside(step + 1), inside(step));
-            sketch.panel([a.extend(low), b.extend(low), b.extend(high), a.extend(high)], paint);
-            sketch.polygon(&[a, b, c, d].map(|corner| corner.extend(high)), paint);
+            builder.panel([a.extend(low), b.extend(low), b.extend(high), a.extend(high)], paint);
+            builder.polygon(&[a, b, c, d].map(|corner| corner.extend(high)), paint);
         }
         for (step, is_end) in [(-STEPS, false), (STEPS, true)] {
             let (a, b) = if is_end { (outside(step), inside(step)) } else { (inside(step), outside(step)) };
-            sketch.polygon(&[a.extend(low), b.extend(low), b.extend(high), a.extend(high)], paint);
+            builder.polygon(&[a.extend(low), b.extend(low), b.extend(high), a.extend(high)], paint);
         }
     }
 
-    /// Draws the wedge pointing ahead, and the display.
-    fn draw_deck(&self, sketch: &mut Sketch) {
-        let size = self.half.min_element();
-        let point = |x: f64, y: f64| self.centre + self.half * DVec2::new(x, y);
-        let nose = sketch.paint(NOSE);
+    /// Draws the wedge that points forwards, and the display.
+    fn draw_deck(&self, builder: &mut MeshBuilder) {
+        let size = self.half_size.min_element();
+        let point = |x: f64, y: f64| self.centre + self.half_size * DVec2::new(x, y);
+        let nose = builder.paint(NOSE);
         let wedge = [point(0.93, 0.0), point(0.12, 0.55), point(0.12, -0.55)];
         let slope = |at: DVec2| {
             let fraction = (at.x - wedge[0].x) / (wedge[1].x - wedge[0].x);
             self.top + size * (0.02 + 0.14 * fraction)
         };
-        sketch.column(&wedge, self.middle(), slope, nose, nose);
-        let console = sketch.paint(CONSOLE);
+        builder.column(&wedge, self.middle_height(), slope, nose, nose);
+        let console = builder.paint(CONSOLE);
         let corners = [point(-0.62, -0.45), point(0.0, -0.45), point(0.0, 0.45), point(-0.62, 0.45)];
         let slope = |at: DVec2| {
             let fraction = (at.x - corners[0].x) / (corners[1].x - corners[0].x);
             self.top + size * (0.08 + 0.32 * fraction)
         };
-        sketch.column(&corners, self.middle(), slope, console, console);
-        let screen = sketch.paint(SCREEN);
+        builder.column(&corners, self.middle_height(), slope, console, console);
+        let screen = builder.paint(SCREEN);
         let inner = [point(-0.54, -0.36), point(-0.08, -0.36), point(-0.08, 0.36), point(-0.54, 0.36)];
         let corners = inner.map(|corner| corner.extend(slope(corner) + 0.01 * size));
-        sketch.panel(corners, screen);
+        builder.panel(corners, screen);
     }
 }
 
@@ -259,58 +262,60 @@ fn rectangle(centre: DVec2, half: DVec2) -> Vec<DVec2> {
 }
 
 /// Draws wheels with their axles, and the castors of a differential drive; nothing for a legged robot.
-fn draw_wheels(sketch: &mut Sketch, robi: &RobiSpec, hull: &Hull) {
-    let wheels = wheel_places(robi);
+fn draw_wheels(builder: &mut MeshBuilder, robi: &RobiSpec, hull: &Hull) {
+    let wheels = wheel_centres(robi);
     let (Some(first), Some(last)) = (wheels.first(), wheels.last()) else { return };
     let radius = 0.5 * robi.wheel.diameter;
     let width = (WHEEL_WIDTH * robi.wheel.diameter).min(0.6 * robi.wheel.track);
-    let (hub, chassis) = (sketch.paint(HUB), sketch.paint(CHASSIS));
-    let tyre = sketch.paint(TYRE);
+    let (hub, chassis) = (builder.paint(HUB), builder.paint(CHASSIS));
+    let tyre = builder.paint(TYRE);
     for point in &wheels {
         let tread = match robi.drive.kind {
-            DriveKind::Omni => sketch.image(rollers(point.x > robi.axis_offset, point.y > 0.0)),
+            DriveKind::Omni => builder.image(rollers(point.x > robi.axis_offset, point.y > 0.0)),
             _ => tyre,
         };
         // The axle is the wheel's z axis, pointing left.
         let at =
             |y: f64| Pose3 { position: DVec3::new(point.x, y, radius), ..Pose3::about_axis(DVec3::X, -0.25 * TAU) };
-        sketch.cylinder(
+        builder.cylinder(
             &at(point.y - 0.5 * width),
-            Round { radius, height: width, sides: WHEEL_SIDES },
+            RoundSize { radius, height: width, sides: WHEEL_SIDES },
             8,
             [tread, tyre],
         );
-        let hubs = Round { radius: 0.55 * radius, height: 1.06 * width, sides: SMALL_SIDES };
-        sketch.cylinder(&at(point.y - 0.5 * hubs.height), hubs, 1, [hub, hub]);
+        let hubs = RoundSize { radius: 0.55 * radius, height: 1.06 * width, sides: SMALL_SIDES };
+        builder.cylinder(&at(point.y - 0.5 * hubs.height), hubs, 1, [hub, hub]);
     }
     for pair in wheels.chunks_exact(2) {
         let (left, right) = (pair[0], pair[1]);
         let at = Pose3 { position: left.midpoint(right).extend(radius), ..Pose3::IDENTITY };
-        sketch.cuboid(&at, DVec3::new(0.3 * radius, left.distance(right), 0.3 * radius), chassis);
+        builder.cuboid(&at, DVec3::new(0.3 * radius, left.distance(right), 0.3 * radius), chassis);
     }
     // Support of a hull above the axles.
     let axles = first.midpoint(*last);
-    let (low, high) = (0.85 * radius, hull.middle());
+    let (low, high) = (0.85 * radius, hull.middle_height());
     if hull.bottom > low {
-        let size = DVec3::new(0.6 * hull.half.x, 0.5 * robi.wheel.track.min(2.0 * hull.half.y), high - low);
+        let size = DVec3::new(0.6 * hull.half_size.x, 0.5 * robi.wheel.track.min(2.0 * hull.half_size.y), high - low);
         let at = Pose3 { position: axles.extend(0.5 * (low + high)), ..Pose3::IDENTITY };
-        sketch.cuboid(&at, size, chassis);
+        builder.cuboid(&at, size, chassis);
     }
     if robi.drive.kind == DriveKind::Differential {
-        // Castors are placed away from the axle; a robot with its axle in the middle has one at either end.
-        let behind = axles.x > hull.centre.x - 0.2 * hull.half.x;
-        let ahead = axles.x < hull.centre.x + 0.2 * hull.half.x;
-        let castor = (0.4 * hull.bottom).clamp(0.2 * radius, radius).min(0.2 * hull.half.min_element());
-        for (side, _) in [(-1.0, behind), (1.0, ahead)].into_iter().filter(|(_, is_there)| *is_there) {
-            let point = hull.centre + DVec2::new(side * 0.72 * hull.half.x, 0.0);
-            let size = Round { radius: castor, height: 0.6 * castor, sides: SMALL_SIDES };
+        // A castor is at each end that is far from the axle; a robot with its axle in the middle has castors at both ends.
+        let has_rear_castor = axles.x > hull.centre.x - 0.2 * hull.half_size.x;
+        let has_front_castor = axles.x < hull.centre.x + 0.2 * hull.half_size.x;
+        let castor = (0.4 * hull.bottom).clamp(0.2 * radius, radius).min(0.2 * hull.half_size.min_element());
+        for (side, _) in
+            [(-1.0, has_rear_castor), (1.0, has_front_castor)].into_iter().filter(|(_, is_there)| *is_there)
+        {
+            let point = hull.centre + DVec2::new(side * 0.72 * hull.half_size.x, 0.0);
+            let size = RoundSize { radius: castor, height: 0.6 * castor, sides: SMALL_SIDES };
             let position = DVec3::new(point.x, point.y - 0.5 * size.height, castor);
             let at = Pose3 { position, ..Pose3::about_axis(DVec3::X, -0.25 * TAU) };
-            sketch.cylinder(&at, size, 1, [tyre; 2]);
+            builder.cylinder(&at, size, 1, [tyre; 2]);
             // Fork of the castor, up into the hull.
-            let high = hull.middle().max(castor);
+            let high = hull.middle_height().max(castor);
             let fork = Pose3 { position: point.extend(0.5 * (castor + high)), ..Pose3::IDENTITY };
-            sketch.cuboid(&fork, DVec3::new(0.5 * castor, 0.9 * castor, high - castor), chassis);
+            builder.cuboid(&fork, DVec3::new(0.5 * castor, 0.9 * castor, high - castor), chassis);
         }
     }
 }
@@ -325,11 +330,11 @@ fn rollers(is_front: bool, is_left: bool) -> Arc<Texture> {
         [grey, grey, grey, 255]
     };
     let pixels = (0..SIZE * SIZE).map(|pixel| shade(pixel % SIZE, pixel / SIZE)).collect();
-    Arc::new(Texture::new(SIZE, SIZE, pixels).expect("as many pixels as it has"))
+    Arc::new(Texture::new(SIZE, SIZE, pixels).expect("the number of pixels matches the size"))
 }
 
-/// Draws the camera at its mount, with its servos in mid-range; a camera inside the hull moves to the hull's outline.
-fn draw_camera(sketch: &mut Sketch, camera: &CameraSpec, hull: &Hull, diameter: f64) {
+/// Draws the camera at its mount, with its servos in mid-range. A camera inside the hull is drawn on the hull's outline.
+fn draw_camera(builder: &mut MeshBuilder, camera: &CameraSpec, hull: &Hull, diameter: f64) {
     let middle = |joint: &JointSpec| match joint {
         JointSpec::Fixed(angle) => *angle,
         JointSpec::Servo { from, to, .. } => 0.5 * (from + to),
@@ -343,19 +348,19 @@ fn draw_camera(sketch: &mut Sketch, camera: &CameraSpec, hull: &Hull, diameter: 
         position = (rim - 0.2 * size * direction(pan)).extend(position.z);
     }
     let at = Pose3::from_angles(position, 0.0, tilt, pan);
-    let housing = sketch.paint(HOUSING);
-    let behind = Pose3 { position: at.transform_point(DVec3::new(-0.35 * size, 0.0, 0.0)), ..at };
-    sketch.cuboid(&behind, DVec3::new(0.7 * size, size, 0.9 * size), housing);
-    // The lens looks along the camera's x.
+    let housing = builder.paint(HOUSING);
+    let has_rear_castor = Pose3 { position: at.transform_point(DVec3::new(-0.35 * size, 0.0, 0.0)), ..at };
+    builder.cuboid(&has_rear_castor, DVec3::new(0.7 * size, size, 0.9 * size), housing);
+    // The optical axis is the camera's x axis.
     let lens = at.then(&Pose3::about_axis(DVec3::Y, 0.25 * TAU));
-    let (rim, glass) = (sketch.paint(HUB), sketch.paint(GLASS));
-    let barrel = Round { radius: 0.36 * size, height: 0.25 * size, sides: SMALL_SIDES };
-    sketch.cylinder(&lens, barrel, 1, [rim, housing]);
+    let (rim, glass) = (builder.paint(HUB), builder.paint(GLASS));
+    let barrel = RoundSize { radius: 0.36 * size, height: 0.25 * size, sides: SMALL_SIDES };
+    builder.cylinder(&lens, barrel, 1, [rim, housing]);
     let front = lens.then(&Pose3 { position: 0.2 * size * DVec3::Z, ..Pose3::IDENTITY });
-    let pane = Round { radius: 0.22 * size, height: 0.07 * size, sides: SMALL_SIDES };
-    sketch.cylinder(&front, pane, 1, [glass, glass]);
-    // Mast between camera and deck.
-    let (low, high) = (hull.middle().min(position.z), hull.middle().max(position.z));
-    let mast = Pose3 { position: behind.position.truncate().extend(0.5 * (low + high)), ..Pose3::IDENTITY };
-    sketch.cuboid(&mast, DVec3::new(0.3 * size, 0.5 * size, high - low), housing);
+    let pane = RoundSize { radius: 0.22 * size, height: 0.07 * size, sides: SMALL_SIDES };
+    builder.cylinder(&front, pane, 1, [glass, glass]);
+    // Mast between the hull and the camera.
+    let (low, high) = (hull.middle_height().min(position.z), hull.middle_height().max(position.z));
+    let mast = Pose3 { position: has_rear_castor.position.truncate().extend(0.5 * (low + high)), ..Pose3::IDENTITY };
+    builder.cuboid(&mast, DVec3::new(0.3 * size, 0.5 * size, high - low), housing);
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::sketch::{Round, SIDES, Sketch};
+use super::mesh_builder::{MeshBuilder, RoundSize, SIDES};
 use crate::build;
 use crate::drive::legged::{Foot, Leg};
 use crate::pose::Pose3;
@@ -17,26 +17,26 @@ use crate::spec::{Axis, Collider, RobiSpec};
 const COLOURS: [[u8; 3]; 3] = [[96, 100, 108], [150, 154, 160], [52, 54, 58]];
 
 /// Meshes of all leg parts, in the order and frames of [`Legs::parts`](crate::drive::legged::Legs::parts).
-pub fn looks(robi: &RobiSpec) -> Vec<Arc<Mesh>> {
+pub fn meshes(robi: &RobiSpec) -> Vec<Arc<Mesh>> {
     let Some(legs) = build::legs(robi) else { return Vec::new() };
     legs.legs.iter().flat_map(|leg| parts(leg, legs.radius.max(1e-3))).collect()
 }
 
 fn parts(leg: &Leg, radius: f64) -> Vec<Arc<Mesh>> {
     let limb = |length: f64, colour| {
-        let mut sketch = Sketch::default();
-        let paint = sketch.paint(colour);
+        let mut builder = MeshBuilder::default();
+        let paint = builder.paint(colour);
         let centre = DVec3::new(0.0, 0.0, -0.5 * length);
-        sketch.collider(&Collider::Capsule { centre, radius, height: length + 2.0 * radius, axis: Axis::Z }, paint);
-        sketch
+        builder.collider(&Collider::Capsule { centre, radius, height: length + 2.0 * radius, axis: Axis::Z }, paint);
+        builder
     };
     let mut shank = limb(leg.shank, COLOURS[1]);
     if let Some(wheel) = leg.wheel {
         let paint = shank.paint(COLOURS[2]);
         let height = 2.0 * radius;
         let axle = Pose3::about_axis(DVec3::X, FRAC_PI_2);
-        let at = Pose3 { position: DVec3::new(0.0, 0.5 * height, -leg.shank), ..axle };
-        shank.cylinder(&at, Round { radius: wheel, height, sides: SIDES }, 1, [paint; 2]);
+        let frame = Pose3 { position: DVec3::new(0.0, 0.5 * height, -leg.shank), ..axle };
+        shank.cylinder(&frame, RoundSize { radius: wheel, height, sides: SIDES }, 1, [paint; 2]);
     }
     let foot = leg.foot.map(|foot| sole(&foot, radius));
     [limb(leg.thigh, COLOURS[0]).finish(), shank.finish()].into_iter().chain(foot).collect()
@@ -44,10 +44,10 @@ fn parts(leg: &Leg, radius: f64) -> Vec<Arc<Mesh>> {
 
 /// A foot in the ankle's frame, from the sole up to the ankle, as wide as two limbs.
 fn sole(foot: &Foot, radius: f64) -> Arc<Mesh> {
-    let mut sketch = Sketch::default();
-    let paint = sketch.paint(COLOURS[2]);
+    let mut builder = MeshBuilder::default();
+    let paint = builder.paint(COLOURS[2]);
     let centre = DVec3::new(0.5 * (foot.toe - foot.heel), 0.0, -0.5 * foot.height);
     let size = DVec3::new(foot.toe + foot.heel, 4.0 * radius, foot.height);
-    sketch.collider(&Collider::Box { centre, size: size.max(DVec3::splat(1e-3)) }, paint);
-    sketch.finish()
+    builder.collider(&Collider::Box { centre, size: size.max(DVec3::splat(1e-3)) }, paint);
+    builder.finish()
 }

@@ -1,9 +1,9 @@
-//! Scenery for cameras, built from a scene.
+//! Builds the scenery that cameras see from a scene.
 
 mod body;
 mod leg;
+mod mesh_builder;
 mod object;
-mod sketch;
 #[cfg(test)]
 mod tests;
 mod visuals;
@@ -21,14 +21,14 @@ use crate::spec::{
     DEFAULT_FLOOR_COLOUR, LightSpec, ObjectSpec, ObjectType, RobiSpec, SceneSpec, SkySpec, WallSpec, WorldSpec,
 };
 use crate::{ObjectId, RobotId};
-pub use body::{ROBOT_COLOURS, wheel_places};
-use sketch::Sketch;
+pub use body::{ROBOT_COLOURS, wheel_centres};
+use mesh_builder::MeshBuilder;
 pub use visuals::{NoMeshes, SpawnedEntity, Visuals};
 
 /// Default colour of walls, red, green, blue: nearly white, distinct from floor and sky. Source: our choice.
 pub const WALL_COLOUR: [u8; 3] = [228, 228, 224];
 
-/// Radius of a marker's spot in metres. Source: our choice; the files do not say.
+/// Radius of a marker's spot in metres. Source: our choice, since the file formats do not define it.
 pub const MARKER_RADIUS: f64 = 0.05;
 
 /// Fraction of the non-ambient light that comes from the side opposite to the sun. Source: our choice.
@@ -36,10 +36,10 @@ const FILL: f64 = 0.35;
 
 /// Source of the meshes and images of a scene, queried only when they are to be displayed.
 pub trait MeshSource {
-    /// The mesh of a robot type, in the robot's frame; `None` if it names none, or the mesh cannot be read.
+    /// The mesh of a robot type, in the robot's frame; `None` if the type names no mesh or the mesh cannot be read.
     fn robot(&mut self, robi: &RobiSpec) -> Option<Arc<Mesh>>;
 
-    /// The mesh of an object type, in the object's frame; `None` if it names none, or the mesh cannot be read.
+    /// The mesh of an object type, in the object's frame; `None` if the type names no mesh or the mesh cannot be read.
     fn object(&mut self, kind: &ObjectType) -> Option<Arc<Mesh>>;
 
     /// The image stretched over the floor; `None` if the world names none, or the image cannot be read.
@@ -49,11 +49,11 @@ pub trait MeshSource {
 /// Cache of meshes by type of robot or object. The keys are addresses, so the entries keep their types alive.
 #[derive(Clone, Debug, Default)]
 struct MeshCache {
-    of_objects: BTreeMap<usize, (Arc<ObjectType>, Arc<Mesh>)>,
+    object_meshes: BTreeMap<usize, (Arc<ObjectType>, Arc<Mesh>)>,
     /// For each robot type, the mesh that its file names, if any.
-    of_robots: BTreeMap<usize, (Arc<RobiSpec>, Option<Arc<Mesh>>)>,
+    robot_meshes: BTreeMap<usize, (Arc<RobiSpec>, Option<Arc<Mesh>>)>,
     /// Default bodies of robot types without a mesh, by type and colour.
-    bodies: BTreeMap<(usize, usize), Arc<Mesh>>,
+    default_bodies: BTreeMap<(usize, usize), Arc<Mesh>>,
     /// Leg parts, by robot type.
     legs: BTreeMap<usize, Vec<Arc<Mesh>>>,
 }
@@ -61,33 +61,33 @@ struct MeshCache {
 impl MeshCache {
     /// Visible part of a movable object of this type.
     fn object(&mut self, id: ObjectId, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Part {
-        Part { mesh: self.of_type(kind, reader), label: Label::Object(id), attachment: Attachment::Object(id) }
+        Part { mesh: self.object_mesh(kind, reader), label: Label::Object(id), attachment: Attachment::Object(id) }
     }
 
-    fn of_type(&mut self, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Arc<Mesh> {
-        let looks = || {
-            let mesh = reader.object(kind).unwrap_or_else(|| object::looks(kind));
+    fn object_mesh(&mut self, kind: &Arc<ObjectType>, reader: &mut dyn MeshSource) -> Arc<Mesh> {
+        let raised_mesh = || {
+            let mesh = reader.object(kind).unwrap_or_else(|| object::mesh(kind));
             (Arc::clone(kind), super::raised(&mesh, kind.lift))
         };
-        Arc::clone(&self.of_objects.entry(Arc::as_ptr(kind).addr()).or_insert_with(looks).1)
+        Arc::clone(&self.object_meshes.entry(Arc::as_ptr(kind).addr()).or_insert_with(raised_mesh).1)
     }
 
     /// Visible part of a robot of this type, without legs.
     fn robot(&mut self, id: RobotId, robi: &Arc<RobiSpec>, reader: &mut dyn MeshSource) -> Part {
         let address = Arc::as_ptr(robi).addr();
-        let new = || (Arc::clone(robi), reader.robot(robi));
-        let (_, own) = self.of_robots.entry(address).or_insert_with(new);
-        let mesh = own.clone().unwrap_or_else(|| {
+        let read = || (Arc::clone(robi), reader.robot(robi));
+        let (_, file_mesh) = self.robot_meshes.entry(address).or_insert_with(read);
+        let mesh = file_mesh.clone().unwrap_or_else(|| {
             let colour = id.index() % ROBOT_COLOURS.len();
-            let new = || body::looks(robi, ROBOT_COLOURS[colour]);
-            Arc::clone(self.bodies.entry((address, colour)).or_insert_with(new))
+            let build = || body::mesh(robi, ROBOT_COLOURS[colour]);
+            Arc::clone(self.default_bodies.entry((address, colour)).or_insert_with(build))
         });
         Part { mesh, label: Label::Robot(id), attachment: Attachment::Robot(id) }
     }
 
     /// Visible parts of the legs of a robot of this type; empty for a wheeled robot.
     fn legs(&mut self, id: RobotId, robi: &Arc<RobiSpec>) -> Vec<Part> {
-        let meshes = self.legs.entry(Arc::as_ptr(robi).addr()).or_insert_with(|| leg::looks(robi));
+        let meshes = self.legs.entry(Arc::as_ptr(robi).addr()).or_insert_with(|| leg::meshes(robi));
         let part = |(number, mesh): (usize, &Arc<Mesh>)| Part {
             mesh: Arc::clone(mesh),
             label: Label::Robot(id),
@@ -106,16 +106,16 @@ pub fn scenery(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Scenery {
 }
 
 /// [`scenery`] with a cache of meshes that later additions can share.
-fn scenery_with(scene: &SceneSpec, looks: &mut MeshCache, reader: &mut dyn MeshSource) -> Scenery {
+fn scenery_with(scene: &SceneSpec, meshes: &mut MeshCache, reader: &mut dyn MeshSource) -> Scenery {
     let world = &scene.world;
-    let mut parts: Vec<Part> = (0..).zip(&world.walls).map(|(number, wall)| part_of_wall(number, wall)).collect();
+    let mut parts: Vec<Part> = (0..).zip(&world.walls).map(|(number, wall)| wall_part(number, wall)).collect();
     let terrain = world.terrain.as_ref().and_then(|terrain| terrain.mesh.clone());
     let ground = terrain.is_none().then(|| ground(scene, reader));
     let fixed = |mesh, label| Part { mesh, label, attachment: Attachment::Fixed(Pose3::IDENTITY) };
     parts.extend(terrain.map(|mesh| fixed(mesh, Label::Ground)));
-    parts.extend(parts_of_objects(scene, looks, reader));
-    parts.extend(scene.robots.iter().map(|robot| looks.robot(robot.id, &robot.robi, reader)));
-    parts.extend(scene.robots.iter().flat_map(|robot| looks.legs(robot.id, &robot.robi)));
+    parts.extend(object_parts(scene, meshes, reader));
+    parts.extend(scene.robots.iter().map(|robot| meshes.robot(robot.id, &robot.robi, reader)));
+    parts.extend(scene.robots.iter().flat_map(|robot| meshes.legs(robot.id, &robot.robi)));
     Scenery::new(parts, ground, light(&world.looks.light), sky(&world.looks.sky))
 }
 
@@ -136,41 +136,41 @@ fn ground(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Ground {
 
 fn light(light: &LightSpec) -> Light {
     let LightSpec { azimuth, elevation, ambient, shadows } = *light;
-    let (rise, level) = math::sin_cos(elevation);
-    let towards = DVec3::new(level * math::cos(azimuth), level * math::sin(azimuth), rise);
-    let rest = 1.0 - ambient;
-    Light { towards, ambient, fill: FILL * rest, diffuse: (1.0 - FILL) * rest, shadows }
+    let (vertical, horizontal) = math::sin_cos(elevation);
+    let towards = DVec3::new(horizontal * math::cos(azimuth), horizontal * math::sin(azimuth), vertical);
+    let directed = 1.0 - ambient;
+    Light { towards, ambient, fill: FILL * directed, diffuse: (1.0 - FILL) * directed, shadows }
 }
 
 fn sky(sky: &SkySpec) -> Sky {
     Sky { horizon: sky.horizon, zenith: sky.zenith }
 }
 
-/// A wall on the floor: a sheet, or a box without a lower face. Walls that end in one point have bit-identical corners
+/// A wall on the floor: a sheet, or a box without a lower face. Walls that meet in a point have bit-identical corners
 /// there.
-fn part_of_wall(number: u32, wall: &WallSpec) -> Part {
-    let mut sketch = Sketch::default();
-    let paint = sketch.paint(wall.colour.unwrap_or(WALL_COLOUR));
+fn wall_part(number: u32, wall: &WallSpec) -> Part {
+    let mut builder = MeshBuilder::default();
+    let paint = builder.paint(wall.colour.unwrap_or(WALL_COLOUR));
     let line = Segment { a: wall.from, b: wall.to };
     if wall.thickness > 0.0 {
         let outline = line.thickened(wall.thickness).map(|side| side.a);
-        sketch.column(&outline, 0.0, |_| wall.height, paint, paint);
+        builder.column(&outline, 0.0, |_| wall.height, paint, paint);
     } else {
         let [a, b] = [line.a, line.b];
-        sketch.panel([a.extend(0.0), b.extend(0.0), b.extend(wall.height), a.extend(wall.height)], paint);
+        builder.panel([a.extend(0.0), b.extend(0.0), b.extend(wall.height), a.extend(wall.height)], paint);
     }
-    Part { mesh: sketch.finish(), label: Label::Wall(number), attachment: Attachment::Fixed(Pose3::IDENTITY) }
+    Part { mesh: builder.finish(), label: Label::Wall(number), attachment: Attachment::Fixed(Pose3::IDENTITY) }
 }
 
-fn parts_of_objects(scene: &SceneSpec, looks: &mut MeshCache, reader: &mut dyn MeshSource) -> Vec<Part> {
+fn object_parts(scene: &SceneSpec, meshes: &mut MeshCache, reader: &mut dyn MeshSource) -> Vec<Part> {
     let mut movable = 0;
     let part = |(number, object): (u32, &ObjectSpec)| {
         if object.kind.is_fixed {
             let attachment = Attachment::Fixed(Pose3::from_planar(&object.pose, 0.0));
-            return Part { mesh: looks.of_type(&object.kind, reader), label: Label::Fixed(number), attachment };
+            return Part { mesh: meshes.object_mesh(&object.kind, reader), label: Label::Fixed(number), attachment };
         }
         movable += 1;
-        looks.object(ObjectId(movable), &object.kind, reader)
+        meshes.object(ObjectId(movable), &object.kind, reader)
     };
     (0..).zip(&scene.objects).map(part).collect()
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::sketch::{Round, SIDES, Sketch};
+use super::mesh_builder::{MeshBuilder, RoundSize, SIDES};
 use crate::pose::Pose3;
 use crate::scene::{Mesh, Texture};
 use crate::spec::{BUILT_IN_OBJECTS, Collider, ObjectType};
@@ -16,39 +16,39 @@ const COLOUR: [u8; 3] = [240, 228, 66];
 const METAL: [u8; 3] = [200, 202, 206];
 
 /// Mesh of an object type from its colliders.
-pub fn looks(kind: &ObjectType) -> Arc<Mesh> {
+pub fn mesh(kind: &ObjectType) -> Arc<Mesh> {
     let colour = kind.colour.unwrap_or(COLOUR);
     let is_built_in = BUILT_IN_OBJECTS.contains(&kind.file.as_str());
-    let mut sketch = Sketch::default();
+    let mut builder = MeshBuilder::default();
     for collider in &kind.colliders {
         match *collider {
             Collider::Cylinder { centre, radius, height } if is_built_in => {
-                can(&mut sketch, centre, Round { radius, height, sides: SIDES }, colour);
+                can(&mut builder, centre, RoundSize { radius, height, sides: SIDES }, colour);
             }
             Collider::Box { centre, size } if is_built_in => {
-                let planks = sketch.image(planks(colour));
-                sketch.cuboid(&Pose3 { position: centre, ..Pose3::IDENTITY }, size, planks);
+                let paint = builder.image(planks(colour));
+                builder.cuboid(&Pose3 { position: centre, ..Pose3::IDENTITY }, size, paint);
             }
             _ => {
-                let paint = sketch.paint(colour);
-                sketch.collider(collider, paint);
+                let paint = builder.paint(colour);
+                builder.collider(collider, paint);
             }
         }
     }
-    sketch.finish()
+    builder.finish()
 }
 
 /// A drink can: a painted cylinder between two narrower metal rims.
-fn can(sketch: &mut Sketch, centre: DVec3, size: Round, colour: [u8; 3]) {
-    let at = |height: f64| Pose3 { position: centre - 0.5 * height * DVec3::Z, ..Pose3::IDENTITY };
-    let (paint, metal) = (sketch.paint(colour), sketch.paint(METAL));
-    let painted = Round { height: 0.9 * size.height, ..size };
-    sketch.cylinder(&at(painted.height), painted, 1, [paint; 2]);
-    let rims = Round { radius: 0.9 * size.radius, ..size };
-    sketch.cylinder(&at(rims.height), rims, 1, [metal; 2]);
+fn can(builder: &mut MeshBuilder, centre: DVec3, size: RoundSize, colour: [u8; 3]) {
+    let frame = |height: f64| Pose3 { position: centre - 0.5 * height * DVec3::Z, ..Pose3::IDENTITY };
+    let (paint, metal) = (builder.paint(colour), builder.paint(METAL));
+    let wall = RoundSize { height: 0.9 * size.height, ..size };
+    builder.cylinder(&frame(wall.height), wall, 1, [paint; 2]);
+    let rims = RoundSize { radius: 0.9 * size.radius, ..size };
+    builder.cylinder(&frame(rims.height), rims, 1, [metal; 2]);
 }
 
-/// Texture of a wooden box: a frame, and a brace from the lower left to the upper right on boards.
+/// Texture of a wooden box: boards, with a frame and a diagonal brace from the lower left to the upper right.
 fn planks(colour: [u8; 3]) -> Arc<Texture> {
     const SIZE: u32 = 64;
     const FRAME: u32 = 9;
@@ -69,5 +69,5 @@ fn planks(colour: [u8; 3]) -> Arc<Texture> {
         [red, green, blue, 255]
     };
     let pixels = (0..SIZE * SIZE).map(|pixel| shade(pixel % SIZE, pixel / SIZE)).collect();
-    Arc::new(Texture::new(SIZE, SIZE, pixels).expect("as many pixels as it has"))
+    Arc::new(Texture::new(SIZE, SIZE, pixels).expect("the number of pixels matches the size"))
 }

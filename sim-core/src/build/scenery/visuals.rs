@@ -1,4 +1,4 @@
-//! Scenery of a scene and of the entities spawned later.
+//! Scenery of a scene and of the entities that are spawned during the run.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::{ObjectId, RobotId};
 #[derive(Clone, Debug)]
 pub struct Visuals {
     scenery: Arc<Scenery>,
-    looks: MeshCache,
+    meshes: MeshCache,
 }
 
 /// A mesh source without meshes and images: objects appear as their colliders.
@@ -32,13 +32,13 @@ pub enum SpawnedEntity {
 impl Visuals {
     /// The scenery of `scene`, with meshes and images from `reader`.
     pub fn new(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Self {
-        let mut looks = MeshCache::default();
-        Self { scenery: Arc::new(scenery_with(scene, &mut looks, reader)), looks }
+        let mut meshes = MeshCache::default();
+        Self { scenery: Arc::new(scenery_with(scene, &mut meshes, reader)), meshes }
     }
 
     /// Wraps an existing scenery.
-    pub fn of(scenery: Scenery) -> Self {
-        Self { scenery: Arc::new(scenery), looks: MeshCache::default() }
+    pub fn from_scenery(scenery: Scenery) -> Self {
+        Self { scenery: Arc::new(scenery), meshes: MeshCache::default() }
     }
 
     /// The current scenery.
@@ -52,10 +52,10 @@ impl Visuals {
         for entity in entities {
             match entity {
                 SpawnedEntity::Robot(id, robi) => {
-                    parts.push(self.looks.robot(id, &robi, reader));
-                    parts.extend(self.looks.legs(id, &robi));
+                    parts.push(self.meshes.robot(id, &robi, reader));
+                    parts.extend(self.meshes.legs(id, &robi));
                 }
-                SpawnedEntity::Object(id, kind) => parts.push(self.looks.object(id, &kind, reader)),
+                SpawnedEntity::Object(id, kind) => parts.push(self.meshes.object(id, &kind, reader)),
             }
         }
         if !parts.is_empty() {

@@ -1,4 +1,4 @@
-//! Bit errors and lost messages against the binary symmetric channel.
+//! Bit errors and lost messages, compared with the binary symmetric channel.
 
 use accuracy::statistics::{binomial, chi_squared, uncorrelated};
 use accuracy::world::Random;
@@ -9,9 +9,9 @@ const MILLION: usize = 1_000_000;
 /// Bits of a message.
 const BITS: usize = 256;
 
-/// Result of messages of [`BITS`] bits through a channel.
+/// Outcome of sending messages of [`BITS`] bits through a channel.
 struct Sample {
-    /// Positions of the bit errors of each message that arrived, in order.
+    /// Positions of the bit errors of each message that arrived, ascending.
     messages: Vec<Vec<u16>>,
     lost: u64,
 }
@@ -25,7 +25,7 @@ fn sample(errors: RadioNoise, count: usize) -> Sample {
         let sequences = 1000 * batch..(1000 * (batch + 1)).min(count);
         let one = |sequence| {
             let sent = Time::from_millis(sequence as i64);
-            sending(2, sequence as u64 + 1, Address::One(1), vec![0; BITS / 8], sent)
+            message_from(2, sequence as u64 + 1, Address::One(1), vec![0; BITS / 8], sent)
         };
         for delivery in channel.exchange(Time::from_millis(1000 * batch as i64), sequences.map(one).collect()) {
             match delivery.outcome {
@@ -53,15 +53,15 @@ fn wrong_bits(arrived: &Arrived) -> Vec<u16> {
 }
 
 /// p-values of a sample under the hypothesis of independent bit errors with probability `p`, each with the name of its test.
-fn verdicts(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
+fn p_values(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
     let bits = (messages.len() * BITS) as u64;
-    let all = || messages.iter().flatten();
-    let errors = all().count();
-    let mut found = vec![("rate".to_owned(), binomial(errors as u64, bits, p))];
+    let wrong_positions = || messages.iter().flatten();
+    let errors = wrong_positions().count();
+    let mut results = vec![("rate".to_owned(), binomial(errors as u64, bits, p))];
 
     let mut positions = vec![0.0; BITS];
-    all().for_each(|bit| positions[usize::from(*bit)] += 1.0);
-    found.push(("positions".to_owned(), chi_squared(&positions, &[errors as f64 / BITS as f64; BITS])));
+    wrong_positions().for_each(|bit| positions[usize::from(*bit)] += 1.0);
+    results.push(("positions".to_owned(), chi_squared(&positions, &[errors as f64 / BITS as f64; BITS])));
 
     // Joining the messages without a gap keeps the gaps between errors geometric.
     let wrong_bits = messages
@@ -79,7 +79,7 @@ fn verdicts(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
         remaining *= 1.0 - p;
     }
     expected.push(remaining);
-    found.push(("gaps".to_owned(), chi_squared(&gaps, &expected)));
+    results.push(("gaps".to_owned(), chi_squared(&gaps, &expected)));
 
     for lag in [1, 2, 7, 8, 16, BITS as u64] {
         let mut pairs = 0;
@@ -91,19 +91,19 @@ fn verdicts(messages: &[Vec<u16>], p: f64) -> Vec<(String, f64)> {
             }
             pairs += u64::from(wrong_bits.get(ahead) == Some(&(bit + lag)));
         }
-        found.push((format!("bits {lag} apart"), binomial(pairs, bits - lag, p * p)));
+        results.push((format!("bits {lag} apart"), binomial(pairs, bits - lag, p * p)));
     }
 
     let counts: Vec<f64> = messages.iter().map(|wrong| wrong.len() as f64).collect();
-    found.push(("one message after another".to_owned(), uncorrelated(&counts[1..], &counts[..counts.len() - 1])));
-    found
+    results.push(("one message after another".to_owned(), uncorrelated(&counts[1..], &counts[..counts.len() - 1])));
+    results
 }
 
 /// Significance level: one in a thousand good samples has a lower p-value.
 const MIN_P_VALUE: f64 = 0.001;
 
 #[test]
-fn a_million_messages_have_the_rates_that_are_set() {
+fn million_messages_have_the_configured_error_rates() {
     for (bit_error_rate, packet_loss) in [(0.0, 0.2), (1e-4, 0.01), (1e-3, 0.001), (0.02, 0.5), (0.5, 0.9)] {
         let Sample { messages, lost } = sample(RadioNoise { bit_error_rate, packet_loss }, MILLION);
         let p = binomial(lost, MILLION as u64, packet_loss);
@@ -118,17 +118,17 @@ fn a_million_messages_have_the_rates_that_are_set() {
 fn errors_are_uniform_and_independent() {
     for (p, count) in [(0.001, MILLION), (0.01, 200_000), (0.3, 10_000)] {
         let Sample { messages, .. } = sample(RadioNoise { bit_error_rate: p, packet_loss: 0.1 }, count);
-        for (what, value) in verdicts(&messages, p) {
-            assert!(value > MIN_P_VALUE, "{what} at {p}: {value}");
+        for (test, p_value) in p_values(&messages, p) {
+            assert!(p_value > MIN_P_VALUE, "{test} at {p}: {p_value}");
         }
     }
 }
 
 #[test]
-fn the_same_tests_catch_biased_generators() {
+fn tests_reject_biased_generators() {
     const P: f64 = 0.01;
     let mut random = Random::new(7);
-    let mut make = |probability: &mut dyn FnMut(u16, &[u16], &mut Random) -> f64| -> Vec<Vec<u16>> {
+    let mut generate = |probability: &mut dyn FnMut(u16, &[u16], &mut Random) -> f64| -> Vec<Vec<u16>> {
         let mut message = || {
             let mut wrong = Vec::new();
             for bit in 0..BITS as u16 {
@@ -141,16 +141,17 @@ fn the_same_tests_catch_biased_generators() {
         };
         (0..20_000).map(|_| message()).collect()
     };
-    let is_before = |bit: u16, wrong: &[u16], by: u16| bit >= by && wrong.contains(&(bit - by));
-    // Only the first of these alternatives has another overall rate.
-    let higher_rate = make(&mut |_, _, _| 1.05 * P);
-    let first_of_byte = make(&mut |bit, _, _| if bit % 8 == 0 { 1.7 * P } else { 0.9 * P });
-    let towards_the_end = make(&mut |bit, _, _| P * (0.85 + 0.3 * f64::from(bit) / (BITS as f64 - 1.0)));
-    let burst = make(&mut |bit, wrong, _| if is_before(bit, wrong, 1) { 5.0 * P } else { 0.9596 * P });
-    let never_twice = make(&mut |bit, wrong, _| if is_before(bit, wrong, 1) { 0.0 } else { P / (1.0 - P) });
-    let echo = make(&mut |bit, wrong, _| if is_before(bit, wrong, 8) { 5.0 * P } else { 0.9596 * P });
+    let is_wrong = |bit: u16, wrong: &[u16], lag: u16| bit >= lag && wrong.contains(&(bit - lag));
+    // Of these biased generators only the first has a wrong overall rate.
+    let higher_rate = generate(&mut |_, _, _| 1.05 * P);
+    let first_of_byte = generate(&mut |bit, _, _| if bit % 8 == 0 { 1.7 * P } else { 0.9 * P });
+    let rising = generate(&mut |bit, _, _| P * (0.85 + 0.3 * f64::from(bit) / (BITS as f64 - 1.0)));
+    let burst = generate(&mut |bit, wrong, _| if is_wrong(bit, wrong, 1) { 5.0 * P } else { 0.9596 * P });
+    let no_neighbours = generate(&mut |bit, wrong, _| if is_wrong(bit, wrong, 1) { 0.0 } else { P / (1.0 - P) });
+    let repeated_in_next_byte =
+        generate(&mut |bit, wrong, _| if is_wrong(bit, wrong, 8) { 5.0 * P } else { 0.9596 * P });
     let mut rate = P;
-    let fading = make(&mut |bit, _, random| {
+    let fading = generate(&mut |bit, _, random| {
         if bit == 0 && random.chance(0.2) {
             rate = random.between(0.0, 2.0 * P);
         }
@@ -166,36 +167,36 @@ fn the_same_tests_catch_biased_generators() {
         }
         errors
     };
-    let catches = |messages: &[Vec<u16>], test: &str| {
-        let all = verdicts(messages, P);
-        let (_, value) = all.iter().find(|(what, _)| what == test).unwrap_or_else(|| panic!("`{test}`"));
-        assert!(*value < 1e-6, "{test} does not notice: {all:?}");
+    let reject = |messages: &[Vec<u16>], test: &str| {
+        let results = p_values(messages, P);
+        let (_, p_value) = results.iter().find(|(name, _)| name == test).unwrap_or_else(|| panic!("no test `{test}`"));
+        assert!(*p_value < 1e-6, "{test} does not reject: {results:?}");
     };
-    catches(&higher_rate, "rate");
-    catches(&first_of_byte, "positions");
-    catches(&towards_the_end, "positions");
-    catches(&burst, "bits 1 apart");
-    catches(&burst, "gaps");
-    catches(&never_twice, "bits 1 apart");
-    catches(&echo, "bits 8 apart");
-    catches(&fading, "one message after another");
-    catches(&regular, "gaps");
+    reject(&higher_rate, "rate");
+    reject(&first_of_byte, "positions");
+    reject(&rising, "positions");
+    reject(&burst, "bits 1 apart");
+    reject(&burst, "gaps");
+    reject(&no_neighbours, "bits 1 apart");
+    reject(&repeated_in_next_byte, "bits 8 apart");
+    reject(&fading, "one message after another");
+    reject(&regular, "gaps");
     // Errors drawn bit by bit pass all tests.
-    for (what, value) in verdicts(&make(&mut |_, _, _| P), P) {
-        assert!(value > MIN_P_VALUE, "{what}: {value}");
+    for (test, p_value) in p_values(&generate(&mut |_, _, _| P), P) {
+        assert!(p_value > MIN_P_VALUE, "{test}: {p_value}");
     }
 }
 
 #[test]
-fn receivers_senders_and_messages_draw_independently() {
+fn errors_of_receivers_senders_and_messages_are_independent() {
     const COUNT: u64 = 20_000;
     let errors = RadioNoise { bit_error_rate: 0.01, packet_loss: 0.3 };
     let mut channel = channel(RadioModel::default(), vec![errors; 4], 4);
     let mut heard = vec![[None; 5]; COUNT as usize];
     for message in 0..COUNT {
         // Robots 1 and 2 send to all: 3 and 4 receive both, with the same message numbers.
-        let of = |from| sending(from, message + 1, Address::All, vec![0; BITS / 8], Time::ZERO);
-        for delivery in channel.exchange(Time::ZERO, vec![of(1), of(2)]) {
+        let broadcast = |from| message_from(from, message + 1, Address::All, vec![0; BITS / 8], Time::ZERO);
+        for delivery in channel.exchange(Time::ZERO, vec![broadcast(1), broadcast(2)]) {
             let index = match (delivery.from.0, delivery.to.0) {
                 (1, 3) => 0,
                 (1, 4) => 1,
@@ -206,16 +207,17 @@ fn receivers_senders_and_messages_draw_independently() {
             heard[message as usize][index] = Some(delivery.outcome.ok().map(|arrived| arrived.bit_errors));
         }
     }
-    let column = |index: usize, of: fn(Option<u32>) -> f64| -> Vec<f64> {
-        heard.iter().map(|fates| of(fates[index].expect("each is decided"))).collect()
+    let column = |index: usize, value_of: fn(Option<u32>) -> f64| -> Vec<f64> {
+        heard.iter().map(|outcomes| value_of(outcomes[index].expect("each message is decided"))).collect()
     };
-    let is_lost = |fate: Option<u32>| f64::from(u8::from(fate.is_none()));
+    let is_lost = |bit_errors: Option<u32>| f64::from(u8::from(bit_errors.is_none()));
     for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
         let p = uncorrelated(&column(a, is_lost), &column(b, is_lost));
         assert!(p > MIN_P_VALUE, "losses of {a} and {b}: {p}");
-        let both = heard.iter().filter_map(|fates| Some((fates[a]??, fates[b]??)));
-        let (of_a, of_b): (Vec<f64>, Vec<f64>) = both.map(|(a, b)| (f64::from(a), f64::from(b))).unzip();
-        let p = uncorrelated(&of_a, &of_b);
-        assert!(of_a.len() > 9_000 && p > MIN_P_VALUE, "errors of {a} and {b}: {p}");
+        let received_both = heard.iter().filter_map(|outcomes| Some((outcomes[a]??, outcomes[b]??)));
+        let (errors_a, errors_b): (Vec<f64>, Vec<f64>) =
+            received_both.map(|(a, b)| (f64::from(a), f64::from(b))).unzip();
+        let p = uncorrelated(&errors_a, &errors_b);
+        assert!(errors_a.len() > 9_000 && p > MIN_P_VALUE, "errors of {a} and {b}: {p}");
     }
 }

@@ -1,5 +1,5 @@
-//! Tests of channel and stations: statistics of errors and collisions, random schedules against an oracle, the ring,
-//! hard cases.
+//! Tests of channel and stations: statistics of errors and collisions, random schedules compared with an oracle, the
+//! token ring, edge cases.
 
 mod aloha;
 mod cases;
@@ -11,16 +11,16 @@ mod schedules;
 use super::*;
 use crate::noise::RadioNoise;
 
-/// A message from robot `from`, whose address is its own number.
-fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) -> SentMessage {
-    SentMessage {
+/// A message from robot `from`, whose address is the robot's number, queued and transmitted at `queued_at`.
+fn message_from(from: u32, sequence: u64, to: Address, payload: Vec<u8>, queued_at: Time) -> OutgoingMessage {
+    OutgoingMessage {
         from: RobotId(from),
         address: from,
         sequence,
         to,
         payload,
-        sent,
-        begins: Some(sent),
+        queued_at,
+        begins: Some(queued_at),
         baud: BAUD,
         out_of_reach: Vec::new(),
     }
@@ -28,7 +28,7 @@ fn sending(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: Time) 
 
 const BAUD: u32 = 115_200;
 
-/// A channel with the members 1 to `members`, each with its number as its address.
+/// A channel with the stations of the robots 1 to `members`; the address of each is the robot's number.
 fn channel(model: RadioModel, errors: Vec<RadioNoise>, members: u32) -> Channel {
     let mut channel = Channel::new(model, 42, errors);
     for robot in 1..=members {

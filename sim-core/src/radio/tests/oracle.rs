@@ -1,4 +1,4 @@
-//! Oracle for stations and channel: evaluates the same rules microsecond by microsecond, and shares no code with the
+//! Oracle for stations and channel: evaluates their rules microsecond by microsecond, and shares no code with the
 //! channel.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -9,7 +9,7 @@ use crate::noise::{Purpose, Stream};
 
 /// One operation of a program on its radio.
 #[derive(Clone, Debug)]
-pub enum Deed {
+pub enum Operation {
     On {
         address: u32,
         baud: u32,
@@ -19,7 +19,7 @@ pub enum Deed {
         to: Address,
         payload: Vec<u8>,
     },
-    /// Takes a message, if there is one.
+    /// Reads a message, if there is one.
     Read,
 }
 
@@ -31,30 +31,30 @@ pub struct Schedule {
     pub seed: u64,
     /// Noise model of each robot.
     pub errors: Vec<RadioNoise>,
-    /// Robots that each robot cannot reach.
+    /// For each robot, the robots that cannot receive its messages.
     pub out_of_reach: Vec<Vec<(RobotId, Loss)>>,
     /// Operations in order of time; operations of one robot are at different instants.
-    pub deeds: Vec<(Time, RobotId, Deed)>,
+    pub operations: Vec<(Time, RobotId, Operation)>,
     pub end: Time,
 }
 
-/// Outcomes of the messages, and the messages read: (time, reader, sender, number).
+/// Result of a run: the deliveries, and the messages read as (time, reader, sender, sequence).
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Story {
-    /// Deliveries in order of (visible, receiver, arrives, sender, sequence).
-    pub fates: Vec<Delivery>,
+pub struct Outcome {
+    /// Sorted by (visible, receiver, arrives, sender, sequence).
+    pub deliveries: Vec<Delivery>,
     pub read: Vec<(Time, RobotId, RobotId, u64)>,
 }
 
-/// A message that was sent.
-struct Sent {
+/// A message that a program has queued.
+struct Message {
     from: RobotId,
     sequence: u64,
     to: Address,
     payload: Vec<u8>,
     address: u32,
     baud: u32,
-    at: Time,
+    queued_at: Time,
     begins: Option<Time>,
     /// Receivers at which another transmission was on the air at the same time.
     disturbed: BTreeSet<RobotId>,
@@ -64,57 +64,58 @@ struct Sent {
 struct Oracle<'a> {
     schedule: &'a Schedule,
     now: Time,
-    sent: Vec<Sent>,
+    messages: Vec<Message>,
     /// Address and speed by robot.
     on: BTreeMap<RobotId, (u32, u32)>,
-    /// Messages that wait to be sent, by robot.
+    /// Indices of messages whose transmission has not begun, by robot.
     queues: Vec<VecDeque<usize>>,
     ring: Vec<(RobotId, u32)>,
     token: Option<(RobotId, Time, f64)>,
-    tokens: u64,
-    story: Story,
-    /// Messages decided but not yet visible, and messages waiting to be read, by robot.
-    coming: Vec<Vec<Delivery>>,
+    token_count: u64,
+    outcome_of_run: Outcome,
+    /// Deliveries that are not yet visible, by robot.
+    in_transit: Vec<Vec<Delivery>>,
+    /// Visible messages that are not yet read, by robot.
     inbox: Vec<Vec<Delivery>>,
 }
 
-/// Computes the outcome of a schedule.
-pub fn tell(schedule: &Schedule) -> Story {
+/// Simulates a schedule.
+pub fn simulate(schedule: &Schedule) -> Outcome {
     let robots = schedule.errors.len();
     let mut oracle = Oracle {
         schedule,
         now: Time::ZERO,
-        sent: Vec::new(),
+        messages: Vec::new(),
         on: BTreeMap::new(),
         queues: vec![VecDeque::new(); robots],
         ring: Vec::new(),
         token: None,
-        tokens: 0,
-        story: Story::default(),
-        coming: vec![Vec::new(); robots],
+        token_count: 0,
+        outcome_of_run: Outcome::default(),
+        in_transit: vec![Vec::new(); robots],
         inbox: vec![Vec::new(); robots],
     };
-    let mut deeds = schedule.deeds.iter().peekable();
+    let mut operations = schedule.operations.iter().peekable();
     while oracle.now < schedule.end {
-        oracle.show();
-        let mut offs = Vec::new();
-        while let Some((_, robot, deed)) = deeds.next_if(|(at, ..)| *at == oracle.now) {
-            match deed {
-                Deed::Off => offs.push(*robot),
-                deed => oracle.act(*robot, deed),
+        oracle.make_visible();
+        let mut switched_off = Vec::new();
+        while let Some((_, robot, operation)) = operations.next_if(|(at, ..)| *at == oracle.now) {
+            match operation {
+                Operation::Off => switched_off.push(*robot),
+                operation => oracle.execute(*robot, operation),
             }
         }
         oracle.transmit();
-        offs.into_iter().for_each(|robot| oracle.switch_off(robot));
-        oracle.listen();
+        switched_off.into_iter().for_each(|robot| oracle.switch_off(robot));
+        oracle.record_overlaps();
         oracle.now += Time(1);
         if oracle.now.0 % schedule.slot.0 == 0 {
             oracle.end_slot();
         }
     }
     let key = |it: &Delivery| (it.visible, it.to, it.arrives, it.from, it.sequence);
-    oracle.story.fates.sort_by_key(key);
-    oracle.story
+    oracle.outcome_of_run.deliveries.sort_by_key(key);
+    oracle.outcome_of_run
 }
 
 impl Oracle<'_> {
@@ -123,46 +124,46 @@ impl Oracle<'_> {
         Time((bits * 1e6 / f64::from(baud)).ceil() as i64)
     }
 
-    fn ends(sent: &Sent) -> Option<Time> {
-        Some(sent.begins? + Self::duration(sent.payload.len(), sent.baud))
+    fn ends(message: &Message) -> Option<Time> {
+        Some(message.begins? + Self::duration(message.payload.len(), message.baud))
     }
 
     /// Moves messages that are visible now to their receivers.
-    fn show(&mut self) {
-        for (coming, inbox) in self.coming.iter_mut().zip(&mut self.inbox) {
+    fn make_visible(&mut self) {
+        for (in_transit, inbox) in self.in_transit.iter_mut().zip(&mut self.inbox) {
             let is_due = |it: &mut Delivery| it.visible <= self.now;
-            for fate in coming.extract_if(.., is_due) {
-                if fate.outcome.is_ok() {
-                    inbox.push(fate.clone());
+            for delivery in in_transit.extract_if(.., is_due) {
+                if delivery.outcome.is_ok() {
+                    inbox.push(delivery.clone());
                 }
-                self.story.fates.push(fate);
+                self.outcome_of_run.deliveries.push(delivery);
             }
         }
     }
 
-    fn act(&mut self, robot: RobotId, deed: &Deed) {
-        match deed {
-            Deed::On { address, baud } => {
+    fn execute(&mut self, robot: RobotId, operation: &Operation) {
+        match operation {
+            Operation::On { address, baud } => {
                 self.on.insert(robot, (*address, *baud));
             }
-            Deed::Send { to, payload } => {
+            Operation::Send { to, payload } => {
                 let Some(&(address, baud)) = self.on.get(&robot) else { return };
-                let sequence = 1 + self.sent.iter().filter(|sent| sent.from == robot).count() as u64;
-                self.queues[robot.index()].push_back(self.sent.len());
-                self.sent.push(Sent {
+                let sequence = 1 + self.messages.iter().filter(|message| message.from == robot).count() as u64;
+                self.queues[robot.index()].push_back(self.messages.len());
+                self.messages.push(Message {
                     from: robot,
                     sequence,
                     to: *to,
                     payload: payload.clone(),
                     address,
                     baud,
-                    at: self.now,
+                    queued_at: self.now,
                     begins: None,
                     disturbed: BTreeSet::new(),
                     is_decided: false,
                 });
             }
-            Deed::Read => {
+            Operation::Read => {
                 let inbox = &mut self.inbox[robot.index()];
                 let first = (0..inbox.len()).min_by_key(|index| {
                     let it = &inbox[*index];
@@ -170,10 +171,10 @@ impl Oracle<'_> {
                 });
                 if let Some(index) = first.filter(|_| self.on.contains_key(&robot)) {
                     let message = inbox.remove(index);
-                    self.story.read.push((self.now, robot, message.from, message.sequence));
+                    self.outcome_of_run.read.push((self.now, robot, message.from, message.sequence));
                 }
             }
-            Deed::Off => {}
+            Operation::Off => {}
         }
     }
 
@@ -182,39 +183,42 @@ impl Oracle<'_> {
             return;
         }
         self.inbox[robot.index()].clear();
-        for fate in self.coming[robot.index()].drain(..) {
-            self.story.fates.push(Delivery { outcome: fate.outcome.and(Err(Loss::Off)), ..fate });
+        for delivery in self.in_transit[robot.index()].drain(..) {
+            self.outcome_of_run.deliveries.push(Delivery { outcome: delivery.outcome.and(Err(Loss::Off)), ..delivery });
         }
         let slot_start = self.now.floor_to(self.schedule.slot);
-        let is_kept = |index: &usize| self.schedule.model.medium == Medium::Free && self.sent[*index].at < slot_start;
+        let is_kept =
+            |index: &usize| self.schedule.model.medium == Medium::Free && self.messages[*index].queued_at < slot_start;
         let queue = std::mem::take(&mut self.queues[robot.index()]);
         self.queues[robot.index()] = queue.iter().copied().filter(is_kept).collect();
         // The reported arrival assumes that the transmission begins as soon as the transmitter is free.
-        let mut free = self.sent.iter().filter(|sent| sent.from == robot).filter_map(Self::ends).max();
+        let mut transmitter_free =
+            self.messages.iter().filter(|message| message.from == robot).filter_map(Self::ends).max();
         for index in queue {
             let is_kept = self.queues[robot.index()].contains(&index);
             let slot_end = slot_start + self.schedule.slot;
-            let sent = &mut self.sent[index];
+            let message = &mut self.messages[index];
             let begins = match self.schedule.model.medium {
                 Medium::TokenRing => slot_end,
-                _ => free.map_or(sent.at, |free| free.max(sent.at)),
+                _ => transmitter_free
+                    .map_or(message.queued_at, |transmitter_free| transmitter_free.max(message.queued_at)),
             };
-            let ends = begins + Self::duration(sent.payload.len(), sent.baud);
-            free = Some(ends);
+            let ends = begins + Self::duration(message.payload.len(), message.baud);
+            transmitter_free = Some(ends);
             if !is_kept {
-                sent.is_decided = true;
-                self.tell_sender(index, ends, slot_end, Loss::Unsent);
+                message.is_decided = true;
+                self.report_to_sender(index, ends, slot_end, Loss::Unsent);
             }
         }
     }
 
-    fn tell_sender(&mut self, index: usize, ends: Time, visible: Time, loss: Loss) {
-        let sent = &self.sent[index];
-        self.coming[sent.from.index()].push(Delivery {
-            to: sent.from,
-            from: sent.from,
-            address: sent.address,
-            sequence: sent.sequence,
+    fn report_to_sender(&mut self, index: usize, ends: Time, visible: Time, loss: Loss) {
+        let message = &self.messages[index];
+        self.in_transit[message.from.index()].push(Delivery {
+            to: message.from,
+            from: message.from,
+            address: message.address,
+            sequence: message.sequence,
             arrives: ends + self.schedule.model.latency,
             visible,
             outcome: Err(loss),
@@ -224,70 +228,71 @@ impl Oracle<'_> {
     /// Starts transmissions of stations that may send.
     fn transmit(&mut self) {
         if self.schedule.model.medium == Medium::TokenRing {
-            return self.turn();
+            return self.pass_token();
         }
         for robot in 0..self.queues.len() {
-            let own = self.sent.iter().filter(|sent| sent.from.index() == robot);
-            let is_busy = own.filter_map(Self::ends).any(|ends| ends > self.now);
+            let of_robot = self.messages.iter().filter(|message| message.from.index() == robot);
+            let is_busy = of_robot.filter_map(Self::ends).any(|ends| ends > self.now);
             if !is_busy && let Some(index) = self.queues[robot].pop_front() {
-                self.sent[index].begins = Some(self.now);
+                self.messages[index].begins = Some(self.now);
             }
         }
     }
 
     /// Lets the holder of the token send a message or pass the token on.
-    fn turn(&mut self) {
-        let Some((owner, at, life)) = self.token else { return };
+    fn pass_token(&mut self) {
+        let Some((holder, at, life)) = self.token else { return };
         if at != self.now {
             return;
         }
-        let index = self.ring.iter().position(|(robot, _)| *robot == owner).expect("it is in the ring");
+        let index = self.ring.iter().position(|(robot, _)| *robot == holder).expect("the holder is in the ring");
         let mut frame = Self::duration(0, self.ring[index].1);
-        if let Some(message) = self.queues[owner.index()].pop_front() {
-            self.sent[message].begins = Some(at);
-            frame = Self::duration(self.sent[message].payload.len(), self.sent[message].baud);
+        if let Some(message) = self.queues[holder.index()].pop_front() {
+            self.messages[message].begins = Some(at);
+            frame = Self::duration(self.messages[message].payload.len(), self.messages[message].baud);
         }
         let (next, _) = self.ring[(index + 1) % self.ring.len()];
         let RadioNoise { bit_error_rate, packet_loss } = self.schedule.errors[next.index()];
-        let mut risk = 0.0;
+        let mut hazard = 0.0;
         if self.ring.len() > 1 {
-            risk -= if packet_loss > 0.0 { ln_1p(-packet_loss) } else { 0.0 };
-            risk -= if bit_error_rate > 0.0 { 56.0 * ln_1p(-bit_error_rate) } else { 0.0 };
+            hazard -= if packet_loss > 0.0 { ln_1p(-packet_loss) } else { 0.0 };
+            hazard -= if bit_error_rate > 0.0 { 56.0 * ln_1p(-bit_error_rate) } else { 0.0 };
         }
-        if risk <= life {
-            self.token = Some((next, at + frame, life - risk));
+        if hazard <= life {
+            self.token = Some((next, at + frame, life - hazard));
         } else {
-            self.make_token(next, at + frame);
+            self.create_token(next, at + frame);
         }
     }
 
-    /// Creates a token at `maker` after silence that began at `silent`.
-    fn make_token(&mut self, maker: RobotId, silent: Time) {
-        let (_, baud) = *self.ring.iter().find(|(robot, _)| *robot == maker).expect("it is in the ring");
+    /// Creates a token at `holder` after a silence that began at `silence_start`.
+    fn create_token(&mut self, holder: RobotId, silence_start: Time) {
+        let (_, baud) = *self.ring.iter().find(|(robot, _)| *robot == holder).expect("the holder is in the ring");
         // Two frames of silence, a poll, and an answer from each other station.
         let frames = 2 + 1 + (self.ring.len() as i64 - 1);
-        let mut stream = Stream::new(self.schedule.seed, RobotId(0), Purpose::Token, 0, self.tokens);
-        self.tokens += 1;
-        let at = silent + Time(frames * Self::duration(0, baud).0);
-        self.token = Some((maker, at, -ln(1.0 - stream.unit())));
+        let mut stream = Stream::new(self.schedule.seed, RobotId(0), Purpose::Token, 0, self.token_count);
+        self.token_count += 1;
+        let at = silence_start + Time(frames * Self::duration(0, baud).0);
+        self.token = Some((holder, at, -ln(1.0 - stream.unit())));
     }
 
     /// Records overlapping transmissions at each receiver.
-    fn listen(&mut self) {
-        let is_on_air = |sent: &Sent| {
-            sent.begins.is_some_and(|begins| begins <= self.now) && Self::ends(sent).is_some_and(|ends| ends > self.now)
+    fn record_overlaps(&mut self) {
+        let is_on_air = |message: &Message| {
+            message.begins.is_some_and(|begins| begins <= self.now)
+                && Self::ends(message).is_some_and(|ends| ends > self.now)
         };
-        let on_air: Vec<usize> = (0..self.sent.len()).filter(|index| is_on_air(&self.sent[*index])).collect();
+        let on_air: Vec<usize> = (0..self.messages.len()).filter(|index| is_on_air(&self.messages[*index])).collect();
         for receiver in (0..self.queues.len()).map(RobotId::from_index) {
             let is_heard = |index: &&usize| {
-                let from = self.sent[**index].from;
+                let from = self.messages[**index].from;
                 let reaches = |(robot, _): &(RobotId, Loss)| *robot != receiver;
                 from == receiver || self.schedule.out_of_reach[from.index()].iter().all(reaches)
             };
             let audible: Vec<usize> = on_air.iter().filter(is_heard).copied().collect();
             for index in &on_air {
                 if audible.iter().any(|other| other != index) {
-                    self.sent[*index].disturbed.insert(receiver);
+                    self.messages[*index].disturbed.insert(receiver);
                 }
             }
         }
@@ -296,33 +301,35 @@ impl Oracle<'_> {
     /// Processes the end of a slot at `now`.
     fn end_slot(&mut self) {
         let Schedule { model, .. } = *self.schedule;
-        let owner = self.token.map(|(owner, at, _)| (owner, at));
+        let holder = self.token.map(|(holder, at, _)| (holder, at));
         self.ring = self.on.iter().map(|(robot, (_, baud))| (*robot, *baud)).collect();
-        match owner {
+        match holder {
             _ if self.ring.is_empty() => self.token = None,
-            None if model.medium == Medium::TokenRing => self.make_token(self.ring[0].0, self.now),
-            Some((owner, at)) if self.ring.iter().all(|(robot, _)| *robot != owner) => {
-                let following = self.ring.iter().find(|(robot, _)| *robot > owner).unwrap_or(&self.ring[0]);
-                self.make_token(following.0, at);
+            None if model.medium == Medium::TokenRing => self.create_token(self.ring[0].0, self.now),
+            Some((holder, at)) if self.ring.iter().all(|(robot, _)| *robot != holder) => {
+                let next = self.ring.iter().find(|(robot, _)| *robot > holder).unwrap_or(&self.ring[0]);
+                self.create_token(next.0, at);
             }
             _ => {}
         }
-        // A free medium takes every message at once; its transmitters then work through them independently.
-        let mut free = vec![Time::ZERO; self.queues.len()];
-        for index in 0..self.sent.len() {
-            let sent = &self.sent[index];
-            let duration = Self::duration(sent.payload.len(), sent.baud);
-            let is_kept = sent.begins.is_some() || self.queues[sent.from.index()].contains(&index);
+        // A free medium takes every message at once; each station then transmits its messages one after the other.
+        let mut transmitter_free = vec![Time::ZERO; self.queues.len()];
+        for index in 0..self.messages.len() {
+            let message = &self.messages[index];
+            let duration = Self::duration(message.payload.len(), message.baud);
+            let is_kept = message.begins.is_some() || self.queues[message.from.index()].contains(&index);
             let ends = match model.medium {
-                Medium::Free => sent.begins.unwrap_or(free[sent.from.index()].max(sent.at)) + duration,
-                _ => Self::ends(sent).unwrap_or(Time::NEVER),
+                Medium::Free => {
+                    message.begins.unwrap_or(transmitter_free[message.from.index()].max(message.queued_at)) + duration
+                }
+                _ => Self::ends(message).unwrap_or(Time::NEVER),
             };
             if is_kept {
-                free[sent.from.index()] = ends;
+                transmitter_free[message.from.index()] = ends;
             }
             let is_due = model.medium == Medium::Free || ends + model.latency <= self.now;
-            if is_kept && !sent.is_decided && is_due {
-                self.sent[index].is_decided = true;
+            if is_kept && !message.is_decided && is_due {
+                self.messages[index].is_decided = true;
                 self.decide(index, ends);
             }
         }
@@ -331,37 +338,45 @@ impl Oracle<'_> {
     fn decide(&mut self, index: usize, ends: Time) {
         let arrives = ends + self.schedule.model.latency;
         let visible = arrives.max(self.now);
-        let mut is_nobody = true;
+        let mut has_no_receiver = true;
         for (robot, (address, baud)) in self.on.clone() {
-            let sent = &self.sent[index];
-            if robot == sent.from || (sent.to != Address::All && sent.to != Address::One(address)) {
+            let message = &self.messages[index];
+            if robot == message.from || (message.to != Address::All && message.to != Address::One(address)) {
                 continue;
             }
-            is_nobody = false;
-            let far = self.schedule.out_of_reach[sent.from.index()].iter().find(|(other, _)| *other == robot);
-            let is_met = self.schedule.model.medium == Medium::Aloha && sent.disturbed.contains(&robot);
+            has_no_receiver = false;
+            let loss = self.schedule.out_of_reach[message.from.index()].iter().find(|(other, _)| *other == robot);
+            let is_disturbed = self.schedule.model.medium == Medium::Aloha && message.disturbed.contains(&robot);
             let radio = self.schedule.errors[robot.index()];
-            let mut stream = Stream::new(self.schedule.seed, robot, Purpose::Radio, sent.from.0, sent.sequence);
-            let outcome = if let Some((_, loss)) = far {
+            let mut stream = Stream::new(self.schedule.seed, robot, Purpose::Radio, message.from.0, message.sequence);
+            let outcome = if let Some((_, loss)) = loss {
                 Err(*loss)
-            } else if sent.baud != baud {
+            } else if message.baud != baud {
                 Err(Loss::Baud)
-            } else if is_met {
+            } else if is_disturbed {
                 Err(Loss::Collision)
             } else if stream.unit() < radio.packet_loss {
                 Err(Loss::Packet)
             } else {
                 // At an error rate of 1 every bit is wrong.
                 let mask = if radio.bit_error_rate == 1.0 { 0xff } else { 0 };
-                let payload: Vec<u8> = sent.payload.iter().map(|byte| byte ^ mask).collect();
+                let payload: Vec<u8> = message.payload.iter().map(|byte| byte ^ mask).collect();
                 let bit_errors = if mask == 0 { 0 } else { 8 * payload.len() as u32 };
                 Ok(Arrived { payload, bit_errors })
             };
-            let Sent { from, address, sequence, .. } = *sent;
-            self.coming[robot.index()].push(Delivery { to: robot, from, address, sequence, arrives, visible, outcome });
+            let Message { from, address, sequence, .. } = *message;
+            self.in_transit[robot.index()].push(Delivery {
+                to: robot,
+                from,
+                address,
+                sequence,
+                arrives,
+                visible,
+                outcome,
+            });
         }
-        if is_nobody {
-            self.tell_sender(index, ends, visible, Loss::Nobody);
+        if has_no_receiver {
+            self.report_to_sender(index, ends, visible, Loss::Nobody);
         }
     }
 }

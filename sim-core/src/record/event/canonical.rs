@@ -1,10 +1,10 @@
-//! Writes the canonical form of events, which is postcard, without a serializer; postcard decodes it.
+//! Canonical form of events: their postcard encoding, written here without a serializer for speed.
 
 use serde::Serialize;
 
 use super::{ActionText, FloatList, Obstacle, Outcome};
 
-/// A type of event fields that writes its postcard form.
+/// Type of an event field that can write its postcard encoding.
 pub trait Canonical {
     /// Appends the value to `bytes`.
     fn write(&self, bytes: &mut Vec<u8>);
@@ -20,10 +20,10 @@ fn write_varint(mut value: u64, bytes: &mut Vec<u8>) {
     if value < 1 << 28 {
         // Writes up to four bytes at once, without a loop.
         let spread = (value & 0x7f) | (value & 0x3f80) << 1 | (value & 0x1f_c000) << 2 | (value & 0xfe0_0000) << 3;
-        let more = (64 - (value | 1).leading_zeros() as usize).div_ceil(7) - 1;
-        let marks = 0x80_8080 & ((1 << (8 * more)) - 1);
-        let len = bytes.len() + more + 1;
-        bytes.extend_from_slice(&(spread | marks).to_le_bytes());
+        let continuation_bytes = (64 - (value | 1).leading_zeros() as usize).div_ceil(7) - 1;
+        let continuation_bits = 0x80_8080 & ((1 << (8 * continuation_bytes)) - 1);
+        let len = bytes.len() + continuation_bytes + 1;
+        bytes.extend_from_slice(&(spread | continuation_bits).to_le_bytes());
         bytes.truncate(len);
         return;
     }
@@ -97,22 +97,22 @@ impl<T: Canonical> Canonical for Option<T> {
     }
 }
 
-/// Implements [`Canonical`] for rare types through the serializer.
-macro_rules! by_postcard {
+/// Implements [`Canonical`] with postcard's serializer, for rare types.
+macro_rules! canonical_by_serde {
     ($($type:ty)*) => {$(
         impl Canonical for $type {
             fn write(&self, bytes: &mut Vec<u8>) {
-                append(self, bytes);
+                write_serialized(self, bytes);
             }
         }
     )*};
 }
-by_postcard!(Outcome Obstacle ActionText<'_> FloatList<'_>);
+canonical_by_serde!(Outcome Obstacle ActionText<'_> FloatList<'_>);
 
-/// Appends the postcard form of `value` to `bytes`.
-fn append(value: &impl Serialize, bytes: &mut Vec<u8>) {
-    let form = postcard::to_stdvec(value).expect("memory is the only limit of a journal");
-    bytes.extend_from_slice(&form);
+/// Appends the postcard encoding of `value` to `bytes`.
+fn write_serialized(value: &impl Serialize, bytes: &mut Vec<u8>) {
+    let encoding = postcard::to_stdvec(value).expect("memory is the only limit of a journal");
+    bytes.extend_from_slice(&encoding);
 }
 
 #[cfg(test)]
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn fields_are_written_as_postcard_writes_them() {
+    fn fields_match_postcard() {
         for number in [0, 1, 63, 64, 127, 128, 16_383, 16_384, i64::from(i32::MAX), i64::MAX] {
             for signed in [number, -number, !number] {
                 check(signed);
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn events_are_written_as_postcard_writes_them() {
+    fn events_match_postcard() {
         check(Event::ProgramStarted { program: "a.c" });
         check(Event::Beep {});
         check(Event::Distance { device: "PSD_LEFT", distance_m: Some(0.25), measured_s: 0.06 });

@@ -3,7 +3,7 @@
 use crate::record::Action;
 use serde::{Deserialize, Serialize, Serializer};
 
-/// State of a robot's program at the end of a run. Digests depend on the order: new states come last.
+/// State of a robot's program at the end of a run. Digests depend on the order of the variants: add new ones at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
@@ -15,7 +15,7 @@ pub enum Outcome {
     Waiting,
     /// The user ended the run.
     Interrupted,
-    /// The program panicked, faulted, could not be loaded or ended with a nonzero exit code.
+    /// The program panicked, crashed, could not be loaded or ended with a nonzero exit code.
     Failed,
     /// The program computed for too long without a RoBIOS call.
     Timeout,
@@ -23,7 +23,7 @@ pub enum Outcome {
     NoProgram,
     /// The robot was removed from the world before its program ended.
     Removed,
-    /// The robot died by a fault of the scene before its program ended.
+    /// A fault of the scene stopped the robot before its program ended.
     Halted,
 }
 
@@ -43,7 +43,7 @@ impl Outcome {
         }
     }
 
-    /// Returns true if the outcome is a failure of the program, so that the run's exit code is 1.
+    /// Returns true if the outcome is a failure of the program; the run's exit code is then 1.
     pub fn is_failure(self) -> bool {
         matches!(self, Self::Waiting | Self::Failed | Self::Timeout)
     }
@@ -83,12 +83,12 @@ impl Serialize for ActionText<'_> {
     }
 }
 
-/// A list of numbers: little-endian bytes of `f64` in the canonical form, JSON numbers in the trace.
+/// A list of numbers: little-endian `f64` bytes in the canonical form, JSON numbers in the trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub struct FloatList<'a>(&'a [u8]);
 
 impl<'a> FloatList<'a> {
-    /// The list with these bytes.
+    /// List of the numbers with these little-endian bytes.
     pub fn new(bytes: &'a [[u8; 8]]) -> Self {
         Self(bytes.as_flattened())
     }

@@ -1,4 +1,4 @@
-//! An event with its time and its robot: a line of the trace.
+//! Record: an event with its time and its robot, a line of the trace.
 
 use crate::RobotId;
 use crate::time::Time;
@@ -17,7 +17,7 @@ pub struct Record<'a> {
     pub time: Time,
     /// Robot of the event; [`WORLD`] for an event of the world.
     pub robot: RobotId,
-    /// Number of the event, counted per robot from 0; `None` for a note.
+    /// Sequence number of the event; each robot counts its events from 0. `None` for a note.
     pub sequence: Option<u64>,
     /// The event.
     pub event: Event<'a>,

@@ -2,7 +2,7 @@
 
 use super::Kind;
 
-// A `KindSet` has a bit for each kind, and the kind's number must be one byte in postcard's varint form.
+// A `KindSet` has 64 bits, one for each kind. (A kind's number must also be one byte in postcard's varint form.)
 const _: () = assert!(Kind::ALL.len() <= 64);
 
 /// A set of kinds of events.
@@ -53,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sets_know_their_kinds() {
+    fn set_operations() {
         let set = KindSet::of(&[Kind::Pose, Kind::Contact]);
         assert!(set.contains(Kind::Pose) && set.contains(Kind::Contact) && !set.contains(Kind::Call));
         assert!(!set.without(Kind::Pose).contains(Kind::Pose));

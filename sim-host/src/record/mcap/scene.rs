@@ -35,7 +35,7 @@ pub fn point(pose: &Pose3) -> Point {
     Point { position_m: pose.position.to_array(), rotation: DQuat::from_mat3(&pose.rotation).normalize().to_array() }
 }
 
-/// Owner of a part.
+/// Frame to which a part belongs.
 #[derive(Clone, Copy, PartialEq)]
 enum Owner {
     World,
@@ -77,7 +77,7 @@ pub(super) fn robot(scene: &Scene, id: u32, model: u32) -> Vec<Value> {
     let body = entity(&robot_frame(RobotId(id)), triangles, &robot.body, robot.colour, label);
     let link = |link: usize| {
         let shape = self::triangles(scene, Owner::Link(model, link as u32));
-        (!shape.is_empty()).then(|| whole(&link_frame(RobotId(id), link), shape, Vec::new(), json!([])))
+        (!shape.is_empty()).then(|| frame_entity(&link_frame(RobotId(id), link), shape, Vec::new(), json!([])))
     };
     std::iter::once(body).chain((0..robot.links.len()).filter_map(link)).collect()
 }
@@ -92,9 +92,9 @@ pub(super) fn object(scene: &Scene, id: u32, model: u32) -> Option<Value> {
 fn world(scene: &Scene) -> Value {
     let mut surfaces = triangles(scene, Owner::World);
     if let Some(floor) = scene.ground.as_ref().and_then(|ground| ground.floor.as_ref()) {
-        surfaces.push(floor_of(floor));
+        surfaces.push(floor_triangles(floor));
     }
-    whole(WORLD, surfaces, Vec::new(), json!([]))
+    frame_entity(WORLD, surfaces, Vec::new(), json!([]))
 }
 
 /// Entity of a body: its meshes, or the cylinder around it if it has none.
@@ -110,11 +110,11 @@ fn entity(frame: &str, triangles: Vec<Value>, body: &Body, rgb: [u8; 3], label: 
             "color": colour(rgb),
         }));
     }
-    whole(frame, triangles, cylinders, label)
+    frame_entity(frame, triangles, cylinders, label)
 }
 
 /// Entity that moves with the frame of the same name.
-fn whole(frame: &str, triangles: Vec<Value>, cylinders: Vec<Value>, texts: Value) -> Value {
+fn frame_entity(frame: &str, triangles: Vec<Value>, cylinders: Vec<Value>, texts: Value) -> Value {
     json!({
         "timestamp": timestamp(Time::ZERO),
         "frame_id": frame,
@@ -139,36 +139,37 @@ fn triangles(scene: &Scene, owner: Owner) -> Vec<Value> {
                 Attachment::World { at, .. } => *at,
                 _ => Point { position_m: [0.0; 3], rotation: UPRIGHT },
             };
-            scene.meshes.get(part.mesh as usize).map(|mesh| lists(mesh, &at)).unwrap_or_default()
+            scene.meshes.get(part.mesh as usize).map(|mesh| triangle_lists(mesh, &at)).unwrap_or_default()
         })
         .collect()
 }
 
-fn lists(mesh: &Mesh, at: &Point) -> Vec<Value> {
+/// Triangle lists of a mesh at the pose `at`, one for each material.
+fn triangle_lists(mesh: &Mesh, at: &Point) -> Vec<Value> {
     let bytes = STANDARD.decode(&mesh.positions).unwrap_or_default();
     let (numbers, _) = bytes.as_chunks::<4>();
     let numbers: Vec<f32> = numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
     let (points, _) = numbers.as_chunks::<3>();
     let mut rest = points;
-    let mut lists = Vec::new();
+    let mut triangle_lists = Vec::new();
     for material in &mesh.materials {
         let (points, others) = rest.split_at((3 * material.triangles as usize).min(rest.len()));
         rest = others;
-        lists.push(list(at, points, material.colour));
+        triangle_lists.push(triangle_list(at, points, material.colour));
     }
-    lists
+    triangle_lists
 }
 
-fn list(at: &Point, points: &[[f32; 3]], rgb: [u8; 3]) -> Value {
+fn triangle_list(at: &Point, points: &[[f32; 3]], rgb: [u8; 3]) -> Value {
     let points: Vec<_> = points.iter().map(|[x, y, z]| json!({ "x": x, "y": y, "z": z })).collect();
     json!({ "pose": pose(at), "points": points, "color": colour(rgb) })
 }
 
-fn floor_of(floor: &Floor) -> Value {
+fn floor_triangles(floor: &Floor) -> Value {
     let [width, length] = floor.size_m.map(|side| side as f32);
     let corners = [[0.0, 0.0, 0.0], [width, 0.0, 0.0], [width, length, 0.0], [0.0, length, 0.0]];
     let points = [0, 1, 2, 0, 2, 3].map(|corner| corners[corner]);
-    list(&Point { position_m: [0.0; 3], rotation: UPRIGHT }, &points, floor.colour)
+    triangle_list(&Point { position_m: [0.0; 3], rotation: UPRIGHT }, &points, floor.colour)
 }
 
 pub(super) fn pose(point: &Point) -> Value {
@@ -217,6 +218,6 @@ pub(super) fn upright(x_m: f64, y_m: f64, phi_rad: f64) -> Point {
 }
 
 /// Pose in space of a pose in the plane.
-pub(super) fn of_pose(pose: &Pose) -> Point {
+pub(super) fn pose_in_space(pose: &Pose) -> Point {
     upright(pose.position.x, pose.position.y, pose.heading.radians())
 }

@@ -54,7 +54,7 @@ impl Content {
         Self::Intervention,
     ];
 
-    /// Name of its schema: Foxglove's if there is one.
+    /// Name of the content's schema: Foxglove's schema if there is one.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scene => "foxglove.SceneUpdate",
@@ -73,8 +73,8 @@ impl Content {
         }
     }
 
-    /// Content to which events of this kind belong; none for calls, which are not recorded, and poses, which become
-    /// only transforms.
+    /// Content to which events of this kind belong; none for calls, which are not recorded, and for poses, which are
+    /// recorded as transforms only.
     pub fn of(kind: Kind) -> Option<Self> {
         use Kind::*;
         Some(match kind {
@@ -123,7 +123,7 @@ impl Content {
     }
 }
 
-/// Schema of a field of events: a unit in its name marks a number, which is null if there was nothing to measure.
+/// Schema of a field of events. A field whose name ends with a unit is a number, or null if there was nothing to measure.
 fn field_schema(field: &str) -> Value {
     const UNITS: [&str; 6] = ["_m", "_s", "_rad", "_hz", "_gain", "signal"];
     const INTEGERS: [&str; 21] = [

@@ -1,4 +1,4 @@
-//! Meshes made of simple solids.
+//! Builder of meshes from simple solids.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -10,23 +10,23 @@ use crate::pose::Pose3;
 use crate::scene::{Material, Mesh, Texture, Triangle};
 use crate::spec::{Axis, Collider};
 
-/// Number of sides of a round solid. The outline of a circle of radius r is off by 0.43 % of r at most, half of it
-/// outwards and half inwards (see [`circumradius`]): a quarter of a pixel for a circle 116 pixels wide. Source: our choice.
+/// Number of sides of a round solid. The outline of a circle of radius r deviates from the circle by 0.43 % of r at most,
+/// equally outwards and inwards (see [`circumradius`]): a quarter of a pixel for a circle 116 pixels wide. Source: our choice.
 pub const SIDES: u32 = 24;
 
 /// Mesh builder.
 #[derive(Debug, Default)]
-pub struct Sketch {
+pub struct MeshBuilder {
     mesh: Mesh,
 }
 
-/// Material of faces of a [`Sketch`].
+/// Material of faces of a [`MeshBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Paint(u32);
 
 /// Dimensions of a round solid about z, and its number of sides.
 #[derive(Clone, Copy, Debug)]
-pub struct Round {
+pub struct RoundSize {
     pub radius: f64,
     pub height: f64,
     pub sides: u32,
@@ -52,14 +52,14 @@ pub fn circle(radius: f64, sides: u32) -> Vec<DVec2> {
     (0..sides).map(|side| radius * direction(TAU * f64::from(side) / f64::from(sides))).collect()
 }
 
-/// The unit vector at an angle from x.
+/// Unit vector at the angle `angle` from the x axis.
 pub fn direction(angle: f64) -> DVec2 {
     let (sin, cos) = math::sin_cos(angle);
     DVec2::new(cos, sin)
 }
 
-impl Sketch {
-    /// The mesh.
+impl MeshBuilder {
+    /// Returns the mesh.
     pub fn finish(self) -> Arc<Mesh> {
         Arc::new(self.mesh)
     }
@@ -85,7 +85,8 @@ impl Sketch {
         Paint(index as u32)
     }
 
-    fn place(&mut self, point: DVec3) -> u32 {
+    /// Adds a vertex; returns its index.
+    fn add_vertex(&mut self, point: DVec3) -> u32 {
         self.mesh.positions.push(point);
         self.mesh.positions.len() as u32 - 1
     }
@@ -100,7 +101,7 @@ impl Sketch {
 
     /// Adds a flat convex face with corners counter-clockwise from outside.
     pub fn polygon(&mut self, corners: &[DVec3], paint: Paint) {
-        let indices: Vec<u32> = corners.iter().map(|corner| self.place(*corner)).collect();
+        let indices: Vec<u32> = corners.iter().map(|corner| self.add_vertex(*corner)).collect();
         for pair in indices[1..].windows(2) {
             self.triangle([indices[0], pair[0], pair[1]], None, None, paint);
         }
@@ -109,7 +110,7 @@ impl Sketch {
     /// Adds a flat face of four corners, counter-clockwise from outside, starting at the lower left corner of the
     /// paint's image.
     pub fn panel(&mut self, corners: [DVec3; 4], paint: Paint) {
-        let [a, b, c, d] = corners.map(|corner| self.place(corner));
+        let [a, b, c, d] = corners.map(|corner| self.add_vertex(corner));
         let uv = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
         self.triangle([a, b, c], None, Some([uv[0], uv[1], uv[2]]), paint);
         self.triangle([a, c, d], None, Some([uv[0], uv[2], uv[3]]), paint);
@@ -127,38 +128,43 @@ impl Sketch {
         self.polygon(&lid_corners, lid);
     }
 
-    /// Adds a box in the frame `at`, whose origin is its centre.
-    pub fn cuboid(&mut self, at: &Pose3, size: DVec3, paint: Paint) {
+    /// Adds a box in `frame`, whose origin is its centre.
+    pub fn cuboid(&mut self, frame: &Pose3, size: DVec3, paint: Paint) {
         let half = 0.5 * size;
-        let corner = |x: f64, y: f64, z: f64| at.transform_point(half * DVec3::new(x, y, z));
+        let corner = |x: f64, y: f64, z: f64| frame.transform_point(half * DVec3::new(x, y, z));
         // Each face starts at its lower left corner, as seen from outside.
         let sides = [(1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)];
         for (index, (x, y)) in sides.iter().enumerate() {
             let (u, v) = sides[(index + 1) % 4];
             self.panel([corner(*x, *y, -1.0), corner(u, v, -1.0), corner(u, v, 1.0), corner(*x, *y, 1.0)], paint);
         }
-        let lid = |z: f64, x: f64| [(-x, -1.0), (x, -1.0), (x, 1.0), (-x, 1.0)].map(|(x, y)| corner(x, y, z));
-        self.panel(lid(1.0, 1.0), paint);
-        self.panel(lid(-1.0, -1.0), paint);
+        let horizontal = |z: f64, x: f64| [(-x, -1.0), (x, -1.0), (x, 1.0), (-x, 1.0)].map(|(x, y)| corner(x, y, z));
+        self.panel(horizontal(1.0, 1.0), paint);
+        self.panel(horizontal(-1.0, -1.0), paint);
     }
 
-    /// Adds a cylinder about z in the frame `at`, from z = 0 to `height`, with smooth sides and a flat face at either
+    /// Adds a cylinder about z in `frame`, from z = 0 to `height`, with smooth sides and a flat face at either
     /// end. An image of its paint is repeated `turns` times around it.
-    pub fn cylinder(&mut self, at: &Pose3, size: Round, turns: u32, paint: [Paint; 2]) {
+    pub fn cylinder(&mut self, frame: &Pose3, size: RoundSize, turns: u32, paint: [Paint; 2]) {
         let [side, ends] = paint;
-        let Round { radius, height, sides } = size;
+        let RoundSize { radius, height, sides } = size;
         let normal = DVec2::X;
-        self.revolve(at, &[Ring { radius, z: 0.0, normal }, Ring { radius, z: height, normal }], (sides, turns), side);
+        self.revolve(
+            frame,
+            &[Ring { radius, z: 0.0, normal }, Ring { radius, z: height, normal }],
+            (sides, turns),
+            side,
+        );
         let corners = circle(radius, sides);
-        let upper: Vec<DVec3> = corners.iter().map(|corner| at.transform_point(corner.extend(height))).collect();
-        let lower: Vec<DVec3> = corners.iter().rev().map(|corner| at.transform_point(corner.extend(0.0))).collect();
+        let upper: Vec<DVec3> = corners.iter().map(|corner| frame.transform_point(corner.extend(height))).collect();
+        let lower: Vec<DVec3> = corners.iter().rev().map(|corner| frame.transform_point(corner.extend(0.0))).collect();
         self.polygon(&upper, ends);
         self.polygon(&lower, ends);
     }
 
-    /// Adds a cylinder of this `length` between two half spheres, about z in the frame `at`, whose origin is its
+    /// Adds a cylinder of this `length` between two half spheres, about z in `frame`, whose origin is its
     /// centre; with length 0, a sphere.
-    pub fn capsule(&mut self, at: &Pose3, radius: f64, length: f64, paint: Paint) {
+    pub fn capsule(&mut self, frame: &Pose3, radius: f64, length: f64, paint: Paint) {
         let ring = |angle: f64, shift: f64| {
             // Exact at the poles, so that the faces beyond them have no area.
             let normal = if angle.abs() < 0.25 * TAU { direction(angle) } else { DVec2::Y * angle.signum() };
@@ -172,23 +178,23 @@ impl Sketch {
         let upper = angles(0.0).map(|angle| ring(angle, 0.5 * length));
         let skipped = usize::from(length <= 0.0);
         let rings: Vec<Ring> = lower.chain(upper.skip(skipped)).collect();
-        self.revolve(at, &rings, (SIDES, 1), paint);
+        self.revolve(frame, &rings, (SIDES, 1), paint);
     }
 
-    /// Adds the surface between rings about z in the frame `at`, from the lowest to the highest.
-    fn revolve(&mut self, at: &Pose3, rings: &[Ring], (sides, turns): (u32, u32), paint: Paint) {
+    /// Adds the surface between rings about z in `frame`, from the lowest to the highest.
+    fn revolve(&mut self, frame: &Pose3, rings: &[Ring], (sides, turns): (u32, u32), paint: Paint) {
         let directions: Vec<DVec2> = circle(1.0, sides);
         let first = self.mesh.positions.len() as u32;
         for ring in rings {
             for radial in &directions {
-                let point = at.transform_point((ring.radius * *radial).extend(ring.z));
-                self.place(point);
+                let point = frame.transform_point((ring.radius * *radial).extend(ring.z));
+                self.add_vertex(point);
             }
         }
         let normal = |ring: usize, side: u32| {
             let DVec2 { x: outwards, y: upwards } = rings[ring].normal;
             let radial = outwards * direction(TAU * f64::from(side) / f64::from(sides));
-            (at.rotation * radial.extend(upwards)).normalize_or(DVec3::Z).as_vec3()
+            (frame.rotation * radial.extend(upwards)).normalize_or(DVec3::Z).as_vec3()
         };
         let uv = |ring: usize, side: u32| {
             let fraction = (rings[ring].z - rings[0].z) / (rings[rings.len() - 1].z - rings[0].z);
@@ -215,7 +221,7 @@ impl Sketch {
             Collider::Box { centre, size } => self.cuboid(&upright(centre), size, paint),
             Collider::Sphere { centre, radius } => self.capsule(&upright(centre), radius, 0.0, paint),
             Collider::Cylinder { centre, radius, height } => {
-                let size = Round { radius, height, sides: SIDES };
+                let size = RoundSize { radius, height, sides: SIDES };
                 self.cylinder(&upright(centre - 0.5 * height * DVec3::Z), size, 1, [paint; 2]);
             }
             Collider::Capsule { centre, radius, height, axis } => {
@@ -224,8 +230,8 @@ impl Sketch {
                     Axis::Y => Pose3::about_axis(DVec3::X, -0.25 * TAU),
                     Axis::Z => Pose3::IDENTITY,
                 };
-                let at = Pose3 { position: centre, ..turned };
-                self.capsule(&at, radius, (height - 2.0 * radius).max(0.0), paint);
+                let frame = Pose3 { position: centre, ..turned };
+                self.capsule(&frame, radius, (height - 2.0 * radius).max(0.0), paint);
             }
         }
     }
@@ -240,17 +246,17 @@ mod tests {
         mesh.triangles.iter().map(|face| mesh.corners(face)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
     }
 
-    fn of(collider: Collider) -> Arc<Mesh> {
-        let mut sketch = Sketch::default();
-        let paint = sketch.paint([10, 20, 30]);
-        sketch.collider(&collider, paint);
-        sketch.finish()
+    fn mesh_of(collider: Collider) -> Arc<Mesh> {
+        let mut builder = MeshBuilder::default();
+        let paint = builder.paint([10, 20, 30]);
+        builder.collider(&collider, paint);
+        builder.finish()
     }
 
     const CENTRE: DVec3 = DVec3::new(0.3, -0.2, 0.5);
 
     #[test]
-    fn solids_are_closed_and_as_large_as_they_say() {
+    fn solids_are_closed_and_have_the_right_volume() {
         let cylinder = PI * 0.01 * 0.4;
         let ball = PI * 4.0 / 3.0 * 0.001;
         let size = DVec3::new(0.1, 0.2, 0.3);
@@ -262,7 +268,7 @@ mod tests {
             (Collider::Capsule { centre: CENTRE, radius: 0.1, height: 0.6, axis: Axis::Y }, ball + cylinder),
             (Collider::Capsule { centre: CENTRE, radius: 0.1, height: 0.6, axis: Axis::Z }, ball + cylinder),
         ] {
-            let found = volume(&of(collider));
+            let found = volume(&mesh_of(collider));
             assert!((found / expected - 1.0).abs() < 0.02, "{collider:?}: {found}, not {expected}");
         }
     }
@@ -270,7 +276,7 @@ mod tests {
     #[test]
     fn capsules_lie_along_their_axes() {
         for (axis, normal) in [(Axis::X, DVec3::X), (Axis::Y, DVec3::Y), (Axis::Z, DVec3::Z)] {
-            let mesh = of(Collider::Capsule { centre: CENTRE, radius: 0.1, height: 0.6, axis });
+            let mesh = mesh_of(Collider::Capsule { centre: CENTRE, radius: 0.1, height: 0.6, axis });
             let (low, high) = mesh.bounds().expect("faces");
             let half = DVec3::splat(0.1) + 0.2 * normal;
             assert!((high - CENTRE - half).abs().max_element() < 1e-3, "{axis:?}: {high}");
@@ -279,9 +285,8 @@ mod tests {
     }
 
     #[test]
-    fn the_outline_of_a_ball_strays_as_little_as_said() {
-        let mesh = of(Collider::Sphere { centre: CENTRE, radius: 1.0 });
-        // Farthest corner, and nearest middle of an edge.
+    fn outline_of_a_ball_deviates_within_the_documented_bound() {
+        let mesh = mesh_of(Collider::Sphere { centre: CENTRE, radius: 1.0 });
         for face in &mesh.triangles {
             let [a, b, c] = mesh.corners(face).map(|corner| corner - CENTRE);
             for corner in [a, b, c] {
@@ -292,8 +297,8 @@ mod tests {
     }
 
     #[test]
-    fn normals_look_outwards_and_have_length_1() {
-        let mesh = of(Collider::Capsule { centre: DVec3::ZERO, radius: 0.1, height: 0.6, axis: Axis::Y });
+    fn normals_are_unit_vectors_that_point_outwards() {
+        let mesh = mesh_of(Collider::Capsule { centre: DVec3::ZERO, radius: 0.1, height: 0.6, axis: Axis::Y });
         for face in &mesh.triangles {
             let [a, b, c] = mesh.corners(face);
             let face_normal = (b - a).cross(c - a).normalize_or_zero();
