@@ -1,8 +1,9 @@
 //! Evaluation of checks on the motion of bodies, at exact instants.
 //!
-//! A [`Monitor`] sees the motion of each slot before the world forgets it, as sections in closed form, and evaluates it in cells of 100 ms
-//! of virtual time. Cells and sections do not depend on the slots, and neither do instants and verdicts. A monitor only reads: it draws no
-//! random numbers and records nothing. The host evaluates checks on events, output and the report.
+//! A [`Monitor`] sees the motion of each slot before the world forgets it, as sections in closed form, and evaluates it
+//! in cells of 100 ms of virtual time. Cells and sections do not depend on the slots, and neither do instants and
+//! verdicts. A monitor only reads: it draws no random numbers and records nothing. The host evaluates checks on events,
+//! output and the report.
 
 mod pending;
 mod region;
@@ -38,13 +39,13 @@ pub struct Finding {
     pub at: Option<f64>,
     /// Position of the body at that instant, world frame, m.
     pub position: Option<DVec2>,
-    /// The measured quantity, which depends on the variant of [`CheckKind`]: distance to the place, number of places or passages, smallest
-    /// gap, share, maximum error; in m, or a pure number.
+    /// The measured quantity, which depends on the variant of [`CheckKind`]: distance to the place, number of places or
+    /// passages, smallest gap, share, maximum error; in m, or a pure number.
     pub value: Option<f64>,
 }
 
-/// Evaluates the checks of a scene that concern motion: `reach`, `visits`, `stays_in`, `laps`, `clearance`, `follows_wall`,
-/// `coverage`, `odometry_error`, `swarm`.
+/// Evaluates the checks of a scene that concern motion: `reach`, `visits`, `stays_in`, `laps`, `clearance`,
+/// `follows_wall`, `coverage`, `odometry_error`, `swarm`.
 #[derive(Clone, Debug)]
 pub struct Monitor {
     /// The checks with their indices in the scene.
@@ -137,8 +138,8 @@ impl Monitor {
         self.watches.iter().map(|(index, watch)| (*index, watch.finding()))
     }
 
-    /// The metrics of swarms over time, each with the index of its check in the scene: instants (s) at which the value changed, with the
-    /// new values.
+    /// The metrics of swarms over time, each with the index of its check in the scene: instants (s) at which the value
+    /// changed, with the new values.
     pub fn series(&self) -> impl Iterator<Item = (usize, &[[f64; 2]])> {
         self.watches.iter().filter_map(|(index, watch)| Some((*index, watch.series()?)))
     }
@@ -173,7 +174,7 @@ impl Monitor {
             let mut own = steps.iter().filter(|step| step.object == id).peekable();
             let first = own.peek().map_or_else(|| world.object_pose(id, to).position, |step| step.from);
             let pending = pending.get_or_insert_with(|| PendingMotion::resting(first, 0.0, since));
-            own.filter(|step| step.at <= until).for_each(|step| pending.step(step));
+            own.filter(|step| step.end <= until).for_each(|step| pending.step(step));
             // The next step begins on the grid of steps even if the slot does not end on it.
             pending.rest_until(if until < lifetime.until { until.floor_to(STEP) } else { until });
         }

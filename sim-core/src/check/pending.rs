@@ -89,9 +89,9 @@ impl PendingMotion {
 
     /// Appends a step of an object.
     pub fn step(&mut self, step: &ObjectStep) {
-        let to = step.at.seconds();
-        let from = if step.is_jump { to } else { step.since.seconds() };
-        self.rest_until(step.since.max(Time::from_seconds_ceil(self.known_until)));
+        let to = step.end.seconds();
+        let from = if step.is_jump { to } else { step.start.seconds() };
+        self.rest_until(step.start.max(Time::from_seconds_ceil(self.known_until)));
         if from < to && step.from != step.to && self.known_until <= from {
             let velocity = (step.to - step.from) / (to - from);
             let twist = Twist { vx: velocity.x, vy: velocity.y, omega: 0.0 };
@@ -146,8 +146,8 @@ impl PendingMotion {
 }
 
 impl PendingOdometry {
-    /// Appends the motion that odometry computes. The first call that sets the odometry fixes the odometry frame in the world; later calls
-    /// are corrections and count in the check.
+    /// Appends the motion that odometry computes. The first call that sets the odometry fixes the odometry frame in the
+    /// world; later calls are corrections and count in the check.
     fn append_robot(&mut self, motion: &mut Motion, (from, to): (Time, Time)) {
         let reset = motion.odometry_set().filter(|_| !self.is_anchored);
         let Some((at, pose)) = reset.filter(|(at, _)| *at < to) else {

@@ -34,7 +34,8 @@ impl MotionSection {
         Self { from, to, origin, path, ahead: 0.0, heading: Heading::new(0.0) }
     }
 
-    /// Appends to `sections` the motion on a chain of passages from `from` to `to`, for the point `ahead` metres ahead of the centre.
+    /// Appends to `sections` the motion on a chain of passages from `from` to `to`, for the point `ahead` metres ahead
+    /// of the centre.
     pub fn append(sections: &mut Vec<Self>, passages: &[Passage], (from, to): (Time, Time), ahead: f64) {
         let origin = |passage: &Passage| passage.start.seconds() + passage.begin;
         let (from, to) = (from.seconds(), to.seconds());
@@ -48,7 +49,7 @@ impl MotionSection {
             if index == 0 && from < begin {
                 push(sections, Self::resting(passage.path.position(0.0), from, begin));
             }
-            let end = (passage.start.seconds() + passage.after).min(next);
+            let end = (passage.start.seconds() + passage.end).min(next);
             let heading = passage.heading.turned(passage.path.omega() * passage.begin);
             let is_moving = !passage.path.is_resting() || ahead != 0.0 && passage.path.omega() != 0.0;
             let moving = Self { from: begin, to: end, origin: start, path: passage.path, ahead, heading };
@@ -134,8 +135,8 @@ impl MotionSection {
     }
 }
 
-/// Appends `section`, merged with the last section if it continues that one, so that sections do not depend on the slots in which they were
-/// observed.
+/// Appends `section`, merged with the last section if it continues that one, so that sections do not depend on the
+/// slots in which they were observed.
 pub(super) fn push(sections: &mut Vec<MotionSection>, section: MotionSection) {
     match sections.last_mut() {
         Some(last) if last.to == section.from && last.continues_in(&section) => last.to = section.to,
@@ -169,8 +170,9 @@ const MIN_HALF_INTERVAL: f64 = 5e-7;
 
 /// Appends the zeros of `function` between `from` and `to` to `zeros`, in ascending order.
 ///
-/// The value in the middle and the bound of the second derivative decide whether an interval has no zero; the slope decides whether the
-/// function is monotonic in it. Any other interval is halved. No zero is missed, except pairs closer than a microsecond.
+/// The value in the middle and the bound of the second derivative decide whether an interval has no zero; the slope
+/// decides whether the function is monotonic in it. Any other interval is halved. No zero is missed, except pairs
+/// closer than a microsecond.
 pub(super) fn find_zeros(function: &impl Smooth, from: f64, to: f64, zeros: &mut Vec<f64>) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
     if half <= 0.0 {
