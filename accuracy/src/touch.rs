@@ -110,7 +110,7 @@ impl Case {
     /// Instant of the contact that the core finds, in seconds.
     pub fn by_core(&self) -> Option<f64> {
         let path = Path::new(&self.start, self.twist);
-        first_contact(&path, self.radius, &self.wall, f64::INFINITY).map(|contact| contact.after)
+        first_contact(&path, self.radius, &self.wall, f64::INFINITY).map(|contact| contact.seconds)
     }
 
     /// Instant of the contact for a simulator that tests for overlap after each step of `step` seconds: the end of the

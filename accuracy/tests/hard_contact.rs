@@ -44,7 +44,7 @@ fn ten_kilometres_away_contacts_are_where_they_should_be() {
             let start = Pose { position: case.start.position + away, ..case.start };
             let wall = Segment::new(case.wall.a + away, case.wall.b + away);
             let found = first_contact(&Path::new(&start, case.twist), case.radius, &wall, f64::INFINITY);
-            let found = found.unwrap_or_else(|| panic!("missed {case:?}")).after;
+            let found = found.unwrap_or_else(|| panic!("missed {case:?}")).seconds;
             assert!((found - case.instant).abs() < 1e-8, "{found} for {case:?}");
         }
     }

@@ -98,7 +98,7 @@ fn poses_are_equal_to_the_bit_in_slots_of_a_microsecond_to_a_second() {
     ];
     for (name, motion) in robots {
         let reference = script(motion.clone(), Time(50_000));
-        assert!(reference.iter().any(|state| state.path > 0.0));
+        assert!(reference.iter().any(|state| state.path_length > 0.0));
         for slot in [1, 17, 1_000, 9_999, 10_000, 200_000, 1_000_000] {
             assert!(script(motion.clone(), Time(slot)) == reference, "{name} in slots of {slot} us");
         }
@@ -150,7 +150,7 @@ fn a_million_rounds_of_a_circle_stay_on_it() {
     assert!((found_sin - sin.rounded()).abs() < 2e-9 && (found_cos - cos.rounded()).abs() < 2e-9);
     let start = robot(Model { axis_offset: 0.02, ..model() }, vec![], Pose::new(3.0, 4.0, 0.2)).state(Time::ZERO);
     assert!((pose.position - start.world_from_axle.position).length() < 1e-6, "{pose:?}");
-    assert!((state.path - v * at.seconds()).abs() < 1e-3 * 1e-6, "{} m", state.path);
+    assert!((state.path_length - v * at.seconds()).abs() < 1e-3 * 1e-6, "{} m", state.path_length);
 }
 
 /// Criterion: 10 km from the origin a drive with curves ends as at the origin to 1e-9 m, the rounding of 1e4 m being 2e-12 m.

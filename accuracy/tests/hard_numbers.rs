@@ -51,7 +51,7 @@ fn is_finite(motion: &mut Motion, at: Time) -> bool {
         state.odometry.position.x,
         state.odometry.position.y,
         state.odometry.heading.remainder(),
-        state.path,
+        state.path_length,
         motion.drive_remaining(at),
         motion.steering(at),
     ];

@@ -1,8 +1,8 @@
 //! Poses and twists in the plane, with the closed form of motion at constant twist; poses of sensors and links in
 //! space.
 //!
-//! The world frame has x to the right, y up and angles counter-clockwise from x; a robot's frame has x forward and y left.
-//! In space, z points up in both.
+//! The world frame has x to the right, y up and angles counter-clockwise from x; a robot's frame has x forward and y
+//! left. In space, z points up in both.
 
 mod link;
 
@@ -13,7 +13,8 @@ use glam::{DMat3, DVec2, DVec3};
 use crate::math;
 pub use link::{Link, link_pose};
 
-/// A direction as a number of whole turns and a remainder, so that the remainder never loses digits.
+/// A direction in the plane as a number of whole turns and a remainder, so that the remainder keeps full precision
+/// after many turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Heading {
     turns: i64,
@@ -26,12 +27,12 @@ impl Heading {
         Self::default().turned(radians)
     }
 
-    /// Angle within the turn, in [-pi, pi).
+    /// Angle without the whole turns, rad, in [-pi, pi).
     pub fn remainder(self) -> f64 {
         self.remainder
     }
 
-    /// Whole turns counter-clockwise.
+    /// Number of whole turns, counter-clockwise.
     pub fn turns(self) -> i64 {
         self.turns
     }
@@ -59,7 +60,7 @@ impl Heading {
             heading.remainder += TAU;
             heading.turns = heading.turns.saturating_sub(1);
         }
-        // Adding a full turn may have rounded the remainder up to pi, the excluded end of its interval.
+        // Adding a whole turn may have rounded the remainder up to pi, which is not in the interval.
         if heading.remainder >= PI {
             heading.remainder = -PI;
             heading.turns = heading.turns.saturating_add(1);
@@ -95,7 +96,7 @@ impl Pose {
         self.position + self.heading.direction().rotate(point)
     }
 
-    /// Components in the outer frame of `vector`, given in the inner frame: rotated, not translated.
+    /// Components in the outer frame of `vector`, given in the inner frame; the vector is rotated, not translated.
     pub fn transform_vector(&self, vector: DVec2) -> DVec2 {
         self.heading.direction().rotate(vector)
     }
@@ -115,8 +116,8 @@ impl Pose {
         }
     }
 
-    /// Checks that a body can be placed at this pose: up to 10^9 m from the origin along each axis, where an `f64`
-    /// still resolves a quarter of a micrometre.
+    /// Checks that a body can be placed at this pose: at most 10^9 m from the origin along each axis. At this distance
+    /// an `f64` has a resolution of about a tenth of a micrometre.
     ///
     /// # Errors
     /// [`PlacementError`] for a position that is farther away or not finite.
@@ -127,7 +128,7 @@ impl Pose {
 
     /// This pose after moving by `displacement` at constant twist, in closed form.
     ///
-    /// Exact for straight lines, arcs and turns on the spot; finite and continuous as the angle goes to 0.
+    /// Exact for straight lines, arcs and turns on the spot; the result is continuous when the angle approaches 0.
     pub fn moved(&self, displacement: Twist) -> Pose {
         self.moved_along(self.heading.direction(), displacement)
     }
@@ -166,15 +167,15 @@ impl Pose3 {
     /// The identity transform.
     pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DMat3::IDENTITY };
 
-    /// The frame at `position`, turned about x by `roll`, then about y so that x rises by `pitch`, then about z by `yaw`,
-    /// all about the outer frame's axes and in rad: Rz(yaw) Ry(-pitch) Rx(roll).
+    /// The frame at `position`, turned about x by `roll`, then about y so that x rises by `pitch`, then about z by
+    /// `yaw`, all about the outer frame's axes and in rad: Rz(yaw) Ry(-pitch) Rx(roll).
     ///
-    /// A positive `pitch` raises the x axis, a positive `roll` the left side; a positive `yaw` turns to the left. An angle that is
-    /// 0 keeps zeros exact: a level frame has an exactly level x axis.
+    /// A positive `pitch` raises the x axis, a positive `roll` raises the left side, a positive `yaw` turns to the
+    /// left. Rotations by 0 are exact: without roll and pitch, the x and y axes are exactly level.
     pub fn from_angles(position: DVec3, roll: f64, pitch: f64, yaw: f64) -> Self {
         let (sin_roll, cos_roll) = math::sin_cos(roll);
         let (sin_pitch, cos_pitch) = math::sin_cos(pitch);
-        // Computed in the same way as in planar poses, so that the results are bit-identical.
+        // The yaw is computed like the heading of a planar pose, so that the results are bit-identical.
         let DVec2 { x: cos_yaw, y: sin_yaw } = Heading::new(yaw).direction();
         let about_x =
             DMat3::from_cols(DVec3::X, DVec3::new(0.0, cos_roll, sin_roll), DVec3::new(0.0, -sin_roll, cos_roll));
@@ -220,14 +221,15 @@ impl Pose3 {
         self.rotation.x_axis
     }
 
-    /// Roll, pitch and yaw of the inner frame, rad, as [`from_angles`](Self::from_angles) takes them; pitch within a quarter turn.
+    /// Roll, pitch and yaw of the inner frame, rad, as in [`from_angles`](Self::from_angles); the pitch is within a
+    /// quarter turn.
     ///
-    /// The yaw of a frame whose x axis is vertical is undefined and returned as 0.
+    /// If the x axis is vertical, the yaw is undefined; the result is then 0.
     pub fn angles(&self) -> [f64; 3] {
         let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.rotation;
         let horizontal = math::hypot(x.x, x.y);
         let pitch = math::atan2(x.z, horizontal);
-        // The tolerance is a millionth of the resolution of a joint.
+        // Below this length the x axis is regarded as vertical.
         if horizontal < 1e-12 {
             return [math::atan2(-z.y, y.y), pitch, 0.0];
         }
@@ -240,14 +242,15 @@ impl Pose3 {
     }
 }
 
-/// A planar velocity in the moving frame. Multiplied by a time, it is a displacement along a path of constant twist.
+/// Velocity in the plane, in the moving frame. A twist multiplied by a time is used as a displacement along a path of
+/// constant twist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Twist {
-    /// Forward speed, m/s (as a displacement: arc length, m).
+    /// Forward speed, m/s; in a displacement, the arc length forwards, m.
     pub vx: f64,
-    /// Speed to the left, m/s (m).
+    /// Speed to the left, m/s; in a displacement, the arc length to the left, m.
     pub vy: f64,
-    /// Turning speed counter-clockwise, rad/s (rad).
+    /// Turning speed counter-clockwise, rad/s; in a displacement, the angle, rad.
     pub omega: f64,
 }
 
@@ -270,12 +273,12 @@ impl Twist {
         Self { vx: self.vx + other.vx, vy: self.vy + other.vy, omega: self.omega + other.omega }
     }
 
-    /// Speed of the frame's origin, m/s.
+    /// Speed of the frame's origin, m/s; in a displacement, its path length, m.
     pub fn speed(self) -> f64 {
         math::hypot(self.vx, self.vy)
     }
 
-    /// Twist of a parallel frame on the same rigid body, with its origin at `offset` (in this frame, metres).
+    /// Twist of a parallel frame on the same rigid body; its origin is at `offset` in this frame, m.
     pub fn at_offset(self, offset: DVec2) -> Self {
         Self { vx: self.vx - self.omega * offset.y, vy: self.vy + self.omega * offset.x, omega: self.omega }
     }
@@ -296,7 +299,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quarter_circle_ends_at_the_geometric_point() {
+    fn quarter_circle_matches_geometry() {
         let start = Pose::new(1.0, 2.0, 0.0);
         let radius = 0.5;
         let end = start.moved(Twist::new(radius * PI / 2.0, PI / 2.0));
@@ -305,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn arc_converges_to_the_line() {
+    fn arcs_converge_to_the_straight_line() {
         for omega in [0.0, 1e-300, -1e-300, 1e-12] {
             let end = Pose::default().moved(Twist::new(3.0, omega));
             assert!((end.position - DVec2::new(3.0, 1.5 * omega)).length() < 1e-15, "omega {omega}: {end:?}");
@@ -313,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn million_turns_keep_the_remainder() {
+    fn remainder_is_exact_after_a_million_turns() {
         let mut heading = Heading::new(0.25);
         for _ in 0..1_000_000 {
             heading = heading.turned(TAU);
@@ -324,18 +327,19 @@ mod tests {
     }
 
     #[test]
-    fn body_turning_about_a_point_in_front_moves_sideways() {
+    fn point_behind_the_centre_of_rotation_moves_sideways() {
         let twist_of_axle = Twist::new(0.0, 2.0);
         let twist_of_centre = twist_of_axle.at_offset(DVec2::new(-0.04, 0.0));
         assert_eq!(twist_of_centre, Twist { vx: 0.0, vy: -0.08, omega: 2.0 });
     }
 
     #[test]
-    fn rotations_in_space_have_the_documented_signs() {
+    fn rotations_have_the_signs_of_the_conventions() {
         let (roll, pitch, yaw) = (0.3, 0.4, 0.5);
-        let close = |found: DVec3, expected: DVec3| assert!((found - expected).length() < 1e-15, "{found} {expected}");
+        let assert_close =
+            |found: DVec3, expected: DVec3| assert!((found - expected).length() < 1e-15, "{found} {expected}");
         let (sin, cos) = math::sin_cos(0.4);
-        close(Pose3::from_angles(DVec3::ZERO, roll, pitch, 0.0).forward(), DVec3::new(cos, 0.0, sin));
+        assert_close(Pose3::from_angles(DVec3::ZERO, roll, pitch, 0.0).forward(), DVec3::new(cos, 0.0, sin));
         let left = Pose3::from_angles(DVec3::ZERO, roll, 0.0, 0.0).rotation.y_axis;
         assert!(left.z > 0.0 && left.x == 0.0, "the left side rises: {left}");
         let rotation = |axis, angle| Pose3::about_axis(axis, angle);
@@ -346,19 +350,19 @@ mod tests {
             (pose.rotation.y_axis, product.rotation.y_axis),
             (pose.rotation.z_axis, product.rotation.z_axis),
         ] {
-            close(found, expected);
+            assert_close(found, expected);
         }
         let angles = [[roll, pitch, yaw], [-3.0, -1.5, 3.1], [0.0, 1.0, 0.0], [2.0, std::f64::consts::FRAC_PI_2, 0.0]];
         for [roll, pitch, yaw] in angles {
             let found = Pose3::from_angles(DVec3::ZERO, roll, pitch, yaw).angles();
-            close(found.into(), DVec3::new(roll, pitch, yaw));
+            assert_close(found.into(), DVec3::new(roll, pitch, yaw));
         }
         let point = DVec3::new(0.1, -0.2, 0.3);
-        close(pose.inverse_transform_point(pose.transform_point(point)), point);
+        assert_close(pose.inverse_transform_point(pose.transform_point(point)), point);
     }
 
     #[test]
-    fn level_pose_in_space_matches_the_planar_pose() {
+    fn level_pose_in_space_equals_the_planar_pose() {
         let planar = Pose::new(1.0, -2.0, 2.5);
         let space = Pose3::from_planar(&planar, 0.3);
         assert_eq!(space, Pose3::from_angles(DVec3::new(1.0, -2.0, 0.3), 0.0, 0.0, 2.5));
@@ -372,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn compose_and_inverse_agree() {
+    fn inverse_transform_inverts_transform() {
         let world_from_robot = Pose::new(1.0, -2.0, 2.5);
         let point = DVec2::new(0.3, 0.4);
         let back = world_from_robot.inverse_transform_point(world_from_robot.transform_point(point));

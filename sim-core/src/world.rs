@@ -1,8 +1,8 @@
 //! The world with all its robots: queries about published motion, and the end of a slot.
 //!
-//! The world does not change during a slot: robots query the motion published at the start of the slot
+//! The world does not change during a slot. The robots query the motion that was published at the start of the slot
 //! ([`World::cast`], [`World::touching`]), each at its own virtual time. At the end of the slot, [`World::advance`]
-//! resolves the contacts between bodies, publishes the changes and continues with the next slot.
+//! resolves the contacts between bodies, publishes the changed motions and advances to the next slot.
 
 mod lifetime;
 mod near;
@@ -52,17 +52,17 @@ pub struct Contact {
     pub point: DVec2,
 }
 
-/// A part of a robot's published motion: constant twist, then rest.
+/// A piece of a robot's published motion: constant twist, then rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
-    /// Start of the stretch.
+pub struct PublishedPiece {
+    /// Start of the piece.
     pub start: Time,
     /// Pose of the robot's centre at the start.
-    pub from: Pose,
+    pub world_from_robot: Pose,
     /// Twist of the robot's centre in the robot's frame.
     pub twist: Twist,
-    /// Seconds from the start until the robot comes to rest; may be infinite.
-    pub after: f64,
+    /// Seconds from the start until the robot comes to rest; can be infinite.
+    pub duration: f64,
 }
 
 /// The static walls and the published motion of all robots, for the present slot and the 100 ms before.
@@ -74,27 +74,28 @@ pub struct World {
     walls: Arc<Walls>,
     slot: Time,
     now: Time,
-    /// In the order of the robots' ids.
+    /// Published motions of the robots, in the order of their ids.
     tracks: Vec<Track>,
-    /// Index over the moving bodies: bounds of their published motion from 100 ms before the present slot to the slot's
+    /// Index of the moving bodies, by the bounds of their published motion from 100 ms before the present slot to its
     /// end.
     moving: BoundsIndex<RobotId>,
-    /// Index over the bodies at rest.
+    /// Index of the bodies at rest, by their bounds.
     resting: BoundsIndex<RobotId>,
-    /// For each robot, true if its body is in `resting` and its [track](Track::is_resting) has not changed since.
+    /// For each robot, true if its body is in the index `resting` and its [track](Track::is_resting) has not changed
+    /// since it was added.
     are_resting: Vec<bool>,
-    /// Number of robots that were removed before the start of the queryable history.
-    forgotten: usize,
-    /// Buffer for the next rebuild of an index.
+    /// Number of robots that were removed before the published history begins.
+    removed_count: usize,
+    /// Buffer for the rebuild of an index.
     bounds: Vec<(RobotId, Bounds)>,
     truth: TrueMotions,
     /// The movable objects; `None` in a scene without any.
     objects: Option<Box<Objects>>,
-    /// Geometry that only rays in space can hit.
+    /// Geometry that only rays in space and legs can touch.
     indexed_space: Arc<IndexedSpace>,
     quiescence: Quiescence,
     radio: Channel,
-    /// Published stances of the robots with legs and of those in the water.
+    /// Published stances of the robots with legs and of the robots in the water.
     stances: BTreeMap<RobotId, PublishedStance>,
 }
 
@@ -106,24 +107,25 @@ struct PublishedStance {
     parts: Vec<Pose3>,
 }
 
-/// Time up to which a world's only robot follows its plan without a contact to resolve or a change to publish.
-/// Valid while the plan has this revision.
+/// Time until which the only robot of a world follows its plan without a contact to resolve or a change to publish.
+/// Valid only for the plan with this revision.
 #[derive(Clone, Copy, Debug, Default)]
 struct Quiescence {
     revision: u64,
     until: Time,
 }
 
-/// Maximum look-ahead of [`Quiescence`]; it limits the size of the robot's rectangle in the index.
+/// Maximum duration of a [`Quiescence`]. It keeps the bounds of the robot in the index small.
 const MAX_QUIESCENCE: Time = Time::from_millis(10_000);
 
 impl World {
-    /// A world at time 0 with slots of length `slot` and the robots of `motions`, in the order of their ids from 1 on.
+    /// Creates a world at time 0 with slots of length `slot` and the robots of `motions`, in the order of their ids
+    /// from 1 on.
     ///
     /// # Panics
     /// If `slot` is not positive or the ids are not 1, 2, ... in this order.
     pub fn new<'a>(walls: Arc<Walls>, slot: Time, motions: impl IntoIterator<Item = &'a mut Motion>) -> Self {
-        assert!(slot > Time::ZERO, "the slot length is positive");
+        assert!(slot > Time::ZERO, "the length of a slot is positive");
         let indexed_space = Arc::new(IndexedSpace::new(Space::default(), &walls));
         let mut world = Self {
             walls,
@@ -133,7 +135,7 @@ impl World {
             moving: BoundsIndex::default(),
             resting: BoundsIndex::default(),
             are_resting: Vec::new(),
-            forgotten: 0,
+            removed_count: 0,
             bounds: Vec::new(),
             truth: TrueMotions::default(),
             objects: None,
@@ -151,7 +153,7 @@ impl World {
         world
     }
 
-    /// Adds movable objects at rest at these poses, in the order of their ids from 1 on.
+    /// Adds movable objects at rest at the given poses; their ids are 1, 2, ... in this order.
     ///
     /// # Panics
     /// If `objects` is not empty in a build without the feature `objects`.
@@ -163,7 +165,7 @@ impl World {
         self
     }
 
-    /// Sets the geometry that only rays in space can hit: shapes, heights and surfaces.
+    /// Sets the geometry that only rays in space and legs can touch: shapes, heights and surfaces.
     pub fn with_space(mut self, space: Space) -> Self {
         self.indexed_space = Arc::new(IndexedSpace::new(space, &self.walls));
         self
@@ -180,7 +182,7 @@ impl World {
         &self.radio
     }
 
-    /// The channel, mutable. It takes the queued messages between two slots.
+    /// The channel, mutable: between two slots, messages that robots have sent are passed to it.
     pub fn radio_mut(&mut self) -> &mut Channel {
         &mut self.radio
     }
@@ -193,22 +195,22 @@ impl World {
         if range.is_none() && !line_of_sight {
             return Vec::new();
         }
-        let others = (0..self.tracks.len()).map(RobotId::from_index);
-        let others = others.filter(|other| *other != robot && self.is_robot_present(*other, at));
-        let check_reach = |other: RobotId| {
+        let robots = (0..self.tracks.len()).map(RobotId::from_index);
+        let others = robots.filter(|other| *other != robot && self.is_robot_present(*other, at));
+        let reachable = |other: RobotId| {
             let offset = self.tracks[other.index()].centre(at) - position;
             let distance = offset.length();
             if range.is_some_and(|range| distance > range) {
                 return Err(Loss::Range);
             }
-            let is_hidden =
+            let is_occluded =
                 line_of_sight && distance > 0.0 && self.walls.cast(position, offset / distance, distance).is_some();
-            if is_hidden { Err(Loss::Sight) } else { Ok(()) }
+            if is_occluded { Err(Loss::Sight) } else { Ok(()) }
         };
-        others.filter_map(|other| Some((other, check_reach(other).err()?))).collect()
+        others.filter_map(|other| Some((other, reachable(other).err()?))).collect()
     }
 
-    /// Number of movable objects, removed ones included.
+    /// Number of movable objects, including removed ones.
     pub fn object_count(&self) -> usize {
         self.objects.as_ref().map_or(0, |objects| objects.len())
     }
@@ -238,7 +240,7 @@ impl World {
     }
 
     /// Sets the velocity of a movable object's centre of mass, m/s, and its angular velocity, rad/s, at the start of
-    /// the slot.
+    /// the present slot.
     ///
     /// # Panics
     /// If there is no such object.
@@ -250,9 +252,10 @@ impl World {
     }
 
     /// Places a movable object at `world_from_object`, at rest and awake, at the end of the present slot. Must be
-    /// called before [`World::advance`]. If it is called several times for one object, the last call applies.
+    /// called before [`World::advance`]. Of several calls for one object, only the last one has an effect.
     ///
-    /// Any pose is allowed: an object inside a wall or a body is pushed out. A removed object stays removed.
+    /// Any pose is allowed: an object inside a wall or a body is pushed out. For a removed object, the call has no
+    /// effect.
     ///
     /// # Errors
     /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.
@@ -265,8 +268,8 @@ impl World {
         Ok(())
     }
 
-    /// Places a movable object at `world_from_object` now, at the start of the slot, at rest and awake; publishes the
-    /// pose immediately.
+    /// Places a movable object at `world_from_object`, at rest and awake, at the start of the present slot, and
+    /// publishes the pose immediately.
     ///
     /// Any pose is allowed: an object inside a wall or a body is pushed out.
     ///
@@ -284,14 +287,15 @@ impl World {
         Ok(())
     }
 
-    /// Starts recording the steps of movable objects for [`World::take_object_steps`].
+    /// Starts to keep the steps of movable objects for [`World::take_object_steps`].
     pub fn keep_object_steps(&mut self) {
         if let Some(objects) = &mut self.objects {
             objects.keep_steps();
         }
     }
 
-    /// Removes and returns the recorded steps of movable objects, in order of time; see [`World::keep_object_steps`].
+    /// Returns the steps of movable objects since the last call or, at the first call, since
+    /// [`World::keep_object_steps`], in order of time.
     pub fn take_object_steps(&mut self) -> Vec<ObjectStep> {
         self.objects.as_mut().map(|objects| objects.take_steps()).unwrap_or_default()
     }
@@ -301,8 +305,7 @@ impl World {
         self.objects.as_ref().map_or(&[], |objects| objects.moved())
     }
 
-    /// Returns true while a movable object moves, or was placed so recently that it may still be pushed out of an
-    /// overlap.
+    /// Returns true if a movable object moves, or was placed so recently that it may still be pushed out of an overlap.
     pub fn is_object_moving(&self) -> bool {
         self.objects.as_ref().is_some_and(|objects| objects.is_moving())
     }
@@ -339,29 +342,29 @@ impl World {
 
     /// Published pose of a robot's centre at `at`, which is at most 100 ms before the present slot.
     ///
-    /// For the exact pose of a robot whose motion the caller has, see [`Motion::pose`].
+    /// For a robot's own exact pose see [`Motion::pose`].
     pub fn robot_pose(&self, robot: RobotId, at: Time) -> Pose {
         self.tracks[robot.index()].pose(at)
     }
 
-    /// Published motion of a robot in the present slot: at least one part, in the order of time; the first one
-    /// covers the slot's start.
-    pub fn stretches(&self, robot: RobotId) -> impl Iterator<Item = Stretch> {
+    /// Published motion of a robot in the present slot: at least one piece, in the order of time; the first one
+    /// includes the slot's start.
+    pub fn published_pieces(&self, robot: RobotId) -> impl Iterator<Item = PublishedPiece> {
         let passages = self.tracks[robot.index()].passages();
-        // The last passage has no end.
+        // `until` of the last passage is `Time::NEVER`.
         let first = passages.iter().position(|passage| passage.until > self.now).unwrap_or(passages.len() - 1);
         let in_slot = passages[first..]
             .iter()
             .enumerate()
-            .take_while(|(index, passage)| *index == 0 || passage.since() < self.slot_end());
+            .take_while(|(index, passage)| *index == 0 || passage.begin_time() < self.slot_end());
         in_slot.map(|(_, passage)| {
-            let (start, from, twist, after) = passage.stretch(self.now, self.slot_end());
-            Stretch { start, from, twist, after }
+            let (start, world_from_robot, twist, duration) = passage.constant_twist(self.now, self.slot_end());
+            PublishedPiece { start, world_from_robot, twist, duration }
         })
     }
 
-    /// The bodies of other robots that touch the body of `motion` at `at`, in the order of their ids: the argument of
-    /// [`Motion::command`]. Their poses are the published ones; the pose of `motion` is exact.
+    /// The bodies of other robots that touch the body of `motion` at `at`, in the order of their ids, for
+    /// [`Motion::command`]. The poses of the others are the published ones; the pose of `motion` is the exact one.
     pub fn touching(&self, motion: &mut Motion, at: Time) -> Vec<Body> {
         if self.tracks.len() < 2 {
             return Vec::new();
@@ -385,11 +388,11 @@ impl World {
         bodies
     }
 
-    /// Ends the present slot: resolves the contacts between bodies within it, releases bodies whose path has become
-    /// free, publishes the changes, and advances to the next slot.
+    /// Ends the present slot: resolves the contacts between bodies in this slot, releases bodies whose path has become
+    /// free, publishes the changed motions, and advances to the next slot.
     ///
-    /// `active` holds the motions of all [active](Motion::is_active) robots, in any order; passive robots may be
-    /// omitted. Returns the contacts that began in the slot, in the order of (time, robot).
+    /// `active` must contain the motions of all [active](Motion::is_active) robots, in any order; the motions of other
+    /// robots may be omitted. Returns the contacts that began in the slot, in the order of (time, robot).
     pub fn advance(&mut self, active: &mut [&mut Motion]) -> Vec<Contact> {
         active.sort_by_key(|motion| motion.id());
         let mut contacts = Vec::new();
@@ -404,12 +407,12 @@ impl World {
         contacts
     }
 
-    /// First part of the end of a slot: resolves the contacts between bodies, and releases bodies whose path has become free. `active`
-    /// holds the motions as in [`World::advance`], sorted by id. `observe` is called with each motion when its contacts are resolved and
-    /// the whole slot can still be queried.
+    /// First part of the end of a slot: resolves the contacts between bodies, and releases bodies whose path has become
+    /// free. `active` is as for [`World::advance`], in the order of ids. `observe` is called with each motion when its
+    /// contacts are resolved and the whole slot can still be queried.
     ///
-    /// Returns false if the world has already advanced because nothing can have changed. Otherwise the caller must publish all
-    /// [publications](World::publications) and call [`World::conclude`].
+    /// Returns false if nothing can have changed; the world has then already advanced to the next slot. Otherwise the
+    /// caller must publish all [publications](World::publications) and call [`World::conclude`].
     pub(crate) fn settle(
         &mut self,
         active: &mut [&mut Motion],
@@ -421,7 +424,7 @@ impl World {
             && self.is_quiescent(motion, end + self.slot)
         {
             observe(motion);
-            motion.pass(end);
+            motion.skip_slot(end);
             self.now = end;
             self.publish_stance(motion, end);
             return false;
@@ -450,7 +453,7 @@ impl World {
         })
     }
 
-    /// Last part of the end of a slot, after all robots of `active` have published: advances to the next slot.
+    /// Last part of the end of a slot, after the motions of `active` were published: advances to the next slot.
     pub(crate) fn conclude(&mut self, active: &mut [&mut Motion]) {
         let end = self.slot_end();
         self.now = end;
@@ -461,7 +464,7 @@ impl World {
         if self.has_stances() {
             active.iter_mut().for_each(|motion| self.publish_stance(motion, end));
         }
-        if self.has_plan_alone() {
+        if self.has_published_plan_only() {
             self.quiescence = Quiescence::default();
             self.are_resting.fill(false);
             return;
@@ -469,8 +472,10 @@ impl World {
         if let [motion] = active
             && self.has_single_robot()
         {
-            self.quiescence =
-                Quiescence { revision: motion.revision(), until: motion.steady_until(end).min(end + MAX_QUIESCENCE) };
+            self.quiescence = Quiescence {
+                revision: motion.revision(),
+                until: motion.unchanged_until(end).min(end + MAX_QUIESCENCE),
+            };
             let (from, to) = (end - HISTORY, self.slot_end().max(self.quiescence.until));
             let published = self.publications().filter(|publication| publication.slot_motion.published.is_some());
             published.for_each(|publication| publication.refresh(from, to));
@@ -480,8 +485,8 @@ impl World {
         self.truth = truth;
     }
 
-    /// Publishes the plan of `motion` at the start of the present slot again, after the robot was [placed](Motion::place)
-    /// or changed there.
+    /// Publishes the plan of `motion` again at the start of the present slot, after the robot was
+    /// [placed](Motion::place) or changed at that time.
     pub fn republish(&mut self, motion: &mut Motion) {
         let (now, end) = (self.now, self.slot_end());
         self.tracks[motion.id().index()].publish(motion, now, end);
@@ -493,7 +498,7 @@ impl World {
 
     /// Publishes the stance of a robot with legs or in the water at `now`.
     fn publish_stance(&mut self, motion: &mut Motion, now: Time) {
-        if !motion.has_height() {
+        if !motion.has_variable_height() {
             return;
         }
         let stance = motion.stance(now);
@@ -501,19 +506,21 @@ impl World {
         self.stances.insert(motion.id(), PublishedStance { stance, parts });
     }
 
-    /// Pose of a robot's body in space at `at`. Its height is taken from the published stance at the start of the
-    /// present slot.
+    /// Pose of a robot's frame in space at `at`. The height is that of the published stance at the start of the present
+    /// slot.
     pub fn robot_pose_in_space(&self, robot: RobotId, at: Time) -> Pose3 {
         Pose3::from_planar(&self.robot_pose(robot, at), self.stance(robot).map_or(0.0, |stance| stance.lift))
     }
 
-    /// Published stance of a robot with legs or in the water, at the start of the present slot; `None` for other robots.
+    /// Published stance of a robot with legs or in the water, at the start of the present slot; `None` for other
+    /// robots.
     pub fn stance(&self, robot: RobotId) -> Option<&Stance> {
         self.stances.get(&robot).map(|published| &published.stance)
     }
 
-    /// Pose in the world at `at` of a part of a robot's legs; the stance is the one at the start of the present slot. Parts
-    /// are indexed as in [`Legs::parts`](crate::drive::legged::Legs::parts); `None` if there is no such part.
+    /// Pose in the world at `at` of a part of a robot's legs. The joint angles and the height are those at the start of
+    /// the present slot. Parts are indexed as in [`Legs::parts`](crate::drive::legged::Legs::parts); `None` if there is
+    /// no such part.
     pub fn leg_part_pose(&self, robot: RobotId, part: usize, at: Time) -> Option<Pose3> {
         let robot_from_part = self.stances.get(&robot)?.parts.get(part)?;
         Some(self.robot_pose_in_space(robot, at).then(robot_from_part))
@@ -529,12 +536,13 @@ impl World {
         self.tracks.len() == 1 && self.objects.is_none()
     }
 
-    /// Returns true if the only robot has published a plan without its passages; the plan is then not in the indices.
-    fn has_plan_alone(&self) -> bool {
+    /// Returns true if there is only one robot and its published plan has no passages yet; the robot is then not in the
+    /// indices.
+    fn has_published_plan_only(&self) -> bool {
         self.has_single_robot() && self.tracks[0].has_plan()
     }
 
-    /// Returns true if nothing needs to be resolved or published before `until`, the usual case for a single robot.
+    /// Returns true if there is a single robot and nothing needs to be resolved or published before `until`.
     fn is_quiescent(&self, motion: &Motion, until: Time) -> bool {
         until <= self.quiescence.until
             && motion.revision() == self.quiescence.revision
@@ -542,11 +550,11 @@ impl World {
             && self.has_single_robot()
     }
 
-    /// Skips to the slot that starts at `slot_start`. Precondition: before it, no robot is [active](Motion::is_active),
-    /// [no object moves](World::is_object_moving) and no robot wakes.
+    /// Skips to the slot that starts at `slot_start`. Precondition: until that time no robot is
+    /// [active](Motion::is_active), [no object moves](World::is_object_moving) and no program of a robot runs.
     ///
     /// # Panics
-    /// If `slot_start` is not the start of a slot, or lies before the present one.
+    /// If `slot_start` is not the start of the present slot or of a later one.
     pub fn advance_to(&mut self, slot_start: Time) {
         assert!(
             slot_start >= self.now && slot_start.floor_to(self.slot) == slot_start,
@@ -563,12 +571,13 @@ impl World {
         self.refresh_index();
     }
 
-    /// Updates the indices with the bounds of the published motion. Bodies that stay at rest need no update.
+    /// Updates the indices with the bounds of the published motion. Bodies that stay at rest keep their entries.
     fn refresh_index(&mut self) {
         self.refresh_index_after(None);
     }
 
-    /// Like [`World::refresh_index`], after the active robots of `published` have published their motion.
+    /// Like [`World::refresh_index`], but uses the bounds in `published` for the active robots, which have just
+    /// published their motion.
     fn refresh_index_after(&mut self, published: Option<&TrueMotions>) {
         let (from, to) = (self.now - HISTORY, self.slot_end().max(self.quiescence.until));
         let mut has_rest_changed = false;
@@ -583,7 +592,7 @@ impl World {
                 None => {
                     let track = &mut self.tracks[index];
                     track.refresh(from, to);
-                    self.forgotten += usize::from(track.lifetime.until <= from);
+                    self.removed_count += usize::from(track.lifetime.until <= from);
                     (track.bounds(), track.is_resting())
                 }
             };
@@ -596,8 +605,8 @@ impl World {
         if !(self.bounds.is_empty() && self.moving.is_empty()) {
             self.moving.rebuild(&self.bounds);
         }
-        // A body that has started moving stays in the index of bodies at rest until that index is rebuilt.
-        let count = self.tracks.len() - self.forgotten - self.bounds.len();
+        // A body that has last_begun to move stays in the index of bodies at rest until that index is rebuilt.
+        let count = self.tracks.len() - self.removed_count - self.bounds.len();
         if has_rest_changed || count != self.resting.len() {
             self.bounds.clear();
             let at_rest = self.tracks.iter().enumerate().filter(|(index, _)| self.are_resting[*index]);
@@ -606,14 +615,14 @@ impl World {
         }
     }
 
-    /// Visits each robot present at `at` whose published motion comes near `bounds`.
+    /// Visits each robot that is present at `at` and may come into `bounds` by its published motion.
     fn for_each_near(&self, bounds: Bounds, at: Time, mut visit: impl FnMut(RobotId)) {
         let mut visit = |robot| {
             if self.is_robot_present(robot, at) {
                 visit(robot);
             }
         };
-        if self.has_plan_alone() {
+        if self.has_published_plan_only() {
             return visit(RobotId::from_index(0));
         }
         self.resting.for_each_in(bounds, &mut visit);
@@ -633,13 +642,13 @@ impl Publication<'_> {
         self.slot_motion.robot
     }
 
-    /// Ends the slot at `end` for `motion`, calls `report` with the contacts that began in the slot, in order of time, and publishes
-    /// the motion up to `next_end`.
-    pub fn publish(self, motion: &mut Motion, end: Time, next_end: Time, mut report: impl FnMut(Contact)) {
+    /// Ends the slot of `motion` at `end`, reports the contacts that began in it, in order of time, and publishes the
+    /// motion up to `next_end`.
+    pub fn publish(self, motion: &mut Motion, end: Time, next_end: Time, mut report_contact: impl FnMut(Contact)) {
         let impacts = self.slot_motion.impacts.take().unwrap_or_else(|| motion.commit(end));
         for impact in impacts.into_iter().filter(|impact| impact.fresh) {
             let Impact { time, thing: with, point, .. } = impact;
-            report(Contact { time, robot: self.slot_motion.robot, with, point });
+            report_contact(Contact { time, robot: self.slot_motion.robot, with, point });
         }
         if self.track.is_alone && self.track.publish_plan(motion, end, next_end) {
             return;
@@ -650,15 +659,15 @@ impl Publication<'_> {
         }
     }
 
-    /// Computes the bounds of the motion published from `from` to `to`.
+    /// Computes the bounds of the published motion from `from` to `to`.
     fn refresh(self, from: Time, to: Time) {
         self.track.refresh(from, to);
         self.slot_motion.published = Some((self.track.bounds(), self.track.is_resting()));
     }
 }
 
-/// The passage in force at `at`: the last passage that has started by `at`, or the first if none has.
+/// The passage at `at`: the last passage that has begun, or the first if none has.
 fn passage_at(passages: &[Passage], at: Time) -> &Passage {
-    let started = passages.iter().rposition(|passage| passage.since() <= at);
-    &passages[started.unwrap_or(0)]
+    let last_begun = passages.iter().rposition(|passage| passage.begin_time() <= at);
+    &passages[last_begun.unwrap_or(0)]
 }

@@ -1,4 +1,4 @@
-//! Contacts between robots: which robots stop, where, and when they go on.
+//! Contacts between robots: which robots stop, where, and when they continue.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -103,7 +103,7 @@ fn is_skin(gap: f64) -> bool {
 }
 
 #[test]
-fn head_on_both_rest_where_they_meet() {
+fn head_on_collision_stops_both_robots() {
     let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.0, PI)]);
     scene.twist(0, 0.3, 0.0);
     scene.twist(1, 0.1, 0.0);
@@ -118,7 +118,7 @@ fn head_on_both_rest_where_they_meet() {
 }
 
 #[test]
-fn a_resting_robot_stops_one_that_pushes_and_does_not_move() {
+fn robot_at_rest_blocks_another_and_does_not_move() {
     let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.05, 0.0)]);
     scene.twist(0, 0.5, 0.0);
     scene.run(4.0);
@@ -127,7 +127,7 @@ fn a_resting_robot_stops_one_that_pushes_and_does_not_move() {
     assert!(scene.is_stalled(0) && !scene.is_stalled(1));
     let now = scene.world.slot_start();
     assert_eq!((scene.motions[0].contacts(now), scene.motions[1].contacts(now)), (1, 0));
-    // Pushing again is no new contact; backing off is free.
+    // Another push is no new contact; the robot can back off.
     scene.twist(0, 0.2, 0.0);
     scene.run(1.0);
     let now = scene.world.slot_start();
@@ -139,7 +139,7 @@ fn a_resting_robot_stops_one_that_pushes_and_does_not_move() {
 }
 
 #[test]
-fn a_contact_with_a_robot_is_known_from_the_end_of_its_slot_on() {
+fn contact_with_a_robot_is_known_at_the_end_of_its_slot() {
     let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.0, 0.0)]);
     // 0.8 m at 0.51 m/s: within the slot from 1.55 s to 1.6 s.
     scene.twist(0, 0.5, 0.0);
@@ -148,13 +148,13 @@ fn a_contact_with_a_robot_is_known_from_the_end_of_its_slot_on() {
     let [impact] = scene.motions[0].impacts(Time::ZERO, Time::from_millis(1_600))[..] else { panic!("one impact") };
     assert!((impact.time.seconds() - 0.8 / 0.51).abs() < 1e-5, "{impact:?}");
     assert_eq!(impact.known_at, Time::from_millis(1_600));
-    // A query that ended after the impact but before the end of its slot still gets it in the next query.
+    // If a query ends after the impact but before the end of its slot, the next query returns the impact.
     assert_eq!(scene.motions[0].impacts(Time::from_millis(1_590), Time::from_millis(1_600)), [impact]);
     assert_eq!(scene.motions[0].impacts(Time::from_millis(1_601), Time::from_millis(1_650)), []);
 }
 
 #[test]
-fn a_blocked_drive_goes_on_to_its_mark_when_the_way_is_free() {
+fn blocked_drive_continues_to_its_target_when_the_path_is_free() {
     let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, PI / 2.0)]);
     let drive = Command::Drive { displacement: Twist::new(1.0, 0.0), duration: 2.0 };
     scene.command(0, Time::ZERO, drive);
@@ -171,7 +171,7 @@ fn a_blocked_drive_goes_on_to_its_mark_when_the_way_is_free() {
 }
 
 #[test]
-fn a_chase_never_overlaps() {
+fn pursuing_robots_never_overlap() {
     let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, 0.0)]);
     scene.twist(0, 0.5, 0.0);
     scene.twist(1, 0.2, 0.0);
@@ -184,10 +184,10 @@ fn a_chase_never_overlaps() {
 }
 
 #[test]
-fn commands_after_a_contact_are_obeyed_from_the_contact() {
+fn commands_after_a_contact_start_at_the_contact_position() {
     let mut scene =
         Scene::with(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, 0.0)], vec![], model(), Time::from_millis(1_000));
-    // Contact after 0.3 s; the command at 0.4 s drives on towards the other robot, the one at 0.5 s back.
+    // Contact after 0.3 s; the command at 0.4 s drives towards the other robot again, the command at 0.5 s drives back.
     scene.twist(0, 1.0, 0.0);
     scene.command(0, Time::from_millis(400), Command::Twist(Twist::new(2.0, 0.1)));
     scene.command(0, Time::from_millis(500), Command::Twist(Twist::new(-0.5, 0.0)));
@@ -203,19 +203,19 @@ fn commands_after_a_contact_are_obeyed_from_the_contact() {
 }
 
 #[test]
-fn three_in_a_row_stop_one_after_the_other() {
+fn three_robots_in_a_row_stop_in_sequence() {
     let poses = [Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.0, 0.0), Pose::new(2.0, 0.0, 0.0)];
     let mut scene = Scene::with(&poses, vec![], model(), Time::from_millis(10_000));
     scene.twist(0, 1.0, 0.0);
     scene.twist(1, 0.5, 0.0);
     scene.advance();
-    // The second reaches the third after 1.6 s and rests; the first reaches the second at 1.6 s as well.
+    // The second robot reaches the third after 1.6 s and stops; the first robot also reaches the second at 1.6 s.
     assert!(is_skin(scene.gap(0, 1)) && is_skin(scene.gap(1, 2)));
     assert_eq!(scene.position(2), DVec2::new(2.0, 0.0));
 }
 
 #[test]
-fn bodies_that_overlap_may_part_and_not_sink_in() {
+fn overlapping_bodies_can_separate_but_not_go_deeper() {
     for (v, moves) in [(0.2, false), (-0.2, true)] {
         let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.15, 0.0, 0.0)]);
         scene.twist(0, v, 0.0);
@@ -235,7 +235,7 @@ fn fast_bodies_do_not_tunnel_in_a_long_slot() {
     );
     scene.twist(0, 100.0, 0.0);
     scene.twist(1, 100.0, 0.0);
-    // The third passes the place where the two have met.
+    // The third robot passes the place where the other two have collided.
     scene.twist(2, 100.0, 0.0);
     scene.advance();
     assert!(is_skin(scene.gap(0, 1)), "{}", scene.gap(0, 1));
@@ -244,7 +244,7 @@ fn fast_bodies_do_not_tunnel_in_a_long_slot() {
 }
 
 #[test]
-fn the_order_of_the_motions_says_nothing() {
+fn order_of_motions_has_no_effect() {
     let mut random = Random::new(3);
     let poses: Vec<_> =
         (0..30).map(|i| Pose::new(f64::from(i % 6) * 0.25, f64::from(i / 6) * 0.25, random.between(-PI, PI))).collect();
@@ -279,7 +279,7 @@ fn the_order_of_the_motions_says_nothing() {
 }
 
 #[test]
-fn others_are_seen_by_what_is_public_at_the_instant() {
+fn other_robots_are_seen_at_their_published_poses() {
     let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(1.0, 0.0, 0.0)]);
     let beam = Beam { mount: Mount::new(0.05, 0.0, 0.0), range: 2.0 };
     let see = |scene: &mut Scene, at: Time| {
@@ -304,7 +304,7 @@ fn others_are_seen_by_what_is_public_at_the_instant() {
 }
 
 #[test]
-fn a_ray_from_inside_another_body_reads_zero_and_never_its_own() {
+fn ray_from_inside_another_body_has_distance_zero() {
     let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.3, 0.0, 0.0)]);
     let cast = |scene: &mut Scene, x: f64, angle: f64, range: f64| {
         let pose = scene.motions[0].pose(Time::ZERO);
@@ -318,7 +318,7 @@ fn a_ray_from_inside_another_body_reads_zero_and_never_its_own() {
 }
 
 #[test]
-fn robots_with_a_lag_push_and_are_released() {
+fn robots_with_wheel_lag_block_each_other_and_are_released() {
     let lame = Model { wheel_lag: 0.05, ..model() };
     for slot in [Time::from_millis(50), Time(7_000)] {
         let poses = [Pose::new(0.0, 0.0, 0.0), Pose::new(0.5, 0.0, PI / 2.0)];
@@ -335,7 +335,7 @@ fn robots_with_a_lag_push_and_are_released() {
 }
 
 #[test]
-fn a_world_at_rest_is_skipped() {
+fn world_at_rest_can_skip_slots() {
     let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0)]);
     scene.command(0, Time::ZERO, Command::Drive { displacement: Twist::new(0.1, 0.0), duration: 0.2 });
     scene.run(0.5);

@@ -13,11 +13,11 @@ use sim_core::{
 /// The earliest contact with any of `walls` within `duration` seconds.
 fn contact(walls: &[Segment], start: Pose, twist: Twist, radius: f64, duration: f64) -> Option<f64> {
     let path = Path::new(&start, twist);
-    walls.iter().filter_map(|wall| first_contact(&path, radius, wall, duration)).map(|hit| hit.after).reduce(f64::min)
+    walls.iter().filter_map(|wall| first_contact(&path, radius, wall, duration)).map(|hit| hit.seconds).reduce(f64::min)
 }
 
 #[test]
-fn contacts_are_those_of_brute_force() {
+fn first_contact_matches_brute_force() {
     let mut random = Random::new(7);
     let bounds = Bounds { min: DVec2::splat(-2.0), max: DVec2::splat(2.0) };
     let (mut contacts, mut free) = (0, 0);
@@ -28,7 +28,7 @@ fn contacts_are_those_of_brute_force() {
         let position = random.point_in(bounds);
         let start = Pose { position, ..Pose::new(0.0, 0.0, random.between(-PI, PI)) };
         let radius = random.between(0.01, 0.3);
-        // Only discs that start clear of all walls: contact at the start has different rules.
+        // Only discs that do not touch a wall at the start: for contact at the start other rules apply.
         if oracle::clearance(&walls, position, radius) < 1e-5 {
             continue;
         }
@@ -43,7 +43,7 @@ fn contacts_are_those_of_brute_force() {
         match (found, expected) {
             (Some(found), Some(expected)) => {
                 contacts += 1;
-                // For a grazing disc the gap at the instant is a sharper test than the instant.
+                // For a grazing disc the gap at the instant of contact is a sharper test than the instant itself.
                 assert!((gap(found) - SKIN).abs() < 1e-12, "gap {} at {found}", gap(found));
                 assert!((found - expected).abs() < 1e-5, "{found} for {expected}");
             }
@@ -58,8 +58,9 @@ fn contacts_are_those_of_brute_force() {
 }
 
 #[test]
-fn every_turning_speed_meets_the_wall_where_its_arc_does() {
-    // A wall across the path at 1 m, reached on an arc of the radius v / omega, or missed if that is too small.
+fn arc_meets_the_wall_at_the_closed_form_for_every_turning_speed() {
+    // A wall across the path at 1 m. The arc of the radius v / omega reaches it, or misses it if the radius is too
+    // small.
     let wall = Segment::new(DVec2::new(1.0, -1e3), DVec2::new(1.0, 1e3));
     let (v, radius) = (0.5, 0.1);
     for exponent in -300..=4 {
@@ -80,14 +81,14 @@ fn every_turning_speed_meets_the_wall_where_its_arc_does() {
 }
 
 #[test]
-fn nothing_tunnels() {
+fn discs_never_tunnel_through_walls() {
     let wall = Segment::new(DVec2::new(1e3, -1.0), DVec2::new(1e3, 1.0));
     for speed in [1e-3, 1.0, 1e2, 1e6, 1e12] {
         let found = contact(&[wall], Pose::default(), Twist::new(speed, 0.0), 0.05, f64::INFINITY);
         let distance = found.expect("a contact") * speed;
         assert!((distance - (1e3 - 0.05 - SKIN)).abs() < 1e-12 * 1e3, "within rounding: {distance}");
     }
-    // A post, hit in full, hit by a hair, and missed by a hair.
+    // A post: a central hit, a grazing hit and a near miss.
     let post = Segment::new(DVec2::new(2.0, 0.0), DVec2::new(2.0, 0.0));
     for (offset, meets) in [(0.0, true), (0.1 - 1e-9, true), (0.1 + SKIN - 1e-9, true), (0.1 + SKIN + 1e-9, false)] {
         let start = Pose::new(0.0, offset, 0.0);
@@ -96,7 +97,7 @@ fn nothing_tunnels() {
 }
 
 #[test]
-fn a_full_circle_beside_a_wall_grazes_or_not() {
+fn circle_beside_a_wall_detects_grazing_contact() {
     // Circle of radius 1 around (0, 1): its lowest point, where the path starts, is 1 m above a wall at y = -1.
     for (y, meets) in [(3.1 + 1e-9 + SKIN, false), (3.1 - 1e-9 + SKIN, true), (2.5, true)] {
         let wall = Segment::new(DVec2::new(-5.0, y - 1.0), DVec2::new(5.0, y - 1.0));
@@ -107,7 +108,7 @@ fn a_full_circle_beside_a_wall_grazes_or_not() {
 }
 
 #[test]
-fn a_disc_in_contact_may_do_all_but_approach() {
+fn disc_in_contact_is_stopped_only_if_it_approaches() {
     let wall = Segment::new(DVec2::new(-5.0, 0.0), DVec2::new(5.0, 0.0));
     let radius = 0.1;
     for gap in [SKIN, 0.5 * (SKIN + TOUCH), 0.5 * SKIN, 0.0, -0.03] {
@@ -115,7 +116,7 @@ fn a_disc_in_contact_may_do_all_but_approach() {
             let heading = f64::from(turn) * PI / 4.0;
             let start = Pose::new(0.3, radius + gap, heading);
             let found = contact(&[wall], start, Twist::new(0.2, 0.0), radius, 1.0);
-            // Headings 5, 6 and 7 eighths of a turn lead into the wall.
+            // Headings of 5, 6 and 7 eighths of a turn point into the wall.
             assert_eq!(found, (5..8).contains(&turn).then_some(0.0), "gap {gap}, heading {heading}");
             assert_eq!(
                 contact(&[wall], start, Twist::new(-0.2, 0.0), radius, 1.0),
@@ -132,7 +133,7 @@ fn a_disc_in_contact_may_do_all_but_approach() {
 }
 
 #[test]
-fn the_rounding_of_a_heading_does_not_stop_a_drive_along_a_wall() {
+fn heading_rounding_does_not_stop_a_drive_along_a_wall() {
     let (sin, cos) = (libm::sin(0.7), libm::cos(0.7));
     let along = DVec2::new(cos, sin);
     let wall = Segment::new(along * -100.0, along * 100.0);
@@ -145,17 +146,17 @@ fn the_rounding_of_a_heading_does_not_stop_a_drive_along_a_wall() {
 }
 
 #[test]
-fn a_centre_inside_a_wall_may_not_cross_it() {
+fn centre_on_a_wall_may_leave_it_but_not_cross_it() {
     let wall = Segment::new(DVec2::new(-1.0, 0.0), DVec2::new(1.0, 0.0));
     let crossing = contact(&[wall], Pose::new(0.0, -0.01, PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0);
     assert_eq!(crossing, Some(0.0));
     assert_eq!(contact(&[wall], Pose::new(0.0, -0.01, -PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0), None);
-    // From the line itself either side leads away.
+    // From the line itself, the disc can leave to either side.
     assert_eq!(contact(&[wall], Pose::new(0.0, 0.0, PI / 2.0), Twist::new(0.1, 0.0), 0.1, 1.0), None);
 }
 
 #[test]
-fn numbers_at_the_edge_give_no_nonsense() {
+fn extreme_numbers_give_valid_results() {
     let wall = Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0));
     let twists = [1e-300, 5e-324, 1e-9, 1e12, f64::MAX];
     for v in twists {
@@ -169,7 +170,7 @@ fn numbers_at_the_edge_give_no_nonsense() {
 }
 
 #[test]
-fn two_moving_discs_touch_where_sampling_says() {
+fn first_touch_of_moving_discs_matches_sampling() {
     let mut random = Random::new(11);
     let bounds = Bounds { min: DVec2::splat(-1.0), max: DVec2::splat(1.0) };
     let span = 2.0;
@@ -197,7 +198,7 @@ fn two_moving_discs_touch_where_sampling_says() {
                 assert!(found <= sampled && sampled - found < span / 400.0, "case {case}: {found}, sampled {sampled}");
                 assert!(gap(found) > SKIN - 1e-9 && gap(found) <= TOUCH, "case {case}: gap {}", gap(found));
             }
-            // A contact between two samples, by a hair.
+            // A grazing contact between two samples.
             (Some(found), None) => assert!(gap(found) > SKIN - 1e-9 && gap(found) <= TOUCH, "case {case}"),
             (None, Some(sampled)) => panic!("case {case}: missed the contact at {sampled}"),
             (None, None) => {}

@@ -1,4 +1,4 @@
-//! Drives end on their mark: odometry and true pose equal the command, for any slot, sign and size.
+//! Drives end at their targets: odometry and true pose equal the command, for every slot length, sign and size.
 
 use std::{
     f64::consts::{PI, TAU},
@@ -40,7 +40,7 @@ fn model() -> Model {
     }
 }
 
-/// Model of a LabBot fast enough to finish any drive soon.
+/// Model of a LabBot with such high limits that every drive ends soon.
 fn racer() -> Model {
     Model { max_wheel_rate: 1e4, max_speed: 200.0, max_turn: 400.0, ..model() }
 }
@@ -62,7 +62,7 @@ impl Rig {
     }
 
     /// Advances to `at`, slot by slot as long as the robot moves.
-    fn go_on(&mut self, at: Time) {
+    fn advance_to(&mut self, at: Time) {
         while self.world.slot_end() <= at {
             if self.motion.is_active() {
                 self.world.advance(&mut [&mut self.motion]);
@@ -78,8 +78,8 @@ impl Rig {
         self.motion.command(self.at, command, &[]).expect("a sound command");
     }
 
-    /// Drives to the end at a speed in m/s, or in rad/s for a turn on the spot, but within 4 s if possible; checks on the way
-    /// that the remaining distance never grows.
+    /// Drives to the end at a speed in m/s, or in rad/s for a turn on the spot, but within 4 s if possible; checks that
+    /// the remaining distance never increases.
     fn drive(&mut self, displacement: Twist, speed: f64) {
         let whole = if displacement.vx == 0.0 { displacement.omega } else { displacement.vx };
         self.command(Command::Drive { displacement, duration: (whole.abs() / speed).min(4.0) });
@@ -88,7 +88,7 @@ impl Rig {
         let mut remaining = self.motion.drive_remaining(start);
         assert!((remaining - whole.abs()).abs() <= 1e-15 * whole.abs(), "{remaining} m or rad of {displacement:?}");
         for part in 1..=5 {
-            self.go_on(Time(start.0 + (end - start).0 * part / 5));
+            self.advance_to(Time(start.0 + (end - start).0 * part / 5));
             let to_go = self.motion.drive_remaining(self.at);
             assert!((0.0..=remaining).contains(&to_go), "{to_go} after {remaining} of {displacement:?}");
             remaining = to_go;
@@ -104,8 +104,8 @@ impl Rig {
         let after = self.motion.state(self.at);
         assert_close(after.odometry, before.odometry.moved(displacement), displacement);
         assert_close(after.world_from_axle, before.world_from_axle.moved(displacement), displacement);
-        let path = after.path - before.path;
-        let rounding = 1e-9 + 1e-12 * after.path;
+        let path = after.path_length - before.path_length;
+        let rounding = 1e-9 + 1e-12 * after.path_length;
         assert!((path - displacement.speed()).abs() <= rounding, "{path} m of {displacement:?}");
     }
 }
@@ -158,7 +158,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn drives_end_on_their_mark(
+    fn drives_end_at_their_targets(
         drives in prop::collection::vec((displacement(), 0.01..2.0_f64, 0_i64..300_000), 1..6),
         slot in slot(),
         heading in -PI..PI,
@@ -166,12 +166,12 @@ proptest! {
         let mut rig = Rig::new(racer(), slot, Pose::new(3.0, -2.0, heading));
         for (displacement, speed, pause) in drives {
             rig.check(displacement, speed);
-            rig.go_on(rig.at + Time(pause));
+            rig.advance_to(rig.at + Time(pause));
         }
     }
 
     #[test]
-    fn a_lag_of_the_wheels_does_not_move_the_mark(
+    fn wheel_lag_does_not_move_the_target(
         displacement in displacement(),
         speed in 0.1..2.0_f64,
         lag in 0.005..0.3_f64,
@@ -182,7 +182,7 @@ proptest! {
     }
 
     #[test]
-    fn vwdrive_ends_at_its_point(x in -40.0..40.0_f64, y in -40.0..40.0_f64, slot in slot(), speed in 0.05..0.5_f64) {
+    fn vw_drive_ends_at_its_point(x in -40.0..40.0_f64, y in -40.0..40.0_f64, slot in slot(), speed in 0.05..0.5_f64) {
         let start = Pose::new(1.0, 2.0, 0.7);
         let mut rig = Rig::new(Model { axis_offset: 0.0, ..racer() }, slot, start);
         let displacement = arc_to(DVec2::new(x, y));
@@ -196,7 +196,7 @@ proptest! {
     }
 
     #[test]
-    fn arcs_end_at_their_points_with_the_curvature_of_the_circle(
+    fn arcs_end_at_their_points_with_constant_curvature(
         x in prop_oneof![-2.0..2.0_f64, -1e4..1e4_f64, Just(0.0), Just(1e-9)],
         y in prop_oneof![-2.0..2.0_f64, -1e4..1e4_f64, Just(0.0), Just(-1e-9), Just(1e-100)],
     ) {
@@ -212,7 +212,7 @@ proptest! {
     }
 
     #[test]
-    fn a_drive_that_is_replaced_counts_for_what_it_has_covered(
+    fn replaced_drive_keeps_the_distance_covered(
         first in displacement(),
         second in displacement(),
         share in 0.0..1.0_f64,
@@ -221,13 +221,13 @@ proptest! {
         let mut rig = Rig::new(racer(), slot, Pose::default());
         rig.command(Command::Drive { displacement: first, duration: 0.0 });
         let (start, end) = (rig.at, rig.motion.drive_end().expect("an end"));
-        rig.go_on(Time(start.0 + ((end - start).0 as f64 * share) as i64));
+        rig.advance_to(Time(start.0 + ((end - start).0 as f64 * share) as i64));
         rig.check(second, 0.4);
     }
 }
 
 #[test]
-fn the_commands_of_the_course_end_on_their_mark() {
+fn textbook_commands_end_at_their_targets() {
     // VWStraight(500, 200), VWTurn(90, 60), VWCurve(-300, 90, 100), VWDrive(400, -300, 150).
     let commands = [
         (Twist::new(0.5, 0.0), 0.2),
@@ -244,7 +244,7 @@ fn the_commands_of_the_course_end_on_their_mark() {
 }
 
 #[test]
-fn a_drive_with_lag_and_controllers_ends_on_its_mark() {
+fn drive_with_lag_and_controllers_ends_at_its_target() {
     let gains = Gains { vv: 7.0, tv: 0.3, vw: 10.0, tw: 0.1 };
     for displacement in [Twist::new(0.5, 0.0), Twist::new(0.0, -2.0), Twist::new(-4.0, 0.0)] {
         let mut rig = Rig::new(Model { wheel_lag: 0.1, ..model() }, Time(50_000), Pose::default());
@@ -254,7 +254,7 @@ fn a_drive_with_lag_and_controllers_ends_on_its_mark() {
 }
 
 #[test]
-fn one_motor_at_a_time_keeps_the_others_as_they_are() {
+fn command_to_one_motor_keeps_the_other_rates() {
     let mut rig = Rig::new(Model { max_speed: 9.0, ..model() }, Time(50_000), Pose::default());
     let rates = |motion: &mut Motion, at: Time| {
         let (before, after) = (motion.wheel_angles(at), motion.wheel_angles(at + Time(1_000_000)));
@@ -306,7 +306,7 @@ fn wheel_rates(motion: &mut Motion, ticks: i64) -> Vec<Wheels> {
 }
 
 #[test]
-fn a_wheel_with_a_controller_reaches_its_rate_and_one_without_follows_its_lag() {
+fn wheel_with_controller_reaches_its_rate_and_wheel_without_follows_its_lag() {
     let lame = Model { wheel_lag: 0.1, ..model() };
     let pid = Pid { p: 4.0, i: 40.0, d: 0.02 };
     let mut rig = Rig::new(lame, Time(50_000), Pose::default());
@@ -334,13 +334,13 @@ fn a_wheel_with_a_controller_reaches_its_rate_and_one_without_follows_its_lag() 
     let within = |wheel: usize| rates.iter().rposition(|rates| (rates[wheel] - 20.0).abs() > 0.2).unwrap() + 1;
     assert!(within(0) * 2 < within(1), "controlled {} ticks, open loop {} ticks to 1 %", within(0), within(1));
     assert!((rates[399][0] - 20.0).abs() < 1e-9, "{:?}", rates[399]);
-    // Settled: no more pieces, and the encoder counts at the rate to the bit.
+    // Settled: there are no further pieces, and the encoder counts at exactly this rate.
     let at = Time(6_000_000);
     assert!((rig.motion.wheel_angles(at + Time(1_000_000))[0] - rig.motion.wheel_angles(at)[0] - 20.0).abs() < 1e-12);
 }
 
 #[test]
-fn proportional_action_alone_leaves_an_error_and_saturation_does_not_wind_up() {
+fn proportional_controller_has_steady_state_error_and_no_windup() {
     let lame = Model { wheel_lag: 0.1, ..model() };
     let mut rig = Rig::new(lame.clone(), Time(50_000), Pose::default());
     rig.motion.start_wheel_control(Time::ZERO, 0, Pid { p: 3.0, i: 0.0, d: 0.0 }).expect("sound");
@@ -355,10 +355,10 @@ fn proportional_action_alone_leaves_an_error_and_saturation_does_not_wind_up() {
     rig.command(Command::Wheel { wheel: 0, rate: 12.0 });
     let rates = wheel_rates(&mut rig.motion, 20);
     assert!((rates[9][0] - 12.0 * (1.0 - math::exp(-1.1))).abs() < 1e-9, "{:?}", rates[9]);
-    // At the limit for two seconds, then slow: no integrator windup.
-    rig.go_on(Time(1_000_000));
+    // Two seconds at the limit, then a low set point: there is no integrator windup.
+    rig.advance_to(Time(1_000_000));
     rig.command(Command::WheelSpeed { wheel: 0, rate: 60.0 });
-    rig.go_on(Time(3_000_000));
+    rig.advance_to(Time(3_000_000));
     rig.command(Command::WheelSpeed { wheel: 0, rate: 6.0 });
     let at = Time(3_500_000);
     let rate = (rig.motion.wheel_angles(at + TICK)[0] - rig.motion.wheel_angles(at)[0]) / 0.01;
@@ -373,7 +373,7 @@ fn proportional_action_alone_leaves_an_error_and_saturation_does_not_wind_up() {
 }
 
 #[test]
-fn stalled_wheels_are_those_that_are_to_turn() {
+fn stalled_wheels_are_the_commanded_wheels() {
     use sim_core::scene::Segment;
     let wall = Segment::new(DVec2::new(0.5, -9.0), DVec2::new(0.5, 9.0));
     let walls = Arc::new(Walls::new(vec![wall]));

@@ -1,4 +1,5 @@
-//! Imperfect motion: closed forms of systematic errors, statistics of random ones, and the same bits for every slot.
+//! Imperfect motion: closed forms of systematic errors, statistics of random errors, and bit-identical motion for every
+//! slot length.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -71,7 +72,7 @@ fn close(found: DVec2, expected: DVec2, metres: f64) {
 }
 
 #[test]
-fn unequal_wheels_turn_a_straight_drive_into_a_circle_of_known_radius() {
+fn unequal_wheels_drive_a_circle_of_known_radius() {
     let diameters: Wheels = [0.0, 0.01, 0.0, 0.0];
     let mut motion = robot(model(), vec![], 1, Imperfection { diameters, ..Imperfection::default() });
     motion.command(Time(3), drive(20.0, 0.0, 100.0), &[]).expect("sound");
@@ -92,7 +93,7 @@ fn unequal_wheels_turn_a_straight_drive_into_a_circle_of_known_radius() {
 }
 
 #[test]
-fn slip_takes_its_share_of_way_and_angle() {
+fn slip_reduces_distance_and_angle() {
     let mut motion = robot(model(), vec![], 1, Imperfection { slip: 0.04, ..Imperfection::default() });
     motion.command(Time::ZERO, drive(0.5, 0.0, 1.0), &[]).expect("sound");
     motion.command(Time::from_millis(1_000), drive(0.0, PI, 1.0), &[]).expect("sound");
@@ -108,7 +109,7 @@ fn slip_takes_its_share_of_way_and_angle() {
 }
 
 #[test]
-fn a_robot_whose_wheels_spin_ends_its_drive_where_it_stands() {
+fn drive_with_full_slip_ends_at_its_start() {
     let mut motion = robot(model(), vec![], 1, Imperfection { slip: 1.0, ..Imperfection::default() });
     motion.command(Time(7), drive(0.5, 1.0, 1.0), &[]).expect("sound");
     let end = motion.drive_end().expect("an end");
@@ -120,7 +121,7 @@ fn a_robot_whose_wheels_spin_ends_its_drive_where_it_stands() {
 }
 
 #[test]
-fn wheels_of_very_different_sizes_drive_the_circle_of_the_formula() {
+fn very_unequal_wheels_drive_the_circle_of_the_formula() {
     for [left, right] in [[1.0, -0.5], [-0.5, 0.0], [0.5, -0.5], [-0.9, 1.0]] {
         let diameters: Wheels = [left, right, 0.0, 0.0];
         let mut motion = robot(model(), vec![], 1, Imperfection { diameters, ..Imperfection::default() });
@@ -137,7 +138,7 @@ fn wheels_of_very_different_sizes_drive_the_circle_of_the_formula() {
 }
 
 #[test]
-fn the_greatest_noise_that_a_profile_may_have_brings_no_robot_through_a_wall() {
+fn maximum_noise_does_not_move_robots_through_walls() {
     let huge = TwistNoise { speed: 100.0, speed_share: 10.0, turn: 873.0, turn_share: 10.0 };
     let imperfection = Imperfection {
         diameters: [1.0, -0.5, 1.0, -0.5],
@@ -164,7 +165,7 @@ fn the_greatest_noise_that_a_profile_may_have_brings_no_robot_through_a_wall() {
 }
 
 #[test]
-fn a_perfect_robot_keeps_its_bits() {
+fn default_imperfection_is_bit_identical_to_none() {
     let perfect = Motion::new(RobotId(1), Arc::new(model()), Arc::new(Walls::new(vec![])), Pose::default());
     let mut motions = [perfect, robot(model(), vec![], 9, Imperfection::default())];
     let states = motions.each_mut().map(|motion| {
@@ -175,7 +176,7 @@ fn a_perfect_robot_keeps_its_bits() {
 }
 
 #[test]
-fn numbers_that_make_no_sense_are_named() {
+fn check_names_the_invalid_number() {
     let motion = || robot(model(), vec![], 1, Imperfection::default());
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -2.0, 1e9] {
         let noise = TwistNoise { turn: bad, ..TwistNoise::default() };
@@ -198,7 +199,7 @@ fn moments(values: &[f64]) -> (f64, f64) {
     (mean, values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (values.len() - 1) as f64)
 }
 
-/// Checks mean and variance of a sample, and its share within one standard deviation, to five standard errors.
+/// Checks mean and variance of a sample, and its fraction within one standard deviation, to five standard errors.
 fn check_normal(what: &str, values: &[f64], mean: f64, variance: f64) {
     let (count, deviation) = (values.len() as f64, variance.sqrt());
     let (found_mean, found_variance) = moments(values);
@@ -210,7 +211,7 @@ fn check_normal(what: &str, values: &[f64], mean: f64, variance: f64) {
     assert!((within - 0.682_689).abs() < 5.0 * (0.682_689 * 0.317_311 / count).sqrt(), "{what}: {within} within one");
 }
 
-/// Ends of a straight drive of `ticks` ticks at 0.2 m/s: true and odometry poses for many seeds.
+/// Final true and odometry poses of a straight drive of `ticks` ticks at 0.2 m/s, for many seeds.
 fn ends(imperfection: Imperfection, ticks: i64) -> Vec<(Pose, Pose)> {
     let seconds = (ticks * TICK.0) as f64 / 1e6;
     let end = Time(ticks * TICK.0);
@@ -228,7 +229,7 @@ fn check_spread(poses: &[Pose], noise: TwistNoise, ticks: f64) {
     let of = |part: fn(&Pose) -> f64| poses.iter().map(part).collect::<Vec<_>>();
     let speed_squared = noise.speed * noise.speed + (noise.speed_share * 0.2) * (noise.speed_share * 0.2);
     let turn_squared = noise.turn * noise.turn;
-    // The spread of the heading shortens the distance on average: a second-order effect.
+    // The spread of the heading reduces the mean distance: a second-order effect.
     let lateral_variance = 0.04 * h.powi(4) * turn_squared * (ticks.powi(3) / 3.0 - ticks / 12.0);
     let heading = h * h * ticks * turn_squared;
     let shortening = 0.2 * ticks * h * heading / 4.0;
@@ -238,7 +239,7 @@ fn check_spread(poses: &[Pose], noise: TwistNoise, ticks: f64) {
 }
 
 #[test]
-fn the_spread_of_command_noise_is_that_of_the_formula() {
+fn spread_of_command_noise_matches_the_formula() {
     let noise = TwistNoise { speed: 0.05, speed_share: 0.3, turn: 0.05, turn_share: 0.4 };
     let ends = ends(Imperfection { command: noise, ..Imperfection::default() }, 200);
     let (truth, odometry): (Vec<_>, Vec<_>) = ends.into_iter().unzip();
@@ -247,7 +248,7 @@ fn the_spread_of_command_noise_is_that_of_the_formula() {
 }
 
 #[test]
-fn the_spread_of_odometry_noise_is_that_of_the_formula() {
+fn spread_of_odometry_noise_matches_the_formula() {
     let noise = TwistNoise { speed: 0.05, speed_share: 0.3, turn: 0.05, turn_share: 0.4 };
     let ends = ends(Imperfection { odometry: noise, ..Imperfection::default() }, 200);
     let (truth, odometry): (Vec<_>, Vec<_>) = ends.into_iter().unzip();
@@ -256,11 +257,12 @@ fn the_spread_of_odometry_noise_is_that_of_the_formula() {
 }
 
 #[test]
-fn the_spread_of_slip_is_that_of_the_formula() {
+fn spread_of_slip_matches_the_formula() {
     let deviation = 0.05;
     let imperfection = Imperfection { slip: 0.1, slip_deviation: deviation, ..Imperfection::default() };
     let truth: Vec<_> = ends(imperfection, 100).into_iter().map(|end| end.0).collect();
-    // The wheels slip independently: half of each error enters the speed, the difference over the track the turning speed.
+    // The wheels slip independently: half of each error enters the speed, the difference over the track the turning
+    // speed.
     let distance = 0.2 * TICK.seconds() * deviation;
     let heading = 2.0 * (distance / 0.1) * (distance / 0.1) * 100.0;
     check_normal("heading", &truth.iter().map(|pose| pose.heading.radians()).collect::<Vec<_>>(), 0.0, heading);
@@ -270,7 +272,7 @@ fn the_spread_of_slip_is_that_of_the_formula() {
 }
 
 #[test]
-fn slip_commands_and_odometry_draw_from_streams_of_their_own() {
+fn slip_command_and_odometry_noise_are_independent() {
     let noise = TwistNoise { speed: 0.05, turn: 0.05, ..TwistNoise::default() };
     let both = Imperfection { command: noise, odometry: noise, ..Imperfection::default() };
     let (truth, odometry): (Vec<_>, Vec<_>) = ends(both, 20).into_iter().unzip();
@@ -284,7 +286,7 @@ fn slip_commands_and_odometry_draw_from_streams_of_their_own() {
 }
 
 #[test]
-fn a_robot_that_is_to_stand_is_at_rest() {
+fn robot_commanded_to_rest_has_no_noise() {
     let mut motion = robot(model(), vec![], 1, all());
     motion.command(Time(7), Command::Twist(Twist::new(0.2, 0.3)), &[]).expect("sound");
     let stop = Time(123_457);
@@ -298,7 +300,7 @@ fn a_robot_that_is_to_stand_is_at_rest() {
 }
 
 #[test]
-fn odometry_is_read_in_its_steps() {
+fn odometry_readings_are_quantised() {
     let resolution = Resolution { length: 0.01, angle: 0.1 };
     let mut motion = robot(model(), vec![], 1, Imperfection { resolution, ..Imperfection::default() });
     motion.command(Time::ZERO, Command::Twist(Twist::new(0.1, 0.4)), &[]).expect("sound");
@@ -324,9 +326,9 @@ fn room(size: f64) -> Vec<Segment> {
     (0..4).map(|i| Segment::new(corners[i], corners[(i + 1) % 4])).collect()
 }
 
-/// Poses of robots in a small room, where they hit the walls all the time, in slots of `slot`; also queried at every
-/// microsecond that is a multiple of `question`.
-fn script(slot: Time, question: Option<i64>, imperfection: Imperfection) -> Vec<(Pose, Pose, Wheels, f64)> {
+/// Poses of robots in a small room, where they often hit the walls, in slots of `slot`; the poses are also queried at
+/// every multiple of `query_interval` microseconds.
+fn script(slot: Time, query_interval: Option<i64>, imperfection: Imperfection) -> Vec<(Pose, Pose, Wheels, f64)> {
     let walls = Arc::new(Walls::new(room(0.5)));
     let lame = Model { wheel_lag: 0.05, axis_offset: 0.03, ..model() };
     let omni = Model { kind: DriveKind::Omni, ..model() };
@@ -343,7 +345,7 @@ fn script(slot: Time, question: Option<i64>, imperfection: Imperfection) -> Vec<
         for n in 0..60_i64 {
             let at = Time(1_000 + n * 50_021);
             while world.slot_end() <= at {
-                if let Some(step) = question {
+                if let Some(step) = query_interval {
                     let mut instant = world.slot_start();
                     while instant < world.slot_end() {
                         motion.pose(instant);
@@ -363,7 +365,7 @@ fn script(slot: Time, question: Option<i64>, imperfection: Imperfection) -> Vec<
                 2 => Command::Wheels([20.0 * v, 15.0 * v, 0.0, 3.0 * omega]),
                 _ => continue,
             };
-            // The car refuses some of the commands.
+            // The Ackermann drive rejects some of the commands.
             let _ = motion.command(at, command, &touching);
         }
     }
@@ -371,7 +373,7 @@ fn script(slot: Time, question: Option<i64>, imperfection: Imperfection) -> Vec<
 }
 
 #[test]
-fn imperfect_poses_are_equal_to_the_bit_for_every_slot_length_and_question() {
+fn imperfect_poses_are_bit_identical_for_every_slot_length_and_query() {
     for imperfection in [all(), systematic()] {
         let reference = script(Time::from_millis(50), None, imperfection);
         for slot in [100, 1_000, 7_919, 10_000, 200_000, 1_000_000] {
@@ -382,14 +384,14 @@ fn imperfect_poses_are_equal_to_the_bit_for_every_slot_length_and_question() {
 }
 
 #[test]
-fn errors_bring_no_robot_into_a_wall_nor_hold_it_there() {
+fn errors_neither_move_robots_into_walls_nor_lock_them_there() {
     let walls = room(0.5);
     for imperfection in [all(), systematic()] {
         for seed in 0..20 {
             let mut motion = robot(model(), walls.clone(), seed, imperfection);
             let mut at = Time::from_millis(5);
             for round in 0..20 {
-                // Into a wall, where the robot stalls permanently.
+                // The robot drives into a wall and stalls permanently.
                 motion.command(at, drive(3.0, 0.0, 0.0), &[]).expect("sound");
                 assert_eq!(motion.drive_end(), None, "round {round} of seed {seed}");
                 at += Time::from_millis(6_000);
@@ -397,7 +399,7 @@ fn errors_bring_no_robot_into_a_wall_nor_hold_it_there() {
                 let rest = motion.pose(at);
                 assert_eq!(motion.pose(at + Time::from_millis(70)), rest);
                 assert!(!motion.is_moving(at));
-                // The robot can turn on the spot there, in either direction: the errors do not lock it.
+                // In this position the robot can turn on the spot in either direction: the errors do not lock it.
                 let angle = if round % 2 == 0 { 2.3 } else { -2.1 };
                 motion.command(at, drive(0.0, angle, 1.0), &[]).expect("sound");
                 let end = motion.drive_end().unwrap_or_else(|| panic!("no end of turn {round} of seed {seed}"));
@@ -413,8 +415,8 @@ fn errors_bring_no_robot_into_a_wall_nor_hold_it_there() {
 }
 
 #[test]
-fn a_robot_with_errors_that_touches_another_one_can_turn_away() {
-    // The errors lead the robot into the other one as it turns left.
+fn robot_with_errors_can_turn_away_from_another() {
+    // Because of the errors, the robot moves towards the other one as it turns left.
     let unequal = Imperfection { diameters: [0.0, 0.05, 0.0, 0.0], ..Imperfection::default() };
     for (seed, imperfection) in (0..10).map(|seed| (seed, all())).chain([(0, unequal)]) {
         let walls = Arc::new(Walls::new(vec![]));
@@ -443,7 +445,7 @@ fn a_robot_with_errors_that_touches_another_one_can_turn_away() {
 }
 
 #[test]
-fn a_long_drive_with_ticks_is_waited_for_in_parts() {
+fn drive_end_of_a_long_noisy_drive_is_found_in_parts() {
     let mut motion = robot(model(), vec![], 1, Imperfection { command: NOISE, ..Imperfection::default() });
     let mut world = World::new(Arc::new(Walls::new(vec![])), Time::from_millis(1_000), [&mut motion]);
     motion.command(Time::ZERO, drive(15.0, 0.0, 1_500.0), &[]).expect("sound");
@@ -458,7 +460,7 @@ fn a_long_drive_with_ticks_is_waited_for_in_parts() {
 }
 
 #[test]
-fn a_robot_with_errors_pushes_a_crate_and_stalls_at_a_heavy_one() {
+fn robot_with_errors_pushes_a_light_crate_and_stalls_at_a_heavy_one() {
     for (mass, is_pushed) in [(0.2, true), (50.0, false)] {
         let crate_ = Arc::new(Properties {
             mass,
@@ -505,7 +507,7 @@ fn a_robot_with_errors_pushes_a_crate_and_stalls_at_a_heavy_one() {
 }
 
 #[test]
-fn errors_that_are_set_at_the_start_are_those_of_the_making() {
+fn errors_set_at_the_start_equal_initial_errors() {
     for imperfection in [all(), systematic(), Imperfection::default()] {
         let ends = |mut motion: Motion| {
             motion.command(Time(3), drive(0.3, 0.2, 1.5), &[]).expect("sound");
@@ -519,7 +521,7 @@ fn errors_that_are_set_at_the_start_are_those_of_the_making() {
 }
 
 #[test]
-fn errors_that_change_on_the_way_change_what_comes_after_only() {
+fn changed_errors_affect_only_later_motion() {
     let [before, change, end] = [480, 500, 1_500].map(Time::from_millis);
     let driving = |imperfection| {
         let mut motion = robot(model(), vec![], 3, imperfection);
@@ -530,11 +532,11 @@ fn errors_that_change_on_the_way_change_what_comes_after_only() {
     slipping.set_imperfection(change, 3, Imperfection { slip: 0.1, ..Imperfection::default() }).expect("sound");
     assert!(slipping.is_active());
     assert_eq!([before, change].map(|at| perfect.state(at)), [before, change].map(|at| slipping.state(at)));
-    // 0.125 m, then 0.9 times 0.25 m; odometry does not see the slip.
+    // 0.125 m, then 0.9 times 0.25 m; odometry does not measure the slip.
     close(slipping.pose(end).position, DVec2::new(0.35, 0.0), 1e-12);
     close(slipping.odometry(end).position, DVec2::new(0.375, 0.0), 1e-12);
 
-    // The effect of earlier errors stays after they end, and the closed form continues from there.
+    // The effect of earlier errors remains after they end; the closed form continues from that pose.
     let (mut noisy, mut mended) = (driving(all()), driving(all()));
     mended.set_imperfection(change, 3, Imperfection::default()).expect("sound");
     assert_eq!([before, change].map(|at| noisy.state(at)), [before, change].map(|at| mended.state(at)));
@@ -549,7 +551,7 @@ fn errors_that_change_on_the_way_change_what_comes_after_only() {
 }
 
 #[test]
-fn a_drive_ends_at_its_mark_however_errors_change_on_the_way() {
+fn drive_ends_at_its_target_if_errors_change() {
     let mut motion = robot(model(), vec![], 3, Imperfection::default());
     motion.command(Time::ZERO, drive(0.5, 0.0, 2.0), &[]).expect("sound");
     for (number, at) in (1..20).map(|number| (number, Time::from_millis(100 * number))) {
@@ -560,16 +562,16 @@ fn a_drive_ends_at_its_mark_however_errors_change_on_the_way() {
     assert_eq!(motion.drive_end(), Some(Time::from_millis(2_000)));
 }
 
-/// Errors of two drives, one after the other, in runs with different seeds: metres for straight lines, radians for turns. Checks that odometry
-/// gives the same result.
-fn misses(bound: DriveBound, first: Twist, second: Twist) -> Vec<[f64; 2]> {
+/// Target errors of two successive drives, in runs with different seeds: m for straight lines, rad for turns. Checks
+/// that odometry gives the same errors.
+fn target_errors(bound: DriveBound, first: Twist, second: Twist) -> Vec<[f64; 2]> {
     let run = |seed| {
         let mut motion = robot(model(), vec![], seed, Imperfection { bound, ..Imperfection::default() });
         let mut at = Time::ZERO;
         [first, second].map(|displacement| {
             let before = motion.pose(at);
             motion.command(at, Command::Drive { displacement, duration: 2.0 }, &[]).expect("a drive");
-            // A drive of no length is over at once.
+            // A drive of length 0 ends at once.
             at = motion.drive_end().unwrap_or(at) + Time::from_millis(10);
             let (after, odometry) = (motion.pose(at), motion.odometry(at));
             close(odometry.position, after.position, 1e-12);
@@ -586,7 +588,8 @@ fn misses(bound: DriveBound, first: Twist, second: Twist) -> Vec<[f64; 2]> {
     (0..2000).map(run).collect()
 }
 
-/// Maximum distance of the empirical distribution of `sample` from the uniform one between -1 and 1 (Kolmogorov and Smirnov).
+/// Maximum distance of the empirical distribution of `sample` from the uniform one between -1 and 1 (Kolmogorov and
+/// Smirnov).
 fn off_uniform(mut sample: Vec<f64>) -> f64 {
     sample.sort_by(f64::total_cmp);
     let count = sample.len() as f64;
@@ -598,13 +601,13 @@ fn off_uniform(mut sample: Vec<f64>) -> f64 {
 }
 
 #[test]
-fn targets_err_uniformly_within_their_bounds_and_odometry_tells_it() {
+fn target_errors_are_uniform_and_odometry_shows_them() {
     let bound = DriveBound { length: 0.004, angle: 2.0 * PI / 180.0 };
     let straight = Twist::new(1.0, 0.0);
     let turn = Twist::new(0.0, PI / 2.0);
     for (first, second) in [(straight, turn), (turn, straight), (straight, straight)] {
         let scale = |displacement: Twist| if displacement.vx == 0.0 { bound.angle } else { bound.length };
-        let found = misses(bound, first, second);
+        let found = target_errors(bound, first, second);
         let errors = |index: usize, of: Twist| found.iter().map(|pair| pair[index] / scale(of)).collect::<Vec<f64>>();
         let [a, b] = [errors(0, first), errors(1, second)];
         for sample in [&a, &b] {
@@ -613,23 +616,23 @@ fn targets_err_uniformly_within_their_bounds_and_odometry_tells_it() {
             let off = off_uniform(sample.clone());
             assert!(off < 2.2 / (sample.len() as f64).sqrt(), "{off}");
         }
-        // The mean of a product of two independent ones has the standard deviation 1 / (3 sqrt(n)).
+        // The mean of the product of two independent uniform numbers has the standard deviation 1 / (3 sqrt(n)).
         let mean = a.iter().zip(&b).map(|(a, b)| a * b).sum::<f64>() / a.len() as f64;
         assert!(mean.abs() < 4.0 / 3.0 / (a.len() as f64).sqrt(), "{mean}");
     }
 }
 
 #[test]
-fn a_target_errs_at_most_by_the_drive_itself() {
+fn target_error_is_at_most_the_length_of_the_drive() {
     let bound = DriveBound { length: 0.004, angle: 2.0 * PI / 180.0 };
     let small = Twist::new(0.001, 0.0);
-    let errors = misses(bound, small, Twist::new(0.0, 0.01));
+    let errors = target_errors(bound, small, Twist::new(0.0, 0.01));
     assert!(errors.iter().all(|pair| pair[0].abs() <= 0.001 + 1e-12 && pair[1].abs() <= 0.01 + 1e-12));
     assert!(errors.iter().any(|pair| pair[0] < -0.000_999), "it may not move at all");
 }
 
 #[test]
-fn speeds_and_motors_have_no_target_to_miss() {
+fn speed_and_motor_commands_have_no_target_error() {
     let bound = DriveBound { length: 0.004, angle: 0.03 };
     let mut erring = robot(model(), vec![], 3, Imperfection { bound, ..Imperfection::default() });
     let mut exact = robot(model(), vec![], 3, Imperfection::default());
@@ -641,7 +644,7 @@ fn speeds_and_motors_have_no_target_to_miss() {
 }
 
 #[test]
-fn a_car_keeps_its_tightest_curve() {
+fn ackermann_drive_keeps_its_tightest_curve() {
     let bound = DriveBound { length: 0.004, angle: 0.03 };
     let car = Model { kind: DriveKind::Ackermann, ..model() };
     let radius = car.wheelbase / math::tan(car.max_steering);

@@ -1,4 +1,4 @@
-//! A robot alone in the world, with most slots skipped, behaves as beside another one far away, to the bit.
+//! A single robot, for which the world skips most work, behaves bit-identically to a robot with a distant neighbour.
 
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ impl Scene {
     }
 }
 
-/// What eight rays meet now and 90 ms ago, after an object has been added far away.
+/// Hits of eight rays now and 90 ms ago, after an object has been added far away.
 fn seen_beside_an_object(mut world: World) -> Vec<String> {
     let ball = Properties {
         mass: 1.0,
@@ -92,7 +92,7 @@ enum DriveVariant {
 }
 
 #[test]
-fn a_lone_robot_is_as_one_that_is_not_alone() {
+fn single_robot_is_bit_identical_to_a_robot_with_a_distant_neighbour() {
     let far = Pose::new(1_000.0, 0.0, 0.0);
     for (seed, kind) in [DriveVariant::Perfect, DriveVariant::Lagging, DriveVariant::Erring].into_iter().enumerate() {
         let mut contacts = 0;
@@ -137,7 +137,7 @@ fn a_lone_robot_is_as_one_that_is_not_alone() {
 }
 
 #[test]
-fn a_robot_that_was_alone_and_has_left_is_forgotten_once() {
+fn removed_single_robot_is_dropped_once() {
     let slot = Time(50_000);
     let mut scene = Scene::new(DriveVariant::Erring, slot, &[Pose::default()]);
     scene.motions[0].command(Time::ZERO, Command::Twist(Twist::new(0.2, 0.5)), &[]).expect("a sound command");

@@ -49,7 +49,7 @@ fn room(size: f64) -> Vec<Segment> {
 }
 
 #[test]
-fn a_square_ends_where_it_began() {
+fn square_drive_returns_to_its_start() {
     let mut motion = robot(Model { axis_offset: 0.03, ..model() }, vec![], Pose::new(1.0, 2.0, 0.3));
     let mut at = Time(17);
     for _ in 0..4 {
@@ -68,7 +68,7 @@ fn a_square_ends_where_it_began() {
 }
 
 #[test]
-fn a_drive_ends_at_its_commanded_length_not_at_speed_times_time() {
+fn drive_ends_exactly_at_the_commanded_length() {
     let mut motion = robot(model(), vec![], Pose::default());
     let displacement = Twist::new(0.1 + 0.2, 0.7);
     motion.command(Time(5), Command::Drive { displacement, duration: 1.0 / 3.0 }, &[]).expect("a sound command");
@@ -81,7 +81,7 @@ fn a_drive_ends_at_its_commanded_length_not_at_speed_times_time() {
 }
 
 #[test]
-fn a_robot_stops_a_skin_before_the_wall_and_stalls() {
+fn robot_stops_one_skin_before_the_wall_and_stalls() {
     let mut motion = robot(model(), room(2.0), Pose::new(1.0, 1.0, 0.0));
     motion.command(Time::ZERO, drive(0.5, 0.0, 10.0), &[]).expect("a sound command");
     assert_eq!(motion.drive_end(), None);
@@ -93,7 +93,7 @@ fn a_robot_stops_a_skin_before_the_wall_and_stalls() {
     let impact = motion.impacts(Time::ZERO, at)[0];
     assert!(matches!(impact.thing, Thing::Wall(_)) && impact.bearing.abs() < 1e-9);
     assert!((impact.time.seconds() - 0.907 / 0.5).abs() < 1e-5);
-    // Towards the wall again, along it, and away.
+    // Towards the wall again, along the wall, and away from it.
     motion.command(at, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("a sound command");
     assert!(motion.is_stalled(at));
     assert_eq!(motion.contacts(at), 1);
@@ -108,7 +108,7 @@ fn a_robot_stops_a_skin_before_the_wall_and_stalls() {
 }
 
 #[test]
-fn refused_commands_change_nothing() {
+fn rejected_commands_change_nothing() {
     let mut motion = robot(model(), vec![], Pose::default());
     motion.command(Time::ZERO, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("a sound command");
     let revision = motion.revision();
@@ -164,7 +164,7 @@ fn script(slot: Time) -> Vec<Pose> {
 }
 
 #[test]
-fn poses_are_equal_to_the_bit_for_every_slot_length() {
+fn poses_are_bit_identical_for_every_slot_length() {
     let reference = script(Time::from_millis(50));
     for slot in [100, 1_000, 10_000, 20_000, 200_000, 1_000_000] {
         assert_eq!(script(Time(slot)), reference, "slots of {slot} us");
@@ -172,7 +172,7 @@ fn poses_are_equal_to_the_bit_for_every_slot_length() {
 }
 
 #[test]
-fn poses_are_equal_to_the_bit_in_every_build_and_on_every_machine() {
+fn poses_match_the_golden_hash() {
     // FNV-1a over the bits: a golden value that changes only with the motion model.
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for pose in script(Time::from_millis(50)) {
@@ -186,7 +186,7 @@ fn poses_are_equal_to_the_bit_in_every_build_and_on_every_machine() {
 }
 
 #[test]
-fn moves_of_nothing_of_a_micron_and_backwards_end() {
+fn zero_tiny_and_backward_drives_end() {
     for length in [0.0, 5e-324, 1e-300, 1e-6, -1e-6, -0.3, 1e-9] {
         let mut motion = robot(model(), vec![], Pose::default());
         let displacement = Twist::new(length, 0.0);
@@ -204,7 +204,7 @@ fn moves_of_nothing_of_a_micron_and_backwards_end() {
 }
 
 #[test]
-fn drives_take_longer_where_the_limits_say_so() {
+fn limits_lengthen_the_duration_of_drives() {
     let mut motion = robot(model(), vec![], Pose::default());
     let displacement = Twist::new(0.6, 0.3);
     motion.command(Time::ZERO, Command::Drive { displacement, duration: 0.0 }, &[]).expect("sound");
@@ -217,7 +217,7 @@ fn drives_take_longer_where_the_limits_say_so() {
 }
 
 #[test]
-fn every_turning_speed_follows_its_arc() {
+fn motion_follows_the_arc_at_every_turning_speed() {
     for exponent in -300..=4 {
         let omega = 10.0_f64.powi(exponent);
         let fast = Model { max_turn: f64::INFINITY, max_wheel_rate: 1e9, ..model() };
@@ -238,11 +238,11 @@ fn every_turning_speed_follows_its_arc() {
 }
 
 #[test]
-fn a_million_turns_end_where_they_began() {
+fn million_turns_return_to_the_start() {
     let mut motion = robot(Model { axis_offset: 0.04, ..model() }, vec![], Pose::new(0.0, 0.0, 1.0));
     let mut world = World::new(Arc::new(Walls::new(vec![])), Time::from_millis(1_000), [&mut motion]);
     let mut at = Time::ZERO;
-    // In quarter turns, as a program that drives round a square for ever.
+    // In quarter turns, like a program that drives around a square forever.
     for _ in 0..4_000_000 {
         let displacement = Twist::new(0.0, PI / 2.0);
         motion.command(at, Command::Drive { displacement, duration: 0.0 }, &[]).expect("sound");
@@ -258,7 +258,7 @@ fn a_million_turns_end_where_they_began() {
 }
 
 #[test]
-fn ten_kilometres_away_a_square_still_closes() {
+fn square_drive_closes_ten_kilometres_from_the_origin() {
     let start = Pose::new(1e4, -1e4, 0.7);
     let mut motion = robot(model(), vec![], start);
     let mut at = Time::ZERO;
@@ -274,7 +274,7 @@ fn ten_kilometres_away_a_square_still_closes() {
 }
 
 #[test]
-fn an_ackermann_drive_refuses_what_it_cannot_steer() {
+fn ackermann_drive_rejects_impossible_curves() {
     let car = Model { kind: DriveKind::Ackermann, wheelbase: 0.16, axis_offset: -0.08, ..model() };
     let mut motion = robot(car, vec![], Pose::default());
     let turn = Command::Drive { displacement: Twist::new(0.0, 1.0), duration: 1.0 };
@@ -284,11 +284,11 @@ fn an_ackermann_drive_refuses_what_it_cannot_steer() {
     assert_eq!(motion.command(Time::ZERO, tight, &[]), Err(CommandError::TooTight { min_radius_mm: 160 }));
     let wide = Command::Drive { displacement: Twist::new(0.16, 1.0), duration: 1.0 };
     motion.command(Time::ZERO, wide, &[]).expect("the tightest curve");
-    // A speed with too tight a curve is driven at the maximum steering angle.
+    // A twist whose curve is too tight is driven at the maximum steering angle.
     motion.command(Time(1), Command::Twist(Twist::new(0.1, 3.0)), &[]).expect("sound");
     assert_eq!(motion.steering(Time(1)), PI / 4.0);
     assert!((motion.speed(Time(1)).omega - 0.1 / 0.16).abs() < 1e-12);
-    // Motor and servo: the servo's angle stays when the motor stops.
+    // Motor and servo: the steering angle does not change when the motor stops.
     motion.command(Time(2), Command::Halt, &[]).expect("sound");
     motion.command(Time(3), Command::Steer(-0.3), &[]).expect("sound");
     motion.command(Time(4), Command::Wheels([2.0, 9.0, 9.0, 9.0]), &[]).expect("sound");
@@ -299,7 +299,7 @@ fn an_ackermann_drive_refuses_what_it_cannot_steer() {
 }
 
 #[test]
-fn an_omni_drive_moves_to_the_side() {
+fn omni_drive_moves_sideways() {
     let omni = Model { kind: DriveKind::Omni, ..model() };
     let mut motion = robot(omni, vec![], Pose::new(0.0, 0.0, PI / 2.0));
     let displacement = Twist { vx: 0.0, vy: 0.3, omega: 0.0 };
@@ -311,7 +311,7 @@ fn an_omni_drive_moves_to_the_side() {
 }
 
 #[test]
-fn wheels_turn_with_the_way_and_stand_still_at_a_wall() {
+fn wheels_turn_with_the_path_and_stop_at_a_wall() {
     let mut motion = robot(model(), room(2.0), Pose::new(1.0, 1.0, 0.0));
     motion.command(Time::ZERO, Command::Wheels([10.0, 10.0, 0.0, 0.0]), &[]).expect("sound");
     let at = Time::from_millis(60_000);
@@ -325,7 +325,7 @@ fn wheels_turn_with_the_way_and_stand_still_at_a_wall() {
 }
 
 #[test]
-fn wedged_in_a_corner_a_robot_comes_out_backwards() {
+fn robot_can_back_out_of_a_corner() {
     let mut motion = robot(model(), room(2.0), Pose::new(1.5, 1.5, PI / 4.0));
     motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.0)), &[]).expect("sound");
     let mut at = Time::from_millis(5_000);
@@ -349,7 +349,7 @@ fn wedged_in_a_corner_a_robot_comes_out_backwards() {
 }
 
 #[test]
-fn a_gap_a_millimetre_wider_than_the_robot_is_wide_enough() {
+fn robot_passes_a_gap_one_millimetre_wider_than_itself() {
     let width = 2.0 * 0.093 + 1e-3;
     let at = |x: f64, y: f64| DVec2::new(x, y);
     let walls = vec![
@@ -367,7 +367,7 @@ fn a_gap_a_millimetre_wider_than_the_robot_is_wide_enough() {
 }
 
 #[test]
-fn a_drive_with_lag_ends_at_its_mark() {
+fn drive_with_wheel_lag_ends_at_its_target() {
     let lame = Model { wheel_lag: 0.1, ..model() };
     for (command, length, angle) in [(drive(0.2, 0.0, 2.0), 0.4, 0.0), (drive(0.2, 0.5, 2.0), 0.4, 1.0)] {
         let mut motion = robot(lame.clone(), vec![], Pose::default());
@@ -383,7 +383,7 @@ fn a_drive_with_lag_ends_at_its_mark() {
 }
 
 #[test]
-fn asking_ahead_changes_nothing() {
+fn queries_about_the_future_change_nothing() {
     let lame = Model { wheel_lag: 0.1, ..model() };
     for model in [model(), lame] {
         let mut curious = robot(model.clone(), room(2.0), Pose::new(1.0, 1.0, 0.4));

@@ -1,4 +1,4 @@
-//! Movable objects alone and among walls: closed forms, energy, tunnelling, sleep, reproducibility to the bit.
+//! Movable objects alone and among walls: closed forms, energy, tunnelling, sleep, bit-identical reproduction.
 
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ fn position(bodies: &Bodies, number: u32) -> DVec2 {
 }
 
 #[test]
-fn ways_to_a_stop_are_those_of_constant_deceleration() {
+fn stopping_distances_match_constant_deceleration() {
     for (resistance, coefficient) in [(Resistance::Sliding(0.4), 0.4), (Resistance::Rolling(0.02), 0.02)] {
         for speed in [0.003, 0.1, 0.77] {
             let mut bodies = Bodies::new(&Walls::new(vec![]), [(ball(0.02, 0.05, resistance, 0.5), Pose::default())]);
@@ -67,7 +67,7 @@ fn ways_to_a_stop_are_those_of_constant_deceleration() {
 }
 
 #[test]
-fn a_turning_disc_stops_by_the_torque_of_evenly_spread_friction() {
+fn spinning_disc_is_stopped_by_uniform_friction_torque() {
     let mut bodies =
         Bodies::new(&Walls::new(vec![]), [(ball(0.1, 1.0, Resistance::Sliding(0.5), 0.5), Pose::default())]);
     bodies.set_velocity(id(1), DVec2::ZERO, 10.0);
@@ -79,7 +79,7 @@ fn a_turning_disc_stops_by_the_torque_of_evenly_spread_friction() {
 }
 
 #[test]
-fn equal_balls_swap_their_speeds() {
+fn equal_balls_exchange_their_velocities() {
     let shot = ball(0.02, 0.1, FREE, 1.0);
     let mut bodies =
         Bodies::new(&Walls::new(vec![]), [(shot.clone(), Pose::default()), (shot, Pose::new(0.1, 0.0, 0.0))]);
@@ -96,7 +96,7 @@ fn equal_balls_swap_their_speeds() {
 }
 
 #[test]
-fn a_wall_gives_back_the_restitution() {
+fn rebound_speed_at_a_wall_is_restitution_times_speed() {
     for restitution in [0.0, 0.3, 0.8, 1.0] {
         let mut bodies = Bodies::new(&room(1.0, 1.0), [(ball(0.05, 0.1, FREE, restitution), Pose::new(0.5, 0.5, 0.0))]);
         bodies.set_velocity(id(1), DVec2::new(1.0, 0.25), 0.0);
@@ -106,7 +106,7 @@ fn a_wall_gives_back_the_restitution() {
     }
 }
 
-/// Maximum relative rise of the energy within a step, and the ratio of the final to the initial energy.
+/// Maximum relative increase of the energy in a step, and the ratio of the final to the initial energy.
 fn watch_energy(bodies: &mut Bodies, steps: usize) -> (f64, f64) {
     let start = bodies.energy();
     let (mut last, mut rise) = (start, 0.0_f64);
@@ -161,7 +161,7 @@ fn all_inside(bodies: &Bodies, width: f64, height: f64) {
 }
 
 #[test]
-fn the_energy_of_a_crowd_never_rises() {
+fn energy_of_many_objects_never_increases() {
     for (restitution, friction) in [(1.0, 0.0), (1.0, 0.5), (0.5, 0.3), (0.0, 0.8)] {
         let mut bodies = crowd(restitution, FREE, friction);
         let (rise, left) = watch_energy(&mut bodies, 3_000);
@@ -172,7 +172,7 @@ fn the_energy_of_a_crowd_never_rises() {
 }
 
 #[test]
-fn overlaps_at_the_start_are_pushed_apart_without_energy() {
+fn initial_overlaps_are_resolved_without_adding_energy() {
     let crate_ = object(Shape::Rectangle { half: DVec2::splat(0.05) }, 0.5, FREE, 0.5);
     let shot = ball(0.03, 0.05, FREE, 1.0);
     let mut bodies = Bodies::new(
@@ -196,7 +196,7 @@ fn overlaps_at_the_start_are_pushed_apart_without_energy() {
 }
 
 #[test]
-fn a_row_of_touching_crates_takes_a_blow() {
+fn impact_passes_through_a_row_of_touching_crates() {
     let crate_ = object(Shape::Rectangle { half: DVec2::splat(0.05) }, 0.5, FREE, 1.0);
     let shot = ball(0.03, 0.2, FREE, 1.0);
     let mut objects: Vec<_> =
@@ -211,7 +211,7 @@ fn a_row_of_touching_crates_takes_a_blow() {
 }
 
 #[test]
-fn fast_balls_pass_neither_walls_nor_each_other() {
+fn fast_balls_do_not_tunnel() {
     let shot = ball(0.002, 0.01, FREE, 1.0);
     let mut random = Random(3);
     let objects: Vec<_> =
@@ -236,7 +236,7 @@ fn fast_balls_pass_neither_walls_nor_each_other() {
 }
 
 #[test]
-fn a_ball_between_wall_and_crate_stays_there() {
+fn ball_between_wall_and_crate_does_not_escape() {
     let heavy = object(Shape::Rectangle { half: DVec2::splat(0.1) }, 5.0, FREE, 0.5);
     let shot = ball(0.02, 0.01, FREE, 0.9);
     let mut bodies =
@@ -247,14 +247,14 @@ fn a_ball_between_wall_and_crate_stays_there() {
     for _ in 0..1_000 {
         bodies.step(&[], &mut pushes);
         assert!(bodies.energy() <= start * (1.0 + 1e-12));
-        // A ball of a five-hundredth of the crate's mass; less than 2.5 mm deep.
+        // The ball has a five-hundredth of the crate's mass; it penetrates by less than 2.5 mm.
         assert!(position(&bodies, 2).x > 0.0175, "the ball is squeezed into the wall: {}", position(&bodies, 2));
     }
     all_inside(&bodies, 1.0, 1.0);
 }
 
 #[test]
-fn a_chaotic_scene_has_the_same_bits_everywhere() {
+fn chaotic_scene_matches_the_golden_hash() {
     let mut bodies = crowd(0.8, Resistance::Sliding(0.05), 0.3);
     run(&mut bodies, 1_500);
     let mut digest = 0xcbf2_9ce4_8422_2325_u64;
@@ -276,7 +276,7 @@ fn a_chaotic_scene_has_the_same_bits_everywhere() {
 }
 
 #[test]
-fn what_rests_sleeps_until_it_is_hit() {
+fn resting_objects_sleep_until_they_are_hit() {
     let crate_ = object(Shape::Rectangle { half: DVec2::splat(0.05) }, 0.5, Resistance::Sliding(0.4), 0.2);
     let shot = ball(0.02, 0.1, Resistance::Rolling(0.01), 0.5);
     let mut bodies =

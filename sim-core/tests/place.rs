@@ -1,4 +1,4 @@
-//! Robots and objects placed elsewhere: changed and unchanged state, and the view of other robots.
+//! Placements of robots and objects: changed and unchanged state, and the view of other robots.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -121,7 +121,7 @@ impl Scene {
 }
 
 #[test]
-fn placing_changes_the_true_pose_and_nothing_that_the_robot_counts() {
+fn placement_changes_only_the_true_pose() {
     for wheel_lag in [0.0, 0.1] {
         let lame = Model { wheel_lag, ..model() };
         let mut scene = Scene::with(lame, SLOT, &[Pose::new(1.0, 1.0, 0.5)]);
@@ -136,7 +136,10 @@ fn placing_changes_the_true_pose_and_nothing_that_the_robot_counts() {
         let after = motion.state(at);
         let pose = motion.pose(at);
         assert!((pose.position - target.position).length() < 1e-15 && pose.heading == target.heading, "{pose:?}");
-        assert_eq!((after.odometry, after.wheels, after.path), (before.odometry, before.wheels, before.path));
+        assert_eq!(
+            (after.odometry, after.wheels, after.path_length),
+            (before.odometry, before.wheels, before.path_length)
+        );
         assert_eq!(motion.state(at - Time(1)).world_from_axle.heading.turns(), 0, "what has been stays");
         assert!(motion.pose(at - Time(1)).position.distance(target.position) > 1.0);
         assert!(motion.is_drive_done(at) && !motion.is_moving(at) && motion.drive_remaining(at) == 0.0);
@@ -148,7 +151,7 @@ fn placing_changes_the_true_pose_and_nothing_that_the_robot_counts() {
 }
 
 #[test]
-fn turns_are_those_of_the_place() {
+fn placement_sets_the_whole_turns() {
     let mut motion = Motion::new(RobotId(1), Arc::new(model()), Arc::new(Walls::new(vec![])), Pose::default());
     let displacement = Twist::new(0.0, 9.0 * PI);
     motion.command(Time::ZERO, Command::Drive { displacement, duration: 1.0 }, &[]).expect("sound");
@@ -160,7 +163,7 @@ fn turns_are_those_of_the_place() {
 }
 
 #[test]
-fn what_is_no_place_is_refused() {
+fn invalid_placements_are_rejected() {
     let mut scene = Scene::new(&[Pose::new(1.0, 1.0, 0.0)]).with_objects(Pose::new(2.0, 2.0, 0.0), Pose::default());
     for bad in [f64::NAN, f64::INFINITY, -2e9, 1e300] {
         for pose in [Pose::new(bad, 0.0, 0.0), Pose::new(0.0, bad, 0.0)] {
@@ -173,11 +176,11 @@ fn what_is_no_place_is_refused() {
 }
 
 #[test]
-fn others_see_it_from_the_next_slot_on_and_never_between() {
+fn other_robots_see_a_placement_from_the_next_slot_on() {
     let mut scene = Scene::new(&[Pose::new(1.0, 1.0, 0.0), Pose::new(1.0, 3.0, 0.0)]);
     let at = Time(20_000);
     scene.motions[0].place(at, Pose::new(3.0, 1.0, 1.0)).expect("sound");
-    // Halfway between both places.
+    // Halfway between the two positions.
     let (middle, old, new) = (DVec2::new(2.0, 0.5), DVec2::new(1.0, 0.5), DVec2::new(3.0, 0.5));
     let first = Thing::Robot(RobotId(1));
     let looks = |scene: &Scene, at: Time| {
@@ -204,8 +207,8 @@ fn others_see_it_from_the_next_slot_on_and_never_between() {
 }
 
 #[test]
-fn bodies_and_walls_between_two_places_are_not_met() {
-    // From one side of robot 2 to the other, which drives across the line between them.
+fn placement_touches_nothing_between_the_two_poses() {
+    // Robot 1 is placed from one side of robot 2 to the other, while robot 2 drives across the line between them.
     let mut scene = Scene::new(&[Pose::new(0.5, 1.0, 0.0), Pose::new(2.0, 0.98, PI / 2.0)]);
     scene.drive(0, Time::ZERO, 0.2, 0.0);
     scene.drive(1, Time::ZERO, 0.5, 0.0);
@@ -224,17 +227,17 @@ fn bodies_and_walls_between_two_places_are_not_met() {
 }
 
 #[test]
-fn placed_in_front_of_one_that_drives_it_is_met() {
+fn robot_placed_in_front_of_another_is_touched() {
     let mut scene = Scene::new(&[Pose::new(0.5, 1.0, 0.0), Pose::new(2.0, 3.0, 0.0)]);
     scene.drive(0, Time::ZERO, 0.5, 0.0);
-    // Placed 5 mm ahead of the first one.
+    // Robot 2 is placed 5 mm in front of robot 1.
     scene.motions[1].place(Time(20_000), Pose::new(0.5 + 0.01 + 0.005 + 2.0 * RADIUS, 1.0, 0.0)).expect("sound");
     scene.advance();
     let contact = scene.contacts[0];
     assert_eq!((scene.contacts.len(), contact.robot, contact.with), (1, RobotId(1), Thing::Robot(RobotId(2))));
     assert!((contact.time.seconds() - 0.03).abs() < 1e-5, "{contact:?}");
     assert!((scene.position(0).x - (0.515 - SKIN)).abs() < 1e-8);
-    // A robot that is placed elsewhere at the end of the slot clears the way at once.
+    // When the blocking robot is placed elsewhere at the end of the slot, the path is free at once.
     let end = scene.world.slot_end();
     scene.motions[1].place(end, Pose::new(2.0, 3.0, 0.0)).expect("sound");
     scene.advance();
@@ -243,8 +246,9 @@ fn placed_in_front_of_one_that_drives_it_is_met() {
     assert!((scene.position(0).x - (0.515 + 0.05)).abs() < 1e-5);
 }
 
-/// Distance that a robot covers in 0.4 s at 0.5 m/s with this heading, placed `depth` into another, resting one.
-fn way_out_of_a_robot(depth: f64, heading: f64) -> f64 {
+/// Distance that a robot covers in 0.4 s at 0.5 m/s with this heading, if it is placed so that it overlaps a resting
+/// robot by `depth` m.
+fn distance_out_of_a_robot(depth: f64, heading: f64) -> f64 {
     let mut scene = Scene::new(&[Pose::new(1.0, 2.0, 0.0), Pose::new(2.0, 2.0, 0.0)]);
     let deep = Pose::new(2.0 - (2.0 * RADIUS - depth), 2.0, heading);
     scene.motions[0].place(Time(10_000), deep).expect("sound");
@@ -259,25 +263,25 @@ fn way_out_of_a_robot(depth: f64, heading: f64) -> f64 {
 }
 
 #[test]
-fn placed_onto_a_robot_it_can_leave_but_not_go_deeper() {
+fn robot_placed_into_a_robot_can_leave_but_not_go_deeper() {
     let headings: Vec<f64> = (0..12).map(|step| f64::from(step) * PI / 6.0).collect();
     for depth in [0.05, 0.15, 0.199] {
         for &heading in &headings {
             let leaves = heading > PI / 2.0 - 1e-9 && heading < 1.5 * PI + 1e-9;
-            let distance = way_out_of_a_robot(depth, heading);
+            let distance = distance_out_of_a_robot(depth, heading);
             assert!(
                 (distance - if leaves { 0.2 } else { 0.0 }).abs() < 1e-9,
                 "{depth} m deep, heading {heading}: {distance}"
             );
         }
     }
-    // With equal centres, rounding decides the direction of the other one.
-    let exits = headings.iter().filter(|&&heading| way_out_of_a_robot(2.0 * RADIUS, heading) > 0.1).count();
+    // With equal centres, rounding decides the direction towards the other robot.
+    let exits = headings.iter().filter(|&&heading| distance_out_of_a_robot(2.0 * RADIUS, heading) > 0.1).count();
     assert!(exits >= 5, "{exits} of 12 headings");
 }
 
 #[test]
-fn placed_into_a_wall_it_can_leave_but_not_go_deeper() {
+fn robot_placed_into_a_wall_can_leave_but_not_go_deeper() {
     for depth in [1e-7, 0.05, 0.1] {
         for heading in 0..12 {
             let angle = f64::from(heading) * PI / 6.0;
@@ -297,7 +301,7 @@ fn placed_into_a_wall_it_can_leave_but_not_go_deeper() {
 }
 
 #[test]
-fn a_blocked_robot_obeys_its_place_all_the_same() {
+fn placement_of_a_blocked_robot_is_replayed() {
     // Robot 2 stops robot 1 before the time of the placement; the placement is then replayed.
     let mut scene = Scene::new(&[Pose::new(1.0, 1.0, 0.0), Pose::new(1.0 + 2.0 * RADIUS + 0.005, 1.0, PI)]);
     scene.drive(0, Time::ZERO, 0.5, 0.0);
@@ -310,7 +314,7 @@ fn a_blocked_robot_obeys_its_place_all_the_same() {
 }
 
 #[test]
-fn after_a_place_the_same_body_is_met_anew() {
+fn contact_after_a_placement_is_new() {
     // Contact with robot 2 and the crate, placement back, and contact again, all within 100 ms.
     let start = [Pose::new(1.0, 1.0, 0.0), Pose::new(1.0 + 2.0 * RADIUS + 0.001, 1.0, 0.0)];
     for is_place in [true, false] {
@@ -338,7 +342,7 @@ fn after_a_place_the_same_body_is_met_anew() {
 }
 
 #[test]
-fn published_poses_are_true_at_any_instant_of_the_slot() {
+fn published_poses_match_true_poses_during_the_slot() {
     let mut scene = Scene::new(&[Pose::new(1.0, 1.0, 0.3), Pose::new(3.0, 3.0, 3.0)]);
     scene.drive(0, Time::ZERO, 0.4, 1.3);
     scene.command(1, Time(3), Command::Drive { displacement: Twist::new(0.0, -3.0), duration: 0.13 });
@@ -367,7 +371,7 @@ fn published_poses_are_true_at_any_instant_of_the_slot() {
 }
 
 #[test]
-fn an_object_is_where_it_was_placed_from_the_next_slot_on() {
+fn object_placement_takes_effect_in_the_next_slot() {
     let mut scene = Scene::new(&[]).with_objects(Pose::new(1.0, 1.0, 0.0), Pose::new(2.0, 2.0, 0.0));
     scene.run(0.2);
     assert_eq!(scene.world.moved_objects(), []);
@@ -391,7 +395,7 @@ fn an_object_is_where_it_was_placed_from_the_next_slot_on() {
 }
 
 #[test]
-fn a_ball_placed_into_a_wall_comes_out_of_it_before_the_world_says_that_nothing_moves() {
+fn ball_placed_into_a_wall_is_pushed_out_before_the_world_rests() {
     for slot in [1_000, 7_500, 50_000] {
         let mut scene =
             Scene::with(model(), Time(slot), &[]).with_objects(Pose::new(1.0, 1.0, 0.0), Pose::new(2.0, 2.0, 0.0));
@@ -409,7 +413,7 @@ fn a_ball_placed_into_a_wall_comes_out_of_it_before_the_world_says_that_nothing_
 }
 
 #[test]
-fn a_moving_object_rests_where_it_is_placed_and_can_be_pushed_there() {
+fn placed_object_rests_and_can_be_pushed() {
     let mut scene =
         Scene::new(&[Pose::new(2.0, 1.0, 0.0)]).with_objects(Pose::new(1.0, 1.0, 0.0), Pose::new(1.0, 2.0, 0.0));
     scene.world.set_object_velocity(BALL, DVec2::new(1.0, 0.0), 0.0);
@@ -429,7 +433,7 @@ fn a_moving_object_rests_where_it_is_placed_and_can_be_pushed_there() {
 }
 
 #[test]
-fn objects_placed_into_walls_robots_and_each_other_are_pushed_out_gently() {
+fn objects_placed_into_obstacles_are_pushed_out_slowly() {
     let robot = Pose::new(2.0, 2.0, 0.0);
     let beside = Pose::new(1.0, 1.0, 0.0);
     let cases = [
@@ -474,7 +478,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn whatever_is_placed_wherever_numbers_stay_numbers(
+    fn random_placements_give_finite_numbers(
         script in script(),
         slot in prop_oneof![Just(1_000_i64), Just(50_000), Just(333_333)],
         wheel_lag in prop_oneof![2 => Just(0.0), 1 => Just(0.08)],
@@ -509,7 +513,7 @@ proptest! {
     }
 
     #[test]
-    fn alone_every_slot_length_gives_the_same_bits(script in script(), lag in any::<bool>()) {
+    fn placements_of_a_single_robot_are_bit_identical_for_every_slot_length(script in script(), lag in any::<bool>()) {
         let run = |slot: i64| {
             let lame = Model { wheel_lag: if lag { 0.08 } else { 0.0 }, ..model() };
             let mut scene = Scene::with(lame, Time(slot), &[Pose::new(1.0, 1.0, 0.0)]);

@@ -116,7 +116,7 @@ fn o(number: u32) -> ObjectId {
     ObjectId(number)
 }
 
-/// Hit of a ray in the plane, and of a ray in three dimensions.
+/// Hits of a ray in the plane and of a ray in three dimensions.
 type RayHits = (Option<(f64, Thing)>, Option<f64>);
 
 /// Hits of rays from random origins.
@@ -144,7 +144,7 @@ fn place(x: f64, y: f64) -> Pose {
 }
 
 #[test]
-fn rays_meet_who_is_there_and_nobody_else() {
+fn rays_hit_only_bodies_that_are_present() {
     let balls = [place(0.0, 0.9), place(-0.6, -0.7)];
     let mut scene = Scene::new(&places()[..2], &balls[..1], vec![]);
     scene.run(1.0);
@@ -176,7 +176,7 @@ fn rays_meet_who_is_there_and_nobody_else() {
 }
 
 #[test]
-fn what_came_and_went_far_away_changes_nothing() {
+fn adding_and_removing_distant_bodies_changes_nothing() {
     let play = |has_guests: bool| {
         let mut scene = Scene::new(&[place(0.0, 0.0), place(1.0, 0.01)], &[place(0.5, 0.0)], vec![]);
         scene.drive(r(1), 0.3);
@@ -197,7 +197,7 @@ fn what_came_and_went_far_away_changes_nothing() {
 }
 
 #[test]
-fn a_newcomer_is_as_if_it_had_always_stood_there() {
+fn added_body_behaves_like_an_initial_body() {
     let play = |comes_late: bool| {
         let at = place(1.0, 0.03);
         let robots = [place(-1.0, 0.0), at];
@@ -216,7 +216,7 @@ fn a_newcomer_is_as_if_it_had_always_stood_there() {
 }
 
 #[test]
-fn who_was_in_the_way_is_not_any_more() {
+fn removed_body_no_longer_blocks() {
     let mut scene = Scene::new(&[place(0.0, 0.0), place(1.0, 0.0)], &[], vec![]);
     scene.drive(r(1), 0.5);
     scene.run(3.0);
@@ -229,10 +229,11 @@ fn who_was_in_the_way_is_not_any_more() {
 }
 
 #[test]
-fn the_first_object_of_a_world_is_pushed_and_can_go() {
+fn first_added_object_can_be_pushed_and_removed() {
     let mut scene = Scene::new(&[place(0.0, 0.0)], &[], vec![]);
     scene.drive(r(1), 0.3);
-    // Beyond the start: a lone robot is calm far ahead (`Quiescence` of the world), which the new object must end.
+    // Not at the start, because the `Quiescence` of a single robot extends far into the future; the new object must end
+    // it.
     scene.run(1.05);
     let ball = scene.add_object(place(1.0, 0.0));
     assert_eq!((ball, scene.world.object_count()), (o(1), 1));
@@ -248,7 +249,7 @@ fn the_first_object_of_a_world_is_pushed_and_can_go() {
 }
 
 #[test]
-fn a_ball_between_two_others_is_taken_away() {
+fn removing_a_ball_between_two_others_works() {
     let balls = [place(0.0, 0.0), place(0.12, 0.0), place(0.24, 0.0)];
     let mut scene = Scene::new(&[place(-1.0, 5.0)], &balls, vec![]);
     scene.world.set_object_velocity(o(1), DVec2::X * 0.5, 0.0);
@@ -261,7 +262,7 @@ fn a_ball_between_two_others_is_taken_away() {
 }
 
 #[test]
-fn an_object_in_a_wall_is_pushed_out() {
+fn object_added_inside_a_wall_is_pushed_out() {
     let wall = Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0));
     let mut scene = Scene::new(&[place(0.0, 0.0)], &[], vec![wall]);
     scene.run(0.1);
@@ -274,7 +275,7 @@ fn an_object_in_a_wall_is_pushed_out() {
 }
 
 #[test]
-fn a_body_does_not_fit_where_something_is() {
+fn overlapped_by_disc_finds_every_kind_of_obstacle() {
     let thick = Segment::new(DVec2::new(-2.0, 2.0), DVec2::new(2.0, 2.0));
     let mut walls: Vec<Segment> = thick.thickened(0.6).into();
     walls.push(Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0)));
@@ -286,7 +287,7 @@ fn a_body_does_not_fit_where_something_is() {
     let space = Space { thick_walls, outlines: Some(sim_core::scene::WallId(5)), ..Space::default() };
     scene.world = scene.world.with_space(space);
 
-    let overlapped = |x, y| scene.world.overlapped(DVec2::new(x, y), RADIUS);
+    let overlapped = |x, y| scene.world.overlapped_by_disc(DVec2::new(x, y), RADIUS);
     assert_eq!(overlapped(0.5, 0.5), None);
     assert!(matches!(overlapped(0.95, 0.0), Some(Thing::Wall(_))), "too near to a wall");
     assert!(matches!(overlapped(0.3, 2.0), Some(Thing::Wall(_))), "within a wall");
@@ -297,12 +298,12 @@ fn a_body_does_not_fit_where_something_is() {
     assert_eq!(overlapped(0.9, 0.0), None, "who touches a wall does not overlap");
     scene.world.remove_robot(r(1));
     scene.world.remove_object(o(1));
-    assert_eq!(scene.world.overlapped(DVec2::new(0.1, 0.0), RADIUS), None);
-    assert_eq!(scene.world.overlapped(DVec2::new(0.0, -1.0), RADIUS), None);
+    assert_eq!(scene.world.overlapped_by_disc(DVec2::new(0.1, 0.0), RADIUS), None);
+    assert_eq!(scene.world.overlapped_by_disc(DVec2::new(0.0, -1.0), RADIUS), None);
 }
 
 #[test]
-fn shapes_of_newcomers_are_their_own() {
+fn added_bodies_have_their_given_shapes() {
     let mut scene = Scene::new(&[place(-1.0, 0.0)], &[place(0.0, 3.0)], vec![]);
     scene.run(0.1);
     let low = Arc::new(Figure::cylinder(RADIUS, 0.1, Surface::default()));

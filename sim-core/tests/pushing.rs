@@ -103,12 +103,12 @@ fn ahead(v: f64) -> Command {
 const SLOT: Time = Time::from_millis(50);
 
 #[test]
-fn a_light_crate_is_pushed_and_the_robot_keeps_its_path_to_the_bit() {
+fn pushing_a_light_crate_keeps_the_path_bit_identical() {
     let objects = vec![(crate_(0.1, 0.4), Pose::new(0.3, 0.0, 0.0))];
     let mut scene = Scene::new(SLOT, &[Pose::default()], objects);
     scene.command(0, ahead(0.1));
     scene.run(5.0);
-    // The impact costs no more than traction restores in one step.
+    // The impact reduces the speed by no more than traction restores in one step.
     let x = scene.robot(0).position.x;
     assert!((x - 0.5).abs() < 1e-6, "{x}");
     let gap = scene.object().x - 0.05 - (x + RADIUS);
@@ -125,7 +125,7 @@ fn a_light_crate_is_pushed_and_the_robot_keeps_its_path_to_the_bit() {
 }
 
 #[test]
-fn a_heavy_crate_stalls_the_wheels_and_stays_where_it_is() {
+fn heavy_crate_stalls_the_wheels_and_does_not_move() {
     // Traction 0.5 * 2 kg, floor friction 0.5 * 3 kg.
     let objects = vec![(crate_(3.0, 0.5), Pose::new(0.3, 0.0, 0.0))];
     let mut scene = Scene::new(SLOT, &[Pose::default()], objects);
@@ -135,7 +135,7 @@ fn a_heavy_crate_stalls_the_wheels_and_stays_where_it_is() {
     assert!(scene.motions[0].is_stalled(now));
     assert!(!scene.motions[0].is_moving(now));
     let (object, robot) = (scene.object().x, scene.robot(0).position.x);
-    // After the impact both moved on at 0.08 m/s, until 0.5 kg times gravity stopped them.
+    // After the impact both move at 0.08 m/s, until the excess of friction, 0.5 kg times gravity, stops them.
     let distance = 0.08 * 0.08 / (2.0 * 0.5 * GRAVITY / 5.0);
     assert!((object - 0.3 - distance).abs() < 2e-4, "{object} for {}", 0.3 + distance);
     let wheels = scene.motions[0].wheel_angles(now);
@@ -152,7 +152,7 @@ fn a_heavy_crate_stalls_the_wheels_and_stays_where_it_is() {
 }
 
 #[test]
-fn a_kicked_ball_leaves_with_the_speed_of_the_blow() {
+fn kicked_ball_leaves_with_the_speed_of_the_impact() {
     for restitution in [0.0, 0.6] {
         let ball = object(Shape::Disc { radius: 0.02 }, 0.05, Resistance::Rolling(0.0), restitution);
         let mut scene = Scene::new(SLOT, &[Pose::default()], vec![(ball, Pose::new(0.2, 0.0, 0.0))]);
@@ -162,15 +162,16 @@ fn a_kicked_ball_leaves_with_the_speed_of_the_blow() {
         scene.run(0.7);
         let speed = scene.world.object_state(BOX).velocity.x;
         let blow = (1.0 + restitution) * 2.0 * 0.4 / 2.05;
-        // Without restitution the robot pushes the object to its own speed again.
+        // Without restitution the robot accelerates the object to its own speed again.
         let expected = if restitution == 0.0 { 0.4 } else { blow };
         assert!((speed - expected).abs() < 2e-4, "{speed} for {expected}");
     }
 }
 
 #[test]
-fn a_push_at_the_limit_of_traction_goes_on_slower() {
-    // 0.5 * 2 kg push 0.5 * 1.9 kg: the impact costs much speed, and traction restores little.
+fn push_near_the_traction_limit_continues_slower() {
+    // Traction of 0.5 * 2 kg against friction of 0.5 * 1.9 kg: the impact reduces the speed much, and traction restores
+    // it slowly.
     let objects = vec![(crate_(1.9, 0.5), Pose::new(0.3, 0.0, 0.0))];
     let mut scene = Scene::new(SLOT, &[Pose::default()], objects);
     scene.command(0, ahead(0.3));
@@ -186,7 +187,7 @@ fn a_push_at_the_limit_of_traction_goes_on_slower() {
 }
 
 #[test]
-fn a_drive_that_is_slowed_ends_at_its_mark() {
+fn slowed_drive_ends_at_its_target() {
     let objects = vec![(crate_(1.5, 0.4), Pose::new(0.3, 0.0, 0.0))];
     let mut scene = Scene::new(SLOT, &[Pose::default()], objects);
     scene.command(0, Command::Drive { displacement: Twist::new(0.5, 0.0), duration: 2.5 });
@@ -203,7 +204,7 @@ fn a_drive_that_is_slowed_ends_at_its_mark() {
 }
 
 #[test]
-fn slots_of_any_length_give_nearly_the_same() {
+fn slot_length_changes_pushing_only_slightly() {
     let outcome = |slot: Time| {
         let objects = vec![
             (crate_(0.5, 0.4), Pose::new(0.3, 0.03, 0.2)),
@@ -227,7 +228,7 @@ fn slots_of_any_length_give_nearly_the_same() {
 }
 
 #[test]
-fn rays_meet_objects_by_their_public_way() {
+fn rays_hit_objects_at_their_published_poses() {
     let ball = object(Shape::Disc { radius: 0.02 }, 0.05, Resistance::Rolling(0.1), 0.5);
     let objects = vec![(ball, Pose::new(0.0, 0.5, 0.0)), (crate_(1.0, 0.5), Pose::new(1.0, 0.0, 0.0))];
     let mut scene = Scene::new(SLOT, &[Pose::new(-1.0, 0.0, 0.0)], objects);
@@ -252,13 +253,14 @@ fn rays_meet_objects_by_their_public_way() {
 }
 
 #[test]
-fn a_standing_robot_is_not_pushed() {
+fn robot_at_rest_is_not_pushed() {
     let ball = object(Shape::Disc { radius: 0.05 }, 5.0, Resistance::Rolling(0.01), 0.5);
     let mut scene = Scene::new(SLOT, &[Pose::default()], vec![(ball, Pose::new(0.5, 0.0, 0.0))]);
     scene.world.set_object_velocity(BOX, DVec2::new(-1.0, 0.0), 0.0);
     scene.run(2.0);
     assert_eq!(scene.robot(0), Pose::default());
-    // 0.35 m to the robot, rebound at half the speed, then away from it for the rest of the time.
+    // The ball moves 0.35 m to the robot, rebounds at half its speed, and moves away from the robot for the rest of the
+    // time.
     let deceleration = 0.01 * GRAVITY;
     let there = (1.0 - 2.0 * deceleration * 0.35).sqrt();
     let remaining_distance = 0.5 * there - deceleration * (2.0 - (1.0 - there) / deceleration);
@@ -267,7 +269,7 @@ fn a_standing_robot_is_not_pushed() {
 }
 
 #[test]
-fn without_objects_nothing_is_built() {
+fn scene_without_objects_builds_no_bodies() {
     let scene = Scene::new(SLOT, &[Pose::default()], vec![]);
     assert_eq!(scene.world.object_count(), 0);
     assert_eq!(scene.world.moved_objects(), &[]);

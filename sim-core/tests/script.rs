@@ -100,7 +100,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn bodies_stay_out_of_walls_and_of_each_other(
+    fn bodies_never_overlap_walls_or_each_other(
         model in model(),
         script in script(),
         room in 0_u64..1000,
@@ -143,7 +143,7 @@ proptest! {
     }
 
     #[test]
-    fn alone_every_slot_length_gives_the_same_bits(
+    fn scripts_of_a_single_robot_are_bit_identical_for_every_slot_length(
         model in model(),
         script in script(),
         room in 0_u64..1000,
@@ -162,7 +162,7 @@ proptest! {
                 while at >= world.slot_end() {
                     world.advance(&mut motions.iter_mut().collect::<Vec<_>>());
                 }
-                // Refused commands are part of the script.
+                // Rejected commands are part of the script.
                 let _ = motions[0].command(at, *command, &[]);
                 // An end more than 1,000 s ahead may be the time of the next query, which is not part of the motion.
                 let end = motions[0].drive_end().filter(|end| *end < at + Time::from_millis(1_000_000));

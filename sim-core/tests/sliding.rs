@@ -1,4 +1,5 @@
-//! Robots that slide along walls: closed forms, a reference in small steps, hard cases, the same bits for every slot.
+//! Robots that slide along walls: closed forms, a reference with small time steps, degenerate cases, and bit-identical
+//! motion for every slot length.
 
 use std::{
     f64::consts::{FRAC_PI_2, FRAC_PI_4, PI},
@@ -55,13 +56,14 @@ fn seconds(seconds: f64) -> Time {
     Time::from_seconds_ceil(seconds)
 }
 
-/// On the floor below a wall along x, its rim `gap` from it; heading `angle` to the left of x, so towards it.
+/// Pose below a wall along the x axis: the rim is `gap` m from the wall, the heading is turned by `angle` from x
+/// towards the wall.
 fn below(gap: f64, angle: f64) -> Pose {
     Pose::new(0.0, -RADIUS - SKIN - gap, angle)
 }
 
 #[test]
-fn outside_the_cone_a_disc_slides_at_the_speed_of_the_formula() {
+fn sliding_speed_outside_the_friction_cone_matches_the_formula() {
     let walls = [wall(-10.0, 0.0, 10.0, 0.0)];
     for friction in [0.0, 0.1, 0.3, 1.0] {
         for degrees in [1.0_f64, 3.0, 20.0, 40.0, 44.0, 60.0, 80.0, 89.0] {
@@ -87,7 +89,7 @@ fn outside_the_cone_a_disc_slides_at_the_speed_of_the_formula() {
 }
 
 #[test]
-fn drives_end_by_odometry_and_encoders_count_on() {
+fn drives_along_a_wall_end_by_odometry_while_encoders_count() {
     let walls = [wall(-10.0, 0.0, 10.0, 0.0), wall(1.0, -5.0, 1.0, 5.0)];
     for angle in [0.05, 0.7, FRAC_PI_2] {
         let mut motion = robot(&walls, 0.3, below(0.02, angle));
@@ -111,7 +113,7 @@ fn drives_end_by_odometry_and_encoders_count_on() {
 }
 
 #[test]
-fn a_corner_holds_a_disc_that_is_pushed_into_it() {
+fn disc_pushed_into_a_corner_rests() {
     let walls = [wall(-5.0, 0.0, 1.0, 0.0), wall(1.0, -5.0, 1.0, 0.0)];
     let corner = DVec2::splat(-RADIUS - SKIN) + DVec2::X;
     for friction in [0.0, 0.3] {
@@ -130,14 +132,15 @@ fn a_corner_holds_a_disc_that_is_pushed_into_it() {
 }
 
 #[test]
-fn at_a_walls_end_a_disc_goes_round_it_and_then_straight_on() {
+fn disc_turns_around_the_end_of_a_wall_then_moves_straight() {
     let walls = [wall(-5.0, 0.0, 1.0, 0.0)];
     let angle = 0.6;
     let mut motion = robot(&walls, 0.0, below(0.0, angle));
     twist(&mut motion, Time::ZERO, 0.3, 0.0);
     let (arm, speed) = (RADIUS + SKIN, 0.3);
     let to_end = 1.0 / (speed * math::cos(angle));
-    // alpha' = -v / r sin(alpha), from 90 degrees + 0.6 rad to 90 degrees: the normal is then across the push.
+    // alpha' = -v / r sin(alpha), from 90 degrees + 0.6 rad to 90 degrees, where the normal is perpendicular to the
+    // push.
     let round = arm / speed * math::ln(math::tan(0.5 * (FRAC_PI_2 + angle)));
     let leave = to_end + round;
     let at_end = motion.pose(seconds(to_end)).position;
@@ -153,22 +156,22 @@ fn at_a_walls_end_a_disc_goes_round_it_and_then_straight_on() {
 }
 
 #[test]
-fn a_disc_that_turns_at_a_wall_rolls_along_it_where_friction_holds() {
+fn turning_disc_rolls_along_a_wall_within_the_friction_cone() {
     let walls = [wall(-10.0, 0.0, 10.0, 0.0)];
-    // Straight at the wall while it turns slowly: the rim rolls on the wall.
+    // The robot drives straight at the wall while it turns slowly: the rim rolls on the wall.
     let mut motion = robot(&walls, 1.0, below(0.0, FRAC_PI_2));
     twist(&mut motion, Time::ZERO, 0.3, 0.2);
     let at = Time::from_millis(1_000);
-    // The normal points down, so its tangent along x: it rolls there at omega r.
+    // The normal points down, so the tangent points along x: the robot rolls in this direction at omega r.
     let expected = 0.2 * (RADIUS + SKIN);
     assert!((motion.pose(at).position.x - expected).abs() < 1e-12, "{:?}", motion.pose(at));
     assert!((motion.pose(at).heading.radians() - FRAC_PI_2 - 0.2).abs() < 1e-15);
-    // Without friction it goes as the push leads: v / omega (1 - cos) to the left.
+    // Without friction it moves along the wall with that component of the push: v / omega (1 - cos) to the left.
     let mut motion = robot(&walls, 0.0, below(0.0, FRAC_PI_2));
     twist(&mut motion, Time::ZERO, 0.3, 0.2);
     let expected = -0.3 / 0.2 * (1.0 - math::cos(0.2));
     assert!((motion.pose(at).position.x - expected).abs() < 1e-12, "{:?}", motion.pose(at));
-    // It leaves when it heads along the wall, and comes back from its circle.
+    // It leaves the wall when its heading is along the wall, and returns on its circle.
     let leave = FRAC_PI_2 / 0.2;
     let off = motion.pose(seconds(leave + 1.0)).position;
     let circle = DVec2::new(-1.5 - 1.5 * math::sin(0.2), -RADIUS - SKIN - 1.5 * (1.0 - math::cos(0.2)));
@@ -176,7 +179,7 @@ fn a_disc_that_turns_at_a_wall_rolls_along_it_where_friction_holds() {
 }
 
 #[test]
-fn a_turn_on_the_spot_in_contact_is_free() {
+fn turn_on_the_spot_in_contact_is_not_blocked() {
     let walls = [wall(-10.0, 0.0, 10.0, 0.0), wall(RADIUS + SKIN, -5.0, RADIUS + SKIN, 5.0)];
     let mut motion = robot(&walls, 0.3, below(0.0, 0.4));
     let before = motion.pose(Time::ZERO).position;
@@ -189,7 +192,7 @@ fn a_turn_on_the_spot_in_contact_is_free() {
     assert!(!motion.is_stalled(Time(1_000_000)));
 }
 
-/// Cases with the number of seconds that they take.
+/// Cases, each with its name and duration in seconds.
 fn cases() -> Vec<(&'static str, Case, f64)> {
     let radius = RADIUS;
     let long = vec![wall(-10.0, 0.0, 10.0, 0.0)];
@@ -228,7 +231,7 @@ fn cases() -> Vec<(&'static str, Case, f64)> {
 }
 
 #[test]
-fn closed_forms_agree_with_a_reference_in_small_steps() {
+fn closed_forms_match_a_reference_with_small_time_steps() {
     for (name, case, span) in cases() {
         let mut motion = robot(&case.walls, case.friction, case.start);
         twist(&mut motion, Time::ZERO, case.twist.vx, case.twist.omega);
@@ -241,7 +244,7 @@ fn closed_forms_agree_with_a_reference_in_small_steps() {
 }
 
 #[test]
-fn random_rooms_agree_with_the_reference() {
+fn random_rooms_match_the_reference() {
     let mut random = Random::new(77);
     let bounds = Bounds { min: DVec2::splat(-0.6), max: DVec2::splat(0.6) };
     let outline = [
@@ -276,7 +279,7 @@ fn random_rooms_agree_with_the_reference() {
 }
 
 #[test]
-fn forces_lie_in_the_friction_cone_and_no_contact_gives_energy() {
+fn forces_are_within_the_friction_cone_and_contacts_add_no_energy() {
     for (name, case, span) in cases() {
         let mut motion = robot(&case.walls, case.friction, case.start);
         twist(&mut motion, Time::ZERO, case.twist.vx, case.twist.omega);
@@ -306,7 +309,7 @@ fn forces_lie_in_the_friction_cone_and_no_contact_gives_energy() {
 }
 
 #[test]
-fn hard_cases_end_and_stay_out_of_the_walls() {
+fn degenerate_cases_terminate_without_penetration() {
     let gap =
         |walls: &[Segment], motion: &mut Motion, at: Time| oracle::clearance(walls, motion.pose(at).position, RADIUS);
     // Straight into a corner, to the bit; touching two walls at once; a corridor as wide as the robot.
@@ -347,7 +350,7 @@ fn hard_cases_end_and_stay_out_of_the_walls() {
 }
 
 #[test]
-fn from_within_a_wall_a_disc_may_leave_and_goes_no_deeper() {
+fn disc_inside_a_wall_can_leave_but_not_go_deeper() {
     let walls = [wall(-5.0, 0.0, 5.0, 0.0)];
     for depth in [1e-9, 1e-3, 0.05, 0.0999, 0.1] {
         for angle in [0.0, 0.5, FRAC_PI_2, 2.0, -0.5, -2.0] {
@@ -365,8 +368,8 @@ fn from_within_a_wall_a_disc_may_leave_and_goes_no_deeper() {
 }
 
 #[test]
-fn a_sliding_robot_does_not_hold_up_the_clock() {
-    // In a corridor that narrows to nothing and a chain of pins: events are bounded.
+fn number_of_intervals_per_time_is_bounded() {
+    // In a corridor that narrows to width 0 and at a chain of pins, the number of events is bounded.
     let walls = [wall(-1.0, 0.0, 3.0, 0.0), wall(-1.0, -0.3, 3.0, 0.0)];
     let mut motion = robot(&walls, 0.0, Pose::new(-0.8, -0.14, 0.0));
     twist(&mut motion, Time::ZERO, 0.3, 2.0);
@@ -443,7 +446,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn bits_are_the_same_for_every_slot_and_nothing_is_entered(
+    fn sliding_is_bit_identical_for_every_slot_length_without_penetration(
         commands in commands(), friction in prop_oneof![Just(0.0), 0.0..1.5], offset in prop_oneof![Just(0.0), -0.05..0.05],
         noise in any::<bool>()
     ) {
@@ -455,7 +458,7 @@ proptest! {
 }
 
 #[test]
-fn a_robot_with_errors_that_rubs_along_a_wall_has_one_contact() {
+fn sliding_with_motion_errors_is_one_contact() {
     let walls = [wall(-10.0, 0.0, 10.0, 0.0)];
     let noise = TwistNoise { speed: 0.02, turn: 0.3, ..TwistNoise::default() };
     let motion = robot(&walls, 0.3, below(0.01, 0.15));
@@ -474,7 +477,7 @@ fn a_robot_with_errors_that_rubs_along_a_wall_has_one_contact() {
 }
 
 #[test]
-fn what_the_window_draws_is_where_the_robot_is() {
+fn published_pieces_match_the_true_pose() {
     let walls = [wall(-10.0, 0.0, 0.3, 0.0)];
     let mut motion = robot(&walls, 0.3, below(0.0, 0.5));
     let mut world = World::new(Arc::new(Walls::new(walls.to_vec())), Time::from_millis(50), [&mut motion]);
@@ -483,10 +486,10 @@ fn what_the_window_draws_is_where_the_robot_is() {
         world.advance(&mut [&mut motion]);
         for part in 0..5 {
             let at = world.slot_start() + Time(part * 10_000);
-            let stretches: Vec<_> = world.stretches(RobotId(1)).collect();
-            let segment = stretches.iter().rfind(|segment| segment.start <= at).unwrap_or(&stretches[0]);
-            let gone = (at - segment.start).seconds().min(segment.after);
-            let expected = segment.from.moved(segment.twist.scaled(gone));
+            let pieces: Vec<_> = world.published_pieces(RobotId(1)).collect();
+            let piece = pieces.iter().rfind(|piece| piece.start <= at).unwrap_or(&pieces[0]);
+            let elapsed = (at - piece.start).seconds().min(piece.duration);
+            let expected = piece.world_from_robot.moved(piece.twist.scaled(elapsed));
             let off = (expected.position - motion.pose(at).position).length();
             // Between a line and the circle of 0.3 m/s and 0.4 rad/s through its ends in 50 ms: v w t^2 / 8.
             assert!(off < 4e-5, "{off} m off at {at}");
@@ -495,7 +498,7 @@ fn what_the_window_draws_is_where_the_robot_is() {
 }
 
 #[test]
-fn an_endless_drive_with_errors_is_planned_at_once() {
+fn endless_drive_with_systematic_errors_needs_one_stage() {
     let unequal = Imperfection { diameters: [0.0, 0.1, 0.0, 0.0], ..Imperfection::default() };
     let motion = robot(&room(), 0.3, Pose::new(0.3, 0.4, 0.3));
     let mut motion = motion.with_imperfection(1, unequal).expect("sound");
@@ -505,7 +508,8 @@ fn an_endless_drive_with_errors_is_planned_at_once() {
     assert!(oracle::clearance(&room(), motion.pose(Time::from_millis(100_000)).position, RADIUS) > SKIN - 2e-9);
 }
 
-/// Robots that drive about in a room, and crates of these masses: whatever happens, nothing is entered.
+/// Robots that drive randomly in a room with crates of these masses; checks that no body penetrates another body or a
+/// wall.
 fn crowd(seed: u64, slot: Time, crates: &[f64]) {
     let walls = vec![
         wall(0.0, 0.0, 2.0, 0.0),
@@ -567,7 +571,7 @@ fn crowd(seed: u64, slot: Time, crates: &[f64]) {
 }
 
 #[test]
-fn among_others_nothing_is_entered() {
+fn robots_in_a_crowd_never_overlap() {
     for seed in 0..12 {
         for slot in [7, 50] {
             crowd(seed, Time::from_millis(slot), &[]);
@@ -576,7 +580,7 @@ fn among_others_nothing_is_entered() {
 }
 
 #[test]
-fn among_crates_nothing_is_entered() {
+fn robots_never_overlap_crates() {
     for seed in 0..6 {
         crowd(seed, Time::from_millis(50), &[0.2, 5.0]);
     }

@@ -1,4 +1,4 @@
-//! A clone of a running world evolves like its source, to the bit, and neither affects the other.
+//! A clone of a running world evolves bit-identically to its source, and neither affects the other.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -212,9 +212,9 @@ impl Simulation {
         let script = Arc::clone(&self.script);
         let mut entries: Vec<&Entry> = script.entries.iter().filter(|(slot, ..)| *slot == self.slot).collect();
         entries.sort_by(|one, other| one.2.total_cmp(&other.2));
-        for (_, whom, share, action) in entries {
+        for (_, index, share, action) in entries {
             let at = start + Time((share * script.slot.0 as f64) as i64);
-            observations.push(self.act(*whom, at, action));
+            observations.push(self.act(*index, at, action));
         }
         self.look(&mut observations);
         let end = self.world.slot_end();
@@ -233,12 +233,12 @@ impl Simulation {
         observations
     }
 
-    /// Carries out an action if possible; returns the result.
-    fn act(&mut self, whom: usize, at: Time, action: &Action) -> String {
+    /// Applies an action if possible; returns the result.
+    fn act(&mut self, index: usize, at: Time, action: &Action) -> String {
         let start = self.world.slot_start();
-        let robot = RobotId::from_index(whom % self.motions.len());
+        let robot = RobotId::from_index(index % self.motions.len());
         let is_there = self.world.is_robot_present(robot, start);
-        let object = self.world.object_count().checked_sub(1).map(|last| ObjectId::from_index(whom % (last + 1)));
+        let object = self.world.object_count().checked_sub(1).map(|last| ObjectId::from_index(index % (last + 1)));
         let object = object.filter(|object| self.world.is_object_present(*object, start));
         let motion = &mut self.motions[robot.index()];
         let command = match *action {
@@ -323,7 +323,7 @@ impl Simulation {
         }
     }
 
-    /// Transports the messages of the slot that ends at `end`.
+    /// Exchanges the messages of the slot that ends at `end`.
     fn exchange(&mut self, end: Time, seen: &mut Vec<String>) {
         let mut messages = Vec::new();
         let channel = self.world.radio_mut();
@@ -367,7 +367,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn a_copy_goes_on_as_its_original(script in script(), at in 0..SLOTS, other in script()) {
+    fn clone_evolves_like_its_source(script in script(), at in 0..SLOTS, other in script()) {
         let alone = Simulation::new(script.clone()).run(SLOTS);
         let mut original = Simulation::new(script);
         original.run(at);

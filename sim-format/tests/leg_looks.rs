@@ -74,7 +74,7 @@ fn legs_are_seen_where_their_joints_put_them() {
         let pose = |part: usize| posed.poses()[of_legs[part]].expect("it is there");
         // Tip of the left shank, and the contact point of the right foot's sole with the ground.
         let tip = pose(1).transform_point(DVec3::new(0.0, 0.0, -0.44));
-        let sole = pose(4).transform_point(DVec3::new(stance.feet[1].sole.ahead, 0.0, -0.07));
+        let sole = pose(4).transform_point(DVec3::new(stance.feet[1].sole.from_ankle, 0.0, -0.07));
         for (point, foot) in [tip, sole].into_iter().zip(&stance.feet).filter(|(_, foot)| foot.is_down) {
             assert!(point.distance(foot.point) < 1e-3, "at {at}: {point} is not on the foot's place {}", foot.point);
         }

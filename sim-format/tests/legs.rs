@@ -122,7 +122,7 @@ fn touched(legs: &Legs, links: &[Link], stance: &Stance, pose: &Pose) -> Vec<DVe
     let mut points = Vec::new();
     for (leg, foot) in legs.legs.iter().zip(&stance.feet) {
         let (last, point) = match leg.foot {
-            Some(shape) => (first + 4, DVec3::new(foot.sole.ahead, 0.0, -shape.height)),
+            Some(shape) => (first + 4, DVec3::new(foot.sole.from_ankle, 0.0, -shape.height)),
             None => (first + 3, DVec3::new(0.0, 0.0, -leg.shank)),
         };
         points.push(world_from_robot.transform_point(link_pose(links, &stance.joints, last).transform_point(point)));
@@ -156,11 +156,11 @@ fn check_on(legs: &Arc<Legs>, ground: &Ground, motion: &mut Motion, from: Time, 
                 assert!(off < 1e-3, "{at}: foot {index} is {off} m from where it stands, lift {}", stance.lift);
                 // The whole sole is at the height of the ground under the ankle.
                 let (sin, cos) = math::sin_cos(foot.heading);
-                let ankle = foot.point.truncate() - DVec2::new(cos, sin) * foot.sole.ahead;
+                let ankle = foot.point.truncate() - DVec2::new(cos, sin) * foot.sole.from_ankle;
                 let above = point.z - ground.height(ankle);
                 assert!(above.abs() < 1e-3, "{at}: foot {index} at {point}, {above} m above the ground");
                 if let Some((earlier, point_before)) = foot_before.filter(|(earlier, _)| earlier.is_down)
-                    && earlier.sole.ahead == foot.sole.ahead
+                    && earlier.sole.from_ankle == foot.sole.from_ankle
                 {
                     let slid = (*point - point_before).length();
                     assert!(slid < 1e-3, "{at}: foot {index} slid by {slid} m");

@@ -152,7 +152,7 @@ impl Walker {
                 let angles = &joints[first..first + leg.joint_count()];
                 first += leg.joint_count();
                 let point_of = |ahead| in_world(&pose, lift, sole_point(leg, angles, ahead));
-                let point = point_of(foot.sole.ahead);
+                let point = point_of(foot.sole.from_ankle);
                 let off = (point - foot.point).length();
                 let ends = leg.foot.map_or([0.0, 0.0], |foot| [-foot.heel, foot.toe]);
                 errors.floor = ends.iter().fold(errors.floor, |depth, end| depth.max(-point_of(*end).z));
@@ -165,7 +165,7 @@ impl Walker {
                 errors.floor = errors.floor.max(point.z.abs());
                 // The sole turns about its heel or toe in a vertical plane, of the direction of the yaw.
                 let direction = DVec2::from_angle(pose.heading.radians() + angles[0]).extend(0.0);
-                let place = point - foot.sole.ahead * direction;
+                let place = point - foot.sole.from_ankle * direction;
                 errors.slip = errors.slip.max((place - *touched.get_or_insert(place)).length());
             }
         }
@@ -257,7 +257,7 @@ fn heights(walker: &Walker) -> Figure {
         let stance = motion.stance(at);
         let mut first = 0;
         for ((leg, foot), series) in walker.legs.legs.iter().zip(&stance.feet).zip(&mut series) {
-            let point = sole_point(leg, &stance.joints[first..first + leg.joint_count()], foot.sole.ahead);
+            let point = sole_point(leg, &stance.joints[first..first + leg.joint_count()], foot.sole.from_ankle);
             first += leg.joint_count();
             series.points.push(((at.0 - 2 * period.0) as f64 / 1e6, point.z + stance.lift));
         }

@@ -4,7 +4,7 @@ use sim_core::device::range::SensorView;
 use sim_core::device::switch::SensorId;
 use sim_core::simulation;
 use sim_core::time::Time;
-use sim_core::world::{Stretch, World};
+use sim_core::world::{PublishedPiece, World};
 use sim_core::{ObjectId, RobotId};
 use sim_host::executive::program_status::waits_now;
 use sim_host::executive::run::Run;
@@ -46,15 +46,15 @@ fn standing(robot: &Robot, has_program: bool) -> (Standing, String) {
 /// Pieces of motion of a robot from the slot's start to its end.
 fn motion(world: &World, id: RobotId) -> Vec<MotionPiece> {
     let end = world.slot_end();
-    let piece = |Stretch { start, from, twist, after }: Stretch| MotionPiece {
+    let piece = |PublishedPiece { start, world_from_robot, twist, duration }: PublishedPiece| MotionPiece {
         t_s: start.seconds(),
-        from: planar(&from),
+        from: planar(&world_from_robot),
         v_m_per_s: twist.vx,
         left_m_per_s: twist.vy,
         omega_rad_per_s: twist.omega,
-        lasts_s: after.min((end - start).seconds()),
+        lasts_s: duration.min((end - start).seconds()),
     };
-    world.stretches(id).map(piece).collect()
+    world.published_pieces(id).map(piece).collect()
 }
 
 /// Poses of the movable objects `ids`.

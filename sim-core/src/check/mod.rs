@@ -43,8 +43,8 @@ pub struct Finding {
     pub value: Option<f64>,
 }
 
-/// Evaluates the checks of a scene that concern motion: `reach`, `visits`, `stays_in`, `laps`, `clearance`, `follows_wall`,
-/// `coverage`, `odometry_error`, `swarm`.
+/// Evaluates the checks of a scene that concern motion: `reach`, `visits`, `stays_in`, `laps`, `clearance`,
+/// `follows_wall`, `coverage`, `odometry_error`, `swarm`.
 #[derive(Clone, Debug)]
 pub struct Monitor {
     /// The checks with their indices in the scene.
@@ -174,7 +174,7 @@ impl Monitor {
             let first_position =
                 object_steps.peek().map_or_else(|| world.object_pose(id, to).position, |step| step.from);
             let pending = pending.get_or_insert_with(|| PendingMotion::resting(first_position, 0.0, since));
-            object_steps.filter(|step| step.at <= until).for_each(|step| pending.append_step(step));
+            object_steps.filter(|step| step.end <= until).for_each(|step| pending.append_step(step));
             // The next step begins on the grid of steps even if the slot does not end on it.
             pending.rest_until(if until < lifetime.until { until.floor_to(STEP) } else { until });
         }

@@ -89,9 +89,9 @@ impl PendingMotion {
 
     /// Appends the motion of an object in one step.
     pub fn append_step(&mut self, step: &ObjectStep) {
-        let to = step.at.seconds();
-        let from = if step.is_jump { to } else { step.since.seconds() };
-        self.rest_until(step.since.max(Time::from_seconds_ceil(self.known_until)));
+        let to = step.end.seconds();
+        let from = if step.is_jump { to } else { step.start.seconds() };
+        self.rest_until(step.start.max(Time::from_seconds_ceil(self.known_until)));
         if from < to && step.from != step.to && self.known_until <= from {
             let velocity = (step.to - step.from) / (to - from);
             let twist = Twist { vx: velocity.x, vy: velocity.y, omega: 0.0 };

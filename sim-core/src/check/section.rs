@@ -49,7 +49,7 @@ impl MotionSection {
             if index == 0 && from < begin {
                 push(sections, Self::resting(passage.path.position(0.0), from, begin));
             }
-            let end = (passage.start.seconds() + passage.after).min(next);
+            let end = (passage.start.seconds() + passage.end).min(next);
             let heading = passage.heading.turned(passage.path.omega() * passage.begin);
             let is_moving = !passage.path.is_resting() || forward_offset != 0.0 && passage.path.omega() != 0.0;
             let moving = Self { from: begin, to: end, origin: start, path: passage.path, forward_offset, heading };

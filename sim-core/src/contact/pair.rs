@@ -20,7 +20,7 @@ pub struct MovingDisc {
 /// converge to the contact and never pass it.
 pub fn first_touch(a: &MovingDisc, b: &MovingDisc, span: f64) -> Option<f64> {
     let acceleration = a.path.acceleration() + b.path.acceleration();
-    // Minimum step in seconds for discs that roll along each other in contact.
+    // Minimum step in seconds, for discs in contact that do not approach each other.
     let min_step = (1e-3 * span).max(1e-6);
     let mut t = 0.0;
     while t < span {
@@ -33,7 +33,7 @@ pub fn first_touch(a: &MovingDisc, b: &MovingDisc, span: f64) -> Option<f64> {
             let excess = gap - TOUCH;
             let root = (rate * rate + 2.0 * acceleration * excess).sqrt();
             let step = if rate < 0.0 { 2.0 * excess / (root - rate) } else { (rate + root) / acceleration };
-            // The minimum step of half a picosecond ends the iteration; the remaining gap is then a rounding error.
+            // Steps of at least half a picosecond end the iteration; the remaining gap is then a rounding error.
             t += step.max(5e-13);
             if !step.is_finite() {
                 return None;

@@ -1,4 +1,4 @@
-//! The path of a disc's centre at constant twist.
+//! The path of a disc's centre, at constant twist or along a wall.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,15 +10,15 @@ use crate::{
     scene::Bounds,
 };
 
-/// The path of a point that moves at constant twist (a straight line, a circle, or rest), or that slides along a track,
-/// which is such a line or circle. Times are seconds since the path's start.
+/// The path of a point that moves at constant twist (on a straight line, on a circle, or not at all), or that slides
+/// along a track, which is a straight line or a circle. Times are seconds since the start of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
     /// Position at the start, in the world frame, m.
     pub origin: DVec2,
     /// Unit vector of the moving frame's x axis at the start, in the world frame.
     pub direction: DVec2,
-    /// Twist of the moving frame. For a sliding point, the twist at which the track would be followed at 1 m/s.
+    /// Twist of the moving frame. For a sliding point, the twist with which a point follows the track at 1 m/s.
     pub twist: Twist,
     /// Speed of the point along the path.
     pub pace: Pace,
@@ -27,29 +27,31 @@ pub struct Path {
 /// Speed of a point along its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// The point moves with the path's twist, and the body's heading follows the path.
+    /// The point moves with the twist of the path, and the heading of the body turns with it.
     ConstantTwist,
-    /// The point slides along the path's track as `law` states, while the body's heading turns at `omega` rad/s.
+    /// The point slides along the track of the path according to `law`, while the heading of the body turns at `omega`
+    /// rad/s.
     Sliding {
         /// Turning speed of the body, rad/s.
         omega: f64,
-        /// The length covered, as a function of time.
+        /// Length covered on the track as a function of time.
         law: LengthLaw,
     },
 }
 
-/// The length that a sliding point has covered as a function of time, in closed form. It grows as long as the path is
-/// valid.
+/// The length that a sliding point has covered as a function of time, in closed form. The length increases as long as
+/// the path is valid.
 ///
-/// Beta is the angle of docs/motion.md, section Sliding: the angle of the push from the contact's normal, plus the
-/// angle of friction where the rim slides to the left of the normal, minus that angle where it slides to the right.
+/// Beta is the angle of docs/motion.md, section Sliding: the angle from the normal of the contact to the push, plus the
+/// angle of friction if the rim slides to the left of the normal, minus the angle of friction if it slides to the
+/// right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LengthLaw {
     /// Constant speed, m/s.
     Steady(f64),
     /// A turning body slides along a straight wall at the speed `speed` sin(`phase` + `rate` t).
     Wave {
-        /// Maximum speed, m/s; negative where the track points against the contact's tangent.
+        /// Maximum speed, m/s; negative if the direction of the track is opposite to the contact's tangent.
         speed: f64,
         /// Beta at the start, rad.
         phase: f64,
@@ -67,7 +69,7 @@ pub enum LengthLaw {
         phase: f64,
         /// Rate at which the direction of the push turns, rad/s.
         rate: f64,
-        /// 1 where the track points along the contact's tangent, -1 where it points against it.
+        /// 1 if the track has the direction of the contact's tangent, -1 if it has the opposite direction.
         sense: f64,
     },
 }
@@ -81,7 +83,7 @@ impl LengthLaw {
                 let (sin, cos) = math::sin_cos(phase);
                 speed * seconds * (sin * math::sinc(rate * seconds) + cos * math::cosc(rate * seconds))
             }
-            Self::Round { radius, rate, sense, .. } => sense * radius * (rate * seconds - self.turned(seconds)),
+            Self::Round { radius, rate, sense, .. } => sense * radius * (rate * seconds - self.beta_change(seconds)),
         }
     }
 
@@ -90,7 +92,7 @@ impl LengthLaw {
         match *self {
             Self::Steady(speed) => speed,
             Self::Wave { speed, phase, rate } => speed * math::sin(phase + rate * seconds),
-            Self::Round { speed, phase, sense, .. } => sense * speed * math::sin(phase + self.turned(seconds)),
+            Self::Round { speed, phase, sense, .. } => sense * speed * math::sin(phase + self.beta_change(seconds)),
         }
     }
 
@@ -104,49 +106,51 @@ impl LengthLaw {
     }
 
     /// Change of beta after `seconds`, rad; 0 for other laws than [`LengthLaw::Round`].
-    fn turned(&self, seconds: f64) -> f64 {
+    fn beta_change(&self, seconds: f64) -> f64 {
         let Self::Round { radius, speed, phase, rate, .. } = *self else { return 0.0 };
-        let pull = speed / radius;
+        let sliding_rate = speed / radius;
         let (sin, cos) = math::sin_cos(phase);
         // z = tan(beta / 2) obeys a Riccati equation. As a quotient of two solutions of a linear equation, z has no
         // pole.
-        let (even, odd) = growth(pull, rate, seconds);
-        2.0 * math::atan2(0.5 * odd * (rate - pull * sin), even + 0.5 * odd * pull * cos)
+        let (even, odd) = linear_solutions(sliding_rate, rate, seconds);
+        2.0 * math::atan2(0.5 * odd * (rate - sliding_rate * sin), even + 0.5 * odd * sliding_rate * cos)
     }
 
-    /// Seconds after which the beta of [`LengthLaw::Round`] has changed by `angle`, up to half a turn; infinite if it never
+    /// Seconds until the beta of [`LengthLaw::Round`] has changed by `angle`, at most half a turn; infinite if it never
     /// does.
     pub(super) fn seconds_to_turn(&self, angle: f64) -> f64 {
         let Self::Round { radius, speed, phase, rate, .. } = *self else { return f64::INFINITY };
-        let pull = speed / radius;
+        let sliding_rate = speed / radius;
         let (sin, cos) = math::sin_cos(phase);
         let (half_sin, half_cos) = math::sin_cos(0.5 * angle);
-        let q = 0.5 * ((pull - rate) * (pull + rate)).abs().sqrt();
+        let q = 0.5 * ((sliding_rate - rate) * (sliding_rate + rate)).abs().sqrt();
         // odd / even = tanh(q t) / q, or tan(q t) / q.
-        let (over, under) = (2.0 * half_sin, half_cos * (rate - pull * sin) - half_sin * pull * cos);
-        if pull.abs() > rate.abs() {
-            let ratio = q * over / under;
+        let numerator = 2.0 * half_sin;
+        let denominator = half_cos * (rate - sliding_rate * sin) - half_sin * sliding_rate * cos;
+        if sliding_rate.abs() > rate.abs() {
+            let ratio = q * numerator / denominator;
             if (0.0..1.0).contains(&ratio) { 0.5 * math::ln_1p(2.0 * ratio / (1.0 - ratio)) / q } else { f64::INFINITY }
         } else if q == 0.0 {
-            let seconds = over / under;
+            let seconds = numerator / denominator;
             if seconds >= 0.0 { seconds } else { f64::INFINITY }
         } else {
-            let turned = math::atan2(q * over, under);
-            (if turned < 0.0 { turned + PI } else { turned }) / q
+            let angle = math::atan2(q * numerator, denominator);
+            (if angle < 0.0 { angle + PI } else { angle }) / q
         }
     }
 }
 
-/// Even and odd solution of the linear equation y'' = s y, with s = (`pull`^2 - `rate`^2) / 4 and q = sqrt |s|. For
-/// s > 0 these are cosh(q t) and sinh(q t) / q, up to a common factor; for s < 0 they are cos(q t) and sin(q t) / q.
-fn growth(pull: f64, rate: f64, seconds: f64) -> (f64, f64) {
-    let square = 0.25 * (pull - rate) * (pull + rate);
-    let q = square.abs().sqrt();
+/// Even and odd solution of the linear equation y'' = s y at the time t = `seconds`, with s = (`sliding_rate`^2 -
+/// `rate`^2) / 4. With q = sqrt |s| they are cosh(q t) and sinh(q t) / q for s > 0, both divided by cosh(q t), and
+/// cos(q t) and sin(q t) / q for s < 0.
+fn linear_solutions(sliding_rate: f64, rate: f64, seconds: f64) -> (f64, f64) {
+    let s = 0.25 * (sliding_rate - rate) * (sliding_rate + rate);
+    let q = s.abs().sqrt();
     let x = q * seconds;
     if x < 1e-5 {
-        let square = square * seconds * seconds;
+        let square = s * seconds * seconds;
         (1.0 + 0.5 * square, seconds * (1.0 + square / 6.0))
-    } else if square > 0.0 {
+    } else if s > 0.0 {
         (1.0, math::tanh(x) / q)
     } else {
         let (sin, cos) = math::sin_cos(x);
@@ -154,8 +158,9 @@ fn growth(pull: f64, rate: f64, seconds: f64) -> (f64, f64) {
     }
 }
 
-/// Angle, rad, up to which an arc is enclosed by the disc around its tangent, enlarged by the maximum distance between both: half of the
-/// acceleration times the squared time. This needs no trigonometric function. Our choice.
+/// Maximum angle, rad, of an arc that is enclosed in a disc around its tangent instead of a disc around its middle. The
+/// disc is enlarged by the maximum distance between arc and tangent: half of the acceleration times the squared time.
+/// This needs no trigonometric function. Our choice.
 const NEARLY_STRAIGHT: f64 = 0.125;
 
 impl Path {
@@ -174,7 +179,7 @@ impl Path {
         self.twist.vx == 0.0 && self.twist.vy == 0.0
     }
 
-    /// Speed of the twist, m/s: for constant twist the speed of the point, for a sliding point 1.
+    /// Speed of the twist, m/s: the speed of the point for constant twist, 1 for a sliding point.
     pub fn speed(&self) -> f64 {
         self.twist.speed()
     }
@@ -195,7 +200,7 @@ impl Path {
         }
     }
 
-    /// Seconds that motion with the path's twist takes to the position that the point reaches after `seconds`.
+    /// Seconds in which motion with the twist of the path reaches the position that the point has after `seconds`.
     fn twist_seconds(&self, seconds: f64) -> f64 {
         match self.pace {
             Pace::ConstantTwist => seconds,
@@ -242,15 +247,15 @@ impl Path {
         }
         let (from, to) = (self.twist_seconds(from), self.twist_seconds(to));
         let speed = self.speed();
-        // No point is farther from the middle than half the length of the path, or than the diameter of the circle.
-        let half_way = 0.5 * speed * (to - from);
+        // No point is farther from the middle than half the length of the path or the diameter of the circle.
+        let half_length = 0.5 * speed * (to - from);
         let (middle, omega) = (0.5 * (from + to), self.twist.omega.abs());
         if to * omega <= NEARLY_STRAIGHT {
             let velocity = self.direction.rotate(DVec2::new(self.twist.vx, self.twist.vy));
-            return (self.origin + velocity * middle, half_way + 0.5 * speed * omega * to * to);
+            return (self.origin + velocity * middle, half_length + 0.5 * speed * omega * to * to);
         }
         let middle = Self { pace: Pace::ConstantTwist, ..*self }.position(middle);
-        (middle, half_way.min(2.0 * speed / omega))
+        (middle, half_length.min(2.0 * speed / omega))
     }
 }
 
@@ -262,7 +267,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_disc_surrounds_the_path(
+        fn surrounding_disc_contains_the_path(
             (vx, vy, omega) in (-3.0..3.0_f64, -3.0..3.0_f64, -4.0..4.0_f64),
             (from, length) in (0.0..0.2_f64, 0.0..0.3_f64),
             part in 0.0..=1.0_f64,
@@ -271,7 +276,7 @@ mod tests {
             let (middle, radius) = path.surrounding_disc(from, from + length);
             let distance = (path.position(from + part * length) - middle).length();
             prop_assert!(distance <= radius + 1e-12, "{distance} {radius}");
-            // Not much wider than the path is long.
+            // The disc is not much larger than the path.
             prop_assert!(radius <= 0.5 * path.speed() * (length + 0.125 * (from + length)) + 1e-12);
         }
     }

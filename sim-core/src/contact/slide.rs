@@ -1,9 +1,9 @@
-//! Sliding of a disc that its wheels push against walls: the quasi-static contact problem, and the segments of motion
-//! that solve it.
+//! Sliding of a disc that its wheels push against walls: the solution of the quasi-static contact problem as intervals
+//! of motion.
 //!
-//! docs/motion.md, section Sliding, gives the formulas and frames and shows that the solution is unique. Each segment
-//! has a closed form. It ends where the kind of contact changes, where a wall ends, or where the disc meets another
-//! wall.
+//! docs/motion.md, section Sliding, gives the formulas and frames and shows that the solution is unique. The motion in
+//! each interval has a closed form. An interval ends where the kind of contact changes, where a wall ends, or where the
+//! disc reaches another wall.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -16,7 +16,7 @@ use crate::{
     scene::{Bounds, Segment, WallId, Walls},
 };
 
-/// Difference in rad up to which two angles count as equal.
+/// Difference in rad up to which two angles are regarded as equal.
 const SAME_ANGLE: f64 = 1e-12;
 
 /// A disc that is pushed along a path.
@@ -30,35 +30,36 @@ pub struct Push {
     pub friction: f64,
 }
 
-/// A segment of the motion of a pushed disc.
+/// The motion of a pushed disc in one interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slide {
     /// Path of the centre.
     pub path: Path,
-    /// Duration in seconds. Infinite for a free segment, because the search for its end at the next wall is elsewhere.
-    pub after: f64,
-    /// Wall against which the disc is pressed, and the touched point; `None` for a free segment.
-    pub against: Option<(WallId, DVec2)>,
-    /// Wall at which the segment ends, if the disc did not touch that wall before.
-    pub meets: Option<WallId>,
+    /// Duration in seconds. Infinite for motion without contact, because the next wall is searched elsewhere.
+    pub duration: f64,
+    /// Wall against which the disc is pressed, and the touched point; `None` for motion without contact.
+    pub pressed_wall: Option<(WallId, DVec2)>,
+    /// Wall at which the interval ends, if the disc did not touch that wall before.
+    pub next_wall: Option<WallId>,
 }
 
 impl Push {
     /// Motion of the disc from the start of its free path, for at most `duration` seconds. The touched walls are
-    /// determined at the start; `met` always counts as touched.
+    /// determined at the start; the wall `met` is always regarded as touched.
     pub fn slide(&self, walls: &Walls, met: Option<WallId>, duration: f64) -> Slide {
         let touched = self.touched(walls, met);
         if !touched.iter().any(|contact| self.is_approached(&self.free, contact, duration)) {
-            return Slide { path: self.free, after: f64::INFINITY, against: None, meets: None };
+            return Slide { path: self.free, duration: f64::INFINITY, pressed_wall: None, next_wall: None };
         }
         let tracks: Vec<_> =
             touched.iter().filter_map(|contact| Some((contact, self.track_along(contact, false)?))).collect();
-        // A wall that the disc approaches only by a rounding error exerts no pressure.
+        // The disc exerts no pressure on a wall that it approaches only by a rounding error.
         let grazed =
             touched.iter().filter(|contact| tracks.is_empty() && self.is_approached(&self.free, contact, duration));
-        let grazing: Vec<_> = grazed.filter_map(|contact| Some((contact, self.track_along(contact, true)?))).collect();
+        let grazing_tracks: Vec<_> =
+            grazed.filter_map(|contact| Some((contact, self.track_along(contact, true)?))).collect();
         let mut best: Option<(f64, Slide)> = None;
-        for (contact, (slip, track)) in tracks.into_iter().chain(grazing) {
+        for (contact, (slip, track)) in tracks.into_iter().chain(grazing_tracks) {
             if best.as_ref().is_some_and(|(min_slip, _)| *min_slip <= slip) {
                 continue;
             }
@@ -69,10 +70,10 @@ impl Push {
         best.map_or_else(|| self.rest(&touched), |(_, slide)| slide)
     }
 
-    /// The centre is at rest for `seconds`, while the body may turn.
-    pub fn resting(&self, seconds: f64, against: Option<(WallId, DVec2)>) -> Slide {
+    /// Motion with the centre at rest for `duration` seconds, while the body can turn.
+    pub fn resting(&self, duration: f64, pressed_wall: Option<(WallId, DVec2)>) -> Slide {
         let twist = Twist { vx: 0.0, vy: 0.0, omega: self.omega() };
-        Slide { path: Path { twist, ..self.free }, after: seconds, against, meets: None }
+        Slide { path: Path { twist, ..self.free }, duration, pressed_wall, next_wall: None }
     }
 
     /// Speed of the push, m/s.
@@ -94,7 +95,7 @@ impl Push {
             let point = segment.nearest_point(centre);
             let offset = centre - point;
             let distance = math::hypot(offset.x, offset.y);
-            // A wall through the centre has no side on which the disc is, so the disc may leave it to either side.
+            // The disc can leave a wall through its centre to either side, so such a wall is no contact.
             if (distance - self.radius <= TOUCH || met == Some(wall)) && distance > 0.0 {
                 let normal = offset / distance;
                 let alpha = wrapped(push_angle - math::atan2(normal.y, normal.x));
@@ -104,79 +105,79 @@ impl Push {
         touched
     }
 
-    /// Returns true if `path`, which starts at the centre with constant twist, approaches a touched wall from its
-    /// start.
+    /// Returns true if `path`, which starts at the centre with constant twist, approaches a touched wall from the start
+    /// on.
     fn is_approached(&self, path: &Path, contact: &Contact, duration: f64) -> bool {
         if contact.distance - self.radius > TOUCH {
             // The disc is so far from the world's origin that the rounding of positions exceeds the skin.
             return path.velocity(0.0).dot(contact.normal) < 0.0;
         }
-        first_contact(path, self.radius, &contact.segment, duration).is_some_and(|contact| contact.after == 0.0)
+        first_contact(path, self.radius, &contact.segment, duration).is_some_and(|contact| contact.seconds == 0.0)
     }
 
     /// Motion that this contact allows if it is the only one: the slip speed of the wheels over the floor, m/s, and the
-    /// track of the centre. `is_grazed`: the disc approaches the wall only by a rounding error, so the wall is in the
-    /// way without pressure.
+    /// track of the centre. `is_grazed` states that the disc approaches the wall only by a rounding error, so that it
+    /// touches the wall without pressure.
     fn track_along(&self, contact: &Contact, is_grazed: bool) -> Option<(f64, Track)> {
         let is_end = |fraction: f64| fraction <= 0.0 || fraction >= 1.0;
-        let mut round = is_end(contact.position_along());
-        let mut motion = self.motion_at(contact, round, is_grazed)?;
+        let mut is_round = is_end(contact.position_along());
+        let mut motion = self.motion_at(contact, is_round, is_grazed)?;
         let scale = 16.0 * f64::EPSILON * (self.free.origin.abs().max_element() + self.radius);
-        // If the face ends here, within rounding, the disc turns around the end; if a face begins here, the disc moves
-        // along it.
-        let is_over = |round: bool, sense: f64| match round {
-            false => contact.left_of_face(sense) <= scale,
+        // If the face ends at the contact (within rounding), the disc turns around the end; if a face begins there, the
+        // disc moves along the face.
+        let has_ended = |is_round: bool, sense: f64| match is_round {
+            false => contact.length_to_face_end(sense) <= scale,
             true => contact.angle_to_face(sense) * contact.distance <= scale,
         };
-        if motion.sense != 0.0 && is_over(round, motion.sense) {
-            round = !round;
-            motion = self.motion_at(contact, round, is_grazed)?;
+        if motion.sense != 0.0 && has_ended(is_round, motion.sense) {
+            is_round = !is_round;
+            motion = self.motion_at(contact, is_round, is_grazed)?;
         }
         let SlideMotion { sense, regime, .. } = motion;
-        let length = match round {
+        let length = match is_round {
             _ if sense == 0.0 => 0.0,
-            false => contact.left_of_face(sense),
+            false => contact.length_to_face_end(sense),
             true => contact.angle_to_face(sense).min(TAU) * contact.distance,
         };
         let (pressed, along) = self.components(contact.alpha);
         let speed = regime.speed(self, contact, contact.alpha);
         let slip = math::hypot(pressed.max(0.0), along - speed);
-        Some((slip, Track { sense, round, regime, length, seconds: motion.seconds }))
+        Some((slip, Track { sense, is_round, regime, length, seconds: motion.seconds }))
     }
 
-    /// Motion at a contact from now on: along a face, or with `round` around an end of the wall.
-    fn motion_at(&self, contact: &Contact, round: bool, is_grazed: bool) -> Option<SlideMotion> {
+    /// Motion at a contact from the start on: along a face or, if `is_round`, around an end of the wall.
+    fn motion_at(&self, contact: &Contact, is_round: bool, is_grazed: bool) -> Option<SlideMotion> {
         let alpha = contact.alpha;
-        let rate = match (round, self.regime(contact, alpha)) {
+        let rate = match (is_round, self.regime(contact, alpha)) {
             (true, Regime::Rolling) => 0.0,
             (true, regime) => self.omega() - regime.speed(self, contact, alpha) / contact.distance,
             (false, _) => self.omega(),
         };
-        let ahead = if rate == 0.0 { None } else { self.next_angle(contact, rate.signum()) };
-        let (mut regime, at) = match ahead {
+        let next_change = if rate == 0.0 { None } else { self.next_angle(contact, rate.signum()) };
+        let (mut regime, sample_alpha) = match next_change {
             Some(angle) => (self.regime(contact, alpha + 0.5 * angle), alpha + 0.5 * angle),
             None => (self.regime(contact, alpha), alpha),
         };
-        if matches!(regime, Regime::Off) {
+        if matches!(regime, Regime::Separate) {
             if !is_grazed {
                 return None;
             }
             let (_, along) = self.components(alpha);
             regime = Regime::Sliding(if along < self.omega() * contact.distance { -1.0 } else { 1.0 });
         }
-        let speed = regime.speed(self, contact, at);
+        let speed = regime.speed(self, contact, sample_alpha);
         let sense = if speed == 0.0 { 0.0 } else { speed.signum() };
-        let seconds = match ahead {
+        let seconds = match next_change {
             None => f64::INFINITY,
-            Some(angle) if !round => angle / self.omega(),
+            Some(angle) if !is_round => angle / self.omega(),
             Some(_) if matches!(regime, Regime::Rolling) => f64::INFINITY,
-            Some(angle) => self.law(contact, round, regime, sense).seconds_to_turn(angle),
+            Some(angle) => self.law(contact, is_round, regime, sense).seconds_to_turn(angle),
         };
         Some(SlideMotion { regime, sense, seconds })
     }
 
-    /// Components of the push in m/s, into the wall and along the contact's tangent, for the angle `alpha` from the
-    /// contact's normal to the push.
+    /// Components of the push in m/s, into the wall and along the tangent of the contact, for the angle `alpha` from
+    /// the normal of the contact to the push.
     fn components(&self, alpha: f64) -> (f64, f64) {
         let (sin, cos) = math::sin_cos(alpha);
         (-self.speed() * cos, self.speed() * sin)
@@ -186,7 +187,7 @@ impl Push {
         let (pressed, along) = self.components(alpha);
         let rolling = self.omega() * contact.distance;
         if pressed <= 0.0 {
-            Regime::Off
+            Regime::Separate
         } else if along - self.friction * pressed > rolling {
             Regime::Sliding(1.0)
         } else if along + self.friction * pressed < rolling {
@@ -196,46 +197,47 @@ impl Push {
         }
     }
 
-    /// Maximum speed along a contact's tangent, m/s, and the angle of friction, rad.
-    fn edge(&self) -> (f64, f64) {
+    /// Maximum speed along the tangent of a contact, m/s, and the angle of friction, rad.
+    fn max_speed_and_friction_angle(&self) -> (f64, f64) {
         (self.speed() * math::hypot(1.0, self.friction), math::atan(self.friction))
     }
 
     /// Signed change of alpha, in the direction of `sense`, after which the regime or the direction of motion along the
     /// wall may change.
     fn next_angle(&self, contact: &Contact, sense: f64) -> Option<f64> {
-        let (max_speed, edge) = self.edge();
+        let (max_speed, friction_angle) = self.max_speed_and_friction_angle();
         let ratio = self.omega() * contact.distance / max_speed;
         let mut critical_angles = [f64::NAN; 10];
         critical_angles[..2].copy_from_slice(&[FRAC_PI_2, -FRAC_PI_2]);
-        for (index, edge) in [edge, -edge].into_iter().enumerate() {
-            let turned = if ratio.abs() <= 1.0 { math::asin(ratio) } else { f64::NAN };
+        for (index, shift) in [friction_angle, -friction_angle].into_iter().enumerate() {
+            let beta = if ratio.abs() <= 1.0 { math::asin(ratio) } else { f64::NAN };
             critical_angles[2 + 4 * index..6 + 4 * index].copy_from_slice(&[
-                turned - edge,
-                PI - turned - edge,
-                -edge,
-                PI - edge,
+                beta - shift,
+                PI - beta - shift,
+                -shift,
+                PI - shift,
             ]);
         }
-        // Within a quarter turn of the normal the push leads away from the wall, so a critical angle there has no effect.
-        let counts = |angle: &f64| math::cos(*angle) < 1e-9;
-        let ahead = critical_angles.into_iter().filter(counts).map(|critical| {
+        // If the push is within a quarter turn of the normal, it points away from the wall; a critical angle there has
+        // no effect.
+        let has_effect = |angle: &f64| math::cos(*angle) < 1e-9;
+        let changes = critical_angles.into_iter().filter(has_effect).map(|critical| {
             let angle = (sense * (critical - contact.alpha)).rem_euclid(TAU);
             if angle <= SAME_ANGLE || angle >= TAU - SAME_ANGLE { TAU } else { angle }
         });
-        ahead.reduce(f64::min).map(|angle| sense * angle)
+        changes.reduce(f64::min).map(|angle| sense * angle)
     }
 
     /// Length covered along the track as a function of time.
-    fn law(&self, contact: &Contact, round: bool, regime: Regime, sense: f64) -> LengthLaw {
-        let (speed, edge) = self.edge();
+    fn law(&self, contact: &Contact, is_round: bool, regime: Regime, sense: f64) -> LengthLaw {
+        let (speed, friction_angle) = self.max_speed_and_friction_angle();
         let omega = self.omega();
         match regime {
-            Regime::Off => LengthLaw::Steady(0.0),
+            Regime::Separate => LengthLaw::Steady(0.0),
             Regime::Rolling => LengthLaw::Steady((omega * contact.distance).abs()),
             Regime::Sliding(side) => {
-                let phase = contact.alpha + side * edge;
-                if round {
+                let phase = contact.alpha + side * friction_angle;
+                if is_round {
                     LengthLaw::Round { radius: contact.distance, speed, phase, rate: omega, sense }
                 } else if omega == 0.0 {
                     LengthLaw::Steady(sense * speed * math::sin(phase))
@@ -246,7 +248,7 @@ impl Push {
         }
     }
 
-    /// The segment along a contact's track; `None` if the track approaches another touched wall from the start.
+    /// The motion along the track of a contact; `None` if the track approaches another touched wall from the start on.
     fn follow(
         &self,
         walls: &Walls,
@@ -255,17 +257,17 @@ impl Push {
         track: Track,
         duration: f64,
     ) -> Option<Slide> {
-        let against = Some((contact.wall, contact.point));
+        let pressed_wall = Some((contact.wall, contact.point));
         if track.sense == 0.0 {
-            return Some(self.resting(track.seconds, against));
+            return Some(self.resting(track.seconds, pressed_wall));
         }
-        let law = self.law(contact, track.round, track.regime, track.sense);
+        let law = self.law(contact, track.is_round, track.regime, track.sense);
         let tangent = contact.normal.perp() * track.sense;
-        let bend = if track.round { track.sense / contact.distance } else { 0.0 };
-        let slide = Path {
+        let curvature = if track.is_round { track.sense / contact.distance } else { 0.0 };
+        let track_path = Path {
             origin: self.free.origin,
             direction: tangent,
-            twist: Twist::new(1.0, bend),
+            twist: Twist::new(1.0, curvature),
             pace: Pace::ConstantTwist,
         };
         let mut seconds = track.seconds.min(duration);
@@ -275,26 +277,26 @@ impl Push {
         }
         let others = touched.iter().filter(|other| other.wall != contact.wall);
         for other in others {
-            if self.is_approached(&slide, other, length) {
+            if self.is_approached(&track_path, other, length) {
                 return None;
             }
         }
-        let first = self.first_on(walls, &slide, contact.wall, length);
-        let meets = first.filter(|(at, ..)| *at < length);
-        if let Some((at, ..)) = meets {
-            length = at;
+        let first_wall = self.first_wall(walls, &track_path, contact.wall, length);
+        let next_wall = first_wall.filter(|(contact_length, ..)| *contact_length < length);
+        if let Some((contact_length, ..)) = next_wall {
+            length = contact_length;
         }
-        if meets.is_some() || length == track.length {
+        if next_wall.is_some() || length == track.length {
             seconds = seconds_of(&law, length, seconds);
         }
-        let path = Path { pace: Pace::Sliding { omega: self.omega(), law }, ..slide };
-        let meets = meets.filter(|(.., is_fresh)| *is_fresh).map(|(_, wall, _)| wall);
-        Some(Slide { path, after: seconds, against, meets })
+        let path = Path { pace: Pace::Sliding { omega: self.omega(), law }, ..track_path };
+        let next_wall = next_wall.filter(|(.., is_fresh)| *is_fresh).map(|(_, wall, _)| wall);
+        Some(Slide { path, duration: seconds, pressed_wall, next_wall })
     }
 
-    /// The first wall other than `except` that a disc meets on `way`, a path at 1 m/s, within `length` metres: the length up to the
-    /// contact, the wall, and true if the disc did not touch that wall at the start.
-    fn first_on(&self, walls: &Walls, path: &Path, except: WallId, length: f64) -> Option<(f64, WallId, bool)> {
+    /// The first wall other than `except` that a disc reaches on `path`, a path at 1 m/s, within `length` metres.
+    /// Returns the length up to the contact, the wall, and true if the disc did not touch that wall at the start.
+    fn first_wall(&self, walls: &Walls, path: &Path, except: WallId, length: f64) -> Option<(f64, WallId, bool)> {
         let mut from = 0.0;
         let mut step = 4.0 * self.radius;
         while from < length {
@@ -305,8 +307,10 @@ impl Push {
                     return;
                 }
                 let Some(contact) = first_contact(path, self.radius, segment, length) else { return };
-                if contact.after <= to && first.is_none_or(|(at, best, _)| (contact.after, wall) < (at, best)) {
-                    first = Some((contact.after, wall, contact.fresh));
+                if contact.seconds <= to
+                    && first.is_none_or(|(seconds, best, _)| (contact.seconds, wall) < (seconds, best))
+                {
+                    first = Some((contact.seconds, wall, contact.fresh));
                 }
             });
             if first.is_some() {
@@ -317,20 +321,20 @@ impl Push {
         None
     }
 
-    /// The disc is at rest at its contacts until the push has turned so far that a regime may change.
+    /// Rest at the contacts until the push has turned so far that the regime of a contact may change.
     fn rest(&self, touched: &[Contact]) -> Slide {
         let mut seconds = f64::INFINITY;
-        let mut against: Option<(f64, &Contact)> = None;
+        let mut most_pressed: Option<(f64, &Contact)> = None;
         for contact in touched {
             let (pressed, _) = self.components(contact.alpha);
-            if against.is_none_or(|(max_pressed, _)| pressed > max_pressed) {
-                against = Some((pressed, contact));
+            if most_pressed.is_none_or(|(max_pressed, _)| pressed > max_pressed) {
+                most_pressed = Some((pressed, contact));
             }
             if let Some(angle) = self.next_angle(contact, self.omega().signum()).filter(|_| self.omega() != 0.0) {
                 seconds = seconds.min(angle / self.omega());
             }
         }
-        self.resting(seconds, against.map(|(_, contact)| (contact.wall, contact.point)))
+        self.resting(seconds, most_pressed.map(|(_, contact)| (contact.wall, contact.point)))
     }
 }
 
@@ -350,7 +354,7 @@ struct Contact {
 }
 
 impl Contact {
-    /// Position of the point on the wall: 0 and 1 at its ends, 0.5 in between.
+    /// Position of the touched point on the wall: 0 and 1 at the ends of the wall, 0.5 in between.
     fn position_along(&self) -> f64 {
         if self.point == self.segment.a {
             0.0
@@ -361,16 +365,16 @@ impl Contact {
         }
     }
 
-    /// Length in metres from the point to the end of the face, along the contact's tangent (`sense` 1: to the left of
-    /// the normal) or against it (-1).
-    fn left_of_face(&self, sense: f64) -> f64 {
+    /// Length in metres from the touched point to the end of the face, in the direction of the contact's tangent
+    /// (`sense` 1: to the left of the normal) or in the opposite direction (-1).
+    fn length_to_face_end(&self, sense: f64) -> f64 {
         let tangent = self.normal.perp() * sense;
-        let ahead = |end: DVec2| (end - self.point).dot(tangent);
-        ahead(self.segment.a).max(ahead(self.segment.b)).max(0.0)
+        let length_to = |end: DVec2| (end - self.point).dot(tangent);
+        length_to(self.segment.a).max(length_to(self.segment.b)).max(0.0)
     }
 
-    /// Angle in rad by which the normal has to turn around the wall's end, to the left (`sense` 1) or to the right
-    /// (-1), until it is perpendicular to the wall; infinite for a wall without length.
+    /// Angle in rad by which the normal must turn around the wall's end, to the left (`sense` 1) or to the right (-1),
+    /// until it is perpendicular to the wall; infinite for a wall of length 0.
     fn angle_to_face(&self, sense: f64) -> f64 {
         let Segment { a, b } = self.segment;
         // Because of rounding, the point may differ from the wall's end.
@@ -381,7 +385,8 @@ impl Contact {
             return f64::INFINITY;
         }
         let angle = sense * math::atan2(self.normal.perp_dot(along), self.normal.dot(along));
-        // The normal is perpendicular to the wall a quarter turn before the wall's direction, for either sense.
+        // In either sense, the normal is perpendicular to the wall a quarter turn before it has the direction of the
+        // wall.
         (if angle >= 0.0 { angle } else { angle + TAU } - FRAC_PI_2).max(0.0)
     }
 }
@@ -390,10 +395,10 @@ impl Contact {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Regime {
     /// The disc is not pressed against the wall.
-    Off,
-    /// The disc's touching point slides along the wall: to the left of the normal (1) or to the right (-1).
+    Separate,
+    /// The touching point of the disc slides along the wall: to the left of the normal (1) or to the right (-1).
     Sliding(f64),
-    /// The disc's touching point does not slide: the disc rolls along the wall, or rests.
+    /// The touching point of the disc does not slide: the disc rolls along the wall, or rests.
     Rolling,
 }
 
@@ -402,18 +407,18 @@ impl Regime {
     fn speed(self, push: &Push, contact: &Contact, alpha: f64) -> f64 {
         let (pressed, along) = push.components(alpha);
         match self {
-            Self::Off => along,
+            Self::Separate => along,
             Self::Sliding(side) => along - side * push.friction * pressed,
             Self::Rolling => push.omega() * contact.distance,
         }
     }
 }
 
-/// Motion that a contact allows for some time.
+/// Motion that a contact allows until its regime may change.
 #[derive(Clone, Copy, Debug)]
 struct SlideMotion {
     regime: Regime,
-    /// Direction of the motion: 1 along the tangent, -1 against it, 0 at rest.
+    /// Direction of the motion: 1 along the tangent, -1 opposite to it, 0 at rest.
     sense: f64,
     seconds: f64,
 }
@@ -423,11 +428,11 @@ struct SlideMotion {
 struct Track {
     sense: f64,
     /// True for a track around the wall's end, false for a track along its face.
-    round: bool,
+    is_round: bool,
     regime: Regime,
-    /// Length until the face ends, or until it begins for a track around the wall's end, m.
+    /// Length until the face ends or, for a track around the wall's end, until the face begins, m.
     length: f64,
-    /// Seconds for which the regime holds.
+    /// Seconds for which the regime is valid.
     seconds: f64,
 }
 
@@ -437,7 +442,8 @@ fn wrapped(angle: f64) -> f64 {
     if angle > PI { angle - TAU } else { angle }
 }
 
-/// Seconds, at most `max_seconds`, after which a law has covered `length` metres; `max_seconds` if the law never covers them.
+/// Seconds until `law` has covered `length` metres, at most `max_seconds`; `max_seconds` if it never covers that
+/// length.
 fn seconds_of(law: &LengthLaw, length: f64, max_seconds: f64) -> f64 {
     if let LengthLaw::Steady(speed) = law {
         return (length / speed).min(max_seconds);
@@ -450,7 +456,7 @@ fn seconds_of(law: &LengthLaw, length: f64, max_seconds: f64) -> f64 {
         high = 1e-3;
         while law.length(high) < length {
             high *= 2.0;
-            // A length that is not covered within 1e9 s, about 30 years, counts as never covered.
+            // A length that is not covered within 1e9 s, about 30 years, is regarded as never covered.
             if high > 1e9 {
                 return max_seconds;
             }

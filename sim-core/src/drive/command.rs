@@ -1,4 +1,4 @@
-//! Commands to a drive, and the orders that the motion follows after a command.
+//! Commands to a drive, and the commands in force.
 
 use glam::DVec2;
 
@@ -21,7 +21,7 @@ pub enum Command {
         /// Its rate, rad/s.
         rate: f64,
     },
-    /// Rate of one motor as in [`Command::Wheel`], regulated by the wheel's own controller if the wheel has one: see
+    /// Rate of one motor as in [`Command::Wheel`], regulated by the wheel's PID controller if that controller runs: see
     /// [`Motion::start_wheel_control`](super::Motion::start_wheel_control).
     WheelSpeed {
         /// Index of the wheel in the order of the [`DriveKind`].
@@ -33,39 +33,39 @@ pub enum Command {
     Steer(f64),
     /// Speed and turning speed until the next command, within the limits of the robi and the wheels.
     Twist(Twist),
-    /// A straight line, an arc or a turn on the spot: covers `displacement` in `duration` seconds, or as fast as the
-    /// limits allow if `duration` is too short.
+    /// Drive along a straight line, along an arc, or turn on the spot: covers `displacement` in `duration` seconds, or
+    /// as fast as the limits allow if `duration` is too short.
     Drive {
-        /// Arc length (m) and angle (rad) to cover; the drive ends exactly there.
+        /// Arc length (m) and angle (rad); the drive ends when it has covered exactly this displacement.
         displacement: Twist,
         /// Duration in seconds, from 0 to 10^12.
         duration: f64,
     },
-    /// Stop of all wheels.
+    /// All wheels stop.
     Halt,
 }
 
-/// Displacement (arc length and angle) of a drive along the arc that starts straight ahead and ends at `point`, given
-/// in the robot's frame (x ahead, y left, m).
+/// Displacement (arc length and angle) of a drive along the arc that starts in the direction of the robot's heading and
+/// ends at `point`, given in the robot's frame (x ahead, y left, m).
 ///
 /// The arc lies on the circle that is tangent to the robot's heading and passes through `point`; its curvature is 2 y /
 /// (x² + y²). The robot drives forwards to a point ahead of it and backwards (negative length) to a point behind it, on
 /// at most half of the circle. A point exactly at the side takes half a circle forwards (our choice), a point on the x
 /// axis a straight line. The displacement to the robot's own position is zero.
 ///
-/// Source: `VWDrive` of RoBIOS-7, which asks for x > |y|; the rest is our choice.
+/// Source: `VWDrive` of RoBIOS-7, which requires x > |y|; the result for other points is our choice.
 pub fn arc_to(point: DVec2) -> Twist {
     let chord = math::hypot(point.x, point.y);
     // The angle between the heading and the chord is half of the arc's angle.
-    let half = math::atan2(point.y, point.x.abs());
-    let sense = if point.x < 0.0 { -1.0 } else { 1.0 };
-    Twist::new(sense * chord / math::sinc(half), sense * 2.0 * half)
+    let half_angle = math::atan2(point.y, point.x.abs());
+    let direction = if point.x < 0.0 { -1.0 } else { 1.0 };
+    Twist::new(direction * chord / math::sinc(half_angle), direction * 2.0 * half_angle)
 }
 
 /// Reason why a command was refused; the motion of the robot does not change then.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CommandError {
-    /// A number is NaN, infinite, greater than 10^12, or negative where it must not be.
+    /// A number is NaN, infinite, of a magnitude greater than 10^12, or negative where it must not be.
     #[error("a value of the command is not a number that can be driven, accepted: finite values up to 1e12")]
     NotFinite,
     /// An Ackermann drive cannot turn without driving.
@@ -96,32 +96,32 @@ pub enum CommandError {
 
 /// The command in force.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Pending {
+pub(super) enum ActiveCommand {
     Idle,
     Wheels {
         rates: Wheels,
-        /// Wheels whose rate is regulated by their own controllers, if these run.
-        held: [bool; 4],
+        /// Wheels whose rate is regulated by their PID controllers, if these run.
+        regulated: [bool; 4],
     },
     Twist(Twist),
     Drive {
-        /// The commanded displacement; a component too slow to count as progress is 0.
-        whole: Twist,
+        /// The commanded displacement; a component is 0 if its rate is too small for a measurable progress.
+        total: Twist,
         /// The remaining part of the commanded displacement according to the wheels.
         remaining: Twist,
         rate: Twist,
     },
 }
 
-impl Pending {
-    /// Progress of a drive towards `whole` when `covered` has been covered: arc length along `whole`, m, or the angle,
-    /// rad, for a turn on the spot.
-    pub fn progress(whole: Twist, covered: Twist) -> f64 {
-        let length = whole.speed();
+impl ActiveCommand {
+    /// Part of the displacement `total` that `covered` has covered: arc length along `total`, m, or the angle, rad, for
+    /// a turn on the spot.
+    pub fn progress(total: Twist, covered: Twist) -> f64 {
+        let length = total.speed();
         if length > 0.0 {
-            whole.vx / length * covered.vx + whole.vy / length * covered.vy
-        } else if whole.omega != 0.0 {
-            whole.omega.signum() * covered.omega
+            total.vx / length * covered.vx + total.vy / length * covered.vy
+        } else if total.omega != 0.0 {
+            total.omega.signum() * covered.omega
         } else {
             0.0
         }
@@ -130,27 +130,27 @@ impl Pending {
     /// Set points of the wheels.
     pub fn target(&self) -> Target {
         match *self {
-            Self::Idle => Target::Wheels { rates: [0.0; 4], held: [false; 4] },
-            Self::Wheels { rates, held } => Target::Wheels { rates, held },
+            Self::Idle => Target::Wheels { rates: [0.0; 4], regulated: [false; 4] },
+            Self::Wheels { rates, regulated } => Target::Wheels { rates, regulated },
             Self::Twist(twist) | Self::Drive { rate: twist, .. } => Target::Twist(twist),
         }
     }
 }
 
-/// Everything that determines a robot's motion from an instant on, except its state.
+/// The commands in force: everything that determines a robot's motion from an instant on, except its state.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Orders {
-    pub pending: Pending,
+pub(super) struct CommandState {
+    pub active: ActiveCommand,
     /// Steering angle of an Ackermann drive, rad, left positive.
     pub steering: f64,
     pub controllers: Rare<Controllers>,
 }
 
-impl Orders {
-    /// These orders with `command` in force.
+impl CommandState {
+    /// These commands with `command` added or replaced.
     pub fn with(self, model: &Model, command: Command) -> Result<Self, CommandError> {
         match command {
-            Command::Halt => Ok(Self { pending: Pending::Idle, ..self }),
+            Command::Halt => Ok(Self { active: ActiveCommand::Idle, ..self }),
             Command::Wheels(_) if model.wheel_count() == 0 => Err(CommandError::NoWheel { wheels: 0 }),
             Command::Wheels(rates) => {
                 if !rates.iter().all(|rate| rate.is_finite()) {
@@ -158,31 +158,31 @@ impl Orders {
                 }
                 let mut rates = model.clamp_wheels(&rates);
                 rates[model.wheel_count()..].fill(0.0);
-                Ok(Self { pending: Pending::Wheels { rates, held: [false; 4] }, ..self })
+                Ok(Self { active: ActiveCommand::Wheels { rates, regulated: [false; 4] }, ..self })
             }
             Command::Wheel { wheel, rate } => self.with_wheel(model, wheel, rate, false),
             Command::WheelSpeed { wheel, rate } => self.with_wheel(model, wheel, rate, true),
-            Command::Steer(angle) => self.steered(model, angle),
+            Command::Steer(angle) => self.with_steering(model, angle),
             Command::Twist(twist) => self.with_twist(model, twist),
             Command::Drive { displacement, duration } => self.with_drive(model, displacement, duration),
         }
     }
 
-    fn with_wheel(self, model: &Model, wheel: usize, rate: f64, is_held: bool) -> Result<Self, CommandError> {
+    fn with_wheel(self, model: &Model, wheel: usize, rate: f64, is_regulated: bool) -> Result<Self, CommandError> {
         check_wheel(model, wheel)?;
         if !rate.is_finite() {
             return Err(CommandError::NotFinite);
         }
-        let (mut rates, mut held) = match self.pending.target() {
-            Target::Wheels { rates, held } => (rates, held),
+        let (mut rates, mut regulated) = match self.active.target() {
+            Target::Wheels { rates, regulated } => (rates, regulated),
             Target::Twist(twist) => (model.wheels_from_twist(twist), [false; 4]),
         };
         rates[wheel] = rate.clamp(-model.max_wheel_rate, model.max_wheel_rate);
-        held[wheel] = is_held;
-        Ok(Self { pending: Pending::Wheels { rates, held }, ..self })
+        regulated[wheel] = is_regulated;
+        Ok(Self { active: ActiveCommand::Wheels { rates, regulated }, ..self })
     }
 
-    fn steered(self, model: &Model, angle: f64) -> Result<Self, CommandError> {
+    fn with_steering(self, model: &Model, angle: f64) -> Result<Self, CommandError> {
         if model.kind != DriveKind::Ackermann {
             return Err(CommandError::NoSteering);
         }
@@ -190,14 +190,16 @@ impl Orders {
             return Err(CommandError::NotFinite);
         }
         let steering = angle.clamp(-model.max_steering, model.max_steering);
-        let pending = match self.pending {
-            // The speed stays; from now on the steering servo, not the commanded twist, determines the curve.
-            Pending::Twist(twist) => Pending::Wheels { rates: model.wheels_from_twist(twist), held: [false; 4] },
+        let active = match self.active {
+            // The speed stays the same; from now on the steering servo, not the commanded twist, determines the curve.
+            ActiveCommand::Twist(twist) => {
+                ActiveCommand::Wheels { rates: model.wheels_from_twist(twist), regulated: [false; 4] }
+            }
             // A drive keeps its curve until it ends.
-            Pending::Drive { .. } => return Ok(self),
+            ActiveCommand::Drive { .. } => return Ok(self),
             other => other,
         };
-        Ok(Self { pending, steering, ..self })
+        Ok(Self { active, steering, ..self })
     }
 
     fn with_twist(self, model: &Model, twist: Twist) -> Result<Self, CommandError> {
@@ -211,7 +213,7 @@ impl Orders {
                 twist = model.twist_from_wheels(&model.wheels_from_twist(twist), steering);
             }
         }
-        Ok(Self { pending: Pending::Twist(twist), steering, ..self })
+        Ok(Self { active: ActiveCommand::Twist(twist), steering, ..self })
     }
 
     fn with_drive(self, model: &Model, displacement: Twist, duration: f64) -> Result<Self, CommandError> {
@@ -222,7 +224,7 @@ impl Orders {
         let mut steering = self.steering;
         if model.kind == DriveKind::Ackermann && !displacement.is_zero() {
             steering = model.steering(displacement).ok_or(CommandError::TurnOnSpot)?;
-            // The tolerance for rounding lets the tightest curve itself be driven.
+            // The tolerance for rounding permits the tightest curve itself.
             if steering.abs() > model.max_steering + 1e-6 {
                 let min_radius = model.wheelbase / math::tan(model.max_steering);
                 return Err(CommandError::TooTight {
@@ -233,17 +235,17 @@ impl Orders {
         let duration = duration.max(model.shortest_duration(displacement));
         let rate = if duration > 0.0 { displacement.scaled(1.0 / duration) } else { Twist::ZERO };
         let rate = if rate.is_finite() { rate } else { Twist::ZERO };
-        // A component whose rate is below 1e-290 has lost its digits and does not count as progress. If no component
-        // counts, the drive ends at once.
-        let counts = |rate: f64, value: f64| if rate >= 1e-290 { value } else { 0.0 };
+        // A component whose rate is below 1e-290 has lost its digits, so it is not used to measure progress. If no
+        // component is left, the drive ends at once.
+        let if_measurable = |rate: f64, value: f64| if rate >= 1e-290 { value } else { 0.0 };
         let speed = rate.speed();
-        let whole = Twist {
-            vx: counts(speed, displacement.vx),
-            vy: counts(speed, displacement.vy),
-            omega: counts(rate.omega.abs(), displacement.omega),
+        let total = Twist {
+            vx: if_measurable(speed, displacement.vx),
+            vy: if_measurable(speed, displacement.vy),
+            omega: if_measurable(rate.omega.abs(), displacement.omega),
         };
-        let pending = Pending::Drive { whole, remaining: displacement, rate };
-        Ok(Self { pending, steering, ..self })
+        let active = ActiveCommand::Drive { total, remaining: displacement, rate };
+        Ok(Self { active, steering, ..self })
     }
 }
 
@@ -273,7 +275,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arcs_to_points_are_those_of_geometry() {
+    fn arc_lengths_and_angles_match_geometry() {
         let assert_close = |x: f64, y: f64, length: f64, angle: f64| {
             let Twist { vx, omega, .. } = arc_to(DVec2::new(x, y));
             assert!((vx - length).abs() < 1e-15 && (omega - angle).abs() < 1e-15, "({x}, {y}): {vx} m, {omega} rad");

@@ -2,9 +2,9 @@
 //! controller per wheel.
 
 use super::{
-    hull::Afloat,
+    hull::HullState,
     model::{Model, Wheels},
-    rare::{Rare, Usual},
+    rare::{ConstDefault, Rare},
 };
 use crate::{math, pose::Twist, time::TICK};
 
@@ -25,8 +25,8 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// Returns true for factors from 0 to 10^12 and times from 10^-12 to 10^12 s; other values may give an output that
-    /// is not a number.
+    /// Returns true for factors from 0 to 10^12 and times from 10^-12 to 10^12 s; with other values the output could be
+    /// infinite or NaN.
     pub fn is_valid(&self) -> bool {
         let factor = |v: f64| (0.0..=1e12).contains(&v);
         let time = |t: f64| (1e-12..=1e12).contains(&t);
@@ -37,9 +37,9 @@ impl Gains {
 /// Parameters of a wheel's PID controller: output = p e + i integral of e + d de/dt, with the error e of the wheel's
 /// rate. The output is the rate to which the motor is set.
 ///
-/// The derivative part uses only the measured rate of the wheel, so that a new command causes no jump. Without the
-/// integral part an error remains: the wheel reaches p / (1 + p) of the commanded rate. Source: `MOTORPID` of RoBIOS-7;
-/// form and units are our choice.
+/// The derivative part uses only the measured rate of the wheel, so that a new command causes no jump. If i = 0, an
+/// error remains: the wheel reaches p / (1 + p) of the commanded rate. Source: `MOTORPID` of RoBIOS-7; form and units
+/// are our choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pid {
     /// Proportional factor.
@@ -66,8 +66,8 @@ pub(super) struct Controllers {
     pub wheels: [Option<Pid>; 4],
 }
 
-impl Usual for Controllers {
-    const USUAL: &'static Self = &Self { body: None, wheels: [None; 4] };
+impl ConstDefault for Controllers {
+    const DEFAULT: &'static Self = &Self { body: None, wheels: [None; 4] };
 }
 
 /// State of wheels and controllers.
@@ -81,7 +81,7 @@ pub(super) struct Actuation {
 
 impl Actuation {
     /// The state of wheels at rest.
-    pub const REST: Self = Self { rates: [0.0; 4], memory: Rare::USUAL };
+    pub const REST: Self = Self { rates: [0.0; 4], memory: Rare::DEFAULT };
 }
 
 /// State of controllers and hull.
@@ -91,29 +91,29 @@ pub(super) struct Memory {
     pub sum_v: f64,
     /// Integral of the error of the turning speed, rad.
     pub sum_w: f64,
-    /// For each wheel whose own controller is active, the integral of the error of its rate, rad.
+    /// For each wheel whose PID controller is active, the integral of the error of its rate, rad.
     pub sums: Wheels,
-    /// For each wheel whose own controller is active, its rate one tick before, rad/s.
-    pub last: Wheels,
-    /// State of a hull in the water; its mean velocity replaces the rates of wheels.
-    pub afloat: Afloat,
+    /// For each wheel whose PID controller is active, its rate one tick before, rad/s.
+    pub previous_rates: Wheels,
+    /// State of a hull in the water; its mean velocity is stored in [`Actuation::rates`].
+    pub hull: HullState,
 }
 
-impl Usual for Memory {
-    const USUAL: &'static Self = &Self {
+impl ConstDefault for Memory {
+    const DEFAULT: &'static Self = &Self {
         sum_v: 0.0,
         sum_w: 0.0,
         sums: [0.0; 4],
-        last: [0.0; 4],
-        afloat: Afloat { velocity: [0.0; 4], lift: 0.0 },
+        previous_rates: [0.0; 4],
+        hull: HullState { velocity: [0.0; 4], height: 0.0 },
     };
 }
 
 /// Set points of the wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Target {
-    /// Rates of the motors, rad/s: open loop, except for wheels in `held` whose own controllers run.
-    Wheels { rates: Wheels, held: [bool; 4] },
+    /// Rates of the motors, rad/s: open loop, except for the wheels in `regulated` whose PID controllers run.
+    Wheels { rates: Wheels, regulated: [bool; 4] },
     /// Twist of the body, regulated by the PI controllers if they run.
     Twist(Twist),
 }
@@ -128,9 +128,10 @@ impl Target {
     }
 }
 
-/// Computes one tick of controllers and lag: the rates that hold until the next tick.
+/// Computes one tick of controllers and wheel lag: the state with the wheel rates until the next tick.
 ///
-/// An output beyond the limits of the wheels is scaled down. Integrals do not grow during saturation (anti-windup).
+/// An output beyond the limits of the wheels is scaled down. Integrals do not grow while the output is saturated
+/// (anti-windup).
 pub(super) fn step(
     model: &Model,
     controllers: &Controllers,
@@ -139,11 +140,11 @@ pub(super) fn step(
     before: &Actuation,
 ) -> Actuation {
     let mut actuation = before.clone();
-    let before = before.rates;
-    let (wheels, settled) = match (target, &controllers.body) {
-        (Target::Wheels { rates, held }, _) => {
-            let of_wheel = |i: usize| controllers.wheels[i].filter(|_| held[i]);
-            (std::array::from_fn(|i| wheel_output(model, of_wheel(i), rates[i], i, &mut actuation)), rates)
+    let rates_before = before.rates;
+    let (motor_rates, set_rates) = match (target, &controllers.body) {
+        (Target::Wheels { rates, regulated }, _) => {
+            let pid = |i: usize| controllers.wheels[i].filter(|_| regulated[i]);
+            (std::array::from_fn(|i| wheel_output(model, pid(i), rates[i], i, &mut actuation)), rates)
         }
         (Target::Twist(twist), None) => {
             let wheels = model.wheels_from_twist(twist);
@@ -153,72 +154,74 @@ pub(super) fn step(
             (body_output(model, gains, twist, steering, &mut actuation), model.wheels_from_twist(twist))
         }
     };
-    let gain = 1.0 - math::exp(-TICK.seconds() / model.wheel_lag);
+    let step_fraction = 1.0 - math::exp(-TICK.seconds() / model.wheel_lag);
     let close = 1e-9 * model.max_wheel_rate;
     let is_close = |a: &Wheels, b: &Wheels| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= close);
-    // Within a billionth of the range the wheels count as settled: the rates stay constant and no further pieces are
-    // opened.
-    if is_close(&actuation.rates, &settled) && is_close(&wheels, &settled) {
-        actuation.rates = settled;
+    // Within a billionth of the maximum rate the wheels are regarded as settled: the rates become constant, so no
+    // further pieces of motion are needed.
+    if is_close(&actuation.rates, &set_rates) && is_close(&motor_rates, &set_rates) {
+        actuation.rates = set_rates;
     } else {
-        actuation.rates = std::array::from_fn(|i| before[i] + gain * (wheels[i] - before[i]));
+        actuation.rates = std::array::from_fn(|i| rates_before[i] + step_fraction * (motor_rates[i] - rates_before[i]));
     }
     actuation
 }
 
-/// Rate to which the motor of wheel `i` is set, for the commanded rate `set`; integrates the error if the wheel's own
-/// controller is active.
-fn wheel_output(model: &Model, pid: Option<Pid>, set: f64, i: usize, actuation: &mut Actuation) -> f64 {
+/// Rate to which the motor of wheel `i` is set, for the commanded rate `set_point`. Integrates the error if the wheel's
+/// PID controller is active.
+fn wheel_output(model: &Model, pid: Option<Pid>, set_point: f64, i: usize, actuation: &mut Actuation) -> f64 {
     let Some(pid) = pid else {
         if !actuation.memory.is_unwritten() {
-            (actuation.memory.sums[i], actuation.memory.last[i]) = (0.0, 0.0);
+            (actuation.memory.sums[i], actuation.memory.previous_rates[i]) = (0.0, 0.0);
         }
-        return set;
+        return set_point;
     };
     let limit = model.max_wheel_rate;
-    let is = actuation.rates[i];
+    let rate = actuation.rates[i];
     let memory = &mut *actuation.memory;
-    // Finer than the tolerance for settled wheels, so that the error is 0 once they are settled.
-    let error = if (set - is).abs() <= 1e-10 * limit { 0.0 } else { set - is };
-    // Without an integral part the sum stays 0; otherwise it would never become constant.
+    // This tolerance is finer than the one for settled wheels, so that the error is 0 once they are settled.
+    let error = if (set_point - rate).abs() <= 1e-10 * limit { 0.0 } else { set_point - rate };
+    // Without an integral part the sum stays 0. Otherwise it would never become constant, and neither would the state.
     let sum = if pid.i > 0.0 { memory.sums[i] + error * TICK.seconds() } else { 0.0 };
-    let out = pid.p * error + pid.i * sum - pid.d * (is - memory.last[i]) / TICK.seconds();
-    // During saturation the sum may only shrink, because a grown sum would cause overshoot later.
-    if out.abs() <= limit || error * out <= 0.0 {
+    let output = pid.p * error + pid.i * sum - pid.d * (rate - memory.previous_rates[i]) / TICK.seconds();
+    // While the output is saturated, the sum may only shrink: a larger sum would cause overshoot later.
+    if output.abs() <= limit || error * output <= 0.0 {
         memory.sums[i] = sum;
     }
-    memory.last[i] = is;
-    out.clamp(-limit, limit)
+    memory.previous_rates[i] = rate;
+    output.clamp(-limit, limit)
 }
 
 /// Rates to which the PI controllers set the wheels; integrates the errors.
-fn body_output(model: &Model, gains: &Gains, set: Twist, steering: f64, actuation: &mut Actuation) -> Wheels {
-    let is = model.twist_from_wheels(&actuation.rates, steering);
-    // Finer than the tolerance for settled wheels, so that all errors are 0 once they are settled.
+fn body_output(model: &Model, gains: &Gains, set_point: Twist, steering: f64, actuation: &mut Actuation) -> Wheels {
+    let actual = model.twist_from_wheels(&actuation.rates, steering);
+    // This tolerance is finer than the one for settled wheels, so that all errors are 0 once they are settled.
     let close = 1e-10 * model.max_wheel_rate * model.wheel_diameter;
-    let error = |set: f64, is: f64, close: f64| if (set - is).abs() <= close { 0.0 } else { set - is };
-    let (error_v, error_w) =
-        (error(set.vx, is.vx, close), error(set.omega, is.omega, close / model.track.min(model.wheelbase)));
+    let error = |set: f64, actual: f64, close: f64| if (set - actual).abs() <= close { 0.0 } else { set - actual };
+    let (error_v, error_w) = (
+        error(set_point.vx, actual.vx, close),
+        error(set_point.omega, actual.omega, close / model.track.min(model.wheelbase)),
+    );
     let memory = &mut *actuation.memory;
     let sum_v = memory.sum_v + error_v * TICK.seconds();
     let sum_w = memory.sum_w + error_w * TICK.seconds();
-    let out = Twist {
+    let output = Twist {
         vx: gains.vv * (error_v + sum_v / gains.tv),
-        // Sideways speed has no controller of its own in RoBIOS.
-        vy: set.vy,
+        // RoBIOS has no controller for the sideways speed.
+        vy: set_point.vy,
         omega: gains.vw * (error_w + sum_w / gains.tw),
     };
-    let wheels = model.wheels_from_twist(out);
+    let wheels = model.wheels_from_twist(output);
     let excess = model.wheel_excess(&wheels);
-    let saturated = excess > 1.0;
-    // During saturation a sum may only shrink, because a grown sum would cause overshoot later.
-    if !saturated || error_v * out.vx <= 0.0 {
+    let is_saturated = excess > 1.0;
+    // While the output is saturated, a sum may only shrink: a larger sum would cause overshoot later.
+    if !is_saturated || error_v * output.vx <= 0.0 {
         memory.sum_v = sum_v;
     }
-    if !saturated || error_w * out.omega <= 0.0 {
+    if !is_saturated || error_w * output.omega <= 0.0 {
         memory.sum_w = sum_w;
     }
-    if saturated { wheels.map(|rate| rate / excess) } else { wheels }
+    if is_saturated { wheels.map(|rate| rate / excess) } else { wheels }
 }
 
 #[cfg(test)]
@@ -245,31 +248,31 @@ mod tests {
         }
     }
 
-    fn open(rates: Wheels) -> Target {
-        Target::Wheels { rates, held: [false; 4] }
+    fn open_loop(rates: Wheels) -> Target {
+        Target::Wheels { rates, regulated: [false; 4] }
     }
 
     fn body(gains: &Gains) -> Controllers {
-        Controllers { body: Some(*gains), ..Controllers::USUAL.clone() }
+        Controllers { body: Some(*gains), ..Controllers::DEFAULT.clone() }
     }
 
     #[test]
-    fn a_lag_is_first_order() {
+    fn wheel_lag_is_first_order() {
         let model = model(0.1);
         let mut actuation = Actuation::REST;
         for tick in 1..=30 {
-            actuation = step(&model, Controllers::USUAL, open([8.0, -4.0, 0.0, 0.0]), 0.0, &actuation);
-            let risen = 1.0 - math::exp(-0.1 * f64::from(tick));
-            assert!((actuation.rates[0] - 8.0 * risen).abs() < 1e-13, "tick {tick}");
-            assert!((actuation.rates[1] + 4.0 * risen).abs() < 1e-13, "tick {tick}");
+            actuation = step(&model, Controllers::DEFAULT, open_loop([8.0, -4.0, 0.0, 0.0]), 0.0, &actuation);
+            let step_response = 1.0 - math::exp(-0.1 * f64::from(tick));
+            assert!((actuation.rates[0] - 8.0 * step_response).abs() < 1e-13, "tick {tick}");
+            assert!((actuation.rates[1] + 4.0 * step_response).abs() < 1e-13, "tick {tick}");
         }
         for _ in 0..300 {
-            actuation = step(&model, Controllers::USUAL, open([8.0, -4.0, 0.0, 0.0]), 0.0, &actuation);
+            actuation = step(&model, Controllers::DEFAULT, open_loop([8.0, -4.0, 0.0, 0.0]), 0.0, &actuation);
         }
-        assert_eq!(actuation.rates, [8.0, -4.0, 0.0, 0.0], "it settles");
+        assert_eq!(actuation.rates, [8.0, -4.0, 0.0, 0.0], "the rates settle");
     }
 
-    /// Number of ticks until nothing changes any more, and the twist then.
+    /// Number of ticks until the state no longer changes, with the final twist and state.
     fn settle(model: &Model, gains: &Gains, set: Twist, mut actuation: Actuation) -> (usize, Twist, Actuation) {
         for tick in 0..100_000 {
             let next = step(model, &body(gains), Target::Twist(set), 0.0, &actuation);
@@ -282,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn controllers_reach_the_set_speed_without_an_error_that_stays() {
+    fn controllers_reach_the_set_speed_without_steady_state_error() {
         let model = model(0.1);
         let set = Twist::new(0.2, 0.7);
         let reached = |gains: &Gains| {
@@ -290,7 +293,7 @@ mod tests {
             assert!((twist.vx - set.vx).abs() < 1e-12 && (twist.omega - set.omega).abs() < 1e-12, "{twist:?}");
             ticks
         };
-        // The parameters of the ROM's demonstration program, the book's parameters, and slow ones.
+        // The parameters of the demonstration program in the RoBIOS ROM, those of the RoBIOS book, and slow ones.
         let demo = reached(&Gains { vv: 7.0, tv: 0.3, vw: 7.0, tw: 0.1 });
         let slow = reached(&Gains { vv: 0.5, tv: 0.3, vw: 0.5, tw: 0.3 });
         reached(&Gains { vv: 7.0, tv: 0.3, vw: 10.0, tw: 0.1 });
@@ -315,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn without_proportional_action_nothing_moves_and_nothing_breaks() {
+    fn extreme_gains_keep_the_rates_within_limits() {
         let gains = Gains { vv: 0.0, tv: 1e-300, vw: 1e300, tw: 1e-3 };
         let mut actuation = Actuation::REST;
         for _ in 0..1000 {

@@ -1,7 +1,8 @@
 //! A hull under water: velocity and height from the thrust of its thrusters, against linear and quadratic drag.
 //!
-//! Surge, turn and heave each follow a closed form. A turning hull also keeps its momentum, by Strang splitting: half of the tick's turn,
-//! the closed forms along the heading in its middle, the other half. See docs/water.md.
+//! Surge, turn and heave each follow a closed form. While the hull turns, its momentum keeps its direction in the
+//! world. This is computed by Strang splitting: half of the tick's turn, then the closed forms along the heading in the
+//! middle of the tick, then the other half of the turn. See docs/water.md.
 
 use super::model::{Model, ModelError, Wheels};
 use crate::{math, time::TICK};
@@ -9,9 +10,9 @@ use crate::{math, time::TICK};
 /// Drag along one axis: `linear` v + `quadratic` |v| v.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drag {
-    /// N per m/s; of a turn N m per rad/s.
+    /// Linear coefficient, N per m/s; for a turn N m per rad/s.
     pub linear: f64,
-    /// N per (m/s)²; of a turn N m per (rad/s)².
+    /// Quadratic coefficient, N per (m/s)²; for a turn N m per (rad/s)².
     pub quadratic: f64,
 }
 
@@ -27,43 +28,44 @@ impl From<Drag> for [f64; 2] {
     }
 }
 
-/// Constant properties of a neutrally buoyant hull, which stays upright.
+/// Constant properties of a hull that is neutrally buoyant and stays upright.
 ///
-/// Four thrusters: left and right push ahead, front and back push up.
+/// It has four thrusters: the left and the right one push ahead, the front and the back one push up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hull {
-    /// Force of a thruster at its maximum rate, N; in proportion to the rate.
+    /// Force of a thruster at its maximum rate, N; the force is proportional to the rate.
     pub thrust: f64,
-    /// Drag ahead, sideways, of a turn, and upwards.
+    /// Drag of the motion ahead, sideways, of a turn, and upwards.
     pub drag: [Drag; 4],
-    /// Maximum height of the robot's frame above the floor, m: the top of the hull is at the surface of the water.
+    /// Maximum height of the robot's frame above the floor, m; at this height the top of the hull is at the surface of
+    /// the water.
     pub ceiling: f64,
 }
 
 /// State of a hull at the end of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Afloat {
-    /// m/s ahead, m/s to the left, rad/s, m/s up.
+pub(super) struct HullState {
+    /// Velocity: m/s ahead, m/s to the left, rad/s, m/s up.
     pub velocity: [f64; 4],
     /// Height of the robot's frame above the floor, m.
-    pub lift: f64,
+    pub height: f64,
 }
 
-/// Fraction of the maximum velocity below which a hull without thrust is at rest. Our choice.
-const REST_SHARE: f64 = 1e-9;
+/// Fraction of the terminal velocity below which a hull without thrust is set to rest. Our choice.
+const REST_FRACTION: f64 = 1e-9;
 
-/// Fraction of the maximum velocity below which a tick's change is ignored: after about ten time constants nothing changes
-/// any more, and no further pieces are opened. Our choice.
-const SETTLED_SHARE: f64 = 1e-12;
+/// Fraction of the terminal velocity below which the change during a tick is ignored. So the motion becomes constant
+/// after a finite time and needs no further pieces. Our choice.
+const SETTLED_FRACTION: f64 = 1e-12;
 
-/// Maximum velocity, m/s or rad/s: above it, a tick is not a small step.
+/// Maximum velocity, m/s or rad/s: at higher velocities a tick would be too long for the splitting.
 const MAX_VELOCITY: f64 = 50.0;
 
 impl Hull {
-    /// Checks that all values make sense for a robot of this model.
+    /// Checks that all values are within their ranges for a robot of this model.
     ///
     /// # Errors
-    /// The first value that makes no sense, with the accepted values.
+    /// The first value that is out of range, with the accepted values.
     pub fn check(&self, model: &Model) -> Result<(), ModelError> {
         let check = |field, value: f64, accepted, ok: bool| {
             if ok { Ok(()) } else { Err(ModelError { field, value, accepted }) }
@@ -84,14 +86,15 @@ impl Hull {
         })
     }
 
-    /// Forces (N) and torque (N m) along the axes of a velocity, of thrusters in the order left, front, right, back that turn at these
-    /// fractions of their maximum rate.
+    /// Forces (N) and torque (N m) in the order of [`HullState::velocity`]. The argument gives the rates of the
+    /// thrusters left, front, right, back as fractions of their maximum rate.
     fn forces(&self, model: &Model, [left, front, right, back]: [f64; 4]) -> [f64; 4] {
         let turn = 0.5 * model.track * (right - left);
         [left + right, 0.0, turn, front + back].map(|fraction| self.thrust * fraction)
     }
 
-    /// The velocity that each axis reaches on its own at full thrust; for the sideways axis the velocity ahead.
+    /// Terminal velocity along each axis at full thrust without motion along the other axes. Since no thruster pushes
+    /// sideways, the value of the sideways axis is the one ahead.
     fn terminal_velocities(&self, model: &Model) -> [f64; 4] {
         let forces = [[1.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]];
         let [ahead, turn, up] = forces.map(|fractions| self.forces(model, fractions));
@@ -99,9 +102,10 @@ impl Hull {
         [reached(0, ahead[0]), reached(0, ahead[0]), reached(2, turn[2]), reached(3, up[3])]
     }
 
-    /// One tick: the mean velocities in the robot's frame that lead along an arc from its start to its end, and the state at its end.
-    /// `rates` are the rates of the thrusters, rad/s.
-    pub(super) fn step(&self, model: &Model, rates: &Wheels, before: &Afloat) -> (Wheels, Afloat) {
+    /// Computes one tick for thrusters with these `rates`, rad/s. Returns the state at the end of the tick, and the
+    /// constant velocities in the robot's frame with which the robot moves along an arc from the pose at the start to
+    /// the pose at the end.
+    pub(super) fn step(&self, model: &Model, rates: &Wheels, before: &HullState) -> (Wheels, HullState) {
         let seconds = TICK.seconds();
         let forces = self.forces(model, rates.map(|rate| rate / model.max_wheel_rate));
         let inertia = [model.mass, model.mass, model.inertia(), model.mass];
@@ -112,30 +116,37 @@ impl Hull {
         };
         let [ahead, sideways, turn, up] = before.velocity;
         let (turn, angle) = flow(2, turn);
-        // The momentum keeps its direction while the hull turns under it.
+        // The momentum keeps its direction in the world while the hull turns.
         let (sin, cos) = math::sin_cos(0.5 * angle);
-        let turned = |x: f64, y: f64| (x * cos + y * sin, y * cos - x * sin);
-        let (ahead, sideways) = turned(ahead, sideways);
-        let ((ahead, along), (sideways, sideways_distance)) = (flow(0, ahead), flow(1, sideways));
-        let (ahead, sideways) = turned(ahead, sideways);
+        let in_turned_frame = |x: f64, y: f64| (x * cos + y * sin, y * cos - x * sin);
+        let (ahead, sideways) = in_turned_frame(ahead, sideways);
+        let ((ahead, ahead_distance), (sideways, sideways_distance)) = (flow(0, ahead), flow(1, sideways));
+        let (ahead, sideways) = in_turned_frame(ahead, sideways);
         let (up, climb) = flow(3, up);
-        let free = before.lift + climb;
-        let lift = free.clamp(0.0, self.ceiling);
-        let mut velocity = [ahead, sideways, turn, if lift == free { up } else { 0.0 }];
+        let unlimited_height = before.height + climb;
+        let height = unlimited_height.clamp(0.0, self.ceiling);
+        let mut velocity = [ahead, sideways, turn, if height == unlimited_height { up } else { 0.0 }];
         let terminal = self.terminal_velocities(model);
         for axis in 0..4 {
-            if forces[axis] == 0.0 && velocity[axis].abs() <= REST_SHARE * terminal[axis] {
+            if forces[axis] == 0.0 && velocity[axis].abs() <= REST_FRACTION * terminal[axis] {
                 velocity[axis] = 0.0;
             }
         }
-        let is_settled = |axis: usize| (velocity[axis] - before.velocity[axis]).abs() <= SETTLED_SHARE * terminal[axis];
+        let is_settled =
+            |axis: usize| (velocity[axis] - before.velocity[axis]).abs() <= SETTLED_FRACTION * terminal[axis];
         if (0..4).all(is_settled) {
             velocity = before.velocity;
         }
-        // An arc's chord is shorter than the arc by this factor, and points along the heading in its middle.
-        let chord = seconds * math::sinc(0.5 * angle);
-        let mean = [along / chord, sideways_distance / chord, angle / seconds, (lift - before.lift) / seconds];
-        (mean, Afloat { velocity, lift })
+        // The chord of the arc is shorter than the arc by the factor sinc, and points along the heading in the middle
+        // of the tick.
+        let chord_seconds = seconds * math::sinc(0.5 * angle);
+        let mean = [
+            ahead_distance / chord_seconds,
+            sideways_distance / chord_seconds,
+            angle / seconds,
+            (height - before.height) / seconds,
+        ];
+        (mean, HullState { velocity, height })
     }
 }
 
@@ -144,9 +155,10 @@ fn terminal(force: f64, linear: f64, quadratic: f64) -> f64 {
     if force == 0.0 { 0.0 } else { 2.0 * force / (linear + (linear * linear + 4.0 * quadratic * force).sqrt()) }
 }
 
-/// Velocity and displacement after `t` seconds of dv/dt = `f` - `a` v - `b` |v| v, from the velocity `v`: in closed form.
+/// Solution of dv/dt = `f` - `a` v - `b` |v| v in closed form: velocity and displacement after `t` seconds from the
+/// velocity `v`.
 ///
-/// `a` and `b` are 0 or more, and not both 0 under a force.
+/// `a` and `b` must be 0 or more, and not both 0 if `f` is not 0.
 fn flow(f: f64, a: f64, b: f64, v: f64, t: f64) -> (f64, f64) {
     if v < 0.0 || v == 0.0 && f < 0.0 {
         let (v, x) = flow(-f, a, b, -v, t);
@@ -156,13 +168,13 @@ fn flow(f: f64, a: f64, b: f64, v: f64, t: f64) -> (f64, f64) {
     let until_rest = if f < 0.0 { seconds_to_rest(f, a, v, discriminant) } else { f64::INFINITY };
     if until_rest < t {
         let (_, x) = flow_ahead(f, a, b, v, discriminant, until_rest);
-        let (back, way_back) = flow(-f, a, b, 0.0, t - until_rest);
-        return (-back, x - way_back);
+        let (reverse_speed, reverse_distance) = flow(-f, a, b, 0.0, t - until_rest);
+        return (-reverse_speed, x - reverse_distance);
     }
     flow_ahead(f, a, b, v, discriminant, t)
 }
 
-/// Seconds after which a velocity of 0 or more against a force `f` < 0 is 0.
+/// Seconds until a velocity `v` of 0 or more is stopped by a force `f` < 0.
 fn seconds_to_rest(f: f64, a: f64, v: f64, discriminant: f64) -> f64 {
     let q = 0.5 * discriminant.abs().sqrt();
     let ratio = v / (0.5 * a * v - f);
@@ -176,23 +188,23 @@ fn seconds_to_rest(f: f64, a: f64, v: f64, discriminant: f64) -> f64 {
     }
 }
 
-/// [`flow`] of a velocity that stays 0 or more: the Riccati equation of this discriminant.
+/// [`flow`] of a velocity that stays 0 or more: solution of a Riccati equation with this discriminant.
 fn flow_ahead(f: f64, a: f64, b: f64, v: f64, discriminant: f64, t: f64) -> (f64, f64) {
     let root = discriminant.abs().sqrt();
     if discriminant < 0.0 {
         let (sin, cos) = math::sin_cos(0.5 * root * t);
-        let odd = 2.0 * sin / root;
-        let growth = cos + (b * v + 0.5 * a) * odd;
-        let velocity = (v * cos + (f - 0.5 * a * v) * odd) / growth;
+        let sine_part = 2.0 * sin / root;
+        let growth = cos + (b * v + 0.5 * a) * sine_part;
+        let velocity = (v * cos + (f - 0.5 * a * v) * sine_part) / growth;
         return (velocity.max(0.0), (math::ln(growth) - 0.5 * a * t) / b);
     }
-    // Around the terminal velocity, a Bernoulli equation.
-    let end = if f == 0.0 { 0.0 } else { 2.0 * f / (a + root) };
-    let (fading, faded) = (math::exp(-root * t), if root == 0.0 { t } else { -math::exp_m1(-root * t) / root });
-    let excess = v - end;
-    let distance = excess * faded;
-    let beyond = if b == 0.0 { distance } else { math::ln_1p(b * distance) / b };
-    ((end + excess * fading / (1.0 + b * distance)).max(0.0), end * t + beyond)
+    // The difference from the terminal velocity follows a Bernoulli equation.
+    let terminal = if f == 0.0 { 0.0 } else { 2.0 * f / (a + root) };
+    let (decay, decay_integral) = (math::exp(-root * t), if root == 0.0 { t } else { -math::exp_m1(-root * t) / root });
+    let excess = v - terminal;
+    let distance = excess * decay_integral;
+    let excess_distance = if b == 0.0 { distance } else { math::ln_1p(b * distance) / b };
+    ((terminal + excess * decay / (1.0 + b * distance)).max(0.0), terminal * t + excess_distance)
 }
 
 #[cfg(test)]
@@ -229,8 +241,8 @@ mod tests {
         }
     }
 
-    /// dv/dt = f - a v - b |v| v by 20,000 steps of the classic method of Runge and Kutta.
-    fn by_steps(f: f64, a: f64, b: f64, mut v: f64, t: f64) -> (f64, f64) {
+    /// Solution of dv/dt = f - a v - b |v| v by 20,000 steps of the classic Runge-Kutta method.
+    fn runge_kutta(f: f64, a: f64, b: f64, mut v: f64, t: f64) -> (f64, f64) {
         let h = t / 20_000.0;
         let rate = |v: f64| f - a * v - b * v.abs() * v;
         let mut x = 0.0;
@@ -246,12 +258,12 @@ mod tests {
     }
 
     #[test]
-    fn the_closed_form_solves_the_equation() {
+    fn closed_form_matches_runge_kutta() {
         for f in [0.0, 0.8, -0.8, 3.0, -3.0] {
             for (a, b) in [(0.3, 0.0), (0.3, 0.7), (0.0, 0.7), (2.0, 1e-9), (1e-9, 2.0)] {
                 for v in [0.0, 0.5, -0.5, 2.0, -2.0] {
                     for t in [0.01, 0.7, 5.0] {
-                        let (closed, stepped) = (flow(f, a, b, v, t), by_steps(f, a, b, v, t));
+                        let (closed, stepped) = (flow(f, a, b, v, t), runge_kutta(f, a, b, v, t));
                         let error = (closed.0 - stepped.0).abs().max((closed.1 - stepped.1).abs());
                         assert!(error < 1e-9, "{f} {a} {b} {v} {t}: {closed:?}, by steps {stepped:?}");
                     }
@@ -261,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn flows_add_up() {
+    fn two_flows_in_sequence_equal_one() {
         for (f, v) in [(0.8, 0.0), (-0.8, 1.5), (0.0, -2.0), (-3.0, 0.4)] {
             let (whole, distance) = flow(f, 0.3, 0.7, v, 1.0);
             let (half, first) = flow(f, 0.3, 0.7, v, 0.4);
@@ -270,34 +282,35 @@ mod tests {
         }
     }
 
-    /// The hull's motion with thrusters at these rates for some ticks: pose, velocity and height.
-    fn moved(rates: Wheels, ticks: usize) -> (Pose, Afloat) {
-        let (mut pose, mut afloat) = (Pose::default(), Afloat { lift: 1.5, ..Afloat::default() });
+    /// Pose and state of the hull after `ticks` with thrusters at these rates.
+    fn moved(rates: Wheels, ticks: usize) -> (Pose, HullState) {
+        let (mut pose, mut state) = (Pose::default(), HullState { height: 1.5, ..HullState::default() });
         for _ in 0..ticks {
-            let ([vx, vy, omega, _], next) = hull().step(&model(), &rates, &afloat);
+            let ([vx, vy, omega, _], next) = hull().step(&model(), &rates, &state);
             pose = pose.moved(Twist { vx, vy, omega }.scaled(TICK.seconds()));
-            afloat = next;
+            state = next;
         }
-        (pose, afloat)
+        (pose, state)
     }
 
     #[test]
-    fn ahead_and_down_it_follows_the_closed_form() {
-        let (pose, afloat) = moved([10.0, -4.0, 10.0, -4.0], 300);
+    fn surge_and_heave_match_the_closed_form() {
+        let (pose, state) = moved([10.0, -4.0, 10.0, -4.0], 300);
         let (v, x) = flow(1.0, 0.3, 0.75, 0.0, 3.0);
         let (w, z) = flow(-0.4, 0.75, 2.25, 0.0, 3.0);
         assert!((pose.position.x - x).abs() < 1e-12 && pose.position.y == 0.0, "{pose:?}, not {x}");
-        assert!((afloat.velocity[0] - v).abs() < 1e-13 && (afloat.velocity[3] - w).abs() < 1e-13, "{afloat:?}");
-        assert!((afloat.lift - (1.5 + z)).abs() < 1e-12, "{afloat:?}");
-        assert_eq!(moved([0.0, -4.0, 0.0, -4.0], 3000).1, Afloat::default(), "at rest on the floor");
+        assert!((state.velocity[0] - v).abs() < 1e-13 && (state.velocity[3] - w).abs() < 1e-13, "{state:?}");
+        assert!((state.height - (1.5 + z)).abs() < 1e-12, "{state:?}");
+        assert_eq!(moved([0.0, -4.0, 0.0, -4.0], 3000).1, HullState::default(), "at rest on the floor");
     }
 
-    /// The equations of motion of the whole hull by small steps: dv/dt = (forces - drag) / mass - omega x v.
+    /// Solution of the equations of motion of the whole hull, dv/dt = (forces - drag) / mass - omega x v, by the
+    /// classic Runge-Kutta method: position, heading, velocity ahead and to the left, turning speed.
     fn reference(rates: Wheels, seconds: f64, steps: usize) -> [f64; 6] {
         let (hull, model) = (hull(), model());
         let forces = hull.forces(&model, rates.map(|rate| rate / model.max_wheel_rate));
         let rate = |[_, _, phi, u, v, r]: [f64; 6]| {
-            let held = |axis: usize, v: f64| {
+            let force_less_drag = |axis: usize, v: f64| {
                 forces[axis] - hull.drag[axis].linear * v - hull.drag[axis].quadratic * v.abs() * v
             };
             let (sin, cos) = math::sin_cos(phi);
@@ -305,9 +318,9 @@ mod tests {
                 u * cos - v * sin,
                 u * sin + v * cos,
                 r,
-                held(0, u) / model.mass + r * v,
-                held(1, v) / model.mass - r * u,
-                held(2, r) / model.inertia(),
+                force_less_drag(0, u) / model.mass + r * v,
+                force_less_drag(1, v) / model.mass - r * u,
+                force_less_drag(2, r) / model.inertia(),
             ]
         };
         let h = seconds / steps as f64;
@@ -340,20 +353,20 @@ mod tests {
     }
 
     #[test]
-    fn it_settles() {
+    fn velocity_becomes_constant() {
         for rates in [[10.0, 0.0, 10.0, 0.0], [10.0, 0.0, 4.0, 0.0], [0.0; 4]] {
-            let start = Afloat { velocity: [0.3, -0.2, 0.1, 0.0], lift: 1.0 };
-            let settled = (0..20_000).try_fold(start, |afloat, _| {
-                let (_, next) = hull().step(&model(), &rates, &afloat);
-                if next == afloat { Err(next) } else { Ok(next) }
+            let start = HullState { velocity: [0.3, -0.2, 0.1, 0.0], height: 1.0 };
+            let settled = (0..20_000).try_fold(start, |state, _| {
+                let (_, next) = hull().step(&model(), &rates, &state);
+                if next == state { Err(next) } else { Ok(next) }
             });
-            let end = settled.expect_err("after 200 s nothing changes any more");
+            let end = settled.expect_err("the state is constant after 200 s");
             assert_eq!(end.velocity == [0.0; 4], rates == [0.0; 4], "{rates:?}: {end:?}");
         }
     }
 
     #[test]
-    fn a_hull_that_cannot_be_computed_with_is_named() {
+    fn check_names_the_value_out_of_range() {
         let wrong = Hull { ceiling: -0.1, ..hull() };
         let error = wrong.check(&model()).expect_err("too shallow").to_string();
         assert_eq!(error, "`depth of the water over the hull` is -0.1, accepted: 0 or more");

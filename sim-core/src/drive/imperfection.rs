@@ -1,15 +1,15 @@
 //! Imperfect motion: errors between the wheels and the ground, and between the wheels and odometry.
 //!
-//! Systematic errors keep the closed form of a motion. Random errors are drawn at each tick of the global 10 ms grid
-//! and hold until the next tick. They depend only on the index of the tick, not on the times at which the motion is
-//! queried.
+//! With systematic errors a motion keeps its closed form. Random errors are drawn at each tick of the global 10 ms grid
+//! and stay constant until the next tick. They depend only on the index of the tick, not on the times at which the
+//! motion is queried.
 
 use std::sync::Arc;
 
 use glam::DVec2;
 
 use super::{
-    command::{Orders, Pending},
+    command::{ActiveCommand, CommandState},
     control::Actuation,
     hull::Hull,
     model::{DriveKind, Model, ModelError, Wheels},
@@ -21,40 +21,41 @@ use crate::{
     time::{TICK, Time},
 };
 
-/// Differences between a robot's motion and the motion of its wheels, and between its odometry and its wheels. If all
-/// values are 0, motion and odometry are perfect.
+/// Errors of a robot's motion and of its odometry, relative to the motion that its wheels would give without errors. If
+/// all values are 0, motion and odometry are perfect.
 ///
 /// Source: Koestler & Bräunl, section 5 (additive Gaussian noise on the v-omega interface); slip, diameters and
 /// resolution are our choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Imperfection {
-    /// Relative excess of each wheel's true diameter over the nominal one, in the order of the [`DriveKind`]; above -1,
-    /// up to 1.
+    /// Relative error of each wheel's diameter (true diameter divided by the nominal one, minus 1), in the order of the
+    /// [`DriveKind`]; above -1, up to 1.
     pub diameters: Wheels,
-    /// Slip ratio: the wheel moves over the ground at 1 - slip times the speed of its rim; -1 to 1.
+    /// Slip ratio: the wheel moves over the ground at (1 - slip) times the speed of its rim; -1 to 1.
     pub slip: f64,
-    /// Standard deviation of the slip ratio, drawn for each wheel and tick; the sum is clamped to -1 to 1.
+    /// Standard deviation of the random part of the slip ratio, drawn for each wheel and tick; the total ratio is
+    /// clamped to -1 to 1.
     pub slip_deviation: f64,
-    /// Noise between wheels and ground on a commanded speed and turning speed (`VWSetSpeed`, drives). No noise while
-    /// the robot is commanded to be at rest, or while its motors are commanded one by one.
+    /// Noise of the true motion for a commanded speed and turning speed (`VWSetSpeed`, drives). There is no noise while
+    /// the commanded speed is 0, or while the motors are commanded one by one.
     pub command: TwistNoise,
     /// Maximum errors of the targets of drives.
     pub bound: DriveBound,
-    /// Noise on the twist that odometry computes from the wheels; no noise while the wheels are at rest.
+    /// Noise of the twist that odometry computes from the wheels; no noise while the wheels are at rest.
     pub odometry: TwistNoise,
     /// Resolution of odometry readings.
     pub resolution: Resolution,
 }
 
-/// Smallest true diameter of a wheel, as a fraction of the nominal one.
+/// Minimum true diameter of a wheel, as a fraction of the nominal one.
 const MIN_DIAMETER: f64 = 0.1;
 
 impl noise::MotionNoise {
-    /// The imperfection of the drive of `robot`, of this kind, in a run with `seed`.
+    /// The imperfection of the drive of `robot`, a drive of this kind, in a run with `seed`.
     ///
-    /// Each wheel's diameter is the nominal one times 1 + `left` or `right` + `diameter_sigma` G, where G is standard
-    /// normal and drawn once for each wheel; at least a tenth of the nominal diameter, at most twice. The only motor of
-    /// a car uses `left`.
+    /// Each wheel's diameter is the nominal one times (1 + e + `diameter_sigma` G), where e is `left` or `right`, and G
+    /// is a standard normal number drawn once for each wheel. The result is at least a tenth of the nominal diameter
+    /// and at most twice that diameter. An Ackermann drive, with one motor, uses `left`.
     pub fn imperfection(&self, kind: DriveKind, seed: u64, robot: RobotId) -> Imperfection {
         let sides = match kind {
             DriveKind::Differential => [Some(self.left), Some(self.right), None, None],
@@ -120,8 +121,8 @@ impl TwistNoise {
         *self == Self::default()
     }
 
-    /// The noise on `twist`, computed from standard normal numbers.
-    fn noise_on(&self, twist: Twist, kind: DriveKind, [ahead, lateral, turn]: [f64; 3]) -> Twist {
+    /// The noise of `twist`, computed from standard normal numbers.
+    fn noise_of(&self, twist: Twist, kind: DriveKind, [ahead, lateral, turn]: [f64; 3]) -> Twist {
         let deviation = |absolute: f64, fraction: f64, value: f64| {
             let part = fraction * value;
             (absolute * absolute + part * part).sqrt()
@@ -138,27 +139,27 @@ impl TwistNoise {
 }
 
 impl Resolution {
-    /// `pose` rounded to the resolution.
-    pub(super) fn read(&self, pose: Pose) -> Pose {
-        let nearest = |value: f64, step: f64| if step > 0.0 { (value / step).round() * step } else { value };
+    /// `pose`, rounded to the resolution.
+    pub(super) fn rounded(&self, pose: Pose) -> Pose {
+        let round_to = |value: f64, step: f64| if step > 0.0 { (value / step).round() * step } else { value };
         let heading = pose.heading;
         let remainder = heading.remainder();
         Pose {
-            position: DVec2::new(nearest(pose.position.x, self.length), nearest(pose.position.y, self.length)),
-            heading: heading.turned(nearest(remainder, self.angle) - remainder),
+            position: DVec2::new(round_to(pose.position.x, self.length), round_to(pose.position.y, self.length)),
+            heading: heading.turned(round_to(remainder, self.angle) - remainder),
         }
     }
 }
 
 /// Behaviour of a robot that is pushed against a wall.
 ///
-/// Source: design, section 4; docs/motion.md, section Sliding.
+/// Source: docs/motion.md, section Sliding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ContactRule {
-    /// The body rests, its wheels stall, and the command stays in force.
+    /// The body stops, its wheels stall, and the command stays in force.
     #[default]
     Stall,
-    /// The body slides if the push is outside the friction cone, while its wheels slip over the floor.
+    /// The body slides if the direction of its push is outside the friction cone; its wheels then slip over the floor.
     Slide {
         /// Coefficient of friction between the body and walls.
         friction: f64,
@@ -186,25 +187,31 @@ pub(super) struct MotionErrors {
     drive: Events,
 }
 
-/// Twists of the axle that result from wheels with errors.
+/// Twists of the axle with motion errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ErringTwists {
+pub(super) struct DisturbedTwists {
     pub truth: Twist,
     pub odometry: Twist,
-    /// True if random errors contribute, so that the twists hold only until the next tick.
-    pub is_drawn: bool,
+    /// True if the twists include random errors, so that they are valid only until the next tick.
+    pub are_random: bool,
 }
 
 impl Vehicle {
-    /// Twists that result from wheels with the rates `during`, from `start` on; `nominal` is the twist of error-free
-    /// wheels at these rates.
-    pub fn erring_twists(&self, start: Time, orders: &Orders, during: &Actuation, nominal: Twist) -> ErringTwists {
+    /// Twists from `start` on at the wheel rates of `actuation`; `nominal` is the twist of error-free wheels at these
+    /// rates.
+    pub fn disturbed_twists(
+        &self,
+        start: Time,
+        commands: &CommandState,
+        actuation: &Actuation,
+        nominal: Twist,
+    ) -> DisturbedTwists {
         match &self.errors {
             // These errors apply to wheels and legs only.
-            Some(errors) if during.rates != [0.0; 4] && self.hull.is_none() => {
-                errors.apply(&self.model, start, orders, during, nominal)
+            Some(errors) if actuation.rates != [0.0; 4] && self.hull.is_none() => {
+                errors.apply(&self.model, start, commands, actuation, nominal)
             }
-            _ => ErringTwists { truth: nominal, odometry: nominal, is_drawn: false },
+            _ => DisturbedTwists { truth: nominal, odometry: nominal, are_random: false },
         }
     }
 }
@@ -216,65 +223,73 @@ impl MotionErrors {
     }
 
     fn new(imperfection: Imperfection, seed: u64, robot: RobotId) -> Self {
-        let events = |purpose, name| Events::new(seed, robot, purpose, name);
+        let stream = |purpose, name| Events::new(seed, robot, purpose, name);
         Self {
             imperfection,
-            slip: events(Purpose::Command, "slip"),
-            command: events(Purpose::Command, ""),
-            odometry: events(Purpose::Odometry, ""),
-            drive: events(Purpose::Drive, ""),
+            slip: stream(Purpose::Command, "slip"),
+            command: stream(Purpose::Command, ""),
+            odometry: stream(Purpose::Odometry, ""),
+            drive: stream(Purpose::Drive, ""),
         }
     }
 
-    /// `displacement` of a drive that begins at `at`, with the error of its target. The event is the instant. A car keeps the commanded
-    /// curve, which may be its tightest: the angle has the same relative error as the length.
-    pub fn missed(&self, kind: DriveKind, at: Time, displacement: Twist) -> Twist {
+    /// `displacement` of a drive that begins at `at`, with the error of its target. The random numbers are indexed by
+    /// `at`. An Ackermann drive keeps the commanded curve, which may be its tightest: the angle has the same relative
+    /// error as the length.
+    pub fn with_target_error(&self, kind: DriveKind, at: Time, displacement: Twist) -> Twist {
         let DriveBound { length, angle } = self.imperfection.bound;
         if length == 0.0 && angle == 0.0 {
             return displacement;
         }
         let mut stream = self.drive.at(Events::index(at, Time(1)));
-        // Both are always drawn, so that the error of the angle does not depend on the error of the length.
-        let [along, around] = [length, angle].map(|bound| bound * (2.0 * stream.unit() - 1.0));
+        // Both errors are always drawn, so that the error of the angle does not depend on the bound of the length.
+        let [length_error, angle_error] = [length, angle].map(|bound| bound * (2.0 * stream.unit() - 1.0));
         let (distance, turn) = (displacement.speed(), displacement.omega.abs());
-        let scale = if distance > 0.0 { 1.0 + along.clamp(-distance, distance) / distance } else { 1.0 };
-        let missed = displacement.scaled(scale);
+        let scale = if distance > 0.0 { 1.0 + length_error.clamp(-distance, distance) / distance } else { 1.0 };
+        let scaled = displacement.scaled(scale);
         if kind == DriveKind::Ackermann {
-            return missed;
+            return scaled;
         }
-        let omega = displacement.omega + if turn > 0.0 { around.clamp(-turn, turn) } else { 0.0 };
-        Twist { omega, ..missed }
+        let omega = displacement.omega + if turn > 0.0 { angle_error.clamp(-turn, turn) } else { 0.0 };
+        Twist { omega, ..scaled }
     }
 
-    fn apply(&self, model: &Model, start: Time, orders: &Orders, during: &Actuation, nominal: Twist) -> ErringTwists {
+    fn apply(
+        &self,
+        model: &Model,
+        start: Time,
+        commands: &CommandState,
+        actuation: &Actuation,
+        nominal: Twist,
+    ) -> DisturbedTwists {
         let Imperfection { diameters, slip, slip_deviation, command, odometry, .. } = self.imperfection;
         let tick = Events::index(start, TICK);
-        let mut erring = ErringTwists { truth: nominal, odometry: nominal, is_drawn: false };
+        let mut twists = DisturbedTwists { truth: nominal, odometry: nominal, are_random: false };
         let mut slips = [slip; 4];
-        // Standing feet do not slip.
-        let slips_at_all = model.kind != DriveKind::Legged;
-        if slip_deviation > 0.0 && slips_at_all {
-            erring.is_drawn = true;
+        // The feet of legs do not slip.
+        let can_slip = model.kind != DriveKind::Legged;
+        if slip_deviation > 0.0 && can_slip {
+            twists.are_random = true;
             slips = normals(self.slip.at(tick)).map(|normal: f64| (slip + slip_deviation * normal).clamp(-1.0, 1.0));
         }
         let factors: Wheels = std::array::from_fn(|i| (1.0 + diameters[i]) * (1.0 - slips[i]));
-        if factors != [1.0; 4] && slips_at_all {
-            let rates = std::array::from_fn(|i| during.rates[i] * factors[i]);
-            erring.truth = model.twist_from_wheels(&rates, orders.steering);
+        if factors != [1.0; 4] && can_slip {
+            let rates = std::array::from_fn(|i| actuation.rates[i] * factors[i]);
+            twists.truth = model.twist_from_wheels(&rates, commands.steering);
         }
-        let is_commanded = match orders.pending {
-            Pending::Twist(twist) | Pending::Drive { rate: twist, .. } => !twist.is_zero(),
-            Pending::Idle | Pending::Wheels { .. } => false,
+        let is_commanded = match commands.active {
+            ActiveCommand::Twist(twist) | ActiveCommand::Drive { rate: twist, .. } => !twist.is_zero(),
+            ActiveCommand::Idle | ActiveCommand::Wheels { .. } => false,
         };
         if is_commanded && !command.is_none() {
-            erring.is_drawn = true;
-            erring.truth = erring.truth.plus(command.noise_on(nominal, model.kind, normals(self.command.at(tick))));
+            twists.are_random = true;
+            twists.truth = twists.truth.plus(command.noise_of(nominal, model.kind, normals(self.command.at(tick))));
         }
         if !odometry.is_none() {
-            erring.is_drawn = true;
-            erring.odometry = nominal.plus(odometry.noise_on(nominal, model.kind, normals(self.odometry.at(tick))));
+            twists.are_random = true;
+            twists.odometry = nominal.plus(odometry.noise_of(nominal, model.kind, normals(self.odometry.at(tick))));
         }
-        erring
+        twists
     }
 }
 
@@ -289,44 +304,44 @@ mod tests {
     use crate::noise::MotionNoise;
 
     #[test]
-    fn without_errors_a_drive_is_perfect() {
+    fn default_noise_gives_no_imperfection() {
         for kind in [DriveKind::Differential, DriveKind::Ackermann, DriveKind::Omni] {
             assert_eq!(MotionNoise::default().imperfection(kind, 7, RobotId(1)), Imperfection::default());
         }
     }
 
     #[test]
-    fn sides_are_given_to_the_wheels_of_each_drive() {
+    fn left_and_right_errors_apply_to_the_wheels_of_each_drive() {
         let motion = MotionNoise { left: 0.1, right: -0.2, ..MotionNoise::default() };
-        let of = |kind| motion.imperfection(kind, 7, RobotId(1)).diameters;
-        assert_eq!(of(DriveKind::Differential), [0.1, -0.2, 0.0, 0.0]);
-        assert_eq!(of(DriveKind::Ackermann), [0.1, 0.0, 0.0, 0.0]);
-        assert_eq!(of(DriveKind::Omni), [0.1, -0.2, 0.1, -0.2]);
+        let diameters = |kind| motion.imperfection(kind, 7, RobotId(1)).diameters;
+        assert_eq!(diameters(DriveKind::Differential), [0.1, -0.2, 0.0, 0.0]);
+        assert_eq!(diameters(DriveKind::Ackermann), [0.1, 0.0, 0.0, 0.0]);
+        assert_eq!(diameters(DriveKind::Omni), [0.1, -0.2, 0.1, -0.2]);
     }
 
     #[test]
     fn diameters_are_drawn_for_each_wheel_and_robot() {
         let motion = MotionNoise { diameter_sigma: 0.01, ..MotionNoise::default() };
-        let of = |robot| motion.imperfection(DriveKind::Omni, 7, RobotId(robot)).diameters;
-        assert_eq!(of(1), of(1));
-        let mut all: Vec<f64> = (1..=2_500).flat_map(of).collect();
-        let variance = all.iter().map(|fraction| fraction * fraction).sum::<f64>() / 1e4;
+        let diameters = |robot| motion.imperfection(DriveKind::Omni, 7, RobotId(robot)).diameters;
+        assert_eq!(diameters(1), diameters(1));
+        let mut errors: Vec<f64> = (1..=2_500).flat_map(diameters).collect();
+        let variance = errors.iter().map(|fraction| fraction * fraction).sum::<f64>() / 1e4;
         // The variance of 10,000 draws has a standard deviation of sqrt(2 / 10,000), 1.4 %.
         assert!((variance / 1e-4 - 1.0).abs() < 0.06, "{variance}");
-        all.sort_by(f64::total_cmp);
-        all.dedup();
-        assert_eq!(all.len(), 10_000, "no two are alike");
-        let far = MotionNoise { diameter_sigma: 10.0, ..MotionNoise::default() };
+        errors.sort_by(f64::total_cmp);
+        errors.dedup();
+        assert_eq!(errors.len(), 10_000, "all errors differ");
+        let wide = MotionNoise { diameter_sigma: 10.0, ..MotionNoise::default() };
         let range = MIN_DIAMETER - 1.0..=1.0;
         assert!(
             (1..100)
-                .flat_map(|robot| far.imperfection(DriveKind::Omni, 7, RobotId(robot)).diameters)
+                .flat_map(|robot| wide.imperfection(DriveKind::Omni, 7, RobotId(robot)).diameters)
                 .all(|fraction| range.contains(&fraction))
         );
     }
 
     #[test]
-    fn what_a_profile_may_say_is_accepted() {
+    fn extreme_values_of_a_profile_are_accepted() {
         let max = TwistNoise { speed: 100.0, speed_share: 10.0, turn: 873.0, turn_share: 10.0 };
         let motion = MotionNoise {
             left: 1.0,

@@ -2,7 +2,7 @@
 
 use crate::{math, pose::Twist};
 
-/// Arrangement of wheels or legs that moves the body.
+/// Kind of drive: the arrangement of wheels, legs or thrusters that moves the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveKind {
     /// Two driven wheels on one axle, in the order left, right.
@@ -11,10 +11,11 @@ pub enum DriveKind {
     Ackermann,
     /// Four Mecanum wheels in the order front left, front right, back left, back right.
     Omni,
-    /// Legs without wheels. Their wheel rates are the twist itself: m/s ahead, m/s to the left, rad/s.
+    /// Legs without wheels. The wheel rates are the twist itself: m/s ahead, m/s to the left, rad/s.
     Legged,
-    /// Four thrusters of a [`Hull`](super::Hull) under water, in the order left, front, right, back. Commands set their rates; their wheel
-    /// rates are the velocity: m/s ahead, m/s to the left, rad/s, m/s up.
+    /// Four thrusters of a [`Hull`](super::Hull) under water, in the order left, front, right, back. Commands set the
+    /// rates of the thrusters. The wheel rates of the motion are the velocity: m/s ahead, m/s to the left, rad/s, m/s
+    /// up.
     Thrusters,
 }
 
@@ -34,11 +35,11 @@ pub struct Model {
     pub max_wheel_rate: f64,
     /// Encoder ticks in one turn of a wheel.
     pub ticks_per_turn: f64,
-    /// Distance of the left and right wheels, m.
+    /// Distance between the left and right wheels, m.
     pub track: f64,
-    /// Distance of the front and back axles, m (Ackermann and omni).
+    /// Distance between the front and back axles, m (Ackermann and omni).
     pub wheelbase: f64,
-    /// Position of the axle along x from the robot's centre, m; drive and odometry refer to the axle's midpoint.
+    /// Position of the axle in front of the robot's centre, m; drive and odometry refer to the axle's midpoint.
     pub axis_offset: f64,
     /// Maximum speed that the VW interface commands, m/s; infinite for no limit.
     pub max_speed: f64,
@@ -50,7 +51,7 @@ pub struct Model {
     pub wheel_lag: f64,
     /// Maximum steering angle to either side, rad (Ackermann); 45 degrees for the classic servo.
     pub max_steering: f64,
-    /// Mass of the robot, kg; it has an effect only among movable objects.
+    /// Mass of the robot, kg; used only in contacts with movable objects and by a hull.
     pub mass: f64,
     /// Coefficient of friction between wheels and floor: the maximum force of the wheels divided by the robot's weight.
     pub traction: f64,
@@ -79,7 +80,7 @@ impl Model {
         }
     }
 
-    /// Checks that all limits, and all numbers by which the kinematics divide, are within their ranges.
+    /// Checks that all limits and all divisors of the kinematics are within their ranges.
     ///
     /// # Errors
     /// The first field that is out of range, with the accepted values.
@@ -105,10 +106,11 @@ impl Model {
         check("maximum steering angle", self.max_steering, "0 to less than 90 degrees", steering_ok)
     }
 
-    /// Twist of the axle's midpoint for these wheel rates (rad/s) and this steering angle (rad, left positive).
+    /// Twist of the axle's midpoint for the given wheel rates (rad/s) and steering angle (rad, left positive).
     ///
-    /// The row of the matrix for turning with Mecanum wheels is (-, +, -, +) c / (2 (W + L)). The matrix printed in the
-    /// paper repeats the signs of the row above and is singular. Source: Koestler & Bräunl, section 2.
+    /// For Mecanum wheels of circumference per radian c, track W and wheelbase L, the turning row of the matrix is (-,
+    /// +, -, +) c / (2 (W + L)). The matrix printed in the source repeats the signs of the row above and is singular.
+    /// Source: Koestler & Bräunl, section 2.
     pub fn twist_from_wheels(&self, wheels: &Wheels, steering: f64) -> Twist {
         let radius = 0.5 * self.wheel_diameter;
         match self.kind {
@@ -155,8 +157,8 @@ impl Model {
         }
     }
 
-    /// Steering angle of an Ackermann drive for this twist, not yet limited, rad; `None` for a twist that turns without
-    /// driving, which the wheels cannot give.
+    /// Steering angle of an Ackermann drive for this twist, not yet limited, rad; `None` for a turn on the spot, which
+    /// this drive cannot make.
     pub fn steering(&self, twist: Twist) -> Option<f64> {
         if twist.omega == 0.0 {
             return Some(0.0);
@@ -178,39 +180,42 @@ impl Model {
     /// the wheels. The scaling preserves the shape of the curve.
     pub fn clamp_twist(&self, twist: Twist) -> Twist {
         let speed = twist.speed();
-        let slow = if speed > self.max_speed { self.max_speed / speed } else { 1.0 };
-        let twist =
-            Twist { vx: twist.vx * slow, vy: twist.vy * slow, omega: twist.omega.clamp(-self.max_turn, self.max_turn) };
+        let scale = if speed > self.max_speed { self.max_speed / speed } else { 1.0 };
+        let twist = Twist {
+            vx: twist.vx * scale,
+            vy: twist.vy * scale,
+            omega: twist.omega.clamp(-self.max_turn, self.max_turn),
+        };
         let excess = self.wheel_excess(&self.wheels_from_twist(twist));
         if excess > 1.0 { twist.scaled(1.0 / excess) } else { twist }
     }
 
     /// Shortest time in seconds in which the limits allow the robot to cover this displacement along its curve.
     pub fn shortest_duration(&self, displacement: Twist) -> f64 {
-        let wheels = self.wheel_excess(&self.wheels_from_twist(displacement));
-        (displacement.speed() / self.max_speed).max(displacement.omega.abs() / self.max_turn).max(wheels)
+        let wheel_duration = self.wheel_excess(&self.wheels_from_twist(displacement));
+        (displacement.speed() / self.max_speed).max(displacement.omega.abs() / self.max_turn).max(wheel_duration)
     }
 
-    /// Moment of inertia of a uniform disc about its centre, kg m².
+    /// Moment of inertia of the body, a uniform disc, about its centre, kg m².
     pub fn inertia(&self) -> f64 {
         0.5 * self.mass * self.body_radius * self.body_radius
     }
 
-    /// Speed that a straight drive would have at the kinetic energy of this twist of the centre, m/s.
-    pub fn speed(&self, twist: Twist) -> f64 {
+    /// Speed of a straight drive that has the same kinetic energy as this twist of the centre, m/s.
+    pub fn energy_speed(&self, twist: Twist) -> f64 {
         (twist.vx * twist.vx + twist.vy * twist.vy + self.inertia() / self.mass * twist.omega * twist.omega).sqrt()
     }
 
-    /// Projection coefficient of the twist `of` onto the twist `onto`, both in one frame, in the inner product of
-    /// kinetic energy. It is the factor of `onto` that remains of `of` when the wheels allow no other motion and the
-    /// momentum along the path is kept; 0 if `onto` is zero.
-    pub fn overlap(&self, of: Twist, onto: Twist) -> f64 {
+    /// Projection coefficient of `twist` onto the twist `onto`, both in one frame, in the inner product of kinetic
+    /// energy; 0 if `onto` is zero. If the wheels of a robot that moves with `twist` suddenly allow only motion along
+    /// `onto`, and its momentum along `onto` is kept, it continues with this multiple of `onto`.
+    pub fn projection(&self, twist: Twist, onto: Twist) -> f64 {
         let product = |a: Twist, b: Twist| self.mass * (a.vx * b.vx + a.vy * b.vy) + self.inertia() * a.omega * b.omega;
-        let whole = product(onto, onto);
-        if whole > 0.0 { product(of, onto) / whole } else { 0.0 }
+        let square = product(onto, onto);
+        if square > 0.0 { product(twist, onto) / square } else { 0.0 }
     }
 
-    /// Maximum rate among the wheels, as a multiple of the limit.
+    /// Maximum of the absolute wheel rates, divided by their limit.
     pub(super) fn wheel_excess(&self, wheels: &Wheels) -> f64 {
         if self.kind == DriveKind::Legged {
             // Speed and turning speed both move a foot beside the body, so their fractions of the limits add up.
@@ -249,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn a_differential_drive_follows_the_matrix_of_the_paper() {
+    fn differential_drive_matches_the_matrix_of_the_paper() {
         let model = model(DriveKind::Differential);
         // c = 0.05 m a radian, d = 0.2 m: v = c/2 (L + R), omega = c/d (R - L).
         assert_close(model.twist_from_wheels(&[2.0, 4.0, 0.0, 0.0], 0.0), Twist::new(0.15, 0.5));
@@ -257,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn each_mecanum_motion_has_its_own_pattern_of_wheels() {
+    fn mecanum_twists_match_the_signs_of_the_wheels() {
         let model = model(DriveKind::Omni);
         let to_side = model.twist_from_wheels(&[-1.0, 1.0, 1.0, -1.0], 0.0);
         assert_close(to_side, Twist { vx: 0.0, vy: 0.05, omega: 0.0 });
@@ -267,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn wheels_and_twists_are_inverse() {
+    fn wheels_from_twist_inverts_twist_from_wheels() {
         let twist = Twist { vx: 0.13, vy: -0.07, omega: 0.9 };
         let omni = model(DriveKind::Omni);
         assert_close(omni.twist_from_wheels(&omni.wheels_from_twist(twist), 0.0), twist);
@@ -276,27 +281,27 @@ mod tests {
         assert_close(differential.twist_from_wheels(&differential.wheels_from_twist(twist), 0.0), twist);
         let ackermann = model(DriveKind::Ackermann);
         let twist = Twist::new(-0.2, 0.3);
-        let steering = ackermann.steering(twist).expect("it drives");
-        assert!(steering < 0.0, "backwards to the left is steered to the right");
+        let steering = ackermann.steering(twist).expect("the robot drives");
+        assert!(steering < 0.0, "to turn left backwards, the robot steers to the right");
         assert_close(ackermann.twist_from_wheels(&ackermann.wheels_from_twist(twist), steering), twist);
     }
 
     #[test]
-    fn limits_keep_the_curve_of_what_the_wheels_cannot_do() {
+    fn limits_scale_the_twist_and_keep_the_curve() {
         let model = model(DriveKind::Differential);
         assert_close(model.clamp_twist(Twist::new(-0.9, 0.0)), Twist::new(-0.3, 0.0));
         assert_close(model.clamp_twist(Twist::new(0.0, 9.0)), Twist::new(0.0, 2.0));
         // Clamped to 0.5 m/s and 2 rad/s, the outer wheel would turn at 14 rad/s, so all rates are scaled by 6 / 14.
         assert_close(model.clamp_twist(Twist::new(3.0, 2.5)), Twist::new(0.5, 2.0).scaled(6.0 / 14.0));
-        let within = Twist::new(0.1, 0.2);
-        assert_eq!(model.clamp_twist(within), within);
+        let allowed = Twist::new(0.1, 0.2);
+        assert_eq!(model.clamp_twist(allowed), allowed);
         assert_eq!(model.clamp_wheels(&[7.0, -9.0, 1.0, 0.0]), [6.0, -6.0, 1.0, 0.0]);
         assert!((model.shortest_duration(Twist::new(0.6, 0.0)) - 2.0).abs() < 1e-15);
         assert!((model.shortest_duration(Twist::new(0.0, 4.0)) - 2.0).abs() < 1e-15);
     }
 
     #[test]
-    fn a_model_that_cannot_be_computed_with_is_named() {
+    fn check_names_the_value_out_of_range() {
         let wrong = Model { track: 0.0, ..model(DriveKind::Differential) };
         assert_eq!(wrong.check().expect_err("no track").to_string(), "`track` is 0, accepted: a number greater than 0");
         for value in [f64::NAN, f64::INFINITY, -1.0] {

@@ -1,4 +1,4 @@
-//! Motion of a robot: a chain of pieces computed from its commands.
+//! Motion of a robot: a chain of pieces that is computed from its commands.
 
 mod legs;
 
@@ -8,7 +8,7 @@ use glam::DVec2;
 
 use super::{
     HISTORY,
-    command::{Command, CommandError, Orders, Pending, check_wheel},
+    command::{ActiveCommand, Command, CommandError, CommandState, check_wheel},
     control::{Actuation, Gains, Pid},
     hull::Hull,
     imperfection::{ContactRule, Imperfection, MotionErrors, Vehicle},
@@ -16,7 +16,7 @@ use super::{
     model::{DriveKind, Model, ModelError, Wheels},
     piece::{Cause, Piece, State},
     rare::Rare,
-    stage::{Grip, SlideSegment, Stage, axle_of},
+    stage::{MotionInterval, Slowdown, Stage, axle_of},
 };
 use crate::{
     ObjectId, RobotId,
@@ -27,19 +27,19 @@ use crate::{
     time::{TICK, Time},
 };
 
-/// Number of impacts that a motion keeps from before the present slot.
-const IMPACTS: usize = 32;
+/// Number of impacts before the present slot that a motion keeps.
+const KEPT_IMPACTS: usize = 32;
 
-/// Maximum number of ticks that [`Motion::drive_end`] looks ahead while ticks still change the motion: 1,000 s.
-const LOOK_AHEAD: usize = 100_000;
+/// Maximum number of ticks that [`Motion::drive_end`] computes in advance while ticks still change the motion: 1,000 s.
+const MAX_TICKS_AHEAD: usize = 100_000;
 
 /// A body's contact with an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// Instant of the contact, rounded up to a microsecond.
     pub time: Time,
-    /// Instant from which the robot's program can know of the impact: `time` for a wall; for a robot or object the end
-    /// of the slot, where such an impact is detected.
+    /// Instant from which the robot's program can detect the impact: `time` for a wall; for a robot or an object the
+    /// end of the slot, at which such impacts are computed.
     pub known_at: Time,
     /// The touched obstacle.
     pub thing: Thing,
@@ -47,12 +47,12 @@ pub struct Impact {
     pub point: DVec2,
     /// Direction from the robot's centre to the touched point, in the robot's frame, rad counter-clockwise from ahead.
     pub bearing: f64,
-    /// False if an earlier contact continues: the body touched the wall already when it began to move, or the same
+    /// False if an earlier contact continues: the body already touched the wall when it began to move, or the same
     /// robot stopped it within the last 100 ms.
     pub fresh: bool,
 }
 
-/// An input to the motion of a robot from its program.
+/// A change of a robot's motion by a command, a setting or a placement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Input {
     Command(Command),
@@ -63,62 +63,63 @@ pub(crate) enum Input {
     Place(Pose),
 }
 
-/// Motion of a disc on one path: it moves from `begin` to `after`, both in seconds after `start`, and then rests until
+/// Motion of a disc on one path: it moves from `begin` to `end`, both in seconds after `start`, and then rests until
 /// `until`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Passage {
     pub start: Time,
     pub begin: f64,
     pub until: Time,
-    pub after: f64,
+    pub end: f64,
     pub path: Path,
     /// Heading of the robot at `start`.
     pub heading: Heading,
 }
 
 impl Passage {
-    /// Seconds for which the disc has moved at `at`.
+    /// Seconds for which the disc has moved until `at`.
     pub fn elapsed(&self, at: Time) -> f64 {
-        ((at - self.start).seconds().min(self.after) - self.begin).max(0.0)
+        ((at - self.start).seconds().min(self.end) - self.begin).max(0.0)
     }
 
     /// Returns true if the disc has come to rest at `at`.
     pub fn has_ended(&self, at: Time) -> bool {
-        (at - self.start).seconds() >= self.after
+        (at - self.start).seconds() >= self.end
     }
 
-    /// Instant of `begin`, rounded up to a microsecond.
-    pub fn since(&self) -> Time {
+    /// Instant at which the disc starts to move (`begin`), rounded up to a microsecond.
+    pub fn begin_time(&self) -> Time {
         if self.begin == 0.0 { self.start } else { self.start + Time::from_seconds_ceil(self.begin) }
     }
 
-    /// A stretch of constant twist for this passage: its start, the pose at the start, the twist, and the duration in
-    /// seconds.
+    /// A motion of constant twist that approximates this passage: its start, the pose at the start, the twist, and the
+    /// duration in seconds.
     ///
-    /// A passage of constant twist is such a stretch itself. A slide along a wall is replaced by the circular arc
-    /// between its poses at `from` and `to`.
-    pub fn stretch(&self, from: Time, to: Time) -> (Time, Pose, Twist, f64) {
+    /// For a passage of constant twist the result is exact. A slide along a wall is replaced by a circular arc between
+    /// its positions at `from` and `to`.
+    pub fn constant_twist(&self, from: Time, to: Time) -> (Time, Pose, Twist, f64) {
         if self.path.pace == Pace::ConstantTwist {
-            let start = self.since();
-            return (start, self.pose(start), self.path.twist, self.after - self.begin);
+            let start = self.begin_time();
+            return (start, self.pose(start), self.path.twist, self.end - self.begin);
         }
-        let start = from.max(self.since());
+        let start = from.max(self.begin_time());
         let to = to.min(self.until).max(start + Time(1));
         let pose = self.pose(start);
         let chord = pose.inverse_transform_point(self.centre(to));
-        let after = (self.elapsed(to) - self.elapsed(start)).max(1e-6);
-        let angle = self.path.omega() * after;
+        let duration = (self.elapsed(to) - self.elapsed(start)).max(1e-6);
+        let angle = self.path.omega() * duration;
         // The arc through both positions: the inverse of `Pose::moved`.
         let (s, c) = (math::sinc(angle), math::cosc(angle));
-        let whole = (s * s + c * c) * after;
+        let divisor = (s * s + c * c) * duration;
         let twist = Twist {
-            vx: (chord.x * s + chord.y * c) / whole,
-            vy: (chord.y * s - chord.x * c) / whole,
+            vx: (chord.x * s + chord.y * c) / divisor,
+            vy: (chord.y * s - chord.x * c) / divisor,
             omega: self.path.omega(),
         };
-        (start, pose, twist, after)
+        (start, pose, twist, duration)
     }
 
+    /// Position of the disc's centre.
     pub fn centre(&self, at: Time) -> DVec2 {
         if self.path.is_resting() { self.path.origin } else { self.path.position(self.elapsed(at)) }
     }
@@ -132,47 +133,48 @@ impl Passage {
     }
 }
 
-/// Drive of a robot along its own path at an instant.
+/// Drive of a robot at an instant, as the solver of the movable objects needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DriveState {
     /// Pose of the centre in the world.
     pub centre: Pose,
-    /// The ordered twist of the centre, in the robot's frame.
-    pub ordered: Twist,
-    /// Fraction of the ordered twist with which the robot moves, 0 to 1.
+    /// Twist of the centre, in the robot's frame, that the robot would have without movable objects.
+    pub twist_without_objects: Twist,
+    /// Fraction of this twist with which the robot moves, 0 to 1.
     pub fraction: f64,
-    /// Seconds until the robot comes to rest without contacts; infinite if it does not.
+    /// Seconds until the robot would come to rest without contacts; can be infinite.
     pub time_to_rest: f64,
 }
 
-/// The motion of one robot in a static world, as a function of virtual time, with the commands that the robot has
-/// obeyed.
+/// The motion of one robot in a static world, as a function of virtual time, computed from the robot's commands.
 ///
-/// Queries may refer to instants up to [`HISTORY`] before the present slot, and to the future, which follows the
-/// present plan.
+/// Queries may refer to instants up to [`HISTORY`] before the present slot, and to the future according to the present
+/// plan.
 #[derive(Clone, Debug)]
 pub struct Motion {
     id: RobotId,
     vehicle: Vehicle,
     walls: Arc<Walls>,
-    /// Never empty; in ascending order of their starts.
+    /// Stages of the plan, never empty; in ascending order of their starts.
     stages: VecDeque<Stage>,
     /// Inputs since the start of the slot.
     journal: Vec<(Time, Input)>,
-    /// Start of the present slot; earlier impacts are in `log`.
+    /// Start of the present slot. The motion before it is final; its impacts are in `log`.
     committed: Time,
-    /// Contacts with movable objects in the present slot.
-    touches: Vec<Impact>,
-    /// Last contact with each movable object that the body touched in the last 100 ms.
-    touched: Vec<(ObjectId, Time)>,
+    /// New contacts with movable objects in the present slot.
+    object_impacts: Vec<Impact>,
+    /// Time of the last contact with each movable object that the body touched in the last 100 ms.
+    touched_objects: Vec<(ObjectId, Time)>,
+    /// The last impacts before the present slot.
     log: VecDeque<Impact>,
+    /// Number of contacts before the present slot.
     contacts: u32,
     revision: u64,
-    /// Result of the last [`Motion::pose`], with the revision and the instant for which it is valid: the sensors of a robot measure at
-    /// the same instants.
+    /// Result of the last [`Motion::pose`], with the revision and the instant for which it is valid. Cached because the
+    /// sensors of a robot measure at the same instants.
     last_pose: Option<(u64, Time, Pose)>,
-    /// The last heading for which its unit vector was asked, with that vector.
-    last_forward: (Heading, DVec2),
+    /// Cached unit vector of a heading, with that heading.
+    cached_forward: (Heading, DVec2),
     /// Result of the last [`Motion::drive_end`], with the revision for which it is valid.
     drive_end: Option<(u64, Option<Time>)>,
     /// The feet of a robot with legs.
@@ -185,13 +187,13 @@ impl Motion {
     /// The model must have passed [`Model::check`].
     pub fn new(id: RobotId, model: Arc<Model>, walls: Arc<Walls>, world_from_robot: Pose) -> Self {
         let state = State { world_from_axle: axle_of(&model, &world_from_robot), ..State::default() };
-        let orders = Orders { pending: Pending::Idle, steering: 0.0, controllers: Rare::USUAL };
+        let commands = CommandState { active: ActiveCommand::Idle, steering: 0.0, controllers: Rare::DEFAULT };
         let vehicle = Vehicle { model, errors: None, contact: ContactRule::Stall, hull: None };
-        let stage = Stage::open(&vehicle, Time::ZERO, state, orders, Actuation::REST, &[], Grip::FREE);
+        let stage = Stage::open(&vehicle, Time::ZERO, state, commands, Actuation::REST, &[], Slowdown::NONE);
         Self::from_stage(id, vehicle, walls, stage)
     }
 
-    /// Motion on a plan that begins with `stage`, without a past.
+    /// Motion with the single stage `stage` and without a past.
     fn from_stage(id: RobotId, vehicle: Vehicle, walls: Arc<Walls>, stage: Stage) -> Self {
         Self {
             id,
@@ -200,39 +202,40 @@ impl Motion {
             stages: VecDeque::from([stage]),
             journal: Vec::new(),
             committed: Time::ZERO,
-            touches: Vec::new(),
-            touched: Vec::new(),
+            object_impacts: Vec::new(),
+            touched_objects: Vec::new(),
             log: VecDeque::new(),
             contacts: 0,
             revision: 0,
             last_pose: None,
-            last_forward: (Heading::default(), Heading::default().direction()),
+            cached_forward: (Heading::default(), Heading::default().direction()),
             drive_end: None,
             walk: None,
         }
     }
 
-    /// This motion, not yet commanded, for a robot that enters the world at `start` instead of the start of the run.
+    /// This motion, not yet commanded, for a robot that enters the world at `start` instead of at the start of the run.
     pub fn starting_at(mut self, start: Time) -> Self {
         self.stages.iter_mut().for_each(|stage| stage.piece.start = start);
         self.committed = start;
         self
     }
 
-    /// This motion, not yet commanded, with an imperfection that draws its random numbers as in a run with `seed`.
+    /// This motion, not yet commanded, with an imperfection. The random numbers are those of a run with `seed`.
     ///
     /// # Errors
-    /// The first number of the imperfection that is out of range.
+    /// [`ModelError`] with the first number of the imperfection that is out of range.
     pub fn with_imperfection(mut self, seed: u64, imperfection: Imperfection) -> Result<Self, ModelError> {
         imperfection.check()?;
         self.vehicle.errors = MotionErrors::unless_perfect(imperfection, seed, self.id);
         Ok(self)
     }
 
-    /// This motion, not yet commanded, with this behaviour at walls; a robot with legs always stalls.
+    /// This motion, not yet commanded, with the contact rule `rule`; for a robot with legs the rule is always
+    /// [`ContactRule::Stall`].
     ///
     /// # Errors
-    /// A friction that is negative or not finite.
+    /// [`ModelError`] for a friction that is negative or not finite.
     pub fn with_contact(mut self, rule: ContactRule) -> Result<Self, ModelError> {
         if let ContactRule::Slide { friction } = rule
             && !(friction.is_finite() && friction >= 0.0)
@@ -244,17 +247,17 @@ impl Motion {
         Ok(self)
     }
 
-    /// This motion, not yet commanded, of a robot with [`DriveKind::Thrusters`] in the water: at rest, its frame `lift` metres
-    /// above the floor. At walls it slides.
+    /// This motion, not yet commanded, for a robot with [`DriveKind::Thrusters`] in the water: at rest, with its frame
+    /// `height` metres above the floor. Its contact rule must be [`ContactRule::Slide`].
     ///
     /// # Errors
-    /// The first number of the hull that makes no sense.
-    pub fn with_hull(mut self, hull: Hull, lift: f64) -> Result<Self, ModelError> {
+    /// [`ModelError`] with the first number of the hull that is out of range.
+    pub fn with_hull(mut self, hull: Hull, height: f64) -> Result<Self, ModelError> {
         hull.check(&self.vehicle.model)?;
         self.vehicle.hull = Some(hull);
         for stage in &mut self.stages {
-            stage.before.memory.afloat.lift = lift.clamp(0.0, hull.ceiling);
-            stage.during.memory.afloat = stage.before.memory.afloat;
+            stage.actuation_before.memory.hull.height = height.clamp(0.0, hull.ceiling);
+            stage.actuation.memory.hull = stage.actuation_before.memory.hull;
         }
         Ok(self)
     }
@@ -269,26 +272,26 @@ impl Motion {
         self.vehicle.contact
     }
 
-    /// Replaces the imperfection from `at` on, the start of the present slot. The random numbers are drawn as in a run
-    /// with `seed`.
+    /// Replaces the imperfection from `at` on; `at` must be the start of the present slot. The random numbers are those
+    /// of a run with `seed`.
     ///
     /// # Errors
-    /// The first number of the imperfection that is out of range; nothing changes then.
+    /// [`ModelError`] with the first number of the imperfection that is out of range; nothing changes then.
     pub fn set_imperfection(&mut self, at: Time, seed: u64, imperfection: Imperfection) -> Result<(), ModelError> {
         imperfection.check()?;
-        // The motion up to now must be computed with the old errors.
+        // The motion before `at` must be computed with the old errors.
         let index = self.index_at(at);
         let stage = &self.stages[index];
         let at = at.max(stage.piece.start);
-        let (state, orders, before) = (
+        let (state, commands, actuation_before) = (
             stage.state(&self.vehicle.model, at),
-            stage.orders_at(at),
+            stage.commands_at(at),
             stage.actuation_before(&self.vehicle.model, at),
         );
-        let (grip, is_placed) = (stage.grip, stage.is_placed && stage.piece.start == at);
+        let (slowdown, is_placed) = (stage.slowdown, stage.is_placed && stage.piece.start == at);
         let blocker = stage.blocker().filter(|_| stage.piece.has_ended(at));
         self.vehicle.errors = MotionErrors::unless_perfect(imperfection, seed, self.id);
-        let mut next = Stage::open(&self.vehicle, at, state, orders, before, &[], grip);
+        let mut next = Stage::open(&self.vehicle, at, state, commands, actuation_before, &[], slowdown);
         if let Some(blocker) = blocker {
             // Only a new command can free the body from its blocker.
             next.stop(0.0, blocker, false);
@@ -315,8 +318,8 @@ impl Motion {
         self.vehicle.errors.as_ref().map(|errors| errors.imperfection).unwrap_or_default()
     }
 
-    /// Number of changes of the plan, by commands and by contacts with robots or objects. While the number is the same,
-    /// answers about the future are the same.
+    /// Number of changes of the plan, by commands and by contacts with robots or objects. As long as the number is the
+    /// same, queries about the future give the same results.
     pub fn revision(&self) -> u64 {
         self.revision
     }
@@ -344,7 +347,7 @@ impl Motion {
 
     /// Stops the PI controllers at `at`; from then on the wheels follow their command in open loop.
     pub fn stop_control(&mut self, at: Time) {
-        // This input is never refused.
+        // This input is never rejected.
         let _ = self.input(at, Input::Control(None), &[]);
     }
 
@@ -370,29 +373,30 @@ impl Motion {
         self.input(at, Input::WheelControl(wheel, None), &[])
     }
 
-    /// Places the robot at `at` with its centre at `world_from_robot`, in truth, not in odometry. The robot then rests:
-    /// its command ends, and the sums of its controllers are 0. Odometry, wheel angles, path length, steering and the
-    /// choice of controllers stay.
+    /// Places the robot at `at` with its centre at `world_from_robot`. The robot then rests: its command ends, and the
+    /// integrals of its controllers are 0. Odometry, wheel angles, path length, steering angle and the parameters of
+    /// the controllers do not change.
     ///
-    /// Any pose is accepted. In a wall or another body the robot is in contact, and may leave. Nothing between the old
-    /// and the new position is touched. Other robots see the new pose from the next slot on. A placement by anyone but
-    /// the robot's own program happens at the end of the slot, before [`World::advance`](crate::world::World::advance).
+    /// Any pose is accepted. A robot that is placed inside a wall or another body is in contact and can move out of it.
+    /// The robot touches nothing between the old and the new position. Other robots see the new pose from the next slot
+    /// on. If the placement does not come from the robot's own program, it must happen at the end of the slot, before
+    /// [`World::advance`](crate::world::World::advance).
     ///
     /// # Errors
     /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.
     pub fn place(&mut self, at: Time, world_from_robot: Pose) -> Result<(), PlacementError> {
         world_from_robot.check_placement()?;
-        // After this check the input is never refused.
+        // After this check the input is never rejected.
         let _ = self.input(at, Input::Place(world_from_robot), &[]);
         Ok(())
     }
 
-    /// Sets the odometry pose at `at`; the true pose stays.
+    /// Sets the odometry pose at `at`; the true pose does not change.
     ///
     /// # Errors
     /// [`CommandError::NotFinite`] for a position that is not finite or beyond 10^12 m.
     pub fn set_odometry(&mut self, at: Time, odometry: Pose) -> Result<(), CommandError> {
-        // The negation refuses NaN as well.
+        // The negation rejects NaN as well.
         if !(odometry.position.abs().max_element() <= 1e12 && odometry.position.is_finite()) {
             return Err(CommandError::NotFinite);
         }
@@ -415,10 +419,10 @@ impl Motion {
     /// Position of the robot's centre at `at`, and the unit vector of its heading.
     pub(crate) fn centre_and_forward(&mut self, at: Time) -> (DVec2, DVec2) {
         let Pose { position, heading } = self.pose(at);
-        if self.last_forward.0 != heading {
-            self.last_forward = (heading, heading.direction());
+        if self.cached_forward.0 != heading {
+            self.cached_forward = (heading, heading.direction());
         }
-        (position, self.last_forward.1)
+        (position, self.cached_forward.1)
     }
 
     /// True pose of the axle's midpoint, wheel angles, odometry and path length at `at`.
@@ -432,7 +436,7 @@ impl Motion {
     pub fn odometry(&mut self, at: Time) -> Pose {
         let odometry = self.state(at).odometry;
         match &self.vehicle.errors {
-            Some(errors) => errors.imperfection.resolution.read(odometry),
+            Some(errors) => errors.imperfection.resolution.rounded(odometry),
             None => odometry,
         }
     }
@@ -444,7 +448,7 @@ impl Motion {
 
     /// Length of the path of the axle's midpoint until `at`, m.
     pub fn path_length(&mut self, at: Time) -> f64 {
-        self.state(at).path
+        self.state(at).path_length
     }
 
     /// Twist of the axle according to odometry at `at`, as `VWGetSpeed` returns it.
@@ -454,22 +458,22 @@ impl Motion {
 
     /// Steering angle of an Ackermann drive at `at`, rad.
     pub fn steering(&mut self, at: Time) -> f64 {
-        self.stage_at(at).orders.steering
+        self.stage_at(at).commands.steering
     }
 
     /// Remaining part of the drive in progress at `at`: arc length, m, or for a turn on the spot the angle, rad; 0
     /// without a drive.
     pub fn drive_remaining(&mut self, at: Time) -> f64 {
-        match self.stage_at(at).orders_at(at).pending {
-            Pending::Drive { whole, remaining, .. } => Pending::progress(whole, remaining).max(0.0),
+        match self.stage_at(at).commands_at(at).active {
+            ActiveCommand::Drive { total, remaining, .. } => ActiveCommand::progress(total, remaining).max(0.0),
             _ => 0.0,
         }
     }
 
     /// Returns true if the drive in progress at `at` turns on the spot.
     pub fn is_drive_turn(&mut self, at: Time) -> bool {
-        match self.stage_at(at).orders_at(at).pending {
-            Pending::Drive { whole, .. } => whole.speed() == 0.0 && whole.omega != 0.0,
+        match self.stage_at(at).commands_at(at).active {
+            ActiveCommand::Drive { total, .. } => total.speed() == 0.0 && total.omega != 0.0,
             _ => false,
         }
     }
@@ -477,14 +481,14 @@ impl Motion {
     /// Returns true if no drive is in progress at `at`: the last drive has reached its target or was replaced, or there
     /// was none.
     pub fn is_drive_done(&mut self, at: Time) -> bool {
-        !matches!(self.stage_at(at).orders_at(at).pending, Pending::Drive { .. })
+        !matches!(self.stage_at(at).commands_at(at).active, ActiveCommand::Drive { .. })
     }
 
     /// Instant at which the last drive ends or has ended, rounded up to a microsecond. `None` if there is no drive, or
     /// if an obstacle stops the body before the target on the present plan.
     ///
-    /// If ticks keep changing a drive for more than 1,000 s (random errors, a controller that oscillates), the result
-    /// is an instant before the end; the caller has to ask again at that instant.
+    /// If ticks change a drive for more than 1,000 s (random errors, a controller that oscillates), the result is an
+    /// instant before the end; the caller has to call again at that instant.
     pub fn drive_end(&mut self) -> Option<Time> {
         if let Some((revision, end)) = self.drive_end
             && revision == self.revision
@@ -497,12 +501,12 @@ impl Motion {
                 self.drive_end = Some((self.revision, end));
                 end
             }
-            DriveEnd::After(instant) => Some(instant),
+            DriveEnd::NotBefore(instant) => Some(instant),
         }
     }
 
-    /// Returns true if the drive is stalled at `at`: an obstacle stops the body against its command, or the wheels slip
-    /// at a wall by more than half of their speed (our choice).
+    /// Returns true if the drive is stalled at `at`: an obstacle stops the commanded motion, or the wheels slip at a
+    /// wall by more than half of their speed (our choice).
     pub fn is_stalled(&mut self, at: Time) -> bool {
         let index = self.index_at(at);
         let stage = &self.stages[index];
@@ -510,31 +514,31 @@ impl Motion {
         is_stopped || stage.is_slipping(&self.vehicle.model, at)
     }
 
-    /// The wheels that are commanded to turn at `at` while the drive is stalled.
+    /// For each wheel, true if the drive is stalled at `at` and the wheel is commanded to turn.
     pub fn stalled_wheels(&mut self, at: Time) -> [bool; 4] {
         if !self.is_stalled(at) {
             return [false; 4];
         }
-        let target = self.stage_at(at).orders.pending.target();
+        let target = self.stage_at(at).commands.active.target();
         target.wheels(&self.vehicle.model).map(|rate| rate != 0.0)
     }
 
-    /// The contact that stops the body at `at`, or with which its present slide along a wall began.
+    /// The contact that stops the body at `at`, or the contact with which its present slide along a wall began.
     pub fn contact(&mut self, at: Time) -> Option<Impact> {
         let model = Arc::clone(&self.vehicle.model);
         let stage = self.stage_at(at);
         if stage.piece.has_ended(at) {
-            return impact_of(&model, stage);
+            return stage_impact(&model, stage);
         }
-        let (segment, _) = stage.slip(&model, at)?;
-        segment_impact(&model, stage, segment)
+        let (interval, _) = stage.slip(&model, at)?;
+        interval_impact(&model, stage, interval)
     }
 
-    /// Slip ratio of the wheels at `at` because of a wall: slip speed over the floor, divided by the speed of the push;
-    /// 0 without contact, 1 for a body at rest.
+    /// Slip ratio of the wheels at `at` because of a wall: slip speed over the floor, divided by the speed that the
+    /// wheels command; 0 without contact, 1 for a body at rest.
     pub fn slip(&mut self, at: Time) -> f64 {
         let index = self.index_at(at);
-        self.stages[index].slip(&self.vehicle.model, at).map_or(0.0, |(_, fraction)| fraction)
+        self.stages[index].slip(&self.vehicle.model, at).map_or(0.0, |(_, ratio)| ratio)
     }
 
     /// Returns true if the body or a wheel moves at `at`.
@@ -545,15 +549,15 @@ impl Motion {
 
     /// Number of contacts until `at`: impacts with obstacles that the body did not touch already.
     pub fn contacts(&mut self, at: Time) -> u32 {
-        self.contacts + self.uncommitted(at).iter().filter(|impact| impact.fresh).count() as u32
+        self.contacts + self.uncommitted_impacts(at).iter().filter(|impact| impact.fresh).count() as u32
     }
 
-    /// The impacts that became known from `since` to `until`, both included, in order of time. Before the present slot
-    /// only the last 32 impacts are kept.
+    /// The impacts whose `known_at` is between `since` and `until`, both included, in order of time. Before the present
+    /// slot only the last 32 impacts are kept.
     pub fn impacts(&mut self, since: Time, until: Time) -> Vec<Impact> {
-        let recent = self.uncommitted(until);
-        let is_asked = |impact: &Impact| impact.known_at >= since && impact.known_at <= until;
-        self.log.iter().copied().chain(recent).filter(is_asked).collect()
+        let recent = self.uncommitted_impacts(until);
+        let is_in_interval = |impact: &Impact| impact.known_at >= since && impact.known_at <= until;
+        self.log.iter().copied().chain(recent).filter(is_in_interval).collect()
     }
 
     /// The robot that blocks the body at the end of the present plan; `None` if no robot does.
@@ -564,19 +568,19 @@ impl Motion {
         })
     }
 
-    /// Returns true if the world must process this motion to advance: it has an input in the present slot, it moves, or
-    /// it waits for a robot or an object to clear its way.
+    /// Returns true if [`World::advance`](crate::world::World::advance) must process this motion: it has an input in
+    /// the present slot, the robot moves, or it is blocked by a robot or an object that may move away.
     pub fn is_active(&self) -> bool {
         let piece = &self.last().piece;
         let rests = piece.rates.truth.is_zero() && piece.rates.wheels == [0.0; 4] || piece.has_ended(self.committed);
-        let waits = self.last().blocker().is_some() || self.last().is_held(self.committed);
-        !self.journal.is_empty() || !rests || waits || self.has_ticks()
+        let is_blocked = self.last().blocker().is_some() || self.last().is_held(self.committed);
+        !self.journal.is_empty() || !rests || is_blocked || self.has_ticks()
     }
 
-    // Functions for the world.
+    // Functions for [`crate::world`].
 
-    /// The plan from `at` on, without the past, in the memory of a spare one; `None` if no tick up to `until` changes it, or for
-    /// legs and hulls.
+    /// Copy of the plan from `at` on, without the past, in the memory of `spare` if there is one. `None` if no tick up
+    /// to `until` changes the plan, and for legs and hulls.
     pub(crate) fn plan_at(&mut self, at: Time, until: Time, spare: &mut Option<Box<Self>>) -> Option<Box<Self>> {
         if self.walk.is_some() || self.vehicle.hull.is_some() || self.last().has_no_ticks(&self.vehicle) {
             return None;
@@ -596,7 +600,7 @@ impl Motion {
         Some(plan)
     }
 
-    /// Addresses of the heap memory that commands and queries touch.
+    /// Address ranges of the heap memory that commands and queries access.
     pub(crate) fn hot_memory(&self) -> [Range<*const u8>; 2] {
         let (older, newer) = self.stages.as_slices();
         [older, newer].map(|stages| {
@@ -613,35 +617,37 @@ impl Motion {
         &self.journal
     }
 
-    /// Fills `passages` with the passages of the body from `from` to `to`, in order; the last has no end.
+    /// Fills `passages` with the passages of the body from `from` to `to`, in order; `until` of the last one is
+    /// [`Time::NEVER`].
     pub(crate) fn passages(&mut self, from: Time, to: Time, passages: &mut Vec<Passage>) {
-        let mut first = self.index_at(from);
+        let mut index = self.index_at(from);
         self.index_at(to);
         // `index_at(to)` explores only the stage at `to`, so each earlier stage is explored here up to its successor.
         passages.clear();
-        while first < self.stages.len() && (passages.is_empty() || self.stages[first].piece.start <= to) {
-            let until = self.stages.get(first + 1).map_or(Time::NEVER, |next| next.piece.start);
-            let stage = &mut self.stages[first];
+        while index < self.stages.len() && (passages.is_empty() || self.stages[index].piece.start <= to) {
+            let until = self.stages.get(index + 1).map_or(Time::NEVER, |next| next.piece.start);
+            let stage = &mut self.stages[index];
             stage.explore(&self.vehicle, &self.walls, (until.min(to) - stage.piece.start).seconds());
             stage.passages(from, until, to, passages);
-            first += 1;
+            index += 1;
         }
     }
 
-    /// Fills `passages` with the passages of the axle according to odometry, in the frame of odometry, from `from` to `to`.
+    /// Appends to `passages` the passages of the axle from `from` to `to` according to odometry, in the frame of
+    /// odometry.
     pub(crate) fn odometry_passages(&mut self, from: Time, to: Time, passages: &mut Vec<Passage>) {
         let first = self.index_at(from);
         self.index_at(to);
         let stages = self.stages.iter().skip(first).enumerate();
         let stages = stages.take_while(|(index, stage)| *index == 0 || stage.piece.start <= to);
         passages.extend(stages.map(|(_, stage)| {
-            let Piece { start, state, rates, after, .. } = stage.piece;
+            let Piece { start, state, rates, duration, .. } = stage.piece;
             let (path, heading) = (Path::new(&state.odometry, rates.odometry), state.odometry.heading);
-            Passage { start, begin: 0.0, until: Time::NEVER, after, path, heading }
+            Passage { start, begin: 0.0, until: Time::NEVER, end: duration, path, heading }
         }));
     }
 
-    /// The first time in the present slot that the program has set the odometry, with the pose.
+    /// Time and pose of the first setting of the odometry in the present slot.
     pub(crate) fn odometry_set(&self) -> Option<(Time, Pose)> {
         self.journal.iter().find_map(|(at, input)| match input {
             Input::Odometry(pose) => Some((*at, *pose)),
@@ -649,32 +655,34 @@ impl Motion {
         })
     }
 
-    /// Stops the body at `obstacle`, `seconds` after `base`, an instant of the present slot. Discards the later plan.
+    /// Stops the body at `obstacle`, `seconds` after `base`, an instant of the present slot. Discards the plan after
+    /// that instant.
     pub(crate) fn block(&mut self, base: Time, seconds: f64, obstacle: Obstacle) {
         while self.stages.len() > 1 && (self.last().piece.start - base).seconds() > seconds {
             self.stages.pop_back();
         }
         let stage = self.stages.back_mut().expect("a motion has a stage");
-        let after = ((base - stage.piece.start).seconds() + seconds).clamp(0.0, stage.piece.after);
-        stage.stop(after, obstacle, true);
-        // If the same robot has stopped the body before, the contact has lasted all the time.
-        let earlier = self.stages.len() - 1;
+        let stop_after = ((base - stage.piece.start).seconds() + seconds).clamp(0.0, stage.piece.duration);
+        stage.stop(stop_after, obstacle, true);
+        // If the same robot has stopped the body before, the contact is regarded as the continuation of that contact.
+        let last = self.stages.len() - 1;
         let is_same = |stage: &Stage| stage.blocker().is_some_and(|blocker| blocker.thing == obstacle.thing);
         let placement = self.stages.iter().rposition(|stage| stage.is_placed).unwrap_or(0);
-        if self.stages.iter().take(earlier).skip(placement).any(is_same) {
-            self.stages[earlier].stop(after, obstacle, false);
+        if self.stages.iter().take(last).skip(placement).any(is_same) {
+            self.stages[last].stop(stop_after, obstacle, false);
         }
         self.revision += 1;
     }
 
-    /// Obeys again an input that is already in the journal.
+    /// Applies an input of the journal again.
     pub(crate) fn replay(&mut self, at: Time, input: Input, touching: &[Body]) {
-        // The input was accepted before. If it is refused now, because the steering differs, it stays refused.
+        // The input was accepted before. It can be rejected now, because the steering angle may differ; it then has no
+        // effect.
         let _ = self.apply(at, input, touching);
     }
 
-    /// Resumes at `at`, the end of the present slot, the motion that a robot had blocked; returns false if it is still
-    /// blocked.
+    /// Resumes at `at`, the end of the present slot, a motion that a robot has blocked. Returns false if the motion is
+    /// still blocked, or was not blocked by a robot.
     pub(crate) fn resume(&mut self, at: Time, touching: &[Body]) -> bool {
         let index = self.index_at(at);
         let stage = &self.stages[index];
@@ -682,15 +690,15 @@ impl Motion {
             return false;
         }
         let state = stage.state(&self.vehicle.model, at);
-        let orders = stage.orders_at(at);
+        let commands = stage.commands_at(at);
         let next = Stage::open(
             &self.vehicle,
             at,
             state,
-            orders,
+            commands,
             stage.actuation_before(&self.vehicle.model, at),
             touching,
-            Grip::FREE,
+            Slowdown::NONE,
         );
         if next.blocker().is_some() {
             return false;
@@ -703,16 +711,16 @@ impl Motion {
 
     /// Ends the present slot at `end` and returns its impacts; from now on the motion before `end` is final.
     pub(crate) fn commit(&mut self, end: Time) -> Vec<Impact> {
-        let mut impacts = self.uncommitted(end);
-        impacts.append(&mut self.touches);
+        let mut impacts = self.uncommitted_impacts(end);
+        impacts.append(&mut self.object_impacts);
         impacts.sort_by_key(|impact| impact.time);
-        self.touched.retain(|(_, last)| *last > end - HISTORY);
+        self.touched_objects.retain(|(_, last)| *last > end - HISTORY);
         for impact in &mut impacts {
             if !matches!(impact.thing, Thing::Wall(_)) {
                 impact.known_at = end;
             }
             self.contacts += u32::from(impact.fresh);
-            if self.log.len() == IMPACTS {
+            if self.log.len() == KEPT_IMPACTS {
                 self.log.pop_front();
             }
             self.log.push_back(*impact);
@@ -726,61 +734,61 @@ impl Motion {
         while self.stages.len() > 1 && self.stages[1].piece.start <= end - HISTORY {
             self.stages.pop_front();
         }
-        self.stages[0].forget_segments(end - HISTORY);
+        self.stages[0].drop_intervals_before(end - HISTORY);
         impacts
     }
 
-    /// Ends the present slot at `end` if [`Motion::commit`] would have nothing to do.
-    pub(crate) fn pass(&mut self, end: Time) {
+    /// Ends the present slot at `end`, for a motion for which [`Motion::commit`] would change nothing else.
+    pub(crate) fn skip_slot(&mut self, end: Time) {
         self.committed = end;
     }
 
-    /// Returns true if the present slot has had no input.
+    /// Returns true if the motion has had no input in the present slot.
     pub(crate) fn is_uncommanded(&self) -> bool {
         self.journal.is_empty()
     }
 
-    /// Lower bound of the end of the piece in force at `from`: no wall, target or tick ends the piece before. `from`
-    /// itself if no better bound is known.
-    pub(crate) fn steady_until(&mut self, from: Time) -> Time {
+    /// Lower bound of the end of the piece in force at `from`: no wall, target or tick ends the piece before that
+    /// instant. The result is `from` if no better bound is known.
+    pub(crate) fn unchanged_until(&mut self, from: Time) -> Time {
         let index = self.index_at(from);
         let stage = &self.stages[index];
         let is_last = index + 1 == self.stages.len();
-        if is_last && stage.piece.start <= from { stage.steady_until(&self.vehicle).max(from) } else { from }
+        if is_last && stage.piece.start <= from { stage.unchanged_until(&self.vehicle).max(from) } else { from }
     }
 
-    /// Drive of the robot at `at`, for the computation of movable objects.
+    /// Drive of the robot at `at`, for the solver of the movable objects.
     pub(crate) fn drive_state(&mut self, at: Time) -> DriveState {
         let model = Arc::clone(&self.vehicle.model);
         let stage = self.stage_at(at);
         let is_held = stage.is_held(at);
         let centre = stage.centre(&model, at);
-        let time_to_rest = stage.piece.after - (at - stage.piece.start).seconds();
-        let (ordered, fraction, time_to_rest) = if is_held {
-            (stage.ordered_at_centre(&model, at), 0.0, f64::INFINITY)
+        let time_to_rest = stage.piece.duration - (at - stage.piece.start).seconds();
+        let (twist_without_objects, fraction, time_to_rest) = if is_held {
+            (stage.twist_without_objects(&model, at), 0.0, f64::INFINITY)
         } else if time_to_rest <= 0.0 {
             (Twist::ZERO, 1.0, 0.0)
         } else {
-            (stage.ordered_at_centre(&model, at), stage.grip.fraction, time_to_rest)
+            (stage.twist_without_objects(&model, at), stage.slowdown.fraction, time_to_rest)
         };
-        DriveState { centre, ordered, fraction, time_to_rest }
+        DriveState { centre, twist_without_objects, fraction, time_to_rest }
     }
 
-    /// Slows the robot to `fraction` (0 to 1) of its ordered twist from `at` on, an instant of the present slot; a share
-    /// below 1 means that the robot presses `obstacle`. Discards the later plan.
+    /// Slows the robot to `fraction` (0 to 1) of its twist from `at` on, an instant of the present slot. A fraction
+    /// below 1 means that the robot pushes `obstacle`. Discards the plan after `at`.
     pub(crate) fn slow(&mut self, at: Time, fraction: f64, obstacle: Obstacle) {
         let index = self.index_at(at);
         let stage = &self.stages[index];
-        let grip = if fraction < 1.0 { Grip { fraction, obstacle: Some(obstacle) } } else { Grip::FREE };
+        let slowdown = if fraction < 1.0 { Slowdown { fraction, obstacle: Some(obstacle) } } else { Slowdown::NONE };
         let state = stage.state(&self.vehicle.model, at);
         let mut next = Stage::open(
             &self.vehicle,
             at,
             state,
-            stage.orders_at(at),
+            stage.commands_at(at),
             stage.actuation_before(&self.vehicle.model, at),
             &[],
-            grip,
+            slowdown,
         );
         next.is_placed = stage.is_placed && stage.piece.start == at;
         self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
@@ -788,24 +796,24 @@ impl Motion {
         self.revision += 1;
     }
 
-    /// The obstacle that slows the robot at `at`.
-    pub(crate) fn pressed(&mut self, at: Time) -> Option<Obstacle> {
-        self.stage_at(at).grip.obstacle
+    /// The obstacle that the robot pushes at `at`.
+    pub(crate) fn pushed_obstacle(&mut self, at: Time) -> Option<Obstacle> {
+        self.stage_at(at).slowdown.obstacle
     }
 
-    /// Records that the body touches a movable object at `at`, an instant of the present slot.
-    pub(crate) fn touch(&mut self, at: Time, object: ObjectId, point: DVec2) {
+    /// Records a contact of the body with a movable object at `at`, an instant of the present slot.
+    pub(crate) fn record_touch(&mut self, at: Time, object: ObjectId, point: DVec2) {
         let placement = self.stages.iter().rfind(|stage| stage.is_placed && stage.piece.start <= at);
         let known_since = placement.map_or(at - HISTORY, |stage| stage.piece.start.max(at - HISTORY));
-        let last = self.touched.iter_mut().find(|(other, _)| *other == object);
+        let last = self.touched_objects.iter_mut().find(|(other, _)| *other == object);
         let is_known = last.as_ref().is_some_and(|(_, last)| *last > known_since);
         match last {
             Some((_, last)) => *last = at,
-            None => self.touched.push((object, at)),
+            None => self.touched_objects.push((object, at)),
         }
         if !is_known {
             let towards = self.pose(at).inverse_transform_point(point);
-            self.touches.push(Impact {
+            self.object_impacts.push(Impact {
                 time: at,
                 known_at: at,
                 thing: Thing::Object(object),
@@ -818,24 +826,26 @@ impl Motion {
 
     // Helpers.
 
-    /// Grip of the robot just after a command at `at`. A robot that still presses its obstacle keeps its speed along
-    /// the new path; any other robot moves freely at once.
-    fn carried_grip(&self, stage: &Stage, at: Time, next: &Stage) -> Grip {
-        let Some(obstacle) = stage.grip.obstacle else { return Grip::FREE };
+    /// Slow-down of the robot just after a command at `at`. A robot that still pushes its obstacle keeps the component
+    /// of its velocity along the new path; any other robot moves freely at once.
+    fn slowdown_after_command(&self, stage: &Stage, at: Time, next: &Stage) -> Slowdown {
+        let Some(obstacle) = stage.slowdown.obstacle else { return Slowdown::NONE };
         let towards = obstacle.point - next.path.origin;
-        if stage.grip.fraction >= 1.0 || next.path.velocity(0.0).dot(towards) <= APPROACH * towards.length() {
-            return Grip::FREE;
+        if stage.slowdown.fraction >= 1.0 || next.path.velocity(0.0).dot(towards) <= APPROACH * towards.length() {
+            return Slowdown::NONE;
         }
-        let present = if stage.piece.has_ended(at) { 0.0 } else { stage.grip.fraction };
-        let fraction = present * self.vehicle.model.overlap(stage.ordered, next.ordered);
-        Grip { fraction: fraction.clamp(0.0, 1.0), obstacle: Some(obstacle) }
+        let present_fraction = if stage.piece.has_ended(at) { 0.0 } else { stage.slowdown.fraction };
+        let projection = self.vehicle.model.projection(stage.unhindered_twist, next.unhindered_twist);
+        let fraction = present_fraction * projection;
+        Slowdown { fraction: fraction.clamp(0.0, 1.0), obstacle: Some(obstacle) }
     }
 
     fn last(&self) -> &Stage {
         self.stages.back().expect("a motion has a stage")
     }
 
-    /// Returns true if a coming tick will change the motion, because of a lag of the wheels or of errors.
+    /// Returns true if the next tick after the start of the present slot changes the motion, because of wheel lag,
+    /// errors or a hull.
     fn has_ticks(&self) -> bool {
         if self.last().has_no_ticks(&self.vehicle) {
             return false;
@@ -846,10 +856,10 @@ impl Motion {
     }
 
     fn input(&mut self, at: Time, mut input: Input, touching: &[Body]) -> Result<(), CommandError> {
-        // The journal has the drive with its error: a replay does not draw again.
+        // The journal stores the drive with its error, so that a replay does not draw the error again.
         if let (Input::Command(Command::Drive { displacement, .. }), Some(errors)) = (&mut input, &self.vehicle.errors)
         {
-            *displacement = errors.missed(self.vehicle.model.kind, at, *displacement);
+            *displacement = errors.with_target_error(self.vehicle.model.kind, at, *displacement);
         }
         self.apply(at, input, touching)?;
         self.journal.push((at, input));
@@ -860,45 +870,45 @@ impl Motion {
         let index = self.index_at(at);
         let stage = &self.stages[index];
         let at = at.max(stage.piece.start);
-        let present = stage.orders_at(at);
+        let commands_before = stage.commands_at(at);
         let mut state = stage.state(&self.vehicle.model, at);
-        let mut before = stage.actuation_before(&self.vehicle.model, at);
-        let orders = match input {
-            Input::Command(command) => present.clone().with(&self.vehicle.model, command)?,
+        let mut actuation_before = stage.actuation_before(&self.vehicle.model, at);
+        let commands = match input {
+            Input::Command(command) => commands_before.clone().with(&self.vehicle.model, command)?,
             Input::Control(gains) => {
-                let mut orders = present.clone();
-                orders.controllers.body = gains;
-                orders
+                let mut commands = commands_before.clone();
+                commands.controllers.body = gains;
+                commands
             }
             Input::WheelControl(wheel, pid) => {
-                let mut orders = present.clone();
-                orders.controllers.wheels[wheel] = pid;
-                orders
+                let mut commands = commands_before.clone();
+                commands.controllers.wheels[wheel] = pid;
+                commands
             }
             Input::Odometry(pose) => {
                 state.odometry = pose;
-                present.clone()
+                commands_before.clone()
             }
             Input::Place(world_from_robot) => {
                 state.world_from_axle = axle_of(&self.vehicle.model, &world_from_robot);
-                let lift = if self.vehicle.hull.is_some() { stage.lift(at) } else { 0.0 };
-                before = Actuation::REST;
-                if lift > 0.0 {
-                    before.memory.afloat.lift = lift;
+                let height = if self.vehicle.hull.is_some() { stage.hull_height(at) } else { 0.0 };
+                actuation_before = Actuation::REST;
+                if height > 0.0 {
+                    actuation_before.memory.hull.height = height;
                 }
-                Orders { pending: Pending::Idle, ..present.clone() }
+                CommandState { active: ActiveCommand::Idle, ..commands_before.clone() }
             }
         };
         let is_blocked = stage.blocker().is_some() && stage.piece.has_ended(at);
-        let is_same = orders == present && !matches!(orders.pending, Pending::Drive { .. });
-        let is_moved = matches!(input, Input::Odometry(_) | Input::Place(_));
-        if is_same && !is_moved && !is_blocked && touching.is_empty() {
+        let is_same = commands == commands_before && !matches!(commands.active, ActiveCommand::Drive { .. });
+        let sets_pose = matches!(input, Input::Odometry(_) | Input::Place(_));
+        if is_same && !sets_pose && !is_blocked && touching.is_empty() {
             return Ok(());
         }
-        let mut next = Stage::open(&self.vehicle, at, state, orders, before, touching, Grip::FREE);
-        let grip = self.carried_grip(stage, at, &next);
-        if grip != Grip::FREE {
-            next = Stage::open(&self.vehicle, at, state, next.orders, next.before, touching, grip);
+        let mut next = Stage::open(&self.vehicle, at, state, commands, actuation_before, touching, Slowdown::NONE);
+        let slowdown = self.slowdown_after_command(stage, at, &next);
+        if slowdown != Slowdown::NONE {
+            next = Stage::open(&self.vehicle, at, state, next.commands, next.actuation_before, touching, slowdown);
         }
         if let Some(blocker) = stage.blocker().filter(|_| is_blocked) {
             match &mut next.piece.cause {
@@ -909,7 +919,7 @@ impl Motion {
             }
         }
         next.is_placed = matches!(input, Input::Place(_)) || stage.is_placed && stage.piece.start == at;
-        // A stage without duration consists of its orders only, and the new stage contains them.
+        // A stage of no duration consists only of its commands, and the new stage contains them.
         self.stages.truncate(if stage.piece.start == at { index } else { index + 1 });
         self.stages.push_back(next);
         self.revision += 1;
@@ -941,42 +951,42 @@ impl Motion {
     }
 
     fn find_drive_end(&mut self) -> DriveEnd {
-        if !matches!(self.last().orders.pending, Pending::Drive { .. }) {
+        if !matches!(self.last().commands.active, ActiveCommand::Drive { .. }) {
             return DriveEnd::At(None);
         }
         let last = self.stages.back_mut().expect("a motion has a stage");
         let Some(mut stage) = last.next(&self.vehicle, &self.walls, Time::NEVER) else {
             return DriveEnd::At(last.drive_end(&self.vehicle, &self.walls));
         };
-        // The stages at the ticks are not kept, because a caller that waits for the end needs only its instant.
-        for _ in 0..LOOK_AHEAD {
+        // The stages at the ticks are not kept, because the caller needs only the instant of the end.
+        for _ in 0..MAX_TICKS_AHEAD {
             match stage.next(&self.vehicle, &self.walls, Time::NEVER) {
                 Some(next) => stage = next,
                 None => return DriveEnd::At(stage.drive_end(&self.vehicle, &self.walls)),
             }
         }
-        DriveEnd::After(stage.piece.start)
+        DriveEnd::NotBefore(stage.piece.start)
     }
 
-    /// Returns true if the body was pressed against the wall of `segment` (a segment of stage `index`) within [`HISTORY`]
-    /// before `segment`.
-    fn has_rubbed(&self, index: usize, segment: &SlideSegment) -> bool {
-        let wall = segment.against.map(|(wall, _)| wall);
+    /// Returns true if the body was pressed against the wall of `interval` (an interval of stage `index`) within
+    /// [`HISTORY`] before `interval`.
+    fn was_pressed_before(&self, index: usize, interval: &MotionInterval) -> bool {
+        let wall = interval.pressed_wall.map(|(wall, _)| wall);
         let start = self.stages[index].piece.start;
         for (stage_index, stage) in self.stages.iter().enumerate().take(index + 1).rev() {
-            // Start of the segment and end of this stage, both in seconds after the start of this stage.
-            let begin = (start - stage.piece.start).seconds() + segment.from;
-            let over = if stage_index == index {
+            // Start of the interval and end of `stage`, both in seconds after the start of `stage`.
+            let begin = (start - stage.piece.start).seconds() + interval.begin;
+            let stage_end = if stage_index == index {
                 begin
             } else {
                 (self.stages[stage_index + 1].piece.start - stage.piece.start).seconds()
             };
             let since = begin - HISTORY.seconds();
-            let is_same = |earlier: &SlideSegment| {
-                let end = (earlier.from + earlier.after).min(stage.piece.after).min(over);
-                earlier.against.map(|(wall, _)| wall) == wall && earlier.from < over && end >= since
+            let is_same = |earlier: &MotionInterval| {
+                let end = (earlier.begin + earlier.duration).min(stage.piece.duration).min(stage_end);
+                earlier.pressed_wall.map(|(wall, _)| wall) == wall && earlier.begin < stage_end && end >= since
             };
-            if stage.segments.iter().any(is_same) {
+            if stage.intervals.iter().any(is_same) {
                 return true;
             }
             if stage.is_placed || since > 0.0 {
@@ -987,29 +997,30 @@ impl Motion {
     }
 
     /// The impacts of the present slot up to `until`.
-    fn uncommitted(&mut self, until: Time) -> Vec<Impact> {
+    fn uncommitted_impacts(&mut self, until: Time) -> Vec<Impact> {
         self.index_at(until);
         let mut impacts = Vec::new();
-        // A stage that ended before the slot has no new impact, and is not looked at: its memory is cold.
+        // Stages that ended before the slot have no new impact. They are not read, because their memory is not in the
+        // cache.
         let first = self.stages.iter().rposition(|stage| stage.piece.start < self.committed).unwrap_or(0);
         for (index, stage) in self.stages.iter().enumerate().skip(first) {
             let piece = &stage.piece;
-            let bound = self.stages.get(index + 1).map_or(until, |next| next.piece.start.min(until));
+            let stage_end = self.stages.get(index + 1).map_or(until, |next| next.piece.start.min(until));
             let is_new = piece.start >= self.committed || !piece.has_ended(self.committed);
             if piece.start <= until {
-                let is_known = |segment: &&SlideSegment| {
-                    (self.committed - piece.start).seconds() >= segment.from && piece.start < self.committed
+                let is_known = |interval: &&MotionInterval| {
+                    (self.committed - piece.start).seconds() >= interval.begin && piece.start < self.committed
                 };
-                let has_begun = |segment: &&SlideSegment| (bound - piece.start).seconds() >= segment.from;
-                let segments = stage.segments.iter().skip_while(is_known).take_while(has_begun);
-                for segment in segments {
-                    let Some(impact) = segment_impact(&self.vehicle.model, stage, segment) else { continue };
-                    let fresh = impact.fresh && !self.has_rubbed(index, segment);
+                let has_begun = |interval: &&MotionInterval| (stage_end - piece.start).seconds() >= interval.begin;
+                let intervals = stage.intervals.iter().skip_while(is_known).take_while(has_begun);
+                for interval in intervals {
+                    let Some(impact) = interval_impact(&self.vehicle.model, stage, interval) else { continue };
+                    let fresh = impact.fresh && !self.was_pressed_before(index, interval);
                     impacts.push(Impact { fresh, ..impact });
                 }
             }
-            if piece.start <= until && is_new && piece.has_ended(bound) {
-                impacts.extend(impact_of(&self.vehicle.model, stage));
+            if piece.start <= until && is_new && piece.has_ended(stage_end) {
+                impacts.extend(stage_impact(&self.vehicle.model, stage));
             }
         }
         impacts
@@ -1021,13 +1032,13 @@ enum DriveEnd {
     /// The drive ends at this instant, or never on the present plan.
     At(Option<Time>),
     /// The drive does not end before this instant.
-    After(Time),
+    NotBefore(Time),
 }
 
 /// The impact that ends a stage.
-fn impact_of(model: &Model, stage: &Stage) -> Option<Impact> {
+fn stage_impact(model: &Model, stage: &Stage) -> Option<Impact> {
     let Cause::Impact { with, fresh } = stage.piece.cause else { return None };
-    let world_from_robot = stage.centre_after(model, stage.piece.after);
+    let world_from_robot = stage.centre_after(model, stage.piece.duration);
     let towards = world_from_robot.inverse_transform_point(with.point);
     Some(Impact {
         time: stage.piece.end(),
@@ -1039,17 +1050,17 @@ fn impact_of(model: &Model, stage: &Stage) -> Option<Impact> {
     })
 }
 
-/// The contact with which a segment begins.
-fn segment_impact(model: &Model, stage: &Stage, segment: &SlideSegment) -> Option<Impact> {
-    let (wall, point) = segment.against?;
-    let towards = stage.centre_after(model, segment.from).inverse_transform_point(point);
-    let time = stage.piece.start + Time::from_seconds_ceil(segment.from);
+/// The contact with which an interval begins.
+fn interval_impact(model: &Model, stage: &Stage, interval: &MotionInterval) -> Option<Impact> {
+    let (wall, point) = interval.pressed_wall?;
+    let towards = stage.centre_after(model, interval.begin).inverse_transform_point(point);
+    let time = stage.piece.start + Time::from_seconds_ceil(interval.begin);
     Some(Impact {
         time,
         known_at: time,
         thing: Thing::Wall(wall),
         point,
         bearing: math::atan2(towards.y, towards.x),
-        fresh: segment.is_fresh,
+        fresh: interval.is_fresh,
     })
 }

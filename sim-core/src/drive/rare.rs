@@ -1,20 +1,21 @@
-//! A part of a value that rarely differs from its default, and takes one word until then.
+//! A value that rarely differs from its default, and takes one machine word as long as it does not.
 
 use std::ops::{Deref, DerefMut};
 
-/// Default value of a [`Rare`] part, which holds until something is written to it.
-pub(super) trait Usual: Clone + PartialEq + 'static {
-    /// The usual value.
-    const USUAL: &'static Self;
+/// Types with a constant default value, for [`Rare`].
+pub(super) trait ConstDefault: Clone + PartialEq + 'static {
+    /// The default value.
+    const DEFAULT: &'static Self;
 }
 
-/// A `T` that is usually [`Usual::USUAL`]; any other value is kept apart. Stages are made at each tick of an erring drive, and copied.
+/// A `T` that is allocated only when it is written; until then it is [`ConstDefault::DEFAULT`]. This keeps stages
+/// small: a drive with errors makes and copies one at each tick.
 #[derive(Clone, Debug)]
 pub(super) struct Rare<T>(Option<Box<T>>);
 
 impl<T> Rare<T> {
-    /// The usual value.
-    pub const USUAL: Self = Self(None);
+    /// The default value, not yet written.
+    pub const DEFAULT: Self = Self(None);
 
     /// Returns true if nothing has been written.
     pub fn is_unwritten(&self) -> bool {
@@ -22,21 +23,21 @@ impl<T> Rare<T> {
     }
 }
 
-impl<T: Usual> Deref for Rare<T> {
+impl<T: ConstDefault> Deref for Rare<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        self.0.as_deref().unwrap_or(T::USUAL)
+        self.0.as_deref().unwrap_or(T::DEFAULT)
     }
 }
 
-impl<T: Usual> DerefMut for Rare<T> {
+impl<T: ConstDefault> DerefMut for Rare<T> {
     fn deref_mut(&mut self) -> &mut T {
-        self.0.get_or_insert_with(|| Box::new(T::USUAL.clone()))
+        self.0.get_or_insert_with(|| Box::new(T::DEFAULT.clone()))
     }
 }
 
-impl<T: Usual> PartialEq for Rare<T> {
+impl<T: ConstDefault> PartialEq for Rare<T> {
     fn eq(&self, other: &Self) -> bool {
         self.is_unwritten() && other.is_unwritten() || **self == **other
     }

@@ -1,13 +1,13 @@
-//! One stage of a plan: a piece of motion, the orders that it follows, and the walls that it meets.
+//! One stage of a plan: a piece of motion, the commands in force, and the walls that the body meets.
 
 use glam::DVec2;
 
 use super::{
     HISTORY,
-    command::{Orders, Pending},
+    command::{ActiveCommand, CommandState},
     control::{self, Actuation},
     hull::Hull,
-    imperfection::{ContactRule, ErringTwists, Vehicle},
+    imperfection::{ContactRule, DisturbedTwists, Vehicle},
     model::{DriveKind, Model},
     motion::Passage,
     piece::{Cause, Piece, Rates, State},
@@ -20,142 +20,146 @@ use crate::{
     time::{TICK, Time},
 };
 
-/// A piece of motion with all that is needed to continue after it.
+/// A piece of motion, with the data from which the next stage is computed.
 #[derive(Clone, Debug)]
 pub(super) struct Stage {
     pub piece: Piece,
-    pub orders: Orders,
-    /// State of wheels and controllers just before the stage, from which a further command at the same instant starts.
-    pub before: Actuation,
+    pub commands: CommandState,
+    /// State of wheels and controllers just before the stage. If another command arrives at the same instant, it starts
+    /// from this state.
+    pub actuation_before: Actuation,
     /// State of wheels and controllers during the stage.
-    pub during: Actuation,
+    pub actuation: Actuation,
     /// Path of the centre, without contacts.
     pub path: Path,
-    /// True twist of the axle that results from the orders; pressing an object may slow the robot below this twist.
-    pub ordered: Twist,
-    /// Fraction of the ordered twist that movable objects leave.
-    pub grip: Grip,
+    /// True twist of the axle, motion errors included, without movable objects; a robot that pushes an object may be
+    /// slower.
+    pub unhindered_twist: Twist,
+    /// Slow-down by movable objects.
+    pub slowdown: Slowdown,
     /// Seconds after the start up to which walls have been searched.
     pub explored: f64,
-    /// True if the stage begins with a placement of the robot, which ends all earlier contacts.
+    /// True if the stage begins with a placement of the robot. A placement ends all earlier contacts.
     pub is_placed: bool,
-    /// True if the errors include random ones, which hold for this tick only.
-    is_drawn: bool,
+    /// True if the motion has random errors, which are valid for this tick only.
+    has_random_errors: bool,
     /// Instant until which the robot moves without errors, because its errors would press it against a contact.
     error_free_until: Option<Time>,
-    /// True if the coming ticks change nothing.
-    steady: bool,
-    /// Motion of the body from its first contact with a wall, in order of time, if contacts make it slide.
-    pub segments: Vec<SlideSegment>,
+    /// True if no later tick changes the motion.
+    is_steady: bool,
+    /// Intervals of the motion from the first contact with a wall on, in order of time, for a body that can slide.
+    pub intervals: Vec<MotionInterval>,
 }
 
-/// A part of a stage that begins at a contact with a wall or where such a part ends.
+/// A part of a stage. It begins at a contact with a wall or at the end of the previous part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SlideSegment {
-    /// Seconds from the start of the stage to the start of the segment.
-    pub from: f64,
+pub(super) struct MotionInterval {
+    /// Seconds from the start of the stage to the start of the interval.
+    pub begin: f64,
     /// Duration in seconds; infinite while the end is not known.
-    pub after: f64,
+    pub duration: f64,
     /// Path of the centre.
     pub path: Path,
-    /// Length of the axle's path from the start of the stage to the start of the segment, m.
+    /// Length of the axle's path from the start of the stage to the start of the interval, m.
     pub length_before: f64,
     /// Wall against which the body is pressed, and the touched point.
-    pub against: Option<(WallId, DVec2)>,
-    /// True if the body did not touch the wall before this segment.
+    pub pressed_wall: Option<(WallId, DVec2)>,
+    /// True if the body did not touch the wall before this interval.
     pub is_fresh: bool,
-    /// Wall at which the segment ends, if the body did not touch that wall before.
-    pub meets: Option<WallId>,
+    /// Wall at which the interval ends, if the body did not touch that wall before.
+    pub next_wall: Option<WallId>,
 }
 
-impl SlideSegment {
-    /// Passage of the segment; `whole` is the passage of its stage.
-    fn passage(&self, whole: &Passage) -> Passage {
-        Passage { begin: self.from, after: (self.from + self.after).min(whole.after), path: self.path, ..*whole }
+impl MotionInterval {
+    /// Passage of the interval; `stage_passage` is the passage of its stage.
+    fn passage(&self, stage_passage: &Passage) -> Passage {
+        let end = (self.begin + self.duration).min(stage_passage.end);
+        Passage { begin: self.begin, end, path: self.path, ..*stage_passage }
     }
 
     /// Position of the centre `seconds` after the start of the stage.
     fn position(&self, seconds: f64) -> DVec2 {
-        self.path.position((seconds - self.from).clamp(0.0, self.after))
+        self.path.position((seconds - self.begin).clamp(0.0, self.duration))
     }
 
     /// Velocity of the centre `seconds` after the start of the stage, in the world, m/s.
     fn velocity(&self, seconds: f64) -> DVec2 {
-        self.path.velocity((seconds - self.from).clamp(0.0, self.after))
+        self.path.velocity((seconds - self.begin).clamp(0.0, self.duration))
     }
 }
 
-/// Slip ratio above which the wheels count as stalled: slip speed divided by the speed of the push. Our choice.
+/// Slip ratio above which the wheels are regarded as stalled: slip speed divided by the speed that the wheels command.
+/// Our choice.
 const STALL_SLIP: f64 = 0.5;
 
-/// Number of segments within [`SEGMENT_WINDOW_S`] after which the body rests. Our choice.
-const MAX_SEGMENTS: usize = 16;
+/// Number of intervals within [`INTERVAL_WINDOW_S`] after which the body rests. Our choice.
+const MAX_INTERVALS: usize = 16;
 
-/// Seconds within which [`MAX_SEGMENTS`] segments cause a rest; also the duration of that rest.
-const SEGMENT_WINDOW_S: f64 = 1e-3;
+/// Seconds within which [`MAX_INTERVALS`] intervals cause a rest; also the duration of that rest.
+const INTERVAL_WINDOW_S: f64 = 1e-3;
 
-/// Slow-down of a robot on its own path by movable objects.
+/// Slow-down of a robot by the objects that it pushes; the path stays the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Grip {
-    /// Fraction of the ordered twist with which the robot moves, 0 to 1.
+pub(super) struct Slowdown {
+    /// Twist of the robot as a fraction of the twist that it would have without objects, 0 to 1.
     pub fraction: f64,
-    /// The obstacle that the robot presses, for a share below 1.
+    /// The obstacle that the robot pushes if `fraction` is below 1.
     pub obstacle: Option<Obstacle>,
 }
 
-impl Grip {
-    /// Grip of a robot without obstacle.
-    pub const FREE: Self = Self { fraction: 1.0, obstacle: None };
+impl Slowdown {
+    /// No slow-down: the robot pushes nothing.
+    pub const NONE: Self = Self { fraction: 1.0, obstacle: None };
 }
 
-/// Seconds after the start up to which walls are searched first; each further search reaches twice as far.
-const FIRST_LOOK: f64 = 0.1;
+/// Length of the first search for walls, in seconds of motion; each further search reaches twice as far.
+const FIRST_SEARCH: f64 = 0.1;
 
 impl Stage {
-    /// The stage that obeys `orders` from `start` on, beginning with `state` and with `before` as the state of the
-    /// wheels. If the robot would approach a body of `touching`, it is blocked at once.
+    /// Stage that follows `commands` from `start` on. It begins with the robot in `state` and its wheels in
+    /// `actuation_before`. If the robot would approach a body of `touching`, it is blocked at once.
     pub fn open(
         vehicle: &Vehicle,
         start: Time,
         state: State,
-        orders: Orders,
-        before: Actuation,
+        commands: CommandState,
+        actuation_before: Actuation,
         touching: &[Body],
-        grip: Grip,
+        slowdown: Slowdown,
     ) -> Self {
         let model = &*vehicle.model;
-        let during = actuate(vehicle, start, &orders, &before);
-        let nominal = ordered_twist(model, &orders, &during);
-        let erring = vehicle.erring_twists(start, &orders, &during, nominal);
-        let (rates, after, cause) = motion_of(model, &orders, nominal, &erring, &during, grip.fraction);
+        let actuation = actuate(vehicle, start, &commands, &actuation_before);
+        let nominal = nominal_twist(model, &commands, &actuation);
+        let disturbed = vehicle.disturbed_twists(start, &commands, &actuation, nominal);
+        let (rates, duration, cause) = motion_of(model, &commands, nominal, &disturbed, &actuation, slowdown.fraction);
         let mut stage = Self {
-            piece: Piece { start, state, rates, after, cause },
-            orders,
-            before,
-            during,
+            piece: Piece { start, state, rates, duration, cause },
+            commands,
+            actuation_before,
+            actuation,
             path: Path::resting(DVec2::ZERO),
-            ordered: erring.truth,
-            grip,
+            unhindered_twist: disturbed.truth,
+            slowdown,
             explored: 0.0,
             is_placed: false,
-            is_drawn: erring.is_drawn,
+            has_random_errors: disturbed.are_random,
             error_free_until: None,
-            steady: false,
-            segments: Vec::new(),
+            is_steady: false,
+            intervals: Vec::new(),
         };
         stage.set_path(model);
         let mut obstacle = stage.approached(model.body_radius, touching);
-        if obstacle.is_some() && stage.is_erring() {
-            // Contacts with robots are found at ends of slots only, so the robot drives without errors for the time within which
-            // contacts count as one.
+        if obstacle.is_some() && stage.has_motion_errors() {
+            // Contacts with robots are found at ends of slots only. So the robot drives without errors for `HISTORY`:
+            // contacts that follow each other within this time are reported as one.
             stage.suppress_errors(model, start + HISTORY);
             obstacle = stage.approached(model.body_radius, touching);
         }
         if let Some(obstacle) = obstacle {
             stage.stop(0.0, obstacle, true);
         }
-        if let Grip { fraction: 0.0, obstacle: Some(obstacle) } = grip
-            && !stage.ordered.is_zero()
+        if let Slowdown { fraction: 0.0, obstacle: Some(obstacle) } = slowdown
+            && !stage.unhindered_twist.is_zero()
             && !matches!(cause, Cause::Arrived(_))
         {
             stage.stop(0.0, obstacle, false);
@@ -166,7 +170,7 @@ impl Stage {
     fn set_path(&mut self, model: &Model) {
         let centre = centre_of(model, &self.piece.state.world_from_axle);
         self.path = Path::new(&centre, self.twist_of_centre(model));
-        // A negative value, because a contact may stop the motion already at its start.
+        // Negative if the robot moves, because a contact may stop the motion at its very start.
         self.explored = if self.path.is_resting() { f64::INFINITY } else { -1.0 };
     }
 
@@ -175,18 +179,18 @@ impl Stage {
         self.piece.rates.truth.at_offset(DVec2::new(-model.axis_offset, 0.0))
     }
 
-    /// The segment in force `seconds` after the start of the stage; `None` before the first contact.
-    pub fn segment_at(&self, seconds: f64) -> Option<&SlideSegment> {
-        let index = self.segments.partition_point(|segment| segment.from <= seconds);
-        index.checked_sub(1).map(|last| &self.segments[last])
+    /// Interval that contains the instant `seconds` after the start of the stage; `None` before the first contact.
+    pub fn interval_at(&self, seconds: f64) -> Option<&MotionInterval> {
+        let index = self.intervals.partition_point(|interval| interval.begin <= seconds);
+        index.checked_sub(1).map(|current| &self.intervals[current])
     }
 
-    /// Seconds from the start of the stage to `at`, not beyond its end.
+    /// Seconds from the start of the stage to `at`, clamped to the stage's duration.
     fn seconds_at(&self, at: Time) -> f64 {
-        (at - self.piece.start).seconds().clamp(0.0, self.piece.after.max(0.0))
+        (at - self.piece.start).seconds().clamp(0.0, self.piece.duration.max(0.0))
     }
 
-    /// State at `at`, not before the start; a function of `at` alone.
+    /// State at `at`, which must not be before the start. It depends on nothing but `at`.
     pub fn state(&self, model: &Model, at: Time) -> State {
         self.state_after(model, (at - self.piece.start).seconds())
     }
@@ -194,131 +198,132 @@ impl Stage {
     /// State `seconds` after the start.
     fn state_after(&self, model: &Model, seconds: f64) -> State {
         let state = self.piece.state_after(seconds, self.path.direction);
-        let seconds = seconds.clamp(0.0, self.piece.after.max(0.0));
-        let Some(segment) = self.segment_at(seconds) else { return state };
-        let path =
-            self.piece.state.path + (segment.length_before + self.length_on(model, segment, seconds - segment.from));
-        State { world_from_axle: axle_of(model, &self.centre_after(model, seconds)), path, ..state }
+        let seconds = seconds.clamp(0.0, self.piece.duration.max(0.0));
+        let Some(interval) = self.interval_at(seconds) else { return state };
+        let covered = interval.length_before + self.covered_length(model, interval, seconds - interval.begin);
+        let path_length = self.piece.state.path_length + covered;
+        State { world_from_axle: axle_of(model, &self.centre_after(model, seconds)), path_length, ..state }
     }
 
-    /// Pose of the robot's centre at `at`, not before the start.
+    /// Pose of the robot's centre at `at`, which must not be before the start.
     pub fn centre(&self, model: &Model, at: Time) -> Pose {
         self.centre_after(model, self.seconds_at(at))
     }
 
+    /// Pose of the robot's centre `seconds` after the start.
     pub fn centre_after(&self, model: &Model, seconds: f64) -> Pose {
-        let seconds = seconds.clamp(0.0, self.piece.after.max(0.0));
-        let Some(segment) = self.segment_at(seconds) else {
+        let seconds = seconds.clamp(0.0, self.piece.duration.max(0.0));
+        let Some(interval) = self.interval_at(seconds) else {
             return centre_of(model, &self.piece.world_from_axle_after(seconds, self.path.direction));
         };
-        let heading = self.piece.state.world_from_axle.heading.turned(segment.path.omega() * seconds);
-        Pose { position: segment.position(seconds), heading }
+        let heading = self.piece.state.world_from_axle.heading.turned(interval.path.omega() * seconds);
+        Pose { position: interval.position(seconds), heading }
     }
 
     /// Appends the passages of the body from `from` to `to`; `until` is the start of the next stage.
     pub fn passages(&self, from: Time, until: Time, to: Time, passages: &mut Vec<Passage>) {
-        let Piece { start, state, after, .. } = self.piece;
+        let Piece { start, state, duration, .. } = self.piece;
         let heading = state.world_from_axle.heading;
-        let whole = Passage { start, begin: 0.0, until, after, path: self.path, heading };
-        if self.segments.is_empty() {
-            passages.push(whole);
+        let stage_passage = Passage { start, begin: 0.0, until, end: duration, path: self.path, heading };
+        if self.intervals.is_empty() {
+            passages.push(stage_passage);
             return;
         }
         let seconds = (from - start).seconds();
-        let first = self.segments.partition_point(|segment| segment.from <= seconds);
-        let begun = |segment: &&SlideSegment| (to.min(until) - start).seconds() >= segment.from;
-        let at_first = first.checked_sub(1).map_or(whole, |first| self.segments[first].passage(&whole));
-        passages.push(at_first);
-        for segment in self.segments[first..].iter().take_while(begun) {
-            let begin = segment.from;
-            let last = passages.last_mut().expect("one has been added");
-            last.until = start + Time::from_seconds_ceil(begin);
-            last.after = begin;
-            passages.push(segment.passage(&whole));
+        let next = self.intervals.partition_point(|interval| interval.begin <= seconds);
+        let has_begun = |interval: &&MotionInterval| (to.min(until) - start).seconds() >= interval.begin;
+        let current = next.checked_sub(1).map(|current| self.intervals[current].passage(&stage_passage));
+        passages.push(current.unwrap_or(stage_passage));
+        for interval in self.intervals[next..].iter().take_while(has_begun) {
+            let previous = passages.last_mut().expect("one passage has been added");
+            previous.until = start + Time::from_seconds_ceil(interval.begin);
+            previous.end = interval.begin;
+            passages.push(interval.passage(&stage_passage));
         }
     }
 
-    /// Length of the axle's path in the first `seconds` of a segment, m.
-    fn length_on(&self, model: &Model, segment: &SlideSegment, seconds: f64) -> f64 {
-        let omega = segment.path.omega();
-        let seconds = seconds.min(segment.after);
-        match segment.path.pace {
-            Pace::ConstantTwist if segment.against.is_none() => self.piece.rates.truth.speed() * seconds,
+    /// Length of the axle's path in the first `seconds` of an interval, m.
+    fn covered_length(&self, model: &Model, interval: &MotionInterval, seconds: f64) -> f64 {
+        let omega = interval.path.omega();
+        let seconds = seconds.min(interval.duration);
+        match interval.path.pace {
+            Pace::ConstantTwist if interval.pressed_wall.is_none() => self.piece.rates.truth.speed() * seconds,
             Pace::ConstantTwist => (omega * model.axis_offset * seconds).abs(),
             Pace::Sliding { law, .. } if model.axis_offset == 0.0 || omega == 0.0 => law.length(seconds),
             // If the axle is not at the centre, the length has no closed form.
             Pace::Sliding { .. } => {
-                let heading = self.piece.state.world_from_axle.heading.turned(omega * segment.from).direction();
+                let heading = self.piece.state.world_from_axle.heading.turned(omega * interval.begin).direction();
                 let speed = |t: f64| {
                     let (sin, cos) = math::sin_cos(omega * t);
-                    let ahead = heading.rotate(DVec2::new(cos, sin));
-                    (segment.path.velocity(t) + ahead.perp() * (omega * model.axis_offset)).length()
+                    let forward = heading.rotate(DVec2::new(cos, sin));
+                    (interval.path.velocity(t) + forward.perp() * (omega * model.axis_offset)).length()
                 };
-                gauss(speed, seconds)
+                integral(speed, seconds)
             }
         }
     }
 
-    /// The segment in force at `at`, if a wall presses the body, and the slip ratio: slip speed of the wheels over the
-    /// floor, divided by the speed of the push.
-    pub fn slip(&self, model: &Model, at: Time) -> Option<(&SlideSegment, f64)> {
+    /// Interval that contains `at` and slip ratio of the wheels, if the body is pressed against a wall. The slip ratio
+    /// is the slip speed of the wheels over the floor, divided by the speed that the wheels command.
+    pub fn slip(&self, model: &Model, at: Time) -> Option<(&MotionInterval, f64)> {
         if self.piece.has_ended(at) {
             return None;
         }
         let seconds = self.seconds_at(at);
-        let segment = self.segment_at(seconds).filter(|segment| segment.against.is_some())?;
+        let interval = self.interval_at(seconds).filter(|interval| interval.pressed_wall.is_some())?;
         let Twist { vx, vy, omega } = self.twist_of_centre(model);
         let heading = self.piece.state.world_from_axle.heading.turned(omega * seconds).direction();
-        let pushed = heading.rotate(DVec2::new(vx, vy));
-        let speed = pushed.length();
-        let slip = (pushed - segment.velocity(seconds)).length();
-        Some((segment, if speed > 0.0 { slip / speed } else { 0.0 }))
+        let commanded = heading.rotate(DVec2::new(vx, vy));
+        let commanded_speed = commanded.length();
+        let slip_speed = (commanded - interval.velocity(seconds)).length();
+        Some((interval, if commanded_speed > 0.0 { slip_speed / commanded_speed } else { 0.0 }))
     }
 
-    /// Returns true if the wheels slip so much at `at` that they count as stalled.
+    /// Returns true if the wheels slip so much at `at` that they are regarded as stalled.
     pub fn is_slipping(&self, model: &Model, at: Time) -> bool {
-        self.slip(model, at).is_some_and(|(_, fraction)| fraction > STALL_SLIP)
+        self.slip(model, at).is_some_and(|(_, ratio)| ratio > STALL_SLIP)
     }
 
-    /// Drops the segments that ended before `before`.
-    pub fn forget_segments(&mut self, before: Time) {
-        let seconds = (before - self.piece.start).seconds();
-        let end = self.segments.partition_point(|segment| segment.from <= seconds);
-        // Draining is worthwhile only for many segments at a time.
+    /// Drops the intervals that ended before `time`.
+    pub fn drop_intervals_before(&mut self, time: Time) {
+        let seconds = (time - self.piece.start).seconds();
+        let end = self.intervals.partition_point(|interval| interval.begin <= seconds);
+        // Draining is worthwhile only for many intervals at a time.
         if end > 64 {
-            self.segments.drain(..end - 1);
+            self.intervals.drain(..end - 1);
         }
     }
 
     /// Returns true if the true motion differs from the motion of error-free wheels.
-    fn is_erring(&self) -> bool {
+    fn has_motion_errors(&self) -> bool {
         self.piece.rates.truth != self.piece.rates.nominal
     }
 
-    /// Switches to motion without errors until `until`: the wheels slip where only errors would press the robot against
-    /// a contact.
+    /// Removes the motion errors until `until`, because only the errors press the robot against a contact; the wheels
+    /// are assumed to slip there.
     fn suppress_errors(&mut self, model: &Model, until: Time) {
-        self.ordered = ordered_twist(model, &self.orders, &self.during);
+        self.unhindered_twist = nominal_twist(model, &self.commands, &self.actuation);
         self.piece.rates.truth = self.piece.rates.nominal;
         self.error_free_until = Some(until);
         self.set_path(model);
     }
 
-    /// Ordered twist of the centre at `at` in the robot's frame, as limited by walls.
-    pub fn ordered_at_centre(&self, model: &Model, at: Time) -> Twist {
-        let ordered = self.ordered.at_offset(DVec2::new(-model.axis_offset, 0.0));
+    /// Twist of the centre at `at`, in the robot's frame, that walls allow and that only movable objects would reduce.
+    pub fn twist_without_objects(&self, model: &Model, at: Time) -> Twist {
+        let twist = self.unhindered_twist.at_offset(DVec2::new(-model.axis_offset, 0.0));
         let seconds = self.seconds_at(at);
-        let Some(segment) =
-            self.segment_at(seconds).filter(|segment| segment.against.is_some() && self.grip.fraction > 0.0)
+        let Some(interval) = self
+            .interval_at(seconds)
+            .filter(|interval| interval.pressed_wall.is_some() && self.slowdown.fraction > 0.0)
         else {
-            return ordered;
+            return twist;
         };
-        let heading = self.piece.state.world_from_axle.heading.turned(segment.path.omega() * seconds).direction();
-        let velocity = DVec2::new(heading.x, -heading.y).rotate(segment.velocity(seconds)) / self.grip.fraction;
-        Twist { vx: velocity.x, vy: velocity.y, ..ordered }
+        let heading = self.piece.state.world_from_axle.heading.turned(interval.path.omega() * seconds).direction();
+        let velocity = DVec2::new(heading.x, -heading.y).rotate(interval.velocity(seconds)) / self.slowdown.fraction;
+        Twist { vx: velocity.x, vy: velocity.y, ..twist }
     }
 
-    /// Returns true if a movable object holds the robot at `at`.
+    /// Returns true if a movable object blocks the robot at `at`.
     pub fn is_held(&self, at: Time) -> bool {
         matches!(self.piece.cause, Cause::Impact { with, .. } if matches!(with.thing, Thing::Object(_)))
             && self.piece.has_ended(at)
@@ -332,120 +337,122 @@ impl Stage {
         let velocity = self.path.velocity(0.0);
         touching.iter().find_map(|body| {
             let towards = (body.centre - self.path.origin).normalize_or_zero();
-            let in_contact = (body.centre - self.path.origin).length() <= radius + body.radius + TOUCH;
+            let is_in_contact = (body.centre - self.path.origin).length() <= radius + body.radius + TOUCH;
             let point = body.centre - towards * body.radius;
-            (in_contact && velocity.dot(towards) > APPROACH)
+            (is_in_contact && velocity.dot(towards) > APPROACH)
                 .then_some(Obstacle { thing: Thing::Robot(body.robot), point })
         })
     }
 
     /// Ends the stage after `seconds` at `obstacle`.
     pub fn stop(&mut self, seconds: f64, obstacle: Obstacle, fresh: bool) {
-        self.segments.retain(|segment| segment.from <= seconds);
-        self.piece.after = seconds;
+        self.intervals.retain(|interval| interval.begin <= seconds);
+        self.piece.duration = seconds;
         self.piece.cause = Cause::Impact { with: obstacle, fresh };
         self.explored = f64::INFINITY;
     }
 
-    /// Searches for walls up to `seconds` after the start. The first wall ends the stage, or begins a segment if the body
-    /// slides.
+    /// Searches for walls up to `seconds` after the start. At the first wall the stage ends or, if the body slides, an
+    /// interval begins.
     ///
-    /// The contact with each wall is computed for the whole path, and the intervals of the search are counted from the
+    /// The contact with each wall is computed for the whole path, and the steps of the search are counted from the
     /// start. So the result does not depend on earlier searches.
     #[inline]
     pub fn explore(&mut self, vehicle: &Vehicle, walls: &Walls, seconds: f64) {
-        if self.explored < seconds.min(self.piece.after) {
-            self.explore_on(vehicle, walls, seconds);
+        if self.explored < seconds.min(self.piece.duration) {
+            self.continue_exploring(vehicle, walls, seconds);
         }
     }
 
-    fn explore_on(&mut self, vehicle: &Vehicle, walls: &Walls, seconds: f64) {
-        while self.explored < seconds.min(self.piece.after) {
-            let last = self.segments.last().copied();
-            if let Some(SlideSegment { from, after, meets, against: Some(_), .. }) = last {
-                self.begin_segment(vehicle, walls, from + after, meets, meets.is_some());
+    fn continue_exploring(&mut self, vehicle: &Vehicle, walls: &Walls, seconds: f64) {
+        while self.explored < seconds.min(self.piece.duration) {
+            let last = self.intervals.last().copied();
+            if let Some(MotionInterval { begin, duration, next_wall, pressed_wall: Some(_), .. }) = last {
+                self.begin_interval(vehicle, walls, begin + duration, next_wall, next_wall.is_some());
                 continue;
             }
-            let start = last.map_or(0.0, |segment| segment.from);
-            let from = (self.explored - start).max(0.0);
-            let to = (2.0 * from).max(FIRST_LOOK);
-            self.explored = if from >= self.last_path().period() { f64::INFINITY } else { start + to };
+            let start = last.map_or(0.0, |interval| interval.begin);
+            let searched = (self.explored - start).max(0.0);
+            let search_to = (2.0 * searched).max(FIRST_SEARCH);
+            self.explored = if searched >= self.last_path().period() { f64::INFINITY } else { start + search_to };
             if self.explored.is_finite() {
-                self.explore_stretch(vehicle, walls, from, to.min(self.piece.after - start));
+                self.search_walls(vehicle, walls, searched, search_to.min(self.piece.duration - start));
             }
         }
     }
 
-    /// Path of the last segment found so far, or of the stage if there is no segment.
+    /// Path of the last interval found so far, or of the stage if there is no interval.
     fn last_path(&self) -> &Path {
-        self.segments.last().map_or(&self.path, |segment| &segment.path)
+        self.intervals.last().map_or(&self.path, |interval| &interval.path)
     }
 
-    fn explore_stretch(&mut self, vehicle: &Vehicle, walls: &Walls, from: f64, to: f64) {
+    /// Searches for the first wall on the last path, from `searched` to `search_to` seconds after the start of that
+    /// path.
+    fn search_walls(&mut self, vehicle: &Vehicle, walls: &Walls, searched: f64, search_to: f64) {
         let model = &*vehicle.model;
         let radius = model.body_radius;
-        let start = self.segments.last().map_or(0.0, |segment| segment.from);
+        let start = self.intervals.last().map_or(0.0, |interval| interval.begin);
         let path = *self.last_path();
-        let duration = self.piece.after - start;
-        let (middle, half_way) = path.surrounding_disc(from, to);
+        let duration = self.piece.duration - start;
+        let (middle, disc_radius) = path.surrounding_disc(searched, search_to);
         // One skin for the contact itself, one for rounding.
-        let reach = half_way + radius + 2.0 * SKIN;
+        let reach = disc_radius + radius + 2.0 * SKIN;
         let mut first: Option<(f64, WallId, Segment, bool)> = None;
         walls.for_each_in(Bounds::of_disc(middle, reach), |id, wall| {
             if (wall.nearest_point(middle) - middle).length_squared() > reach * reach {
                 return;
             }
             let Some(contact) = first_contact(&path, radius, wall, duration) else { return };
-            let is_first = first.is_none_or(|(after, best, ..)| (contact.after, id) < (after, best));
-            if contact.after <= to && is_first {
-                first = Some((contact.after, id, *wall, contact.fresh));
+            let is_first = first.is_none_or(|(seconds, best, ..)| (contact.seconds, id) < (seconds, best));
+            if contact.seconds <= search_to && is_first {
+                first = Some((contact.seconds, id, *wall, contact.fresh));
             }
         });
         // A drive that ends exactly at the contact has reached its target.
-        let Some((after, id, wall, fresh)) = first.filter(|(after, ..)| *after < duration) else { return };
+        let Some((seconds, id, wall, fresh)) = first.filter(|(seconds, ..)| *seconds < duration) else { return };
         if vehicle.contact != ContactRule::Stall {
-            if let Some(segment) = self.segments.last_mut() {
-                segment.after = after;
+            if let Some(interval) = self.intervals.last_mut() {
+                interval.duration = seconds;
             }
-            return self.begin_segment(vehicle, walls, start + after, Some(id), fresh);
+            return self.begin_interval(vehicle, walls, start + seconds, Some(id), fresh);
         }
-        if after == 0.0 && self.is_erring() {
+        if seconds == 0.0 && self.has_motion_errors() {
             return self.suppress_errors(model, self.next_tick());
         }
-        let point = wall.nearest_point(path.position(after));
-        self.stop(after, Obstacle { thing: Thing::Wall(id), point }, fresh);
+        let point = wall.nearest_point(path.position(seconds));
+        self.stop(seconds, Obstacle { thing: Thing::Wall(id), point }, fresh);
     }
 
-    /// Begins the segment that follows a contact or another segment, `from` seconds after the start. `met` is the wall met at
-    /// that instant; `is_fresh` states that the body did not touch it before.
-    fn begin_segment(&mut self, vehicle: &Vehicle, walls: &Walls, from: f64, met: Option<WallId>, is_fresh: bool) {
+    /// Begins the interval that follows a contact or another interval, `begin` seconds after the start. `met` is the
+    /// wall that the body meets at that instant; `is_fresh` is true if the body did not touch that wall before.
+    fn begin_interval(&mut self, vehicle: &Vehicle, walls: &Walls, begin: f64, met: Option<WallId>, is_fresh: bool) {
         let model = &*vehicle.model;
         let ContactRule::Slide { friction } = vehicle.contact else { return };
-        let centre = self.centre_after(model, from);
-        let distance = self.state_after(model, from).path - self.piece.state.path;
+        let centre = self.centre_after(model, begin);
+        let length_before = self.state_after(model, begin).path_length - self.piece.state.path_length;
         let push = Push { free: Path::new(&centre, self.twist_of_centre(model)), radius: model.body_radius, friction };
-        let earlier = self.segments.len().checked_sub(MAX_SEGMENTS).map(|earlier| self.segments[earlier].from);
-        let slide = if earlier.is_some_and(|earlier| from - earlier < SEGMENT_WINDOW_S) {
-            push.resting(SEGMENT_WINDOW_S, self.segments.last().and_then(|segment| segment.against))
+        let earlier_begin = self.intervals.len().checked_sub(MAX_INTERVALS).map(|index| self.intervals[index].begin);
+        let slide = if earlier_begin.is_some_and(|earlier_begin| begin - earlier_begin < INTERVAL_WINDOW_S) {
+            push.resting(INTERVAL_WINDOW_S, self.intervals.last().and_then(|interval| interval.pressed_wall))
         } else {
-            push.slide(walls, met, self.piece.after - from)
+            push.slide(walls, met, self.piece.duration - begin)
         };
-        self.explored = match slide.against {
+        self.explored = match slide.pressed_wall {
             // The body leaves its contacts, so the next wall must be searched from here on.
-            None => from,
-            Some(_) if from + slide.after < self.piece.after => from + slide.after,
+            None => begin,
+            Some(_) if begin + slide.duration < self.piece.duration => begin + slide.duration,
             Some(_) => f64::INFINITY,
         };
-        let Slide { path, after, against, meets } = slide;
-        self.segments.push(SlideSegment { from, after, path, length_before: distance, against, is_fresh, meets });
+        let Slide { path, duration, pressed_wall, next_wall } = slide;
+        self.intervals.push(MotionInterval { begin, duration, path, length_before, pressed_wall, is_fresh, next_wall });
     }
 
-    /// The stage that a tick opens after this one, if that happens up to `limit`. Only wheels with a lag, robots with
-    /// errors and hulls in the water have such stages.
+    /// The next stage, if a tick not later than `limit` starts one. Only wheels with a lag, robots with errors and
+    /// hulls in the water have such stages.
     pub fn next(&mut self, vehicle: &Vehicle, walls: &Walls, limit: Time) -> Option<Self> {
         let model = &*vehicle.model;
         if let Some(hull) = &vehicle.hull {
-            return self.next_afloat(vehicle, hull, walls, limit);
+            return self.next_of_hull(vehicle, hull, walls, limit);
         }
         if self.has_no_ticks(vehicle) {
             return None;
@@ -454,100 +461,105 @@ impl Stage {
         if tick > limit {
             return None;
         }
-        let is_settled = model.wheel_lag == 0.0 || self.step(model) == self.during;
-        if is_settled && !self.is_erring() && !self.is_drawn && self.error_free_until.is_none() {
-            self.steady = true;
+        let is_settled = model.wheel_lag == 0.0 || self.step(model) == self.actuation;
+        if is_settled && !self.has_motion_errors() && !self.has_random_errors && self.error_free_until.is_none() {
+            self.is_steady = true;
             return None;
         }
-        if is_settled && !self.is_drawn && self.error_free_until.is_none() && vehicle.contact != ContactRule::Stall {
+        if is_settled
+            && !self.has_random_errors
+            && self.error_free_until.is_none()
+            && vehicle.contact != ContactRule::Stall
+        {
             // The errors are constant, and walls do not end the piece.
-            self.steady = true;
+            self.is_steady = true;
             return None;
         }
         self.explore(vehicle, walls, (tick - self.piece.start).seconds());
-        if self.piece.has_ended(tick) || is_settled && !self.is_drawn && self.error_free_until.is_none() {
+        if self.piece.has_ended(tick) || is_settled && !self.has_random_errors && self.error_free_until.is_none() {
             return self.next_after_contact(vehicle, walls, limit);
         }
-        Some(self.at_tick(vehicle, tick))
+        Some(self.open_at_tick(vehicle, tick))
     }
 
-    /// Returns true if no tick opens another stage after this one.
+    /// Returns true if no tick starts another stage after this one.
     #[inline]
     pub fn has_no_ticks(&self, vehicle: &Vehicle) -> bool {
-        self.steady || vehicle.model.wheel_lag == 0.0 && vehicle.errors.is_none() && vehicle.hull.is_none()
+        self.is_steady || vehicle.model.wheel_lag == 0.0 && vehicle.errors.is_none() && vehicle.hull.is_none()
     }
 
     /// Lower bound of the end of this stage: no wall, target or tick ends the stage before this instant. The start of
     /// the stage if no better bound is known.
-    pub fn steady_until(&self, vehicle: &Vehicle) -> Time {
-        // Each segment along a wall is published by itself, so no bound is given.
-        if !self.has_no_ticks(vehicle) || !self.segments.is_empty() {
+    pub fn unchanged_until(&self, vehicle: &Vehicle) -> Time {
+        // Each interval along a wall is reported separately, so its end may come at any time: no bound is known.
+        if !self.has_no_ticks(vehicle) || !self.intervals.is_empty() {
             return self.piece.start;
         }
-        let explored_end = self.explored.min(self.piece.after).max(0.0);
+        let explored_end = self.explored.min(self.piece.duration).max(0.0);
         self.piece.start.saturating_add(Time::from_seconds_ceil(explored_end)) - Time(1)
     }
 
-    /// The stage of a hull that a tick opens after this one, if that happens up to `limit`. While nothing changes only the
-    /// first tick after a contact with a wall opens one.
-    fn next_afloat(&mut self, vehicle: &Vehicle, hull: &Hull, walls: &Walls, limit: Time) -> Option<Self> {
+    /// The next stage of a hull, if a tick not later than `limit` starts one. If the hull's motion is steady, only the
+    /// first tick after a contact with a wall starts a new stage.
+    fn next_of_hull(&mut self, vehicle: &Vehicle, hull: &Hull, walls: &Walls, limit: Time) -> Option<Self> {
         let mut tick = self.next_tick();
         if tick > limit {
             return None;
         }
-        self.steady = swim(&vehicle.model, hull, &self.orders, &self.during) == self.during;
-        if self.steady {
+        self.is_steady = step_hull(&vehicle.model, hull, &self.commands, &self.actuation) == self.actuation;
+        if self.is_steady {
             self.explore(vehicle, walls, (limit - self.piece.start).seconds());
-            let contact = self.piece.start + Time::from_seconds_ceil(self.segments.first()?.from);
+            let contact = self.piece.start + Time::from_seconds_ceil(self.intervals.first()?.begin);
             tick = tick.max((contact + (TICK - Time(1))).floor_to(TICK));
         } else {
             self.explore(vehicle, walls, (tick - self.piece.start).seconds());
         }
-        (tick <= limit && !self.piece.has_ended(tick)).then(|| self.at_tick(vehicle, tick))
+        (tick <= limit && !self.piece.has_ended(tick)).then(|| self.open_at_tick(vehicle, tick))
     }
 
-    /// Height of a hull above the floor at `at`, m; of other robots 0.
-    pub fn lift(&self, at: Time) -> f64 {
-        let lift = self.during.memory.afloat.lift;
-        lift - self.during.rates[3] * (self.next_tick() - at).seconds().max(0.0)
+    /// Height of a hull's frame above the floor at `at`, m; 0 for other robots.
+    pub fn hull_height(&self, at: Time) -> f64 {
+        let height_at_tick = self.actuation.memory.hull.height;
+        height_at_tick - self.actuation.rates[3] * (self.next_tick() - at).seconds().max(0.0)
     }
 
-    /// The change of a hull's velocity by a contact at `at`, in its frame, m/s: the part of its speed that the contact takes away.
-    fn impulse(&self, model: &Model, at: Time) -> DVec2 {
+    /// Change of a hull's velocity by the contact with a wall at `at`, in the hull's frame, m/s.
+    fn velocity_change(&self, model: &Model, at: Time) -> DVec2 {
         let seconds = self.seconds_at(at);
-        let Some(segment) = self.segment_at(seconds).filter(|segment| segment.against.is_some()) else {
+        let Some(interval) = self.interval_at(seconds).filter(|interval| interval.pressed_wall.is_some()) else {
             return DVec2::ZERO;
         };
         let Twist { vx, vy, omega } = self.twist_of_centre(model);
         let heading = self.piece.state.world_from_axle.heading.turned(omega * seconds).direction();
-        DVec2::new(heading.x, -heading.y).rotate(segment.velocity(seconds)) - DVec2::new(vx, vy)
+        DVec2::new(heading.x, -heading.y).rotate(interval.velocity(seconds)) - DVec2::new(vx, vy)
     }
 
-    /// The stage that the first tick opens after errors have moved the body against a wall, if that happens up to
-    /// `limit`. `None` if the next stage would press against a wall too.
+    /// The stage that begins at the first tick after errors have moved the body against a wall, if that tick is not
+    /// later than `limit`. `None` if the body would be pressed against a wall in that stage too.
     fn next_after_contact(&mut self, vehicle: &Vehicle, walls: &Walls, limit: Time) -> Option<Self> {
         self.explore(vehicle, walls, (limit - self.piece.start).seconds());
         let tick = (self.piece.end() + (TICK - Time(1))).floor_to(TICK);
         if !self.piece.has_ended(limit) || tick > limit {
             return None;
         }
-        if self.is_erring()
+        if self.has_motion_errors()
             && matches!(self.piece.cause, Cause::Impact { with, .. } if matches!(with.thing, Thing::Wall(_)))
         {
-            let mut next = self.at_tick(vehicle, tick);
+            let mut next = self.open_at_tick(vehicle, tick);
             next.explore(vehicle, walls, 0.0);
-            if next.piece.after > 0.0 || !matches!(next.piece.cause, Cause::Impact { .. }) {
+            if next.piece.duration > 0.0 || !matches!(next.piece.cause, Cause::Impact { .. }) {
                 return Some(next);
             }
         }
-        self.steady = true;
+        self.is_steady = true;
         None
     }
 
-    fn at_tick(&self, vehicle: &Vehicle, tick: Time) -> Self {
-        let (state, orders) = (self.state(&vehicle.model, tick), self.orders_at(tick));
-        let before = self.actuation_before(&vehicle.model, tick);
-        let mut next = Self::open(vehicle, tick, state, orders, before, &[], self.grip);
+    /// Stage that begins at `tick` with the commands in force.
+    fn open_at_tick(&self, vehicle: &Vehicle, tick: Time) -> Self {
+        let (state, commands) = (self.state(&vehicle.model, tick), self.commands_at(tick));
+        let actuation_before = self.actuation_before(&vehicle.model, tick);
+        let mut next = Self::open(vehicle, tick, state, commands, actuation_before, &[], self.slowdown);
         if let Some(until) = self.error_free_until.filter(|until| *until > tick) {
             next.suppress_errors(&vehicle.model, until);
         }
@@ -561,36 +573,37 @@ impl Stage {
 
     /// State of wheels and controllers one tick later.
     fn step(&self, model: &Model) -> Actuation {
-        let Orders { controllers, pending, steering } = &self.orders;
-        control::step(model, controllers, pending.target(), *steering, &self.during)
+        let CommandState { controllers, active, steering } = &self.commands;
+        control::step(model, controllers, active.target(), *steering, &self.actuation)
     }
 
-    /// The orders in force at `at`, with the part of a drive that is left.
-    pub fn orders_at(&self, at: Time) -> Orders {
-        let pending = match self.orders.pending {
-            Pending::Drive { whole, remaining, rate } => {
+    /// The commands in force at `at`; a drive with its remaining displacement.
+    pub fn commands_at(&self, at: Time) -> CommandState {
+        let active = match self.commands.active {
+            ActiveCommand::Drive { total, remaining, rate } => {
                 if matches!(self.piece.cause, Cause::Arrived(_)) && self.piece.has_ended(at) {
-                    Pending::Idle
+                    ActiveCommand::Idle
                 } else {
-                    let seconds = (at - self.piece.start).seconds().min(self.piece.after);
-                    let distance = self.piece.covered(self.piece.rates.nominal, seconds);
+                    let seconds = (at - self.piece.start).seconds().min(self.piece.duration);
+                    let covered = self.piece.covered(self.piece.rates.nominal, seconds);
                     let remaining = Twist {
-                        vx: remaining.vx - distance.vx,
-                        vy: remaining.vy - distance.vy,
-                        omega: remaining.omega - distance.omega,
+                        vx: remaining.vx - covered.vx,
+                        vy: remaining.vy - covered.vy,
+                        omega: remaining.omega - covered.omega,
                     };
-                    Pending::Drive { whole, remaining, rate }
+                    ActiveCommand::Drive { total, remaining, rate }
                 }
             }
             other => other,
         };
-        Orders { pending, steering: self.orders.steering, controllers: self.orders.controllers.clone() }
+        CommandState { active, steering: self.commands.steering, controllers: self.commands.controllers.clone() }
     }
 
-    /// End of the drive, rounded up to a microsecond; `None` if there is no drive or an obstacle stops the body before.
+    /// End of the drive, rounded up to a microsecond; `None` if there is no drive or an obstacle stops the body before
+    /// its target.
     pub fn drive_end(&mut self, vehicle: &Vehicle, walls: &Walls) -> Option<Time> {
         if vehicle.contact == ContactRule::Stall {
-            self.explore(vehicle, walls, self.piece.after);
+            self.explore(vehicle, walls, self.piece.duration);
         }
         matches!(self.piece.cause, Cause::Arrived(_)).then(|| self.piece.end())
     }
@@ -598,26 +611,26 @@ impl Stage {
     /// State of wheels, controllers and hull just before `at`.
     pub fn actuation_before(&self, model: &Model, at: Time) -> Actuation {
         if at == self.piece.start {
-            return self.before.clone();
+            return self.actuation_before.clone();
         }
-        let mut before = self.during.clone();
-        let is_afloat = model.kind == DriveKind::Thrusters;
+        let mut actuation = self.actuation.clone();
+        let is_hull = model.kind == DriveKind::Thrusters;
         if self.piece.has_ended(at) {
-            // A hull that is held continues to rise or sink.
-            before.rates = [0.0, 0.0, 0.0, if is_afloat { before.rates[3] } else { 0.0 }];
-            if is_afloat {
-                before.memory.afloat.velocity[..3].fill(0.0);
+            // A blocked hull continues to rise or sink.
+            actuation.rates = [0.0, 0.0, 0.0, if is_hull { actuation.rates[3] } else { 0.0 }];
+            if is_hull {
+                actuation.memory.hull.velocity[..3].fill(0.0);
             }
-        } else if is_afloat && at.floor_to(TICK) == at {
-            let impulse = self.impulse(model, at);
-            let [ahead, sideways, ..] = &mut before.memory.afloat.velocity;
-            *ahead += impulse.x;
-            *sideways += impulse.y;
+        } else if is_hull && at.floor_to(TICK) == at {
+            let change = self.velocity_change(model, at);
+            let [forwards, sideways, ..] = &mut actuation.memory.hull.velocity;
+            *forwards += change.x;
+            *sideways += change.y;
         }
-        before
+        actuation
     }
 
-    /// The robot that ends the stage by blocking the body, with the touched point.
+    /// The robot that blocks the body at the end of the stage, with the touched point.
     pub fn blocker(&self) -> Option<Obstacle> {
         match self.piece.cause {
             Cause::Impact { with, .. } if matches!(with.thing, Thing::Robot(_)) => Some(with),
@@ -641,7 +654,7 @@ pub(super) fn axle_of(model: &Model, world_from_robot: &Pose) -> Pose {
 }
 
 /// Integral of a smooth function from 0 to `end`, by Gauss-Legendre quadrature with 8 points on each of 4 parts.
-fn gauss(f: impl Fn(f64) -> f64, end: f64) -> f64 {
+fn integral(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     const NODES: [(f64, f64); 4] = [
         (0.183_434_642_495_649_8, 0.362_683_783_378_362),
         (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -655,65 +668,67 @@ fn gauss(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     half * (0..4).map(|index| part(half * f64::from(2 * index + 1))).sum::<f64>()
 }
 
-/// State of wheels, controllers and hull from `start` on: wheels without lag follow their orders at once; wheels with a lag
-/// and a hull advance one step if `start` is a tick.
-fn actuate(vehicle: &Vehicle, start: Time, orders: &Orders, before: &Actuation) -> Actuation {
+/// State of wheels, controllers and hull from `start` on. Wheels without lag follow their commands at once. A hull, and
+/// wheels with a lag, advance by one step if `start` is a tick.
+fn actuate(vehicle: &Vehicle, start: Time, commands: &CommandState, before: &Actuation) -> Actuation {
     let model = &*vehicle.model;
     if let Some(hull) = &vehicle.hull {
-        if start.floor_to(TICK) == start { swim(model, hull, orders, before) } else { before.clone() }
+        if start.floor_to(TICK) == start { step_hull(model, hull, commands, before) } else { before.clone() }
     } else if model.wheel_lag == 0.0 {
-        Actuation { rates: orders.pending.target().wheels(model), memory: before.memory.clone() }
+        Actuation { rates: commands.active.target().wheels(model), memory: before.memory.clone() }
     } else if start.floor_to(TICK) == start {
-        control::step(model, &orders.controllers, orders.pending.target(), orders.steering, before)
+        control::step(model, &commands.controllers, commands.active.target(), commands.steering, before)
     } else {
         before.clone()
     }
 }
 
-/// One tick of a hull.
-fn swim(model: &Model, hull: &Hull, orders: &Orders, before: &Actuation) -> Actuation {
+/// State of a hull after one more tick.
+fn step_hull(model: &Model, hull: &Hull, commands: &CommandState, before: &Actuation) -> Actuation {
     let mut after = before.clone();
     let memory = &mut *after.memory;
-    (after.rates, memory.afloat) = hull.step(model, &orders.pending.target().wheels(model), &memory.afloat);
+    (after.rates, memory.hull) = hull.step(model, &commands.active.target().wheels(model), &memory.hull);
     after
 }
 
-/// Twist of the axle that the orders ask for.
-fn ordered_twist(model: &Model, orders: &Orders, during: &Actuation) -> Twist {
-    match orders.pending {
-        // The ordered twist itself is exact; a conversion to wheel rates and back would round.
-        Pending::Twist(twist) | Pending::Drive { rate: twist, .. } if model.wheel_lag == 0.0 => twist,
-        _ => model.twist_from_wheels(&during.rates, orders.steering),
+/// Twist of the axle that the commands give with error-free wheels.
+fn nominal_twist(model: &Model, commands: &CommandState, actuation: &Actuation) -> Twist {
+    match commands.active {
+        // The commanded twist itself is exact; a conversion to wheel rates and back would round.
+        ActiveCommand::Twist(twist) | ActiveCommand::Drive { rate: twist, .. } if model.wheel_lag == 0.0 => twist,
+        _ => model.twist_from_wheels(&actuation.rates, commands.steering),
     }
 }
 
-/// Rates, duration in seconds and reason of the end of a piece without walls; `fraction` is the fraction of the ordered
-/// twist.
+/// Rates, duration in seconds and reason of the end of a piece without walls. `fraction` is the fraction of the twists
+/// at which the robot moves.
 fn motion_of(
     model: &Model,
-    orders: &Orders,
-    ordered: Twist,
-    erring: &ErringTwists,
-    during: &Actuation,
+    commands: &CommandState,
+    nominal_twist: Twist,
+    disturbed: &DisturbedTwists,
+    actuation: &Actuation,
     fraction: f64,
 ) -> (Rates, f64, Cause) {
     // A factor of 1 keeps the result bit-identical.
-    let nominal = ordered.scaled(fraction);
+    let nominal = nominal_twist.scaled(fraction);
     let rates = Rates {
-        truth: erring.truth.scaled(fraction),
+        truth: disturbed.truth.scaled(fraction),
         nominal,
-        odometry: erring.odometry.scaled(fraction),
-        wheels: during.rates.map(|rate| rate * fraction),
+        odometry: disturbed.odometry.scaled(fraction),
+        wheels: actuation.rates.map(|rate| rate * fraction),
     };
-    let Pending::Drive { whole, remaining, .. } = orders.pending else { return (rates, f64::INFINITY, Cause::Open) };
-    let remaining_path = Pending::progress(whole, remaining);
-    let speed = Pending::progress(whole, ordered);
+    let ActiveCommand::Drive { total, remaining, .. } = commands.active else {
+        return (rates, f64::INFINITY, Cause::Open);
+    };
+    let remaining_path = ActiveCommand::progress(total, remaining);
+    let speed = ActiveCommand::progress(total, nominal_twist);
     if remaining_path <= 0.0 || (speed <= 0.0 && model.wheel_lag == 0.0) {
         (rates, 0.0, Cause::Arrived(if model.wheel_lag == 0.0 { remaining } else { Twist::ZERO }))
     } else if speed <= 0.0 || fraction == 0.0 {
         (rates, f64::INFINITY, Cause::Open)
     } else {
-        let after = remaining_path / (speed * fraction);
-        (rates, after, Cause::Arrived(if model.wheel_lag == 0.0 { remaining } else { nominal.scaled(after) }))
+        let duration = remaining_path / (speed * fraction);
+        (rates, duration, Cause::Arrived(if model.wheel_lag == 0.0 { remaining } else { nominal.scaled(duration) }))
     }
 }

@@ -45,18 +45,18 @@ pub struct Bodies {
     /// Robots that are enabled in the world, in ascending order.
     present: Vec<RobotId>,
     awake: Vec<Awake>,
-    /// Owner of each rigid body, by the index of its handle.
+    /// Owner of each rigid body, indexed by the index of its handle.
     owners: Vec<Owner>,
     /// Length of a step, s.
     step: f64,
 }
 
-/// An object that is awake before the step.
+/// An object that is awake at the start of the step.
 struct Awake {
     index: usize,
-    /// Speed that floor friction takes away after the step, m/s.
-    after: f64,
-    /// For an object pushed from rest: the direction of the push, and the object's pose before.
+    /// Loss of speed by floor friction after the solver's step, m/s.
+    loss_after: f64,
+    /// For an object that is pushed from rest: the direction of the push, and the object's pose before the step.
     pushed: Option<(DVec2, RigidPose)>,
 }
 
@@ -76,20 +76,21 @@ const ROBOTS: Group = Group::GROUP_3;
 const TIME_UNTIL_SLEEP: f64 = 0.02;
 
 impl Bodies {
-    /// True if this build has rigid bodies: the feature `objects` is on.
+    /// True, because this build has rigid bodies: the feature `objects` is on.
     pub const ARE_BUILT: bool = true;
 
-    /// Objects at rest at their poses among `walls`, with ids in order from 1.
+    /// Creates the bodies of `walls` and of objects at rest at the given poses; the ids of the objects are 1, 2, ...
     pub fn new(walls: &Walls, objects: impl IntoIterator<Item = (Arc<Properties>, Pose)>) -> Self {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::ZERO;
         let parameters = &mut world.integration_parameters;
-        // Penetrations of robots and crates are resolved within a few ms instead of a tenth of a second.
+        // With these spring coefficients, penetrations of robots and crates are resolved within a few ms; the default
+        // values would need a tenth of a second.
         parameters.contact_softness = SpringCoefficients::new(240.0, 10.0);
         parameters.static_contact_softness = SpringCoefficients::new(480.0, 10.0);
         parameters.normalized_allowed_linear_error = 1e-5;
         parameters.normalized_max_corrective_velocity = 1.0;
-        // Contacts are recomputed in each step, since recycled contacts may be off by several mm.
+        // Contacts are computed again in each step, since recycled contacts may have errors of several mm.
         parameters.contact_recycling = false;
         let mut bodies = Self {
             world,
@@ -108,7 +109,7 @@ impl Bodies {
         bodies
     }
 
-    /// Adds an object at rest and awake; its id is the next one.
+    /// Adds an object at rest and awake; returns its id, the next one.
     pub fn add(&mut self, properties: Arc<Properties>, pose: Pose) -> ObjectId {
         self.insert_object(properties, pose);
         ObjectId::from_index(self.objects.len() - 1)
@@ -117,9 +118,9 @@ impl Bodies {
     /// Removes an object from the world and keeps its last state.
     pub fn remove(&mut self, object: ObjectId) {
         let state = self.state(object);
-        let thing = &mut self.objects[object.index()];
-        if thing.final_state.replace(state).is_none() {
-            self.world.remove_body(thing.handle);
+        let object_body = &mut self.objects[object.index()];
+        if object_body.final_state.replace(state).is_none() {
+            self.world.remove_body(object_body.handle);
         }
     }
 
@@ -138,7 +139,7 @@ impl Bodies {
 
     fn insert_walls(&mut self, walls: &Walls) {
         let ground = self.world.insert_body(RigidBodyBuilder::fixed());
-        self.own(ground, Owner::Wall);
+        self.set_owner(ground, Owner::Wall);
         for wall in walls.segments() {
             if !(wall.a.is_finite() && wall.b.is_finite()) {
                 continue;
@@ -181,7 +182,7 @@ impl Bodies {
                 .collision_groups(groups(OBJECTS, Group::ALL));
             self.world.insert_collider(collider, Some(handle));
         }
-        self.own(handle, Owner::Object(self.objects.len()));
+        self.set_owner(handle, Owner::Object(self.objects.len()));
         let gyration_squared = properties.gyration_squared();
         self.objects.push(ObjectBody {
             properties,
@@ -193,7 +194,7 @@ impl Bodies {
         });
     }
 
-    fn own(&mut self, handle: RigidBodyHandle, owner: Owner) {
+    fn set_owner(&mut self, handle: RigidBodyHandle, owner: Owner) {
         let index = handle.into_raw_parts().0 as usize;
         self.owners.resize(self.owners.len().max(index + 1), Owner::Wall);
         self.owners[index] = owner;
@@ -220,13 +221,13 @@ impl Bodies {
 
     /// Pose and velocity of an object; its last state if it was removed.
     pub fn state(&self, object: ObjectId) -> State {
-        let thing = &self.objects[object.index()];
-        if let Some(state) = thing.final_state {
+        let object_body = &self.objects[object.index()];
+        if let Some(state) = object_body.final_state {
             return state;
         }
-        let body = &self.world.bodies[thing.handle];
+        let body = &self.world.bodies[object_body.handle];
         State {
-            world_from_object: Pose { position: plain(body.translation()), heading: thing.heading },
+            world_from_object: Pose { position: plain(body.translation()), heading: object_body.heading },
             velocity: plain(body.linvel()),
             omega: body.angvel(),
         }
@@ -242,19 +243,19 @@ impl Bodies {
 
     /// Places an object at `world_from_object`, at rest and awake.
     pub fn place(&mut self, object: ObjectId, world_from_object: Pose) {
-        let thing = &mut self.objects[object.index()];
-        thing.heading = world_from_object.heading;
-        let body = &mut self.world.bodies[thing.handle];
+        let object_body = &mut self.objects[object.index()];
+        object_body.heading = world_from_object.heading;
+        let body = &mut self.world.bodies[object_body.handle];
         body.set_position(rigid_pose(&world_from_object), true);
         body.set_linvel(Vector::ZERO, true);
         body.set_angvel(0.0, true);
     }
 
-    /// Returns true if an object is asleep or removed. An object falls asleep after some time at rest; only a push
-    /// wakes it.
+    /// Returns true if an object is asleep or removed. An object falls asleep after some time at rest, and wakes when
+    /// it is pushed, placed or given a velocity.
     pub fn is_asleep(&self, object: ObjectId) -> bool {
-        let thing = &self.objects[object.index()];
-        thing.final_state.is_some() || self.world.bodies[thing.handle].is_sleeping()
+        let object_body = &self.objects[object.index()];
+        object_body.final_state.is_some() || self.world.bodies[object_body.handle].is_sleeping()
     }
 
     /// Objects that are awake, in ascending order.
@@ -264,19 +265,19 @@ impl Bodies {
 
     /// Kinetic energy of all objects, J.
     pub fn energy(&self) -> f64 {
-        let of_thing = |thing: &ObjectBody| {
-            let body = &self.world.bodies[thing.handle];
-            let inertia = thing.properties.mass * thing.gyration_squared;
-            0.5 * (thing.properties.mass * plain(body.linvel()).length_squared()
+        let body_energy = |object_body: &ObjectBody| {
+            let body = &self.world.bodies[object_body.handle];
+            let inertia = object_body.properties.mass * object_body.gyration_squared;
+            0.5 * (object_body.properties.mass * plain(body.linvel()).length_squared()
                 + inertia * body.angvel() * body.angvel())
         };
-        self.objects.iter().filter(|thing| thing.final_state.is_none()).map(of_thing).sum()
+        self.objects.iter().filter(|object_body| object_body.final_state.is_none()).map(body_energy).sum()
     }
 
-    /// Sets the length of a step, for studies of its error; it is [`STEP`] otherwise.
+    /// Sets the length of a step, for studies of its effect on the error; the default is [`STEP`].
     ///
     /// # Panics
-    /// If it is not positive.
+    /// If `step` is not positive.
     pub fn set_step(&mut self, step: Time) {
         assert!(step > Time::ZERO, "a step is positive, this one is {step}");
         self.step = step.seconds();
@@ -285,17 +286,17 @@ impl Bodies {
         parameters.min_ccd_dt = 0.01 * self.step;
     }
 
-    /// Advances by one step with `robots` among the objects, in the order of their ids; writes the effect on each robot to
+    /// Advances by one step with the given `robots`, in the order of their ids. Writes the effect on each robot to
     /// `pushes`, in the same order.
     pub fn step(&mut self, robots: &[Pusher], pushes: &mut Vec<Push>) {
         self.place_robots(robots);
-        let mut before = self.velocities();
-        self.slow_before();
-        self.velocities_after_friction(&mut before);
+        let mut velocities_before = self.velocities();
+        self.apply_friction_before();
+        self.update_after_friction(&mut velocities_before);
         self.world.step();
-        self.limit_energy(&before);
-        self.slow_after();
-        self.turn();
+        self.limit_energy(&velocities_before);
+        self.apply_friction_after();
+        self.update_headings();
         pushes.clear();
         pushes.extend(robots.iter().map(|robot| self.push_of(robot.robot)));
     }
@@ -351,80 +352,82 @@ impl Bodies {
             .friction_combine_rule(CoefficientCombineRule::Min)
             .collision_groups(groups(ROBOTS, OBJECTS));
         self.world.insert_collider(collider, Some(handle));
-        self.own(handle, Owner::Robot(pusher.robot));
+        self.set_owner(handle, Owner::Robot(pusher.robot));
         self.robots.insert(pusher.robot, handle);
     }
 
-    /// Applies the first part of floor friction; locks the objects that static friction holds.
-    fn slow_before(&mut self) {
+    /// Applies the first part of floor friction, and locks the objects that static friction keeps at rest.
+    fn apply_friction_before(&mut self) {
         self.awake.clear();
         for index in 0..self.objects.len() {
-            let thing = &self.objects[index];
-            if thing.final_state.is_some() {
+            let object_body = &self.objects[index];
+            if object_body.final_state.is_some() {
                 continue;
             }
-            let body = &self.world.bodies[thing.handle];
+            let body = &self.world.bodies[object_body.handle];
             if body.is_sleeping() {
                 if self.objects[index].is_held {
                     self.set_held(index, false);
                 }
                 continue;
             }
-            let whole = thing.properties.resistance.deceleration() * self.step;
+            let loss = object_body.properties.resistance.deceleration() * self.step;
             let velocity = velocity_of(body);
-            let gyration_squared = thing.gyration_squared;
-            let (before, mut after) = split(velocity.sliding(gyration_squared), whole);
+            let gyration_squared = object_body.gyration_squared;
+            let (loss_before, mut loss_after) = split(velocity.sliding_speed(gyration_squared), loss);
             let mut pushed = None;
             let mut is_held = false;
             if velocity == Velocity::ZERO {
-                let push = self.possible_push(index) / thing.properties.mass;
+                let push = self.possible_push(index) / object_body.properties.mass;
                 let strength = push.length();
-                // An object that no body presses against stays free: the solver may have to move it out of a wall.
-                is_held = strength > 0.0 && strength <= whole;
-                if strength > whole {
-                    // Friction is applied in full before the step, so that it acts against the push and not only
-                    // against the resulting motion.
+                // An object on which no body pushes is not locked, because the solver may have to move it out of a
+                // wall.
+                is_held = strength > 0.0 && strength <= loss;
+                if strength > loss {
+                    // The whole friction is applied before the solver's step, so that it acts against the push and not
+                    // only against the resulting motion.
                     pushed = Some((push / strength, *body.position()));
-                    after = 0.0;
+                    loss_after = 0.0;
                 }
             }
-            let body = &mut self.world.bodies[thing.handle];
+            let body = &mut self.world.bodies[object_body.handle];
             if let Some((direction, _)) = pushed {
-                body.set_linvel(vector(-direction * whole), false);
-            } else if before > 0.0 {
-                set_velocity(body, velocity.slowed(before, gyration_squared));
+                body.set_linvel(vector(-direction * loss), false);
+            } else if loss_before > 0.0 {
+                set_velocity(body, velocity.slowed(loss_before, gyration_squared));
             }
             if self.objects[index].is_held != is_held {
                 self.set_held(index, is_held);
             }
-            self.awake.push(Awake { index, after, pushed });
+            self.awake.push(Awake { index, loss_after, pushed });
         }
     }
 
     fn set_held(&mut self, index: usize, is_held: bool) {
-        let thing = &mut self.objects[index];
-        thing.is_held = is_held;
+        let object_body = &mut self.objects[index];
+        object_body.is_held = is_held;
         let locked = if is_held { LockedAxes::all() } else { LockedAxes::empty() };
-        self.world.bodies[thing.handle].set_locked_axes(locked, false);
+        self.world.bodies[object_body.handle].set_locked_axes(locked, false);
     }
 
-    /// Upper bound of the impulse that its neighbours can exert on an object at rest in the next step, N s.
+    /// Estimate of the impulse that the neighbours of an object at rest exert on it in the next step, N s, without
+    /// friction.
     ///
-    /// If the bound is below the impulse of friction in a step, the object stays at rest: for example a crate that a
-    /// robot with too little traction presses.
+    /// If this impulse is smaller than the impulse of friction in a step, the object stays at rest: for example a crate
+    /// that a robot with too little traction pushes.
     fn possible_push(&self, index: usize) -> DVec2 {
-        let thing = &self.objects[index];
+        let object_body = &self.objects[index];
         let mut push = DVec2::ZERO;
-        for &collider in self.world.bodies[thing.handle].colliders() {
+        for &collider in self.world.bodies[object_body.handle].colliders() {
             for pair in self.world.narrow_phase.contact_pairs_with(collider) {
-                push += self.possible_impulse(pair, collider, thing.properties.restitution);
+                push += self.possible_impulse(pair, collider, object_body.properties.restitution);
             }
         }
         push
     }
 
-    /// Upper bound of the impulse in the next step, N s, of a pair's other body on the body of `collider`, which is at
-    /// rest.
+    /// Estimate of the impulse in the next step, N s, of the other body of a contact pair on the body of `collider`,
+    /// which is at rest.
     fn possible_impulse(&self, pair: &ContactPair, collider: ColliderHandle, restitution: f64) -> DVec2 {
         let is_first = pair.collider1 == collider;
         let other = if is_first { pair.collider2 } else { pair.collider1 };
@@ -434,60 +437,60 @@ impl Bodies {
         if body.is_fixed() || body.locked_axes() == LockedAxes::all() {
             return DVec2::ZERO;
         }
-        let mut hardest = (0.0, DVec2::ZERO);
+        let mut strongest = (0.0, DVec2::ZERO);
         for manifold in pair.manifolds() {
-            // The normal points from the first body to the second one; `towards` points to the object.
+            // The normal points from the first body to the second one; `towards` points to the object at rest.
             let towards = if is_first { -manifold.data.normal } else { manifold.data.normal };
             for point in &manifold.points {
                 let world_from_other = self.world.colliders[other].position();
                 let local = if is_first { point.local_p2 } else { point.local_p1 };
-                let at = world_from_other.transform_point(local);
-                let approach = body.velocity_at_point(at).dot(towards);
+                let position = world_from_other.transform_point(local);
+                let approach = body.velocity_at_point(position).dot(towards);
                 let is_new = point.data.impulse == 0.0;
                 // `dist` is the distance before the last step.
                 if 3.0 * approach * self.step >= point.dist {
                     let bounce = if is_new { restitution } else { 0.0 };
                     let impulse = body.mass() * approach * (1.0 + bounce);
-                    if impulse > hardest.0 {
-                        hardest = (impulse, plain(towards) * impulse);
+                    if impulse > strongest.0 {
+                        strongest = (impulse, plain(towards) * impulse);
                     }
                 }
             }
         }
-        hardest.1
+        strongest.1
     }
 
     /// Applies the second part of floor friction.
-    fn slow_after(&mut self) {
-        for Awake { index, after, pushed } in &self.awake {
-            let thing = &self.objects[*index];
-            let body = &mut self.world.bodies[thing.handle];
+    fn apply_friction_after(&mut self) {
+        for Awake { index, loss_after, pushed } in &self.awake {
+            let object_body = &self.objects[*index];
+            let body = &mut self.world.bodies[object_body.handle];
             let velocity = velocity_of(body);
             if let Some((direction, pose)) = pushed
                 && velocity.linear.dot(*direction) <= 0.0
             {
-                // The expected push did not happen, or friction was stronger.
+                // The push did not happen, or friction was stronger.
                 body.set_position(*pose, false);
                 set_velocity(body, Velocity::ZERO);
-            } else if *after > 0.0 && velocity != Velocity::ZERO {
-                set_velocity(body, velocity.slowed(*after, thing.gyration_squared));
+            } else if *loss_after > 0.0 && velocity != Velocity::ZERO {
+                set_velocity(body, velocity.slowed(*loss_after, object_body.gyration_squared));
             }
         }
     }
 
     /// Updates the headings of the objects, including whole turns.
-    fn turn(&mut self) {
-        for thing in self.objects.iter_mut().filter(|thing| thing.final_state.is_none()) {
-            let body = &self.world.bodies[thing.handle];
+    fn update_headings(&mut self) {
+        for object_body in self.objects.iter_mut().filter(|object_body| object_body.final_state.is_none()) {
+            let body = &self.world.bodies[object_body.handle];
             if !body.is_sleeping() {
                 let angle = crate::math::atan2(body.rotation().sin(), body.rotation().cos());
-                let turned = Heading::new(angle - thing.heading.remainder()).remainder();
-                thing.heading = thing.heading.turned(turned);
+                let turned = Heading::new(angle - object_body.heading.remainder()).remainder();
+                object_body.heading = object_body.heading.turned(turned);
             }
         }
     }
 
-    /// Velocities of all bodies, by the index of their handles.
+    /// Velocities of all bodies, indexed by the index of their handles.
     fn velocities(&self) -> Vec<Velocity> {
         let mut velocities = vec![Velocity::ZERO; self.owners.len()];
         for (handle, body) in self.world.bodies.iter() {
@@ -496,8 +499,9 @@ impl Bodies {
         velocities
     }
 
-    /// Updates `velocities` after friction, except for objects whose velocity represents friction against a push.
-    fn velocities_after_friction(&self, velocities: &mut [Velocity]) {
+    /// Updates `velocities` after the first part of friction, except for objects whose velocity represents friction
+    /// against a push.
+    fn update_after_friction(&self, velocities: &mut [Velocity]) {
         for awake in self.awake.iter().filter(|awake| awake.pushed.is_none()) {
             let handle = self.objects[awake.index].handle;
             velocities[handle.into_raw_parts().0 as usize] = velocity_of(&self.world.bodies[handle]);
@@ -505,7 +509,7 @@ impl Bodies {
     }
 
     /// Removes the energy that the step has added to each island of touching bodies.
-    fn limit_energy(&mut self, before: &[Velocity]) {
+    fn limit_energy(&mut self, velocities_before: &[Velocity]) {
         let mut islands = Islands::new(self.owners.len());
         for pair in self.world.narrow_phase.contact_pairs() {
             if !pair.has_any_active_contact() {
@@ -514,7 +518,7 @@ impl Bodies {
             let parent = |collider| self.world.colliders.get(collider).and_then(|collider| collider.parent());
             let (Some(a), Some(b)) = (parent(pair.collider1), parent(pair.collider2)) else { continue };
             let index = |handle: RigidBodyHandle| handle.into_raw_parts().0 as usize;
-            match (self.is_fast(a), self.is_fast(b)) {
+            match (self.is_movable(a), self.is_movable(b)) {
                 (true, true) => islands.join(index(a), index(b)),
                 (true, false) => islands.hold(index(a)),
                 (false, true) => islands.hold(index(b)),
@@ -523,7 +527,7 @@ impl Bodies {
         }
         let mut members: BTreeMap<usize, (Vec<RigidBodyHandle>, Vec<IslandBody>, f64)> = BTreeMap::new();
         for (handle, body) in self.world.bodies.iter() {
-            if !self.is_fast(handle) || body.is_sleeping() || !body.is_enabled() {
+            if !self.is_movable(handle) || body.is_sleeping() || !body.is_enabled() {
                 continue;
             }
             let index = handle.into_raw_parts().0 as usize;
@@ -536,7 +540,7 @@ impl Bodies {
             let island = members.entry(islands.find(index)).or_default();
             island.0.push(handle);
             island.1.push(member);
-            island.2 += IslandBody { velocity: before[index], ..member }.energy();
+            island.2 += IslandBody { velocity: velocities_before[index], ..member }.energy();
         }
         for (root, (handles, mut island, limit)) in members {
             let energy: f64 = island.iter().map(IslandBody::energy).sum();
@@ -550,7 +554,7 @@ impl Bodies {
     }
 
     /// Returns true if a step can move the body.
-    fn is_fast(&self, handle: RigidBodyHandle) -> bool {
+    fn is_movable(&self, handle: RigidBodyHandle) -> bool {
         let body = &self.world.bodies[handle];
         body.is_dynamic() && body.locked_axes().is_empty()
     }
@@ -577,7 +581,7 @@ impl Bodies {
                 let Some(parent) = self.world.colliders.get(other).and_then(|other| other.parent()) else { continue };
                 let Owner::Object(index) = self.owner(parent) else { continue };
                 let strength = impulse.length();
-                if strength > 0.0 && contact.is_none_or(|hardest| strength > hardest.impulse) {
+                if strength > 0.0 && contact.is_none_or(|strongest| strength > strongest.impulse) {
                     let direction = plain(impulse / strength) * if is_first { 1.0 } else { -1.0 };
                     contact = Some(ObjectContact { object: ObjectId::from_index(index), impulse: strength, direction });
                 }
@@ -598,7 +602,7 @@ impl Clone for Bodies {
             narrow_phase: narrow_phase.clone(),
             bodies: bodies.clone(),
             colliders: colliders.clone(),
-            // Between steps the pipelines and the solver keep only buffers, so new ones do not change the results.
+            // Between steps the pipelines and the solver contain only buffers, so new ones give the same results.
             // Joints and soft bodies are not used.
             ..PhysicsWorld::new()
         };

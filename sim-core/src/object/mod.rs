@@ -1,10 +1,12 @@
 //! Movable objects: rigid bodies in the plane that robots can push and kick and that collide with each other.
 //!
-//! The room contains shapes, masses and friction. Motion advances in steps of [`STEP`] on the global grid of virtual time; rapier solves
-//! the contacts, floor friction and rolling resistance are our own, and no step raises the energy. Files and the reaction of a robot to a
-//! push are not part of this room: here, robots are discs with a velocity ([`Pusher`]).
+//! This module contains shapes, masses and friction. Motion advances in steps of [`STEP`] on the global grid of virtual
+//! time. The library rapier solves the contacts; floor friction, rolling resistance and a limit of the energy after
+//! each step are added here. Reading files and the reaction of a robot to a push are not part of this module: here,
+//! robots are discs with a velocity ([`Pusher`]).
 //!
-//! The solver is built with the feature `objects`; without it [`Bodies`] cannot be constructed, and scenes that need them are refused.
+//! The solver is built with the feature `objects`. Without it, [`Bodies`] cannot be constructed, and scenes with
+//! movable objects are rejected.
 
 #[cfg(feature = "objects")]
 mod bodies;
@@ -28,7 +30,7 @@ pub use trajectory::ObjectTrajectory;
 
 use crate::{pose::Pose, scene::Bounds, time::Time};
 
-/// Length of a step of the rigid bodies. Source: design section 4.
+/// Length of a step of the rigid bodies. Our choice.
 pub const STEP: Time = Time::from_millis(1);
 
 /// Standard acceleration of gravity, m/s².
@@ -54,7 +56,7 @@ impl Resistance {
 /// A part of an object's footprint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Its outline, in its own frame.
+    /// Outline, in the part's frame.
     pub shape: Shape,
     /// Pose in the object's frame.
     pub object_from_part: Pose,
@@ -73,14 +75,16 @@ pub struct Properties {
     pub resistance: Resistance,
     /// Coefficient of restitution, 0 to 1; between two objects the smaller one applies (our choice).
     pub restitution: f64,
-    /// Coefficient of friction against walls, robots and other objects; between two objects the smaller one applies (our choice).
+    /// Coefficient of friction against walls, robots and other objects; between two objects the smaller one applies
+    /// (our choice).
     pub contact_friction: f64,
-    /// Height of the object's frame above the floor, m; 0 unless it floats. Contacts do not depend on it.
+    /// Height of the object's frame above the floor, m; 0 unless the object floats. Contacts in the plane do not depend
+    /// on it.
     pub lift: f64,
 }
 
 impl Properties {
-    /// Square of the radius of gyration about the centre of mass, m², with the mass spread evenly over the parts' areas.
+    /// Square of the radius of gyration about the centre of mass, m², for a uniform mass per area of the parts.
     pub fn gyration_squared(&self) -> f64 {
         let mut area = 0.0;
         let mut moment = 0.0;
@@ -99,20 +103,20 @@ impl Properties {
 
     /// Maximum distance of a point of the footprint from the object's origin, m.
     pub fn reach(&self) -> f64 {
-        let reach = |part: &Part| part.object_from_part.position.length() + part.shape.reach();
-        self.parts.iter().map(reach).fold(0.0, f64::max)
+        let part_reach = |part: &Part| part.object_from_part.position.length() + part.shape.reach();
+        self.parts.iter().map(part_reach).fold(0.0, f64::max)
     }
 
     /// Distance from `point`, in the object's frame, to the nearest point of the footprint, m; 0 inside.
     pub fn distance(&self, point: DVec2) -> f64 {
-        let to_part = |part: &Part| part.shape.distance(part.object_from_part.inverse_transform_point(point));
-        self.parts.iter().map(to_part).fold(f64::INFINITY, f64::min)
+        let part_distance = |part: &Part| part.shape.distance(part.object_from_part.inverse_transform_point(point));
+        self.parts.iter().map(part_distance).fold(f64::INFINITY, f64::min)
     }
 
     /// The bounding rectangle of the footprint of an object at `world_from_object`.
     pub fn bounds(&self, world_from_object: &Pose) -> Bounds {
-        let of_part = |part: &Part| part.shape.bounds(&world_from_object.compose(&part.object_from_part));
-        self.parts.iter().map(of_part).fold(Bounds::EMPTY, Bounds::union)
+        let part_bounds = |part: &Part| part.shape.bounds(&world_from_object.compose(&part.object_from_part));
+        self.parts.iter().map(part_bounds).fold(Bounds::EMPTY, Bounds::union)
     }
 
     /// The outlines of the parts of an object at `world_from_object`: see [`Shape::outline`].
@@ -124,9 +128,10 @@ impl Properties {
         self.parts.iter().map(of_part).collect()
     }
 
-    /// Distance along a ray to the footprint of an object at `world_from_object`: 0 from inside, `None` for a miss.
+    /// Distance along a ray to the footprint of an object at `world_from_object`, m: 0 if the ray starts inside, `None`
+    /// if it misses the footprint.
     ///
-    /// `direction` is a unit vector of the world.
+    /// `origin` and the unit vector `direction` are in the world frame.
     pub fn cast(&self, world_from_object: &Pose, origin: DVec2, direction: DVec2) -> Option<f64> {
         let of_part = |part: &Part| {
             let world_from_part = world_from_object.compose(&part.object_from_part);

@@ -12,7 +12,7 @@ use crate::{ObjectId, RobotId, pose::Pose, scene::Walls, time::Time};
 #[derive(Clone, Debug)]
 pub struct Bodies(Infallible);
 
-#[expect(missing_docs, reason = "documented where they are built")]
+#[expect(missing_docs, reason = "documented in the module with the solver")]
 impl Bodies {
     /// True if this build has rigid bodies: the feature `objects` is off.
     pub const ARE_BUILT: bool = false;

@@ -1,4 +1,4 @@
-//! Robots as the objects' solver sees them, and the effect of a step on their motion.
+//! Robots as inputs of the objects' solver, and the effect of a step on their motion.
 
 use glam::DVec2;
 
@@ -9,9 +9,9 @@ use crate::{ObjectId, RobotId};
 pub struct Pusher {
     /// The robot.
     pub robot: RobotId,
-    /// Centre at the step's start, m.
+    /// Centre at the start of the step, m.
     pub centre: DVec2,
-    /// Mean velocity of the centre during the step without objects, m/s.
+    /// Mean velocity that the centre would have during the step without objects, m/s.
     pub velocity: DVec2,
     /// Turning speed, rad/s.
     pub omega: f64,
@@ -39,7 +39,7 @@ pub struct Push {
 pub struct ObjectContact {
     /// The object.
     pub object: ObjectId,
-    /// Impulse of the step, N s.
+    /// Impulse during the step, N s.
     pub impulse: f64,
     /// Direction from the robot's centre to the contact, a unit vector in the world.
     pub direction: DVec2,

@@ -2,17 +2,17 @@ use glam::DVec2;
 
 use crate::{math, pose::Pose, scene::Bounds};
 
-/// The outline of a part of an object on the floor, around the origin of the part's frame.
+/// The outline of a part of an object in plan view, centred on the origin of the part's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A disc.
     Disc {
-        /// Its radius, m.
+        /// Radius, m.
         radius: f64,
     },
-    /// A rectangle along the axes of the frame.
+    /// A rectangle whose sides are parallel to the axes of the frame.
     Rectangle {
-        /// Half of its side lengths, m.
+        /// Half of the side lengths, m.
         half: DVec2,
     },
     /// All points within `radius` of the segment from -`half_length` to `half_length` on the x axis.
@@ -43,10 +43,11 @@ impl Shape {
             Self::Rectangle { half } => half.length_squared() / 3.0,
             Self::Capsule { half_length: h, radius: r } => {
                 let (disc, middle) = (std::f64::consts::PI * r * r, 4.0 * h * r);
-                // The half discs: about their centroids, which lie 4 r / (3 pi) outside the ends of the segment.
+                // Parallel axis theorem for the two half discs: their centroids are 4 r / (3 pi) beyond the ends of the
+                // segment.
                 let centroid = 4.0 * r / (3.0 * std::f64::consts::PI);
-                let of_caps = 0.5 * r * r - centroid * centroid + (h + centroid) * (h + centroid);
-                (disc * of_caps + middle * (h * h + r * r) / 3.0) / (disc + middle)
+                let caps_squared = 0.5 * r * r - centroid * centroid + (h + centroid) * (h + centroid);
+                (disc * caps_squared + middle * (h * h + r * r) / 3.0) / (disc + middle)
             }
         }
     }
@@ -73,7 +74,8 @@ impl Shape {
         Bounds { min: world_from_part.position - half, max: world_from_part.position + half }
     }
 
-    /// Distance along a ray in the part's frame: 0 from inside, `None` when the ray misses the shape.
+    /// Distance along a ray in the part's frame to the shape, m: 0 if the ray starts inside, `None` if it misses the
+    /// shape.
     pub fn cast(&self, origin: DVec2, direction: DVec2) -> Option<f64> {
         match *self {
             Self::Disc { radius } => cast_disc(origin, direction, DVec2::ZERO, radius),
@@ -86,8 +88,8 @@ impl Shape {
         }
     }
 
-    /// The corners of the shape, counter-clockwise in the part's frame. A circle is replaced by a circumscribed regular polygon of 64
-    /// sides, whose corners lie outside by at most 0.13 % of the radius.
+    /// The corners of the shape, counter-clockwise in the part's frame. A circle is replaced by a circumscribed regular
+    /// polygon of 64 sides; its corners are outside the circle by at most 0.13 % of the radius.
     pub fn outline(&self) -> Vec<DVec2> {
         const SIDES: usize = 64;
         let circle = |radius: f64| {
@@ -107,7 +109,7 @@ impl Shape {
         }
     }
 
-    /// The point of the shape nearest to `point`, in the part's frame; `point` itself if it lies inside.
+    /// The point of the shape that is nearest to `point`, in the part's frame: `point` itself if it is inside.
     pub fn nearest_point(&self, point: DVec2) -> DVec2 {
         let (core, radius) = match *self {
             Self::Disc { radius } => (DVec2::ZERO, radius),
@@ -136,20 +138,20 @@ impl Shape {
     }
 }
 
-/// Distance along a ray to a disc: 0 from inside, `None` when the ray misses it.
+/// Distance along a ray to a disc: 0 if the ray starts inside, `None` if it misses the disc.
 pub(crate) fn cast_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<f64> {
     let offset = centre - origin;
     if offset.length_squared() <= radius * radius {
         return Some(0.0);
     }
     let along = offset.dot(direction);
-    // Computed from the foot of the perpendicular, which keeps precision for a distant disc.
+    // Computed from the line's nearest point to the centre, which preserves precision for a distant disc.
     let distance_squared = (offset - direction * along).length_squared();
-    let half_chord = radius * radius - distance_squared;
-    (along > 0.0 && half_chord >= 0.0).then(|| (along - half_chord.sqrt()).max(0.0))
+    let half_chord_squared = radius * radius - distance_squared;
+    (along > 0.0 && half_chord_squared >= 0.0).then(|| (along - half_chord_squared.sqrt()).max(0.0))
 }
 
-/// Distance along a ray to a rectangle around the origin, borders included.
+/// Distance along a ray to a rectangle around the origin, including its border; `None` if the ray misses it.
 fn cast_rectangle(origin: DVec2, direction: DVec2, half: DVec2) -> Option<f64> {
     let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
     for axis in 0..2 {
@@ -178,7 +180,7 @@ mod tests {
     ];
 
     #[test]
-    fn area_and_gyration_are_those_of_the_points_inside() {
+    fn area_and_gyration_match_sampled_points() {
         for shape in SHAPES {
             let (mut count, mut moment) = (0.0, 0.0);
             let step = 1e-3;
@@ -197,28 +199,31 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_ends_where_the_distance_becomes_nothing() {
+    fn cast_matches_ray_marching() {
         for shape in SHAPES {
             for step in 0..1000 {
                 let (sin, cos) = math::sin_cos(f64::from(step) * 0.7);
                 let origin = DVec2::new(cos, sin) * (0.05 + 0.001 * f64::from(step));
                 let (sin, cos) = math::sin_cos(f64::from(step) * 1.3);
                 let direction = DVec2::new(cos, sin);
-                // March in small safe steps along the ray.
+                // Ray marching: each step is the distance from the shape.
                 let mut travelled = 0.0;
                 while travelled < 3.0 && shape.distance(origin + direction * travelled) > 1e-9 {
                     travelled += shape.distance(origin + direction * travelled);
                 }
                 match shape.cast(origin, direction) {
                     Some(distance) => assert!((distance - travelled).abs() < 1e-4, "{shape:?} {step}: {distance}"),
-                    None => assert!(travelled >= 3.0, "{shape:?} {step} is missed, but lies {travelled} m ahead"),
+                    None => assert!(
+                        travelled >= 3.0,
+                        "{shape:?} {step}: the ray misses the shape, which is {travelled} m ahead"
+                    ),
                 }
             }
         }
     }
 
     #[test]
-    fn the_outline_is_just_outside() {
+    fn outline_encloses_the_shape_closely() {
         for shape in SHAPES {
             let corners = shape.outline();
             let count = corners.len();
@@ -226,14 +231,14 @@ mod tests {
                 let next = corners[(index + 1) % count];
                 assert!(shape.distance(*corner) < 1.3e-3 * 0.3, "{shape:?} {corner}");
                 let middle = 0.5 * (*corner + next);
-                assert!(shape.distance(middle * (1.0 - 1e-12)) < 1e-12, "{shape:?}: sides touch it");
+                assert!(shape.distance(middle * (1.0 - 1e-12)) < 1e-12, "{shape:?}: the sides touch the shape");
                 assert!(corner.perp_dot(next) > 0.0, "counter-clockwise");
             }
         }
     }
 
     #[test]
-    fn a_ray_along_a_border_meets_it() {
+    fn ray_along_a_border_hits_it() {
         let rectangle = Shape::Rectangle { half: DVec2::new(0.4, 0.1) };
         assert_eq!(rectangle.cast(DVec2::new(-1.0, 0.1), DVec2::X), Some(0.6));
         assert_eq!(rectangle.cast(DVec2::new(-1.0, 0.1000001), DVec2::X), None);

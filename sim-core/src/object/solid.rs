@@ -10,10 +10,11 @@ use crate::{
     scene::{Bounds, MeshIndex, Surface},
 };
 
-/// A geometric primitive: a part of a body's shape in three dimensions, in the body's frame (x forward, y left, z up), in metres.
+/// A geometric primitive: a part of a body's three-dimensional shape, in the body's frame (x forward, y left, z up), in
+/// metres.
 #[derive(Clone, Debug)]
 pub enum Solid {
-    /// A footprint extruded between two heights: a box, an upright cylinder.
+    /// A footprint that is extruded between two heights, such as a box or an upright cylinder.
     Prism {
         /// The footprint, in its own frame.
         footprint: Shape,
@@ -31,7 +32,7 @@ pub enum Solid {
         /// Distance from the segment; positive.
         radius: f64,
     },
-    /// The triangles of a mesh, hit from either side: a hollow surface.
+    /// The triangles of a mesh: a hollow surface that rays hit from either side.
     Mesh(Arc<MeshIndex>),
 }
 
@@ -47,9 +48,10 @@ pub struct Figure {
 /// Hit of a ray on a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
-    /// Distance from the ray's origin, m; 0 when the origin lies inside.
+    /// Distance from the ray's origin, m; 0 if the origin is inside the body.
     pub distance: f64,
-    /// Unit normal of the surface, on the side from which the ray comes; opposite to the ray if the origin lies inside.
+    /// Unit normal of the surface, on the side from which the ray comes; opposite to the ray's direction if the origin
+    /// is inside the body.
     pub normal: DVec3,
     /// Principal curvatures of the surface, 1/m: 0 for a plane, 1 / radius for a convex surface.
     pub curvature: DVec2,
@@ -79,7 +81,8 @@ impl Figure {
         Arc::new(Self { solids: solids.collect(), surface })
     }
 
-    /// First hit of a ray (world frame) on a body of this shape at `world_from_body`; hits beyond `range` metres may be missed.
+    /// First hit of a ray (in the world frame) on a body of this shape at `world_from_body`. Hits beyond `range` metres
+    /// may be omitted.
     ///
     /// `direction` is a unit vector. A ray that starts inside or on the body hits it at distance 0.
     pub fn cast(&self, world_from_body: &Pose, origin: DVec3, direction: DVec3, range: f64) -> Option<SurfaceHit> {
@@ -143,7 +146,8 @@ impl Figure {
         }
     }
 
-    /// Height up to which the outline is the same as at the floor; 0 if a part is not a prism on the floor.
+    /// Height up to which the outline is the same as at the floor, m; 0 if a part is not a prism that stands on the
+    /// floor.
     pub fn prism_top(&self) -> f64 {
         let top = |solid: &Solid| match *solid {
             Solid::Prism { bottom, top, .. } if bottom <= 0.0 => top,
@@ -159,7 +163,7 @@ impl Solid {
         match self {
             Self::Prism { .. } => {
                 let interval = self.interval(origin, direction).filter(|interval| interval.leave >= 0.0)?;
-                Some(if interval.enter < 0.0 { inside(direction) } else { interval.hit() })
+                Some(if interval.enter < 0.0 { hit_from_inside(direction) } else { interval.hit() })
             }
             Self::Capsule { ends, radius } => cast_capsule(origin, direction, *ends, *radius),
             Self::Mesh(mesh) => cast_mesh(mesh, origin, direction, range),
@@ -169,13 +173,13 @@ impl Solid {
     fn cast_hollow(&self, origin: DVec3, direction: DVec3) -> Option<SurfaceHit> {
         let interval = self.interval(origin, direction).filter(|interval| interval.leave >= 0.0)?;
         Some(if interval.enter < 0.0 {
-            SurfaceHit { distance: interval.leave, ..inside(direction) }
+            SurfaceHit { distance: interval.leave, ..hit_from_inside(direction) }
         } else {
             interval.hit()
         })
     }
 
-    /// Interval of a ray's line inside a prism; `None` for a miss and for other shapes.
+    /// Interval of the ray's line inside a prism; `None` if the line misses the prism, and for other solids.
     fn interval(&self, origin: DVec3, direction: DVec3) -> Option<Interval> {
         let Self::Prism { footprint, body_from_footprint, bottom, top } = self else { return None };
         let axis = body_from_footprint.heading.direction();
@@ -204,13 +208,13 @@ impl Solid {
                 let corners = [low, low.with_x(high.x), low.with_y(high.y), high];
                 let bounds =
                     Bounds::of_points(corners.map(|corner| world_from_body.transform_point(corner.truncate())));
-                // A margin for rounding; the exact test is in the mesh's BVH.
+                // A margin for rounding errors; the exact test uses the BVH of the mesh.
                 bounds.grown(1e-9)
             }),
         }
     }
 
-    /// Point of the solid nearest to `point`; `point` itself if it lies inside, `None` for a mesh.
+    /// Point of the solid that is nearest to `point`: `point` itself if it is inside, `None` for a mesh.
     fn nearest_point(&self, point: DVec3) -> Option<DVec3> {
         match self {
             Self::Prism { footprint, body_from_footprint, bottom, top } => {
@@ -228,7 +232,8 @@ impl Solid {
     }
 }
 
-/// Interval of a line inside a convex shape, as distances from the ray's origin, negative behind it.
+/// Interval of a line inside a convex shape, as distances from the ray's origin; negative distances are behind the
+/// origin.
 #[derive(Clone, Copy, Debug)]
 struct Interval {
     /// Distance to the entry.
@@ -248,7 +253,7 @@ impl Interval {
     }
 }
 
-fn inside(direction: DVec3) -> SurfaceHit {
+fn hit_from_inside(direction: DVec3) -> SurfaceHit {
     SurfaceHit { distance: 0.0, normal: -direction, curvature: DVec2::ZERO }
 }
 
@@ -266,7 +271,8 @@ fn slab(low: f64, high: f64, origin: f64, direction: f64) -> Option<(f64, f64)> 
     Some((one.min(other), one.max(other)))
 }
 
-/// Interval of a line over a footprint; `direction` is the horizontal part of a unit vector, possibly zero.
+/// Interval of a line inside an infinite prism over a footprint; `direction` is the horizontal part of a unit vector
+/// and can be zero.
 fn interval_of_shape(shape: &Shape, origin: DVec2, direction: DVec2) -> Option<Interval> {
     match *shape {
         Shape::Disc { radius } => interval_of_disc(origin, direction, DVec2::ZERO, radius),
@@ -274,7 +280,7 @@ fn interval_of_shape(shape: &Shape, origin: DVec2, direction: DVec2) -> Option<I
         Shape::Capsule { half_length, radius } => {
             let middle = interval_of_rectangle(origin, direction, DVec2::new(half_length, radius));
             let end = |x: f64| interval_of_disc(origin, direction, DVec2::new(x, 0.0), radius);
-            // The shape is convex: the line is inside from the first entry to the last exit.
+            // The shape is convex, so the line is inside from the first entry to the last exit.
             [middle, end(-half_length), end(half_length)].into_iter().flatten().reduce(|one, other| {
                 let first = if other.enter < one.enter { other } else { one };
                 Interval { leave: one.leave.max(other.leave), ..first }
@@ -313,11 +319,11 @@ fn interval_of_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64)
     })
 }
 
-/// Distance along a line to the foot of the perpendicular from a sphere's centre, at `offset` from the line's origin, and
-/// half of the line's chord in the sphere.
+/// Distance along a line to the point nearest to a sphere's centre, and half of the length of the line's chord in the
+/// sphere; `offset` is the vector from the line's origin to the centre. `None` if the line misses the sphere.
 fn chord(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
     let along = offset.dot(direction);
-    // Computed from the foot of the perpendicular, which keeps precision for a distant sphere.
+    // Computed from the line's nearest point to the centre, which preserves precision for a distant sphere.
     let distance_squared = (offset - direction * along).length_squared();
     let half_chord_squared = radius * radius - distance_squared;
     (half_chord_squared >= 0.0).then(|| (along, half_chord_squared.sqrt()))
@@ -330,15 +336,15 @@ fn cast_mesh(mesh: &MeshIndex, origin: DVec3, direction: DVec3, range: f64) -> O
 
 fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) -> Option<SurfaceHit> {
     if (origin - nearest_on_segment(origin, ends)).length_squared() <= radius * radius {
-        return Some(inside(direction));
+        return Some(hit_from_inside(direction));
     }
-    let ball = |centre: DVec3| {
+    let end_hit = |centre: DVec3| {
         let (along, half_chord) = chord(centre - origin, direction, radius)?;
         let distance = along - half_chord;
         let normal = (origin + direction * distance - centre).normalize_or_zero();
         (along > 0.0).then_some(SurfaceHit { distance, normal, curvature: DVec2::splat(1.0 / radius) })
     };
-    let side = || {
+    let side_hit = || {
         let segment = ends[1] - ends[0];
         let length = segment.length();
         if length == 0.0 {
@@ -360,8 +366,8 @@ fn cast_capsule(origin: DVec3, direction: DVec3, ends: [DVec3; 2], radius: f64) 
         let normal = (point - ends[0] - axis * height).normalize_or_zero();
         is_hit.then_some(SurfaceHit { distance, normal, curvature: DVec2::new(1.0 / radius, 0.0) })
     };
-    // The origin lies outside, so the nearest hit on a part is the hit on the whole.
-    let hit = [ball(ends[0]), ball(ends[1]), side()].into_iter().flatten();
+    // The origin is outside, so the nearest hit on a part is the first hit on the capsule.
+    let hit = [end_hit(ends[0]), end_hit(ends[1]), side_hit()].into_iter().flatten();
     hit.min_by(|one, other| one.distance.total_cmp(&other.distance))
         .map(|hit| SurfaceHit { distance: hit.distance.max(0.0), ..hit })
 }

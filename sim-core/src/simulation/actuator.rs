@@ -1,4 +1,4 @@
-//! Commands to single motors and servos.
+//! Commands to individual motors and servos.
 
 use super::Robot;
 use crate::device::servo::steering_from_position;
@@ -19,14 +19,14 @@ impl Robot {
         let is_steering = self.spec.drive.steering.as_ref() == Some(&device);
         if is_steering {
             let angle = steering_from_position(position) * self.motion.model().max_steering;
-            // The command is never refused: the angle is finite, and only a drive that steers has a steering servo.
+            // The command is never rejected: the angle is finite, and only a drive that steers has a steering servo.
             let _ = self.command(world, Command::Steer(angle));
         }
         is_steering
     }
 
-    /// Sets motors to a percentage of the wheels' maximum rate, -100 to 100. Other motors keep their rates, and indices without a motor are
-    /// ignored.
+    /// Sets the motors with these indices to a percentage of the wheels' maximum rate, -100 to 100. Other motors keep
+    /// their rates; indices without a motor are ignored.
     pub fn set_motors(&mut self, world: &World, motors: impl IntoIterator<Item = usize>, percent: i32) {
         let count = self.spec.drive.motors.len().min(self.devices.motor_percent.len());
         for index in motors.into_iter().filter(|index| *index < count) {
@@ -34,9 +34,9 @@ impl Robot {
             let device = &self.spec.drive.motors[index].motor;
             self.journal.record(self.now, &Event::Motor { device, percent });
         }
-        let full = self.motion.model().max_wheel_rate;
-        let rates = self.devices.motor_percent.map(|percent| f64::from(percent) / 100.0 * full);
-        // The command is never refused: the rates are finite.
+        let max_rate = self.motion.model().max_wheel_rate;
+        let rates = self.devices.motor_percent.map(|percent| f64::from(percent) / 100.0 * max_rate);
+        // The command is never rejected: the rates are finite.
         let _ = self.command(world, Command::Wheels(rates));
     }
 }

@@ -12,8 +12,8 @@ use crate::time::Time;
 use crate::world::World;
 
 impl Robot {
-    /// View of the robot's camera at `at`, with its settings, or with the default ones if the camera is off. If `size`
-    /// is given, images have that size.
+    /// View of the robot's camera at `at`, with the camera's settings, or with the default settings if the camera is
+    /// off. If `size` is given, it is the size of the image.
     ///
     /// # Errors
     /// [`CameraError`] if the robot has no camera, or the view is invalid.
@@ -46,7 +46,7 @@ impl Robot {
     /// Takes a colour image: red, green and blue of each pixel.
     ///
     /// # Errors
-    /// [`CameraError`] if there is no image; the state is unchanged then. The functions below behave likewise.
+    /// [`CameraError`] if there is no image; the state is unchanged then.
     pub fn take_colour(&mut self, world: &World, scenery: &Arc<Scenery>) -> Result<Picture<[u8; 3]>, CameraError> {
         let (exposure, mut picture) = self.expose(world, scenery, self.camera_setting()?.size)?;
         self.devices.camera.develop(exposure.number, &mut picture);
@@ -99,8 +99,8 @@ impl Robot {
     /// [`CameraError`] if there is no image.
     pub fn take_depth(&mut self) -> Result<Picture<f32>, CameraError> {
         self.camera_setting()?;
-        let by = Some(self.id);
-        self.devices.camera.render_last(f32::INFINITY, |renderer, still, view| renderer.depth(still, view, by))
+        let own_id = Some(self.id);
+        self.devices.camera.render_last(f32::INFINITY, |renderer, still, view| renderer.depth(still, view, own_id))
     }
 
     /// Label of each pixel of the last image.
@@ -109,19 +109,19 @@ impl Robot {
     /// [`CameraError`] if there is no image.
     pub fn take_labels(&mut self) -> Result<Picture<Label>, CameraError> {
         self.camera_setting()?;
-        let by = Some(self.id);
-        self.devices.camera.render_last(Label::Sky, |renderer, still, view| renderer.labels(still, view, by))
+        let own_id = Some(self.id);
+        self.devices.camera.render_last(Label::Sky, |renderer, still, view| renderer.labels(still, view, own_id))
     }
 
-    /// Records a frame event of the last image, or of its depths or labels: `form` names the kind, and `bytes` are
-    /// hashed.
+    /// Records an event for the last image, or for its depths or labels. `form` names which of these, and the hash of
+    /// `bytes` is recorded.
     pub fn record_frame(&mut self, form: &str, [width_px, height_px]: [u32; 2], bytes: &[u8]) {
         let Some(&Exposure { number: frame, at, .. }) = self.devices.camera.last() else { return };
         let hash = Digest(*blake3::hash(bytes).as_bytes()).to_string();
         self.record(Event::Image { frame, form, width_px, height_px, exposed_s: at.seconds(), hash: &hash });
     }
 
-    /// Exposes the next image, of `size`.
+    /// Exposes and renders the next image, with `size` pixels.
     fn expose(
         &mut self,
         world: &World,
@@ -141,7 +141,7 @@ impl Robot {
         Ok((Exposure { number, at, view, scenery: Arc::clone(scenery), poses, is_dark }, picture))
     }
 
-    /// Counts and records an image. `levels` are its grey levels, for the automatic brightness; the tuple holds its
+    /// Counts and records an image. `levels` are its grey levels, for the automatic brightness; the tuple contains its
     /// form, size and bytes.
     fn keep_image(&mut self, exposure: Exposure, levels: &[u8], (form, size, bytes): (&str, [u32; 2], &[u8])) {
         self.devices.camera.follow(levels);

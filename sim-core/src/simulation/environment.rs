@@ -13,9 +13,9 @@ use crate::{ObjectId, RobotId};
 
 /// State shared by all robots of a simulation.
 ///
-/// Within a slot robots only read this state. At the slot's end [`Environment::affected_robots`] returns the robots
-/// that the end affects. [`Environment::end_slot`], called with exactly these robots, advances the world, delivers
-/// messages and collects journals.
+/// During a slot robots only read this state. At the end of the slot, [`Environment::affected_robots`] returns the
+/// robots that the end affects. [`Environment::end_slot`], called with exactly these robots, advances the world,
+/// delivers messages and collects journals.
 #[derive(Clone, Debug)]
 pub struct Environment {
     /// The world.
@@ -27,7 +27,7 @@ pub struct Environment {
     moving: Vec<RobotId>,
     /// Robots affected by the end of the present slot.
     affected: Vec<RobotId>,
-    /// Result of the slot's end for each affected robot.
+    /// Result of the end of the slot for each affected robot.
     ended: Vec<EndedRobot>,
     /// True once a robot has been removed.
     has_removed_robots: bool,
@@ -42,13 +42,13 @@ pub struct Environment {
     spare_endings: Vec<[usize; 4]>,
 }
 
-// The journals of a section are hashed together.
+// The journals of a section are hashed together, in parallel lanes.
 const _: () = assert!(parallel::SECTION == Journal::LANES);
 
 /// End of a slot for one robot: inputs and results.
 struct RobotEnding<'a> {
     robot: &'a mut Robot,
-    /// The robot's publication; `None` if its motion takes no part in this end.
+    /// The robot's publication; `None` if the world has not processed its motion.
     publication: Option<Publication<'a>>,
     ended: &'a mut EndedRobot,
 }
@@ -64,7 +64,7 @@ pub struct SlotEnd {
 }
 
 impl Environment {
-    /// Environment with this world before the first slot, recorded by `recorder`.
+    /// Environment with `world` before the first slot; `recorder` records it.
     pub fn new(world: World, recorder: Recorder) -> Self {
         Self {
             world,
@@ -83,7 +83,7 @@ impl Environment {
         }
     }
 
-    /// This environment with a monitor of its motion; must be set before the first slot.
+    /// This environment with a monitor of the robots' motion; must be called before the first slot.
     pub fn with_monitor(mut self, monitor: Option<Monitor>) -> Self {
         self.monitor = monitor.map(Box::new);
         if self.monitor.as_ref().is_some_and(|monitor| monitor.needs_objects()) {
@@ -92,12 +92,12 @@ impl Environment {
         self
     }
 
-    /// The monitor, if motion is checked.
+    /// The monitor, if the scene has checks on motion.
     pub fn monitor(&self) -> Option<&Monitor> {
         self.monitor.as_deref()
     }
 
-    /// Ends the run at `time` for the monitor; `is_settled` if nothing can happen any more.
+    /// Ends the run at `time` for the monitor; `is_settled` is true if nothing can happen after `time`.
     pub fn finish_monitor(&mut self, time: Time, is_settled: bool) {
         if let Some(monitor) = &mut self.monitor {
             monitor.finish(&mut self.world, time, is_settled);
@@ -124,31 +124,31 @@ impl Environment {
         !self.moving.is_empty()
     }
 
-    /// Time of the next slot that must be run for messages even if no robot is due; [`Time::NEVER`] if no message is on
-    /// its way.
+    /// Time of the next slot that must be run for messages even if no robot is due; [`Time::NEVER`] if no message is in
+    /// transit.
     pub fn message_due(&self) -> Time {
         self.traffic.due(self.world.radio())
     }
 
-    /// Handles the removal of robot `id` from the world: the robot no longer counts as moving.
-    pub fn forget(&mut self, id: RobotId) {
+    /// Handles the removal of robot `id` from the world: removes it from the list of moving robots.
+    pub fn forget_robot(&mut self, id: RobotId) {
         self.has_removed_robots = true;
         self.moving.retain(|moving| *moving != id);
     }
 
-    /// Finds the robots affected by the end of the present slot: robots that acted in it (`ran`), moving robots, receivers and senders of
-    /// messages, and robots to be placed. Returns them in the order of their ids. `requesting` are the robots that may
-    /// [request](Robot::has_requests) anything, in the order of their ids.
+    /// Finds the robots affected by the end of the present slot: robots that have acted in it (`acted`), moving robots,
+    /// receivers and senders of messages, and robots that are to be placed. Returns them in the order of their ids.
+    /// `requesting` are the robots that may have [requests](Robot::has_requests), in the order of their ids.
     pub fn affected_robots(
         &mut self,
-        ran: &[RobotId],
+        acted: &[RobotId],
         requesting: &[RobotId],
         robots: &mut (impl Robots + ?Sized),
     ) -> &[RobotId] {
         let Self { world, traffic, placements, affected, .. } = self;
         std::mem::swap(affected, &mut self.moving);
         self.moving.clear();
-        affected.extend_from_slice(ran);
+        affected.extend_from_slice(acted);
         affected.sort_unstable();
         affected.dedup();
         for id in requesting {
@@ -157,24 +157,24 @@ impl Environment {
                 traffic.collect(robot, world.radio_mut());
             });
         }
-        // The placements of each robot are already in order.
+        // The sort is stable, and the placements of each robot are already in order.
         placements.sort_by_key(|placement| (placement.time, placement.by));
-        let acted = affected.len();
+        let count = affected.len();
         traffic.exchange(world.slot_end(), world.radio_mut(), affected);
         affected.extend(placements.iter().filter_map(|placement| match placement.what {
             Placeable::Robot(id) => Some(id),
             Placeable::Object(_) => None,
         }));
-        if affected.len() > acted {
+        if affected.len() > count {
             affected.sort_unstable();
             affected.dedup();
         }
         &self.affected
     }
 
-    /// Ends the present slot with the [affected robots](Environment::affected_robots), in the order of their ids: carries out requested
-    /// placements, moves the bodies to the slot's end, resolves their contacts, delivers messages, and collects the journals. Work that
-    /// concerns only one robot runs on `pool`.
+    /// Ends the present slot with the [affected robots](Environment::affected_robots), in the order of their ids:
+    /// applies requested placements, moves the bodies to the end of the slot, resolves their contacts, delivers
+    /// messages, and collects the journals. Work for a single robot runs on `pool`.
     pub fn end_slot(&mut self, robots: &mut [&mut Robot], pool: &impl Pool) -> SlotEnd {
         let at = self.world.slot_end();
         self.record_starts();
@@ -193,10 +193,10 @@ impl Environment {
         });
         self.spare_motions = parallel::reuse(motions);
         let arrivals = self.traffic.deliver(robots);
-        // The walk is recorded before the pose, so that readers of poses already know the height of a walking body; it needs the published
-        // motion of all robots.
-        let has_walks = self.world.has_stances();
-        let (following, interest) = (at + self.world.slot(), self.recorder.interest());
+        // The posture is recorded before the pose, so that a reader of a pose already knows the height of the body. It
+        // needs the published motion of all robots.
+        let has_stances = self.world.has_stances();
+        let (next_slot_end, interest) = (at + self.world.slot(), self.recorder.interest());
         self.ended.clear();
         self.ended.resize(robots.len(), EndedRobot::default());
         let mut endings: Vec<RobotEnding<'_>> = parallel::reuse(std::mem::take(&mut self.spare_endings));
@@ -211,13 +211,13 @@ impl Environment {
             for RobotEnding { robot, publication, ended } in section.iter_mut() {
                 if let Some(publication) = publication.take() {
                     let Robot { motion, journal, .. } = &mut **robot;
-                    publication.publish(motion, at, following, |contact| record_contact(journal, &contact));
+                    publication.publish(motion, at, next_slot_end, |contact| record_contact(journal, &contact));
                 }
-                if !has_walks {
+                if !has_stances {
                     ended.is_active = robot.end_slot(None, at);
                 }
             }
-            if !has_walks {
+            if !has_stances {
                 Journal::seal_all(section.iter_mut().map(|ending| &mut ending.robot.journal));
                 section.iter_mut().for_each(|ending| ending.ended.journal = ending.robot.journal.end_slot(interest));
             }
@@ -237,7 +237,7 @@ impl Environment {
         record_objects(journal, world, at, world.moved_objects().iter().copied());
         recorder.collect(journal);
         for ((robot, id), ended) in robots.iter_mut().zip(&self.affected).zip(&mut self.ended) {
-            if has_walks {
+            if has_stances {
                 ended.is_active = robot.end_slot(Some(world), at);
                 ended.journal = robot.journal.end_slot(interest);
             }
@@ -249,8 +249,8 @@ impl Environment {
         SlotEnd { at, arrivals }
     }
 
-    /// Ends the run at `time`: undecided messages are lost, and the world's events are recorded. The caller then has to
-    /// call [`Environment::finish_radio`] for each robot, in the order of their ids.
+    /// Ends the run at `time`: messages whose outcome is not decided are lost, and the world's events are recorded. The
+    /// caller must then call [`Environment::finish_radio`] for each robot, in the order of their ids.
     pub fn finish(&mut self, time: Time) {
         self.traffic.finish(time, self.world.radio_mut());
         self.recorder.collect(&mut self.journal);
@@ -264,8 +264,8 @@ impl Environment {
     /// Records the initial poses of the movable objects, once.
     pub fn record_starts(&mut self) {
         if !std::mem::replace(&mut self.has_recorded_starts, true) {
-            let all = (0..self.world.object_count()).map(ObjectId::from_index);
-            record_objects(&mut self.journal, &self.world, Time::ZERO, all);
+            let objects = (0..self.world.object_count()).map(ObjectId::from_index);
+            record_objects(&mut self.journal, &self.world, Time::ZERO, objects);
         }
     }
 
@@ -274,16 +274,16 @@ impl Environment {
         record_objects(&mut self.journal, &self.world, at, std::iter::once(object));
     }
 
-    /// Places a robot or an object at the slot's end.
+    /// Places a robot or an object at the end of the slot.
     fn place(&mut self, placement: &Placement, robots: &mut [&mut Robot]) {
         let Placement { by, what, pose, .. } = *placement;
         let slot_end = self.world.slot_end();
         match what {
             Placeable::Robot(id) => {
-                let Ok(place) = robots.binary_search_by_key(&id, |robot| robot.id) else { return };
-                // The pose was validated with the request, here and below.
-                let _ = robots[place].motion.place(slot_end, pose);
-                robots[place].record_placed(slot_end, by, &pose);
+                let Ok(index) = robots.binary_search_by_key(&id, |robot| robot.id) else { return };
+                // The pose was validated with the request, also for objects.
+                let _ = robots[index].motion.place(slot_end, pose);
+                robots[index].record_placed(slot_end, by, &pose);
             }
             Placeable::Object(object) => {
                 let _ = self.world.place_object(object, pose);
@@ -295,7 +295,7 @@ impl Environment {
     }
 }
 
-/// Records the poses of these movable objects at `at`.
+/// Records the poses of movable objects at `at`.
 fn record_objects(journal: &mut Journal, world: &World, at: Time, objects: impl Iterator<Item = ObjectId>) {
     for object in objects {
         let pose = world.object_pose(object, at);

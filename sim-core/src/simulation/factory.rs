@@ -1,4 +1,4 @@
-//! Factory of the robots and the world of a simulation from a scene.
+//! Factory that creates the robots and the world of a simulation from a scene.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,14 +17,14 @@ use crate::spec::{ContactKind, NoiseRef, RobotSpec, SceneSpec};
 use crate::time::Time;
 use crate::world::World;
 
-/// Factory of the robots of a scene, for the start and during the run.
+/// Factory that creates the robots of a scene, at the start and during the run.
 #[derive(Clone, Debug)]
 pub struct RobotFactory {
     seed: u64,
     slot: Time,
     is_verbose: bool,
     walls: Arc<Walls>,
-    /// Depth of the water, m; `None` on dry land.
+    /// Depth of the water, m; `None` in a world without water.
     water: Option<f64>,
     /// Ground for legged robots.
     ground: Arc<Ground>,
@@ -35,9 +35,9 @@ pub struct RobotFactory {
     floor: (DVec2, DVec2),
     /// Cache of models by the files of the robot types.
     models: BTreeMap<String, Arc<Model>>,
-    /// Initial devices, by the files of the robot types; robots share the constant parts.
+    /// Cache of initial devices, by the files of the robot types; robots share the constant parts.
     devices: BTreeMap<String, Devices>,
-    /// Cache of the robots' noise profiles.
+    /// Cache of noise profiles, by their references in the scene.
     profiles: Vec<(NoiseRef, Option<Arc<Profile>>)>,
 }
 
@@ -47,20 +47,21 @@ pub enum FactoryError {
     /// A robot type, or the noise model of its drive, has an invalid value.
     #[error("robot type `{file}`: {part}{error}")]
     Robot {
-        /// The file of the robot's type.
+        /// The file of the robot type.
         file: String,
-        /// `noise of the drive: ` if the noise model is invalid; empty for the type.
+        /// `noise of the drive: ` if the noise model is invalid; empty if the robot type is invalid.
         part: &'static str,
         /// The invalid value.
         error: ModelError,
     },
-    /// The scene has this many movable objects, and this build has no [rigid bodies](Bodies).
+    /// The scene has movable objects (the value is their number), and this build has no [rigid bodies](Bodies).
     #[error("movable objects (the scene has {0}) need the feature `objects` of sim-core")]
     Objects(usize),
 }
 
 impl RobotFactory {
-    /// Factory for a run of `scene` with `seed` and slots of length `slot`; `is_verbose` turns the recording of calls on.
+    /// Factory for a run of `scene` with `seed` and slots of length `slot`; `is_verbose` turns the recording of calls
+    /// on.
     pub fn new(scene: &SceneSpec, seed: u64, slot: Time, is_verbose: bool) -> Self {
         Self {
             seed,
@@ -83,35 +84,35 @@ impl RobotFactory {
         Self { seed, slot, ..self }
     }
 
-    /// Creates the robot of `spec`, present from `since` on; also returns the noise model of its radio.
+    /// Creates the robot of `spec`, which enters the world at `since`; also returns the noise model of its radio.
     ///
     /// # Errors
     /// [`FactoryError::Robot`] if the robot type, or the noise model of its drive, has an invalid value.
     pub fn robot(&mut self, spec: &RobotSpec, since: Time) -> Result<(Robot, RadioNoise), FactoryError> {
-        let failed = |part| move |error| FactoryError::Robot { file: spec.robi.file.clone(), part, error };
+        let invalid = |part| move |error| FactoryError::Robot { file: spec.robi.file.clone(), part, error };
         let new_model = || Arc::new(build::model(&spec.robi));
         let model = Arc::clone(self.models.entry(spec.robi.file.clone()).or_insert_with(new_model));
-        model.check().map_err(failed(""))?;
+        model.check().map_err(invalid(""))?;
         let motion = Motion::new(spec.id, model, Arc::clone(&self.walls), spec.start).starting_at(since);
         let rule = build::contact_rule(self.contact, self.wall_friction, &spec.robi);
-        let mut motion = motion.with_contact(rule).map_err(failed(""))?;
+        let mut motion = motion.with_contact(rule).map_err(invalid(""))?;
         if let Some(legs) = build::legs(&spec.robi) {
             motion = motion.with_legs(legs, Arc::clone(&self.ground));
         }
-        // A hull starts at the surface. Its check refuses a world without water.
+        // A hull starts at the surface of the water. In a world without water, its check fails.
         if let Some(hull) = build::hull(&spec.robi, self.water.unwrap_or_default()) {
-            motion = motion.with_hull(hull, hull.ceiling).map_err(failed(""))?;
+            motion = motion.with_hull(hull, hull.ceiling).map_err(invalid(""))?;
         }
         let devices = self.devices.entry(spec.robi.file.clone()).or_insert_with(|| Devices::new(&spec.robi)).clone();
         let mut robot = Robot::new(motion, (Arc::clone(&spec.robi), devices), since, self.seed, self.is_verbose);
         robot.watch_floor(self.floor);
         let Some(profile) = self.profile(spec) else { return Ok((robot, RadioNoise::default())) };
-        robot.set_noise(since, &profile).map_err(failed("noise of the drive: "))?;
+        robot.set_noise(since, &profile).map_err(invalid("noise of the drive: "))?;
         Ok((robot, profile.radio))
     }
 
-    /// Creates the world of `scene` (the scene of this factory) at time 0 with these robots, in the order of their ids;
-    /// `reception_noise` are the noise models of their radios.
+    /// Creates the world of `scene`, which must be the scene of this factory, at time 0 with the given robots, in the
+    /// order of their ids; `reception_noise` are the noise models of their radios.
     ///
     /// # Errors
     /// [`FactoryError::Objects`] in a build without the feature `objects`.

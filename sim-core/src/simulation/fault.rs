@@ -1,4 +1,4 @@
-//! Faults of a scene as timed interventions.
+//! Faults of a scene, converted to timed interventions.
 
 use std::collections::VecDeque;
 
@@ -12,30 +12,31 @@ use crate::time::Time;
 /// Maximum number of times that a random fault begins.
 const MAX_OCCURRENCES: usize = 10_000;
 
-/// Pending faults of a run, as interventions in order of time.
+/// Pending faults of a run: interventions in order of time.
 #[derive(Clone, Debug, Default)]
 pub struct Faults {
     actions: VecDeque<(Time, Action)>,
 }
 
 impl Faults {
-    /// The faults of a run with `seed` up to `until`; `noise_of` returns the noise models of a robot, which the end of a fault restores.
+    /// The faults of a run with `seed` until `until`. `noise_of` returns the initial noise models of a robot; the end
+    /// of a noise fault restores them.
     ///
     /// Each fault draws its random numbers from its own stream, keyed by the seed and its name.
     pub fn new(faults: &[FaultSpec], seed: u64, until: Time, noise_of: impl Fn(RobotId) -> Profile) -> Self {
         let mut actions: Vec<(Time, Action)> = Vec::new();
         for fault in faults {
             let noise = noise_of(fault.robot);
-            let mut put = |at: f64, is_begin: bool| {
+            let mut schedule = |at: f64, is_begin: bool| {
                 let at = Time::from_seconds_ceil(at);
                 if let Some(action) = action(fault, &noise, is_begin).filter(|_| at < until) {
                     let name = fault.title().to_owned();
                     actions.push((at, Action::Fault { name, action: Box::new(action) }));
                 }
             };
-            for at in instants(fault, seed, until.seconds()) {
-                put(at, true);
-                fault.lasts.into_iter().for_each(|lasts| put(at + lasts, false));
+            for at in start_times(fault, seed, until.seconds()) {
+                schedule(at, true);
+                fault.lasts.into_iter().for_each(|duration| schedule(at + duration, false));
             }
         }
         actions.sort_by_key(|(at, _)| *at);
@@ -53,8 +54,8 @@ impl Faults {
     }
 }
 
-/// Instants at which `fault` begins, s.
-fn instants(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
+/// Times at which `fault` begins, s.
+fn start_times(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
     let mut stream = Stream::new(seed, RobotId(0), Purpose::Fault, 0, name_key(fault.title()));
     match fault.when {
         FaultTime::Once { at, probability } => {
@@ -74,7 +75,7 @@ fn instants(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
                 }
                 instants.push(at);
                 match fault.lasts {
-                    Some(lasts) => at += lasts,
+                    Some(duration) => at += duration,
                     None => break,
                 }
             }
@@ -83,12 +84,12 @@ fn instants(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
     }
 }
 
-/// The intervention with which `fault` begins or ends; `None` for the end of a fault that lasts forever.
+/// The intervention with which `fault` begins or ends; `None` for the end of a fault that cannot end.
 fn action(fault: &FaultSpec, noise: &Profile, is_begin: bool) -> Option<Action> {
     let robot = fault.robot.0;
-    let set = |parameter: &str, value: f64| {
-        let usual = noise.parameters().into_iter().find(|known| known.name() == parameter);
-        let value = if is_begin { value } else { usual.map_or(0.0, |known| known.value) };
+    let set_noise = |parameter: &str, value: f64| {
+        let initial = noise.parameters().into_iter().find(|known| known.name() == parameter);
+        let value = if is_begin { value } else { initial.map_or(0.0, |known| known.value) };
         Action::SetNoise { robot: Some(robot), parameter: parameter.to_owned(), value }
     };
     Some(match &fault.kind {
@@ -97,13 +98,14 @@ fn action(fault: &FaultSpec, noise: &Profile, is_begin: bool) -> Option<Action> 
         FaultKind::SensorOff { sensor } => Action::SwitchSensor { robot, sensor: sensor.clone(), on: !is_begin },
         FaultKind::SensorStuck { sensor } => Action::StickSensor { robot, sensor: sensor.clone(), on: is_begin },
         FaultKind::Slip { wheels, share } => match wheels {
-            SlippingWheels::All => set("drive.slip_percent", 100.0 * share),
-            // A wheel that loses a fraction of its distance moves as far as a wheel that is smaller by this share.
-            SlippingWheels::Left => set("drive.left_percent", -100.0 * share),
-            SlippingWheels::Right => set("drive.right_percent", -100.0 * share),
+            SlippingWheels::All => set_noise("drive.slip_percent", 100.0 * share),
+            // A wheel that loses a fraction of its distance moves as far as a wheel whose diameter is smaller by this
+            // fraction.
+            SlippingWheels::Left => set_noise("drive.left_percent", -100.0 * share),
+            SlippingWheels::Right => set_noise("drive.right_percent", -100.0 * share),
         },
         FaultKind::RadioOff => Action::SwitchRadio { robot, on: !is_begin },
-        FaultKind::Noise { parameter, value } => set(parameter, *value),
+        FaultKind::Noise { parameter, value } => set_noise(parameter, *value),
     })
 }
 
@@ -126,27 +128,27 @@ mod tests {
     }
 
     #[test]
-    fn random_faults_come_at_their_rate_and_do_not_overlap() {
+    fn random_faults_occur_at_their_rate_without_overlap() {
         let radio = fault("radio", FaultTime::Random { per_minute: 2.0 }, Some(3.0));
         let times = times(std::slice::from_ref(&radio), 7);
-        // A mean of 30 s without the fault and 3 s with it.
+        // On average 30 s without the fault and 3 s with it.
         let begun = times.iter().filter(|(_, is_begin)| *is_begin).count() as f64;
         assert!((begun - 60_000.0 / 33.0).abs() < 4.0 * (60_000.0_f64 / 33.0).sqrt(), "{begun}");
         assert!(times.windows(2).all(|pair| pair[0].1 != pair[1].1), "begin and end alternate");
     }
 
     #[test]
-    fn instants_follow_the_name_alone() {
+    fn random_times_depend_only_on_seed_and_name() {
         let named = |name| fault(name, FaultTime::Random { per_minute: 1.0 }, Some(1.0));
         let both = times(&[named("a"), named("b")], 3);
         let [a, b] = ["a", "b"].map(|name| times(&[named(name)], 3));
         assert_ne!(a, b);
-        assert!(a.iter().chain(&b).all(|it| both.contains(it)) && both.len() == a.len() + b.len());
+        assert!(a.iter().chain(&b).all(|fault| both.contains(fault)) && both.len() == a.len() + b.len());
         assert_ne!(a, times(&[named("a")], 4));
     }
 
     #[test]
-    fn a_probability_decides_by_the_seed() {
+    fn fault_occurs_with_its_probability() {
         let rare = fault("rare", FaultTime::Once { at: 2.0, probability: 0.25 }, None);
         let count = (0..1000).filter(|seed| !times(std::slice::from_ref(&rare), *seed).is_empty()).count();
         assert!((190..310).contains(&count), "{count} of 1000 at 0.25");

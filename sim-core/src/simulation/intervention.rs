@@ -1,4 +1,5 @@
-//! User interventions at the start of a slot, while no robot acts: validated first, then recorded, then applied.
+//! User interventions at the start of a slot, while no robot acts: an intervention is first validated, then recorded,
+//! then applied.
 
 use std::sync::Arc;
 
@@ -21,13 +22,13 @@ const MAX_COORDINATE: f64 = 1e6;
 /// Maximum heading of a placement, rad.
 const MAX_HEADING: f64 = 1e6;
 
-/// Reason why an action is refused, worded for the user.
+/// Reason why an action is rejected, as a message to the user.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
-    /// The run ends before the action.
+    /// The run ends before the time of the action.
     #[error("the run is over by then")]
     Over,
-    /// The simulation is paused within a slot.
+    /// The present time is within a slot; the value is the start of the next one.
     #[error("an intervention acts at the start of a slot: the next one starts at {0}")]
     WithinSlot(Time),
     /// The robot does not exist.
@@ -68,10 +69,10 @@ pub enum Refusal {
         /// rad
         phi_rad: f64,
     },
-    /// An obstacle overlaps the position of a new robot.
-    #[error("there is no room for a robot: {} in its place", in_the_way(.0))]
+    /// An obstacle overlaps the body of a new robot at its position.
+    #[error("there is no room for a robot: {} in its place", obstacle_text(.0))]
     Occupied(Thing),
-    /// The sensor has no readings to repeat.
+    /// The sensor is not a range sensor; only range sensors can be made to repeat a reading.
     #[error("`{sensor}` of robot {robot} cannot stick: only PSDs and other distance sensors can")]
     CannotStick {
         /// The robot.
@@ -96,12 +97,12 @@ pub enum Refusal {
     /// The name does not exist in noise profiles, or the value is out of range.
     #[error(transparent)]
     Noise(#[from] ParameterError),
-    /// A simulation without programs cannot carry out the action: it needs programs, or a run that can end.
+    /// The simulation cannot apply the action: for example, the action needs a program. The value is the message.
     #[error("{0}")]
     Other(String),
 }
 
-fn in_the_way(thing: &Thing) -> String {
+fn obstacle_text(thing: &Thing) -> String {
     match thing {
         Thing::Wall(_) | Thing::Floor | Thing::Fixed(_) => "a wall or a fixed object is".to_owned(),
         Thing::Robot(id) => format!("robot {} is", id.0),
@@ -109,7 +110,7 @@ fn in_the_way(thing: &Thing) -> String {
     }
 }
 
-/// A validated action, which cannot fail any more.
+/// A validated action: it can be applied without an error.
 #[derive(Clone, Debug)]
 pub enum Intervention {
     /// Presses a robot's key, touches its display, or presses a key of a remote control.
@@ -128,11 +129,11 @@ pub enum Intervention {
     AddObject(Box<ObjectSpec>),
     /// Removes a movable object.
     RemoveObject(ObjectId),
-    /// Silences a robot that the caller has halted.
+    /// Switches off the radio of a robot that the caller has halted.
     HaltRobot(RobotId),
-    /// Makes the range sensors of this name repeat their readings, or measure again.
+    /// Makes the range sensors of this name repeat their reading, or measure again.
     StickSensor(RobotId, String, bool),
-    /// Silences a robot's radio, or ends its silence.
+    /// Switches a robot's radio on (true) or off.
     SwitchRadio(RobotId, bool),
 }
 
@@ -158,8 +159,9 @@ impl Robots for [Robot] {
 }
 
 impl Intervention {
-    /// Validates `action` against `world`, at the start of its present slot or of a later slot up to which nothing happens. The owner of
-    /// the run must itself type to programs, add robots and end the run; these actions are refused with [`Refusal::Other`].
+    /// Validates `action` for `world`, at the start of its present slot or of a later slot until which nothing happens.
+    /// The actions to type a line to a program, to add a robot and to end the run must be handled by the caller; this
+    /// function rejects them with [`Refusal::Other`].
     ///
     /// # Errors
     /// [`Refusal`] for unknown robots, objects, types or sensors, and for invalid values.
@@ -170,31 +172,31 @@ impl Intervention {
         world: &World,
     ) -> Result<Self, Refusal> {
         Ok(match action {
-            Action::Press { robot, key } => Self::Press(robot_of(*robot, world)?, key.parse()?),
+            Action::Press { robot, key } => Self::Press(find_robot(*robot, world)?, key.parse()?),
             Action::PlaceRobot { robot, x_m, y_m, phi_rad } => {
-                Self::PlaceRobot(robot_of(*robot, world)?, pose_of([*x_m, *y_m, *phi_rad])?)
+                Self::PlaceRobot(find_robot(*robot, world)?, checked_pose([*x_m, *y_m, *phi_rad])?)
             }
             Action::PlaceObject { object, x_m, y_m, phi_rad } => {
-                Self::PlaceObject(object_of(*object, world)?, pose_of([*x_m, *y_m, *phi_rad])?)
+                Self::PlaceObject(find_object(*object, world)?, checked_pose([*x_m, *y_m, *phi_rad])?)
             }
             Action::SetNoise { robot, parameter, value } => {
-                let concerned = match robot {
-                    Some(robot) => vec![robot_of(*robot, world)?],
+                let ids = match robot {
+                    Some(robot) => vec![find_robot(*robot, world)?],
                     None => present_robots(world).collect(),
                 };
                 let changed = |id: RobotId| {
                     let mut profile = robots.with(id, |robot| robot.noise().clone());
                     profile.set_parameter(parameter, *value).map(|()| (id, profile))
                 };
-                Self::SetNoise(concerned.into_iter().map(changed).collect::<Result<_, _>>()?)
+                Self::SetNoise(ids.into_iter().map(changed).collect::<Result<_, _>>()?)
             }
             Action::SwitchSensor { robot, sensor, on } => {
-                let id = robot_of(*robot, world)?;
-                robots.with(id, |robot| has_sensor(robot, sensor))?;
+                let id = find_robot(*robot, world)?;
+                robots.with(id, |robot| check_sensor(robot, sensor))?;
                 Self::SwitchSensor(id, sensor.clone(), *on)
             }
             Action::RemoveRobot { robot } => {
-                let id = robot_of(*robot, world)?;
+                let id = find_robot(*robot, world)?;
                 if present_robots(world).nth(1).is_none() {
                     return Err(Refusal::LastRobot(*robot));
                 }
@@ -204,15 +206,15 @@ impl Intervention {
                 return Err(Refusal::Other("movable objects need the feature `objects` of sim-core".to_owned()));
             }
             Action::AddObject { kind, x_m, y_m, phi_rad } => {
-                let pose = pose_of([*x_m, *y_m, *phi_rad])?;
+                let pose = checked_pose([*x_m, *y_m, *phi_rad])?;
                 Self::AddObject(Box::new(roster.object(kind, pose)?))
             }
-            Action::RemoveObject { object } => Self::RemoveObject(object_of(*object, world)?),
-            Action::HaltRobot { robot } => Self::HaltRobot(robot_of(*robot, world)?),
+            Action::RemoveObject { object } => Self::RemoveObject(find_object(*object, world)?),
+            Action::HaltRobot { robot } => Self::HaltRobot(find_robot(*robot, world)?),
             Action::StickSensor { robot, sensor, on } => {
-                let id = robot_of(*robot, world)?;
+                let id = find_robot(*robot, world)?;
                 robots.with(id, |robot| {
-                    has_sensor(robot, sensor)?;
+                    check_sensor(robot, sensor)?;
                     let can = |(name, kind): (&str, SensorId)| name == sensor && matches!(kind, SensorId::Range(_));
                     let is_range = switch::sensors(&robot.spec).any(can);
                     let refusal = || Refusal::CannotStick { robot: robot.id.0, sensor: sensor.clone() };
@@ -220,10 +222,10 @@ impl Intervention {
                 })?;
                 Self::StickSensor(id, sensor.clone(), *on)
             }
-            Action::SwitchRadio { robot, on } => Self::SwitchRadio(robot_of(*robot, world)?, *on),
+            Action::SwitchRadio { robot, on } => Self::SwitchRadio(find_robot(*robot, world)?, *on),
             Action::Fault { action, .. } => return Self::validate(action, robots, roster, world),
             Action::Type { robot, .. } => {
-                robot_of(*robot, world)?;
+                find_robot(*robot, world)?;
                 return Err(Refusal::Other(format!("robot {robot} runs no program that could read a line")));
             }
             Action::AddRobot { .. } => return Err(Refusal::Other("a robot comes by who owns the run".to_owned())),
@@ -233,7 +235,7 @@ impl Intervention {
 }
 
 impl Environment {
-    /// Advances the world to `at`, the start of a slot up to which nothing happens, and records a validated `action`.
+    /// Advances the world to `at`, the start of a slot until which nothing happens, and records a validated `action`.
     pub fn record_intervention(&mut self, at: Time, action: &Action) {
         self.world.advance_to(at);
         self.record_starts();
@@ -253,7 +255,7 @@ impl Environment {
             Intervention::PlaceRobot(id, pose) => {
                 robots.with(*id, |robot| {
                     let result = robot.motion.place(at, *pose);
-                    debug_assert!(result.is_ok(), "the place was checked");
+                    debug_assert!(result.is_ok(), "the pose was validated");
                     robot.record_placed(at, WORLD, pose);
                     world.republish(&mut robot.motion);
                 });
@@ -261,7 +263,7 @@ impl Environment {
             }
             Intervention::PlaceObject(object, pose) => {
                 let result = world.place_object_now(*object, *pose);
-                debug_assert!(result.is_ok(), "the place was checked");
+                debug_assert!(result.is_ok(), "the pose was validated");
                 let (x_m, y_m, phi_rad) = (pose.position.x, pose.position.y, pose.heading.remainder());
                 self.journal().record(at, &Event::ObjectPlaced { object: object.0, by: WORLD.0, x_m, y_m, phi_rad });
                 self.record_object(at, *object);
@@ -269,8 +271,8 @@ impl Environment {
             Intervention::SetNoise(profiles) => {
                 for (id, profile) in profiles {
                     robots.with(*id, |robot| {
-                        let set = robot.set_noise(at, profile);
-                        debug_assert!(set.is_ok(), "what a profile may hold makes sense for every drive");
+                        let result = robot.set_noise(at, profile);
+                        debug_assert!(result.is_ok(), "a validated profile is valid for every drive");
                         world.radio_mut().set_errors(*id, profile.radio);
                         world.republish(&mut robot.motion);
                     });
@@ -283,12 +285,12 @@ impl Environment {
             Intervention::RemoveRobot(id) => {
                 robots.with(*id, |robot| robot.is_removed = true);
                 world.remove_robot(*id);
-                self.forget(*id);
+                self.forget_robot(*id);
             }
             Intervention::AddObject(spec) => {
                 let figure = Arc::new(build::figure(&spec.kind));
                 let Ok(object) = world.add_object(build::properties(spec), spec.pose, Some(figure)) else {
-                    unreachable!("the place was checked")
+                    unreachable!("the pose was validated")
                 };
                 self.record_object(at, object);
                 return Effect { came: Some(object), ..Effect::default() };
@@ -307,8 +309,8 @@ impl Environment {
         Effect::default()
     }
 
-    /// Adds `robot`, whose id is the next one, at the start of the present slot; `reception_noise` is the noise model of its
-    /// radio.
+    /// Adds `robot`, whose id must be the next one, at the start of the present slot; `reception_noise` is the noise
+    /// model of its radio.
     pub fn admit(&mut self, robot: &mut Robot, reception_noise: RadioNoise) {
         let figure = Arc::new(build::robot_figure(&robot.spec));
         self.world.add_robot(&mut robot.motion, Some(figure));
@@ -329,23 +331,23 @@ fn present_robots(world: &World) -> impl Iterator<Item = RobotId> {
     all.filter(|id| world.is_robot_present(*id, world.slot_start()))
 }
 
-fn robot_of(number: u32, world: &World) -> Result<RobotId, Refusal> {
+fn find_robot(number: u32, world: &World) -> Result<RobotId, Refusal> {
     present_robots(world).find(|id| id.0 == number).ok_or(Refusal::NoRobot(number))
 }
 
-fn object_of(number: u32, world: &World) -> Result<ObjectId, Refusal> {
+fn find_object(number: u32, world: &World) -> Result<ObjectId, Refusal> {
     let valid_id = (1..=world.object_count()).contains(&(number as usize)).then_some(ObjectId(number));
     valid_id.filter(|id| world.is_object_present(*id, world.slot_start())).ok_or(Refusal::NoObject(number))
 }
 
-/// Checks the range of a placement and returns its pose.
-pub(super) fn pose_of([x_m, y_m, phi_rad]: [f64; 3]) -> Result<Pose, Refusal> {
+/// Pose of a placement, if its coordinates and heading are within their ranges.
+pub(super) fn checked_pose([x_m, y_m, phi_rad]: [f64; 3]) -> Result<Pose, Refusal> {
     // NaN fails these comparisons.
-    let is_place = x_m.abs() <= MAX_COORDINATE && y_m.abs() <= MAX_COORDINATE && phi_rad.abs() <= MAX_HEADING;
-    if is_place { Ok(Pose::new(x_m, y_m, phi_rad)) } else { Err(Refusal::Place { x_m, y_m, phi_rad }) }
+    let is_valid = x_m.abs() <= MAX_COORDINATE && y_m.abs() <= MAX_COORDINATE && phi_rad.abs() <= MAX_HEADING;
+    if is_valid { Ok(Pose::new(x_m, y_m, phi_rad)) } else { Err(Refusal::Place { x_m, y_m, phi_rad }) }
 }
 
-fn has_sensor(robot: &Robot, sensor: &str) -> Result<(), Refusal> {
+fn check_sensor(robot: &Robot, sensor: &str) -> Result<(), Refusal> {
     let sensors = robot.sensors_on();
     if sensors.iter().any(|(name, _)| *name == sensor) {
         return Ok(());

@@ -1,8 +1,8 @@
 //! The simulation: robots with their devices in one environment, advanced slot by slot.
 //!
 //! [`Robot`] is the state of one robot, and [`Environment`] the state that robots share. [`Simulation`] contains both
-//! as one value, for callers that drive robots themselves. This room does not use programs, threads or files: the host
-//! lets each robot act within the slot, at the robot's virtual time, and ends the slot.
+//! as one value, for callers that drive robots themselves. This module does not use programs, threads or files: the
+//! host lets each robot act during the slot, at the robot's virtual time, and ends the slot.
 
 mod actuator;
 mod camera;

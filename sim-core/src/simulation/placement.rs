@@ -4,12 +4,12 @@ use crate::pose::Pose;
 use crate::time::Time;
 use crate::{ObjectId, RobotId};
 
-/// A robot's request to place another robot or an object at the slot's end.
+/// A robot's request to place another robot or an object at the end of the slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// Time of the request.
     pub time: Time,
-    /// Robot that made the request.
+    /// Robot that has made the request.
     pub by: RobotId,
     /// Robot or object to place.
     pub what: Placeable,

@@ -29,12 +29,13 @@ use super::Placement;
 
 /// State of a robot in the simulation; the state of a running program is not part of it.
 ///
-/// Within a slot a robot changes only itself, at its own virtual time, and reads the world as published at the slot's start.
+/// During a slot a robot changes only its own state, at its own virtual time, and reads the world as published at the
+/// start of the slot.
 #[derive(Clone, Debug)]
 pub struct Robot {
     /// Id of the robot.
     pub id: RobotId,
-    /// Virtual time: the end of the last call, or the beginning of a call in progress.
+    /// Virtual time: the end of the last call, or the start of the call in progress.
     pub now: Time,
     /// Pose and motion.
     pub motion: Motion,
@@ -46,7 +47,7 @@ pub struct Robot {
     pub devices: Devices,
     /// Radio; `None` until it is first switched on.
     pub station: Option<Box<Station>>,
-    /// Placements that the robot has requested in the present slot, in order.
+    /// Placements that the robot has requested in the present slot, in the order of the requests.
     pub placements: Vec<Placement>,
     /// True once the robot has been removed from the world.
     pub is_removed: bool,
@@ -56,60 +57,61 @@ pub struct Robot {
     seed: u64,
     /// Last recorded pose.
     recorded_pose: Option<Pose>,
-    /// Recorded posture of a robot with legs or in the water.
+    /// Recorded posture and contacts of a robot with legs or in the water.
     pub walk: WalkRecord,
-    /// Watch of the floor's edge; `None` in a world without a floor.
-    floor: Option<FloorWatch>,
+    /// Detects that the robot leaves the floor; `None` in a world without a floor.
+    floor: Option<FloorMonitor>,
 }
 
-/// Result of a slot's end for a robot.
+/// Result of the end of a slot for a robot.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EndedRobot {
-    /// True if the robot takes part in the end of the next slot regardless of its program.
+    /// True if the end of the next slot affects the robot, even if its program does not act.
     pub is_active: bool,
     pub journal: EndedJournal,
 }
 
-/// Watch of the floor's edge, over which a robot can leave where a wall is missing.
+/// Detects that a robot leaves the floor over its edge, where a wall is missing.
 #[derive(Clone, Debug)]
-struct FloorWatch {
+struct FloorMonitor {
     /// Lower left and upper right corner, m.
     corners: (DVec2, DVec2),
-    /// Start of the watch.
+    /// Time at which the detection started.
     since: Time,
-    /// True once the robot's centre was on the floor at the end of a slot.
+    /// True once the robot's centre has been on the floor at the end of a slot.
     has_been_on: bool,
     /// Instant at which the robot first left the floor.
     left_at: Option<Time>,
 }
 
-impl FloorWatch {
+impl FloorMonitor {
     fn contains(&self, point: DVec2) -> bool {
         let (low, high) = self.corners;
         point.cmpge(low).all() && point.cmple(high).all()
     }
 }
 
-/// Interval at which contacts of legs are checked. Source: our choice.
-const TOUCH_GRID: Time = Time::from_millis(10);
+/// Interval between checks of the contacts of legs. Our choice.
+const TOUCH_INTERVAL: Time = Time::from_millis(10);
 
 /// Recorded state of a robot's legs.
 #[derive(Clone, Debug, Default)]
 pub struct WalkRecord {
-    /// Last recorded posture.
+    /// Last recorded posture: height, m, and joint angles, rad.
     posture: Option<(f64, Vec<f64>)>,
     /// Contacts of the robot's parts at the last check.
     touching: Vec<(BodyPart, Thing)>,
-    looked_at: Time,
+    /// Time of the last check of contacts.
+    checked_at: Time,
     /// Number of footfalls.
     pub footfalls: u64,
-    /// Number of contacts of parts that have begun.
+    /// Number of new contacts of parts.
     pub touches: u64,
 }
 
 impl Robot {
-    /// A robot of this type, with its `devices`, at its start pose, at virtual time `start`, in a run with `seed`; `is_verbose` turns the
-    /// recording of its calls on.
+    /// Creates a robot with this spec and these devices at virtual time `start`, in a run with `seed`; `is_verbose`
+    /// turns on the recording of its calls.
     pub fn new(
         mut motion: Motion,
         (spec, devices): (Arc<RobiSpec>, Devices),
@@ -137,14 +139,14 @@ impl Robot {
         }
     }
 
-    /// Sets the lower left and the upper right corner of the floor, m: the first time that the robot leaves it is recorded. Has no effect
-    /// for a floor without an area.
+    /// Sets the lower left and the upper right corner of the floor, m. From now on, an event is recorded when the robot
+    /// leaves the floor for the first time. For a floor of area 0, nothing is recorded.
     pub fn watch_floor(&mut self, corners: (DVec2, DVec2)) {
         let has_area = corners.0.cmplt(corners.1).all();
         let (since, start) = (self.now, self.motion.pose(self.now).position);
         self.floor = has_area.then(|| {
-            let watch = FloorWatch { corners, since, has_been_on: false, left_at: None };
-            FloorWatch { has_been_on: watch.contains(start), ..watch }
+            let watch = FloorMonitor { corners, since, has_been_on: false, left_at: None };
+            FloorMonitor { has_been_on: watch.contains(start), ..watch }
         });
     }
 
@@ -153,11 +155,11 @@ impl Robot {
         self.floor.as_ref()?.left_at
     }
 
-    /// Sets the noise models from `at` on, the start of the present slot. The caller must also set the radio's noise
-    /// model in the channel.
+    /// Sets the noise models from `at` on; `at` must be the start of the present slot. The caller must also set the
+    /// radio's noise model in the channel.
     ///
     /// # Errors
-    /// The first number that is invalid for the drive; nothing changes then.
+    /// [`ModelError`] with the first number that is invalid for the drive; nothing changes then.
     pub fn set_noise(&mut self, at: Time, profile: &Profile) -> Result<(), ModelError> {
         let imperfection = profile.motion.imperfection(self.motion.model().kind, self.seed, self.id);
         if imperfection != self.motion.imperfection() {
@@ -193,27 +195,28 @@ impl Robot {
         parameters.filter(|parameter| has_table(parameter.table)).collect()
     }
 
-    /// Sensors by name; the flag is true if the sensor is switched on.
+    /// Names of the sensors, each with a flag that is true if the sensor is switched on.
     pub fn sensors_on(&self) -> Vec<(&str, bool)> {
         switch::sensors(&self.spec).map(|(name, sensor)| (name, self.devices.switches.is_on(sensor))).collect()
     }
 
-    /// Switches the sensors of this name on or off at `at`, the start of a slot; returns false if no sensor has this
-    /// name.
+    /// Switches the sensors with this name on or off at `at`, the start of a slot; returns false if there is no such
+    /// sensor.
     pub fn switch_sensor(&mut self, at: Time, name: &str, is_on: bool) -> bool {
         let spec = Arc::clone(&self.spec);
-        let mut has_any = false;
+        let mut is_found = false;
         for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
-            has_any = true;
+            is_found = true;
             self.devices.switches.set(sensor, is_on);
             if let SensorId::Encoder(index) = sensor {
                 self.devices.encoders.switch(index, is_on, &mut self.motion, at);
             }
         }
-        has_any
+        is_found
     }
 
-    /// Makes the range sensors of this name repeat their readings from `at` on, the start of a slot, or measure again.
+    /// Makes the range sensors with this name repeat their reading at `at`, the start of a slot, from then on; or makes
+    /// them measure again.
     pub(super) fn stick_sensor(&mut self, world: &World, at: Time, name: &str, is_stuck: bool) {
         let spec = Arc::clone(&self.spec);
         for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
@@ -224,7 +227,7 @@ impl Robot {
         }
     }
 
-    /// Addresses of the heap memory that the robot's commands and readings touch, which a caller may prefetch.
+    /// Address ranges of the heap memory that the robot's commands and readings access; a caller may prefetch it.
     pub fn hot_memory(&self) -> impl Iterator<Item = Range<*const u8>> {
         let readings = [self.devices.psds.hot_memory()];
         readings.into_iter().chain(self.motion.hot_memory()).chain(self.journal.hot_memory())
@@ -239,30 +242,30 @@ impl Robot {
         self.motion.command(self.now, command, &touching)
     }
 
-    /// Reading of range sensor `index` now; no return while it is switched off.
+    /// Reading of range sensor `index` now; a reading without a return if the sensor is switched off.
     pub fn read_range(&mut self, world: &World, index: usize) -> Reading {
         let Self { now, motion, devices, .. } = self;
         let Devices { ranges, servos, switches, .. } = devices;
         measure_range((ranges, servos, switches), motion, world, index, *now)
     }
 
-    /// Latest sample of range sensor `index` taken by its driver; `None` before the end of a first cycle.
+    /// Latest sample that the driver of range sensor `index` has taken; `None` before the end of the first cycle.
     pub fn measured_range(&mut self, world: &World, index: usize) -> Option<Measured> {
         let Self { now, motion, devices: Devices { psds, ranges, servos, switches, .. }, .. } = self;
         psds.read(index, *now, |index, at| measure_range((ranges, servos, switches), motion, world, index, at))
     }
 
-    /// Latest sample of the compass, rad clockwise from north; `None` before the end of a first cycle.
+    /// Latest sample of the compass, rad clockwise from north; `None` before the end of the first cycle.
     pub fn read_compass(&mut self) -> Option<f64> {
         let Self { now, motion, spec, devices, .. } = self;
         let errors = devices.compass.errors.clone();
         devices.compass.read(*now, |at| compass::measure(spec.compass.as_ref(), motion, at, errors.as_ref()))
     }
 
-    /// Computes the values of measurements that have ended by now.
+    /// Computes the values of the measurements that have ended until now.
     ///
-    /// Must be called when virtual time reaches [`Devices::due`], because the world keeps a history of only 100 ms and
-    /// a value may be read much later. Continuous measurements do not need this call.
+    /// Must be called when virtual time reaches [`Devices::due`], because a value may be read much later and the world
+    /// keeps a history of only 100 ms. Continuous measurements do not need this call.
     pub fn settle(&mut self, world: &World) {
         if self.now < self.devices.due() {
             return;
@@ -278,11 +281,12 @@ impl Robot {
     pub fn halt(&mut self, world: &World) {
         let touching = world.touching(&mut self.motion, self.now);
         if let Err(error) = self.motion.command(self.now, Command::Halt, &touching) {
-            unreachable!("a halt is never refused: {error}");
+            unreachable!("a halt is never rejected: {error}");
         }
     }
 
-    /// Records the pose of a robot added to a running world; the scene already contains the poses of the other robots.
+    /// Records the initial pose of a robot that is added to a running world. The initial poses of the other robots are
+    /// in the scene.
     pub fn record_arrival(&mut self, world: &World) {
         self.recorded_pose = None;
         self.record_walk(world, self.now);
@@ -302,8 +306,8 @@ impl Robot {
         }
     }
 
-    /// Records that the robot has left the floor, at the instant at which its centre passed the edge; in a slot longer than the world's
-    /// history only the last part is searched.
+    /// Records an event if the robot has left the floor, at the instant at which its centre crossed the edge. In a slot
+    /// that is longer than the world's history, only the last part is searched.
     fn check_floor(&mut self, slot_end: Time, pose: &Pose) {
         let Some(floor) = self.floor.as_mut().filter(|floor| floor.left_at.is_none()) else { return };
         if floor.contains(pose.position) {
@@ -313,31 +317,31 @@ impl Robot {
         if !floor.has_been_on {
             return;
         }
-        let (mut on, mut off) = (floor.since.max(slot_end - HISTORY), slot_end);
-        if !floor.contains(self.motion.pose(on).position) {
-            off = on;
+        let (mut inside, mut outside) = (floor.since.max(slot_end - HISTORY), slot_end);
+        if !floor.contains(self.motion.pose(inside).position) {
+            outside = inside;
         }
-        while off - on > Time(1) {
-            let middle = Time(on.0 + (off - on).0 / 2);
-            let bound = if floor.contains(self.motion.pose(middle).position) { &mut on } else { &mut off };
+        while outside - inside > Time(1) {
+            let middle = Time(inside.0 + (outside - inside).0 / 2);
+            let bound = if floor.contains(self.motion.pose(middle).position) { &mut inside } else { &mut outside };
             *bound = middle;
         }
-        floor.left_at = Some(off);
-        let DVec2 { x, y } = self.motion.pose(off).position;
+        floor.left_at = Some(outside);
+        let DVec2 { x, y } = self.motion.pose(outside).position;
         // Adding 0 turns -0 into 0.
         let [x, y] = [x, y].map(|metres| unit::mm_from_metres(metres).round() + 0.0);
         let text =
             format!("the robot has left the floor at ({x}, {y}) mm: a wall or a piece of the border is missing there");
-        self.journal.record(off, &Event::Hint { text: &text });
+        self.journal.record(outside, &Event::Hint { text: &text });
     }
 
-    /// Returns true if the robot may have requested placements or the transmission of messages in the present slot.
+    /// Returns true if the robot may have requested placements or sent messages in the present slot.
     pub fn has_requests(&self) -> bool {
         self.station.is_some() || !self.placements.is_empty()
     }
 
-    /// Ends the slot at `at`: records the outcomes of messages, the posture if `world` is given, and the pose. Returns true if the robot
-    /// takes part in the end of the next slot regardless of its program.
+    /// Ends the slot at `at`: records the outcomes of messages, the posture if `world` is given, and the pose. Returns
+    /// true if the end of the next slot affects the robot, even if its program does not act.
     pub(super) fn end_slot(&mut self, world: Option<&World>, at: Time) -> bool {
         self.settle_radio(at - Time(1));
         if self.is_removed {
@@ -350,10 +354,10 @@ impl Robot {
         self.motion.is_active()
     }
 
-    /// Records the footfalls of a legged robot in the slot, and the posture of a robot with legs or in the water at the
-    /// slot's end if the posture has changed since the last record.
+    /// Records the footfalls of a legged robot in the slot. For a robot with legs or in the water, also records the
+    /// posture at the end of the slot if it has changed since the last record.
     pub fn record_walk(&mut self, world: &World, slot_end: Time) {
-        if !self.motion.has_height() {
+        if !self.motion.has_variable_height() {
             return;
         }
         for Footfall { time, leg, point } in self.motion.take_footfalls(slot_end) {
@@ -372,11 +376,11 @@ impl Robot {
         }
     }
 
-    /// Records contacts of thighs, shanks and body that have begun since the last check. Contacts are checked every
-    /// [`TOUCH_GRID`]; in a slot longer than the world's history only the last part is checked.
+    /// Records new contacts of thighs, shanks and body since the last check. Contacts are checked every
+    /// [`TOUCH_INTERVAL`]; in a slot that is longer than the world's history, only the last part is checked.
     fn record_touches(&mut self, world: &World, slot_end: Time) {
-        let first = self.walk.looked_at.max(slot_end - HISTORY);
-        let mut at = Time((first.0.div_euclid(TOUCH_GRID.0) + 1) * TOUCH_GRID.0);
+        let unchecked_from = self.walk.checked_at.max(slot_end - HISTORY);
+        let mut at = Time((unchecked_from.0.div_euclid(TOUCH_INTERVAL.0) + 1) * TOUCH_INTERVAL.0);
         while at <= slot_end {
             let contacts =
                 world.leg_clearance(&mut self.motion, at, 0.0).map(|clearance| clearance.contacts).unwrap_or_default();
@@ -389,9 +393,9 @@ impl Robot {
                     self.walk.touches += 1;
                 }
             }
-            self.walk.touching = contacts.iter().map(|touch| (touch.part, touch.thing)).collect();
-            self.walk.looked_at = at;
-            at += TOUCH_GRID;
+            self.walk.touching = contacts.iter().map(|contact| (contact.part, contact.thing)).collect();
+            self.walk.checked_at = at;
+            at += TOUCH_INTERVAL;
         }
     }
 
@@ -406,14 +410,14 @@ impl Robot {
         format!("{name}.{link}")
     }
 
-    /// Records that robot `by` has placed this robot at `pose` at `at`.
+    /// Records that the robot `by` has placed this robot at `pose` at the time `at`.
     pub fn record_placed(&mut self, at: Time, by: RobotId, pose: &Pose) {
         let Pose { position, heading } = pose;
         let event = Event::Placed { by: by.0, x_m: position.x, y_m: position.y, phi_rad: heading.remainder() };
         self.journal.record(at, &event);
     }
 
-    /// Records the start of the program of this name; the name is empty for a robot without a program.
+    /// Records the start of the program `program`; the name is empty for a robot without a program.
     pub fn record_start(&mut self, program: &str) {
         self.record(Event::ProgramStarted { program });
     }
@@ -429,7 +433,7 @@ impl Robot {
     }
 }
 
-/// Reading of range sensor `index` at `at`; no return while it is switched off.
+/// Reading of range sensor `index` at `at`; a reading without a return if the sensor is switched off.
 fn measure_range(
     (ranges, servos, switches): (&Ranges, &Servos, &Switches),
     motion: &mut Motion,

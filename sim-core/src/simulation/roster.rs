@@ -1,25 +1,26 @@
-//! Roster: all robots and objects that a simulation has ever had, and the types of robots and objects that can be
-//! added.
+//! Roster: all robots and objects of a simulation, including removed ones, and the types of robots and objects that can
+//! be added.
 
 use std::sync::Arc;
 
 use super::Refusal;
-use super::intervention::pose_of;
+use super::intervention::checked_pose;
 use crate::RobotId;
 use crate::build;
 use crate::pose::Pose;
 use crate::spec::{NoiseRef, ObjectSpec, ObjectType, RobiSpec, RobotSpec, SceneSpec};
 use crate::world::World;
 
-/// Limit of robots added after the start of a simulation. Removed robots count as well, because each keeps its number
-/// and its record. Our choice.
+/// Maximum number of robots that can be added after the start of a simulation. Removed robots are included, because
+/// each keeps its id and its record. Our choice.
 pub const MAX_ROBOTS: usize = 1_000;
 
-/// Limit of movable objects added after the start of a simulation, removed ones included. Our choice.
+/// Maximum number of movable objects that can be added after the start of a simulation, including removed ones. Our
+/// choice.
 pub const MAX_OBJECTS: usize = 10_000;
 
-/// All robots and movable objects that a simulation has ever had, in the order of their ids, with their initial poses;
-/// and the named types of robots and objects that can be added.
+/// All robots and movable objects of a simulation, including removed ones, in the order of their ids, with their
+/// initial poses; and the named types of robots and objects that can be added.
 #[derive(Clone, Debug)]
 pub struct Roster {
     /// Types of robots.
@@ -29,7 +30,7 @@ pub struct Roster {
     robots: Vec<RobotSpec>,
     objects: Vec<ObjectSpec>,
     /// Number of robots and number of objects at the start.
-    at_start: [usize; 2],
+    initial_counts: [usize; 2],
     /// Default noise profile of robots.
     noise: Option<NoiseRef>,
 }
@@ -37,7 +38,7 @@ pub struct Roster {
 /// Types by name, without duplicates.
 #[derive(Clone, Debug)]
 pub struct Types<T> {
-    /// Kind of the types: robots or movable objects.
+    /// Word for messages: `robots` or `movable objects`.
     what: &'static str,
     types: Vec<(String, Arc<T>)>,
     /// Name and file of each type.
@@ -45,7 +46,7 @@ pub struct Types<T> {
 }
 
 impl Roster {
-    /// Roster of `scene`, with its types.
+    /// Roster of `scene`, with the types of its robots and objects.
     pub fn of(scene: &SceneSpec) -> Self {
         let mut robot_types = Types::of("robots");
         for robi in scene.robots.iter().map(|robot| &robot.robi) {
@@ -57,7 +58,7 @@ impl Roster {
         }
         let objects: Vec<ObjectSpec> = build::movable_objects(scene).cloned().collect();
         let (robots, noise) = (scene.robots.clone(), scene.run.noise.clone());
-        Self { robot_types, object_types, at_start: [robots.len(), objects.len()], robots, objects, noise }
+        Self { robot_types, object_types, initial_counts: [robots.len(), objects.len()], robots, objects, noise }
     }
 
     /// All robots, in the order of their ids.
@@ -70,9 +71,9 @@ impl Roster {
         &self.objects
     }
 
-    /// Spec of a new robot of the type called `kind` at `start`: x and y in m, heading in rad. It runs the program of
-    /// `program_of`. Its noise profile is taken from `program_of`, otherwise from the first robot of its type,
-    /// otherwise from the scene.
+    /// Spec of a new robot of the type `kind` at `start`: x and y in m, heading in rad. It runs the program of the
+    /// robot with the number `program_of`. Its noise profile is that of the same robot, otherwise that of the first
+    /// robot of its type, otherwise that of the scene.
     ///
     /// # Errors
     /// [`Refusal`] if a name or number is unknown, the position is occupied, or the limit is reached.
@@ -83,16 +84,15 @@ impl Roster {
         start: [f64; 3],
         world: &World,
     ) -> Result<RobotSpec, Refusal> {
-        let start = pose_of(start)?;
-        // The program of a removed robot is still known.
-        let number_of =
-            |number: u32| self.robots.get((number as usize).wrapping_sub(1)).ok_or(Refusal::NoRobot(number));
-        let model = program_of.map(number_of).transpose()?;
+        let start = checked_pose(start)?;
+        // The robot may have been removed: its spec is still in the roster.
+        let find = |number: u32| self.robots.get((number as usize).wrapping_sub(1)).ok_or(Refusal::NoRobot(number));
+        let model = program_of.map(find).transpose()?;
         let robi = self.robot_types.find(kind)?;
-        if let Some(thing) = world.overlapped(start.position, 0.5 * robi.diameter) {
+        if let Some(thing) = world.overlapped_by_disc(start.position, 0.5 * robi.diameter) {
             return Err(Refusal::Occupied(thing));
         }
-        check_room(self.robots.len() - self.at_start[0], MAX_ROBOTS, "robots")?;
+        check_limit(self.robots.len() - self.initial_counts[0], MAX_ROBOTS, "robots")?;
         let of_type = || self.robots.iter().find(|robot| Arc::ptr_eq(&robot.robi, &robi));
         let noise = model.or_else(of_type).map_or(&self.noise, |robot| &robot.noise).clone();
         Ok(RobotSpec {
@@ -115,22 +115,22 @@ impl Roster {
     /// [`Refusal`] if the type is unknown, or the limit is reached.
     pub fn object(&self, kind: &str, pose: Pose) -> Result<ObjectSpec, Refusal> {
         let kind = self.object_types.find(kind)?;
-        check_room(self.objects.len() - self.at_start[1], MAX_OBJECTS, "movable objects")?;
+        check_limit(self.objects.len() - self.initial_counts[1], MAX_OBJECTS, "movable objects")?;
         Ok(ObjectSpec { friction: kind.friction, kind, pose, line: String::new(), span: Default::default() })
     }
 
-    /// Adds a robot that has joined the simulation.
+    /// Adds the spec of a robot that was added to the simulation.
     pub fn keep_robot(&mut self, spec: RobotSpec) {
         self.robots.push(spec);
     }
 
-    /// Adds a movable object that has joined the simulation.
+    /// Adds the spec of a movable object that was added to the simulation.
     pub fn keep_object(&mut self, spec: ObjectSpec) {
         self.objects.push(spec);
     }
 }
 
-fn check_room(added: usize, max_count: usize, what: &'static str) -> Result<(), Refusal> {
+fn check_limit(added: usize, max_count: usize, what: &'static str) -> Result<(), Refusal> {
     if added < max_count { Ok(()) } else { Err(Refusal::Full { most: max_count, what }) }
 }
 
@@ -139,17 +139,17 @@ impl<T> Types<T> {
         Self { what, types: Vec::new(), known_types: Vec::new() }
     }
 
-    /// Adds the type called `name` of `file`, unless it is already known. If another type has this name, the file's
-    /// name is used.
+    /// Adds the type with this `name` from `file`, unless it is already known. If another type has this name, the new
+    /// type is named by its file.
     pub fn add(&mut self, name: &str, file: &str, kind: impl FnOnce() -> Arc<T>) {
-        let both = [name, file].map(str::to_owned);
-        if self.known_types.contains(&both) {
+        let name_and_file = [name, file].map(str::to_owned);
+        if self.known_types.contains(&name_and_file) {
             return;
         }
-        if let Some(word) = both.iter().find(|word| self.names().all(|taken| taken != *word)).cloned() {
+        if let Some(word) = name_and_file.iter().find(|word| self.names().all(|used| used != *word)).cloned() {
             self.types.push((word, kind()));
         }
-        self.known_types.push(both);
+        self.known_types.push(name_and_file);
     }
 
     /// Names of the types.

@@ -1,4 +1,4 @@
-//! Radio of a robot within the simulation: its station, and the events recorded for messages.
+//! Radio of a robot in the simulation: its station, and the events that are recorded for messages.
 
 use super::Robot;
 use crate::radio::{Address, BufferFull, Delivery, OutgoingMessage, ReceivedMessage, Station, StationInfo};
@@ -12,7 +12,7 @@ impl Robot {
         self.station.as_ref()?.member()
     }
 
-    /// Number of messages that wait to be read now.
+    /// Number of received messages that have not been read yet.
     pub fn radio_waiting(&mut self) -> usize {
         self.settle_radio(self.now);
         self.station.as_ref().map_or(0, |station| station.waiting())
@@ -30,42 +30,43 @@ impl Robot {
         station.switch_on(address, baud);
     }
 
-    /// Switches the radio off, see [`Station::switch_off`]; returns the number of messages that are never sent.
+    /// Switches the radio off, see [`Station::switch_off`]; returns the number of messages that will never be
+    /// transmitted.
     pub fn switch_radio_off(&mut self) -> usize {
         self.switch_radio_off_after(|_, now| now)
     }
 
-    /// Switches the radio off after it has sent its messages, see [`Station::switch_off_after`]; returns the number of messages that are
-    /// never sent because they wait for a token.
+    /// Switches the radio off after it has transmitted its messages, see [`Station::switch_off_after`]; returns the
+    /// number of messages that will never be transmitted, because they wait for a token.
     pub fn retire_radio(&mut self) -> usize {
         self.switch_radio_off_after(|station, now| station.last_start(now))
     }
 
-    fn switch_radio_off_after(&mut self, last: impl FnOnce(&Station, Time) -> Time) -> usize {
+    fn switch_radio_off_after(&mut self, off_time: impl FnOnce(&Station, Time) -> Time) -> usize {
         let now = self.now;
         self.settle_radio(now);
         let Some(station) = self.station_on() else { return 0 };
-        let last = last(station, now);
-        let unsent = station.unsent_count(last);
-        let unheard = station.switch_off_after(last);
-        unheard.iter().for_each(|fate| self.record_fate(now, fate));
+        let off_time = off_time(station, now);
+        let unsent = station.unsent_count(off_time);
+        let undelivered = station.switch_off_after(off_time);
+        undelivered.iter().for_each(|delivery| self.record_outcome(now, delivery));
         unsent
     }
 
     /// Sends a message now.
     ///
     /// # Errors
-    /// [`BufferFull`] if the station's buffer has no room for it.
+    /// [`BufferFull`] if the station's buffer has no space for the message.
     ///
     /// # Panics
     /// If the radio is off.
     pub fn send_message(&mut self, world: &World, to: Address, payload: &[u8]) -> Result<(), BufferFull> {
         let now = self.now;
         self.settle_radio(now);
-        let out_of_reach = world.unreachable_robots(self.id, self.motion.pose(now).position, now);
+        let unreachable = world.unreachable_robots(self.id, self.motion.pose(now).position, now);
         let Self { station, journal, .. } = self;
-        let station = station.as_deref_mut().expect("only a station that is on sends");
-        let OutgoingMessage { sequence, to, begins, payload, .. } = station.send(now, to, payload, out_of_reach)?;
+        let station = station.as_deref_mut().expect("the radio is on");
+        let OutgoingMessage { sequence, to, begins, payload, .. } = station.send(now, to, payload, unreachable)?;
         let to = match to {
             Address::All => None,
             Address::One(address) => Some(*address),
@@ -75,7 +76,7 @@ impl Robot {
         Ok(())
     }
 
-    /// Removes and returns the next message received by now.
+    /// Removes and returns the next message that has been received.
     pub fn receive_message(&mut self) -> Option<ReceivedMessage> {
         self.settle_radio(self.now);
         let message = self.station_on()?.receive()?;
@@ -83,11 +84,11 @@ impl Robot {
         Some(message)
     }
 
-    /// Moves messages that are visible at `by` into the station's buffer.
-    pub fn settle_radio(&mut self, by: Time) {
+    /// Moves the messages that are visible at `at` into the station's buffer.
+    pub fn settle_radio(&mut self, at: Time) {
         let Some(station) = &mut self.station else { return };
-        for fate in station.collect_visible(by) {
-            self.record_fate(fate.visible, &fate);
+        for delivery in station.collect_visible(at) {
+            self.record_outcome(delivery.visible, &delivery);
         }
     }
 
@@ -98,11 +99,11 @@ impl Robot {
         }
     }
 
-    /// Records the outcomes of the messages in transit at the end of the run.
+    /// Records the outcomes of the messages that are in transit at the end of the run.
     pub(super) fn finish_radio(&mut self, end: Time) {
         let Some(station) = &mut self.station else { return };
-        for fate in station.finish() {
-            self.record_fate(end, &fate);
+        for delivery in station.finish() {
+            self.record_outcome(end, &delivery);
         }
     }
 
@@ -110,9 +111,9 @@ impl Robot {
         self.station.as_deref_mut().filter(|station| station.member().is_some())
     }
 
-    fn record_fate(&mut self, at: Time, fate: &Delivery) {
-        let (from, message, arrived_s) = (fate.from.0, fate.sequence, fate.arrives.seconds());
-        let event = match &fate.outcome {
+    fn record_outcome(&mut self, at: Time, delivery: &Delivery) {
+        let (from, message, arrived_s) = (delivery.from.0, delivery.sequence, delivery.arrives.seconds());
+        let event = match &delivery.outcome {
             Ok(arrived) => Event::RadioArrived { from, message, arrived_s, bit_errors: arrived.bit_errors },
             Err(loss) => Event::RadioLost { from, message, arrived_s, cause: loss.name() },
         };

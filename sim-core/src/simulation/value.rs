@@ -1,4 +1,4 @@
-//! A whole simulation as one value, which its owner can advance, read, copy and restore.
+//! A complete simulation as one value that the caller can advance, read, copy and restore.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -17,14 +17,15 @@ use crate::spec::SceneSpec;
 use crate::time::Time;
 use crate::world::World;
 
-/// Robots in their environment, without programs: the caller commands them, with the devices, noise and timing that a
-/// program would get.
+/// Robots in their environment, without programs. The caller commands the robots, with the same devices, noise and
+/// timing as a program.
 ///
-/// A simulation is a value: a [`Clone`] is a snapshot, and assigning it back restores it. Copies are independent of the original and stay
-/// bit-identical under the same commands. Walls, meshes and types are shared between copies.
+/// A simulation is a value: a [`Clone`] is a snapshot, and assigning it back restores it. Copies are independent of the
+/// original and stay bit-identical under the same commands. Walls, meshes and types are shared between copies.
 ///
-/// A command acts at the present time, [`Simulation::now`]; other robots see it from the next slot on. Within a slot the order in which
-/// robots act has no effect. A simulation never accesses files, clocks or other outside state.
+/// A command takes effect at the present time, [`Simulation::now`]; other robots see its effect from the next slot on.
+/// The order in which robots act during a slot has no effect. A simulation never accesses files, clocks or other
+/// external state.
 #[derive(Clone, Debug)]
 pub struct Simulation {
     environment: Environment,
@@ -33,21 +34,21 @@ pub struct Simulation {
     /// Robots that may have acted in the present slot.
     acted: Vec<RobotId>,
     now: Time,
-    /// Visuals for cameras, once they are set.
+    /// Visuals for cameras; `None` until they are set.
     visuals: Option<Arc<Visuals>>,
     /// All robots and objects, and the types of robots and objects that can be added.
     roster: Arc<Roster>,
     factory: Arc<RobotFactory>,
-    /// Reused memory for vectors of references.
+    /// Memory that is reused for vectors of references.
     spare: Vec<usize>,
     /// Pending faults of the scene.
     faults: Faults,
 }
 
-/// Options of a simulation in addition to its scene.
+/// Options of a simulation that override those of its scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Seed of all randomness; default: the scene's seed, otherwise 0.
+    /// Seed of all random numbers; default: the scene's seed, otherwise 0.
     pub seed: Option<u64>,
     /// Length of a slot, positive; default: the scene's slot length, otherwise 50 ms.
     pub slot: Option<Time>,
@@ -57,21 +58,23 @@ pub struct Options {
 pub const DEFAULT_SLOT: Time = Time::from_millis(50);
 
 impl Simulation {
-    /// The simulation of `scene` at time 0.
+    /// Creates the simulation of `scene` at time 0.
     ///
     /// # Errors
-    /// [`FactoryError`] for an invalid robot type or noise model of a drive, and for movable objects in a build without rigid bodies.
+    /// [`FactoryError`] for an invalid robot type or noise model of a drive, and for movable objects in a build without
+    /// rigid bodies.
     ///
     /// # Panics
     /// If the slot is not positive.
     pub fn new(scene: &SceneSpec, options: &Options) -> Result<Self, FactoryError> {
         let (seed, slot) = seed_and_slot(scene, options);
-        Self::made_by(RobotFactory::new(scene, seed, slot, false), scene, seed, slot)
+        Self::from_factory(RobotFactory::new(scene, seed, slot, false), scene, seed, slot)
     }
 
-    /// The simulation of `scene` at time 0, equal to the result of [`Simulation::new`] but made faster: it shares walls, ground and types
-    /// with this simulation. Walls, terrain, fixed objects, contact rule and types of robots of `scene` must be the same as in this
-    /// simulation's scene; starts, noise and seed may differ.
+    /// Creates the simulation of `scene` at time 0. The result is equal to that of [`Simulation::new`], but is created
+    /// faster, because it shares walls, ground and types with this simulation. Walls, terrain, fixed objects, contact
+    /// rule and types of robots of `scene` must be the same as in this simulation's scene; initial poses, noise and
+    /// seed can differ.
     ///
     /// # Errors
     /// [`FactoryError`] for an invalid noise model of a drive.
@@ -80,14 +83,15 @@ impl Simulation {
     /// If the slot is not positive.
     pub fn restarted(&self, scene: &SceneSpec, options: &Options) -> Result<Self, FactoryError> {
         let (seed, slot) = seed_and_slot(scene, options);
-        Self::made_by(RobotFactory::clone(&self.factory).with_seed(seed, slot), scene, seed, slot)
+        Self::from_factory(RobotFactory::clone(&self.factory).with_seed(seed, slot), scene, seed, slot)
     }
 
-    fn made_by(mut factory: RobotFactory, scene: &SceneSpec, seed: u64, slot: Time) -> Result<Self, FactoryError> {
+    fn from_factory(mut factory: RobotFactory, scene: &SceneSpec, seed: u64, slot: Time) -> Result<Self, FactoryError> {
         let created = scene.robots.iter().map(|spec| factory.robot(spec, Time::ZERO));
-        let (mut robots, heard): (Vec<Robot>, Vec<_>) = created.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        let (mut robots, reception_noise): (Vec<Robot>, Vec<_>) =
+            created.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         robots.iter_mut().for_each(|robot| robot.record_start(""));
-        let world = factory.world(scene, &mut robots, heard)?;
+        let world = factory.world(scene, &mut robots, reception_noise)?;
         let monitor = Monitor::new(scene, world.walls(), scene.run.until.unwrap_or(Time::NEVER));
         let environment = Environment::new(world, Recorder::new(seed, slot, KindSet::NONE)).with_monitor(monitor);
         let until = scene.run.until.unwrap_or(Time::NEVER);
@@ -96,8 +100,8 @@ impl Simulation {
         Ok(Self { faults, ..Self::of(environment, robots, Roster::of(scene), factory) })
     }
 
-    /// Simulation of `robots`, in the order of their ids, in `environment`, at the start of its present slot. The
-    /// robots may be copies of the robots of a run; `roster` and `factory` allow more robots to be added.
+    /// Creates a simulation of `robots`, in the order of their ids, in `environment`, at the start of its present slot.
+    /// The robots may be copies of the robots of a run; `roster` and `factory` are used to add more robots.
     pub fn of(environment: Environment, mut robots: Vec<Robot>, roster: Roster, factory: RobotFactory) -> Self {
         let now = environment.world.slot_start();
         robots.iter_mut().for_each(|robot| robot.now = now);
@@ -116,7 +120,7 @@ impl Simulation {
         }
     }
 
-    /// Present time of all robots.
+    /// The present time of all robots.
     pub fn now(&self) -> Time {
         self.now
     }
@@ -139,7 +143,7 @@ impl Simulation {
         &self.robots[id.index()]
     }
 
-    /// Calls `act` with robot `id` at the present time, to read and change it: devices, radio, drive.
+    /// Calls `act` with robot `id` at the present time, to read and change its devices, radio and drive.
     ///
     /// # Panics
     /// If the robot does not exist.
@@ -161,14 +165,16 @@ impl Simulation {
         self.with_robot(id, |robot, world| robot.command(world, command))
     }
 
-    /// Applies an intervention now, at the start of a slot, and records it, as [runs with programs](Action) do.
+    /// Applies and records an intervention now, like a [run with programs](Action). The present time must be the start
+    /// of a slot.
     ///
-    /// Added robots have no program. Added robots and objects may have the types of the scene and the types
-    /// [added](Simulation::roster_mut) to it. A removed robot keeps its id but is not in the world any more.
+    /// Added robots have no program. The types of added robots and objects can be those of the scene and those
+    /// [added](Simulation::roster_mut) to the roster. A removed robot keeps its id but is no longer in the world.
     ///
     /// # Errors
-    /// [`Refusal`] for unknown names and invalid values, and [within a slot](Refusal::WithinSlot). Also for actions
-    /// that need a run with programs: adding a robot with a program, and ending the run. Nothing changes then.
+    /// [`Refusal`] for unknown names and invalid values, for a present time [within a slot](Refusal::WithinSlot), and
+    /// for actions that need a run with programs: adding a robot with a program, and ending the run. Nothing changes
+    /// then.
     pub fn act(&mut self, action: &Action) -> Result<(), Refusal> {
         if self.now != self.world().slot_start() {
             return Err(Refusal::WithinSlot(self.world().slot_end()));
@@ -179,11 +185,11 @@ impl Simulation {
             }
             let spec = self.roster.robot(kind, None, [*x_m, *y_m, *phi_rad], self.world())?;
             let new_robot = Arc::make_mut(&mut self.factory).robot(&spec, self.now);
-            let (mut robot, heard) = new_robot.map_err(|error| Refusal::Other(error.to_string()))?;
+            let (mut robot, reception_noise) = new_robot.map_err(|error| Refusal::Other(error.to_string()))?;
             robot.record_start("");
             self.environment.record_intervention(self.now, action);
-            self.environment.admit(&mut robot, heard);
-            self.show(SpawnedEntity::Robot(robot.id, Arc::clone(&spec.robi)));
+            self.environment.admit(&mut robot, reception_noise);
+            self.add_visuals(SpawnedEntity::Robot(robot.id, Arc::clone(&spec.robi)));
             self.acted.push(robot.id);
             self.robots.push(robot);
             Arc::make_mut(&mut self.roster).keep_robot(spec);
@@ -198,22 +204,22 @@ impl Simulation {
         let effect = self.environment.intervene(&intervention, &mut self.robots[..]);
         self.acted.extend(effect.robots);
         if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.came) {
-            self.show(SpawnedEntity::Object(id, Arc::clone(&spec.kind)));
+            self.add_visuals(SpawnedEntity::Object(id, Arc::clone(&spec.kind)));
             Arc::make_mut(&mut self.roster).keep_object(*spec);
         }
         Ok(())
     }
 
-    /// Makes a spawned entity visible to cameras, with the appearance of its type if it is known, otherwise as its
+    /// Makes an added entity visible to cameras, with the appearance of its type if that is known, otherwise as its
     /// colliders.
-    fn show(&mut self, entity: SpawnedEntity) {
+    fn add_visuals(&mut self, entity: SpawnedEntity) {
         if let Some(visuals) = &mut self.visuals {
             Arc::make_mut(visuals).add([entity], &mut NoMeshes);
         }
     }
 
-    /// Findings of the scene's checks on motion, each with the index of its check in the scene, up to the last whole tenth of a second of
-    /// the last ended slot.
+    /// Findings of the scene's checks on motion, each with the index of its check in the scene, up to the last whole
+    /// tenth of a second before the end of the last completed slot.
     pub fn findings(&self) -> impl Iterator<Item = (usize, Finding)> {
         self.environment.monitor().into_iter().flat_map(Monitor::findings)
     }
@@ -223,7 +229,7 @@ impl Simulation {
         &self.roster
     }
 
-    /// Mutable roster, to add types.
+    /// The roster, mutable, to add types.
     pub fn roster_mut(&mut self) -> &mut Roster {
         Arc::make_mut(&mut self.roster)
     }
@@ -252,17 +258,18 @@ impl Simulation {
         self.robots[id.index()].motion.odometry(self.now)
     }
 
-    /// Sets the visuals for cameras from now on; all copies share them. Without visuals there are no images.
+    /// Sets the visuals for cameras; later copies share them. Without visuals there are no images.
     pub fn set_visuals(&mut self, visuals: Visuals) {
         self.visuals = Some(Arc::new(visuals));
     }
 
     /// Takes the image that a program of robot `id` would get now: red, green and blue of each pixel, 0 to 255, with
     /// the camera's errors. The image was exposed [one read-out time](crate::device::camera::READ_OUT) ago. It is
-    /// counted and recorded as in a program.
+    /// counted and recorded like an image of a program.
     ///
-    /// A camera that is off is first switched on for images of 320 x 240 pixels. To use another [`Setting`], call
-    /// [`Simulation::with_robot`] and [`Camera::switch_on`](crate::device::camera::Camera::switch_on).
+    /// If the camera is off, it is first switched on with the default setting, for images of 320 x 240 pixels. To use
+    /// another [`Setting`], call [`Simulation::with_robot`] and
+    /// [`Camera::switch_on`](crate::device::camera::Camera::switch_on).
     ///
     /// # Errors
     /// [`CameraError`] for a robot without a camera, and before [`Simulation::set_visuals`].
@@ -279,11 +286,11 @@ impl Simulation {
         })
     }
 
-    /// Depth of each pixel of the last image of robot `id`, without errors: m along the line of sight through
-    /// the pixel's middle; infinite for the sky.
+    /// Depth of each pixel of the last image of robot `id`, without errors: m along the line of sight through the
+    /// centre of the pixel; infinite for the sky.
     ///
     /// # Errors
-    /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before a first image.
+    /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before the first image.
     ///
     /// # Panics
     /// If the robot does not exist.
@@ -294,7 +301,7 @@ impl Simulation {
     /// Label of each pixel of the last image of robot `id`, without errors: sky, ground, a wall, an object or a robot.
     ///
     /// # Errors
-    /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before a first image.
+    /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before the first image.
     ///
     /// # Panics
     /// If the robot does not exist.
@@ -307,37 +314,41 @@ impl Simulation {
         let Ok(()) = self.advance_with(time, |_| Ok::<(), Infallible>(()));
     }
 
-    /// Advances to `time`; `show` gets the recorded events of [interest](Recorder::set_interest) at the end of each slot, in order of
-    /// (virtual time, robot, sequence).
+    /// Advances to `time`. At the end of each slot, `visit` is called with the recorded events of
+    /// [interest](Recorder::set_interest), in order of (virtual time, robot, sequence).
     ///
     /// # Errors
-    /// The first error of `show`; the simulation is then at the end of that slot.
-    pub fn advance_with<E>(&mut self, time: Time, mut show: impl FnMut(&Record<'_>) -> Result<(), E>) -> Result<(), E> {
+    /// The first error of `visit`; the simulation is then at the end of that slot.
+    pub fn advance_with<E>(
+        &mut self,
+        time: Time,
+        mut visit: impl FnMut(&Record<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
         while self.now < time {
             let slot_end = self.world().slot_end();
-            self.carry_out_faults(slot_end);
+            self.apply_faults(slot_end);
             self.pass_to(time.min(slot_end));
             if time < slot_end {
                 break;
             }
             self.end_slot();
-            let ended = self.environment.recorder().end_slot(slot_end, &mut show);
+            let ended = self.environment.recorder().end_slot(slot_end, &mut visit);
             ended?;
             self.skip_to(time);
         }
         Ok(())
     }
 
-    /// Carries out the faults before `slot_end`, if the present slot has just begun. Skips a fault that cannot be carried out, such as one
-    /// of a removed robot.
-    fn carry_out_faults(&mut self, slot_end: Time) {
+    /// Applies the faults before `slot_end`, if the present slot has just begun. Skips a fault that cannot be applied,
+    /// such as a fault of a removed robot.
+    fn apply_faults(&mut self, slot_end: Time) {
         while self.now == self.world().slot_start() && self.faults.next().is_some_and(|at| at < slot_end) {
             let action = self.faults.pop().map(|(_, action)| action);
             action.into_iter().for_each(|action| _ = self.act(&action));
         }
     }
 
-    /// Sets the kinds of events that [`Simulation::advance_with`] shows.
+    /// Sets the kinds of events with which [`Simulation::advance_with`] calls `visit`.
     pub fn set_interest(&mut self, interest: KindSet) {
         self.environment.recorder().set_interest(interest);
     }
@@ -376,18 +387,18 @@ impl Simulation {
         *spare = parallel::reuse(states);
     }
 
-    /// Skips slots before `time` in which nothing happens.
+    /// Skips the slots before `time` in which nothing happens.
     fn skip_to(&mut self, time: Time) {
         let world = &self.environment.world;
-        let following = world.slot_start();
+        let slot_start = world.slot_start();
         if world.is_object_moving() || self.environment.is_robot_moving() {
             return;
         }
         let present = self.robots.iter().filter(|robot| !robot.is_removed);
         let due = present.map(|robot| robot.devices.due()).fold(self.environment.message_due(), Time::min);
         let due = due.min(self.faults.next().unwrap_or(Time::NEVER));
-        let next = due.min(time).floor_to(world.slot()).max(following);
-        if next > following {
+        let next = due.min(time).floor_to(world.slot()).max(slot_start);
+        if next > slot_start {
             self.environment.world.advance_to(next);
             self.robots.iter_mut().for_each(|robot| robot.now = next);
             self.now = next;

@@ -1,4 +1,4 @@
-//! Numbers as users write them: in millimetres, degrees and percent, within bounds.
+//! Numbers in files: their units (millimetres, degrees, percent and others) and their bounds.
 
 /// Meaning of a number in a file, with its unit and its bounds in that unit.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +12,7 @@ pub struct Quantity {
     is_minor: bool,
 }
 
-/// Largest coordinate or size that a file may have, in metres.
+/// Maximum coordinate or size that a file may contain, in metres.
 pub const MAX_LENGTH: f64 = 1e6;
 
 /// A unit of numbers in files.
@@ -43,7 +43,7 @@ impl Unit {
 }
 
 const MAX_LENGTH_MM: f64 = MAX_LENGTH * 1000.0;
-/// Smallest accepted size, in millimetres.
+/// Minimum accepted size, in millimetres.
 const MIN_SIZE_MM: f64 = 1e-3;
 
 impl Quantity {
@@ -101,7 +101,7 @@ impl Quantity {
         Self::new(name, Unit::si(""), low, high)
     }
 
-    /// A share, written in percent.
+    /// A fraction, written in percent.
     pub const fn percent(name: &'static str, low: f64, high: f64) -> Self {
         Self::new(name, Unit::PERCENT, low, high)
     }
@@ -111,7 +111,7 @@ impl Quantity {
         Self::new(name, Unit::si("1/m"), 0.0, high)
     }
 
-    /// This quantity with other bounds, given in its own unit.
+    /// This quantity with other bounds, given in its unit.
     pub const fn within(self, low: f64, high: f64) -> Self {
         Self { low, high, ..self }
     }
@@ -131,8 +131,8 @@ impl Quantity {
         (self.unit.from_si)(si)
     }
 
-    /// Converts `si` from SI units to the quantity's unit and rounds to twelve digits, so that a number read from a
-    /// file is printed as it was written.
+    /// Converts `si` from SI units to the quantity's unit and rounds to twelve digits, so that a number that was read
+    /// from a file is printed as it was written.
     pub fn in_own_unit(&self, si: f64) -> f64 {
         let value = si / (self.unit.to_si)(1.0);
         format!("{value:.11e}").parse().unwrap_or(value)

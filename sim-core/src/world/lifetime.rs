@@ -1,4 +1,4 @@
-//! Spawning and removing bodies in a running world.
+//! Addition and removal of bodies in a running world.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::{
     time::Time,
 };
 
-/// Lifetime of a body in the world: from `since`, inclusive, to `until`, exclusive.
+/// Time for which a body is in the world: from `since`, inclusive, to `until`, exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lifetime {
     /// First instant of the body.
@@ -40,16 +40,16 @@ impl Lifetime {
     }
 }
 
-/// Spawning and removal happen between two slots, at the start of the present one. Queries about earlier instants
+/// Bodies are added and removed between two slots, at the start of the present slot. Queries about earlier instants
 /// return the world as it was at that instant. Ids are never reused.
 impl World {
-    /// Adds a robot from the start of the present slot on; its motion must [start](Motion::starting_at) there. `figure`
-    /// is its shape for rays in space (default: an upright cylinder of unlimited height).
+    /// Adds a robot from the start of the present slot on; its motion must [start](Motion::starting_at) at that time.
+    /// `figure` is its shape for rays in space (default: an upright cylinder of unlimited height).
     ///
     /// # Panics
     /// If the robot's id is not the next one.
     pub fn add_robot(&mut self, motion: &mut Motion, figure: Option<Arc<Figure>>) {
-        assert_eq!(motion.id().index(), self.tracks.len(), "ids of robots go on after the last");
+        assert_eq!(motion.id().index(), self.tracks.len(), "the id is the next one");
         if let Some(figure) = figure {
             Arc::make_mut(&mut self.indexed_space).add_robot(figure, self.tracks.iter().map(Track::radius));
         }
@@ -60,8 +60,8 @@ impl World {
         self.refresh_index();
     }
 
-    /// Removes the body of a robot from the world from the start of the present slot on. Its motion
-    /// must not be passed to [`World::advance`] again.
+    /// Removes the body of a robot from the start of the present slot on. Its motion must not be passed to
+    /// [`World::advance`] again.
     ///
     /// # Panics
     /// If the robot does not exist.
@@ -80,7 +80,7 @@ impl World {
     }
 
     /// Adds a movable object at `world_from_object` from the start of the present slot on, at rest and awake. `figure`
-    /// is its shape for rays in space (default: its footprint, unlimited in height). Any place is allowed: an object
+    /// is its shape for rays in space (default: its footprint, unlimited in height). Any pose is allowed: an object
     /// inside a wall or a body is pushed out.
     ///
     /// # Errors
@@ -105,12 +105,12 @@ impl World {
         let object = objects.add(properties, world_from_object, now);
         objects.publish(now, end);
         self.quiescence = Quiescence::default();
-        // A robot that was alone until now is not in the index yet.
+        // If there was only one robot and no object, the robot may not be in the index yet.
         self.refresh_index();
         Ok(object)
     }
 
-    /// Removes a movable object from the world from the start of the present slot on.
+    /// Removes a movable object from the start of the present slot on.
     ///
     /// # Panics
     /// If the object does not exist.
@@ -119,7 +119,7 @@ impl World {
         self.objects.as_mut().expect("the scene has this object").remove(object, now);
     }
 
-    /// Number of robots, removed ones included.
+    /// Number of robots, including removed ones.
     pub fn robot_count(&self) -> usize {
         self.tracks.len()
     }
@@ -150,43 +150,42 @@ impl World {
         object.index() < self.object_count() && self.object_lifetime(object).contains(at)
     }
 
-    /// The first obstacle that a disc of `radius` metres around `centre` would overlap at the start of the present
-    /// slot: a wall or fixed body (also if the disc is wholly inside it), then a robot, then a movable object. Touching
-    /// does not count as overlap.
-    pub fn overlapped(&self, centre: DVec2, radius: f64) -> Option<Thing> {
-        let inner = (radius - TOUCH).max(0.0);
-        let mut wall = self.surrounding(centre);
-        self.walls.for_each_in(Bounds::of_disc(centre, inner), |id, segment| {
-            if wall.is_none() && (segment.nearest_point(centre) - centre).length() < inner {
+    /// An obstacle that a disc of `radius` metres around `centre` would overlap at the start of the present slot; if
+    /// there are several, in this order: a wall or fixed body (also if the disc is completely inside it), a robot, a
+    /// movable object. A touching obstacle does not overlap the disc.
+    pub fn overlapped_by_disc(&self, centre: DVec2, radius: f64) -> Option<Thing> {
+        let overlap_radius = (radius - TOUCH).max(0.0);
+        let mut wall = self.surrounding_wall(centre);
+        self.walls.for_each_in(Bounds::of_disc(centre, overlap_radius), |id, segment| {
+            if wall.is_none() && (segment.nearest_point(centre) - centre).length() < overlap_radius {
                 wall = Some(id);
             }
         });
         let robots = (0..self.tracks.len()).map(RobotId::from_index);
         let robot = || {
-            let mut there = robots.filter(|robot| self.is_robot_present(*robot, self.now));
-            there.find(|robot| {
+            let mut present = robots.filter(|robot| self.is_robot_present(*robot, self.now));
+            present.find(|robot| {
                 let body = self.body(*robot, self.now);
-                (body.centre - centre).length() < body.radius + inner
+                (body.centre - centre).length() < body.radius + overlap_radius
             })
         };
-        let object = || self.objects.as_ref()?.first_within(centre, inner);
+        let object = || self.objects.as_ref()?.first_within(centre, overlap_radius);
         wall.map(Thing::Wall).or_else(|| robot().map(Thing::Robot)).or_else(|| object().map(Thing::Object))
     }
 
-    /// A side of the thick wall or fixed body that contains `point`.
-    fn surrounding(&self, point: DVec2) -> Option<WallId> {
+    /// The first wall of the outline of a thick wall or fixed body that contains `point`; `None` if there is no such
+    /// body.
+    fn surrounding_wall(&self, point: DVec2) -> Option<WallId> {
         let space = &self.indexed_space.space;
         let thick_walls = space.thick_walls.iter().map(|block| block.wall.0..block.wall.0 + 4);
         let outlines = space.outlines.map(|first| first.0..self.walls.len() as u32);
-        thick_walls
-            .chain(outlines)
-            .find(|walls| self.winds_around(walls.clone(), point))
-            .map(|walls| WallId(walls.start))
+        thick_walls.chain(outlines).find(|walls| self.enclose(walls.clone(), point)).map(|walls| WallId(walls.start))
     }
 
-    /// Returns true if the closed outlines, all of one orientation, wind around `point`.
-    fn winds_around(&self, walls: Range<u32>, point: DVec2) -> bool {
-        let turn = |wall| {
+    /// Returns true if `point` has a winding number other than 0 with respect to `walls`, closed outlines of the same
+    /// orientation.
+    fn enclose(&self, walls: Range<u32>, point: DVec2) -> bool {
+        let winding = |wall| {
             let segment = self.walls.segment(WallId(wall));
             let (a, b) = (segment.a - point, segment.b - point);
             match (a.y <= 0.0, b.y <= 0.0) {
@@ -195,6 +194,6 @@ impl World {
                 _ => 0,
             }
         };
-        walls.map(turn).sum::<i32>() != 0
+        walls.map(winding).sum::<i32>() != 0
     }
 }

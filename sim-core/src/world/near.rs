@@ -16,14 +16,14 @@ use crate::{
 
 /// Geometry of an obstacle at its current pose.
 pub(super) enum Geometry<'a> {
-    /// A vertical face from the floor to this height.
+    /// A vertical face from the floor up to the given height, m.
     Wall(&'a Segment, f64),
-    /// A body of this shape.
+    /// A body with the given pose and shape.
     Body(&'a Pose, &'a Figure),
 }
 
 impl Geometry<'_> {
-    /// Visits the point nearest to `point` of each convex part, in a fixed order.
+    /// Calls `visit` for each convex part of the geometry, in a fixed order, with its nearest point to `point`.
     pub fn for_each_nearest(&self, point: DVec3, mut visit: impl FnMut(DVec3)) {
         match self {
             Self::Wall(segment, height) => {
@@ -48,11 +48,11 @@ impl World {
         figure.unwrap_or_else(|| Figure::infinite_prism(self.objects().properties(object), Surface::default()))
     }
 
-    /// Returns true if all walls and bodies that a level ray at height `z` may meet are prisms from the floor up to at
-    /// least `z`. Then no point above or below is nearer than the obstacle at that height. For the floor see
+    /// Returns true if all walls and bodies are prisms from the floor up to at least the height `z`. Then an obstacle
+    /// has no point above or below `z` that is nearer than its points at `z`. The floor is not included: see
     /// [`Space::floor`](super::Space).
     pub(crate) fn is_upright_at(&self, z: f64) -> bool {
-        z >= 0.0 && z <= self.indexed_space.plain_below
+        z >= 0.0 && z <= self.indexed_space.prisms_below
     }
 
     /// Returns true if any body has a mesh.
@@ -65,54 +65,55 @@ impl World {
         self.indexed_space.space.floor
     }
 
-    /// Visits, in a fixed order, the point nearest to `point` of the floor, of each wall and of each convex part of a
-    /// body that may come within `reach` metres at the instant `at`. Skips meshes and robot `by`.
+    /// Calls `visit`, in a fixed order, with the point nearest to `point` of the floor, of each wall and of each convex
+    /// part of a body that may be within `max_distance` metres at the instant `at`. Skips meshes and the robot
+    /// `excluded`.
     pub(crate) fn for_each_nearest(
         &self,
-        by: RobotId,
+        excluded: RobotId,
         point: DVec3,
-        reach: f64,
+        max_distance: f64,
         at: Time,
         mut visit: impl FnMut(DVec3),
     ) {
         if self.indexed_space.space.floor.is_some() {
             visit(point.with_z(point.z.min(0.0)));
         }
-        let bounds = Bounds::of_disc(point.truncate(), reach);
-        self.for_each_geometry(by, bounds, at, |_, geometry| geometry.for_each_nearest(point, &mut visit));
+        let bounds = Bounds::of_disc(point.truncate(), max_distance);
+        self.for_each_geometry(excluded, bounds, at, |_, geometry| geometry.for_each_nearest(point, &mut visit));
     }
 
-    /// Visits each obstacle that may reach into `near` at the instant `at`, in a fixed order; skips the floor and robot
-    /// `by`.
+    /// Calls `visit` for each obstacle that may overlap `bounds` at the instant `at`, in a fixed order; skips the floor
+    /// and the robot `excluded`.
     pub(super) fn for_each_geometry(
         &self,
-        by: RobotId,
-        near: Bounds,
+        excluded: RobotId,
+        bounds: Bounds,
         at: Time,
         mut visit: impl FnMut(Thing, &Geometry<'_>),
     ) {
         let indexed_space = &self.indexed_space;
-        self.walls.for_each_in(near, |wall, segment| {
-            if indexed_space.is_wall(wall) {
+        self.walls.for_each_in(bounds, |wall, segment| {
+            if indexed_space.is_hit_by_rays(wall) {
                 visit(Thing::Wall(wall), &Geometry::Wall(segment, self.walls.height(wall)));
             }
         });
-        indexed_space.thick_walls.for_each_in(near, |index| {
+        indexed_space.thick_walls.for_each_in(bounds, |index| {
             let block = &indexed_space.space.thick_walls[index as usize];
             visit(Thing::Wall(block.wall), &Geometry::Body(&block.world_from_wall, &block.figure));
         });
-        indexed_space.fixed.for_each_in(near, |index| {
+        indexed_space.fixed.for_each_in(bounds, |index| {
             let (pose, figure) = &indexed_space.space.fixed[index as usize];
             visit(Thing::Fixed(index), &Geometry::Body(pose, figure));
         });
-        self.for_each_near(near, at, |robot| {
-            if robot != by {
+        self.for_each_near(bounds, at, |robot| {
+            if robot != excluded {
                 let (pose, figure) = self.robot_figure(robot, at);
                 visit(Thing::Robot(robot), &Geometry::Body(&pose, &figure));
             }
         });
         let Some(objects) = &self.objects else { return };
-        objects.for_each_in(near, at, |object| {
+        objects.for_each_in(bounds, at, |object| {
             let figure = self.object_figure(object);
             visit(Thing::Object(object), &Geometry::Body(&objects.pose(object, at), &figure));
         });

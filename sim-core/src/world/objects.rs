@@ -15,16 +15,17 @@ use crate::{
     time::Time,
 };
 
-/// Distance in metres within which an object counts as near a robot, in addition to its travel in a few steps.
+/// Margin in metres within which an object is regarded as near a robot, in addition to the distance that it moves in a
+/// few steps.
 const NEAR_DISTANCE: f64 = 5e-3;
 
 /// Published motion of one object.
 #[derive(Clone, Debug)]
 struct ObjectTrack {
     lifetime: Lifetime,
-    /// Trajectories, each with the slot start from which it is in force; never empty.
+    /// Trajectories, each with the start of the slot from which it is valid; never empty.
     publications: VecDeque<(Time, ObjectTrajectory)>,
-    /// Bounds of the object over the published history and the present slot.
+    /// Bounds of the object during the published history and the present slot.
     bounds: Bounds,
     /// True if the object has been at rest, or removed, throughout the published history.
     is_resting: bool,
@@ -47,18 +48,18 @@ impl ObjectTrack {
 pub(super) struct Objects {
     bodies: Bodies,
     tracks: Vec<ObjectTrack>,
-    /// Index over the published bounds.
+    /// Index of the objects by their published bounds.
     index: BoundsIndex<ObjectId>,
-    /// End of the last step of the bodies, on the grid of [`STEP`].
-    stepped: Time,
+    /// End of the last step of the bodies, a multiple of [`STEP`].
+    step_end: Time,
     /// Objects that moved in the last slot, in ascending order.
     moved: Vec<ObjectId>,
-    /// Pending placements for the end of the slot, in the order of the calls.
+    /// Placements that are applied at the end of the slot, in the order of the calls.
     placements: Vec<(ObjectId, Pose)>,
-    /// Objects that have not slept since they were placed; they may still be pushed out of an overlap.
+    /// Objects that have not been asleep since they were placed; they may still be pushed out of an overlap.
     unsettled: BTreeSet<ObjectId>,
     pushes: Vec<Push>,
-    /// Steps of the objects, if they are kept.
+    /// The kept steps of the objects; `None` if steps are not kept.
     kept_steps: Option<Vec<ObjectStep>>,
 }
 
@@ -68,14 +69,14 @@ pub struct ObjectStep {
     /// The object.
     pub object: ObjectId,
     /// Start of the step.
-    pub since: Time,
+    pub start: Time,
     /// End of the step.
-    pub at: Time,
+    pub end: Time,
     /// Position at the start, m.
     pub from: DVec2,
     /// Position at the end, m.
     pub to: DVec2,
-    /// True if the object was placed at `to` without passing points in between.
+    /// True if the object was placed at `to`, without motion between the two positions.
     pub is_jump: bool,
 }
 
@@ -88,7 +89,7 @@ impl Objects {
             bodies,
             tracks,
             index: BoundsIndex::default(),
-            stepped: Time::ZERO,
+            step_end: Time::ZERO,
             moved: Vec::new(),
             placements: Vec::new(),
             unsettled: BTreeSet::new(),
@@ -134,7 +135,8 @@ impl Objects {
         self.tracks[object.index()].lifetime
     }
 
-    /// The first present object whose footprint is nearer to `centre` than `radius` at the start of the slot.
+    /// The present object with the lowest id whose footprint is nearer to `centre` than `radius` at the start of the
+    /// slot.
     pub fn first_within(&self, centre: DVec2, radius: f64) -> Option<ObjectId> {
         let ids = (0..self.len()).map(ObjectId::from_index);
         ids.filter(|object| !self.bodies.is_removed(*object)).find(|object| {
@@ -148,7 +150,7 @@ impl Objects {
         self.bodies.properties(object)
     }
 
-    /// Pose published for `at`; for a removed object, its last pose.
+    /// Published pose at `at`; for a removed object, its last pose.
     pub fn pose(&self, object: ObjectId, at: Time) -> Pose {
         let ObjectTrack { publications, lifetime, .. } = &self.tracks[object.index()];
         let at = at.min(lifetime.until);
@@ -163,7 +165,7 @@ impl Objects {
     pub fn set_velocity(&mut self, object: ObjectId, velocity: DVec2, omega: f64, now: Time) {
         self.bodies.set_velocity(object, velocity, omega);
         let trajectory =
-            ObjectTrajectory::new(self.stepped.max(now), self.bodies.state(object), self.bodies.properties(object));
+            ObjectTrajectory::new(self.step_end.max(now), self.bodies.state(object), self.bodies.properties(object));
         self.tracks[object.index()].publications.push_back((now, trajectory));
         self.tracks[object.index()].is_resting = false;
     }
@@ -176,13 +178,13 @@ impl Objects {
         }
     }
 
-    /// Carries out the pending placements.
+    /// Applies the queued placements.
     pub fn apply_placements(&mut self) {
         for (object, world_from_object) in self.placements.drain(..) {
             if let Some(steps) = &mut self.kept_steps {
                 let from = self.bodies.state(object).world_from_object.position;
-                let (since, at, to) = (self.stepped, self.stepped, world_from_object.position);
-                steps.push(ObjectStep { object, since, at, from, to, is_jump: true });
+                let (start, end, to) = (self.step_end, self.step_end, world_from_object.position);
+                steps.push(ObjectStep { object, start, end, from, to, is_jump: true });
             }
             self.bodies.place(object, world_from_object);
             self.tracks[object.index()].is_resting = false;
@@ -194,13 +196,13 @@ impl Objects {
         &self.moved
     }
 
-    /// Returns true while an object moves, or may still be pushed out of an overlap at its new position.
+    /// Returns true if an object moves, or may still be pushed out of an overlap after a placement.
     pub fn is_moving(&self) -> bool {
         !self.unsettled.is_empty() || self.bodies.awake().any(|object| !self.bodies.state(object).is_resting())
     }
 
-    /// Visits once each object present at `at` whose published bounds meet a ray. `visit` returns the distance up to
-    /// which objects are still of interest.
+    /// Calls `visit` once for each object that is present at `at` and whose published bounds the ray crosses. `visit`
+    /// returns the distance up to which the search continues.
     pub fn along_ray(
         &self,
         origin: DVec2,
@@ -214,7 +216,8 @@ impl Objects {
         });
     }
 
-    /// Visits once each object present at `at` whose published bounds meet `bounds`, in ascending order.
+    /// Calls `visit` once for each object that is present at `at` and whose published bounds overlap `bounds`, in
+    /// ascending order.
     pub fn for_each_in(&self, bounds: Bounds, at: Time, mut visit: impl FnMut(ObjectId)) {
         self.index.for_each_in(bounds, |object| self.visit_if_present(object, at, &mut visit));
     }
@@ -225,7 +228,7 @@ impl Objects {
         }
     }
 
-    /// Returns true if an object that has not been removed, asleep or awake, may come near `bounds`.
+    /// Returns true if an object, asleep or awake, may come near `bounds`.
     pub fn is_near(&self, bounds: Bounds) -> bool {
         let mut is_near = false;
         self.index.for_each_in(bounds.grown(NEAR_DISTANCE), |object| is_near |= !self.bodies.is_removed(object));
@@ -250,22 +253,23 @@ impl Objects {
 
     /// Start of the next step.
     pub fn next_step(&self) -> Time {
-        self.stepped
+        self.step_end
     }
 
-    /// Advances all bodies by one step, pushed by these robots.
+    /// Advances all objects by one step in which the given robots push them.
     pub fn step(&mut self, robots: &[Pusher]) -> &[Push] {
-        let before = self.kept_steps.as_ref().map(|_| self.positions());
+        let positions_before = self.kept_steps.as_ref().map(|_| self.positions());
         self.bodies.step(robots, &mut self.pushes);
-        let since = self.stepped;
-        self.stepped += STEP;
-        if let Some(before) = before {
-            let (after, at) = (self.positions(), self.stepped);
-            let moved = before.into_iter().zip(after).enumerate().filter(|(_, (from, to))| from != to);
+        let start = self.step_end;
+        self.step_end += STEP;
+        if let Some(positions_before) = positions_before {
+            let (positions_after, end) = (self.positions(), self.step_end);
+            let moved =
+                positions_before.into_iter().zip(positions_after).enumerate().filter(|(_, (from, to))| from != to);
             let step = |(index, (from, to))| ObjectStep {
                 object: ObjectId::from_index(index),
-                since,
-                at,
+                start,
+                end,
                 from,
                 to,
                 is_jump: false,
@@ -281,19 +285,19 @@ impl Objects {
         ids.map(|object| self.bodies.state(object).world_from_object.position).collect()
     }
 
-    /// Keeps the steps from now on.
+    /// Starts to keep the steps.
     pub fn keep_steps(&mut self) {
         self.kept_steps.get_or_insert_default();
     }
 
-    /// Takes the steps that were kept.
+    /// Removes and returns the kept steps.
     pub fn take_steps(&mut self) -> Vec<ObjectStep> {
         self.kept_steps.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// Advances the time of the next step without a step; nothing moves.
+    /// Advances the time of the next step to `until` without a step: the objects do not move.
     pub fn skip_to(&mut self, until: Time) {
-        self.stepped = self.stepped.max(until.floor_to(STEP));
+        self.step_end = self.step_end.max(until.floor_to(STEP));
     }
 
     /// Publishes the objects' motion at `now`, the start of the slot that ends at `until`.
@@ -315,9 +319,9 @@ impl Objects {
             let properties = self.bodies.properties(object);
             let state = self.bodies.state(object);
             let (_, last) = track.publications[track.publications.len() - 1];
-            let trajectory = ObjectTrajectory::new(self.stepped, state, properties);
+            let trajectory = ObjectTrajectory::new(self.step_end, state, properties);
             if last.state.is_resting() && state == last.state {
-                // The object is at rest as already published.
+                // The object rests, and this state is already published.
             } else {
                 self.moved.push(object);
                 track.publications.push_back((now, trajectory));

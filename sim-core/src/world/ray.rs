@@ -28,8 +28,8 @@ pub struct RayHit {
 /// Surface at the point where a ray hits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HitSurface {
-    /// Unit normal of the surface on the side from which the ray comes; opposite to the ray if its origin lies
-    /// inside.
+    /// Unit normal of the surface on the side from which the ray comes; opposite to the ray's direction if its origin
+    /// is inside the body.
     pub normal: DVec3,
     /// Acoustic properties of the surface.
     pub surface: Surface,
@@ -46,12 +46,12 @@ pub struct Tilt {
 }
 
 impl Tilt {
-    /// The tilt of `angle` rad, less than a right angle up or down.
+    /// The tilt by `angle` rad, which must be less than a right angle up or down.
     pub fn new(angle: f64) -> Self {
         Self { cos: math::cos(angle), sin: math::sin(angle), tan: math::tan(angle) }
     }
 
-    /// Direction of the ray with this tilt whose trace on the floor is `trace`, a unit vector.
+    /// Direction of the ray with this tilt and the horizontal direction `trace`, a unit vector.
     pub fn direction(&self, trace: DVec2) -> DVec3 {
         (trace * self.cos).extend(self.sin)
     }
@@ -68,34 +68,34 @@ enum UnlimitedHeight {
     Nothing,
 }
 
-/// A ray in space, with its trace: its projection onto the floor.
+/// A ray in space. Its trace is its projection onto the floor.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     origin: DVec3,
     direction: DVec3,
-    /// Unit vector of the trace; x for a vertical ray.
+    /// Unit vector of the trace; the x axis for a vertical ray.
     trace: DVec2,
     /// Distance along the trace divided by distance along the ray.
-    level: f64,
-    /// Gain in height per metre of the trace.
+    trace_per_distance: f64,
+    /// Increase of the height per metre of the trace.
     rise: f64,
-    /// Distance along the ray at which it reaches the floor; infinite if it does not.
-    floor: f64,
+    /// Distance along the ray to the floor; infinite if the ray does not reach it.
+    floor_distance: f64,
     range: f64,
     unlimited: UnlimitedHeight,
 }
 
-/// Factor on the range along the floor, so that obstacles at its very end are found. Their distances are compared again
-/// along the ray.
-const END: f64 = 1.0 + 4.0 * f64::EPSILON;
+/// Factor by which the range along the trace is increased, so that rounding does not exclude obstacles at its end. The
+/// distances along the ray are compared with the range again.
+const RANGE_FACTOR: f64 = 1.0 + 4.0 * f64::EPSILON;
 
 impl Ray {
     /// The ray from `origin` along the unit vector `direction` that hits obstacles up to and including `range` metres.
     ///
-    /// Walls are faces up to their heights, hit from either side. Bodies are solid: from inside, the distance is 0.
-    /// Only falling rays hit the floor; a ray that starts below the floor hits it at 0. Any direction is allowed, also
-    /// straight up and down. An invalid ray hits nothing: a coordinate or the range is NaN, or the length of the
-    /// direction is not 1 within 10^-6.
+    /// Walls are vertical faces up to their heights that are hit from either side. Bodies are solid: for a ray that
+    /// starts inside a body, the distance is 0. Only rays with a downward direction hit the floor; the distance is 0
+    /// for a ray that starts below the floor. Any direction is allowed, also straight up and down. An invalid ray hits
+    /// nothing: a ray with a coordinate or a range that is NaN, or with a direction whose length is not 1 within 10^-6.
     ///
     /// Source: France et al. 1999, section 4.1 (one ray, the first surface, its normal); the rest is our choice.
     pub fn new(origin: DVec3, direction: DVec3, range: f64) -> Self {
@@ -104,62 +104,72 @@ impl Ray {
         // A level ray is bit-identical to its trace.
         let horizontal = if direction.z == 0.0 { 1.0 } else { planar.length() };
         let trace = if horizontal > 0.0 { planar / horizontal } else { DVec2::X };
-        // A vertical ray has no trace along which to gain height.
+        // The trace of a vertical ray has length 0, so the quotient is not finite; its rise is set to 0.
         let rise = Some(direction.z / horizontal).filter(|rise| rise.is_finite()).unwrap_or_default();
-        let floor = if direction.z < 0.0 { (origin.z / -direction.z).max(0.0) } else { f64::INFINITY };
+        let floor_distance = if direction.z < 0.0 { (origin.z / -direction.z).max(0.0) } else { f64::INFINITY };
         let range = if is_ray { range } else { f64::NAN };
-        Self { origin, direction, trace, level: horizontal, rise, floor, range, unlimited: UnlimitedHeight::Nothing }
+        Self {
+            origin,
+            direction,
+            trace,
+            trace_per_distance: horizontal,
+            rise,
+            floor_distance,
+            range,
+            unlimited: UnlimitedHeight::Nothing,
+        }
     }
 
-    /// The ray in the plane from `origin` along the unit vector `direction`. Walls, robots and objects are unlimited in
-    /// height, a fixed body is its outline, and meshes are not hit.
+    /// The ray in the plane from `origin` along the unit vector `direction`. It hits walls, robots and objects as if
+    /// their height were unlimited, and fixed bodies at their outlines; it does not hit meshes.
     ///
-    /// Source: Koestler & Bräunl, section 4.1. The distance 0 of a ray that starts inside another body is our choice.
+    /// Source: Koestler & Bräunl, section 4.1. The distance 0 for a ray that starts inside another body is our choice.
     pub fn flat(origin: DVec2, direction: DVec2, range: f64) -> Self {
         Self {
             origin: origin.extend(f64::NAN),
             direction: direction.extend(0.0),
             trace: direction,
-            level: 1.0,
+            trace_per_distance: 1.0,
             rise: 0.0,
-            floor: f64::INFINITY,
+            floor_distance: f64::INFINITY,
             range,
             unlimited: UnlimitedHeight::All,
         }
     }
 
-    /// Puts this planar ray at a height above the floor, m, so that it also hits meshes at that height.
+    /// This planar ray at `height` metres above the floor; it then also hits meshes at that height.
     pub fn at_height(mut self, height: f64) -> Self {
         self.origin.z = height;
         self
     }
 
-    /// The ray from `origin` over `trace`, a unit vector, that rises or falls by `tilt`. It passes over walls that are
-    /// [lower](crate::scene::Walls::height) than the ray at their distance, or falls onto their upper faces or the
-    /// floor. Robots and objects are unlimited in height; meshes are hit as by [`Ray::at_height`].
+    /// The ray from `origin` with the horizontal direction `trace`, a unit vector, and the elevation angle `tilt`. It
+    /// passes over walls that are [lower](crate::scene::Walls::height) than the ray at their distance, and can hit the
+    /// upper faces of walls and the floor. It hits robots and objects as if their height were unlimited, and also
+    /// meshes.
     pub fn tilted(origin: DVec3, trace: DVec2, tilt: &Tilt, range: f64) -> Self {
-        let floor = if tilt.tan < 0.0 { origin.z / -tilt.tan / tilt.cos } else { f64::INFINITY };
+        let floor_distance = if tilt.tan < 0.0 { origin.z / -tilt.tan / tilt.cos } else { f64::INFINITY };
         let direction = tilt.direction(trace);
         Self {
             origin,
             direction,
             trace,
-            level: tilt.cos,
+            trace_per_distance: tilt.cos,
             rise: tilt.tan,
-            floor,
+            floor_distance,
             range,
             unlimited: UnlimitedHeight::Bodies,
         }
     }
 
-    /// Height above the floor after `distance` metres of the trace, m.
+    /// Height above the floor, m, at the point `distance` metres along the trace.
     fn height_at(&self, distance: f64) -> f64 {
         self.origin.z + self.rise * distance
     }
 
-    /// Distance along the ray of a point of the trace.
-    fn along(&self, distance: f64) -> f64 {
-        if distance > 0.0 { distance / self.level } else { 0.0 }
+    /// Distance along the ray of the point `distance` metres along the trace.
+    fn ray_distance(&self, distance: f64) -> f64 {
+        if distance > 0.0 { distance / self.trace_per_distance } else { 0.0 }
     }
 }
 
@@ -167,27 +177,27 @@ impl Ray {
 struct RayCast<'a> {
     world: &'a World,
     ray: &'a Ray,
-    by: RobotId,
+    caster: RobotId,
     at: Time,
-    /// Distance up to which the ray is followed: the range, or the distance of the nearest hit so far.
+    /// Distance up to which hits are searched: the range, or the distance of the nearest hit so far.
     range: f64,
     nearest: Option<RayHit>,
 }
 
 impl World {
-    /// First hit of a ray of robot `by` at the instant `at`: a wall, the floor, a fixed body, the body of another
-    /// robot, or a movable object, by their published motion. Of several obstacles at the same distance, the first in
-    /// the order of [`Thing`] counts: our choice.
-    pub fn cast(&self, by: RobotId, ray: &Ray, at: Time) -> Option<RayHit> {
-        let mut cast = RayCast { world: self, ray, by, at, range: ray.range, nearest: None };
+    /// First hit of a ray of the robot `caster` at the instant `at`: a wall, the floor, a fixed body, the body of
+    /// another robot, or a movable object, by their published motion. If several obstacles are at the same distance,
+    /// the result is the first one in the order of [`Thing`]: our choice.
+    pub fn cast(&self, caster: RobotId, ray: &Ray, at: Time) -> Option<RayHit> {
+        let mut cast = RayCast { world: self, ray, caster, at, range: ray.range, nearest: None };
         cast.cast_floor();
         cast.cast_walls();
         if cast.hits_figures() {
             cast.cast_fixed();
         }
-        // A robot's own body is not seen.
-        let is_alone = self.tracks.len() <= usize::from(by == RobotId::from_index(0));
-        if !is_alone {
+        // The ray does not hit the body of its own robot.
+        let has_other_robots = self.tracks.len() > usize::from(caster == RobotId::from_index(0));
+        if has_other_robots {
             cast.cast_robots();
         }
         if let Some(objects) = &self.objects {
@@ -198,12 +208,12 @@ impl World {
 }
 
 impl RayCast<'_> {
-    /// Distance up to which the trace is followed, m.
-    fn reach(&self) -> f64 {
-        match self.ray.level {
+    /// Distance along the trace up to which hits are searched, m.
+    fn trace_range(&self) -> f64 {
+        match self.ray.trace_per_distance {
             0.0 => 0.0,
             _ if self.range == f64::INFINITY => f64::INFINITY,
-            level => self.range * level * END,
+            ratio => self.range * ratio * RANGE_FACTOR,
         }
     }
 
@@ -226,37 +236,38 @@ impl RayCast<'_> {
     }
 
     fn cast_floor(&mut self) {
-        if let Some(surface) = self.world.indexed_space.space.floor.filter(|_| self.ray.floor < f64::INFINITY) {
+        if let Some(surface) = self.world.indexed_space.space.floor.filter(|_| self.ray.floor_distance < f64::INFINITY)
+        {
             let face = HitSurface { normal: DVec3::Z, surface, curvature: DVec2::ZERO };
-            self.record(self.ray.floor, Thing::Floor, || Some(face));
+            self.record(self.ray.floor_distance, Thing::Floor, || Some(face));
         }
     }
 
     fn cast_walls(&mut self) {
-        let (world, ray, reach) = (self.world, self.ray, self.reach());
+        let (world, ray, trace_range) = (self.world, self.ray, self.trace_range());
         let (walls, indexed_space, origin) = (&world.walls, &world.indexed_space, ray.origin.truncate());
         let hit = if ray.unlimited == UnlimitedHeight::All {
-            walls.cast(origin, ray.trace, reach)
+            walls.cast(origin, ray.trace, trace_range)
         } else {
-            walls.cast_where(origin, ray.trace, reach, |wall, distance| {
-                let is_hit = ray.unlimited == UnlimitedHeight::Bodies || indexed_space.is_wall(wall);
+            walls.cast_where(origin, ray.trace, trace_range, |wall, distance| {
+                let is_hit = ray.unlimited == UnlimitedHeight::Bodies || indexed_space.is_hit_by_rays(wall);
                 is_hit && ray.height_at(distance) <= walls.height(wall)
             })
         };
         if let Some(hit) = hit {
-            self.record(ray.along(hit.distance), Thing::Wall(hit.wall), || {
+            self.record(ray.ray_distance(hit.distance), Thing::Wall(hit.wall), || {
                 let normal = wall_normal(walls.segment(hit.wall), origin, ray.trace);
                 let face = HitSurface { normal, surface: indexed_space.wall_surface(hit.wall), curvature: DVec2::ZERO };
                 (ray.unlimited == UnlimitedHeight::Nothing).then_some(face)
             });
         }
-        // A level ray can only hit the sides.
+        // A level ray can hit only the sides of thick walls.
         if ray.direction.z != 0.0 && !indexed_space.thick_walls.is_empty() {
-            indexed_space.thick_walls.along_ray(origin, ray.trace, self.reach(), |index| {
+            indexed_space.thick_walls.along_ray(origin, ray.trace, self.trace_range(), |index| {
                 let block = &indexed_space.space.thick_walls[index as usize];
                 let hit = block.figure.cast_hollow(&block.world_from_wall, ray.origin, ray.direction);
                 self.record_surface(hit, Thing::Wall(block.wall), indexed_space.wall_surface(block.wall));
-                self.reach()
+                self.trace_range()
             });
         }
     }
@@ -267,7 +278,7 @@ impl RayCast<'_> {
             || self.world.indexed_space.has_meshes && !self.ray.origin.z.is_nan()
     }
 
-    /// Records the hit on a body of this shape; only meshes count if bodies are unlimited in height.
+    /// Records the hit on a body of this shape; if bodies are treated as unlimited in height, only a hit on a mesh.
     fn cast_figure(&mut self, thing: Thing, pose: &Pose, figure: &Figure) {
         let cast = if self.ray.unlimited == UnlimitedHeight::Nothing { Figure::cast } else { Figure::cast_meshes };
         let hit = cast(figure, pose, self.ray.origin, self.ray.direction, self.range);
@@ -276,51 +287,51 @@ impl RayCast<'_> {
 
     fn cast_fixed(&mut self) {
         let indexed_space = &self.world.indexed_space;
-        indexed_space.fixed.along_ray(self.ray.origin.truncate(), self.ray.trace, self.reach(), |index| {
+        indexed_space.fixed.along_ray(self.ray.origin.truncate(), self.ray.trace, self.trace_range(), |index| {
             let (pose, figure) = &indexed_space.space.fixed[index as usize];
             self.cast_figure(Thing::Fixed(index), pose, figure);
-            self.reach()
+            self.trace_range()
         });
     }
 
-    // Not inlined: the walk along the walls beside it needs the registers.
+    // Not inlined, because the search along the walls in the same caller needs the registers.
     #[inline(never)]
     fn cast_robots(&mut self) {
         let (world, origin, trace) = (self.world, self.ray.origin.truncate(), self.ray.trace);
-        if world.has_plan_alone() {
+        if world.has_published_plan_only() {
             _ = self.cast_robot(RobotId::from_index(0));
             return;
         }
-        world.resting.along_ray(origin, trace, self.reach(), |robot| self.cast_robot(robot));
-        world.moving.along_ray(origin, trace, self.reach(), |robot| self.cast_robot(robot));
+        world.resting.along_ray(origin, trace, self.trace_range(), |robot| self.cast_robot(robot));
+        world.moving.along_ray(origin, trace, self.trace_range(), |robot| self.cast_robot(robot));
     }
 
-    /// Records the hit on a robot, and returns the distance up to which the trace is followed from then on.
+    /// Records the hit on a robot, and returns the new distance along the trace up to which hits are searched.
     fn cast_robot(&mut self, robot: RobotId) -> f64 {
         let (world, ray, at) = (self.world, self.ray, self.at);
         let (thing, track) = (Thing::Robot(robot), &world.tracks[robot.index()]);
-        if robot == self.by || !track.lifetime.contains(at) {
-            return self.reach();
+        if robot == self.caster || !track.lifetime.contains(at) {
+            return self.trace_range();
         }
         if ray.unlimited != UnlimitedHeight::Nothing
             && let Some(distance) = cast_disc(ray.origin.truncate(), ray.trace, track.centre(at), track.radius())
         {
-            self.record(ray.along(distance), thing, || None);
+            self.record(ray.ray_distance(distance), thing, || None);
         }
         if self.hits_figures() {
             let (pose, figure) = world.robot_figure(robot, at);
             self.cast_figure(thing, &pose, &figure);
         }
-        self.reach()
+        self.trace_range()
     }
 
     fn cast_objects(&mut self, objects: &Objects) {
         let (world, ray, at) = (self.world, self.ray, self.at);
         let origin = ray.origin.truncate();
-        objects.along_ray(origin, ray.trace, self.reach(), at, |object| {
+        objects.along_ray(origin, ray.trace, self.trace_range(), at, |object| {
             let (thing, pose) = (Thing::Object(object), objects.pose(object, at));
             let properties = objects.properties(object);
-            // Rays pass beneath an object that floats.
+            // A ray can pass below an object that floats.
             let has_true_height = properties.lift > 0.0 && !ray.origin.z.is_nan();
             if ray.unlimited == UnlimitedHeight::Nothing || has_true_height {
                 let figure = world.object_figure(object);
@@ -329,9 +340,9 @@ impl RayCast<'_> {
                     self.record_surface(hit, thing, figure.surface);
                 }
             } else if let Some(distance) = properties.cast(&pose, origin, ray.trace) {
-                self.record(ray.along(distance), thing, || None);
+                self.record(ray.ray_distance(distance), thing, || None);
             }
-            self.reach()
+            self.trace_range()
         });
         let hits_meshes = self.hits_figures();
         let meshes = world.indexed_space.mesh_objects.iter().filter(|_| hits_meshes);

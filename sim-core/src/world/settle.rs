@@ -1,8 +1,9 @@
-//! Contacts between bodies within a slot, resolved in the order in which they happen.
+//! Resolution of the contacts between bodies in a slot, in the order in which they happen.
 //!
-//! This is an event simulation over the true motions of the slot. When two discs touch and approach, each disc whose
-//! own velocity points towards the contact is at rest from that instant on, and then repeats its commands from later in
-//! the slot. Each event stops a moving body or repeats one command, and time never goes back, so the simulation ends.
+//! This is an event simulation of the true motions of the slot. When two discs touch and approach each other, each disc
+//! whose velocity points towards the contact is stopped at that instant; then the later commands of the slot are
+//! applied to it again. Each event stops a moving body or applies one command, and time never goes back, so the
+//! simulation ends.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,31 +21,31 @@ use crate::{
     time::Time,
 };
 
-/// Entry of a robot that is not active.
+/// Value of [`TrueMotions::indices`] for a robot that is not active.
 const PASSIVE: u32 = u32::MAX;
 
-/// True motions in a slot. The next slot reuses the memory.
+/// True motions of the robots in a slot. The memory is reused for the next slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TrueMotions {
     /// For each robot, its index in the list of active motions, or [`PASSIVE`].
     indices: Vec<u32>,
     /// Number of active motions.
     count: usize,
-    /// The active motions, in the order of ids; further entries are spare.
+    /// The `count` active motions, in the order of ids, then spare entries.
     slot_motions: Vec<SlotMotion>,
     /// For each active motion, its first contacts with passive bodies and with active bodies of higher ids.
-    found: Vec<Vec<(RobotId, Instant)>>,
-    /// Bounds of the active robots' bodies in the slot, for the index.
+    found_contacts: Vec<Vec<(RobotId, Instant)>>,
+    /// Bounds of the active robots' bodies in the slot: input of the index.
     bounds: Vec<(RobotId, Bounds)>,
     /// Index of the bounds before any contact was resolved.
     index: BoundsIndex<RobotId>,
-    /// Robots that may leave their bounds in the index, because their motion has changed.
+    /// Robots whose motion has changed so that they may leave their bounds in the index.
     strays: BTreeSet<RobotId>,
-    /// Reused memory for vectors of references.
+    /// Memory that is reused for vectors of references.
     spare: Vec<[usize; 2]>,
 }
 
-/// True motion of an active robot in a slot, and its state at the end.
+/// True motion of an active robot in a slot, and results for the end of the slot.
 #[derive(Clone, Debug)]
 pub(super) struct SlotMotion {
     pub robot: RobotId,
@@ -55,10 +56,10 @@ pub(super) struct SlotMotion {
     is_moving: bool,
     /// True if a robot blocks the body.
     is_blocked: bool,
-    /// The impacts of the slot, if they have been taken from the motion already.
+    /// The impacts of the slot, if the motion has been committed already.
     pub impacts: Option<Vec<Impact>>,
-    /// Bounds of the motion published at the slot's end, and true if the body is at rest; `None` if it was at rest
-    /// before.
+    /// Bounds of the motion published at the end of the slot, and true if the body is at rest; `None` if these bounds
+    /// have not been computed.
     pub published: Option<(Bounds, bool)>,
 }
 
@@ -107,25 +108,25 @@ impl SlotMotion {
     }
 }
 
-/// An event. At equal instants commands come first, then contacts, then steps of the objects; events of one kind are
-/// ordered by ids.
+/// An event. The order of events at the same instant is: inputs, contacts, steps of the objects; events of the same
+/// kind are ordered by ids.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Event {
-    /// The robot repeats this entry of its journal.
+    /// The entry of the robot's journal with this index is applied again.
     Input(RobotId, usize),
-    /// Two bodies touch.
+    /// Two bodies touch and approach each other.
     Contact(RobotId, RobotId),
     /// A step of the movable objects begins.
     Step,
 }
 
-/// Seconds since the start of the slot, as a sortable key.
+/// Seconds since the start of the slot, as a key with a total order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Instant(u64);
 
 impl Instant {
     fn new(seconds: f64) -> Self {
-        // For an `f64` of 0 or more, the order of the bits is the order of the numbers.
+        // Numbers of 0 or more have the same order as their bits.
         Self(seconds.max(0.0).to_bits())
     }
 
@@ -142,16 +143,16 @@ pub(super) struct ContactResolution<'a, 'm> {
     start: Time,
     end: Time,
     events: BTreeSet<(Instant, Event)>,
-    /// Instant of each queued contact, needed to remove the contact when the motion of one of its robots changes.
+    /// Instant of each queued contact. It is needed to remove the contact when the motion of one of its robots changes.
     contacts: BTreeMap<(RobotId, RobotId), Instant>,
-    /// Robots that come near movable objects in the slot.
-    near: BTreeSet<RobotId>,
-    /// Robots whose plans have changed since `near` was updated.
+    /// Robots that may come near movable objects in the slot.
+    near_objects: BTreeSet<RobotId>,
+    /// Robots whose plans have changed since `near_objects` was updated.
     changed: Vec<RobotId>,
 }
 
 impl<'a, 'm> ContactResolution<'a, 'm> {
-    /// Reads the motions of the world's present slot; `active` is in the order of ids.
+    /// Reads the motions of the world's present slot; `active` must be in the order of ids.
     pub fn new(
         truth: &'a mut TrueMotions,
         world: &'a World,
@@ -160,7 +161,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     ) -> Self {
         let (start, end) = (world.slot_start(), world.slot_end());
         truth.slot_motions.resize_with(truth.slot_motions.len().max(active.len()), SlotMotion::default);
-        truth.found.resize_with(truth.slot_motions.len(), Vec::new);
+        truth.found_contacts.resize_with(truth.slot_motions.len(), Vec::new);
         let mut slot_motions: Vec<(&mut Motion, &mut SlotMotion)> = parallel::reuse(std::mem::take(&mut truth.spare));
         slot_motions.extend(active.iter_mut().map(|motion| &mut **motion).zip(&mut truth.slot_motions));
         pool.for_each(&mut slot_motions, |(motion, slot_motion)| slot_motion.read(motion, start, end));
@@ -179,31 +180,31 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             end,
             events: BTreeSet::new(),
             contacts: BTreeMap::new(),
-            near: BTreeSet::new(),
+            near_objects: BTreeSet::new(),
             changed: Vec::new(),
         }
     }
 
-    /// Resolves all contacts within the slot.
+    /// Resolves all contacts in the slot.
     pub fn run(&mut self, mut objects: Option<&mut Objects>, pool: &impl Pool) {
         let has_contacts =
             self.world.tracks.len() > 1 && self.truth.active().iter().any(|slot_motion| slot_motion.is_moving);
         if let Some(objects) = &mut objects {
             objects.skip_to(self.start);
             let active: Vec<_> = self.active.iter().map(|motion| motion.id()).collect();
-            self.find_near(objects, &active);
+            self.add_robots_near(objects, &active);
             self.queue_step(objects);
         }
         let has_steps = !self.events.is_empty();
         if has_contacts || has_steps {
-            self.find_all(pool);
+            self.queue_first_contacts(pool);
         }
         while let Some((instant, event)) = self.events.pop_first() {
             match event {
-                Event::Input(robot, entry) => self.obey(robot, entry, instant),
+                Event::Input(robot, entry) => self.apply_input(robot, entry, instant),
                 Event::Contact(a, b) => {
                     self.contacts.remove(&(a, b));
-                    self.collide(a, b, instant);
+                    self.stop_colliding(a, b, instant);
                 }
                 Event::Step => {}
             }
@@ -211,9 +212,9 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             if event == Event::Step {
                 self.step(objects, instant);
             }
-            // A stopped or slowed body may come near objects that were not on its planned path.
+            // A body that was stopped or slowed may come near objects that were not on its planned path.
             let changed = std::mem::take(&mut self.changed);
-            self.find_near(objects, &changed);
+            self.add_robots_near(objects, &changed);
             let now = self.start + Time::from_seconds_ceil(instant.seconds());
             objects.skip_to(now + STEP - Time(1));
             self.queue_step(objects);
@@ -223,18 +224,18 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         }
     }
 
-    /// Adds the active robots among `of` that may come near a movable object to `near`.
-    fn find_near(&mut self, objects: &Objects, of: &[RobotId]) {
-        for &robot in of {
+    /// Adds the `robots` that may come near a movable object to `near_objects`.
+    fn add_robots_near(&mut self, objects: &Objects, robots: &[RobotId]) {
+        for &robot in robots {
             if objects.is_near(self.view().bounds_of(robot)) {
-                self.near.insert(robot);
+                self.near_objects.insert(robot);
             }
         }
     }
 
-    /// Queues the next step of the objects that ends within the slot, if an object moves or may be pushed.
+    /// Queues the next step of the objects, if it ends within the slot and an object moves or may be pushed.
     fn queue_step(&mut self, objects: &Objects) {
-        let is_idle = self.near.is_empty() && objects.is_asleep();
+        let is_idle = self.near_objects.is_empty() && objects.is_asleep();
         if !is_idle && objects.next_step() + STEP <= self.end {
             let seconds = (objects.next_step() - self.start).seconds();
             self.events.insert((Instant::new(seconds), Event::Step));
@@ -245,12 +246,12 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     fn step(&mut self, objects: &mut Objects, instant: Instant) {
         for bounds in objects.awake_bounds() {
             let robots = self.robots_in(bounds);
-            self.near.extend(robots);
+            self.near_objects.extend(robots);
         }
         let at = objects.next_step().max(self.start);
-        let neighbours: Vec<RobotId> = self.near.iter().copied().collect();
+        let neighbours: Vec<RobotId> = self.near_objects.iter().copied().collect();
         let states: Vec<Option<DriveState>> = neighbours.iter().map(|robot| self.drive_state(*robot, at)).collect();
-        let is_idle = states.iter().flatten().all(|state| state.ordered.is_zero());
+        let is_idle = states.iter().flatten().all(|state| state.twist_without_objects.is_zero());
         if is_idle && objects.is_asleep() {
             objects.skip_to(objects.next_step() + STEP);
             return;
@@ -271,20 +272,20 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
                 (touch.object, Obstacle { thing: Thing::Object(touch.object), point })
             });
             if let Some((object, obstacle)) = touched {
-                self.active[active].touch(at, object, obstacle.point);
+                self.active[active].record_touch(at, object, obstacle.point);
             }
-            if state.ordered.is_zero() {
+            if state.twist_without_objects.is_zero() {
                 continue;
             }
             let fraction =
-                self.share_after(active, &state, &robots[index], fractions[index], push.velocity, push.omega);
-            let obstacle = touched.map(|(_, obstacle)| obstacle).or_else(|| self.active[active].pressed(at));
+                self.fraction_after(active, &state, &robots[index], fractions[index], push.velocity, push.omega);
+            let obstacle = touched.map(|(_, obstacle)| obstacle).or_else(|| self.active[active].pushed_obstacle(at));
             if fraction != state.fraction
                 && let Some(obstacle) = obstacle
             {
                 self.active[active].slow(at, fraction, obstacle);
-                self.replan(robot, instant.seconds());
-                self.revised(robot, instant.seconds());
+                self.read_plan(robot, instant.seconds());
+                self.update_contacts(robot, instant.seconds());
             }
         }
     }
@@ -295,23 +296,23 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         (index != PASSIVE).then(|| self.active[index as usize].drive_state(at))
     }
 
-    /// A robot as the solver of the objects sees it in a step, and the fraction of the ordered twist that its traction can
-    /// reach by the end of the step.
+    /// Input of the objects' solver for a robot in one step, and the fraction of its twist that the robot can reach
+    /// with its traction by the end of the step.
     fn pusher(&self, robot: RobotId, state: Option<&DriveState>, at: Time) -> (Pusher, f64) {
         let radius = self.view().radius(robot);
         let Some(state) = state else {
             let centre = self.world.tracks[robot.index()].centre(at);
-            let still =
+            let at_rest =
                 Pusher { robot, centre, velocity: DVec2::ZERO, omega: 0.0, radius, mass: 1.0, is_immovable: true };
-            return (still, 1.0);
+            return (at_rest, 1.0);
         };
         let model = self.active[self.truth.indices[robot.index()] as usize].model();
-        let fraction = (state.fraction + gain(model, state.ordered)).min(1.0);
-        // If the robot comes to rest within the step, its mean velocity in the step is lower.
-        let part = fraction * (state.time_to_rest / STEP.seconds()).min(1.0);
-        let half_turn = 0.5 * state.ordered.omega * part * STEP.seconds();
+        let fraction = (state.fraction + max_fraction_increase(model, state.twist_without_objects)).min(1.0);
+        // If the robot comes to rest during the step, its mean velocity in the step is lower.
+        let mean_fraction = fraction * (state.time_to_rest / STEP.seconds()).min(1.0);
+        let half_turn = 0.5 * state.twist_without_objects.omega * mean_fraction * STEP.seconds();
         let heading = state.centre.heading.turned(half_turn).direction();
-        let Twist { vx, vy, omega } = state.ordered.scaled(part);
+        let Twist { vx, vy, omega } = state.twist_without_objects.scaled(mean_fraction);
         let pusher = Pusher {
             robot,
             centre: state.centre.position,
@@ -319,14 +320,14 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             omega,
             radius,
             mass: model.mass,
-            is_immovable: state.ordered.is_zero(),
+            is_immovable: state.twist_without_objects.is_zero(),
         };
         (pusher, fraction)
     }
 
-    /// Fraction of the ordered twist after a step, for a robot that began the step with `fraction`; `velocity` and `omega`
-    /// are its motion after the step.
-    fn share_after(
+    /// Fraction of its twist at which a robot moves after a step. `fraction` is the value that the robot could reach by
+    /// traction alone (see [`Self::pusher`]); `velocity` and `omega` are the motion of the pusher after the step.
+    fn fraction_after(
         &self,
         active: usize,
         state: &DriveState,
@@ -337,17 +338,17 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     ) -> f64 {
         let model = self.active[active].model();
         let twist = |velocity: DVec2, omega: f64| Twist { vx: velocity.x, vy: velocity.y, omega };
-        let went = twist(before.velocity, before.omega);
-        let lost = 1.0 - model.overlap(twist(velocity, omega), went);
-        // Traction that was not needed for acceleration resists the push.
-        let reserve = gain(model, state.ordered) - (fraction - state.fraction);
-        let after = (fraction * (1.0 - lost.max(0.0)) + reserve.max(0.0)).clamp(0.0, fraction);
-        // A speed below 0.1 mm/s counts as rest, because it is within the error of the solver.
-        if after * model.speed(state.ordered) < 1e-4 { 0.0 } else { after }
+        let twist_before = twist(before.velocity, before.omega);
+        let lost_fraction = 1.0 - model.projection(twist(velocity, omega), twist_before);
+        // Traction that was not needed for acceleration acts against the objects.
+        let reserve = max_fraction_increase(model, state.twist_without_objects) - (fraction - state.fraction);
+        let after = (fraction * (1.0 - lost_fraction.max(0.0)) + reserve.max(0.0)).clamp(0.0, fraction);
+        // A speed below 0.1 mm/s is set to 0, because it is within the error of the solver.
+        if after * model.energy_speed(state.twist_without_objects) < 1e-4 { 0.0 } else { after }
     }
 
-    /// Ends the slot for the bodies that a robot blocks, after [`ContactResolution::run`]: takes their impacts, and releases bodies whose
-    /// path has become free.
+    /// Ends the slot for the bodies that a robot blocks, after [`ContactResolution::run`]: commits their motions, and
+    /// releases bodies whose path has become free.
     pub fn resume(&mut self) {
         for index in 0..self.active.len() {
             if self.truth.slot_motions[index].is_blocked {
@@ -368,14 +369,14 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
     }
 
     /// Queues the first contact of each pair of bodies.
-    fn find_all(&mut self, pool: &impl Pool) {
+    fn queue_first_contacts(&mut self, pool: &impl Pool) {
         let mut bounds = std::mem::take(&mut self.truth.bounds);
         bounds.clear();
         bounds.extend(self.truth.active().iter().map(|slot_motion| (slot_motion.robot, slot_motion.bounds)));
         self.truth.index.rebuild(&bounds);
         self.truth.bounds = bounds;
         self.truth.strays.clear();
-        let mut found = std::mem::take(&mut self.truth.found);
+        let mut found = std::mem::take(&mut self.truth.found_contacts);
         let mut searches: Vec<(&SlotMotion, &mut Vec<_>)> = parallel::reuse(std::mem::take(&mut self.truth.spare));
         searches.extend(self.truth.active().iter().zip(&mut found));
         let spare = {
@@ -392,7 +393,7 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
                 self.events.insert((instant, Event::Contact(a, b)));
             }
         }
-        self.truth.found = found;
+        self.truth.found_contacts = found;
     }
 
     /// A read-only view of the true motions and the world.
@@ -400,7 +401,8 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         MotionView { truth: &*self.truth, world: self.world, start: self.start, end: self.end }
     }
 
-    /// Queues the first contact of a pair from `from` seconds on; replaces a contact already queued for this pair.
+    /// Queues the first contact of a pair from `from` seconds on; replaces a contact that is already queued for the
+    /// pair.
     fn queue_contact(&mut self, a: RobotId, b: RobotId, from: f64) {
         let (a, b) = (a.min(b), a.max(b));
         if let Some(instant) = self.contacts.remove(&(a, b)) {
@@ -413,17 +415,18 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         }
     }
 
-    /// Stops each of two touching bodies that approaches the contact.
-    fn collide(&mut self, a: RobotId, b: RobotId, instant: Instant) {
+    /// Stops each of two touching bodies whose velocity points towards the other.
+    fn stop_colliding(&mut self, a: RobotId, b: RobotId, instant: Instant) {
         let seconds = instant.seconds();
         let (disc_a, _) = self.view().moving_disc(a, seconds);
         let (disc_b, _) = self.view().moving_disc(b, seconds);
         let (centre_a, centre_b) = (disc_a.path.position(disc_a.elapsed), disc_b.path.position(disc_b.elapsed));
         let towards_b = (centre_b - centre_a).normalize_or_zero();
-        let approach = |disc: &MovingDisc, towards: DVec2| disc.path.velocity(disc.elapsed).dot(towards);
-        // Together they approach by more than the threshold, so at least one of them approaches by half of it or more.
-        let is_blocked_a = approach(&disc_a, towards_b) > 0.4 * APPROACH;
-        let is_blocked_b = approach(&disc_b, -towards_b) > 0.4 * APPROACH;
+        let approach_speed = |disc: &MovingDisc, towards: DVec2| disc.path.velocity(disc.elapsed).dot(towards);
+        // The sum of both approach speeds exceeds the threshold, so at least one of them is half of the threshold or
+        // more.
+        let is_blocked_a = approach_speed(&disc_a, towards_b) > 0.4 * APPROACH;
+        let is_blocked_b = approach_speed(&disc_b, -towards_b) > 0.4 * APPROACH;
         let point = centre_a + towards_b * disc_a.radius;
         if is_blocked_a {
             self.block(a, seconds, Obstacle { thing: Thing::Robot(b), point });
@@ -432,28 +435,28 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             self.block(b, seconds, Obstacle { thing: Thing::Robot(a), point });
         }
         if is_blocked_a {
-            self.revised(a, seconds);
+            self.update_contacts(a, seconds);
         }
         if is_blocked_b {
-            self.revised(b, seconds);
+            self.update_contacts(b, seconds);
         }
     }
 
-    /// Stops a body `seconds` into the slot, and queues the next input of its program.
+    /// Stops a body `seconds` after the start of the slot, and queues the robot's next input.
     fn block(&mut self, robot: RobotId, seconds: f64, obstacle: Obstacle) {
         let index = self.truth.indices[robot.index()] as usize;
         let motion = &mut self.active[index];
         motion.block(self.start, seconds, obstacle);
         self.truth.slot_motions[index].is_blocked = true;
-        self.replan(robot, seconds);
+        self.read_plan(robot, seconds);
     }
 
-    /// Reads the new plan of a motion that has changed from `seconds` into the slot on, and queues the next input of
-    /// the robot's program.
-    fn replan(&mut self, robot: RobotId, seconds: f64) {
+    /// Reads the new plan of a motion that has changed from `seconds` after the start of the slot on, and queues the
+    /// robot's next input.
+    fn read_plan(&mut self, robot: RobotId, seconds: f64) {
         let index = self.truth.indices[robot.index()] as usize;
         self.active[index].passages(self.start, self.end, &mut self.truth.slot_motions[index].passages);
-        // Inputs that an earlier change has queued are replaced.
+        // Replaces the input that an earlier change has queued.
         self.events.retain(|(_, event)| !matches!(event, Event::Input(other, _) if *other == robot));
         let journal = self.active[index].journal();
         let next = journal.partition_point(|(at, _)| (*at - self.start).seconds() <= seconds);
@@ -468,8 +471,8 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         }
     }
 
-    /// Repeats an entry of a stopped body's journal.
-    fn obey(&mut self, robot: RobotId, entry: usize, instant: Instant) {
+    /// Applies an entry of the journal of a stopped or slowed body again.
+    fn apply_input(&mut self, robot: RobotId, entry: usize, instant: Instant) {
         let index = self.truth.indices[robot.index()] as usize;
         let (at, input) = self.active[index].journal()[entry];
         let touching = self.touching(robot, at);
@@ -478,19 +481,19 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
         self.truth.slot_motions[index].is_blocked |= motion.blocker().is_some();
         motion.passages(self.start, self.end, &mut self.truth.slot_motions[index].passages);
         self.queue_input(robot, entry + 1);
-        self.revised(robot, instant.seconds());
+        self.update_contacts(robot, instant.seconds());
     }
 
-    /// Searches again for the contacts of a body whose motion has changed from `from` seconds on.
-    fn revised(&mut self, robot: RobotId, from: f64) {
+    /// Queues the contacts of a body again whose motion has changed from `from` seconds on.
+    fn update_contacts(&mut self, robot: RobotId, from: f64) {
         self.changed.push(robot);
         let bounds = self.view().bounds_of(robot);
-        let indexed = self.truth.slot_motions[self.truth.indices[robot.index()] as usize].bounds;
-        if !(indexed.contains(bounds.min) && indexed.contains(bounds.max)) {
+        let indexed_bounds = self.truth.slot_motions[self.truth.indices[robot.index()] as usize].bounds;
+        if !(indexed_bounds.contains(bounds.min) && indexed_bounds.contains(bounds.max)) {
             self.truth.strays.insert(robot);
         }
-        let stale: Vec<_> = self.contacts.keys().filter(|(a, b)| *a == robot || *b == robot).copied().collect();
-        for (a, b) in stale {
+        let old_pairs: Vec<_> = self.contacts.keys().filter(|(a, b)| *a == robot || *b == robot).copied().collect();
+        for (a, b) in old_pairs {
             self.queue_contact(a, b, from);
         }
         for other in self.neighbours(robot, bounds) {
@@ -507,17 +510,17 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
 
     /// Robots whose bodies may come into `bounds` during the slot, in the order of their ids.
     fn robots_in(&self, bounds: Bounds) -> BTreeSet<RobotId> {
-        let mut others = BTreeSet::new();
+        let mut robots = BTreeSet::new();
         self.truth.index.for_each_in(bounds, |other| {
-            others.insert(other);
+            robots.insert(other);
         });
         self.world.for_each_near(bounds, self.start, |other| {
             if self.view().is_passive(other) {
-                others.insert(other);
+                robots.insert(other);
             }
         });
-        others.extend(self.truth.strays.iter().filter(|stray| self.view().bounds_of(**stray).overlaps(&bounds)));
-        others
+        robots.extend(self.truth.strays.iter().filter(|stray| self.view().bounds_of(**stray).overlaps(&bounds)));
+        robots
     }
 
     /// The bodies in contact with a robot at `at`, in the order of their ids.
@@ -527,17 +530,17 @@ impl<'a, 'm> ContactResolution<'a, 'm> {
             let (disc, _) = self.view().moving_disc(robot, seconds);
             Body { robot, centre: disc.path.position(disc.elapsed), radius: disc.radius }
         };
-        let own = body(robot);
-        let bounds = Bounds::of_disc(own.centre, own.radius + TOUCH);
+        let own_body = body(robot);
+        let bounds = Bounds::of_disc(own_body.centre, own_body.radius + TOUCH);
         self.neighbours(robot, bounds)
             .into_iter()
             .map(body)
-            .filter(|other| (other.centre - own.centre).length() <= own.radius + other.radius + TOUCH)
+            .filter(|other| (other.centre - own_body.centre).length() <= own_body.radius + other.radius + TOUCH)
             .collect()
     }
 }
 
-/// The true motions of a slot as far as they are known.
+/// Read-only view of the true motions of a slot, as far as they have been resolved.
 #[derive(Clone, Copy)]
 struct MotionView<'a> {
     truth: &'a TrueMotions,
@@ -589,7 +592,8 @@ impl<'a> MotionView<'a> {
         passages_bounds(self.passages(robot), self.start, self.end).grown(self.radius(robot) + TOUCH)
     }
 
-    /// Seconds since the start of the slot, at least `from`, at which two bodies first touch and approach.
+    /// First instant from `from` on at which two bodies touch and approach each other, in seconds since the start of
+    /// the slot; `None` if there is none in the slot.
     fn find_contact(&self, a: RobotId, b: RobotId, from: f64) -> Option<f64> {
         let span = (self.end - self.start).seconds();
         let mut t = from;
@@ -603,7 +607,8 @@ impl<'a> MotionView<'a> {
             {
                 return None;
             }
-            // Each search covers at least a picosecond, so that rounding at the end of a passage cannot stop the loop.
+            // Each search covers at least a picosecond, so that rounding at the end of a passage cannot cause an
+            // endless loop.
             let until = until_a.min(until_b).min(span).max(t + 1e-12);
             if let Some(seconds) = first_touch(&disc_a, &disc_b, until - t) {
                 return Some(t + seconds);
@@ -613,11 +618,12 @@ impl<'a> MotionView<'a> {
         None
     }
 
-    /// Motion of a body `t` seconds after the start of the slot, and the instant up to which this motion holds.
+    /// Motion of a body `t` seconds after the start of the slot, and the instant until which this motion is valid, in
+    /// seconds since the start of the slot.
     fn moving_disc(&self, robot: RobotId, t: f64) -> (MovingDisc, f64) {
         let passages = self.passages(robot);
-        // Computed as seconds since the start of the passage's stage, so that a stage stopped at an instant has ended
-        // at exactly this instant.
+        // Seconds since the start of the passage's stage; with this formula, a stage that was stopped at an instant has
+        // ended at exactly this instant.
         let seconds = |passage: &Passage| t - (passage.start - self.start).seconds();
         let index = passages.iter().rposition(|passage| seconds(passage) >= passage.begin).unwrap_or(0);
         let passage = &passages[index];
@@ -627,17 +633,18 @@ impl<'a> MotionView<'a> {
         let radius = self.radius(robot);
         if passage.path.is_resting() {
             (MovingDisc { path: passage.path, elapsed: 0.0, radius }, until)
-        } else if seconds(passage) >= passage.after {
-            let rest = passage.path.position(passage.after - passage.begin);
+        } else if seconds(passage) >= passage.end {
+            let rest = passage.path.position(passage.end - passage.begin);
             (MovingDisc { path: Path::resting(rest), elapsed: 0.0, radius }, until)
         } else {
-            (MovingDisc { path: passage.path, elapsed, radius }, until.min(start(passage) + passage.after))
+            (MovingDisc { path: passage.path, elapsed, radius }, until.min(start(passage) + passage.end))
         }
     }
 }
 
-/// Increase of the fraction of an ordered twist of the centre that traction can achieve within a step.
-fn gain(model: &Model, ordered: Twist) -> f64 {
-    let speed = model.speed(ordered);
+/// Maximum increase, by traction in one step, of the fraction at which a robot moves; `twist` is the twist of the
+/// centre without objects.
+fn max_fraction_increase(model: &Model, twist: Twist) -> f64 {
+    let speed = model.energy_speed(twist);
     if speed > 0.0 { model.traction * GRAVITY * STEP.seconds() / speed } else { 0.0 }
 }

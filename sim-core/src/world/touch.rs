@@ -1,4 +1,4 @@
-//! Contacts of the parts of a robot's legs.
+//! Contacts of the legs of a robot, and their clearance from the ground.
 
 use glam::DVec3;
 
@@ -11,25 +11,26 @@ use crate::{
     time::Time,
 };
 
-/// Number of rounds of the ternary search for the point of a segment nearest to a convex body. Each round keeps two
-/// thirds of the interval, which leaves less than 10^-12 m of a segment of several metres.
-const ROUNDS: u32 = 70;
+/// Number of steps of the ternary search for the point of a segment that is nearest to a convex body. Each step reduces
+/// the interval to two thirds, so the final interval of a segment of several metres is shorter than 10^-12 m.
+const MAX_SEARCH_STEPS: u32 = 70;
 
 /// A part of a legged robot in contact with an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegContact {
     /// The part.
     pub part: BodyPart,
-    /// The obstacle; terrain is [`Thing::Floor`].
+    /// The obstacle; the ground is [`Thing::Floor`].
     pub thing: Thing,
-    /// Point of contact on the obstacle, in the world frame, m; for the ground, the point below the axis of the part.
+    /// Point of contact on the obstacle, in the world frame, m; for the ground, a point vertically below the axis of
+    /// the part.
     pub point: DVec3,
 }
 
 /// Contacts and ground clearance of a legged robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LegClearance {
-    /// Contacts of its parts, in the order of parts and obstacles.
+    /// Contacts of the parts, in the order of parts, then of obstacles.
     pub contacts: Vec<LegContact>,
     /// Minimum distance of thighs, shanks and body from the ground, m; negative if a part is below the ground, and at
     /// most the requested bound.
@@ -37,27 +38,27 @@ pub struct LegClearance {
 }
 
 impl World {
-    /// Contacts of thighs, shanks and body of a legged robot at `at`, and their clearance from the ground up to
-    /// `within` metres; `None` for a robot without legs. If `within` is 0, searches only for contacts, which is
-    /// fastest.
+    /// Contacts of thighs, shanks and body of a legged robot at `at`, and their clearance from the ground, at most
+    /// `max_clearance` metres; `None` for a robot without legs. If `max_clearance` is 0, the function searches only for
+    /// contacts, which is fastest.
     ///
-    /// Contact with the ground counts for thighs, for the body, and for shanks without their lowest part of three
-    /// radii, so that a leg may lean by up to 70 degrees and the foot may touch the ground. Feet do not count. Contact
-    /// with other obstacles counts on the whole length of thighs and shanks; the body's contacts with them are ordinary
-    /// contacts. Our choice.
+    /// Contacts with the ground are those of the body, of thighs, and of shanks without their lowest part of three
+    /// radii, so that a leg can lean by up to 70 degrees while its foot is on the ground. Feet are not tested. Contacts
+    /// with other obstacles are those of thighs and shanks on their whole length; the body's contacts with other
+    /// obstacles are reported as for any robot. Our choice.
     ///
-    /// For the ground, the body is a disc at the height of its underside, and cells crossed by the disc's edge count as
-    /// a whole. The clearance of a limb is exact, except beyond a terrain's border, see
+    /// For the ground, the body is a disc at the height of its underside; a cell of the ground that the edge of the
+    /// disc crosses is tested as a whole. The clearance of a limb is exact, except beyond a terrain's border, see
     /// [`HeightField::clearance`](crate::scene::HeightField::clearance).
-    pub fn leg_clearance(&self, motion: &mut Motion, at: Time, within: f64) -> Option<LegClearance> {
+    pub fn leg_clearance(&self, motion: &mut Motion, at: Time, max_clearance: f64) -> Option<LegClearance> {
         motion.legs()?;
-        let by = motion.id();
+        let robot = motion.id();
         let world_from_robot = motion.pose(at);
         let stance = motion.stance(at);
         let radius = motion.radius();
         let (legs, ground) = (motion.legs()?, motion.ground()?);
         let mut contacts = Vec::new();
-        let mut clearance = within;
+        let mut clearance = max_clearance;
         let underside = world_from_robot.position.extend(stance.lift + legs.belly);
         let (_, highest) = ground.range_in(underside.truncate(), radius);
         clearance = clearance.min(underside.z - highest);
@@ -67,34 +68,34 @@ impl World {
         for limb in legs.limbs(&stance, &world_from_robot) {
             let Capsule { ends: [upper, lower], radius } = limb.capsule;
             let axis = lower - upper;
-            let counted = 1.0 - (limb.bare / axis.length()).min(1.0);
-            let piece = [upper, upper + counted * axis];
-            let distance = ground.clearance(piece, within + radius) - radius;
+            let tested_fraction = 1.0 - (limb.ground_margin / axis.length()).min(1.0);
+            let tested_segment = [upper, upper + tested_fraction * axis];
+            let distance = ground.clearance(tested_segment, max_clearance + radius) - radius;
             clearance = clearance.min(distance);
-            // Without ground within reach, `distance` is at least `within`, so it is not negative.
+            // If no ground is near, `distance` is at least `max_clearance`, so it is not negative.
             if distance < 0.0 {
-                let (_, point) = ground.min_height_above(piece);
+                let (_, point) = ground.min_height_above(tested_segment);
                 let point = point.with_z(ground.height(point.truncate()));
                 contacts.push(LegContact { part: limb.part, thing: Thing::Floor, point });
             }
-            let things = self.capsule_contacts(by, &limb.capsule, at);
+            let things = self.capsule_contacts(robot, &limb.capsule, at);
             contacts.extend(things.into_iter().map(|(thing, point)| LegContact { part: limb.part, thing, point }));
         }
-        contacts.sort_by_key(|touch| (touch.part, touch.thing));
+        contacts.sort_by_key(|contact| (contact.part, contact.thing));
         Some(LegClearance { contacts, clearance })
     }
 
-    /// Obstacles in contact at `at` with a capsule that is a part of robot `by`: walls up to their heights, fixed
-    /// bodies, the bodies of other robots and movable objects, by their published motion. Each appears once, with a
+    /// Obstacles in contact at `at` with a capsule that is a part of `robot`: walls up to their heights, fixed bodies,
+    /// the bodies of other robots and movable objects, by their published motion. Each obstacle is listed once, with a
     /// point of contact, in the order of [`Thing`]; the ground is excluded.
     ///
-    /// Exact to 10^-9 m for walls, boxes, cylinders, spheres and capsules; a mesh counts if the capsule's axis crosses
-    /// its surface.
-    pub fn capsule_contacts(&self, by: RobotId, capsule: &Capsule, at: Time) -> Vec<(Thing, DVec3)> {
+    /// Exact to 10^-9 m for walls, boxes, cylinders, spheres and capsules. A mesh is in contact if the axis of the
+    /// capsule crosses its surface.
+    pub fn capsule_contacts(&self, robot: RobotId, capsule: &Capsule, at: Time) -> Vec<(Thing, DVec3)> {
         let Capsule { ends: [from, to], radius } = *capsule;
         let bounds = Bounds::of_points([from.truncate(), to.truncate()]).grown(radius);
         let mut things = Vec::new();
-        self.for_each_geometry(by, bounds, at, |thing, geometry| {
+        self.for_each_geometry(robot, bounds, at, |thing, geometry| {
             // If there is no floor, the first fixed body is the ground.
             let is_ground = thing == Thing::Fixed(0) && self.indexed_space.space.floor.is_none();
             if !is_ground {
@@ -107,12 +108,12 @@ impl World {
     }
 }
 
-/// A point of the geometry within the capsule's radius of its axis; `None` if no point is near enough.
+/// A point of the geometry in the capsule; `None` if there is no such point.
 fn geometry_contact(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3> {
-    // The parts are visited in the same order at every call.
+    // Every call visits the parts in the same order, so their number identifies them.
     let mut count = 0;
     geometry.for_each_nearest(capsule.ends[0], |_| count += 1);
-    let touch_part = |part: usize| {
+    let part_contact = |part: usize| {
         convex_contact(capsule, |point| {
             let (mut number, mut found) = (0, point);
             geometry.for_each_nearest(point, |nearest| {
@@ -124,7 +125,7 @@ fn geometry_contact(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3>
             found
         })
     };
-    (0..count).find_map(touch_part).or_else(|| {
+    (0..count).find_map(part_contact).or_else(|| {
         let Geometry::Body(pose, figure) = geometry else { return None };
         let axis = capsule.ends[1] - capsule.ends[0];
         let direction = axis.try_normalize().filter(|_| figure.has_mesh())?;
@@ -133,9 +134,9 @@ fn geometry_contact(geometry: &Geometry<'_>, capsule: &Capsule) -> Option<DVec3>
     })
 }
 
-/// A point of a convex body within the capsule's radius of its axis; `None` if no point is near enough. `nearest` maps
-/// a point to the nearest point of the body. The distance from a convex body is convex along a segment, so a ternary
-/// search finds its minimum.
+/// A point of a convex body in the capsule; `None` if there is no such point. `nearest` maps a point to the nearest
+/// point of the body. The distance from a convex body is a convex function along a segment, so a ternary search finds
+/// its minimum.
 fn convex_contact(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> Option<DVec3> {
     let Capsule { ends: [from, to], radius } = *capsule;
     let length = from.distance(to);
@@ -144,19 +145,21 @@ fn convex_contact(capsule: &Capsule, nearest: impl Fn(DVec3) -> DVec3) -> Option
         nearest(point).distance(point)
     };
     let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_SEARCH_STEPS {
         let [first, second] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-        let [before, after] = [first, second].map(distance);
-        let (min_distance, fraction) = if before < after { (before, first) } else { (after, second) };
+        let [first_distance, second_distance] = [first, second].map(distance);
+        let is_first_nearer = first_distance < second_distance;
+        let (min_distance, fraction) =
+            if is_first_nearer { (first_distance, first) } else { (second_distance, second) };
         if min_distance <= radius {
             return Some(nearest(from.lerp(to, fraction)));
         }
-        // Between two points, the distance changes by at most their separation, so no point of the interval is near
+        // Between two points, the distance changes by at most their separation. So no point of the interval is near
         // enough.
         if min_distance - (high - low) * length > radius {
             return None;
         }
-        if before < after {
+        if is_first_nearer {
             high = second;
         } else {
             low = first;

@@ -1,4 +1,4 @@
-//! Published motion of one robot, with its versions of the last 100 ms.
+//! Published motion of one robot, with the versions that were published in the last 100 ms.
 
 use std::{collections::VecDeque, sync::OnceLock};
 
@@ -12,15 +12,15 @@ use crate::{
     time::Time,
 };
 
-/// A plan published at the start of a slot, in force until the next publication.
+/// A plan that was published at the start of a slot and is valid until the next publication.
 #[derive(Clone, Debug)]
 struct Publication {
     since: Time,
-    /// Never empty; in the order of time. Computed lazily from `plan`, at the first query.
+    /// Passages in the order of time, never empty. If they are not known, the first query computes them from `plan`.
     passages: OnceLock<Vec<Passage>>,
-    /// The plan and the end of its slot, for passages that may not be known.
+    /// The plan and the end of its slot, if the passages may not be known.
     plan: Option<(Box<Motion>, Time)>,
-    /// Bounds of the centre while it was in force, within the history, once another publication is.
+    /// Bounds of the centre while the publication was valid; set when the next publication replaces it.
     past: Bounds,
 }
 
@@ -40,14 +40,14 @@ impl Publication {
     }
 }
 
-/// The publications of one robot and its disc.
+/// The publications of one robot, and the radius of its body.
 #[derive(Clone, Debug)]
 pub(super) struct Track {
     pub lifetime: Lifetime,
-    /// The body is the only one in the world.
+    /// True if the body is the only one in the world.
     pub is_alone: bool,
     radius: f64,
-    /// Never empty.
+    /// Publications in the order of time, never empty.
     publications: VecDeque<Publication>,
     /// Revision of the motion's plan that was published last.
     revision: u64,
@@ -55,14 +55,14 @@ pub(super) struct Track {
     bounds: Bounds,
     /// True if the body has been at rest throughout the published history.
     is_resting: bool,
-    /// Spare buffers for the next publications.
+    /// Spare buffers for the passages of the next publications.
     spares: Vec<Vec<Passage>>,
     /// Spare memory for the next plan.
     spare_plan: Option<Box<Motion>>,
 }
 
 impl Track {
-    /// The track of a body with this motion, published for the slot from `from` to `until`.
+    /// Track of a body with the motion `motion`, published for the slot from `from` to `until`.
     pub fn new(motion: &mut Motion, lifetime: Lifetime, (from, until): (Time, Time)) -> Self {
         let mut passages = Vec::new();
         motion.passages(from, until, &mut passages);
@@ -94,25 +94,26 @@ impl Track {
         self.passage(at).pose(at.min(self.lifetime.until))
     }
 
-    /// Published passage in force at `at`; for a removed body, the passage at its removal.
+    /// Published passage at `at`; for a removed body, the passage at its removal.
     fn passage(&self, at: Time) -> &Passage {
         let at = at.min(self.lifetime.until);
-        let in_force = self.publications.iter().rposition(|publication| publication.since <= at);
-        passage_at(self.publications[in_force.unwrap_or(0)].passages(), at)
+        let current = self.publications.iter().rposition(|publication| publication.since <= at);
+        passage_at(self.publications[current.unwrap_or(0)].passages(), at)
     }
 
-    /// The passages published last.
+    /// The passages of the last publication.
     pub fn passages(&self) -> &[Passage] {
         self.publications.back().expect("a track has a publication").passages()
     }
 
-    /// Returns true if the passages published last may not be known; those of a body that has left the world are.
+    /// Returns true if the passages of the last publication may not be known yet; false for a removed body.
     pub fn has_plan(&self) -> bool {
         self.lifetime.until == Time::NEVER && self.publications.back().is_some_and(|last| last.plan.is_some())
     }
 
-    /// Publishes the plan of `motion`, a robot alone in the world, for the slot from `since` to `until`, without computing its passages:
-    /// a command at the start of the slot, the usual one, discards the ticks of this plan. Returns false for a plan without ticks.
+    /// Publishes the plan of `motion`, the only robot in the world, for the slot from `since` to `until`, without
+    /// computing its passages. They are often never needed, because a command at the start of the slot replaces the
+    /// plan. Returns false, without an effect, for a plan without ticks.
     pub fn publish_plan(&mut self, motion: &mut Motion, since: Time, until: Time) -> bool {
         let Some(plan) = motion.plan_at(since, until, &mut self.spare_plan) else { return false };
         self.drop_until(since - HISTORY);
@@ -127,18 +128,18 @@ impl Track {
         true
     }
 
-    /// Drops publications that are no longer in force at `from`.
+    /// Drops the publications that other ones have replaced before or at `from`.
     fn drop_until(&mut self, from: Time) {
         while self.publications.len() > 1 && self.publications[1].since <= from {
             let dropped = self.publications.pop_front().expect("more than one publication");
-            self.keep(dropped.passages);
+            self.reuse(dropped.passages);
             self.spare_plan = dropped.plan.map(|(plan, _)| plan).or(self.spare_plan.take());
         }
     }
 
-    /// Keeps the memory of passages for the next ones. Those that were computed from a plan have not been taken from the spares, so
-    /// there may be more than enough.
-    fn keep(&mut self, passages: OnceLock<Vec<Passage>>) {
+    /// Keeps the memory of `passages` for the next publications. Passages that were computed from a plan were not
+    /// allocated from the spare buffers, so the number of spare buffers is limited.
+    fn reuse(&mut self, passages: OnceLock<Vec<Passage>>) {
         const MAX_SPARES: usize = 16;
         if self.spares.len() < MAX_SPARES {
             self.spares.extend(passages.into_inner());
@@ -151,7 +152,7 @@ impl Track {
         motion.passages(since, until, &mut passages);
         let is_same = passages == self.passages();
         let last = self.publications.back_mut().expect("a track has a publication");
-        // Its passages are known now.
+        // The passages of the last publication are known now, so its plan is not needed.
         self.spare_plan = last.plan.take().map(|(plan, _)| plan).or(self.spare_plan.take());
         if is_same {
             self.spares.push(passages);
@@ -160,11 +161,11 @@ impl Track {
         self.is_resting = false;
         if self.revision == motion.revision()
             && let ([next], [present]) = (&passages[..], last.passages())
-            && next.since() == present.since()
+            && next.begin_time() == present.begin_time()
         {
-            // The plan is the same with a later end, so its past is unchanged.
+            // The plan is the same, only its published end is later; so it replaces the last publication.
             let replaced = std::mem::replace(&mut last.passages, OnceLock::from(passages));
-            self.keep(replaced);
+            self.reuse(replaced);
         } else {
             self.revision = motion.revision();
             last.past = passages_bounds(last.passages(), last.since.max(since - HISTORY), since);
@@ -172,7 +173,7 @@ impl Track {
         }
     }
 
-    /// Bounds of the body over all published motion, as of the last [`Track::refresh`].
+    /// Bounds of the body during all published motion, computed by the last [`Track::refresh`].
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
@@ -188,8 +189,8 @@ impl Track {
         self.is_resting
     }
 
-    /// Computes the bounds of the motion published from `from` to `to`, and drops older publications. A track at rest
-    /// needs this only if its body was removed.
+    /// Computes the bounds of the published motion from `from` to `to`, and drops the publications that ended before. A
+    /// track at rest needs this only after its body was removed.
     pub fn refresh(&mut self, from: Time, to: Time) {
         if self.lifetime.until <= from {
             self.bounds = Bounds::EMPTY;
@@ -198,20 +199,21 @@ impl Track {
         }
         self.drop_until(from);
         let last = self.publications.back().expect("a track has a publication");
-        let in_force = from.max(last.since);
-        let mut bounds = if in_force <= to { passages_bounds(last.passages(), in_force, to) } else { Bounds::EMPTY };
+        let current = from.max(last.since);
+        let mut bounds = if current <= to { passages_bounds(last.passages(), current, to) } else { Bounds::EMPTY };
         for (earlier, next) in self.publications.iter().zip(self.publications.iter().skip(1)) {
-            let unseen = |_: &_| passages_bounds(earlier.passages(), earlier.since.max(from), next.since);
-            bounds = bounds.union(earlier.plan.as_ref().map_or(earlier.past, unseen));
+            let computed = |_: &_| passages_bounds(earlier.passages(), earlier.since.max(from), next.since);
+            bounds = bounds.union(earlier.plan.as_ref().map_or(earlier.past, computed));
         }
         self.bounds = bounds.grown(self.radius);
-        let rests = |passage: &Passage| passage.path.is_resting() || passage.has_ended(in_force);
-        self.is_resting =
-            self.publications.len() == 1 && self.lifetime.until == Time::NEVER && last.passages().iter().all(rests);
+        let is_at_rest = |passage: &Passage| passage.path.is_resting() || passage.has_ended(current);
+        self.is_resting = self.publications.len() == 1
+            && self.lifetime.until == Time::NEVER
+            && last.passages().iter().all(is_at_rest);
     }
 }
 
-/// Bounds of the centre on `passages` from `from` to `to`.
+/// Bounds of the centre on `passages` in the time from `from` to `to`.
 pub(super) fn passages_bounds(passages: &[Passage], from: Time, to: Time) -> Bounds {
     let mut bounds = Bounds::EMPTY;
     for passage in passages {

@@ -12,25 +12,26 @@ use crate::math;
 
 /// Number of samples of one cycle.
 const SAMPLES: usize = 50;
-/// Phase of toe-off, as a fraction of the cycle since heel strike.
+/// Phase of toe-off. Phases are fractions of the gait cycle since heel strike.
 pub(super) const TOE_OFF: f64 = 0.6;
-/// The foot is flat from the phase `FOOT_FLAT`, the end of heel strike, to `HEEL_OFF`. In the source its pitch is below 1.5
-/// degrees in between. Our choice.
+/// The foot is flat from the phase `FOOT_FLAT`, when the forefoot has come down, to `HEEL_OFF`. In the measured data
+/// below (see [`THIGH`]) its pitch is less than 1.5 degrees between these phases. Our choice.
 const FOOT_FLAT: f64 = 0.12;
 pub(super) const HEEL_OFF: f64 = 0.26;
-/// Phase from which the foot's pitch is the source's.
-const SOURCE_PITCH: f64 = 0.42;
-/// Phase from which the hip sinks to the height at which the other leg, almost straight, takes over. Our choice.
-const HIP_SINKING: f64 = 0.4;
-/// Number of intervals of the tabulated swing path.
-const INTERVALS: usize = 40;
+/// Phase from which the foot's pitch is exactly the measured one (see [`natural_angles`]). Our choice.
+const MEASURED_PITCH_FROM: f64 = 0.42;
+/// Phase from which the hip sinks to the height that it has at the heel strike of the other leg. Our choice.
+const HIP_SINKS_FROM: f64 = 0.4;
+/// Number of intervals in the table of the swing path.
+const SWING_INTERVALS: usize = 40;
 
 /// Angles in degrees every 2 % of the gait cycle since heel strike: thigh from the vertical, forwards positive; knee
 /// flexion; ankle dorsiflexion (toes up) from the right angle to the shank. Children at free walking speed.
 ///
-/// Source: Schwartz, Rozumalski and Trost 2008, "The effect of walking speed on the gait of typically developing children", J.
-/// Biomechanics 41, 1639-1650, electronic addendum, free speed, means: hip flexion less pelvic tilt, knee flexion,
-/// dorsiflexion. The ends of the cycle, which differ there by up to 0.3 degrees, are averaged.
+/// Source: Schwartz, Rozumalski and Trost 2008, "The effect of walking speed on the gait of typically developing
+/// children", J. Biomechanics 41, 1639-1650, electronic addendum, free speed, means: hip flexion less pelvic tilt, knee
+/// flexion, dorsiflexion. The source's values at 0 % and at 100 % of the cycle differ by up to 0.3 degrees; the first
+/// sample is their mean.
 const THIGH: [f64; SAMPLES] = [
     23.6, 23.7, 23.7, 23.5, 23.0, 21.9, 20.3, 18.4, 16.2, 13.9, 11.5, 9.1, 6.7, 4.3, 2.0, -0.3, -2.5, -4.7, -6.8, -8.9,
     -10.8, -12.6, -14.2, -15.5, -16.6, -17.3, -17.6, -17.4, -16.3, -14.4, -11.7, -8.3, -4.4, -0.5, 3.4, 7.0, 10.3,
@@ -50,18 +51,19 @@ const ANKLE: [f64; SAMPLES] = [
 /// Angles of thigh (from the vertical, forwards positive), knee (flexion) and ankle (toes up), rad, at `phase`: the
 /// fraction of the gait cycle since heel strike.
 ///
-/// Cubic interpolation with continuous slope between the samples of the source, 2 % apart.
+/// Cubic interpolation with continuous slope between the measured samples, which are 2 % apart.
 pub fn natural_angles(phase: f64) -> [f64; 3] {
     [&THIGH, &KNEE, &ANKLE].map(|degrees| periodic(degrees, phase) / 180.0 * PI)
 }
 
-/// Pitch of the foot, toes up, rad, at `phase`: the source's pitch, but exactly 0 while the foot is flat.
+/// Pitch of the foot, toes up, rad, at `phase`: the measured pitch, but exactly 0 while the foot is flat, with smooth
+/// transitions.
 pub(super) fn natural_pitch(phase: f64) -> f64 {
     let phase = phase - phase.floor();
     let weight = if phase < HEEL_OFF {
         1.0 - smooth(phase / FOOT_FLAT)
     } else {
-        smooth((phase - HEEL_OFF) / (SOURCE_PITCH - HEEL_OFF))
+        smooth((phase - HEEL_OFF) / (MEASURED_PITCH_FROM - HEEL_OFF))
     };
     if weight == 0.0 {
         return 0.0;
@@ -70,46 +72,46 @@ pub(super) fn natural_pitch(phase: f64) -> f64 {
     (thigh - knee + ankle) * weight
 }
 
-/// Stride, hip height and swing path of a leg of given lengths that follows the natural angles.
+/// Stride, hip height and swing path of a leg that follows the natural angles.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NaturalGait {
     /// Length of a stride, m.
     pub stride: f64,
-    /// Distance of the foothold ahead of the hip in the middle of stance, m.
-    pub ahead: f64,
-    /// Height of the hip at each sample of half a cycle, m.
+    /// Position of the foothold relative to the hip in the middle of the stance phase, m forwards.
+    pub foothold_offset: f64,
+    /// Height of the hip at each sample of half a gait cycle, m.
     heights: [f64; SAMPLES / 2],
     /// Swing path from toe-off to heel strike: x is the fraction of the horizontal distance, y the height, m.
-    swing_path: [DVec2; INTERVALS + 1],
+    swing_path: [DVec2; SWING_INTERVALS + 1],
 }
 
 impl NaturalGait {
-    /// `None` for a leg without a foot.
+    /// Natural gait of `leg`; `None` for a leg without a foot.
     pub fn new(leg: &Leg) -> Option<Self> {
         let foot = leg.foot?;
-        let lowest = |index: usize| {
+        let hip_height = |index: usize| {
             let phase = index as f64 / SAMPLES as f64;
             -sole_point(leg, foot, phase, -foot.heel).y.min(sole_point(leg, foot, phase, foot.toe).y)
         };
         let heights: [f64; SAMPLES / 2] = std::array::from_fn(|index| {
-            let sunk = smooth((index as f64 / SAMPLES as f64 - HIP_SINKING) / (0.5 - HIP_SINKING));
-            lowest(index) + (lowest(0) - lowest(index)) * sunk
+            let sunk_fraction = smooth((index as f64 / SAMPLES as f64 - HIP_SINKS_FROM) / (0.5 - HIP_SINKS_FROM));
+            hip_height(index) + (hip_height(0) - hip_height(index)) * sunk_fraction
         });
-        let first = sole_point(leg, foot, 0.0, -foot.heel).x + foot.heel;
-        let last = sole_point(leg, foot, TOE_OFF, foot.toe).x - foot.toe;
-        let stride = (first - last) / TOE_OFF;
-        let mut natural =
-            Self { stride, ahead: 0.5 * (first + last), heights, swing_path: [DVec2::ZERO; INTERVALS + 1] };
-        let at = |index: usize| {
-            let fraction = index as f64 / INTERVALS as f64;
+        let foothold_at_strike = sole_point(leg, foot, 0.0, -foot.heel).x + foot.heel;
+        let foothold_at_toe_off = sole_point(leg, foot, TOE_OFF, foot.toe).x - foot.toe;
+        let stride = (foothold_at_strike - foothold_at_toe_off) / TOE_OFF;
+        let foothold_offset = 0.5 * (foothold_at_strike + foothold_at_toe_off);
+        let mut natural = Self { stride, foothold_offset, heights, swing_path: [DVec2::ZERO; SWING_INTERVALS + 1] };
+        let point_over_ground = |index: usize| {
+            let fraction = index as f64 / SWING_INTERVALS as f64;
             let phase = TOE_OFF + (1.0 - TOE_OFF) * fraction;
-            let ahead = foot.toe - (foot.heel + foot.toe) * smooth(fraction);
-            sole_point(leg, foot, phase, ahead) + DVec2::new(stride * phase, natural.height(phase))
+            let from_ankle = foot.toe - (foot.heel + foot.toe) * smooth(fraction);
+            sole_point(leg, foot, phase, from_ankle) + DVec2::new(stride * phase, natural.height(phase))
         };
-        let (start, end) = (at(0), at(INTERVALS));
+        let (start, end) = (point_over_ground(0), point_over_ground(SWING_INTERVALS));
         let swing_path = std::array::from_fn(|index| {
-            let fraction = index as f64 / INTERVALS as f64;
-            let point = at(index) - start;
+            let fraction = index as f64 / SWING_INTERVALS as f64;
+            let point = point_over_ground(index) - start;
             DVec2::new(point.x / (end.x - start.x), point.y - (end.y - start.y) * fraction)
         });
         natural.swing_path = swing_path;
@@ -123,29 +125,33 @@ impl NaturalGait {
 
     /// Swing path at a fraction of the swing time: x is the fraction of the horizontal distance, y the height, m.
     pub fn swing_path(&self, fraction: f64) -> DVec2 {
-        let position = fraction.clamp(0.0, 1.0) * INTERVALS as f64;
-        let index = (position as usize).min(INTERVALS - 1);
-        let at = |index: usize| self.swing_path[index.min(INTERVALS)];
-        cubic([at(index.saturating_sub(1)), at(index), at(index + 1), at(index + 2)], position - index as f64)
+        let position = fraction.clamp(0.0, 1.0) * SWING_INTERVALS as f64;
+        let index = (position as usize).min(SWING_INTERVALS - 1);
+        let sample = |index: usize| self.swing_path[index.min(SWING_INTERVALS)];
+        cubic(
+            [sample(index.saturating_sub(1)), sample(index), sample(index + 1), sample(index + 2)],
+            position - index as f64,
+        )
     }
 }
 
-/// Position relative to the hip, in the plane of the leg (ahead, up), m, of the point `ahead` on the sole at `phase`.
-fn sole_point(leg: &Leg, foot: Foot, phase: f64, ahead: f64) -> DVec2 {
+/// Position, relative to the hip, of the point on the sole that is `from_ankle` m in front of the ankle, at `phase`;
+/// components forwards and up in the plane of the leg, m.
+fn sole_point(leg: &Leg, foot: Foot, phase: f64, from_ankle: f64) -> DVec2 {
     let [thigh, knee, _] = natural_angles(phase);
     let ((sin_thigh, cos_thigh), (sin_shank, cos_shank)) = (math::sin_cos(thigh), math::sin_cos(thigh - knee));
     let (sin, cos) = math::sin_cos(natural_pitch(phase));
     let ankle =
         DVec2::new(leg.thigh * sin_thigh + leg.shank * sin_shank, -leg.thigh * cos_thigh - leg.shank * cos_shank);
-    ankle + DVec2::new(ahead * cos + foot.height * sin, ahead * sin - foot.height * cos)
+    ankle + DVec2::new(from_ankle * cos + foot.height * sin, from_ankle * sin - foot.height * cos)
 }
 
 /// Interpolated value of periodic samples, `cycles` after the first.
 fn periodic<const N: usize>(samples: &[f64; N], cycles: f64) -> f64 {
     let position = (cycles - cycles.floor()) * N as f64;
     let index = (position as usize).min(N - 1);
-    let at = |offset: usize| DVec2::new(samples[(index + N + offset - 1) % N], 0.0);
-    cubic([at(0), at(1), at(2), at(3)], position - index as f64).x
+    let sample = |offset: usize| DVec2::new(samples[(index + N + offset - 1) % N], 0.0);
+    cubic([sample(0), sample(1), sample(2), sample(3)], position - index as f64).x
 }
 
 /// Catmull-Rom interpolation between the second and the third of four values.
@@ -171,28 +177,28 @@ mod tests {
     }
 
     #[test]
-    fn curves_meet_their_samples_and_have_no_corners() {
+    fn curves_pass_through_their_samples_with_continuous_slope() {
         let degrees = |phase| natural_angles(phase).map(|angle| angle * 180.0 / PI);
-        let close = |found: [f64; 3], expected: [f64; 3]| {
+        let assert_close = |found: [f64; 3], expected: [f64; 3]| {
             assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {expected:?}");
         };
-        close(degrees(0.0), [23.6, 5.5, -2.2]);
-        close(degrees(1.72), [10.3, 59.1, -7.9]);
-        close(degrees(-0.02), [23.4, 4.0, -1.4]);
+        assert_close(degrees(0.0), [23.6, 5.5, -2.2]);
+        assert_close(degrees(1.72), [10.3, 59.1, -7.9]);
+        assert_close(degrees(-0.02), [23.4, 4.0, -1.4]);
         for index in 0..5000 {
             let phase = f64::from(index) / 5000.0;
             let (before, at, after) = (degrees(phase - 1e-6), degrees(phase), degrees(phase + 1e-6));
             for joint in 0..3 {
-                let bend = (after[joint] - 2.0 * at[joint] + before[joint]).abs();
-                assert!(bend < 1e-6, "joint {joint} bends by {bend} at {phase}");
+                let kink = (after[joint] - 2.0 * at[joint] + before[joint]).abs();
+                assert!(kink < 1e-6, "joint {joint} has a kink of {kink} degrees at {phase}");
             }
         }
     }
 
     #[test]
-    fn a_stride_is_that_of_people() {
-        let natural = NaturalGait::new(&leg()).expect("it has a foot");
-        // The hip is 0.52 of a person's height above the floor, a stride about 0.8 of it.
+    fn stride_length_matches_humans() {
+        let natural = NaturalGait::new(&leg()).expect("the leg has a foot");
+        // The hip is at 0.52 of the body height; a stride is about 0.8 of the body height.
         assert!((1.3..1.5).contains(&natural.stride), "{}", natural.stride);
         let heights: Vec<f64> = (0..500).map(|index| natural.height(f64::from(index) / 500.0)).collect();
         let (low, high) =
@@ -202,8 +208,8 @@ mod tests {
     }
 
     #[test]
-    fn a_way_through_the_air_begins_and_ends_on_the_ground() {
-        let natural = NaturalGait::new(&leg()).expect("it has a foot");
+    fn swing_path_begins_and_ends_on_the_ground() {
+        let natural = NaturalGait::new(&leg()).expect("the leg has a foot");
         assert!(natural.swing_path(0.0).length() < 1e-12 && (natural.swing_path(1.0) - DVec2::X).length() < 1e-12);
         let highest = (0..100).map(|index| natural.swing_path(f64::from(index) / 100.0).y).fold(0.0, f64::max);
         assert!((0.02..0.3).contains(&highest), "{highest}");

@@ -8,13 +8,13 @@ use crate::{
     scene::Capsule,
 };
 
-/// Length of [`Limb::bare`] in radii of a limb.
-const BARE_RADII: f64 = 3.0;
+/// Length of [`Limb::ground_margin`] of a shank, as a multiple of the limb's radius. Our choice.
+const GROUND_MARGIN_RADII: f64 = 3.0;
 
-/// A part of a legged robot whose contacts are reported; legs are counted from 0.
+/// A part of a legged robot whose contacts are reported, with the index of the leg.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BodyPart {
-    /// The body: an upright cylinder of the robot's diameter above its underside.
+    /// The body: an upright cylinder with the robot's diameter, above the height of the body's underside.
     Body,
     /// The thigh of a leg.
     Thigh(usize),
@@ -27,10 +27,11 @@ pub enum BodyPart {
 pub struct Limb {
     /// The part.
     pub part: BodyPart,
-    /// Capsule in the world, from the upper to the lower end: hip and knee, or knee and ankle or tip.
+    /// Capsule in the world from the upper to the lower end: from hip to knee, or from knee to ankle or tip.
     pub capsule: Capsule,
-    /// Length of its lower end that may be near the ground because the foot is there, m; 0 for a thigh.
-    pub bare: f64,
+    /// Length of the lower end that is not tested against the ground, m, because the foot there is on the ground; 0 for
+    /// a thigh.
+    pub ground_margin: f64,
 }
 
 impl Legs {
@@ -59,17 +60,17 @@ impl Legs {
         let mut limbs = Vec::with_capacity(2 * self.legs.len());
         for (number, leg) in self.legs.iter().enumerate() {
             let indices: Vec<usize> = leg.parts().map(|(_, index)| first + index).collect();
-            let frame = |part: usize| world_from_body.then(&link_pose(&links, &stance.joints, indices[part]));
-            let (thigh, shank) = (frame(0), frame(1));
+            let part_frame = |part: usize| world_from_body.then(&link_pose(&links, &stance.joints, indices[part]));
+            let (thigh, shank) = (part_frame(0), part_frame(1));
             let capsule = |upper, lower| Capsule { ends: [upper, lower], radius: self.radius };
             let lower = shank.transform_point(DVec3::new(0.0, 0.0, -leg.shank));
             limbs.push(Limb {
                 part: BodyPart::Thigh(number),
                 capsule: capsule(thigh.position, shank.position),
-                bare: 0.0,
+                ground_margin: 0.0,
             });
-            let bare = BARE_RADII * self.radius;
-            limbs.push(Limb { part: BodyPart::Shank(number), capsule: capsule(shank.position, lower), bare });
+            let ground_margin = GROUND_MARGIN_RADII * self.radius;
+            limbs.push(Limb { part: BodyPart::Shank(number), capsule: capsule(shank.position, lower), ground_margin });
             first += leg.link_count();
         }
         limbs

@@ -1,8 +1,8 @@
 //! Legged locomotion.
 //!
-//! The model is kinematic, without forces. A legged robot moves in the plane like any robot, on a chain of pieces
-//! opened by commands; its feet, joints and body height are functions of that motion and of virtual time, so they too
-//! are exact for every slot length. See docs/legged.md.
+//! The model is kinematic, without forces. A legged robot moves in the plane like any robot, on a chain of pieces of
+//! motion that follow its commands. Its feet, joints and body height are functions of that motion and of virtual time,
+//! so they are exact for every slot length too. See docs/legged.md.
 
 mod curve;
 mod gait;
@@ -21,15 +21,15 @@ pub use leg::{Foot, Joints, Leg, Sole};
 pub use limb::{BodyPart, Limb};
 pub(in crate::drive) use walk::{MotionPiece, Plan, Walk};
 
-/// Maximum speed of a natural gait, as a multiple of the source's speed. Our choice.
+/// Maximum speed of a natural gait, as a multiple of its [natural speed](Legs::natural_speed). Our choice.
 const MAX_NATURAL_SPEED: f64 = 1.2;
 
 /// The legs of a robot and their gaits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Legs {
-    /// Its legs.
+    /// The legs.
     pub legs: Vec<Leg>,
-    /// Its gaits, at least one; the robot starts with the first.
+    /// The gaits, at least one; the robot starts with the first.
     pub gaits: Vec<Gait>,
     /// Default step height: height to which a foot is lifted above the higher of its two footholds, m.
     pub step_height: f64,
@@ -42,13 +42,13 @@ pub struct Legs {
 /// A command of a robot's program to its legs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LegCommand {
-    /// Walk in this gait, counted from 0. Feet in the air land as planned.
+    /// Walk in the gait with this index. Feet in the air land as planned.
     Gait(usize),
     /// Set the height to which a foot is lifted above the higher of its two footholds, m.
     StepHeight(f64),
-    /// Shift the footholds of a leg, from the next decision instant until another such command.
+    /// Shift the footholds of a leg, from the next decision instant until the next command of this kind for the leg.
     ShiftFoothold {
-        /// The leg, counted from 0.
+        /// Index of the leg.
         leg: usize,
         /// Shift of the foothold in the robot's frame (x forward, y left), m.
         shift: DVec2,
@@ -75,7 +75,7 @@ pub enum LegCommandError {
         /// Number of its legs.
         legs: usize,
     },
-    /// The height or shift exceeds a leg's reach, is negative or is not finite.
+    /// A height or shift exceeds a leg's reach or is not finite, or a height is negative.
     #[error("a length is not one that a leg can do, accepted: finite values within its reach, heights of 0 or more")]
     Length,
 }
@@ -94,8 +94,9 @@ pub struct Stance {
 /// State of a foot at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FootState {
-    /// Contact point of the sole: at the foothold while the foot stands, and on the path of the gait while it swings; in the
-    /// world, m. The joints of a leg in the air that does not reach the path put its foot above it.
+    /// Contact point of the sole in the world, m: at the foothold while the foot stands, and on the swing path of the
+    /// gait while it swings. If a swinging leg does not reach that path, its joint angles place the foot above the
+    /// path.
     pub point: DVec3,
     /// Position of the contact point on the sole, and pitch of the foot.
     pub sole: Sole,
@@ -110,7 +111,7 @@ pub struct FootState {
 pub struct Footfall {
     /// Instant of touch-down.
     pub time: Time,
-    /// The leg, counted from 0.
+    /// Index of the leg.
     pub leg: usize,
     /// The foothold: the tip of the leg, or the point of the sole under the ankle; in the world, m.
     pub point: DVec3,
@@ -122,7 +123,7 @@ impl Legs {
         self.legs.iter().map(Leg::joint_count).sum()
     }
 
-    /// The links of all legs, for a robot whose lists already hold `first_link` links and `first_joint` angles.
+    /// The links of all legs. The first link gets the index `first_link`, the first joint the index `first_joint`.
     pub fn links(&self, mut first_link: usize, mut first_joint: usize) -> Vec<Link> {
         let mut links = Vec::new();
         for leg in &self.legs {
@@ -142,25 +143,26 @@ impl Legs {
         self.legs.iter().flat_map(of_leg).collect()
     }
 
-    /// Maximum distance of a standing foot from its neutral position under the hip, m: the leg reaches this far with
-    /// the hip lowered by a sixth. Our choice.
+    /// Maximum distance of a standing foot from its neutral position under the hip, m: the distance that the leg
+    /// reaches if the hip is lowered by a sixth. Our choice.
     pub fn excursion(&self) -> f64 {
         let of_leg = |leg: &Leg| {
             let ankle = leg.foot.map_or(0.0, |foot| foot.height);
-            let depth = leg::LOWEST_HIP * leg.hip.z - ankle;
+            let depth = leg::MIN_HIP_HEIGHT * leg.hip.z - ankle;
             (leg.reach() * leg.reach() - depth * depth).max(0.0).sqrt()
         };
         self.legs.iter().filter(|leg| leg.wheel.is_none()).map(of_leg).fold(f64::INFINITY, f64::min)
     }
 
-    /// Speed at which a natural gait matches its source, m/s; `None` for another gait or legs without feet.
+    /// Speed of a natural gait with unscaled joint angles, m/s: one stride per period. `None` for another gait or legs
+    /// without feet.
     pub fn natural_speed(&self, gait: &Gait) -> Option<f64> {
         let natural = NaturalGait::new(self.legs.first()?).filter(|_| gait.is_natural)?;
         Some(natural.stride / gait.period.seconds())
     }
 
-    /// Maximum speed of a gait, m/s, at which a standing foot stays within four fifths of its excursion to either side;
-    /// a natural gait is limited to 1.2 times the speed of its source. Our choice.
+    /// Maximum speed of a gait, m/s: at this speed a standing foot uses four fifths of its excursion to either side. A
+    /// natural gait is limited to 1.2 times its natural speed. Our choice.
     pub fn max_speed(&self, gait: &Gait) -> f64 {
         if let Some(speed) = self.natural_speed(gait) {
             return MAX_NATURAL_SPEED * speed;
@@ -168,7 +170,8 @@ impl Legs {
         2.0 * 0.8 * self.excursion() / (gait.duty * gait.period.seconds())
     }
 
-    /// Maximum turning speed of a gait, rad/s, at which no standing foot leaves its reach or turns too far.
+    /// Maximum turning speed of a gait, rad/s, at which no standing foot gets out of reach or turns too far. Our
+    /// choice.
     pub fn max_turn_rate(&self, gait: &Gait) -> f64 {
         let radius = self.legs.iter().map(|leg| math::hypot(leg.hip.x, leg.hip.y)).fold(0.0, f64::max);
         // A foot turns by at most 45 degrees to either side.

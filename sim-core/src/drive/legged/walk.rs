@@ -1,8 +1,8 @@
 //! The sequence of footholds of a walk.
 //!
-//! All decisions about the feet are made at instants of the gait's own clock, 48 per period, from pose and twist just
-//! before the instant. So the decisions depend neither on slots nor on the times of queries. Decisions before the
-//! present slot are final; later decisions are repeated whenever the plan of the motion changes.
+//! All decisions about the feet are made at the instants of a clock of the gait, 48 per period, from the robot's pose
+//! and twist just before the instant. So the decisions depend neither on slots nor on the times of queries. Decisions
+//! before the present slot are final; later decisions are made again whenever the plan of the motion changes.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use super::{
     FootState, Footfall, LegCommand, LegCommandError, Legs, Stance,
     curve::{HEEL_OFF, NaturalGait, TOE_OFF, natural_pitch},
     gait::{Clock, GRID, Gait},
-    leg::{Foot, LOWEST_HIP, Leg, Sole},
+    leg::{Foot, Leg, MIN_HIP_HEIGHT, Sole},
     smooth::{SmoothValue, elapsed_fraction, smooth},
 };
 use crate::{
@@ -24,36 +24,37 @@ use crate::{
     time::Time,
 };
 
-/// Tolerance (m, and rad) within which a foot of a standing robot counts as in its neutral position and is not lifted.
-/// Our choice.
+/// Tolerance (m, and rad) within which a foot of a standing robot is regarded as in its neutral position and is not
+/// lifted. Our choice.
 const NEUTRAL_TOLERANCE: f64 = 5e-3;
-/// Minimum change of its goal (m, and rad) that redirects a foot in the air. Our choice.
-const SAME_GOAL: f64 = 1e-3;
-/// Last fraction of the swing in which a foot keeps its goal. Our choice.
-const GOAL_KEPT_SHARE: f64 = 0.25;
-/// Angle between body and standing foot beyond which the foot is lifted before its turn, rad: 60 degrees. Our choice.
-const MAX_TWISTED: f64 = std::f64::consts::FRAC_PI_3;
+/// Minimum change (m, and rad) of the goal of a foot in the air; smaller changes are ignored. Our choice.
+const MIN_GOAL_CHANGE: f64 = 1e-3;
+/// Fraction of the swing duration before touch-down in which a foot keeps its goal. Our choice.
+const FIXED_GOAL_FRACTION: f64 = 0.25;
+/// Angle between body and standing foot beyond which the foot is lifted before its scheduled lift-off, rad: 60 degrees.
+/// Our choice.
+const MAX_FOOT_YAW: f64 = std::f64::consts::FRAC_PI_3;
 /// Maximum change of the goal of a foot in the air, as a multiple of the excursion times the remaining fraction of the
 /// swing. Our choice.
-const MAX_TURNED: f64 = 1.6;
-/// Maximum scale of the natural curves. Our choice.
-const MAX_LEVEL: f64 = 1.2;
-/// Changes of the scale of the natural curves below this value are ignored. Our choice.
-const SAME_LEVEL: f64 = 0.02;
-/// Number of positions tried for a foot between its goal and the body.
-const TRIED_PLACES: i32 = 16;
+const MAX_GOAL_SHIFT: f64 = 1.6;
+/// Maximum scale of the natural joint angles. Our choice.
+const MAX_SCALE: f64 = 1.2;
+/// Minimum change of the scale of the body's bob; smaller changes are ignored. Our choice.
+const MIN_SCALE_CHANGE: f64 = 0.02;
+/// Number of positions between its goal and the body that are tried for a foot.
+const TRIED_POSITIONS: i32 = 16;
 /// Number of intervals between two footholds at whose ends the height of the ground is sampled.
-const ASKED_PLACES: i32 = 8;
+const GROUND_INTERVALS: i32 = 8;
 /// Maximum step up or down, as a fraction of the hip's height. Our choice.
-const TALLEST_STEP: f64 = 0.4;
-/// Maximum number of steps kept per leg until footfalls are taken.
-const REMEMBERED: usize = 64;
+const MAX_STEP: f64 = 0.4;
+/// Maximum number of steps kept per leg until its footfalls are taken.
+const MAX_KEPT_STEPS: usize = 64;
 
-/// One piece of the body's motion, in force from its start until the next.
+/// One piece of the body's motion, valid from its start until the start of the next piece.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::drive) struct MotionPiece {
     pub piece: Piece,
-    /// Offset from the robot's centre to its axle along x, m.
+    /// Position of the axle in front of the robot's centre, m.
     pub axis_offset: f64,
     /// True if the piece begins with a placement of the robot.
     pub is_placed: bool,
@@ -61,10 +62,10 @@ pub(in crate::drive) struct MotionPiece {
 
 /// The planned motion of the body, which the legs follow.
 pub(in crate::drive) trait Plan {
-    /// Number of its changes so far.
+    /// Number of changes of the plan so far.
     fn revision(&self) -> u64;
 
-    /// The pieces of motion from the one in force just before `from`, up to `to`.
+    /// The pieces of motion that are valid from just before `from` up to `to`.
     fn pieces(&mut self, from: Time, to: Time) -> Vec<MotionPiece>;
 }
 
@@ -89,7 +90,7 @@ impl MotionPiece {
 pub(in crate::drive) struct LegSettings {
     pub gait: usize,
     pub step_height: f64,
-    /// For each leg, the shift of the next foothold in the robot's frame and the additional lift.
+    /// For each leg, the shift of its footholds in the robot's frame, m, and the additional lift of the foot, m.
     pub corrections: Vec<(DVec2, f64)>,
 }
 
@@ -101,18 +102,18 @@ pub(in crate::drive) struct Walk {
     /// For each leg, its natural gait; `None` for a leg without a foot.
     natural: Vec<Option<NaturalGait>>,
     /// Settings with their start times, in ascending order; the first also applies before its start.
-    orders: VecDeque<(Time, LegSettings)>,
+    settings: VecDeque<(Time, LegSettings)>,
     /// Number of commands that changed the settings.
     revision: u64,
     /// Final decisions, for instants before the present slot.
-    firm: Steps,
-    /// Tentative decisions after the final ones, valid for these revisions of the motion and of the settings.
-    ahead: Option<((u64, u64), Steps)>,
+    final_steps: Steps,
+    /// Final and tentative decisions, valid for these revisions of the motion and of the settings.
+    tentative: Option<((u64, u64), Steps)>,
     /// Time up to which footfalls have been taken.
     reported_until: Time,
 }
 
-/// Position of a standing foot: the point under the ankle of a level foot, or the tip of the leg.
+/// Position of a standing foot: the point under the ankle of a scale foot, or the tip of the leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Foothold {
     point: DVec3,
@@ -124,20 +125,22 @@ struct Foothold {
 struct Step {
     /// Start of the roll-off over the toe; equal to `lift_off` if there is no roll-off.
     heel_off: Time,
-    /// Planned duration of the roll-off, which may be cut short.
-    roll: Time,
+    /// Planned duration of the roll-off; the actual one may be shorter.
+    roll_duration: Time,
     lift_off: Time,
     touch_down: Time,
-    /// Planned duration of the stance after touch-down.
-    stand: Time,
-    from: Foothold,
-    /// Pitch of the foot at `heel_off`.
-    from_pitch: f64,
+    /// Planned duration of the stance phase after touch-down.
+    stance_duration: Time,
+    /// Foothold before the step.
+    start: Foothold,
+    /// Pitch of the foot at `heel_off`, rad.
+    start_pitch: f64,
     /// Scale of the natural pitch of the foot.
-    level: f64,
-    /// Goals and clearance heights, each with the instant from which it is in force; the first holds from lift-off.
+    scale: f64,
+    /// Goals of the foot and apex heights (m), each with the instant from which it is valid; the first is valid from
+    /// lift-off on.
     goals: Vec<(Time, Foothold, f64)>,
-    /// True if a placement of the robot, not a step, brought the foot here.
+    /// True if the foot is at its foothold because of a placement of the robot, not because of a step.
     is_placed: bool,
 }
 
@@ -145,21 +148,21 @@ struct Step {
 #[derive(Clone, Debug)]
 struct Steps {
     until: Time,
-    /// Clocks, each with the scale of the body's natural bob in that gait; the last clock is current.
+    /// Clocks, each with the scale of the body's bob in the gait of the clock; the last clock is current.
     clocks: Vec<(Clock, SmoothValue)>,
     is_walking: bool,
     feet: Vec<VecDeque<Step>>,
 }
 
-/// Inputs of the decisions other than the motion.
+/// Inputs of the decisions except the motion.
 struct DecisionInputs<'a> {
     legs: &'a Legs,
     ground: &'a Ground,
     natural: &'a [Option<NaturalGait>],
-    orders: &'a VecDeque<(Time, LegSettings)>,
+    settings: &'a VecDeque<(Time, LegSettings)>,
 }
 
-/// State of the robot just before a decision instant.
+/// Pose and twist of the robot just before a decision instant.
 struct BodyState {
     at: Time,
     pose: Pose,
@@ -168,23 +171,23 @@ struct BodyState {
 
 impl Walk {
     pub fn new(legs: Arc<Legs>, ground: Arc<Ground>) -> Self {
-        let orders = LegSettings {
+        let settings = LegSettings {
             gait: 0,
             step_height: legs.step_height,
             corrections: vec![(DVec2::ZERO, 0.0); legs.legs.len()],
         };
         let natural = legs.legs.iter().map(NaturalGait::new).collect();
         let never = Time(i64::MIN);
-        let firm =
+        let final_steps =
             Steps { until: never, clocks: Vec::new(), is_walking: false, feet: vec![VecDeque::new(); legs.legs.len()] };
         Self {
             legs,
             ground,
             natural,
-            orders: VecDeque::from([(never, orders)]),
+            settings: VecDeque::from([(never, settings)]),
             revision: 0,
-            firm,
-            ahead: None,
+            final_steps,
+            tentative: None,
             reported_until: never,
         }
     }
@@ -197,21 +200,21 @@ impl Walk {
         &self.ground
     }
 
-    pub fn orders_at(&self, at: Time) -> &LegSettings {
-        orders_at(&self.orders, at)
+    pub fn settings_at(&self, at: Time) -> &LegSettings {
+        settings_at(&self.settings, at)
     }
 
     pub fn command(&mut self, at: Time, command: LegCommand) -> Result<(), LegCommandError> {
-        let (since, last) = self.orders.back().expect("a walk has orders");
-        let mut orders = last.clone();
+        let (since, last) = self.settings.back().expect("a walk has settings");
+        let mut settings = last.clone();
         match command {
             LegCommand::Gait(gait) => {
                 let gaits = self.legs.gaits.len();
-                orders.gait = if gait < gaits { gait } else { return Err(LegCommandError::NoGait { gaits }) };
+                settings.gait = if gait < gaits { gait } else { return Err(LegCommandError::NoGait { gaits }) };
             }
             LegCommand::StepHeight(height) => {
                 let max_reach = self.legs.legs.iter().map(Leg::reach).fold(0.0, f64::max);
-                orders.step_height =
+                settings.step_height =
                     if (0.0..=max_reach).contains(&height) { height } else { return Err(LegCommandError::Length) };
             }
             LegCommand::ShiftFoothold { leg, shift, lift } => {
@@ -220,15 +223,15 @@ impl Walk {
                 if !(shift.length() <= reach && (0.0..=reach).contains(&lift)) {
                     return Err(LegCommandError::Length);
                 }
-                orders.corrections[leg] = (shift, lift);
+                settings.corrections[leg] = (shift, lift);
             }
         }
-        if orders != *last {
+        if settings != *last {
             let at = at.max(*since);
             if at == *since {
-                self.orders.pop_back();
+                self.settings.pop_back();
             }
-            self.orders.push_back((at, orders));
+            self.settings.push_back((at, settings));
             self.revision += 1;
         }
         Ok(())
@@ -236,14 +239,14 @@ impl Walk {
 
     pub fn stance(&mut self, plan: &mut impl Plan, at: Time, world_from_robot: &Pose) -> Stance {
         self.extend(plan, at);
-        let steps = if at <= self.firm.until { &self.firm } else { self.ahead_steps() };
+        let steps = if at <= self.final_steps.until { &self.final_steps } else { self.tentative_steps() };
         steps.stance(&self.legs, &self.natural, &self.ground, at, world_from_robot)
     }
 
     pub fn take_footfalls(&mut self, plan: &mut impl Plan, until: Time) -> Vec<Footfall> {
         let last = until - Time(1);
         self.extend(plan, last);
-        let steps = if last <= self.firm.until { &self.firm } else { self.ahead_steps() };
+        let steps = if last <= self.final_steps.until { &self.final_steps } else { self.tentative_steps() };
         let footfalls = steps.footfalls(self.reported_until, until);
         self.reported_until = self.reported_until.max(until);
         footfalls
@@ -252,70 +255,72 @@ impl Walk {
     /// Makes the decisions before `end`, the end of the present slot, final.
     pub fn commit(&mut self, plan: &mut impl Plan, end: Time) {
         let last = end - Time(1);
-        if last <= self.firm.until {
+        if last <= self.final_steps.until {
             return;
         }
         self.decide(plan, last, true);
         let past = self.reported_until.min(end - HISTORY);
-        self.firm.forget(past);
-        while self.orders.len() > 1 && self.orders[1].0 <= past {
-            self.orders.pop_front();
+        self.final_steps.forget(past);
+        while self.settings.len() > 1 && self.settings[1].0 <= past {
+            self.settings.pop_front();
         }
-        self.ahead = None;
+        self.tentative = None;
     }
 
-    fn ahead_steps(&self) -> &Steps {
-        self.ahead.as_ref().map_or(&self.firm, |(_, steps)| steps)
+    fn tentative_steps(&self) -> &Steps {
+        self.tentative.as_ref().map_or(&self.final_steps, |(_, steps)| steps)
     }
 
     fn extend(&mut self, plan: &mut impl Plan, at: Time) {
-        if at > self.firm.until {
+        if at > self.final_steps.until {
             self.decide(plan, at, false);
         }
     }
 
     /// Makes all decisions up to `at`: final ones, or tentative ones for the present plan.
-    fn decide(&mut self, plan: &mut impl Plan, at: Time, is_firm: bool) {
+    fn decide(&mut self, plan: &mut impl Plan, at: Time, is_final: bool) {
         let key = (plan.revision(), self.revision);
-        let mut steps = match self.ahead.take() {
-            Some((known, steps)) if known == key && !(is_firm && steps.until > at) => steps,
-            _ => self.firm.clone(),
+        let mut steps = match self.tentative.take() {
+            Some((known, steps)) if known == key && !(is_final && steps.until > at) => steps,
+            _ => self.final_steps.clone(),
         };
         if steps.until < at {
             let pieces = plan.pieces(steps.until, at);
-            let Self { legs, ground, natural, orders, .. } = self;
-            let inputs = DecisionInputs { legs, ground, natural, orders };
+            let Self { legs, ground, natural, settings, .. } = self;
+            let inputs = DecisionInputs { legs, ground, natural, settings };
             steps.extend(&inputs, &pieces, at);
         }
-        if is_firm {
-            self.firm = steps;
+        if is_final {
+            self.final_steps = steps;
         } else {
-            self.ahead = Some((key, steps));
+            self.tentative = Some((key, steps));
         }
     }
 }
 
-fn orders_at(orders: &VecDeque<(Time, LegSettings)>, at: Time) -> &LegSettings {
-    let order = orders.iter().rev().find(|(since, _)| *since <= at).or(orders.front());
-    order.map(|(_, orders)| orders).expect("a walk has orders")
+/// The settings in force at `at`.
+fn settings_at(settings: &VecDeque<(Time, LegSettings)>, at: Time) -> &LegSettings {
+    let current = settings.iter().rev().find(|(since, _)| *since <= at).or(settings.front());
+    current.map(|(_, settings)| settings).expect("a walk has settings")
 }
 
 impl Steps {
-    /// Makes all decisions after `until` up to `to`. `pieces` are the motion's pieces from the one in force just
-    /// before `until`.
+    /// Makes all decisions after `until` up to `to`. `pieces` are the pieces of the motion that are valid from just
+    /// before `until` on.
     fn extend(&mut self, inputs: &DecisionInputs, pieces: &[MotionPiece], to: Time) {
         loop {
             let opening = pieces.iter().find(|piece| piece.start() > self.until).filter(|piece| piece.start() <= to);
-            let order = inputs.orders.iter().find(|(since, _)| *since > self.until).filter(|(since, _)| *since <= to);
+            let change =
+                inputs.settings.iter().find(|(since, _)| *since > self.until).filter(|(since, _)| *since <= to);
             let tick = self.clock().map(|clock| clock.next_after(self.until)).map(|index| (index, self.instant(index)));
             let tick = tick.filter(|(_, instant)| *instant <= to);
             let first =
-                [opening.map(MotionPiece::start), order.map(|(since, _)| *since), tick.map(|(_, instant)| instant)];
+                [opening.map(MotionPiece::start), change.map(|(since, _)| *since), tick.map(|(_, instant)| instant)];
             let Some(at) = first.into_iter().flatten().min() else { break };
             if let Some((index, _)) = tick.filter(|(_, instant)| *instant == at) {
                 self.tick(inputs, &state_before(pieces, at), index);
             }
-            if order.is_some_and(|(since, _)| *since == at) {
+            if change.is_some_and(|(since, _)| *since == at) {
                 self.change_gait(inputs, at);
             }
             if let Some(piece) = opening.filter(|piece| piece.start() == at) {
@@ -326,7 +331,7 @@ impl Steps {
         self.until = to;
     }
 
-    /// The current clock, while the robot walks.
+    /// The current clock; `None` if the robot does not walk.
     fn clock(&self) -> Option<&Clock> {
         self.clocks.last().map(|(clock, _)| clock).filter(|_| self.is_walking)
     }
@@ -342,30 +347,30 @@ impl Steps {
             self.place(inputs, at, &piece.pose(at));
         }
         if !self.is_walking && !piece.twist(at).is_zero() {
-            let index = orders_at(inputs.orders, at).gait;
+            let index = settings_at(inputs.settings, at).gait;
             self.clocks.push((Clock::starting(at, &inputs.legs.gaits[index], index), SmoothValue::default()));
             self.is_walking = true;
         }
     }
 
-    /// Puts all feet at their neutral positions.
+    /// Places all feet at their neutral positions.
     fn place(&mut self, inputs: &DecisionInputs, at: Time, pose: &Pose) {
         for (leg, steps) in inputs.legs.legs.iter().zip(&mut self.feet) {
             let hip = pose.transform_point(leg.hip.truncate());
-            let from = Foothold { point: hip.extend(inputs.ground.height(hip)), heading: pose.heading.remainder() };
-            let goals = vec![(at, from, 0.0)];
-            let (roll, stand) = (Time::ZERO, Time::ZERO);
+            let start = Foothold { point: hip.extend(inputs.ground.height(hip)), heading: pose.heading.remainder() };
+            let goals = vec![(at, start, 0.0)];
+            let (roll_duration, stance_duration) = (Time::ZERO, Time::ZERO);
             let (heel_off, lift_off, touch_down) = (at, at, at);
-            let (from_pitch, level, is_placed) = (0.0, 0.0, true);
+            let (start_pitch, scale, is_placed) = (0.0, 0.0, true);
             steps.push_back(Step {
                 heel_off,
-                roll,
+                roll_duration,
                 lift_off,
                 touch_down,
-                stand,
-                from,
-                from_pitch,
-                level,
+                stance_duration,
+                start,
+                start_pitch,
+                scale,
                 goals,
                 is_placed,
             });
@@ -374,29 +379,29 @@ impl Steps {
     }
 
     fn change_gait(&mut self, inputs: &DecisionInputs, at: Time) {
-        let index = orders_at(inputs.orders, at).gait;
+        let index = settings_at(inputs.settings, at).gait;
         let Some(clock) = self.clock().copied().filter(|clock| clock.gait != index) else { return };
         let gait = &inputs.legs.gaits[index];
-        let (_, level) = self.clocks.last_mut().expect("it walks");
-        let goal = level.goal();
-        level.aim(at, Time(gait.period.0 / 2), 0.0);
-        let mut level = SmoothValue::default();
-        level.aim(at, Time(gait.period.0 / 2), goal);
-        self.clocks.push((clock.changed(at, gait, index), level));
+        let (_, scale) = self.clocks.last_mut().expect("the robot walks");
+        let goal = scale.goal();
+        scale.move_to(at, Time(gait.period.0 / 2), 0.0);
+        let mut scale = SmoothValue::default();
+        scale.move_to(at, Time(gait.period.0 / 2), goal);
+        self.clocks.push((clock.with_gait(at, gait, index), scale));
     }
 
     /// Handles a decision instant.
-    fn tick(&mut self, inputs: &DecisionInputs, present: &BodyState, index: i64) {
+    fn tick(&mut self, inputs: &DecisionInputs, body: &BodyState, index: i64) {
         let Some(clock) = self.clock().copied() else { return };
-        let is_moving = !present.twist.is_zero();
+        let is_moving = !body.twist.is_zero();
         let mut is_settled = !is_moving;
-        for number in 0..inputs.legs.legs.len() {
-            if inputs.legs.legs[number].wheel.is_none() {
-                is_settled &= self.tick_foot(inputs, present, &clock, index, number);
+        for leg_index in 0..inputs.legs.legs.len() {
+            if inputs.legs.legs[leg_index].wheel.is_none() {
+                is_settled &= self.tick_foot(inputs, body, &clock, index, leg_index);
             }
         }
-        self.follow_speed(inputs, present);
-        if is_settled && self.clocks.iter().all(|(_, level)| level.goal() == 0.0 && level.is_still(present.at)) {
+        self.adapt_bob(inputs, body);
+        if is_settled && self.clocks.iter().all(|(_, scale)| scale.goal() == 0.0 && scale.is_constant_from(body.at)) {
             self.is_walking = false;
         }
     }
@@ -405,220 +410,237 @@ impl Steps {
     fn tick_foot(
         &mut self,
         inputs: &DecisionInputs,
-        present: &BodyState,
+        body: &BodyState,
         clock: &Clock,
         index: i64,
-        number: usize,
+        leg_index: usize,
     ) -> bool {
-        let at = present.at;
-        let leg = &inputs.legs.legs[number];
+        let at = body.at;
+        let leg = &inputs.legs.legs[leg_index];
         let gait = &inputs.legs.gaits[clock.gait];
-        let is_moving = !present.twist.is_zero();
+        let is_moving = !body.twist.is_zero();
         let soon = (clock.instant(index + 2) - at).seconds();
-        let last = self.feet[number].back().expect("a foot stands somewhere");
+        let last = self.feet[leg_index].back().expect("a foot has a step");
         if at <= last.lift_off && last.heel_off < at {
-            // The foot rolls off and its goal may still change. The roll-off is cut short if the leg would not reach
-            // otherwise.
-            let is_cut = at < last.lift_off && self.is_out_of_reach_soon(inputs, number, present, soon);
-            let touch_down = if is_cut { at + (last.touch_down - last.lift_off) } else { last.touch_down };
-            let goal = self.goal(inputs, present, number, clock, touch_down);
-            let apex = apex(inputs, at, number, &last.from, &goal);
-            let step = self.feet[number].back_mut().expect("it rolls");
-            if is_cut {
+            // The foot rolls off and its goal may still change. The roll-off ends early if the foot would otherwise get
+            // out of reach.
+            let is_shortened = at < last.lift_off && self.is_out_of_reach_soon(inputs, leg_index, body, soon);
+            let touch_down = if is_shortened { at + (last.touch_down - last.lift_off) } else { last.touch_down };
+            let goal = self.goal(inputs, body, leg_index, clock, touch_down);
+            let apex = apex_height(inputs, at, leg_index, &last.start, &goal);
+            let step = self.feet[leg_index].back_mut().expect("the foot rolls off");
+            if is_shortened {
                 (step.lift_off, step.touch_down) = (at, touch_down);
             }
             step.goals = vec![(step.lift_off, goal, apex)];
             return false;
         }
         if at < last.touch_down {
-            let (left, whole) = ((last.touch_down - at).seconds(), (last.touch_down - last.lift_off).seconds());
-            if left > GOAL_KEPT_SHARE * whole {
-                let goal = self.goal(inputs, present, number, clock, last.touch_down);
-                let goal = last.limited_goal(goal, MAX_TURNED * inputs.legs.excursion() * left / whole, inputs.ground);
-                let apex = apex(inputs, at, number, &last.from, &goal);
-                self.feet[number].back_mut().expect("it is in the air").turn_to(at, goal, apex);
+            let remaining = (last.touch_down - at).seconds();
+            let swing_duration = (last.touch_down - last.lift_off).seconds();
+            if remaining > FIXED_GOAL_FRACTION * swing_duration {
+                let goal = self.goal(inputs, body, leg_index, clock, last.touch_down);
+                let max_shift = MAX_GOAL_SHIFT * inputs.legs.excursion() * remaining / swing_duration;
+                let goal = last.limited_goal(goal, max_shift, inputs.ground);
+                let apex = apex_height(inputs, at, leg_index, &last.start, &goal);
+                self.feet[leg_index].back_mut().expect("the foot is in the air").change_goal(at, goal, apex);
             }
             return false;
         }
-        let from = last.standing();
-        let is_displaced = is_away(&from, leg, &present.pose, NEUTRAL_TOLERANCE);
-        let slot = gait.slot(number);
-        let until_slot = (slot - index).rem_euclid(GRID);
-        let level = self.level(inputs, present, gait, number);
-        let from_pitch = last.pitch(at, leg);
+        let start = last.standing();
+        let is_displaced = is_away(&start, leg, &body.pose, NEUTRAL_TOLERANCE);
+        let instants_to_lift_off = (gait.lift_off_index(leg_index) - index).rem_euclid(GRID);
+        let scale = self.scale(inputs, body, gait, leg_index);
+        let start_pitch = last.pitch(at, leg);
         let step = |heel_off, lift_off: Time, period| {
-            let touch_down = lift_off + gait.swing(period);
-            let (roll, stand) = (lift_off - heel_off, Time((gait.duty * gait.period.0 as f64) as i64));
-            let goals = vec![(lift_off, from, from.point.z)];
-            Step { heel_off, roll, lift_off, touch_down, stand, from, from_pitch, level, goals, is_placed: false }
+            let touch_down = lift_off + gait.swing_duration(period);
+            let roll_duration = lift_off - heel_off;
+            let stance_duration = Time((gait.duty * gait.period.0 as f64) as i64);
+            let goals = vec![(lift_off, start, start.point.z)];
+            Step {
+                heel_off,
+                roll_duration,
+                lift_off,
+                touch_down,
+                stance_duration,
+                start,
+                start_pitch,
+                scale,
+                goals,
+                is_placed: false,
+            }
         };
-        let is_lifted = if until_slot == 0 {
+        let is_lifted = if instants_to_lift_off == 0 {
             is_moving || is_displaced
         } else {
-            is_moving && self.is_out_of_reach_soon(inputs, number, present, soon)
+            is_moving && self.is_out_of_reach_soon(inputs, leg_index, body, soon)
         };
         if is_lifted {
             let mut step = step(at, at, clock.period_at(index));
-            let goal = self.goal(inputs, present, number, clock, step.touch_down);
-            step.goals = vec![(at, goal, apex(inputs, at, number, &from, &goal))];
-            self.feet[number].push_back(step);
-        } else if level > 0.0 && until_slot == gait.rolling() && from_pitch == 0.0 {
-            let slot = index + until_slot;
-            let step = step(at, clock.instant(slot), clock.period_at(slot));
-            self.feet[number].push_back(step);
+            let goal = self.goal(inputs, body, leg_index, clock, step.touch_down);
+            step.goals = vec![(at, goal, apex_height(inputs, at, leg_index, &start, &goal))];
+            self.feet[leg_index].push_back(step);
+        } else if scale > 0.0 && instants_to_lift_off == gait.roll_off_instants() && start_pitch == 0.0 {
+            let lift_off = index + instants_to_lift_off;
+            let step = step(at, clock.instant(lift_off), clock.period_at(lift_off));
+            self.feet[leg_index].push_back(step);
             return false;
         }
         !is_lifted && !is_displaced
     }
 
-    /// Scale of the natural curves for a leg: its forward speed divided by the speed in the source.
-    fn level(&self, inputs: &DecisionInputs, present: &BodyState, gait: &Gait, number: usize) -> f64 {
-        let Some(natural) = inputs.natural[number].as_ref().filter(|_| gait.is_natural) else { return 0.0 };
-        let Twist { vx, omega, .. } = present.twist;
-        let speed = vx - omega * inputs.legs.legs[number].hip.y;
-        (speed * gait.period.seconds() / natural.stride).clamp(0.0, MAX_LEVEL)
+    /// Scale of the natural joint angles for a leg: the forward speed of its hip divided by the natural speed of the
+    /// gait.
+    fn scale(&self, inputs: &DecisionInputs, body: &BodyState, gait: &Gait, leg_index: usize) -> f64 {
+        let Some(natural) = inputs.natural[leg_index].as_ref().filter(|_| gait.is_natural) else { return 0.0 };
+        let Twist { vx, omega, .. } = body.twist;
+        let speed = vx - omega * inputs.legs.legs[leg_index].hip.y;
+        (speed * gait.period.seconds() / natural.stride).clamp(0.0, MAX_SCALE)
     }
 
-    /// Adapts the bob of the body (its natural rise and fall) to the speed.
-    fn follow_speed(&mut self, inputs: &DecisionInputs, present: &BodyState) {
-        let Some((clock, level)) = self.clocks.last() else { return };
+    /// Adapts the scale of the body's bob, its rise and fall during a stride, to the speed.
+    fn adapt_bob(&mut self, inputs: &DecisionInputs, body: &BodyState) {
+        let Some((clock, scale)) = self.clocks.last() else { return };
         let gait = &inputs.legs.gaits[clock.gait];
         let count = inputs.legs.legs.len();
-        let goal = (0..count).map(|leg| self.level(inputs, present, gait, leg)).sum::<f64>() / count as f64;
+        let goal = (0..count).map(|leg| self.scale(inputs, body, gait, leg)).sum::<f64>() / count as f64;
         let span = Time(gait.period.0 / 2);
-        if (goal - level.goal()).abs() > SAME_LEVEL || goal == 0.0 && level.goal() != 0.0 {
-            self.clocks.last_mut().expect("it walks").1.aim(present.at, span, goal);
+        if (goal - scale.goal()).abs() > MIN_SCALE_CHANGE || goal == 0.0 && scale.goal() != 0.0 {
+            self.clocks.last_mut().expect("the robot walks").1.move_to(body.at, span, goal);
         }
     }
 
-    /// Returns true if a standing foot reaches the limit of its leg's reach or turn within `soon` seconds.
-    fn is_out_of_reach_soon(&self, inputs: &DecisionInputs, number: usize, present: &BodyState, soon: f64) -> bool {
-        let leg = &inputs.legs.legs[number];
-        let foot = step_at(&self.feet[number], present.at).foot(present.at, leg, None);
-        let lowest = self.base(present.at, inputs.legs) + LOWEST_HIP * leg.hip.z;
-        let state = |pose: &Pose| {
+    /// Returns true if a standing foot reaches the limit of its leg's reach or of its yaw within `soon` seconds.
+    fn is_out_of_reach_soon(&self, inputs: &DecisionInputs, leg_index: usize, body: &BodyState, soon: f64) -> bool {
+        let leg = &inputs.legs.legs[leg_index];
+        let foot = step_at(&self.feet[leg_index], body.at).foot(body.at, leg, None);
+        let min_height = self.foothold_height(body.at, inputs.legs) + MIN_HIP_HEIGHT * leg.hip.z;
+        let hip_limit_and_yaw = |pose: &Pose| {
             let (to_point, yaw) = hip_to_point(leg, &foot, pose, 0.0);
             let (sin, cos) = math::sin_cos(-yaw);
             let offset = DVec2::new(cos, sin).rotate(to_point.truncate());
             (foot.point.z + leg.max_hip_height(offset, foot.sole).unwrap_or(f64::NEG_INFINITY), yaw.abs())
         };
-        let (now, yaw_now) = state(&present.pose);
-        let (then, yaw_then) = state(&present.pose.moved(present.twist.scaled(soon)));
-        then < lowest && then <= now || yaw_then > MAX_TWISTED && yaw_then > yaw_now
+        let (now, yaw_now) = hip_limit_and_yaw(&body.pose);
+        let (later, yaw_later) = hip_limit_and_yaw(&body.pose.moved(body.twist.scaled(soon)));
+        later < min_height && later <= now || yaw_later > MAX_FOOT_YAW && yaw_later > yaw_now
     }
 
-    /// Goal of a foot: its position under the body in the middle of its stance, extrapolated with the present twist.
+    /// Goal of a foot: its neutral position at the middle of its next stance phase, extrapolated with the present
+    /// twist.
     fn goal(
         &self,
         inputs: &DecisionInputs,
-        present: &BodyState,
-        number: usize,
+        body: &BodyState,
+        leg_index: usize,
         clock: &Clock,
         touch_down: Time,
     ) -> Foothold {
-        let leg = &inputs.legs.legs[number];
-        let (shift, _) = orders_at(inputs.orders, present.at).corrections[number];
+        let leg = &inputs.legs.legs[leg_index];
+        let (shift, _) = settings_at(inputs.settings, body.at).corrections[leg_index];
         let gait = &inputs.legs.gaits[clock.gait];
-        let slot = gait.slot(number);
-        // In a natural gait, the middle of the stance is not under the hip.
-        let ahead = inputs.natural[number].as_ref().map_or(0.0, |natural| natural.ahead);
-        let shift = shift + DVec2::new(ahead * self.level(inputs, present, gait, number), 0.0);
-        let seconds = (touch_down - present.at).seconds();
-        let stands = (clock.next_slot(touch_down, slot) - touch_down).seconds();
-        let then = |seconds| present.pose.moved(present.twist.scaled(seconds));
-        let (at_touch_down, at_middle) = (then(seconds), then(seconds + 0.5 * stands));
+        let lift_off_index = gait.lift_off_index(leg_index);
+        // In a natural gait, the foothold is not under the hip at the middle of the stance phase.
+        let offset = inputs.natural[leg_index].as_ref().map_or(0.0, |natural| natural.foothold_offset);
+        let shift = shift + DVec2::new(offset * self.scale(inputs, body, gait, leg_index), 0.0);
+        let until_touch_down = (touch_down - body.at).seconds();
+        let stance_duration = (clock.next_lift_off(touch_down, lift_off_index) - touch_down).seconds();
+        let pose_after = |seconds| body.pose.moved(body.twist.scaled(seconds));
+        let (at_touch_down, at_middle) =
+            (pose_after(until_touch_down), pose_after(until_touch_down + 0.5 * stance_duration));
         let hip = leg.hip.truncate();
-        let nearest = at_touch_down.transform_point(hip);
-        let excursion = at_middle.transform_point(hip + shift) - nearest;
+        let neutral = at_touch_down.transform_point(hip);
+        let excursion = at_middle.transform_point(hip + shift) - neutral;
         let excursion = excursion.clamp_length_max(inputs.legs.excursion());
-        let base = self.base(present.at, inputs.legs);
-        let tallest = TALLEST_STEP * leg.hip.z;
+        let foothold_height = self.foothold_height(body.at, inputs.legs);
+        let max_step = MAX_STEP * leg.hip.z;
         let heading = at_middle.heading.remainder();
-        // Moves towards the body until the step is neither too high nor too deep.
-        for tried in 0..=TRIED_PLACES {
-            let hip = nearest + excursion * (1.0 - f64::from(tried) / f64::from(TRIED_PLACES));
-            let height = inputs.ground.height(hip);
-            if (height - base).abs() <= tallest {
-                return Foothold { point: hip.extend(height), heading };
+        // Moves the goal towards the body until the step is neither too high nor too deep.
+        for index in 0..=TRIED_POSITIONS {
+            let position = neutral + excursion * (1.0 - f64::from(index) / f64::from(TRIED_POSITIONS));
+            let height = inputs.ground.height(position);
+            if (height - foothold_height).abs() <= max_step {
+                return Foothold { point: position.extend(height), heading };
             }
         }
-        let hip = nearest + excursion;
-        let height = inputs.ground.height(hip).clamp(base - tallest, base + tallest);
-        Foothold { point: hip.extend(height), heading }
+        let position = neutral + excursion;
+        let height = inputs.ground.height(position).clamp(foothold_height - max_step, foothold_height + max_step);
+        Foothold { point: position.extend(height), heading }
     }
 
     /// Mean height of the footholds at `at`.
-    fn base(&self, at: Time, legs: &Legs) -> f64 {
+    fn foothold_height(&self, at: Time, legs: &Legs) -> f64 {
         let heights = self.feet.iter().zip(&legs.legs).filter(|(_, leg)| leg.wheel.is_none());
-        let (sum, count) =
-            heights.fold((0.0, 0.0), |(sum, count), (steps, _)| (sum + step_at(steps, at).base(at), count + 1.0));
+        let (sum, count) = heights
+            .fold((0.0, 0.0), |(sum, count), (steps, _)| (sum + step_at(steps, at).foothold_height(at), count + 1.0));
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
-    /// Contribution of natural walking to the height of the body at `at`.
+    /// Bob of the body at `at`: contribution of natural walking to its height, m.
     fn bob(&self, legs: &Legs, natural: &[Option<NaturalGait>], at: Time) -> f64 {
         let Some((leg, Some(natural))) = legs.legs.first().zip(natural.first()) else { return 0.0 };
-        let of_clock = |(clock, level): &(Clock, SmoothValue)| {
-            let level = level.at(at);
-            if clock.opened > at || level == 0.0 {
+        let contribution = |(clock, scale): &(Clock, SmoothValue)| {
+            let scale = scale.at(at);
+            if clock.valid_from > at || scale == 0.0 {
                 return 0.0;
             }
             let gait = &legs.gaits[clock.gait];
             // Phase since heel strike of the first leg.
-            let phase = clock.cycles(at) - gait.slot(0) as f64 / GRID as f64 + gait.duty;
-            level * (natural.height(phase) - leg.hip.z)
+            let phase = clock.cycles(at) - gait.lift_off_index(0) as f64 / GRID as f64 + gait.duty;
+            scale * (natural.height(phase) - leg.hip.z)
         };
-        self.clocks.iter().map(of_clock).sum()
+        self.clocks.iter().map(contribution).sum()
     }
 
+    /// The footfalls from `since` up to but not including `until`.
     fn footfalls(&self, since: Time, until: Time) -> Vec<Footfall> {
         let mut footfalls = Vec::new();
         for (leg, steps) in self.feet.iter().enumerate() {
-            let fallen = |step: &&Step| !step.is_placed && step.touch_down >= since && step.touch_down < until;
+            let is_footfall = |step: &&Step| !step.is_placed && step.touch_down >= since && step.touch_down < until;
             let footfall = |step: &Step| Footfall { time: step.touch_down, leg, point: step.standing().point };
-            footfalls.extend(steps.iter().filter(fallen).map(footfall));
+            footfalls.extend(steps.iter().filter(is_footfall).map(footfall));
         }
         footfalls.sort_by_key(|footfall| (footfall.time, footfall.leg));
         footfalls
     }
 
-    /// Drops the history before `past`.
+    /// Drops the steps and clocks that are not needed after `past`.
     fn forget(&mut self, past: Time) {
         for steps in &mut self.feet {
-            while steps.len() > REMEMBERED || steps.len() > 1 && steps[1].heel_off <= past {
+            while steps.len() > MAX_KEPT_STEPS || steps.len() > 1 && steps[1].heel_off <= past {
                 steps.pop_front();
             }
         }
-        self.clocks.iter_mut().for_each(|(_, level)| level.forget(past));
+        self.clocks.iter_mut().for_each(|(_, scale)| scale.forget(past));
         let last = self.clocks.len().saturating_sub(1);
         let mut index = 0;
-        self.clocks.retain(|(_, level)| {
+        self.clocks.retain(|(_, scale)| {
             index += 1;
-            index > last || level.goal() != 0.0 || !level.is_still(past)
+            index > last || scale.goal() != 0.0 || !scale.is_constant_from(past)
         });
     }
 
     fn stance(&self, legs: &Legs, natural: &[Option<NaturalGait>], ground: &Ground, at: Time, pose: &Pose) -> Stance {
-        let rolling = |leg: &Leg| {
+        let wheel_contact = |leg: &Leg| {
             let hip = pose.transform_point(leg.hip.truncate());
             let point = hip.extend(ground.height(hip));
             FootState { point, sole: Sole::default(), heading: pose.heading.remainder(), is_down: true }
         };
         let foot = |((leg, steps), natural): ((&Leg, &VecDeque<Step>), &Option<NaturalGait>)| match leg.wheel {
-            Some(_) => rolling(leg),
+            Some(_) => wheel_contact(leg),
             None => step_at(steps, at).foot(at, leg, natural.as_ref()),
         };
         let feet: Vec<FootState> = legs.legs.iter().zip(&self.feet).zip(natural).map(foot).collect();
-        let mut lift = self.base(at, legs) + self.bob(legs, natural, at);
-        let free = lift;
+        let mut lift = self.foothold_height(at, legs) + self.bob(legs, natural, at);
+        let free_lift = lift;
         for ((leg, foot), steps) in legs.legs.iter().zip(&feet).zip(&self.feet) {
             let (to_point, yaw) = hip_to_point(leg, foot, pose, 0.0);
             let (sin, cos) = math::sin_cos(-yaw);
             let offset = DVec2::new(cos, sin).rotate(to_point.truncate());
             let max_lift = foot.point.z + leg.max_hip_height(offset, foot.sole).unwrap_or(0.0) - leg.hip.z;
             // A foot in the air limits the body only near lift-off and touch-down.
-            let weight = if foot.is_down { 1.0 } else { step_at(steps, at).nearness(at) };
-            lift = lift.min(free + (max_lift - free).min(0.0) * weight);
+            let weight = if foot.is_down { 1.0 } else { step_at(steps, at).ground_proximity(at) };
+            lift = lift.min(free_lift + (max_lift - free_lift).min(0.0) * weight);
         }
         let joints_of = |(leg, foot): (&Leg, &FootState)| {
             let (to_point, yaw) = hip_to_point(leg, foot, pose, lift);
@@ -636,36 +658,41 @@ impl Step {
         self.goals.last().expect("a step has a goal").1
     }
 
-    fn turn_to(&mut self, at: Time, goal: Foothold, apex: f64) {
+    /// Changes the goal and the apex height from `at` on, if the change is not too small.
+    fn change_goal(&mut self, at: Time, goal: Foothold, apex: f64) {
         let (_, last, last_apex) = self.goals.last().expect("a step has a goal");
         let turn = Heading::default().turned(goal.heading - last.heading).remainder().abs();
-        if (goal.point - last.point).length() > SAME_GOAL || turn > SAME_GOAL || (apex - last_apex).abs() > SAME_GOAL {
+        if (goal.point - last.point).length() > MIN_GOAL_CHANGE
+            || turn > MIN_GOAL_CHANGE
+            || (apex - last_apex).abs() > MIN_GOAL_CHANGE
+        {
             self.goals.push((at, goal, apex));
         }
     }
 
-    /// Goal and clearance height at `at`, blended from each to the next.
+    /// Goal and apex height at `at`; a smooth transition leads from each goal to the next.
     fn goal_at(&self, at: Time) -> (Foothold, f64) {
         let (_, mut goal, mut apex) = self.goals[0];
         for pair in self.goals.windows(2) {
-            let [(_, before, low), (since, after, high)] = [pair[0], pair[1]];
+            let [(_, goal_before, apex_before), (since, goal_after, apex_after)] = [pair[0], pair[1]];
             let part = smooth(elapsed_fraction(at, since, self.touch_down - since));
-            goal.point += (after.point - before.point) * part;
-            goal.heading += Heading::default().turned(after.heading - before.heading).remainder() * part;
-            apex += (high - low) * part;
+            goal.point += (goal_after.point - goal_before.point) * part;
+            goal.heading += Heading::default().turned(goal_after.heading - goal_before.heading).remainder() * part;
+            apex += (apex_after - apex_before) * part;
         }
         (goal, apex)
     }
 
-    /// Contribution of the foot to the mean height of the footholds.
-    fn base(&self, at: Time) -> f64 {
+    /// Contribution of the foot to the mean height of the footholds: the height of its foothold, m, with a smooth
+    /// transition during the swing.
+    fn foothold_height(&self, at: Time) -> f64 {
         let part = smooth(elapsed_fraction(at, self.lift_off, self.touch_down - self.lift_off));
         let (goal, _) = self.goal_at(at);
-        self.from.point.z + (goal.point.z - self.from.point.z) * part
+        self.start.point.z + (goal.point.z - self.start.point.z) * part
     }
 
-    /// Closeness in time to the ground contact: 1 at lift-off and touch-down, 0 in mid-swing.
-    fn nearness(&self, at: Time) -> f64 {
+    /// Measure of how near in time a lift-off or touch-down is: 1 at these instants, 0 in mid-swing.
+    fn ground_proximity(&self, at: Time) -> f64 {
         let part = elapsed_fraction(at, self.lift_off, self.touch_down - self.lift_off);
         1.0 - smooth(4.0 * part) + smooth(4.0 * part - 3.0)
     }
@@ -673,99 +700,99 @@ impl Step {
     /// The foothold nearest to `goal` that is at most `max_shift` metres from the last goal.
     fn limited_goal(&self, goal: Foothold, max_shift: f64, ground: &Ground) -> Foothold {
         let last = self.standing();
-        let turn = (goal.point - last.point).truncate();
-        if turn.length() <= max_shift {
+        let shift = (goal.point - last.point).truncate();
+        if shift.length() <= max_shift {
             return goal;
         }
-        let foot = last.point.truncate() + turn.clamp_length_max(max_shift);
-        let tallest = (last.point.z - goal.point.z).abs();
-        let height = ground.height(foot).clamp(last.point.z - tallest, last.point.z + tallest);
+        let foot = last.point.truncate() + shift.clamp_length_max(max_shift);
+        let max_step = (last.point.z - goal.point.z).abs();
+        let height = ground.height(foot).clamp(last.point.z - max_step, last.point.z + max_step);
         Foothold { point: foot.extend(height), heading: goal.heading }
     }
 
     /// Pitch of the foot at `at`, toes up, rad.
     fn pitch(&self, at: Time, leg: &Leg) -> f64 {
-        if leg.foot.is_none() || self.level == 0.0 && self.from_pitch == 0.0 {
+        if leg.foot.is_none() || self.scale == 0.0 && self.start_pitch == 0.0 {
             return 0.0;
         }
         if at >= self.touch_down {
-            let stood = elapsed_fraction(at, self.touch_down, self.stand);
-            return if stood * TOE_OFF < HEEL_OFF { self.level * natural_pitch(stood * TOE_OFF) } else { 0.0 };
+            let stance_phase = TOE_OFF * elapsed_fraction(at, self.touch_down, self.stance_duration);
+            return if stance_phase < HEEL_OFF { self.scale * natural_pitch(stance_phase) } else { 0.0 };
         }
         if at < self.lift_off {
-            return self.rolled(at);
+            return self.roll_off_pitch(at);
         }
-        let natural = |part: f64| self.level * natural_pitch(TOE_OFF + (1.0 - TOE_OFF) * part);
+        let natural = |part: f64| self.scale * natural_pitch(TOE_OFF + (1.0 - TOE_OFF) * part);
         let part = elapsed_fraction(at, self.lift_off, self.touch_down - self.lift_off);
         natural(part) + (self.pitch_at_lift_off() - natural(0.0)) * (1.0 - smooth(2.0 * part))
     }
 
     /// Pitch of a foot during roll-off, rad.
-    fn rolled(&self, at: Time) -> f64 {
-        let part = elapsed_fraction(at, self.heel_off, self.roll);
-        self.level * natural_pitch(HEEL_OFF + (TOE_OFF - HEEL_OFF) * part)
+    fn roll_off_pitch(&self, at: Time) -> f64 {
+        let part = elapsed_fraction(at, self.heel_off, self.roll_duration);
+        self.scale * natural_pitch(HEEL_OFF + (TOE_OFF - HEEL_OFF) * part)
     }
 
     fn pitch_at_lift_off(&self) -> f64 {
-        if self.heel_off < self.lift_off { self.rolled(self.lift_off) } else { self.from_pitch }
+        if self.heel_off < self.lift_off { self.roll_off_pitch(self.lift_off) } else { self.start_pitch }
     }
 
     fn foot(&self, at: Time, leg: &Leg, natural: Option<&NaturalGait>) -> FootState {
         let pitch = self.pitch(at, leg);
         let shape = leg.foot.unwrap_or(Foot { heel: 0.0, toe: 0.0, height: 0.0 });
-        // Contact with heel, toe or the whole sole.
-        let end = |pitch: f64| match pitch {
+        // The contact is at the heel, at the toe or at the whole sole.
+        let contact_from_ankle = |pitch: f64| match pitch {
             up if up > 0.0 => -shape.heel,
             down if down < 0.0 => shape.toe,
             _ => 0.0,
         };
         let standing = |foothold: Foothold| {
-            let sole = Sole { ahead: end(pitch), pitch };
-            FootState { point: foothold.ahead(sole.ahead), sole, heading: foothold.heading, is_down: true }
+            let sole = Sole { from_ankle: contact_from_ankle(pitch), pitch };
+            FootState { point: foothold.sole_point(sole.from_ankle), sole, heading: foothold.heading, is_down: true }
         };
         if at >= self.touch_down {
             return standing(self.standing());
         }
         if at < self.lift_off {
-            return standing(self.from);
+            return standing(self.start);
         }
         let (goal, apex) = self.goal_at(at);
         let part = elapsed_fraction(at, self.lift_off, self.touch_down - self.lift_off);
         // The toe leaves the ground last, and the heel lands first.
-        let leaving = if self.pitch_at_lift_off() > 0.0 { -shape.heel } else { shape.toe };
-        let ahead = leaving - (leaving + shape.heel) * smooth(part);
-        let (start, target) = (self.from.ahead(leaving), goal.ahead(-shape.heel));
+        let last_contact = if self.pitch_at_lift_off() > 0.0 { -shape.heel } else { shape.toe };
+        let from_ankle = last_contact - (last_contact + shape.heel) * smooth(part);
+        let (start, target) = (self.start.sole_point(last_contact), goal.sole_point(-shape.heel));
         let swing = natural.map_or(DVec2::ZERO, |natural| natural.swing_path(part));
-        let gone = smooth(part) + (swing.x - smooth(part)) * self.level.min(1.0);
-        let foot = start.truncate().lerp(target.truncate(), gone);
-        let end = if part < 0.5 { start.z } else { target.z };
-        let height = end + (apex - end) * smooth(2.5 * part.min(1.0 - part)) + self.level * swing.y;
+        let covered = smooth(part) + (swing.x - smooth(part)) * self.scale.min(1.0);
+        let foot = start.truncate().lerp(target.truncate(), covered);
+        let end_height = if part < 0.5 { start.z } else { target.z };
+        let height = end_height + (apex - end_height) * smooth(2.5 * part.min(1.0 - part)) + self.scale * swing.y;
         // Heel and toe stay above the line between the footholds.
         let sin = math::sin(pitch);
-        let deepest = ((-shape.heel - ahead) * sin).min((shape.toe - ahead) * sin);
-        let height = height.max(start.z + (target.z - start.z) * smooth(part) - deepest);
-        let turn = Heading::default().turned(goal.heading - self.from.heading).remainder();
+        let lowest_sole_point = ((-shape.heel - from_ankle) * sin).min((shape.toe - from_ankle) * sin);
+        let height = height.max(start.z + (target.z - start.z) * smooth(part) - lowest_sole_point);
+        let turn = Heading::default().turned(goal.heading - self.start.heading).remainder();
         FootState {
             point: foot.extend(height),
-            sole: Sole { ahead, pitch },
-            heading: self.from.heading + turn * smooth(part),
+            sole: Sole { from_ankle, pitch },
+            heading: self.start.heading + turn * smooth(part),
             is_down: false,
         }
     }
 }
 
 impl Foothold {
-    /// The ground point below the position `ahead` of the ankle on a level sole.
-    fn ahead(&self, ahead: f64) -> DVec3 {
+    /// The point under a scale sole that is `from_ankle` m in front of the ankle.
+    fn sole_point(&self, from_ankle: f64) -> DVec3 {
         let (sin, cos) = math::sin_cos(self.heading);
-        self.point + DVec3::new(cos, sin, 0.0) * ahead
+        self.point + DVec3::new(cos, sin, 0.0) * from_ankle
     }
 }
 
-/// The step in force at `at`.
+/// The step that contains `at`.
 fn step_at(steps: &VecDeque<Step>, at: Time) -> &Step {
     let current = steps.iter().rev().find(|step| step.heel_off <= at).or(steps.front());
-    current.expect("a foot stands somewhere")
+    current.expect("a foot has a step")
 }
 
 /// State of the robot just before `at`.
@@ -775,21 +802,21 @@ fn state_before(pieces: &[MotionPiece], at: Time) -> BodyState {
     BodyState { at, pose: piece.pose(at), twist: piece.twist(at - Time(1)) }
 }
 
-/// Clearance height of a swing: highest ground between the footholds, plus step height and lift.
-fn apex(inputs: &DecisionInputs, at: Time, leg: usize, from: &Foothold, goal: &Foothold) -> f64 {
-    let orders = orders_at(inputs.orders, at);
-    let between = |index: i32| {
-        let part = f64::from(index) / f64::from(ASKED_PLACES);
-        inputs.ground.height(from.point.truncate().lerp(goal.point.truncate(), part))
+/// Apex height of a swing, m: highest ground between the footholds, plus step height and additional lift.
+fn apex_height(inputs: &DecisionInputs, at: Time, leg: usize, start: &Foothold, goal: &Foothold) -> f64 {
+    let settings = settings_at(inputs.settings, at);
+    let ground_between = |index: i32| {
+        let part = f64::from(index) / f64::from(GROUND_INTERVALS);
+        inputs.ground.height(start.point.truncate().lerp(goal.point.truncate(), part))
     };
-    let (_, lift) = orders.corrections[leg];
-    let highest = (1..ASKED_PLACES).map(between).fold(from.point.z.max(goal.point.z), f64::max);
-    // A foot passes through ground that is higher than the leg can step over.
-    let max_height = from.point.z.max(goal.point.z) + TALLEST_STEP * inputs.legs.legs[leg].hip.z;
-    highest.min(max_height) + orders.step_height + lift
+    let (_, lift) = settings.corrections[leg];
+    let highest = (1..GROUND_INTERVALS).map(ground_between).fold(start.point.z.max(goal.point.z), f64::max);
+    // If the ground between is higher than the leg can step over, the foot passes through it.
+    let max_height = start.point.z.max(goal.point.z) + MAX_STEP * inputs.legs.legs[leg].hip.z;
+    highest.min(max_height) + settings.step_height + lift
 }
 
-/// Returns true if a foot deviates from its neutral position by more than a tolerance, m and rad.
+/// Returns true if a foot deviates from its neutral position by more than `tolerance`, m and rad.
 fn is_away(foothold: &Foothold, leg: &Leg, pose: &Pose, tolerance: f64) -> bool {
     let hip = pose.transform_point(leg.hip.truncate());
     (foothold.point.truncate() - hip).length() > tolerance || foot_yaw(foothold, pose).abs() > tolerance

@@ -10,12 +10,12 @@ use crate::{
 };
 
 impl Motion {
-    /// Returns true if the height of the robot's frame above the floor can change.
-    pub fn has_height(&self) -> bool {
+    /// Returns true if the height of the robot's frame above the floor can change: for legs and hulls.
+    pub fn has_variable_height(&self) -> bool {
         self.walk.is_some() || self.vehicle.hull.is_some()
     }
 
-    /// This motion, not yet commanded, of a robot that walks on `ground` with `legs`.
+    /// This motion, not yet commanded, for a robot that walks on `ground` with `legs`.
     pub fn with_legs(mut self, legs: Arc<Legs>, ground: Arc<Ground>) -> Self {
         self.walk = Some(Box::new(Walk::new(legs, ground)));
         self
@@ -31,9 +31,9 @@ impl Motion {
         self.walk.as_ref().map(|walk| walk.ground())
     }
 
-    /// The gait in force at `at`, counted from 0; 0 without legs.
+    /// Index of the gait in force at `at`; 0 without legs.
     pub fn gait(&self, at: Time) -> usize {
-        self.walk.as_ref().map_or(0, |walk| walk.orders_at(at).gait)
+        self.walk.as_ref().map_or(0, |walk| walk.settings_at(at).gait)
     }
 
     /// Obeys a leg command at `at`, which must not precede the last leg command.
@@ -45,11 +45,12 @@ impl Motion {
         walk.command(at, command)
     }
 
-    /// Feet, joints and height of the body at `at`; for a robot without legs empty, with the height of a hull in the water, otherwise 0.
+    /// Feet, joints and height of the robot's frame at `at`. A robot without legs has no feet and joints; its height is
+    /// 0, except for a hull in the water.
     pub fn stance(&mut self, at: Time) -> Stance {
         let Some(mut walk) = self.walk.take() else {
-            let is_afloat = self.hull().is_some();
-            return Stance { lift: if is_afloat { self.stage_at(at).lift(at) } else { 0.0 }, ..Stance::default() };
+            let is_hull = self.hull().is_some();
+            return Stance { lift: if is_hull { self.stage_at(at).hull_height(at) } else { 0.0 }, ..Stance::default() };
         };
         let world_from_robot = self.pose(at);
         let stance = walk.stance(self, at, &world_from_robot);
@@ -57,18 +58,21 @@ impl Motion {
         stance
     }
 
-    /// Height of the robot's frame above the plane z = 0 at `at`, m; 0 without legs and on dry land.
+    /// Height of the robot's frame above the plane z = 0 at `at`, m; 0 for robots without legs that are not in the
+    /// water.
     pub fn lift(&mut self, at: Time) -> f64 {
-        if self.has_height() { self.stance(at).lift } else { 0.0 }
+        if self.has_variable_height() { self.stance(at).lift } else { 0.0 }
     }
 
-    /// Depth of the top of a hull under the surface of the water at `at`, m: 0 for one that floats; `None` on dry land.
+    /// Depth of the top of a hull under the surface of the water at `at`, m: 0 for a hull at the surface; `None` for
+    /// robots that are not in the water.
     pub fn depth(&mut self, at: Time) -> Option<f64> {
         let ceiling = self.hull()?.ceiling;
         Some(ceiling - self.lift(at))
     }
 
-    /// The footfalls before `until` that no earlier call has returned, in the order of time, then of legs.
+    /// The footfalls before `until` that no earlier call has returned, in the order of time, footfalls at the same time
+    /// in the order of the legs.
     pub fn take_footfalls(&mut self, until: Time) -> Vec<Footfall> {
         let Some(mut walk) = self.walk.take() else { return Vec::new() };
         let footfalls = walk.take_footfalls(self, until);

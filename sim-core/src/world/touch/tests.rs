@@ -49,23 +49,23 @@ fn things(world: &World, capsule: &Capsule) -> Vec<Thing> {
 }
 
 #[test]
-fn walls_are_touched_up_to_their_heights() {
+fn capsule_touches_walls_up_to_their_heights() {
     let upright = |y: f64, z: f64| capsule_contacts([[1.0, y, z], [1.0, y, z + 0.5]], 0.05);
     assert_eq!(upright(0.951, 0.1), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(0.949, 0.1), []);
     assert_eq!(upright(1.0, 0.349), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(1.0, 0.351), []);
-    // Over the edge at 45 degrees.
+    // Beyond the upper edge, at 45 degrees.
     let offset = 0.05 * std::f64::consts::FRAC_1_SQRT_2;
     assert_eq!(upright(1.0 - offset + 1e-6, 0.3 + offset), [Thing::Wall(WallId(0))]);
     assert_eq!(upright(1.0 - offset - 1e-6, 0.3 + offset), []);
-    // Through the wall, and through a wall of unlimited height far up.
+    // Through the wall, and far up through a wall of unlimited height.
     assert_eq!(capsule_contacts([[1.0, 0.5, 0.2], [1.0, 1.5, 0.2]], 0.01), [Thing::Wall(WallId(0))]);
     assert_eq!(capsule_contacts([[2.5, 1.0, 50.0], [3.5, 1.0, 50.0]], 1e-6), [Thing::Wall(WallId(1))]);
 }
 
 #[test]
-fn bodies_are_touched_as_brute_force_finds() {
+fn capsule_contacts_match_brute_force() {
     let world = world();
     let mut stream = Stream::new(4, RobotId(0), Purpose::Terrain, 95, 0);
     let (mut touching, mut free) = (0, 0);
@@ -100,7 +100,7 @@ fn bodies_are_touched_as_brute_force_finds() {
 }
 
 #[test]
-fn the_ground_is_not_among_what_is_touched() {
+fn capsule_contacts_exclude_the_ground() {
     let slab = Arc::new(Figure { solids: vec![prism()], surface: Surface::default() });
     let pose = Pose::new(-2.0, -2.0, 0.3);
     let space = |floor| Space { floor, fixed: vec![(pose, Arc::clone(&slab))], ..Space::default() };
@@ -132,7 +132,7 @@ fn model(kind: DriveKind) -> Model {
     }
 }
 
-/// A robot of two legs without feet, 0.44 m each part, whose hips are 0.8 m high; it looks along x.
+/// A robot with two legs without feet; thighs and shanks are 0.44 m long, the hips 0.8 m high. Its heading is along x.
 fn walker(position: DVec2, ground: Ground) -> Motion {
     let leg = |name: &str, y: f64| Leg {
         name: name.to_owned(),
@@ -169,21 +169,22 @@ fn block(from: [f64; 2], to: [f64; 2], height: f64) -> Ground {
 }
 
 #[test]
-fn legs_that_stand_on_the_floor_touch_nothing() {
+fn standing_legs_have_no_contacts() {
     let standing = leg_clearance([8.0, -8.0], Ground::Flat);
     assert_eq!(standing.contacts, []);
-    // The shanks count down to 90 mm above their tips, are 30 mm thick, and are nearly upright.
+    // The shanks are tested down to 90 mm above their tips, have a radius of 30 mm, and are nearly upright.
     assert!((0.05..=0.06).contains(&standing.clearance), "{standing:?}");
     let mut gliding = Motion::new(RobotId(1), Arc::new(model(DriveKind::Differential)), walls(), Pose::default());
     assert_eq!(world().leg_clearance(&mut gliding, Time::ZERO, 0.5), None);
 }
 
 #[test]
-fn parts_touch_the_ground_and_what_stands_on_it() {
+fn leg_parts_touch_ground_and_obstacles() {
     let parts = |position, ground| -> Vec<(BodyPart, Thing)> {
         leg_clearance(position, ground).contacts.iter().map(|touch| (touch.part, touch.thing)).collect()
     };
-    // The knees lie ahead of the hips, by less than 0.2 m. A block 0.3 m high is between knees and shanks of the left leg.
+    // The knees lie ahead of the hips, by less than 0.2 m. A block 0.3 m high is between knees and shanks of the left
+    // leg.
     let beside = |from: f64, to: f64, height| block([8.0 + from, -7.85], [8.0 + to, -7.75], height);
     assert_eq!(parts([8.0, -8.0], beside(0.25, 0.4, 0.6)), []);
     assert_eq!(parts([8.0, -8.0], beside(0.11, 0.4, 0.3)), [(BodyPart::Shank(0), Thing::Floor)]);
