@@ -94,16 +94,16 @@ impl Watch {
                 let (robots, corners) = (robots_of(robots, scene), corners_of(area.as_deref(), scene));
                 Self::Coverage(Coverage::new(robots, 0.5 * width, &corners, *cell, *share, seconds(*by)))
             }
-            CheckKind::Swarm { robots, of, min, max, since, at_end } => {
+            CheckKind::Swarm { robots, metric, min, max, since, at_end } => {
                 let robots = robots_of(robots, scene);
-                let coverage = match of {
+                let coverage = match metric {
                     SwarmMetric::Coverage { width, area, cell } => {
                         let corners = corners_of(area.as_deref(), scene);
                         Some(Coverage::new(robots.clone(), 0.5 * width, &corners, *cell, 1.0, f64::INFINITY))
                     }
                     _ => None,
                 };
-                let (of, since, series) = (of.clone(), *since, Vec::new());
+                let (of, since, series) = (metric.clone(), *since, Vec::new());
                 let (min, max, at_end) = (*min, *max, *at_end);
                 Self::Swarm(Swarm { robots, of, min, max, since, at_end, coverage, violated: None, series })
             }

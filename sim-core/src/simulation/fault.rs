@@ -35,7 +35,7 @@ impl Faults {
             };
             for at in instants(fault, seed, until.seconds()) {
                 put(at, true);
-                fault.lasts.into_iter().for_each(|lasts| put(at + lasts, false));
+                fault.duration.into_iter().for_each(|duration| put(at + duration, false));
             }
         }
         actions.sort_by_key(|(at, _)| *at);
@@ -56,7 +56,7 @@ impl Faults {
 /// Instants at which `fault` begins, s.
 fn instants(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
     let mut stream = Stream::new(seed, RobotId(0), Purpose::Fault, 0, name_key(fault.title()));
-    match fault.when {
+    match fault.time {
         FaultTime::Once { at, probability } => {
             if stream.unit() < probability {
                 vec![at]
@@ -73,8 +73,8 @@ fn instants(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
                     break;
                 }
                 instants.push(at);
-                match fault.lasts {
-                    Some(lasts) => at += lasts,
+                match fault.duration {
+                    Some(duration) => at += duration,
                     None => break,
                 }
             }
@@ -111,8 +111,15 @@ fn action(fault: &FaultSpec, noise: &Profile, is_begin: bool) -> Option<Action> 
 mod tests {
     use super::*;
 
-    fn fault(name: &str, when: FaultTime, lasts: Option<f64>) -> FaultSpec {
-        FaultSpec { name: name.into(), robot: RobotId(1), when, lasts, kind: FaultKind::RadioOff, ..Default::default() }
+    fn fault(name: &str, time: FaultTime, duration: Option<f64>) -> FaultSpec {
+        FaultSpec {
+            name: name.into(),
+            robot: RobotId(1),
+            time,
+            duration,
+            kind: FaultKind::RadioOff,
+            ..Default::default()
+        }
     }
 
     fn times(faults: &[FaultSpec], seed: u64) -> Vec<(Time, bool)> {

@@ -137,9 +137,9 @@ fn ground(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Ground {
 fn light(light: &LightSpec) -> Light {
     let LightSpec { azimuth, elevation, ambient, shadows } = *light;
     let (rise, level) = math::sin_cos(elevation);
-    let towards = DVec3::new(level * math::cos(azimuth), level * math::sin(azimuth), rise);
+    let sun_direction = DVec3::new(level * math::cos(azimuth), level * math::sin(azimuth), rise);
     let rest = 1.0 - ambient;
-    Light { towards, ambient, fill: FILL * rest, diffuse: (1.0 - FILL) * rest, shadows }
+    Light { sun_direction, ambient, fill: FILL * rest, diffuse: (1.0 - FILL) * rest, shadows }
 }
 
 fn sky(sky: &SkySpec) -> Sky {
