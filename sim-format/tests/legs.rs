@@ -55,7 +55,7 @@ fn biped() -> Legs {
             period: Time(1_100_000),
             duty: 0.6,
             offsets: vec![0.0, 0.5],
-            has_natural_curve: true,
+            is_natural: true,
         }],
         step_height: 0.03,
         radius: 0.03,
@@ -69,7 +69,7 @@ fn four_legs() -> Legs {
         period: Time(period),
         duty,
         offsets: offsets.to_vec(),
-        has_natural_curve: false,
+        is_natural: false,
     };
     Legs {
         legs: vec![
