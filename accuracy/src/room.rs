@@ -77,7 +77,7 @@ pub fn scenery(light: Light) -> Scenery {
 
 /// Sunlight over the room, with shadows.
 pub fn light() -> Light {
-    Light { towards: DVec3::new(0.36, 0.48, 0.8), ambient: 0.4, fill: 0.0, diffuse: 0.6, shadows: true }
+    Light { sun_direction: DVec3::new(0.36, 0.48, 0.8), ambient: 0.4, fill: 0.0, diffuse: 0.6, shadows: true }
 }
 
 /// `count` views at a robot's height, at least 20 cm away from every box.

@@ -11,7 +11,7 @@ use sim_core::scene::{Material, Mesh, Triangle};
 use sim_core::time::Time;
 
 /// Uniform ambient light.
-const LAMP: Light = Light { towards: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
+const LAMP: Light = Light { sun_direction: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
 const SKY: Sky = Sky { horizon: [128; 3], zenith: [128; 3] };
 
 #[test]
@@ -32,7 +32,7 @@ fn corners_of_a_board_are_found_where_they_are_projected() {
             let mut aside = || random.between(-0.5, 0.5);
             let offset = DVec3::new(aside(), aside(), 1.0).normalize_or_zero();
             let target = DVec3::new(0.1 * aside(), 0.1 * aside(), 0.0);
-            let pose = View::looking(target + distance * offset, target).expect("another place");
+            let pose = View::look_at(target + distance * offset, target).expect("another place");
             let roll = Pose3::about_axis(DVec3::X, 2.0 * aside());
             let view = View::new(pose.then(&roll), lens, [240, 180]).expect("a view");
             let found = crossings(&camera.colour(&posed, &view, None, 12));
@@ -76,7 +76,7 @@ fn an_edge_parts_pixels_where_it_is_projected() {
         for _ in 0..10 {
             let from = 5.0 * random.direction_in_space();
             let roll = Pose3::about_axis(DVec3::X, random.between(-3.0, 3.0));
-            let pose = View::looking(from, random.direction_in_space()).expect("another place").then(&roll);
+            let pose = View::look_at(from, random.direction_in_space()).expect("another place").then(&roll);
             let view = View::new(pose, lens, size).expect("a view");
             let [column, row] = size.map(|side| random.below(side as usize) as u32);
             let pixel = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);

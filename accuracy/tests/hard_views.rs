@@ -178,8 +178,8 @@ fn the_sun_may_stand_anywhere() {
     ];
     for towards in towards.map(|towards| towards.normalize_or(DVec3::Z)) {
         // The room, from inside and from above.
-        let light = Light { towards, ..room::light() };
-        let above = View::looking(DVec3::new(4.0, 3.0, 9.0), DVec3::new(4.0, 4.0, 0.0)).expect("another place");
+        let light = Light { sun_direction: towards, ..room::light() };
+        let above = View::look_at(DVec3::new(4.0, 3.0, 9.0), DVec3::new(4.0, 4.0, 0.0)).expect("another place");
         let mut views = vec![view(above, PINHOLE, [32, 24])];
         let within = room::stands(4).into_iter().zip([PINHOLE, FISHEYE, PINHOLE, FISHEYE]);
         views.extend(within.map(|(stand, lens)| view(stand.pose(), lens, [24, 18])));

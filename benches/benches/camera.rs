@@ -148,7 +148,7 @@ fn write_scene(folder: &Path, mesh: &Mesh) {
     write(folder, "views", views.flat_map(|vector| vector.to_array()));
     write(folder, "fov", [room::FIELD].into_iter());
     let light = room::light();
-    write(folder, "light", light.towards.to_array().into_iter().chain([light.ambient, light.diffuse]));
+    write(folder, "light", light.sun_direction.to_array().into_iter().chain([light.ambient, light.diffuse]));
     for (number, material) in mesh.materials.iter().enumerate() {
         let texture = material.texture.as_ref().expect("all have one");
         let (width, height) = texture.size();

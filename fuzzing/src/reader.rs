@@ -3,7 +3,7 @@
 use eyesim::pack::Pack;
 use glam::DVec3;
 use sim_core::build::MeshSource;
-use sim_core::spec::{ModelSpec, PathRef, RobiSpec, Span, WorldSpec};
+use sim_core::spec::{ModelSpec, RobiSpec, Span, SpannedText, WorldSpec};
 use sim_format::map::read_scenarios;
 use sim_format::suite::{MAX_CASES, SuiteSpec, read_suite};
 use sim_format::{Diagnostic, MemoryFiles, MeshReader};
@@ -121,9 +121,9 @@ pub fn load_scene(input: &[u8]) {
 /// Checks the mesh reader; the first file of the archive is the mesh of a robot.
 pub fn mesh(input: &[u8]) {
     let archive = Archive::new(input);
-    let path = PathRef { text: archive.first().to_owned(), span: Span::default() };
+    let path = SpannedText { text: archive.first().to_owned(), span: Span::default() };
     let mut robi = RobiSpec::with_defaults("a.robi");
-    robi.model = Some(ModelSpec { path, offset: DVec3::ZERO, turns: DVec3::ZERO });
+    robi.model = Some(ModelSpec { path, offset: DVec3::ZERO, rotations: DVec3::ZERO });
     let mut reader = MeshReader::new(&archive);
     if let Some(mesh) = reader.robot(&robi) {
         spec::mesh(&mesh);

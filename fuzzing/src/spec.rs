@@ -237,7 +237,10 @@ pub fn robi(robi: &RobiSpec) {
 /// Panics unless the spec of an object type is valid.
 pub fn object_type(object: &ObjectType) {
     finite(object);
-    assert!(object.scale > 0.0 && object.mass > 0.0 && object.friction >= 0.0 && object.buoyancy >= 0.0, "{object:?}");
+    assert!(
+        object.scale > 0.0 && object.mass > 0.0 && object.friction >= 0.0 && object.displaced_volume >= 0.0,
+        "{object:?}"
+    );
     assert!((0.0..=1.0).contains(&object.restitution), "{object:?}");
     assert!(object.rolling.is_none_or(|rolling| rolling >= 0.0), "{object:?}");
     assert!(!object.colliders.is_empty() && !object.name.is_empty(), "{object:?}");
@@ -329,7 +332,7 @@ fn light(light: &LightSpec) {
 fn model(model: &ModelSpec) {
     assert!(!model.path.text.trim().is_empty(), "{model:?}");
     point(model.offset, model);
-    model.turns.to_array().iter().for_each(|turn| angle(*turn, model));
+    model.rotations.to_array().iter().for_each(|turn| angle(*turn, model));
 }
 
 fn collider(collider: &Collider) {

@@ -308,7 +308,7 @@ fn ray_from_inside_another_body_has_distance_zero() {
     let mut scene = Scene::new(&[Pose::new(0.0, 0.0, 0.0), Pose::new(0.3, 0.0, 0.0)]);
     let cast = |scene: &mut Scene, x: f64, angle: f64, range: f64| {
         let pose = scene.motions[0].pose(Time::ZERO);
-        Beam { mount: Mount::new(x, 0.0, angle), range }.sight(&scene.world, RobotId(1), &pose, Time::ZERO)
+        Beam { mount: Mount::new(x, 0.0, angle), range }.cast(&scene.world, RobotId(1), &pose, Time::ZERO)
     };
     assert_eq!(cast(&mut scene, 0.25, 2.0, 1.0).map(|hit| hit.distance), Some(0.0));
     assert_eq!(cast(&mut scene, 0.0, PI, 5.0), None);

@@ -11,7 +11,7 @@ use sim_core::scene::{Material, Mesh, Texture, Triangle, Walls};
 use sim_core::time::Time;
 use sim_core::world::World;
 
-const LIGHT: Light = Light { towards: DVec3::Z, ambient: 0.5, fill: 0.0, diffuse: 0.5, shadows: false };
+const LIGHT: Light = Light { sun_direction: DVec3::Z, ambient: 0.5, fill: 0.0, diffuse: 0.5, shadows: false };
 const SKY: Sky = Sky { horizon: [200, 210, 220], zenith: [100, 150, 200] };
 
 /// An upright square with sides of 2 m, centred on the x axis at `x`, facing the origin.
@@ -31,12 +31,12 @@ fn square(x: f64, material: Material) -> Arc<Mesh> {
     })
 }
 
-fn at_height(z: f64) -> Pose3 {
+fn pose_at_height(z: f64) -> Pose3 {
     Pose3::from_angles(DVec3::new(0.0, 0.0, z), 0.0, 0.0, 0.0)
 }
 
 fn wall(material: Material) -> Part {
-    Part { mesh: square(2.0, material), label: Label::Wall(3), attachment: Attachment::Fixed(at_height(1.0)) }
+    Part { mesh: square(2.0, material), label: Label::Wall(3), attachment: Attachment::Fixed(pose_at_height(1.0)) }
 }
 
 fn world() -> World {
@@ -57,24 +57,24 @@ fn view(z: f64, pitch: f64, size: [u32; 2]) -> View {
 }
 
 #[test]
-fn a_wall_stands_on_the_ground_beneath_the_sky() {
+fn wall_ground_and_sky_have_known_pixels() {
     let scenery = Scenery::new(vec![wall(Material::default())], Some(ground()), LIGHT, SKY);
     let posed = scenery.pose_at(&world(), Time::ZERO);
     let (mut camera, view) = (Camera::default(), view(1.0, 0.0, [101, 101]));
     let labels = camera.labels(&posed, &view, None);
     assert_eq!([50, 3, 97].map(|row| *labels.pixel(50, row)), [Label::Wall(3), Label::Sky, Label::Ground]);
-    // The wall's edges are half a metre per metre from the axis: a quarter of the image's width on either side.
-    let of_wall = labels.pixels().iter().filter(|label| **label == Label::Wall(3)).count();
-    assert_eq!(of_wall, 51 * 51);
+    // The tangent of the angle between an edge of the wall and the axis is 0.5: a quarter of the image's width.
+    let wall_pixels = labels.pixels().iter().filter(|label| **label == Label::Wall(3)).count();
+    assert_eq!(wall_pixels, 51 * 51);
     let depth = camera.depth(&posed, &view, None);
     assert_eq!(*depth.pixel(50, 50), 2.0);
     assert_eq!(*depth.pixel(50, 3), f32::INFINITY);
-    // Rows below the axis fall by 1/50.5 a metre.
+    // A ray falls by 1 / 50.5 m per metre for each row below the axis.
     let slope = 47.0_f64 / 50.5;
     let expected = (1.0 + slope * slope).sqrt() / slope;
     assert!((f64::from(*depth.pixel(50, 97)) - expected).abs() < 1e-6, "{} {expected}", depth.pixel(50, 97));
     let colour = camera.colour(&posed, &view, None, 1);
-    // Light grey at half the light; the floor at full light.
+    // The wall is light grey at half the light; the floor has the full light.
     assert_eq!(*colour.pixel(50, 50), [102; 3]);
     assert_eq!([*colour.pixel(3, 97), *colour.pixel(97, 99)], [[160, 120, 80], [80; 3]]);
     assert_eq!(*colour.pixel(40, 99), [160, 120, 80]);
@@ -83,26 +83,26 @@ fn a_wall_stands_on_the_ground_beneath_the_sky() {
 }
 
 #[test]
-fn a_texture_stands_upright() {
+fn a_texture_is_upright() {
     let [red, green, blue, white] = [[200, 0, 0, 255], [0, 200, 0, 255], [0, 0, 200, 255], [200, 200, 200, 255]];
     let texture = Some(Arc::new(Texture::new(2, 2, vec![red, green, blue, white]).expect("four pixels")));
     let material = Material { colour: [1.0; 3], texture, ..Material::default() };
     let scenery = Scenery::new(vec![wall(material)], None, LIGHT, SKY);
     let posed = scenery.pose_at(&world(), Time::ZERO);
     let picture = Camera::default().colour(&posed, &view(1.0, 0.0, [100, 100]), None, 1);
-    let at = |column, row| picture.pixel(column, row).map(|channel| channel > 80);
-    assert_eq!([at(37, 37), at(62, 37)], [[true, false, false], [false, true, false]], "the upper row");
-    assert_eq!([at(37, 62), at(62, 62)], [[false, false, true], [true; 3]], "the lower row");
+    let channels = |column, row| picture.pixel(column, row).map(|channel| channel > 80);
+    assert_eq!([channels(37, 37), channels(62, 37)], [[true, false, false], [false, true, false]], "the upper row");
+    assert_eq!([channels(37, 62), channels(62, 62)], [[false, false, true], [true; 3]], "the lower row");
 }
 
 #[test]
-fn a_robot_does_not_see_itself_but_others_do() {
+fn a_robot_is_visible_to_others_but_not_to_itself() {
     let robot = RobotId(1);
     let part = Part { label: Label::Robot(robot), ..wall(Material::default()) };
     let scenery = Scenery::new(vec![part], None, LIGHT, SKY);
     let posed = scenery.pose_at(&world(), Time::ZERO);
     let view = view(1.0, 0.0, [9, 9]);
-    let middle = |by| *Camera::default().labels(&posed, &view, by).pixel(4, 4);
+    let middle = |observer| *Camera::default().labels(&posed, &view, observer).pixel(4, 4);
     assert_eq!(
         [middle(None), middle(Some(RobotId(2))), middle(Some(robot))],
         [Label::Robot(robot), Label::Robot(robot), Label::Sky]
@@ -110,7 +110,7 @@ fn a_robot_does_not_see_itself_but_others_do() {
 }
 
 #[test]
-fn a_fisheye_sees_what_is_beside_and_behind() {
+fn a_fisheye_shows_walls_ahead_and_beside() {
     let scenery = Scenery::new(vec![wall(Material::default())], None, LIGHT, SKY);
     let posed = scenery.pose_at(&world(), Time::ZERO);
     let pose = |yaw| Pose3::from_angles(DVec3::new(0.0, 0.0, 1.0), 0.0, 0.0, yaw);
@@ -123,7 +123,7 @@ fn a_fisheye_sees_what_is_beside_and_behind() {
 }
 
 #[test]
-fn more_samples_soften_edges_alone() {
+fn more_samples_soften_only_edges() {
     let scenery = Scenery::new(vec![wall(Material::default())], None, LIGHT, SKY);
     let posed = scenery.pose_at(&world(), Time::ZERO);
     let view = view(1.0, 0.0, [50, 50]);

@@ -45,12 +45,12 @@ fn room(corner: DVec2, surface: Surface) -> World {
     world(Walls::new(walls).with_heights(vec![ROOM.z; 4]), space)
 }
 
-/// The room of [`room`] as a mesh of twelve triangles, in a frame at `corner`.
+/// The same room as a mesh of twelve triangles, in a frame at `corner`.
 fn mesh_room(corner: DVec2, surface: Surface) -> World {
-    let at = |code: usize| ROOM * DVec3::new((code & 1) as f64, (code >> 1 & 1) as f64, (code >> 2) as f64);
+    let corner_of = |bits: usize| ROOM * DVec3::new((bits & 1) as f64, (bits >> 1 & 1) as f64, (bits >> 2) as f64);
     let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
     let triangles: Vec<_> =
-        faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).map(|corners| corners.map(at)).collect();
+        faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).map(|corners| corners.map(corner_of)).collect();
     let figure = Arc::new(Figure { solids: vec![Solid::Mesh(Arc::new(MeshIndex::new(&triangles)))], surface });
     let fixed = vec![(Pose { position: corner, ..Pose::default() }, figure)];
     world(Walls::new(Vec::new()), Space { floor: None, fixed, ..Space::default() })
@@ -58,11 +58,11 @@ fn mesh_room(corner: DVec2, surface: Surface) -> World {
 
 /// Distance and incidence angle on the inside of a box from the origin to [`ROOM`].
 fn in_box(origin: DVec3, direction: DVec3) -> (f64, f64) {
-    let to = |axis: usize| {
+    let to_plane = |axis: usize| {
         let end = if direction[axis] > 0.0 { ROOM[axis] } else { 0.0 };
         (((end - origin[axis]) / direction[axis]).abs(), direction[axis].abs())
     };
-    let (distance, cos) = (0..3).map(to).min_by(|one, other| one.0.total_cmp(&other.0)).expect("three axes");
+    let (distance, cos) = (0..3).map(to_plane).min_by(|a, b| a.0.total_cmp(&b.0)).expect("three axes");
     (distance, math::atan2((1.0 - cos * cos).sqrt(), cos))
 }
 
@@ -73,21 +73,20 @@ fn assert_close(found: Reading, expected: f64, context: &str) {
 }
 
 #[test]
-fn every_reading_in_a_room_is_the_analytic_one() {
+fn readings_in_a_room_match_the_closed_form() {
     let mut random = Random::new(31);
     let corners = [DVec2::ZERO, DVec2::new(1e4, -1e4)];
     for (corner, room) in corners.into_iter().flat_map(|corner| [room, mesh_room].map(|room| (corner, room))) {
         let world = room(corner, Surface::ROUGH);
         let mut echoes = [0; 3];
         for case in 0..10_000 {
-            let position_2d =
-                random.point_in(Bounds { min: DVec2::splat(0.3), max: ROOM.truncate() - DVec2::splat(0.3) });
+            let centre = random.point_in(Bounds { min: DVec2::splat(0.3), max: ROOM.truncate() - DVec2::splat(0.3) });
             let heading = random.between(-PI, PI);
             let offset = DVec3::new(random.between(-0.2, 0.2), random.between(-0.2, 0.2), random.between(0.05, 2.4));
             let (roll, pitch, yaw) =
                 (random.between(-PI, PI), random.between(-FRAC_PI_2, FRAC_PI_2), random.between(-PI, PI));
             let posture = Posture {
-                world_from_robot: Pose { position: corner + position_2d, ..Pose::new(0.0, 0.0, heading) },
+                world_from_robot: Pose { position: corner + centre, ..Pose::new(0.0, 0.0, heading) },
                 ..Posture::default()
             };
             let read = |model| {
@@ -96,8 +95,8 @@ fn every_reading_in_a_room_is_the_analytic_one() {
             };
             let (sin, cos) = math::sin_cos(heading);
             let origin = DVec3::new(
-                position_2d.x + cos * offset.x - sin * offset.y,
-                position_2d.y + sin * offset.x + cos * offset.y,
+                centre.x + cos * offset.x - sin * offset.y,
+                centre.y + sin * offset.x + cos * offset.y,
                 offset.z,
             );
             let (horizontal, rise) = (math::cos(pitch), math::sin(pitch));
@@ -114,12 +113,12 @@ fn every_reading_in_a_room_is_the_analytic_one() {
             .into_iter()
             .enumerate()
             {
-                let is_at_limit = (alpha - echo.incidence).abs() < 1e-9
+                let is_at_limit = (alpha - echo.max_incidence).abs() < 1e-9
                     || [echo.min, echo.max].iter().any(|end| (distance - end).abs() < 1e-9);
-                let returns = alpha <= echo.incidence && (echo.min..=echo.max).contains(&distance);
+                let has_echo = alpha <= echo.max_incidence && (echo.min..=echo.max).contains(&distance);
                 if !is_at_limit {
-                    assert_close(read(model), if returns { distance } else { echo.max }, &context);
-                    echoes[count] += usize::from(returns);
+                    assert_close(read(model), if has_echo { distance } else { echo.max }, &context);
+                    echoes[count] += usize::from(has_echo);
                 }
             }
             let reading = read(RangeModel::Reflectance(Echo::REFLECTANCE));
@@ -134,52 +133,53 @@ fn every_reading_in_a_room_is_the_analytic_one() {
 }
 
 #[test]
-fn a_sonar_among_mirrors_hears_the_nearest_that_faces_it() {
+fn a_sonar_detects_the_nearest_mirror_that_faces_it() {
     let mut random = Random::new(32);
     let sonar = Sonar::srf08();
     for corner in [DVec2::ZERO, DVec2::new(1e4, -1e4)] {
         let world = room(corner, Surface::SMOOTH);
-        let (mut heard, mut silent) = (0, 0);
+        let (mut detected, mut undetected) = (0, 0);
         for case in 0..10_000 {
             let position = DVec3::new(random.between(0.1, 3.9), random.between(0.1, 2.9), random.between(0.1, 2.4));
             let (pitch, yaw) = (random.between(-FRAC_PI_2, FRAC_PI_2), random.between(-PI, PI));
             let pose = Pose3::from_angles(position + corner.extend(0.0), random.between(-PI, PI), pitch, yaw);
             let found = RangeModel::Sonar(sonar).read(&world, ME, &pose, Time::ZERO, 0.0);
 
-            // A mirror returns an echo only from the foot of the perpendicular.
+            // A mirror returns an echo only from the sensor's projection onto it.
             let forward = pose.forward();
-            let feet = (0..3)
+            let projections = (0..3)
                 .flat_map(|axis| [(position[axis], -forward[axis]), (ROOM[axis] - position[axis], forward[axis])]);
-            let heard_at = feet.filter(|&(distance, cos)| {
+            let audible = projections.filter(|&(distance, cos)| {
                 let angle = math::atan2((1.0 - cos * cos).max(0.0).sqrt(), cos);
-                let half = angle / sonar.half_angle;
-                // Twice the fall of 6 dB: out and back.
-                angle < FRAC_PI_2
-                    && math::exp(-4.0 * std::f64::consts::LN_2 * half * half) / (distance * distance) >= sonar.threshold
+                let ratio = angle / sonar.half_angle;
+                // Gain squared: 12 dB at the half angle, for the way there and back.
+                let gain_squared = math::exp(-4.0 * std::f64::consts::LN_2 * ratio * ratio);
+                angle < FRAC_PI_2 && gain_squared / (distance * distance) >= sonar.threshold
             });
-            let expected = heard_at.map(|(distance, _)| distance).min_by(f64::total_cmp);
+            let expected = audible.map(|(distance, _)| distance).min_by(f64::total_cmp);
             match (found.distance, expected) {
                 (Some(distance), Some(expected)) => {
                     assert!((distance - expected).abs() < 1e-9, "{case}: {distance} for {expected}");
-                    heard += 1;
+                    detected += 1;
                 }
-                (None, None) => silent += 1,
+                (None, None) => undetected += 1,
                 (found, expected) => panic!("{case}: {found:?} for {expected:?}"),
             }
         }
-        assert!(heard > 5000 && silent + heard == 10_000, "{heard} {silent}");
+        assert!(detected > 5000 && undetected + detected == 10_000, "{detected} {undetected}");
     }
 }
 
 /// A practically infinite wall, `distance` ahead of the origin, whose normal is turned by `angle` from the line of sight.
-fn slanting_wall(distance: f64, angle: f64, surface: Surface) -> World {
+fn oblique_wall(distance: f64, angle: f64, surface: Surface) -> World {
     let (sin, cos) = math::sin_cos(angle);
     let (middle, along) = (DVec2::new(distance, 0.0), DVec2::new(-sin, cos));
     let wall = Segment::new(middle - 40.0 * along, middle + 40.0 * along);
     world(Walls::new(vec![wall]), Space { walls: vec![surface], ..Space::default() })
 }
 
-fn ahead(model: RangeModel, world: &World) -> Reading {
+/// Reading of a sensor at the origin, 0.5 m above the floor, that looks along x.
+fn read_ahead(model: RangeModel, world: &World) -> Reading {
     model.read(world, ME, &Pose3 { position: DVec3::new(0.0, 0.0, 0.5), ..Pose3::IDENTITY }, Time::ZERO, 0.0)
 }
 
@@ -189,10 +189,11 @@ fn incidence_limits_are_exact_to_a_nanoradian() {
         [(Echo::LASER, RangeModel::Laser(Echo::LASER)), (Echo::ULTRASONIC, RangeModel::Ultrasonic(Echo::ULTRASONIC))]
     {
         for side in [-1.0, 1.0] {
-            let read = |angle: f64| ahead(model, &slanting_wall(0.5, side * angle, Surface::ROUGH)).distance.unwrap();
-            assert!((read(echo.incidence - 1e-9) - 0.5).abs() < 1e-12);
-            assert!((read(echo.incidence) - 0.5).abs() < 1e-12, "the limit belongs to it");
-            assert_eq!(read(echo.incidence + 1e-9), echo.max);
+            let read =
+                |angle: f64| read_ahead(model, &oblique_wall(0.5, side * angle, Surface::ROUGH)).distance.unwrap();
+            assert!((read(echo.max_incidence - 1e-9) - 0.5).abs() < 1e-12);
+            assert!((read(echo.max_incidence) - 0.5).abs() < 1e-12, "the limit is inclusive");
+            assert_eq!(read(echo.max_incidence + 1e-9), echo.max);
         }
     }
     // Incidence limits for a sensor that is pitched over the floor.
@@ -205,36 +206,39 @@ fn incidence_limits_are_exact_to_a_nanoradian() {
 }
 
 #[test]
-fn a_smooth_wall_reflects_away_what_a_rough_one_returns() {
+fn a_rough_wall_returns_echoes_that_a_smooth_wall_reflects_away() {
     let sonar = RangeModel::Sonar(Sonar { rays: 1001, ..Sonar::srf08() });
-    // At an incidence of 60 degrees the foot of the perpendicular is 60 degrees off the beam.
+    // At an incidence of 60 degrees the sensor's projection onto the wall is 60 degrees off the line of sight.
     let angle = PI / 3.0;
-    let distance = |surface| ahead(sonar, &slanting_wall(3.0, angle, surface)).distance;
-    assert_eq!(distance(Surface::SMOOTH), None, "the foot lies at 1.5 m, out of the beam");
+    let distance = |surface| read_ahead(sonar, &oblique_wall(3.0, angle, surface)).distance;
+    assert_eq!(distance(Surface::SMOOTH), None, "the projection is 1.5 m away, outside the beam");
     let rough = distance(Surface::ROUGH).expect("scattered");
     assert!(rough > 1.5 && rough < 3.0, "{rough}");
     let mixture = distance(Surface { reflectivity: 1.0, specular: 0.5 }).expect("scattered");
-    assert!(mixture > rough, "half as much comes from farther in: {mixture}");
+    assert!(mixture > rough, "half the energy: the nearest detectable point is nearer to the line of sight: {mixture}");
     assert_eq!(distance(Surface { reflectivity: 0.0, specular: 0.0 }), None);
-    // At normal incidence both return the echo of the foot.
+    // At normal incidence both return an echo from the projection.
     for surface in [Surface::SMOOTH, Surface::ROUGH] {
-        let reading = ahead(sonar, &slanting_wall(2.0, 0.0, surface));
+        let reading = read_ahead(sonar, &oblique_wall(2.0, 0.0, surface));
         assert_eq!((reading.distance, reading.signal), (Some(2.0), 0.25));
     }
 }
 
 #[test]
-fn the_energy_of_an_echo_is_that_of_its_formula() {
-    // A rough wall at 20 degrees: along the line of sight alone, cos(20 degrees) / 1.5^2.
+fn the_energy_of_an_echo_matches_its_formula() {
+    // A rough wall at 20 degrees, with one ray along the line of sight: cos(20 degrees) / 1.5^2.
     let sonar = Sonar { rays: 1, half_angle: 1e-3, ..Sonar::srf08() };
-    let reading = ahead(RangeModel::Sonar(sonar), &slanting_wall(1.5, PI / 9.0, Surface::ROUGH));
+    let reading = read_ahead(RangeModel::Sonar(sonar), &oblique_wall(1.5, PI / 9.0, Surface::ROUGH));
     assert!((reading.signal - math::cos(PI / 9.0) / 2.25).abs() < 1e-12, "{reading:?}");
     assert!((reading.distance.unwrap() - 1.5).abs() < 1e-12);
     // A specular rod of 1.5 cm radius, 2 m ahead, is just detected: the definition of the preset's threshold.
     let rod = |distance: f64| {
         let figure = Arc::new(Figure::cylinder(0.015, 1.0, Surface::SMOOTH));
         let fixed = vec![(Pose::new(distance + 0.015, 0.0, 0.0), figure)];
-        ahead(RangeModel::Sonar(Sonar::srf08()), &world(Walls::new(Vec::new()), Space { fixed, ..Space::default() }))
+        read_ahead(
+            RangeModel::Sonar(Sonar::srf08()),
+            &world(Walls::new(Vec::new()), Space { fixed, ..Space::default() }),
+        )
     };
     assert_eq!(rod(2.001).distance, None);
     let reading = rod(1.999);
@@ -243,41 +247,45 @@ fn the_energy_of_an_echo_is_that_of_its_formula() {
 }
 
 #[test]
-fn the_nearest_echo_wins_and_the_dead_zone_is_deaf() {
+fn a_sonar_reads_the_nearest_echo_beyond_its_dead_zone() {
     let near = Segment::new(DVec2::new(1.0, 0.3), DVec2::new(1.0, 0.6));
     let far = Segment::new(DVec2::new(2.0, -5.0), DVec2::new(2.0, 5.0));
     let sonar = RangeModel::Sonar(Sonar::srf08());
-    let two = world(Walls::new(vec![far, near]), Space::default());
-    let reading = ahead(sonar, &two).distance.unwrap();
+    let two_walls = world(Walls::new(vec![far, near]), Space::default());
+    let reading = read_ahead(sonar, &two_walls).distance.unwrap();
     assert!((reading - math::hypot(1.0, 0.3)).abs() < 1e-12, "the near wall's end, 17 degrees off: {reading}");
     let blind = RangeModel::Sonar(Sonar { min: 1.5, ..Sonar::srf08() });
-    assert_eq!(ahead(blind, &two).distance, Some(2.0), "what returns too early is not heard");
+    assert_eq!(read_ahead(blind, &two_walls).distance, Some(2.0), "echoes from the dead zone are not detected");
     let short = RangeModel::Sonar(Sonar { max: 2.0, ..Sonar::srf08() });
-    assert_eq!(ahead(short, &world(Walls::new(vec![far]), Space::default())).distance, Some(2.0), "closed");
+    assert_eq!(
+        read_ahead(short, &world(Walls::new(vec![far]), Space::default())).distance,
+        Some(2.0),
+        "the range is inclusive"
+    );
     let shorter = RangeModel::Sonar(Sonar { max: 2.0 - 1e-9, ..Sonar::srf08() });
-    assert_eq!(ahead(shorter, &world(Walls::new(vec![far]), Space::default())).distance, None);
+    assert_eq!(read_ahead(shorter, &world(Walls::new(vec![far]), Space::default())).distance, None);
 }
 
 #[test]
-fn more_rays_come_nearer_to_the_truth() {
-    // The nearest detectable point is where the echo of the wall falls below the threshold: found by bisection along the wall.
+fn more_rays_reduce_the_error() {
+    // The nearest detectable point of the wall is where its echo falls below the threshold; found by bisection.
     let (angle, distance) = (1.2, 3.0);
     let sonar = Sonar::srf08();
-    let heard_at = |theta: f64| {
+    let echo_at = |theta: f64| {
         let alpha = (angle - theta).abs();
         let metres = distance * math::cos(angle) / math::cos(alpha);
-        let half = theta / sonar.half_angle;
-        (metres, math::exp(-4.0 * std::f64::consts::LN_2 * half * half) * math::cos(alpha) / (metres * metres))
+        let ratio = theta / sonar.half_angle;
+        (metres, math::exp(-4.0 * std::f64::consts::LN_2 * ratio * ratio) * math::cos(alpha) / (metres * metres))
     };
     let (mut inside, mut outside) = (0.0, angle);
-    assert!(heard_at(inside).1 >= sonar.threshold && heard_at(outside).1 < sonar.threshold);
+    assert!(echo_at(inside).1 >= sonar.threshold && echo_at(outside).1 < sonar.threshold);
     for _ in 0..60 {
         let middle = 0.5 * (inside + outside);
-        *(if heard_at(middle).1 >= sonar.threshold { &mut inside } else { &mut outside }) = middle;
+        *(if echo_at(middle).1 >= sonar.threshold { &mut inside } else { &mut outside }) = middle;
     }
-    let truth = heard_at(inside).0;
-    let world = slanting_wall(distance, angle, Surface::ROUGH);
-    let error = |rays| ahead(RangeModel::Sonar(Sonar { rays, ..sonar }), &world).distance.unwrap() - truth;
+    let truth = echo_at(inside).0;
+    let world = oblique_wall(distance, angle, Surface::ROUGH);
+    let error = |rays| read_ahead(RangeModel::Sonar(Sonar { rays, ..sonar }), &world).distance.unwrap() - truth;
     for (rays, limit) in [(16, 0.3), (128, 0.03), (1024, 0.003), (8192, 0.0004)] {
         assert!((-1e-12..limit).contains(&error(rays)), "{rays} rays: {} m", error(rays));
     }
@@ -313,7 +321,7 @@ fn a_sensor_on_a_tilting_link_moves_with_it() {
 }
 
 #[test]
-fn a_level_psd_on_the_body_is_a_beam_to_the_bit() {
+fn a_level_psd_on_the_body_is_bit_identical_to_a_beam() {
     let mut random = Random::new(33);
     let walls = Walls::new(accuracy::world::room_with_boxes(3, DVec2::ZERO, 8.0, 12));
     // Walls lower than all sensors: a beam hits them nevertheless.
@@ -332,8 +340,8 @@ fn a_level_psd_on_the_body_is_a_beam_to_the_bit() {
 }
 
 #[test]
-fn noise_stretches_the_distance_or_the_signal() {
-    let world = slanting_wall(0.5, 0.0, Surface::ROUGH);
+fn noise_scales_the_distance_or_the_signal() {
+    let world = oblique_wall(0.5, 0.0, Surface::ROUGH);
     let read = |model: RangeModel, noise| {
         let pose = Pose3 { position: DVec3::new(0.0, 0.0, 0.5), ..Pose3::IDENTITY };
         model.read(&world, ME, &pose, Time::ZERO, noise)
@@ -352,7 +360,7 @@ fn noise_stretches_the_distance_or_the_signal() {
 }
 
 #[test]
-fn a_scan_from_a_rolled_and_pitched_mount_is_its_rays() {
+fn a_scan_from_a_rolled_and_pitched_mount_matches_its_rays() {
     let world = room(DVec2::ZERO, Surface::ROUGH);
     let fan = Fan { sweep: PI, points: 19, tilt: 0.1, height: 0.4, range: 3.0 };
     let scan = Scan::new(Mount::new(0.1, 0.05, 0.3), fan);
@@ -360,16 +368,16 @@ fn a_scan_from_a_rolled_and_pitched_mount_is_its_rays() {
     // For a level mount both functions agree.
     let level = Pose3::from_planar(&robot, 0.0).then(&Pose3::from_angles(DVec3::new(0.1, 0.05, 0.4), 0.0, 0.0, 0.3));
     let planar = scan.distances(&world, ME, &robot, Time::ZERO);
-    let space = scan.distances_from(&world, ME, &level, Time::ZERO);
-    for (one, other) in planar.iter().zip(&space) {
-        assert!((one.unwrap_or(9.0) - other.unwrap_or(9.0)).abs() < 1e-12, "{one:?} {other:?}");
+    let spatial = scan.distances_from(&world, ME, &level, Time::ZERO);
+    for (planar, spatial) in planar.iter().zip(&spatial) {
+        assert!((planar.unwrap_or(9.0) - spatial.unwrap_or(9.0)).abs() < 1e-12, "{planar:?} {spatial:?}");
     }
-    let turned = Pose3::from_planar(&robot, 0.0).then(&Pose3::from_angles(DVec3::new(0.1, 0.0, 0.4), 0.2, -0.3, 0.5));
-    let found = scan.distances_from(&world, ME, &turned, Time::ZERO);
+    let tilted = Pose3::from_planar(&robot, 0.0).then(&Pose3::from_angles(DVec3::new(0.1, 0.0, 0.4), 0.2, -0.3, 0.5));
+    let found = scan.distances_from(&world, ME, &tilted, Time::ZERO);
     for (ray, found) in found.iter().enumerate() {
         let (sin, cos) = math::sin_cos(scan.bearing(ray as u32));
         let local = DVec3::new(cos * math::cos(0.1), sin * math::cos(0.1), math::sin(0.1));
-        let (expected, _) = in_box(turned.position, turned.rotation * local);
+        let (expected, _) = in_box(tilted.position, tilted.rotation * local);
         match found {
             Some(distance) => assert!((distance - expected).abs() < 1e-12, "{ray}: {distance} for {expected}"),
             None => assert!(expected > 3.0, "{ray}: {expected}"),
@@ -378,7 +386,7 @@ fn a_scan_from_a_rolled_and_pitched_mount_is_its_rays() {
 }
 
 #[test]
-fn a_level_psd_sees_meshes_where_they_are() {
+fn a_level_psd_detects_meshes() {
     let world = mesh_room(DVec2::ZERO, Surface::ROUGH);
     let read = |z: f64, heading: f64, range: f64| {
         let mount = Pose3 { position: DVec3::new(0.1, 0.0, z), ..Pose3::IDENTITY };
@@ -392,7 +400,7 @@ fn a_level_psd_sees_meshes_where_they_are() {
 }
 
 #[test]
-fn a_level_scanner_sees_meshes_where_they_are() {
+fn a_level_scanner_detects_meshes() {
     // Regression: the scanner saw only the plane, and the floor z = 0 where a mesh is the ground.
     let world = mesh_room(DVec2::ZERO, Surface::ROUGH);
     let robot = Pose::new(1.0, 1.0, 0.3);
@@ -417,8 +425,8 @@ fn a_level_scanner_sees_meshes_where_they_are() {
 }
 
 #[test]
-fn a_movable_mesh_is_seen_beyond_its_footprint() {
-    // Regression: rays that missed the footprint, of 5 cm here, missed the mesh, of 1 m, too.
+fn a_movable_mesh_is_detected_beyond_its_footprint() {
+    // Regression: rays that missed the footprint (5 cm here) also missed the mesh (1 m).
     let sheet = [DVec3::new(0.0, -1.0, 0.0), DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 2.0)];
     let figure = Figure { solids: vec![Solid::Mesh(Arc::new(MeshIndex::new(&[sheet])))], surface: Surface::ROUGH };
     let part = Part { shape: Shape::Disc { radius: 0.05 }, object_from_part: Pose::default() };
@@ -442,8 +450,8 @@ fn a_movable_mesh_is_seen_beyond_its_footprint() {
 }
 
 #[test]
-fn a_tilted_scanner_sees_the_upper_face_of_a_thick_wall() {
-    // Regression: the scanner saw the far side from within, 0.4 m off along the floor.
+fn a_tilted_scanner_detects_the_upper_face_of_a_thick_wall() {
+    // Regression: the scanner detected the far side from inside the wall, 0.4 m away along the floor.
     let centre_line = Segment::new(DVec2::new(0.3, -1.0), DVec2::new(0.3, 1.0));
     let walls = Walls::new(centre_line.thickened(0.2).to_vec()).with_heights(vec![0.1; 4]);
     let block = ThickWall::new(WallId(0), &centre_line, 0.2, 0.1);
@@ -459,21 +467,21 @@ fn a_tilted_scanner_sees_the_upper_face_of_a_thick_wall() {
 }
 
 #[test]
-fn a_sonar_of_least_threshold_is_not_blinded_by_what_returns_nothing() {
+fn a_sonar_with_threshold_0_ignores_surfaces_without_echo() {
     // Regression: with a threshold of 0, a mirror slanting away hid the wall beside it.
     let mirror = Segment::new(DVec2::new(0.5, -0.1), DVec2::new(0.7, 0.1));
     let beside = Segment::new(DVec2::new(0.8, 0.4), DVec2::new(0.8, 0.6));
     let space = Space { walls: vec![Surface::SMOOTH, Surface::ROUGH], ..Space::default() };
     let world = world(Walls::new(vec![mirror, beside]), space);
     for threshold in [0.0, 1e-300] {
-        let found = ahead(RangeModel::Sonar(Sonar { threshold, ..Sonar::srf08() }), &world).distance;
+        let found = read_ahead(RangeModel::Sonar(Sonar { threshold, ..Sonar::srf08() }), &world).distance;
         assert!((found.expect("the wall") - math::hypot(0.8, 0.4)).abs() < 1e-12, "{threshold}: {found:?}");
     }
 }
 
 #[test]
-fn a_sonar_hears_the_faces_of_a_mesh_that_its_fan_meets() {
-    // Feet of the perpendiculars on the planes; the fan must hit a triangle of each.
+fn a_sonar_detects_the_faces_of_a_mesh_that_its_fan_hits() {
+    // Echoes come from the sensor's projections onto the planes; the fan must hit a triangle of each plane.
     let sonar = Sonar { rays: 256, ..Sonar::srf08() };
     let mut random = Random::new(34);
     let (walls, mesh) = (room(DVec2::ZERO, Surface::SMOOTH), mesh_room(DVec2::ZERO, Surface::SMOOTH));

@@ -23,20 +23,20 @@ fn room(corner: DVec2) -> World {
 }
 
 #[test]
-fn a_reading_in_a_room_is_the_analytic_one() {
+fn readings_in_a_room_match_the_closed_form() {
     let mut random = Random::new(5);
     for corner in [DVec2::ZERO, DVec2::new(1e4, -1e4)] {
         let world = room(corner);
         for _ in 0..10_000 {
-            let centre_point = random.point_in(Bounds { min: DVec2::splat(0.3), max: DVec2::new(3.7, 2.7) });
+            let position = random.point_in(Bounds { min: DVec2::splat(0.3), max: DVec2::new(3.7, 2.7) });
             let heading = random.between(-PI, PI);
             let (x, y, angle) = (random.between(-0.2, 0.2), random.between(-0.2, 0.2), random.between(-PI, PI));
             let beam = Beam { mount: Mount::new(x, y, angle), range: 9.0 };
-            let pose = Pose { position: corner + centre_point, ..Pose::new(0.0, 0.0, heading) };
+            let pose = Pose { position: corner + position, ..Pose::new(0.0, 0.0, heading) };
             let found = beam.distance(&world, RobotId(1), &pose, Time::ZERO).expect("walls all around");
 
             let (sin, cos) = (libm::sin(heading), libm::cos(heading));
-            let (ox, oy) = (centre_point.x + cos * x - sin * y, centre_point.y + sin * x + cos * y);
+            let (ox, oy) = (position.x + cos * x - sin * y, position.y + sin * x + cos * y);
             let (dx, dy) = (libm::cos(heading + angle), libm::sin(heading + angle));
             let to_x = if dx > 0.0 { (4.0 - ox) / dx } else { -ox / dx };
             let to_y = if dy > 0.0 { (3.0 - oy) / dy } else { -oy / dy };
@@ -46,22 +46,22 @@ fn a_reading_in_a_room_is_the_analytic_one() {
 }
 
 #[test]
-fn the_range_is_closed_and_beyond_it_nothing_is_seen() {
+fn the_range_is_inclusive_and_nothing_beyond_it_is_detected() {
     let world = room(DVec2::ZERO);
     let pose = Pose::new(1.0, 1.0, 0.0);
-    let see = |range: f64| {
+    let distance = |range: f64| {
         let beam = Beam { mount: Mount::default(), range };
         let distance = beam.distance(&world, RobotId(1), &pose, Time::ZERO);
         assert_eq!(beam.is_interrupted(&world, RobotId(1), &pose, Time::ZERO), distance.is_some());
         distance
     };
-    assert_eq!(see(3.0), Some(3.0));
-    assert_eq!(see(3.0 - 1e-9), None);
-    assert_eq!(see(0.0), None);
+    assert_eq!(distance(3.0), Some(3.0));
+    assert_eq!(distance(3.0 - 1e-9), None);
+    assert_eq!(distance(0.0), None);
 }
 
 #[test]
-fn a_level_psd_of_a_robi_sees_what_its_beam_sees_to_the_bit() {
+fn a_level_psd_of_a_robi_is_bit_identical_to_its_beam() {
     let world = room(DVec2::ZERO);
     let mut random = Random::new(6);
     for _ in 0..2_000 {
@@ -71,7 +71,7 @@ fn a_level_psd_of_a_robi_sees_what_its_beam_sees_to_the_bit() {
             position: DVec3::new(random.between(-0.09, 0.09), random.between(-0.09, 0.09), 0.06),
             angle: random.between(-14.0, 14.0),
             pitch: 0.0,
-            on: None,
+            link: None,
             range: DEFAULT_PSD_RANGE,
             span: Span::default(),
         };

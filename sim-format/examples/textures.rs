@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec2;
 use image::{ImageBuffer, Luma, Rgb, RgbImage};
 use sim_core::math;
-use sim_core::scene::{Disc, Relief};
+use sim_core::scene::{Disc, RandomTerrain};
 
 type Colour = [u8; 3];
 
@@ -47,18 +47,18 @@ pub const TERRAINS: [(&str, Survey); 1] = [("hills.png", hills)];
 /// Hills over 6 x 4 m, level and black around two points 1 m from the left and from the right side.
 fn hills() -> Heights {
     let clear = [1.0, 5.0].map(|x| Disc { centre: DVec2::new(x, 2.0), radius: 0.5 });
-    let relief = Relief {
+    let terrain = RandomTerrain {
         seed: 1,
         origin: DVec2::ZERO,
         size: DVec2::new(6.0, 4.0),
         base: 0.0,
         cell: 0.05,
-        relief: 1.0,
-        length: 2.0,
+        relief_height: 1.0,
+        hill_length: 2.0,
         boulders: None,
         clear: clear.to_vec(),
     };
-    let (field, _) = relief.field().expect("few enough cells");
+    let (field, _) = terrain.field().expect("few enough cells");
     let (columns, rows) = field.size();
     ImageBuffer::from_fn(columns as u32, rows as u32, |column, row| {
         let height = field.corner(column as usize, rows - 1 - row as usize).z;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::Span;
 use super::spec::{
-    CostsRef, Dialect, ModelSpec, NoiseRef, NoiseSpec, ObjectLine, ObjectType, PathRef, RobiSpec, RobotLine, SceneSpec,
-    SerialLine, SimSpec, Solid, TypeRef, Whereabouts, WorldSpec,
+    CostsRef, Dialect, ModelSpec, NoiseRef, NoiseSpec, ObjectLine, ObjectType, PositionRef, RobiSpec, RobotLine,
+    SceneSpec, SensorShape, SerialLine, SimSpec, SpannedText, TypeRef, WorldSpec,
 };
 
 /// Content of a scene, independent of the paths of its files.
@@ -61,7 +61,7 @@ pub fn sim(sim: &SimSpec) -> SimSpec {
     sim.reachable.iter_mut().for_each(|demand| {
         demand.span = Span::default();
         for point in [&mut demand.from, &mut demand.to] {
-            if let Whereabouts::Thing(path) = point {
+            if let PositionRef::Start(path) = point {
                 forget(path);
             }
         }
@@ -102,21 +102,21 @@ pub fn robi(robi: &RobiSpec) -> RobiSpec {
     }
     for link in &mut robi.links {
         link.span = Span::default();
-        link.mount.on.iter_mut().for_each(forget);
-        link.turn.iter_mut().for_each(|turn| forget(&mut turn.servo));
+        link.mount.link.iter_mut().for_each(forget);
+        link.joint.iter_mut().for_each(|turn| forget(&mut turn.servo));
     }
     for psd in &mut robi.psds {
         psd.span = Span::default();
-        psd.on.iter_mut().for_each(forget);
+        psd.link.iter_mut().for_each(forget);
     }
     for range in &mut robi.ranges {
         range.span = Span::default();
-        range.mount.on.iter_mut().for_each(forget);
+        range.mount.link.iter_mut().for_each(forget);
     }
     robi.camera.iter_mut().for_each(|device| device.span = Span::default());
     if let Some(lidar) = &mut robi.lidar {
         lidar.span = Span::default();
-        lidar.mount.on.iter_mut().for_each(forget);
+        lidar.mount.link.iter_mut().for_each(forget);
     }
     robi.infrareds.iter_mut().for_each(|device| device.span = Span::default());
     robi.bumpers.iter_mut().for_each(|device| device.span = Span::default());
@@ -142,13 +142,13 @@ pub fn noise(noise: &NoiseSpec) -> NoiseSpec {
 pub fn object(object: &ObjectType) -> ObjectType {
     let mut object = ObjectType { file: String::new(), ..object.clone() };
     object.model.iter_mut().for_each(forget_model);
-    if let Solid::Mesh(mesh) = &mut object.solid {
+    if let SensorShape::Mesh(mesh) = &mut object.sensor_shape {
         *mesh = None;
     }
     object
 }
 
-fn forget(path: &mut PathRef) {
+fn forget(path: &mut SpannedText) {
     path.span = Span::default();
 }
 

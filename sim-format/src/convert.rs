@@ -6,8 +6,8 @@ use super::load::{Files, Loaded, Loader, load_drawn};
 use super::map::{self, Cell, DEFAULT_RESOLUTION, Grid, WorldFormat, load_scenarios};
 use super::print::{self, Printed};
 use super::spec::{
-    CheckKind, DEFAULT_CELL, Dialect, Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneForm,
-    SceneSpec, SimSpec, StartRef, StartSpec, TypeRef, WorldKind, WorldLine, WorldSpec,
+    CheckKind, DEFAULT_CELL, Dialect, Layout, LooksSpec, ObjectLine, RobotLine, RobotSpec, SceneFormat, SceneSpec,
+    SimSpec, SpannedText, StartRef, StartSpec, TypeRef, WorldKind, WorldLine, WorldSpec,
 };
 use sim_core::RobotId;
 use sim_core::pose::Pose;
@@ -143,7 +143,7 @@ fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[LiveEntity]) {
 }
 
 fn named(kind: &str) -> TypeRef {
-    TypeRef::Name(PathRef { text: kind.to_owned(), span: Span::default() })
+    TypeRef::Name(SpannedText { text: kind.to_owned(), span: Span::default() })
 }
 
 /// Kind of file, by its extension.
@@ -277,8 +277,11 @@ impl Conversion<'_> {
             self.write_inline(&mut sim);
             print::print_sim(&sim, &loaded.scene)
         } else {
-            let lost =
-                if sim.form == SceneForm::Sim { state_generations(&mut sim, &loaded.scene, told) } else { Vec::new() };
+            let lost = if sim.form == SceneFormat::Sim {
+                state_generations(&mut sim, &loaded.scene, told)
+            } else {
+                Vec::new()
+            };
             Printed { text: print::print_scene(&sim), lost }
         };
         self.write(self.to.to_owned(), printed);
@@ -313,20 +316,20 @@ impl Conversion<'_> {
                 self.beside(&part, "toml", Printed { text: companion, lost: Vec::new() });
             }
             let path = self.beside(&part, "robi", print::print_robi(&robi));
-            sim.robot_types.push(PathRef { span, ..path });
+            sim.robot_types.push(SpannedText { span, ..path });
         }
         for (object, span) in inline.object_types {
             let path = self.beside(&format!("-{}", safe(&object.name)), "esObj", print::print_esobj(&object));
-            sim.object_types.push(PathRef { span, ..path });
+            sim.object_types.push(SpannedText { span, ..path });
         }
     }
 
     /// Adds an output file beside the target, named after the target.
-    fn beside(&mut self, part: &str, extension: &str, printed: Printed) -> PathRef {
+    fn beside(&mut self, part: &str, extension: &str, printed: Printed) -> SpannedText {
         let stem = path::stem(self.to);
         let name = format!("{}{part}.{extension}", stem.strip_suffix(".scene").unwrap_or(stem));
         self.write(path::join(path::folder_of(self.to), &name), printed);
-        PathRef { text: name, span: Span::default() }
+        SpannedText { text: name, span: Span::default() }
     }
 
     fn write(&mut self, path: String, printed: Printed) {
@@ -477,7 +480,7 @@ impl Conversion<'_> {
                 }
             },
             _ => {
-                let mut sim = SimSpec { form: SceneForm::Toml, ..SimSpec::default() };
+                let mut sim = SimSpec { form: SceneFormat::Toml, ..SimSpec::default() };
                 sim.inline.world = Some(world.clone());
                 Printed { text: print::print_scene(&sim), lost: Vec::new() }
             }
@@ -609,7 +612,7 @@ impl Conversion<'_> {
 
     /// Rewrites a reference for the target's folder if it is relative and leads to a file beside the source, or absolute without a file
     /// there but with one near the source. All other references keep their target.
-    fn rewrite_path(&self, reference: &mut PathRef) {
+    fn rewrite_path(&self, reference: &mut SpannedText) {
         let (old, new) = (path::folder_of(self.from), path::folder_of(self.to));
         if old == new {
             return;

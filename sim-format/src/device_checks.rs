@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::Span;
 use super::code::Code;
 use super::line;
-use super::spec::{BODY, LinkSpec, MAX_SONARS_ON_BUS, PathRef, RobiSpec};
+use super::spec::{BODY, LinkSpec, MAX_SONARS_ON_BUS, RobiSpec, SpannedText};
 use super::table::Reader;
 use sim_core::build;
 
@@ -23,13 +23,13 @@ impl Reader {
         let names = self.link_names(robi);
         let mut links = std::mem::take(&mut robi.links);
         for link in &mut links {
-            self.check_link(&mut link.mount.on, &names);
+            self.check_link(&mut link.mount.link, &names);
         }
         self.break_cycles(&mut links, &names);
         robi.links = links;
-        let mounts = robi.ranges.iter_mut().map(|range| &mut range.mount.on);
-        let psds = robi.psds.iter_mut().map(|psd| &mut psd.on);
-        let lidar = robi.lidar.iter_mut().map(|lidar| &mut lidar.mount.on);
+        let mounts = robi.ranges.iter_mut().map(|range| &mut range.mount.link);
+        let psds = robi.psds.iter_mut().map(|psd| &mut psd.link);
+        let lidar = robi.lidar.iter_mut().map(|lidar| &mut lidar.mount.link);
         for on in psds.chain(mounts).chain(lidar) {
             self.check_link(on, &names);
         }
@@ -55,7 +55,7 @@ impl Reader {
     fn turned_by(&mut self, robi: &mut RobiSpec) {
         let servos: Vec<String> = robi.all_servos().into_iter().map(|servo| servo.name.to_owned()).collect();
         for link in &mut robi.links {
-            let Some(turn) = link.turn.take_if(|turn| !servos.contains(&turn.servo.text)) else { continue };
+            let Some(turn) = link.joint.take_if(|turn| !servos.contains(&turn.servo.text)) else { continue };
             let message = format!(
                 "link `{}` refers to the servo `{}`, which the robot does not have",
                 link.name, turn.servo.text
@@ -102,7 +102,7 @@ impl Reader {
     }
 
     /// Reports a missing link, and moves the device or link mounted on it to the body.
-    fn check_link(&mut self, on: &mut Option<PathRef>, names: &BTreeMap<String, usize>) {
+    fn check_link(&mut self, on: &mut Option<SpannedText>, names: &BTreeMap<String, usize>) {
         let Some(wanted) = on.take_if(|wanted| !names.contains_key(&wanted.text)) else { return };
         let link_names = || [BODY].into_iter().chain(names.keys().map(String::as_str));
         let message = format!("there is no link `{}`", wanted.text);
@@ -115,7 +115,7 @@ impl Reader {
     fn break_cycles(&mut self, links: &mut [LinkSpec], names: &BTreeMap<String, usize>) {
         let count = links.len();
         let parent = |link: &LinkSpec| {
-            let on = link.mount.on.as_ref().and_then(|on| names.get(&on.text).copied());
+            let on = link.mount.link.as_ref().and_then(|on| names.get(&on.text).copied());
             on.filter(|index| *index < count)
         };
         // For each link, the start from which it was first reached.
@@ -138,7 +138,7 @@ impl Reader {
                 [one] => format!("link {one} is mounted on itself"),
                 several => format!("links {} are mounted on each other in a cycle", several.join(", ")),
             };
-            let on = links[closing].mount.on.take();
+            let on = links[closing].mount.link.take();
             let span = on.map_or(Span::default(), |on| on.span);
             self.sink.error(Code::LinkCycle, span, message, "links that lead to `body`");
         }

@@ -70,7 +70,7 @@ impl Reader {
         match first.text {
             "obj" => {
                 let path = path::reference(&mut self.sink, Severity::Warning, first, rest, "`obj FILE.obj`");
-                self.object.model = path.map(|path| ModelSpec { path, offset: DVec3::ZERO, turns: DVec3::ZERO });
+                self.object.model = path.map(|path| ModelSpec { path, offset: DVec3::ZERO, rotations: DVec3::ZERO });
             }
             "name" => {
                 let form = "`name NAME`, between double quotes if it has blanks";
@@ -98,7 +98,7 @@ impl Reader {
             word if SHAPES.contains(&word) => self.collider(first, rest),
             "buoyancy" => {
                 if let Some([volume]) = self.numbers(first, rest, &[VOLUME], "`buoyancy VOLUME` in cubic metres") {
-                    self.object.buoyancy = volume;
+                    self.object.displaced_volume = volume;
                 }
             }
             "fixed" => {

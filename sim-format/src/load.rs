@@ -10,8 +10,8 @@ use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::scene::{self, Draw, read_scene_with};
 use super::set::{self, Setting};
 use super::spec::{
-    CostsRef, DEFAULT_WALL_HEIGHT, Dialect, ModelSpec, ObjectType, PathRef, RobiSpec, RobotSpec, RunSpec, SceneSpec,
-    SerialLine, SimSpec, Solid, TypeRef, WallSpec, WorldKind, WorldSpec,
+    CostsRef, DEFAULT_WALL_HEIGHT, Dialect, ModelSpec, ObjectType, RobiSpec, RobotSpec, RunSpec, SceneSpec,
+    SensorShape, SerialLine, SimSpec, SpannedText, TypeRef, WallSpec, WorldKind, WorldSpec,
 };
 use super::{
     CellRules, MeshReader, NoiseRef, Span, builtin, checks, clearance, faults, line, map, path, place, read_companion,
@@ -402,7 +402,7 @@ impl<'a> Loader<'a> {
     }
 
     /// Path and content of the file that `reference` in `file` refers to; if it does not exist, an error lists all paths tried.
-    pub(super) fn find(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<(String, Vec<u8>)> {
+    pub(super) fn find(&mut self, file: &str, folder: &str, reference: &SpannedText) -> Option<(String, Vec<u8>)> {
         self.find_or(Severity::Error, file, folder, reference)
     }
 
@@ -412,7 +412,7 @@ impl<'a> Loader<'a> {
         severity: Severity,
         file: &str,
         folder: &str,
-        reference: &PathRef,
+        reference: &SpannedText,
     ) -> Option<(String, Vec<u8>)> {
         let candidates = path::candidates(&reference.text, folder, self.files.home());
         let mut sink = Sink::new(file);
@@ -563,7 +563,7 @@ impl<'a> Loader<'a> {
     }
 
     /// Robot type that `reference` in the sim file `file` refers to; an error if it does not exist.
-    pub(super) fn robot_type(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<Arc<RobiSpec>> {
+    pub(super) fn robot_type(&mut self, file: &str, folder: &str, reference: &SpannedText) -> Option<Arc<RobiSpec>> {
         if let Some(known) = self.robots.referenced.get(&reference.text) {
             return known.clone();
         }
@@ -581,7 +581,7 @@ impl<'a> Loader<'a> {
     }
 
     /// Object type that `reference` in the sim file `file` refers to; a warning if it does not exist.
-    pub(super) fn object_type(&mut self, file: &str, folder: &str, reference: &PathRef) -> Option<Arc<ObjectType>> {
+    pub(super) fn object_type(&mut self, file: &str, folder: &str, reference: &SpannedText) -> Option<Arc<ObjectType>> {
         if let Some(known) = self.objects.referenced.get(&reference.text) {
             return known.clone();
         }
@@ -649,12 +649,14 @@ impl Loader<'_> {
             reader.terrain(world);
         }
         for (object, _) in objects {
-            let Some(model) = object.model.as_ref().filter(|_| object.solid != Solid::Colliders) else { continue };
+            let Some(model) = object.model.as_ref().filter(|_| object.sensor_shape != SensorShape::Colliders) else {
+                continue;
+            };
             let mesh = reader.object(object);
             if mesh.is_none() {
                 missing(model);
             }
-            object.solid = Solid::Mesh(mesh);
+            object.sensor_shape = SensorShape::Mesh(mesh);
         }
         let (diagnostics, inputs) = reader.finish();
         self.diagnostics.extend(diagnostics);
@@ -672,7 +674,7 @@ impl Loader<'_> {
             if matches!(robot.robi.drive.kind, DriveKind::Legged | DriveKind::Thrusters) {
                 return false;
             }
-            let (low, high) = field.range_in(robot.start.position, 0.5 * robot.robi.diameter);
+            let (low, high) = field.height_bounds_in(robot.start.position, 0.5 * robot.robi.diameter);
             low.abs().max(high.abs()) > LEVEL
         };
         let Some(robot) = scene.robots.iter().find(stands_apart) else { return };

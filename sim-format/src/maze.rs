@@ -13,7 +13,7 @@ use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
 use super::line::{self, Line, Quantity, Word};
 use super::spec::{
-    DEFAULT_CELL, DEFAULT_WALL_HEIGHT, Dialect, MAX_LENGTH, ObjectLine, PathRef, StartSpec, TypeRef, WallSpec,
+    DEFAULT_CELL, DEFAULT_WALL_HEIGHT, Dialect, MAX_LENGTH, ObjectLine, SpannedText, StartSpec, TypeRef, WallSpec,
     WorldSpec,
 };
 use super::{Severity, Span};
@@ -458,7 +458,7 @@ const BALL: &str = "Soccer";
 const BOX: &str = "Crate";
 
 fn object(name: &str, pose: Pose, span: Span) -> ObjectLine {
-    ObjectLine { kind: TypeRef::Name(PathRef { text: name.to_owned(), span }), pose, span, ..ObjectLine::default() }
+    ObjectLine { kind: TypeRef::Name(SpannedText { text: name.to_owned(), span }), pose, span, ..ObjectLine::default() }
 }
 
 /// Merges adjacent pieces (line, position along it, span) of a sorted list into (line, first position, position after the

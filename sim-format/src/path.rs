@@ -3,7 +3,7 @@
 use super::code::Code;
 use super::diagnostic::{Severity, Sink};
 use super::line::Word;
-use super::spec::PathRef;
+use super::spec::SpannedText;
 pub use sim_core::spec::{file_name, stem};
 
 /// Placeholder for the installation's folder at the beginning of a path.
@@ -150,7 +150,7 @@ pub(super) fn reference(
     keyword: &Word<'_>,
     rest: &[Word<'_>],
     form: &str,
-) -> Option<PathRef> {
+) -> Option<SpannedText> {
     let Some((word, extra)) = rest.split_first() else {
         sink.report(severity, Code::FileNameMissing, keyword.span, format!("`{}` names no file", keyword.text), form);
         return None;
@@ -164,7 +164,7 @@ pub(super) fn reference(
 }
 
 /// Reads `word` as a file reference.
-pub(super) fn named(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: &str) -> Option<PathRef> {
+pub(super) fn named(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: &str) -> Option<SpannedText> {
     if word.is_unclosed {
         sink.warn(
             Code::QuoteUnclosed,
@@ -177,7 +177,7 @@ pub(super) fn named(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: 
         sink.report(severity, Code::FileNameMissing, word.span, "the file name is empty", form);
         return None;
     }
-    Some(PathRef { text: word.text.to_owned(), span: word.span })
+    Some(SpannedText { text: word.text.to_owned(), span: word.span })
 }
 
 #[cfg(test)]

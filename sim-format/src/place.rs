@@ -11,8 +11,8 @@ use super::load::Loader;
 use super::print::number;
 use super::scene::{FreeSpace, is_reachable};
 use super::spec::{
-    Collider, Dialect, Drawn, Layout, ModelSpec, ObjectLine, ObjectSpec, ObjectType, PathRef, RobiSpec, RobotLine,
-    RobotSpec, Scatter, SceneForm, SimSpec, StartRef, TypeRef, WallSpec, Whereabouts, WorldSpec,
+    Collider, Dialect, Drawn, Layout, ModelSpec, ObjectLine, ObjectSpec, ObjectType, PositionRef, RobiSpec, RobotLine,
+    RobotSpec, Scatter, SceneFormat, SimSpec, SpannedText, StartRef, TypeRef, WallSpec, WorldSpec,
 };
 use super::types::{LoadedType, Types};
 use super::{Severity, Span, builtin, path};
@@ -77,11 +77,11 @@ pub(super) fn place(
     if !placer.has_robots && !super::has_errors(&loader.diagnostics) {
         let mut sink = Sink::new(&sim.file);
         let expected = match sim.form {
-            SceneForm::Sim => "a line `NAME X Y PHI PROGRAM` or `robi FILE.robi PROGRAM`",
-            SceneForm::Toml => "a section `[[robot]]`",
+            SceneFormat::Sim => "a line `NAME X Y PHI PROGRAM` or `robi FILE.robi PROGRAM`",
+            SceneFormat::Toml => "a section `[[robot]]`",
         };
         let diagnostic = sink.warn(Code::SimRobotMissing, Span::default(), "the scene has no robot", expected);
-        let is_sim = sim.form == SceneForm::Sim;
+        let is_sim = sim.form == SceneFormat::Sim;
         diagnostic.suggestion = is_sim.then(|| "write a line such as `S4 500 500 0 program.c`".to_owned());
         loader.diagnostics.extend(sink.finish());
     }
@@ -197,7 +197,7 @@ impl Placer<'_> {
     }
 
     /// Object type named by a scene or a maze.
-    fn object_of_name(&mut self, loader: &mut Loader<'_>, name: &PathRef) -> Option<Arc<ObjectType>> {
+    fn object_of_name(&mut self, loader: &mut Loader<'_>, name: &SpannedText) -> Option<Arc<ObjectType>> {
         match self.types.find(&mut self.sink, name) {
             Some(LoadedType::Object(object)) => Some(object),
             Some(LoadedType::Robot(_)) => {
@@ -213,7 +213,7 @@ impl Placer<'_> {
     }
 
     /// Type of a classic `object` line: an object file, or a mesh with the shape of the built-in type of that name, otherwise a cylinder.
-    fn object_of_file(&mut self, loader: &mut Loader<'_>, path: &PathRef) -> Option<Arc<ObjectType>> {
+    fn object_of_file(&mut self, loader: &mut Loader<'_>, path: &SpannedText) -> Option<Arc<ObjectType>> {
         if path::extension(&path.text) == "esobj" {
             return loader.object_type(&self.sim.file, self.folder, path);
         }
@@ -227,7 +227,7 @@ impl Placer<'_> {
             let expected = "a mesh named can, ball, soccer, crate or golf, or an .esObj file with a collider";
             self.sink.warn(Code::SimObjectShape, path.span, message, expected);
         }
-        let model = ModelSpec { path: path.clone(), offset: DVec3::ZERO, turns: DVec3::ZERO };
+        let model = ModelSpec { path: path.clone(), offset: DVec3::ZERO, rotations: DVec3::ZERO };
         let shape = object.map_or_else(|| ObjectType::with_defaults(&path.text), Arc::unwrap_or_clone);
         let file = self.sim.file.clone();
         let kind = Arc::new(ObjectType { file, name: name.to_owned(), model: Some(model), ..shape });
@@ -271,7 +271,7 @@ impl Placer<'_> {
         match self.types.find(&mut self.sink, name) {
             Some(LoadedType::Robot(robi)) => Some(Some(robi)),
             Some(LoadedType::Object(object)) => {
-                if self.sim.form == SceneForm::Toml {
+                if self.sim.form == SceneFormat::Toml {
                     let message = format!("`{}` is an object, not a robot", name.text);
                     self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of a robot type");
                 } else {
@@ -281,7 +281,7 @@ impl Placer<'_> {
             }
             None => {
                 // A line without a program may mean an object, which EyeSim skips, so it gives only a warning.
-                let is_robot = self.sim.form == SceneForm::Toml
+                let is_robot = self.sim.form == SceneFormat::Toml
                     || line.program.is_some()
                     || !matches!(line.start, StartRef::Pose(_));
                 let severity = if is_robot { Severity::Error } else { Severity::Warning };
@@ -318,9 +318,9 @@ impl Placer<'_> {
             self.paths.insert(entity, path.clone());
         }
         let dialect = match (self.sim.form, &line.kind) {
-            (SceneForm::Toml, _) => self.sim.run.dialect.map(Dialect::generation),
-            (SceneForm::Sim, TypeRef::File(_)) => Some(6),
-            (SceneForm::Sim, TypeRef::Name(_)) => Some(7),
+            (SceneFormat::Toml, _) => self.sim.run.dialect.map(Dialect::generation),
+            (SceneFormat::Sim, TypeRef::File(_)) => Some(6),
+            (SceneFormat::Sim, TypeRef::Name(_)) => Some(7),
         };
         self.robots.push(RobotSpec {
             id: member.id,
@@ -506,10 +506,10 @@ impl Placer<'_> {
     }
 
     /// Position and radius of the point or entity that a demand names, in metres.
-    fn place_of(&mut self, place: &Whereabouts) -> Option<(DVec2, f64, Option<Entity>)> {
+    fn place_of(&mut self, place: &PositionRef) -> Option<(DVec2, f64, Option<Entity>)> {
         let path = match place {
-            Whereabouts::Point(point) => return Some((*point, 0.0, None)),
-            Whereabouts::Thing(path) => path,
+            PositionRef::Point(point) => return Some((*point, 0.0, None)),
+            PositionRef::Start(path) => path,
         };
         if let Some((entity, _)) = self.paths.iter().find(|(_, known)| **known == path.text) {
             return Some((self.pose(*entity).position, self.reach(*entity), Some(*entity)));
@@ -559,10 +559,10 @@ impl Placer<'_> {
         if let (None, Some(world)) = (start, self.starts.world) {
             let message = format!("no start is left for this robot: the world has {}", world.starts.len());
             let expected = match self.sim.form {
-                SceneForm::Sim => {
+                SceneFormat::Sim => {
                     "`X Y PHI` on this line, `position X Y PHI` in the world or a start letter in the maze"
                 }
-                SceneForm::Toml => "`x_mm` and `y_mm`, a `layout`, or a start in the world",
+                SceneFormat::Toml => "`x_mm` and `y_mm`, a `layout`, or a start in the world",
             };
             self.sink.error(Code::SimStartMissing, span, message, expected);
         }
@@ -633,9 +633,9 @@ impl<'a> Starts<'a> {
 }
 
 /// A position of a demand, worded for messages.
-fn written(whereabouts: &Whereabouts) -> String {
+fn written(whereabouts: &PositionRef) -> String {
     match whereabouts {
-        Whereabouts::Thing(path) => format!("`{}`", path.text),
-        Whereabouts::Point(point) => format!("({}, {}) mm", number::mm(point.x), number::mm(point.y)),
+        PositionRef::Start(path) => format!("`{}`", path.text),
+        PositionRef::Point(point) => format!("({}, {}) mm", number::mm(point.x), number::mm(point.y)),
     }
 }

@@ -7,7 +7,8 @@ use super::code::Code;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::line::{self, Quantity, Word};
 use super::spec::{
-    Dialect, LooksSpec, MarkerSpec, ObjectLine, PathRef, RobotLine, SimSpec, StartRef, TypeRef, WorldKind, WorldLine,
+    Dialect, LooksSpec, MarkerSpec, ObjectLine, RobotLine, SimSpec, SpannedText, StartRef, TypeRef, WorldKind,
+    WorldLine,
 };
 use super::{Span, builtin, path};
 use sim_core::pose::Pose;
@@ -337,8 +338,8 @@ fn whole(first: &Word<'_>, rest: &[Word<'_>]) -> Span {
     rest.last().map_or(first.span, |last| first.span.to(last.span))
 }
 
-fn reference(word: &Word<'_>) -> PathRef {
-    PathRef { text: word.text.to_owned(), span: word.span }
+fn reference(word: &Word<'_>) -> SpannedText {
+    SpannedText { text: word.text.to_owned(), span: word.span }
 }
 
 /// Returns true for a number and for a malformed number, but not for a file name that begins with a digit.

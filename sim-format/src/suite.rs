@@ -13,7 +13,7 @@ use super::form::{Form, print};
 use super::path;
 use super::print::{document, schema};
 use super::set::Setting;
-use super::spec::PathRef;
+use super::spec::SpannedText;
 use super::table::{Reader, Section, has_top_key};
 use super::{Files, InputFile, Loaded, Overrides, Span, load_scene_with};
 
@@ -31,11 +31,11 @@ pub struct SuiteSpec {
     /// Folder of its file.
     pub folder: String,
     /// The scene of its cases, unless the matrix names scenes.
-    pub scene: Option<PathRef>,
+    pub scene: Option<SpannedText>,
     /// Programs of robots, as options `--program` of the command line.
-    pub programs: Vec<PathRef>,
+    pub programs: Vec<SpannedText>,
     /// RoBIOS functions that fail for all programs, in addition to the scene's.
-    pub forbid: Vec<PathRef>,
+    pub forbid: Vec<SpannedText>,
     /// Files of a submission that become programs of robots.
     pub submit: Vec<SubmitSpec>,
     /// End of each case.
@@ -48,7 +48,7 @@ pub struct SuiteSpec {
     /// matrix.
     pub arguments: Vec<String>,
     /// File with the standard input of the programs.
-    pub stdin: Option<PathRef>,
+    pub stdin: Option<SpannedText>,
     /// Fraction of seeds that must pass, 0 to 1.
     pub pass_rate: f64,
     /// Values in which the cases differ.

@@ -9,7 +9,7 @@ use super::Span;
 use super::code::Code;
 use super::diagnostic::{Severity, Sink};
 use super::line::{self, Quantity};
-use super::spec::PathRef;
+use super::spec::SpannedText;
 use super::{builtin, path, sim};
 
 /// Byte range of keys that settings have added and the text does not contain ([`super::set`]).
@@ -200,7 +200,7 @@ impl Reader {
     }
 
     /// Reference to a file, or the name of a type.
-    pub(super) fn reference(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<PathRef> {
+    pub(super) fn reference(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<SpannedText> {
         self.reference_to(section, key, "a text that is not empty, between double quotes")
     }
 
@@ -210,10 +210,10 @@ impl Reader {
         section: &mut Section<'_, '_>,
         key: &'static str,
         expected: &str,
-    ) -> Option<PathRef> {
+    ) -> Option<SpannedText> {
         let text = self.text_of(section, key, expected)?;
         let span = section.get(key).map_or(section.span, |value| self.span(value.span()));
-        Some(PathRef { text, span })
+        Some(SpannedText { text, span })
     }
 
     /// Array of strings, each of which may be empty, and of numbers, which count as strings.

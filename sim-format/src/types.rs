@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::code::Code;
 use super::diagnostic::Sink;
 use super::load::Loader;
-use super::spec::{ObjectType, PathRef, RobiSpec, SceneForm, SimSpec};
+use super::spec::{ObjectType, RobiSpec, SceneFormat, SimSpec, SpannedText};
 use super::{Severity, Span, builtin, line, path, sim};
 
 /// Type of a robot or of an object.
@@ -40,7 +40,7 @@ pub(super) struct Types {
     /// For each type in a nearby file that is not loaded, by its name, the line that would load it; filled at the first
     /// unknown type.
     nearby: Option<BTreeMap<String, String>>,
-    form: SceneForm,
+    form: SceneFormat,
 }
 
 struct KnownType {
@@ -60,7 +60,7 @@ impl Types {
             types.add(kind, None);
         }
         let robots = sim.robot_types.iter().map(|path| (path, true));
-        let mut loads: Vec<(&PathRef, bool)> =
+        let mut loads: Vec<(&SpannedText, bool)> =
             robots.chain(sim.object_types.iter().map(|path| (path, false))).collect();
         loads.sort_by_key(|(path, _)| path.span);
         let mut sink = Sink::new(&sim.file);
@@ -112,7 +112,7 @@ impl Types {
     }
 
     /// Type named by `reference`. Warns if the name differs in case or the type is loaded only further below.
-    pub(super) fn find(&self, sink: &mut Sink, reference: &PathRef) -> Option<LoadedType> {
+    pub(super) fn find(&self, sink: &mut Sink, reference: &SpannedText) -> Option<LoadedType> {
         let mut entry = self.by_name.get(&reference.text);
         if entry.is_none()
             && let Some([name]) = self.by_lower_case.get(&reference.text.to_lowercase()).map(Vec::as_slice)
@@ -126,7 +126,7 @@ impl Types {
         }
         let entry = entry?;
         if let Some(loaded) =
-            entry.loaded.filter(|loaded| self.form == SceneForm::Sim && loaded.start > reference.span.start)
+            entry.loaded.filter(|loaded| self.form == SceneFormat::Sim && loaded.start > reference.span.start)
         {
             let message = format!("`{}` is loaded only further below, in line {}", reference.text, loaded.line);
             sink.warn(
@@ -146,18 +146,20 @@ impl Types {
         sink: &mut Sink,
         severity: Severity,
         folder: &str,
-        reference: &PathRef,
+        reference: &SpannedText,
     ) {
         // The type may be in the file that is missing, which is already reported.
-        if self.form == SceneForm::Sim && loader.lacks_robot_type() {
+        if self.form == SceneFormat::Sim && loader.lacks_robot_type() {
             return;
         }
         let message = format!("there is no type `{}`", reference.text);
         let expected = match self.form {
-            SceneForm::Sim => {
+            SceneFormat::Sim => {
                 "LabBot, S4, Mako, Can, Soccer, Crate, Golf, or the name of a type that a line above loads"
             }
-            SceneForm::Toml => "LabBot, S4, Mako, Can, Soccer, Crate, Golf, a file, or the name of a type of the scene",
+            SceneFormat::Toml => {
+                "LabBot, S4, Mako, Can, Soccer, Crate, Golf, a file, or the name of a type of the scene"
+            }
         };
         let suggestion = self.suggestion(loader, folder, &reference.text);
         sink.report(severity, Code::SimTypeUnknown, reference.span, message, expected).suggestion = suggestion;
@@ -171,8 +173,8 @@ impl Types {
         let nearby = self.nearby.get_or_insert_with(|| nearby(loader, folder));
         if let Some(line) = nearby.get(name) {
             return Some(match self.form {
-                SceneForm::Sim => format!("load it above with `{line}`"),
-                SceneForm::Toml => format!("name its file: `{}`", line.split_once(' ').map_or("", |(_, file)| file)),
+                SceneFormat::Sim => format!("load it above with `{line}`"),
+                SceneFormat::Toml => format!("name its file: `{}`", line.split_once(' ').map_or("", |(_, file)| file)),
             });
         }
         let names = self.by_name.keys().map(String::as_str).chain(sim::KEYWORDS);

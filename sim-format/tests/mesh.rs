@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use sim_core::build::MeshSource;
-use sim_core::spec::{ModelSpec, ObjectType, PathRef, Span};
+use sim_core::spec::{ModelSpec, ObjectType, Span, SpannedText};
 use sim_format::{FileError, Files, MeshReader};
 
 /// The file system, without an installation.
@@ -36,11 +36,11 @@ fn corpus() -> Option<PathBuf> {
 }
 
 fn object(file: &Path, mesh: &str, scale: f64) -> ObjectType {
-    let path = PathRef { text: mesh.to_owned(), span: Span::default() };
+    let path = SpannedText { text: mesh.to_owned(), span: Span::default() };
     ObjectType {
         file: file.to_string_lossy().into_owned(),
         name: "object".to_owned(),
-        model: Some(ModelSpec { path, offset: DVec3::ZERO, turns: DVec3::ZERO }),
+        model: Some(ModelSpec { path, offset: DVec3::ZERO, rotations: DVec3::ZERO }),
         scale,
         colliders: Vec::new(),
         mass: 1.0,
@@ -51,8 +51,8 @@ fn object(file: &Path, mesh: &str, scale: f64) -> ObjectType {
         restitution: 0.0,
         colour: None,
         surface: Default::default(),
-        solid: Default::default(),
-        buoyancy: 0.0,
+        sensor_shape: Default::default(),
+        displaced_volume: 0.0,
         lift: 0.0,
     }
 }

@@ -74,7 +74,7 @@ fn a_scene_has_its_ground_markers_objects_and_robots() {
     assert_eq!((ground.spots.len(), ground.spots[0].colour), (1, [0, 0, 255, 100]));
     let light = scenery.light();
     assert!(light.shadows && (light.ambient + light.fill + light.diffuse - 1.0).abs() < 1e-12);
-    assert!((light.towards.length() - 1.0).abs() < 1e-12 && light.towards.z > 0.7);
+    assert!((light.sun_direction.length() - 1.0).abs() < 1e-12 && light.sun_direction.z > 0.7);
     let labels: Vec<Label> = scenery.parts().iter().map(|part| part.label).collect();
     assert_eq!(labels[..3], [Label::Object(ObjectId(1)), Label::Fixed(1), Label::Object(ObjectId(2))]);
     assert_eq!(labels[3..], [1, 2, 3, 4, 5, 6, 7].map(|id| Label::Robot(RobotId(id))));
@@ -202,7 +202,7 @@ fn fields() -> image::RgbaImage {
 
 /// Picture of a static scenery.
 fn seen(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<[u8; 3]> {
-    let pose = View::looking(from, to).expect("a direction");
+    let pose = View::look_at(from, to).expect("a direction");
     let view = View::new(pose, Lens::Pinhole { fov: 0.7 }, size).expect("a view");
     let world = World::new(Arc::new(Walls::new(Vec::new())), Time::from_millis(50), []);
     Camera::default().colour(&scenery.pose_at(&world, Time::ZERO), &view, None, 1)
@@ -212,7 +212,7 @@ fn seen(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<[u
 fn alone(mesh: Arc<Mesh>) -> Scenery {
     let attachment = Attachment::Fixed(Pose3::IDENTITY);
     let part = Part { mesh, label: Label::Fixed(0), attachment };
-    let white = Light { towards: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
+    let white = Light { sun_direction: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
     Scenery::new(vec![part], None, white, Sky { horizon: [0; 3], zenith: [0; 3] })
 }
 

@@ -80,7 +80,7 @@ fn rays_meet_the_terrain_as_high_as_the_scene_says() {
         assert_eq!(down.thing, Thing::Fixed(0));
     }
     assert_eq!(field.height(0.5, 0.5), 0.0);
-    assert!(field.range().1 > 0.3);
+    assert!(field.height_bounds().1 > 0.3);
 }
 
 #[test]

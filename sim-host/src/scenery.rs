@@ -75,7 +75,7 @@ impl LazyScenery {
     fn build(&self) -> Visuals {
         let Some(Source { scene, files, reported }) = &self.source else {
             self.built.get_or_init(|| SceneryReads { diagnostics: Vec::new(), inputs: Vec::new() });
-            let light = Light { towards: glam::DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
+            let light = Light { sun_direction: glam::DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
             let sky = Sky { horizon: [0; 3], zenith: [0; 3] };
             return Visuals::from_scenery(Scenery::new(Vec::new(), None, light, sky));
         };

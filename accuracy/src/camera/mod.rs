@@ -241,8 +241,8 @@ impl<'s> Reference<'s> {
 
     fn lit(&self, colour: [f64; 3], normal: DVec3, is_sunlit: bool) -> [f64; 3] {
         let light = self.posed.scenery().light();
-        let opposite = light.towards * DVec3::new(-1.0, -1.0, 1.0);
-        let sun = if is_sunlit { light.diffuse * normal.dot(light.towards).max(0.0) } else { 0.0 };
+        let opposite = light.sun_direction * DVec3::new(-1.0, -1.0, 1.0);
+        let sun = if is_sunlit { light.diffuse * normal.dot(light.sun_direction).max(0.0) } else { 0.0 };
         let share = light.ambient + light.fill * 0.5 * (1.0 + normal.dot(opposite)) + sun;
         colour.map(|channel| (channel * share).min(255.0))
     }
@@ -252,14 +252,14 @@ impl<'s> Reference<'s> {
         let light = self.posed.scenery().light();
         let is_met = |body: &Body, face: &Face| {
             of != Some((body.part, face.number))
-                && oracle::distance_to_triangle(&face.corners, point, light.towards, FACE_MARGIN)
+                && oracle::distance_to_triangle(&face.corners, point, light.sun_direction, FACE_MARGIN)
                     .is_some_and(|metres| metres > NO_SHADOW)
         };
         !light.shadows
             || !self
                 .bodies
                 .iter()
-                .filter(|body| body.may_be_met(point, light.towards))
+                .filter(|body| body.may_be_met(point, light.sun_direction))
                 .any(|body| body.faces.iter().any(|face| is_met(body, face)))
     }
 

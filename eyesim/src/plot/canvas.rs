@@ -37,7 +37,7 @@ impl Surface for BitMapBackend<'_> {
             for column in 0..size.0 {
                 let (u, v) =
                     ((f64::from(column) + 0.5) / f64::from(size.0), (f64::from(row) + 0.5) / f64::from(size.1));
-                pixels.extend(lightened(texture.at(u, 1.0 - v)));
+                pixels.extend(lightened(texture.sample(u, 1.0 - v)));
             }
         }
         check(self.blit_bitmap(at, size, &pixels))

@@ -25,7 +25,7 @@ pub fn draw_terrain(drawing: &mut Drawing, field: &HeightField) {
     let Bounds { min, max } = field.bounds();
     drawing.include(min);
     drawing.include(max);
-    let (low, high) = field.range();
+    let (low, high) = field.height_bounds();
     let step = contour_step(high - low);
     drawing.backdrop = image(field, step).map(|image| Backdrop { corners: [min, max], texture: Arc::new(image) });
     if let Some(step) = step {

@@ -21,7 +21,7 @@ pub const CAMERA: &str = switch::CAMERA;
 /// All sensors of a robot of this type: range sensors first, in the order of the robot's own list.
 pub fn sensors(robi: &RobiSpec) -> Vec<Sensor> {
     let joints = build::legs(robi).map_or_else(Vec::new, |legs| legs.standing_joints());
-    let (links, angles) = (build::links(robi), Ranges::new(robi).all_angles(&Servos::default(), &joints, Time::ZERO));
+    let (links, angles) = (build::links(robi), Ranges::new(robi).joint_angles(&Servos::default(), &joints, Time::ZERO));
     let posture = Posture { links: &links, angles: &angles, ..Posture::default() };
     let names = robi.psds.iter().map(|psd| &psd.name).chain(robi.ranges.iter().map(|range| &range.name));
     let ranges = build::range_sensors(robi).into_iter().zip(names).map(|(sensor, name)| Sensor {

@@ -93,6 +93,6 @@ fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<(u32, SensorView)> {
 
 fn beam(RobotId(robot): RobotId, sensor: u32, view: &SensorView) -> Beam {
     let from = view.world_from_sensor.position;
-    let to = from + view.world_from_sensor.forward() * view.distance.unwrap_or(view.reach);
+    let to = from + view.world_from_sensor.forward() * view.distance.unwrap_or(view.range);
     Beam { robot, sensor, from_m: from.to_array(), to_m: to.to_array(), is_hit: view.distance.is_some() }
 }

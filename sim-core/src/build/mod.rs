@@ -16,7 +16,7 @@ use crate::scene::{Ground, HeightField, Mesh, MeshIndex, Segment, Surface, WallI
 use crate::sensor::{RangeModel, RangeSensor};
 use crate::spec::{
     self, Axis, Collider, ContactKind, DEFAULT_DUTY, DEFAULT_PERIOD, GaitSpec, HullSpec, LegSpec, LegsSpec, LidarSpec,
-    LinkSpec, MountSpec, ObjectSpec, ObjectType, PathRef, RobiSpec, SceneSpec, TerrainShape, WorldSpec,
+    LinkSpec, MountSpec, ObjectSpec, ObjectType, RobiSpec, SceneSpec, SpannedText, TerrainShape, WorldSpec,
 };
 use crate::time::Time;
 use crate::world::{Space, ThickWall};
@@ -120,7 +120,7 @@ pub fn space(scene: &SceneSpec) -> Space {
 /// would return hardly any echo. Our choice.
 fn default_ground_surface(world: &WorldSpec) -> Surface {
     match world.terrain.as_ref().map(|terrain| &terrain.shape) {
-        Some(TerrainShape::Image(_) | TerrainShape::Relief(_)) => Surface::ROUGH,
+        Some(TerrainShape::Image(_) | TerrainShape::Random(_)) => Surface::ROUGH,
         Some(TerrainShape::Mesh { .. } | TerrainShape::Steps(_)) | None => Surface::SMOOTH,
     }
 }
@@ -134,8 +134,8 @@ pub fn robot_figure(robi: &RobiSpec) -> Figure {
 /// Shape in space of an object type: its mesh if sensors detect the mesh, otherwise its colliders, or its footprint if
 /// it has neither.
 pub fn figure(kind: &ObjectType) -> Figure {
-    let solids = match &kind.solid {
-        spec::Solid::Mesh(Some(mesh)) => vec![Solid::Mesh(index(&raised(mesh, kind.lift)))],
+    let solids = match &kind.sensor_shape {
+        spec::SensorShape::Mesh(Some(mesh)) => vec![Solid::Mesh(index(&raised(mesh, kind.lift)))],
         _ if kind.colliders.is_empty() => {
             let Part { shape: footprint, object_from_part: body_from_footprint } = default_footprint();
             vec![Solid::Prism { footprint, body_from_footprint, bottom: 0.0, top: f64::INFINITY }]
@@ -242,15 +242,15 @@ pub fn links(robi: &RobiSpec) -> Vec<Link> {
     let indices = link_indices(robi, &order);
     let servos = robi.all_servos();
     let link = |index: &usize| {
-        let LinkSpec { mount, turn, .. } = &robi.links[*index];
-        let axis = match turn.as_ref().map_or(Axis::Z, |turn| turn.axis) {
+        let LinkSpec { mount, joint, .. } = &robi.links[*index];
+        let axis = match joint.as_ref().map_or(Axis::Z, |joint| joint.axis) {
             Axis::X => DVec3::X,
             // A positive joint angle raises the link's x axis, as a positive pitch does.
             Axis::Y => DVec3::NEG_Y,
             Axis::Z => DVec3::Z,
         };
-        let servo = turn.as_ref().and_then(|turn| servos.iter().position(|servo| servo.name == turn.servo.text));
-        Link { parent: parent_link(mount.on.as_ref(), &indices), origin: pose(mount), axis, joint: servo }
+        let servo = joint.as_ref().and_then(|joint| servos.iter().position(|servo| servo.name == joint.servo.text));
+        Link { parent: parent_link(mount.link.as_ref(), &indices), origin: pose(mount), axis, joint: servo }
     };
     let leg_links = legs.map_or_else(Vec::new, |legs| legs.links(0, servos.len()));
     leg_links.into_iter().chain(order.iter().map(link)).collect()
@@ -261,12 +261,12 @@ pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
     let indices = link_indices(robi, &link_order(robi));
     let psds = robi.psds.iter().map(|psd| RangeSensor {
         mount: Pose3::from_angles(psd.position, 0.0, psd.pitch, psd.angle),
-        link: parent_link(psd.on.as_ref(), &indices),
+        link: parent_link(psd.link.as_ref(), &indices),
         model: RangeModel::Psd { range: psd.range },
     });
     let others = robi.ranges.iter().map(|range| RangeSensor {
         mount: pose(&range.mount),
-        link: parent_link(range.mount.on.as_ref(), &indices),
+        link: parent_link(range.mount.link.as_ref(), &indices),
         model: range.model,
     });
     psds.chain(others).collect()
@@ -275,7 +275,7 @@ pub fn range_sensors(robi: &RobiSpec) -> Vec<RangeSensor> {
 /// Pose of a laser scanner on its parent link, and the index of that link in [`links`]; `None` for the body.
 pub fn scanner_mount(robi: &RobiSpec, lidar: &LidarSpec) -> (Pose3, Option<usize>) {
     let indices = link_indices(robi, &link_order(robi));
-    (pose(&lidar.mount), parent_link(lidar.mount.on.as_ref(), &indices))
+    (pose(&lidar.mount), parent_link(lidar.mount.link.as_ref(), &indices))
 }
 
 /// Pose of a mount relative to its parent.
@@ -284,7 +284,7 @@ fn pose(mount: &MountSpec) -> Pose3 {
 }
 
 /// Index of the parent link of this name; `None` for the body.
-fn parent_link(on: Option<&PathRef>, indices: &BTreeMap<String, usize>) -> Option<usize> {
+fn parent_link(on: Option<&SpannedText>, indices: &BTreeMap<String, usize>) -> Option<usize> {
     on.and_then(|on| indices.get(on.text.as_str()).copied())
 }
 
@@ -308,7 +308,8 @@ fn link_order(robi: &RobiSpec) -> Vec<usize> {
     for (index, link) in robi.links.iter().enumerate() {
         names.entry(&link.name).or_insert(index);
     }
-    let parent = |index: usize| robi.links[index].mount.on.as_ref().and_then(|on| names.get(on.text.as_str()).copied());
+    let parent =
+        |index: usize| robi.links[index].mount.link.as_ref().and_then(|link| names.get(link.text.as_str()).copied());
     let mut is_placed = vec![false; robi.links.len()];
     let mut order = Vec::with_capacity(robi.links.len());
     for index in 0..robi.links.len() {
@@ -374,7 +375,7 @@ fn gait(spec: &GaitSpec, legs: usize) -> Gait {
         period: Time::from_seconds_ceil(spec.period),
         duty: spec.duty,
         offsets,
-        is_natural: spec.is_natural,
+        is_natural: spec.has_natural_curve,
     }
 }
 

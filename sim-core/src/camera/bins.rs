@@ -14,13 +14,20 @@ pub struct Bins {
     pub faces: Vec<Face>,
     /// For each tile, the numbers of its faces in ascending order.
     pub tiles: Vec<Vec<u32>>,
-    /// Buffer: corners of the cluster in progress in lens space, with their landmarks.
+    /// Buffer: corners of the cluster in progress in lens space, with their [image positions](Optics::image_position).
     corners: Vec<(DVec3, DVec3)>,
 }
 
 impl Bins {
-    /// Bins all faces in the view, except those of the robot `by`.
-    pub fn fill(&mut self, posed: &PosedScenery, view: &View, optics: &Optics, rays: &RayTable, by: Option<RobotId>) {
+    /// Bins all faces in the view, except those of the robot `observer`.
+    pub fn fill(
+        &mut self,
+        posed: &PosedScenery,
+        view: &View,
+        optics: &Optics,
+        rays: &RayTable,
+        observer: Option<RobotId>,
+    ) {
         let [columns, rows] = optics.tiles().map(|count| count as usize);
         self.faces.clear();
         self.tiles.iter_mut().for_each(Vec::clear);
@@ -29,18 +36,18 @@ impl Bins {
         let camera_from_world = camera.rotation.transpose();
         let scenery = posed.scenery();
         for (number, part, pose) in posed.parts() {
-            if by.is_some_and(|by| part.label == Label::Robot(by)) {
+            if observer.is_some_and(|robot| part.label == Label::Robot(robot)) {
                 continue;
             }
             let render_mesh = scenery.render_mesh(number);
             let offset = camera_from_world * (pose.position - camera.position);
-            let turn = camera_from_world * pose.rotation;
+            let rotation = camera_from_world * pose.rotation;
             let may_show =
-                |sphere: &super::render_mesh::Sphere| optics.may_show(offset + turn * sphere.centre, sphere.radius);
+                |sphere: &super::render_mesh::Sphere| optics.may_show(offset + rotation * sphere.centre, sphere.radius);
             if !may_show(&render_mesh.bounds) {
                 continue;
             }
-            let lens_from_part = optics.lens_from_camera * turn;
+            let lens_from_part = optics.lens_from_camera * rotation;
             let offset = optics.lens_from_camera * offset;
             let eye = pose.inverse_transform_point(camera.position);
             for cluster in &render_mesh.clusters {
@@ -48,7 +55,7 @@ impl Bins {
                     continue;
                 }
                 let is_outside = |(low, high): (DVec3, DVec3)| eye.cmplt(low).any() || eye.cmpgt(high).any();
-                let is_hidden = cluster.closed.is_some_and(is_outside);
+                let hides_back_sides = cluster.closed_bounds.is_some_and(is_outside);
                 self.corners.clear();
                 self.corners.extend(render_mesh.corners[cluster.corners.clone()].iter().map(|corner| {
                     let corner = lens_from_part * *corner + offset;
@@ -59,7 +66,7 @@ impl Bins {
                     let Some(area) = optics.area(corners.map(|corner| corner.1)) else { continue };
                     let corners = corners.map(|corner| corner.0);
                     if let Some(face) =
-                        Face::new((number as u32, face.triangle), corners, &optics.lens_from_camera, is_hidden)
+                        Face::new((number as u32, face.triangle), corners, &optics.lens_from_camera, hides_back_sides)
                     {
                         self.add(face, area, optics, rays);
                     }
@@ -72,24 +79,24 @@ impl Bins {
         let number = self.faces.len() as u32;
         let columns = optics.tiles()[0];
         let (first, last) = (area.first.map(|pixel| pixel / TILE), area.last.map(|pixel| pixel / TILE));
-        let is_alone = first == last;
-        let mut is_seen = false;
-        for down in first[1]..=last[1] {
+        let is_in_one_tile = first == last;
+        let mut is_visible = false;
+        for row in first[1]..=last[1] {
             for column in first[0]..=last[0] {
-                let tile = (down * columns + column) as usize;
-                let may_show = is_alone
+                let tile = (row * columns + column) as usize;
+                let may_show = is_in_one_tile
                     || if optics.is_flat {
-                        may_hit::<true>(&face, &Window::flat([column, down]))
+                        may_hit::<true>(&face, &Window::flat([column, row]))
                     } else {
-                        may_hit::<false>(&face, &Window::curved(rays.cone_of(tile)))
+                        may_hit::<false>(&face, &Window::curved(rays.cone(tile)))
                     };
                 if may_show {
                     self.tiles[tile].push(number);
-                    is_seen = true;
+                    is_visible = true;
                 }
             }
         }
-        if is_seen {
+        if is_visible {
             self.faces.push(face);
         }
     }
@@ -99,7 +106,7 @@ impl Bins {
 #[inline(always)]
 fn may_hit<const FLAT: bool>(face: &Face, window: &Window) -> bool {
     face.edges.iter().all(|edge| {
-        let (middle, more) = window.range::<FLAT>(*edge);
-        middle + more > -2.0 * window.slack::<FLAT>(*edge)
+        let (middle, deviation) = window.middle_and_deviation::<FLAT>(*edge);
+        middle + deviation > -2.0 * window.slack::<FLAT>(*edge)
     })
 }

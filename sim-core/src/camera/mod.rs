@@ -1,7 +1,8 @@
 //! Software renderer for cameras: pictures, depths and labels of a scene, without a graphics card.
 //!
-//! A [`Scenery`] is everything visible in a scene, the same for all cameras; a [`PosedScenery`] adds the poses of its parts at an instant;
-//! a [`View`] is a camera's pose, its lens and the size of its image; a [`Camera`] renders a still in a view.
+//! A [`Scenery`] is everything visible in a scene, shared by all cameras. A [`PosedScenery`] adds the poses of its parts at
+//! an instant. A [`View`] is a camera's pose, its lens and the size of its image. A [`Camera`] renders a posed scenery in a
+//! view.
 //!
 //! # Pictures
 //! Row 0 is on top. The pixel in `column` and `row` covers [column, column + 1) x [row, row + 1); it shows the first
@@ -9,15 +10,16 @@
 //! to the left, z up.
 //!
 //! # Definition of a hit
-//! A ray from the camera hits a face if it lies in the cone over the face's corners, from either side. With the corners
-//! v0, v1, v2 in the camera's frame and e0 = v1 x v2 (and so on), all dot products e . ray then have the sign of the
-//! determinant v0 . e0 (ray against edges: Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates,
-//! 1997). The test is the same for every lens, and faces behind the camera or crossing its plane need no clipping.
+//! A ray from the camera hits a face if it lies in the cone of the rays to the points of the face. Both sides of a face
+//! can be hit. With the corners v0, v1, v2 in the camera's frame and e0 = v1 x v2, e1 = v2 x v0, e2 = v0 x v1, the ray lies
+//! in the cone if all dot products e . ray have the sign of the determinant v0 . e0 (Olano and Greer, Triangle scan
+//! conversion using 2D homogeneous coordinates, 1997). The test is the same for every lens, and faces behind the camera or
+//! crossing its plane need no clipping.
 //! Edges are widened by 1e-4 pixels (2e-6 rad for a fisheye), which exceeds all rounding, so that nothing shows through
 //! between faces that share an edge or a corner. Among coplanar faces the lowest part number is visible, then the
 //! lowest triangle number. A face is invisible to a camera less than 1 nm from the face's plane. The ground is the
 //! plane z = 0, visible only from above; behind all faces and the ground is the sky. Ground and sky are computed
-//! without faces. Our choices.
+//! without faces. These definitions are our choice.
 //!
 //! # Colour
 //! The colour of a surface is its material's colour times its texture times the light: `ambient`, `fill` times (1 + n .

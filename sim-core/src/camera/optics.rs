@@ -44,7 +44,7 @@ pub struct PixelRect {
     pub last: [u32; 2],
 }
 
-/// Margin of an area around its visible content, in pixels: far above rounding.
+/// Margin of a face's pixel rectangle around the face, in pixels: far above rounding.
 const MARGIN: f64 = 0.0625;
 
 impl Optics {
@@ -112,12 +112,13 @@ impl Optics {
         } else if corner.z > 0.0 {
             DVec3::new(corner.x / corner.z, corner.y / corner.z, 1.0)
         } else {
-            // A corner not ahead of the camera stays unchanged.
+            // A corner that is not ahead of the camera is not projected.
             DVec3::new(corner.x, corner.y, corner.z.min(0.0))
         }
     }
 
-    /// The pixels that may show part of a face with these landmarks; `None` for a face outside the image.
+    /// The pixels that may show part of a face whose corners have these [image positions](Self::image_position); `None` for
+    /// a face outside the image.
     pub fn area(&self, [a, b, c]: [DVec3; 3]) -> Option<PixelRect> {
         if !self.is_flat {
             return self.curved_area([a, b, c]);
@@ -126,20 +127,20 @@ impl Optics {
             let (low, high) = (a.min(b).min(c).truncate(), a.max(b).max(c).truncate());
             return self.rect_between(low, high);
         }
-        // A face that crosses the camera's plane is out of sight only if all corners are beyond one border.
-        let all = |is_beyond: fn(DVec3, DVec2) -> bool| {
+        // A face that crosses the camera's plane is invisible only if all corners are beyond the same border.
+        let all_corners = |is_beyond: fn(DVec3, DVec2) -> bool| {
             let size = DVec2::from(self.size.map(f64::from));
             is_beyond(a, size) && is_beyond(b, size) && is_beyond(c, size)
         };
-        let is_out = all(|h, _| h.z <= 0.0)
-            || all(|h, _| h.x < -MARGIN * h.z)
-            || all(|h, _| h.y < -MARGIN * h.z)
-            || all(|h, size| h.x > (size.x + MARGIN) * h.z)
-            || all(|h, size| h.y > (size.y + MARGIN) * h.z);
-        (!is_out).then_some(self.everything())
+        let is_outside = all_corners(|h, _| h.z <= 0.0)
+            || all_corners(|h, _| h.x < -MARGIN * h.z)
+            || all_corners(|h, _| h.y < -MARGIN * h.z)
+            || all_corners(|h, size| h.x > (size.x + MARGIN) * h.z)
+            || all_corners(|h, size| h.y > (size.y + MARGIN) * h.z);
+        (!is_outside).then_some(self.whole_image())
     }
 
-    fn everything(&self) -> PixelRect {
+    fn whole_image(&self) -> PixelRect {
         PixelRect { first: [0; 2], last: self.size.map(|side| side - 1) }
     }
 
@@ -157,25 +158,26 @@ impl Optics {
         Some(PixelRect { first: [left, top], last: [right, bottom] })
     }
 
-    /// Rectangle for a fisheye: a circle about the face's middle, with the maximum magnification of the lens within it.
+    /// Pixels that may show part of a face through a fisheye: the bounding rectangle of a circle about the face's middle,
+    /// whose radius is computed with the lens's maximum magnification in the circle.
     fn curved_area(&self, corners: [DVec3; 3]) -> Option<PixelRect> {
         let middle = (corners[0] + corners[1] + corners[2]).normalize_or_zero();
         let chord = corners.iter().map(|corner| middle.distance(*corner)).fold(0.0, f64::max);
         if !(middle != DVec3::ZERO && chord <= 1.0) {
-            return Some(self.everything());
+            return Some(self.whole_image());
         }
         // The angle of a chord up to 1 is less than pi / 3 times the chord.
-        let width = 1.0001 * FRAC_PI_3 * chord + 1e-9;
+        let radius_angle = 1.0001 * FRAC_PI_3 * chord + 1e-9;
         let off_axis_distance = math::hypot(middle.y, middle.z);
         let off_axis = math::atan2(off_axis_distance, middle.x);
-        let farthest = off_axis + width;
+        let farthest = off_axis + radius_angle;
         if farthest > 3.0 {
-            return Some(self.everything());
+            return Some(self.whole_image());
         }
-        // A fisheye magnifies by angle / sin(angle) perpendicular to the radius, and by no more along it.
-        let reach = self.focal * width / math::sinc(farthest) + 1.0;
+        // The magnification of a fisheye is angle / sin(angle) perpendicular to the radius, and not larger along it.
+        let radius = self.focal * radius_angle / math::sinc(farthest) + 1.0;
         let scale = if off_axis_distance > 0.0 { self.focal * off_axis / off_axis_distance } else { 0.0 };
-        let at = 0.5 * DVec2::from(self.size.map(f64::from)) - scale * DVec2::new(middle.y, middle.z);
-        self.rect_between(at - reach, at + reach)
+        let centre = 0.5 * DVec2::from(self.size.map(f64::from)) - scale * DVec2::new(middle.y, middle.z);
+        self.rect_between(centre - radius, centre + radius)
     }
 }

@@ -1,4 +1,4 @@
-/// An image of pixels of one kind: colours, depths, labels.
+/// An image whose pixels are colours, depths or labels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture<T> {
     size: [u32; 2],
@@ -11,7 +11,7 @@ impl<T> Picture<T> {
     /// # Panics
     /// If the number of pixels differs from the product of width and height.
     pub fn new(size: [u32; 2], pixels: Vec<T>) -> Self {
-        assert_eq!(size[0] as usize * size[1] as usize, pixels.len(), "a pixel for each place");
+        assert_eq!(size[0] as usize * size[1] as usize, pixels.len(), "the number of pixels is width times height");
         Self { size, pixels }
     }
 

@@ -15,7 +15,7 @@ pub const PIXELS: usize = (TILE * TILE) as usize;
 /// Cache of a fisheye's rays and of the cone around the rays of each tile, valid for one lens and size.
 #[derive(Clone, Debug, Default)]
 pub struct RayTable {
-    made_for: Option<(Lens, [u32; 2])>,
+    valid_for: Option<(Lens, [u32; 2])>,
     /// Ray components by axis, row by row, with a border of one ray around the pixels of the tiles.
     axes: [Vec<f32>; 3],
     /// For each ray, true if it is in the image; other rays only serve to compute differences between pixels.
@@ -32,13 +32,13 @@ pub struct Cone {
 }
 
 impl RayTable {
-    /// Fills the table for `view`; no-op if it is valid, and for a pinhole.
+    /// Fills the table for `view`; does nothing if the table is valid, or if the lens is a pinhole.
     pub fn prepare(&mut self, view: &View, tiles: [u32; 2]) {
-        let made_for = Some((view.lens(), view.size()));
-        if self.made_for == made_for || matches!(view.lens(), Lens::Pinhole { .. }) {
+        let valid_for = Some((view.lens(), view.size()));
+        if self.valid_for == valid_for || matches!(view.lens(), Lens::Pinhole { .. }) {
             return;
         }
-        self.made_for = made_for;
+        self.valid_for = valid_for;
         let [columns, rows] = tiles.map(|tiles| (tiles * TILE + 2) as usize);
         self.stride = columns;
         for axis in &mut self.axes {
@@ -49,21 +49,21 @@ impl RayTable {
             for column in 0..columns {
                 let (angle, ray) = view.continued_ray(DVec2::new(column as f64 - 0.5, row as f64 - 0.5));
                 self.is_shown.push(angle <= PI);
-                for (axis, part) in self.axes.iter_mut().zip(ray.to_array()) {
-                    axis.push(part as f32);
+                for (axis, component) in self.axes.iter_mut().zip(ray.to_array()) {
+                    axis.push(component as f32);
                 }
             }
         }
         self.cones.clear();
-        for down in 0..tiles[1] {
-            for tile_column in 0..tiles[0] {
-                self.cones.push(self.cone(tile_column, down));
+        for row in 0..tiles[1] {
+            for column in 0..tiles[0] {
+                self.cones.push(self.compute_cone(column, row));
             }
         }
     }
 
-    fn cone(&self, column: u32, down: u32) -> Cone {
-        let pixels = (0..TILE * TILE).map(|pixel| self.ray([column * TILE + pixel % TILE, down * TILE + pixel / TILE]));
+    fn compute_cone(&self, column: u32, row: u32) -> Cone {
+        let pixels = (0..TILE * TILE).map(|pixel| self.ray([column * TILE + pixel % TILE, row * TILE + pixel / TILE]));
         let middle = pixels.clone().sum::<DVec3>() / f64::from(TILE * TILE);
         let radius = pixels.map(|ray| ray.distance(middle)).fold(0.0, f64::max);
         Cone { middle, radius: radius + 1e-6 }
@@ -84,7 +84,7 @@ impl RayTable {
     }
 
     /// The cone of tile `tile`.
-    pub fn cone_of(&self, tile: usize) -> Cone {
+    pub fn cone(&self, tile: usize) -> Cone {
         self.cones[tile]
     }
 }
@@ -119,16 +119,17 @@ impl Window {
         Self { middle: cone.middle, radius: cone.radius }
     }
 
-    /// Value of a linear form at the middle, and the bound of its deviation at other rays of the tile.
+    /// Value of a linear form at the middle, and the bound of its deviation from that value at other rays of the tile.
     #[inline(always)]
-    pub fn range<const FLAT: bool>(&self, form: DVec3) -> (f64, f64) {
+    pub fn middle_and_deviation<const FLAT: bool>(&self, form: DVec3) -> (f64, f64) {
         let middle = form.dot(self.middle);
         let size = if FLAT { form.x.abs() + form.y.abs() } else { form.length() };
         (middle, size * self.radius)
     }
 
-    /// Tolerance below 0 for an edge of a face that a ray hits: 1e-4 pixels, or 2e-6 rad for a fisheye. The tolerance
-    /// exceeds the rounding of `f32`, so that nothing shows through between faces that share an edge or a corner.
+    /// Tolerance of the test of a ray against an edge: 1e-4 pixels, or 2e-6 rad for a fisheye. The ray hits the face if its
+    /// dot products with the edges are at least the negative of this value. The tolerance exceeds the rounding of `f32`, so
+    /// that nothing shows through between faces that share an edge or a corner.
     #[inline(always)]
     pub fn slack<const FLAT: bool>(&self, edge: DVec3) -> f64 {
         if FLAT { 1e-4 * (edge.x.abs() + edge.y.abs()) } else { 2e-6 * edge.length() }
@@ -152,44 +153,49 @@ impl Rays {
         Self { axes: [x, y, [1.0; PIXELS]], steps: [[[0.0; PIXELS]; 3]; 2] }
     }
 
-    /// Loads the rays of a fisheye's tile.
-    pub fn curve(&mut self, table: &RayTable, tile: [u32; 2]) {
+    /// Loads the rays of a tile of a fisheye.
+    pub fn load_curved(&mut self, table: &RayTable, tile: [u32; 2]) {
         let start = table.index_of(tile.map(|index| index * TILE));
         let side = TILE as usize;
         for row in 0..side {
-            let (at, to) = (start + row * table.stride, row * side..(row + 1) * side);
-            let is_shown = &table.is_shown[at..at + side];
-            for (axis, of_axis) in table.axes.iter().enumerate() {
-                let from = |index: usize| &of_axis[index..index + side];
-                let here = self.axes[axis][to.clone()].iter_mut().zip(from(at)).zip(is_shown);
-                here.for_each(|((ray, part), is_shown)| *ray = if *is_shown { *part } else { 0.0 });
-                let pairs = [(at + 1, at - 1), (at + table.stride, at - table.stride)];
-                for (step, (behind, before)) in self.steps.iter_mut().zip(pairs) {
-                    let changes = step[axis][to.clone()].iter_mut().zip(from(behind)).zip(from(before));
-                    changes.for_each(|((change, behind), before)| *change = 0.5 * (behind - before));
+            let (source, target) = (start + row * table.stride, row * side..(row + 1) * side);
+            let is_shown = &table.is_shown[source..source + side];
+            for (axis, components) in table.axes.iter().enumerate() {
+                let row_from = |index: usize| &components[index..index + side];
+                let rays = self.axes[axis][target.clone()].iter_mut().zip(row_from(source)).zip(is_shown);
+                rays.for_each(|((ray, component), is_shown)| *ray = if *is_shown { *component } else { 0.0 });
+                let neighbours = [(source + 1, source - 1), (source + table.stride, source - table.stride)];
+                for (step, (next, previous)) in self.steps.iter_mut().zip(neighbours) {
+                    let steps = step[axis][target.clone()].iter_mut().zip(row_from(next)).zip(row_from(previous));
+                    steps.for_each(|((step, next), previous)| *step = 0.5 * (next - previous));
                 }
             }
         }
     }
 
-    /// Values of a [local](Window::local) form on one vector of rays, from `first` on.
+    /// Values of a [local](Window::local) form at one vector of rays, which begins at pixel `first`.
     #[inline(always)]
     pub fn value<S: Simd, const FLAT: bool>(&self, simd: S, [x, y, z]: [f32; 3], first: usize) -> S::f32s {
-        let at = first..first + S::f32s::LEN;
-        let across = S::f32s::from_slice(simd, &self.axes[0][at.clone()]) * x;
-        let down = S::f32s::from_slice(simd, &self.axes[1][at.clone()]) * y;
-        if FLAT { (across + z) + down } else { (across + down) + S::f32s::from_slice(simd, &self.axes[2][at]) * z }
+        let pixels = first..first + S::f32s::LEN;
+        let x_term = S::f32s::from_slice(simd, &self.axes[0][pixels.clone()]) * x;
+        let y_term = S::f32s::from_slice(simd, &self.axes[1][pixels.clone()]) * y;
+        if FLAT {
+            (x_term + z) + y_term
+        } else {
+            (x_term + y_term) + S::f32s::from_slice(simd, &self.axes[2][pixels]) * z
+        }
     }
 
-    /// Changes of the values to the next column (`axis` 0) or the next row (1).
+    /// Differences between the values at the next column (`axis` 0) or the next row (1) and the [values](Self::value).
     #[inline(always)]
     pub fn step<S: Simd, const FLAT: bool>(&self, simd: S, form: [f32; 3], first: usize, axis: usize) -> S::f32s {
         if FLAT {
             return S::f32s::splat(simd, form[axis]);
         }
-        let at = first..first + S::f32s::LEN;
+        let pixels = first..first + S::f32s::LEN;
         let [x, y, z] = &self.steps[axis];
-        (S::f32s::from_slice(simd, &x[at.clone()]) * form[0] + S::f32s::from_slice(simd, &y[at.clone()]) * form[1])
-            + S::f32s::from_slice(simd, &z[at]) * form[2]
+        (S::f32s::from_slice(simd, &x[pixels.clone()]) * form[0]
+            + S::f32s::from_slice(simd, &y[pixels.clone()]) * form[1])
+            + S::f32s::from_slice(simd, &z[pixels]) * form[2]
     }
 }

@@ -1,4 +1,4 @@
-//! Renders a still into a picture, tile by tile.
+//! Renders pictures, tile by tile.
 
 use fearless_simd::Level;
 use glam::{DVec2, DVec3};
@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use super::bins::Bins;
 use super::optics::{Optics, TILE};
 use super::rays::{PIXELS, RayTable, Rays, Window};
-use super::shade::{Colours, Shading, rounded, shade};
+use super::shade::{Colours, Shading, round_colours, shade};
 use super::shadow::{Axes, ShadowGrid};
 use super::surface::SurfaceContext;
 use super::tile::{GROUND, SKY, Tile, find_visible};
@@ -19,8 +19,7 @@ pub struct Camera {
     level: Level,
     bins: Bins,
     rays: RayTable,
-    /// Moving shadow casters.
-    moving: ShadowGrid,
+    moving_shadow_casters: ShadowGrid,
     /// Sum of the samples of each pixel.
     sums: Vec<[f32; 3]>,
 }
@@ -46,52 +45,60 @@ impl Camera {
             level,
             bins: Bins::default(),
             rays: RayTable::default(),
-            moving: ShadowGrid::default(),
+            moving_shadow_casters: ShadowGrid::default(),
             sums: Vec::new(),
         }
     }
 
-    /// Colour picture of this view (red, green, blue) without the body of the robot `by`. Each pixel is the rounded
-    /// mean of `samples` x `samples` pixels of a larger picture; `samples` is reduced to the size limit of [`View`],
-    /// and is at least 1.
-    pub fn colour(&mut self, posed: &PosedScenery, view: &View, by: Option<RobotId>, samples: u32) -> Picture<[u8; 3]> {
+    /// Colour picture of this view (red, green, blue) without the body of the robot `observer`. Each pixel is the rounded
+    /// mean of `samples` x `samples` pixels of a larger picture. `samples` is reduced if the larger picture would exceed the
+    /// size limit of [`View`], and is at least 1.
+    pub fn colour(
+        &mut self,
+        posed: &PosedScenery,
+        view: &View,
+        observer: Option<RobotId>,
+        samples: u32,
+    ) -> Picture<[u8; 3]> {
         let (samples, fine) =
             (1..=samples.max(1)).rev().find_map(|n| Some((n, view.enlarged(n).ok()?))).unwrap_or((1, *view));
         let optics = Optics::new(&fine);
-        self.prepare(posed, &fine, &optics, by);
+        self.prepare(posed, &fine, &optics, observer);
         let light = posed.scenery().light();
         if light.shadows {
-            let moves = |part: &super::Part| !matches!(part.attachment, Attachment::Fixed(_));
-            self.moving.fill(posed.scenery(), Some(posed), &Axes::new(light.towards), moves);
+            let is_moving = |part: &super::Part| !matches!(part.attachment, Attachment::Fixed(_));
+            let axes = Axes::new(light.sun_direction);
+            self.moving_shadow_casters.fill(posed.scenery(), Some(posed), &axes, is_moving);
         }
-        let context = SurfaceContext::new(posed, &fine, optics.camera_from_lens, light.shadows.then_some(&self.moving));
-        let frame = RenderInputs { context, optics: &optics, view: &fine, bins: &self.bins, rays: &self.rays };
+        let shadow_casters = light.shadows.then_some(&self.moving_shadow_casters);
+        let context = SurfaceContext::new(posed, &fine, optics.camera_from_lens, shadow_casters);
+        let inputs = RenderInputs { context, optics: &optics, view: &fine, bins: &self.bins, rays: &self.rays };
         let [width, height] = view.size();
         let mut pixels = vec![[0; 3]; width as usize * height as usize];
         let level = self.level;
         let write = |tile: &Tile, colours: &Colours| {
-            let colours = rounded(level, colours);
-            let [across, down] = frame.inside(tile.origin);
-            for (row, colours) in colours.chunks_exact(TILE as usize).take(down).enumerate() {
+            let colours = round_colours(level, colours);
+            let [columns, rows] = inputs.visible_size(tile.origin);
+            for (row, colours) in colours.chunks_exact(TILE as usize).take(rows).enumerate() {
                 let first = (tile.origin[1] as usize + row) * width as usize + tile.origin[0] as usize;
-                for (pixel, colour) in pixels[first..first + across].iter_mut().zip(colours) {
+                for (pixel, colour) in pixels[first..first + columns].iter_mut().zip(colours) {
                     let [red, green, blue, _] = colour.to_le_bytes();
                     *pixel = [red, green, blue];
                 }
             }
         };
         if samples == 1 {
-            frame.paint(self.level, write);
+            inputs.colour_tiles(self.level, write);
         } else {
             self.sums.clear();
             self.sums.resize(pixels.len(), [0.0; 3]);
             let sums = &mut self.sums;
-            frame.paint(self.level, |tile, colours| {
-                let [across, down] = frame.inside(tile.origin);
-                for row in 0..down {
-                    let line = (tile.origin[1] + row as u32) / samples * width;
-                    for column in 0..across {
-                        let sum = &mut sums[(line + (tile.origin[0] + column as u32) / samples) as usize];
+            inputs.colour_tiles(self.level, |tile, colours| {
+                let [columns, rows] = inputs.visible_size(tile.origin);
+                for row in 0..rows {
+                    let row_start = (tile.origin[1] + row as u32) / samples * width;
+                    for column in 0..columns {
+                        let sum = &mut sums[(row_start + (tile.origin[0] + column as u32) / samples) as usize];
                         for (sum, channel) in sum.iter_mut().zip(colours) {
                             *sum += channel[row * TILE as usize + column];
                         }
@@ -108,123 +115,124 @@ impl Camera {
     }
 
     /// Distance along each pixel's line of sight, m; infinite for the sky.
-    pub fn depth(&mut self, posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Picture<f32> {
-        let depth = |frame: &RenderInputs, number, at: [u32; 2]| {
+    pub fn depth(&mut self, posed: &PosedScenery, view: &View, observer: Option<RobotId>) -> Picture<f32> {
+        let depth = |inputs: &RenderInputs, number, pixel: [u32; 2]| {
             let plane = match number {
                 SKY => return f32::INFINITY,
-                GROUND => frame.context.ground,
-                _ => frame.bins.faces[number as usize].plane,
+                GROUND => inputs.context.ground,
+                _ => inputs.bins.faces[number as usize].plane,
             };
-            let ray = frame.ray(at);
-            let length = (frame.optics.camera_from_lens * ray).length();
+            let ray = inputs.ray(pixel);
+            let length = (inputs.optics.camera_from_lens * ray).length();
             (length / plane.dot(ray)) as f32
         };
-        self.each(posed, view, by, f32::INFINITY, depth)
+        self.picture_of(posed, view, observer, f32::INFINITY, depth)
     }
 
-    /// Label of the object shown in each pixel.
-    pub fn labels(&mut self, posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Picture<Label> {
-        let label = |frame: &RenderInputs, number, _| match number {
+    /// Label of the surface shown by each pixel.
+    pub fn labels(&mut self, posed: &PosedScenery, view: &View, observer: Option<RobotId>) -> Picture<Label> {
+        let label = |inputs: &RenderInputs, number, _| match number {
             SKY => Label::Sky,
             GROUND => Label::Ground,
-            _ => posed.scenery().parts()[frame.bins.faces[number as usize].part as usize].label,
+            _ => posed.scenery().parts()[inputs.bins.faces[number as usize].part as usize].label,
         };
-        self.each(posed, view, by, Label::Sky, label)
+        self.picture_of(posed, view, observer, Label::Sky, label)
     }
 
-    /// Picture of the results of `value`, called with the face number and position of each pixel.
-    fn each<T: Copy>(
+    /// Picture of the results of `value`, called with the face number and position of each pixel. `fill` is the initial value
+    /// of all pixels.
+    fn picture_of<T: Copy>(
         &mut self,
         posed: &PosedScenery,
         view: &View,
-        by: Option<RobotId>,
-        nothing: T,
+        observer: Option<RobotId>,
+        fill: T,
         value: impl Fn(&RenderInputs, u32, [u32; 2]) -> T,
     ) -> Picture<T> {
         let optics = Optics::new(view);
-        self.prepare(posed, view, &optics, by);
+        self.prepare(posed, view, &optics, observer);
         let context = SurfaceContext::new(posed, view, optics.camera_from_lens, None);
-        let frame = RenderInputs { context, optics: &optics, view, bins: &self.bins, rays: &self.rays };
+        let inputs = RenderInputs { context, optics: &optics, view, bins: &self.bins, rays: &self.rays };
         let width = view.size()[0] as usize;
-        let mut pixels = vec![nothing; width * view.size()[1] as usize];
-        frame.survey(self.level, |tile, _, _| {
-            let [across, down] = frame.inside(tile.origin);
-            for row in 0..down {
-                for column in 0..across {
-                    let pixel = row * TILE as usize + column;
-                    let at = tile.pixel(pixel);
-                    pixels[at[1] as usize * width + at[0] as usize] = value(&frame, tile.shown[pixel], at);
+        let mut pixels = vec![fill; width * view.size()[1] as usize];
+        inputs.for_each_tile(self.level, |tile, _, _| {
+            let [columns, rows] = inputs.visible_size(tile.origin);
+            for row in 0..rows {
+                for column in 0..columns {
+                    let index = row * TILE as usize + column;
+                    let pixel = tile.pixel(index);
+                    pixels[pixel[1] as usize * width + pixel[0] as usize] = value(&inputs, tile.shown[index], pixel);
                 }
             }
         });
         Picture::new(view.size(), pixels)
     }
 
-    fn prepare(&mut self, posed: &PosedScenery, view: &View, optics: &Optics, by: Option<RobotId>) {
+    fn prepare(&mut self, posed: &PosedScenery, view: &View, optics: &Optics, observer: Option<RobotId>) {
         self.rays.prepare(view, optics.tiles());
-        self.bins.fill(posed, view, optics, &self.rays, by);
+        self.bins.fill(posed, view, optics, &self.rays, observer);
     }
 }
 
 impl RenderInputs<'_> {
-    /// Number of columns and rows of a tile within the image.
-    fn inside(&self, origin: [u32; 2]) -> [usize; 2] {
+    /// Number of columns and rows of a tile that are inside the image.
+    fn visible_size(&self, origin: [u32; 2]) -> [usize; 2] {
         [0, 1].map(|axis| (self.optics.size[axis] - origin[axis]).min(TILE) as usize)
     }
 
     /// The ray through a pixel's middle, in lens space.
     fn ray(&self, [column, row]: [u32; 2]) -> DVec3 {
-        let at = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
-        if self.optics.is_flat { at.extend(1.0) } else { self.view.ray(at).unwrap_or_default() }
+        let middle = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+        if self.optics.is_flat { middle.extend(1.0) } else { self.view.ray(middle).unwrap_or_default() }
     }
 
-    /// Calls `visit` with each tile and its colours.
-    fn paint(&self, level: Level, mut visit: impl FnMut(&Tile, &Colours)) {
+    /// Computes the colours of each tile and calls `visit` with the tile and the colours.
+    fn colour_tiles(&self, level: Level, mut visit: impl FnMut(&Tile, &Colours)) {
         let mut colours = [[0.0; PIXELS]; 3];
         let shading = Shading { context: &self.context, faces: &self.bins.faces, is_flat: self.optics.is_flat };
-        self.survey(level, |tile, rays, window| {
-            let wanted = self.wanted(tile, &mut colours);
+        self.for_each_tile(level, |tile, rays, window| {
+            let visible = self.visible_pixels(tile, &mut colours);
             let ray_of = |pixel| self.ray(tile.pixel(pixel));
-            shade(level, &shading, (rays, window), tile, (wanted, &ray_of), &mut colours);
+            shade(level, &shading, (rays, window), tile, (visible, &ray_of), &mut colours);
             visit(tile, &colours);
         });
     }
 
-    /// Bit mask of the pixels of a tile within the image. Pixels outside a fisheye's image are set to black.
-    fn wanted(&self, tile: &Tile, colours: &mut Colours) -> u64 {
-        let [across, down] = self.inside(tile.origin);
-        if self.optics.is_flat && [across, down] == [TILE as usize; 2] {
+    /// Bit mask of the pixels of a tile that are inside the image. Sets pixels outside a fisheye's image to black.
+    fn visible_pixels(&self, tile: &Tile, colours: &mut Colours) -> u64 {
+        let [columns, rows] = self.visible_size(tile.origin);
+        if self.optics.is_flat && [columns, rows] == [TILE as usize; 2] {
             return u64::MAX;
         }
-        let mut wanted = 0;
-        for row in 0..down {
-            for column in 0..across {
+        let mut visible = 0;
+        for row in 0..rows {
+            for column in 0..columns {
                 let pixel = row * TILE as usize + column;
                 if self.optics.is_flat || self.rays.ray(tile.pixel(pixel)) != DVec3::ZERO {
-                    wanted |= 1 << pixel;
+                    visible |= 1 << pixel;
                 } else {
                     colours.iter_mut().for_each(|channel| channel[pixel] = 0.0);
                 }
             }
         }
-        wanted
+        visible
     }
 
     /// Finds the face shown by each pixel and calls `visit` with each tile.
-    fn survey(&self, level: Level, mut visit: impl FnMut(&Tile, &Rays, &Window)) {
+    fn for_each_tile(&self, level: Level, mut visit: impl FnMut(&Tile, &Rays, &Window)) {
         let [columns, rows] = self.optics.tiles();
         let is_flat = self.optics.is_flat;
         let mut tile = Tile { origin: [0; 2], shown: [SKY; PIXELS] };
         let mut rays = Rays::flat();
-        for down in 0..rows {
+        for row in 0..rows {
             for column in 0..columns {
-                let number = (down * columns + column) as usize;
-                tile.origin = [column * TILE, down * TILE];
+                let number = (row * columns + column) as usize;
+                tile.origin = [column * TILE, row * TILE];
                 let window = if is_flat {
-                    Window::flat([column, down])
+                    Window::flat([column, row])
                 } else {
-                    rays.curve(self.rays, [column, down]);
-                    Window::curved(self.rays.cone_of(number))
+                    rays.load_curved(self.rays, [column, row]);
+                    Window::curved(self.rays.cone(number))
                 };
                 let faces = (self.bins.faces.as_slice(), self.bins.tiles[number].as_slice());
                 find_visible(level, is_flat, (&rays, &window), self.context.ground, faces, &mut tile.shown);

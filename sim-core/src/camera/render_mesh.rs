@@ -17,7 +17,7 @@ pub struct RenderMesh {
     pub clusters: Vec<Cluster>,
     /// Corners, cluster by cluster; each corner occurs once per cluster.
     pub corners: Vec<DVec3>,
-    pub faces: Vec<ShapeFace>,
+    pub faces: Vec<ClusterFace>,
     /// For each triangle of the mesh, the unit normal on the side from which the corners are counter-clockwise; 0 for a
     /// triangle without area.
     pub normals: Vec<DVec3>,
@@ -36,24 +36,24 @@ pub struct Cluster {
     pub bounds: Sphere,
     pub corners: Range<usize>,
     pub faces: Range<usize>,
-    /// Bounding box of the closed surface that the faces belong to: from outside the box, their back sides are never
-    /// visible.
-    pub closed: Option<(DVec3, DVec3)>,
+    /// Bounding box of the surface to which the faces belong, if it is closed: from outside the box, the back sides of the
+    /// faces are never visible.
+    pub closed_bounds: Option<(DVec3, DVec3)>,
 }
 
-/// A face, with its corners as indices into the cluster.
+/// A face of a cluster; its corners are indices into the cluster's corners.
 #[derive(Clone, Copy, Debug)]
-pub struct ShapeFace {
+pub struct ClusterFace {
     pub triangle: u32,
     pub corners: [u8; 3],
 }
 
 impl RenderMesh {
     /// The faces of `mesh` whose materials are visible.
-    pub fn new(mesh: &Mesh, is_seen: impl Fn(u32) -> bool) -> Self {
-        let seen: Vec<usize> =
-            (0..mesh.triangles.len()).filter(|&number| is_seen(mesh.triangles[number].material)).collect();
-        let (surface_of, surfaces) = surfaces(mesh, &seen);
+    pub fn new(mesh: &Mesh, is_visible: impl Fn(u32) -> bool) -> Self {
+        let visible: Vec<usize> =
+            (0..mesh.triangles.len()).filter(|&number| is_visible(mesh.triangles[number].material)).collect();
+        let (surface_of, closed_bounds) = surfaces(mesh, &visible);
         let normal = |triangle| {
             let [a, b, c] = mesh.corners(triangle);
             (b - a).cross(c - a).normalize_or_zero()
@@ -63,19 +63,19 @@ impl RenderMesh {
             bounds: Sphere::around(&mesh.positions),
             clusters: Vec::new(),
             corners: Vec::new(),
-            faces: Vec::with_capacity(seen.len()),
+            faces: Vec::with_capacity(visible.len()),
         };
         let mut start = 0;
-        while start < seen.len() {
+        while start < visible.len() {
             let surface = surface_of[start];
-            let count = surface_of[start..].iter().take(CLUSTER).take_while(|other| **other == surface).count();
-            render_mesh.add(mesh, &seen[start..start + count], surfaces[surface]);
+            let count = surface_of[start..].iter().take(CLUSTER).take_while(|next| **next == surface).count();
+            render_mesh.add(mesh, &visible[start..start + count], closed_bounds[surface]);
             start += count;
         }
         render_mesh
     }
 
-    fn add(&mut self, mesh: &Mesh, triangles: &[usize], closed: Option<(DVec3, DVec3)>) {
+    fn add(&mut self, mesh: &Mesh, triangles: &[usize], closed_bounds: Option<(DVec3, DVec3)>) {
         let (first_corner, first_face) = (self.corners.len(), self.faces.len());
         let mut indices = BTreeMap::new();
         for &number in triangles {
@@ -87,13 +87,13 @@ impl RenderMesh {
                     (self.corners.len() - 1 - first_corner) as u8
                 })
             });
-            self.faces.push(ShapeFace { triangle: number as u32, corners });
+            self.faces.push(ClusterFace { triangle: number as u32, corners });
         }
         self.clusters.push(Cluster {
             bounds: Sphere::around(&self.corners[first_corner..]),
             corners: first_corner..self.corners.len(),
             faces: first_face..self.faces.len(),
-            closed,
+            closed_bounds,
         });
     }
 }
@@ -108,15 +108,16 @@ impl Sphere {
     }
 }
 
-/// Surfaces of a mesh, connected at corners: the number of the surface for each index in `triangles`, and for each
-/// surface its bounding box if it is closed with its faces pointing outwards.
+/// Surfaces of a mesh: sets of triangles connected at corners. Returns the number of the surface of each triangle in
+/// `triangles`, and for each surface its bounding box if it is closed and its faces point outwards.
 fn surfaces(mesh: &Mesh, triangles: &[usize]) -> (Vec<usize>, Vec<Option<(DVec3, DVec3)>>) {
     let mut parents: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     for &number in triangles {
         let [a, b, c] = mesh.triangles[number].corners;
-        for other in [b, c] {
-            let (from, to) = (root(&mut parents, other), root(&mut parents, a));
-            parents[from as usize] = to;
+        let root_a = root(&mut parents, a);
+        for corner in [b, c] {
+            let root = root(&mut parents, corner);
+            parents[root as usize] = root_a;
         }
     }
     let mut numbers = BTreeMap::new();
@@ -139,9 +140,9 @@ fn surfaces(mesh: &Mesh, triangles: &[usize]) -> (Vec<usize>, Vec<Option<(DVec3,
     // A surface is closed if each edge occurs exactly once in each direction.
     edges.sort_unstable();
     let mut is_closed: Vec<bool> = volumes.iter().map(|(_, volume)| *volume > 0.0).collect();
-    for of_edge in edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {
-        if !(of_edge.len() == 2 && of_edge[0].2 != of_edge[1].2) {
-            is_closed[of_edge[0].3] = false;
+    for uses in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        if !(uses.len() == 2 && uses[0].2 != uses[1].2) {
+            is_closed[uses[0].3] = false;
         }
     }
     let mut boxes = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); volumes.len()];
@@ -151,16 +152,16 @@ fn surfaces(mesh: &Mesh, triangles: &[usize]) -> (Vec<usize>, Vec<Option<(DVec3,
             boxes[surface] = (low.min(corner), high.max(corner));
         }
     }
-    let closed = boxes.into_iter().zip(is_closed).map(|(around, is_closed)| is_closed.then_some(around)).collect();
+    let closed = boxes.into_iter().zip(is_closed).map(|(bounds, is_closed)| is_closed.then_some(bounds)).collect();
     (surface_of, closed)
 }
 
-fn root(parents: &mut [u32], of: u32) -> u32 {
-    let mut at = of;
-    while parents[at as usize] != at {
-        let grandparent = parents[parents[at as usize] as usize];
-        parents[at as usize] = grandparent;
-        at = grandparent;
+/// Root of a node in a forest of parent links; halves the path to it.
+fn root(parents: &mut [u32], mut node: u32) -> u32 {
+    while parents[node as usize] != node {
+        let grandparent = parents[parents[node as usize] as usize];
+        parents[node as usize] = grandparent;
+        node = grandparent;
     }
-    at
+    node
 }

@@ -31,7 +31,7 @@ pub enum Label {
     Robot(RobotId),
 }
 
-/// Attachment of a part: the frame in which its mesh is given.
+/// The frame in which the mesh of a part is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attachment {
     /// Fixed at this pose in the world.
@@ -51,24 +51,23 @@ pub struct Part {
     pub mesh: Arc<Mesh>,
     /// Its label in label pictures.
     pub label: Label,
-    /// Its attachment.
+    /// Frame of its mesh.
     pub attachment: Attachment,
 }
 
-/// Directional light of the sun, infinitely far away, and ambient light. The three shares should add up to 1, so that
+/// Directional light of the sun, infinitely far away, and ambient light. The three fractions should add up to 1, so that
 /// white in full light is white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Unit vector towards the sun, world frame.
-    pub towards: DVec3,
+    pub sun_direction: DVec3,
     /// Fraction of light that reaches every surface equally.
     pub ambient: f64,
-    /// Share that comes, without shadows, from the side opposite to the sun, so that faces in shadow differ in
-    /// brightness.
+    /// Fraction of light from the side opposite to the sun. It casts no shadows; faces in shadow thus differ in brightness.
     pub fill: f64,
-    /// Fraction of the sun on a surface that faces it directly.
+    /// Fraction of light from the sun, for a surface that faces it directly.
     pub diffuse: f64,
-    /// If true, surfaces in shadow do not receive the sun's share.
+    /// If true, surfaces in shadow do not receive the sun's light.
     pub shadows: bool,
 }
 
@@ -143,7 +142,7 @@ pub(super) struct PreparedMaterial {
     /// Red, green, blue, 0 to 255.
     pub colour: [f32; 3],
     pub texture: Option<Arc<MipMap>>,
-    pub is_seen: bool,
+    pub is_visible: bool,
 }
 
 impl Scenery {
@@ -152,18 +151,18 @@ impl Scenery {
         let image = ground.as_ref().and_then(|ground| ground.floor.as_ref()?.texture.as_ref());
         let floor = image.map(|image| Arc::new(MipMap::new(image, Wrap::Clamp)));
         let (mesh_of, meshes, shadows) = (Vec::new(), Vec::new(), Arc::default());
-        let nothing = Self { parts: Vec::new(), mesh_of, meshes, ground, floor, light, sky, shadows };
-        nothing.with_parts(parts)
+        let empty = Self { parts: Vec::new(), mesh_of, meshes, ground, floor, light, sky, shadows };
+        empty.with_parts(parts)
     }
 
-    /// Appends parts to the scenery and shares all prepared data with it. Fixed parts must be given to
-    /// [`Scenery::new`], because appended ones cast no shadows.
+    /// This scenery with more parts; shares all prepared data. Fixed parts must be given to [`Scenery::new`], because
+    /// appended fixed parts cast no shadows.
     pub fn with_parts(mut self, parts: Vec<Part>) -> Self {
         let mut mip_maps: BTreeMap<*const Texture, Arc<MipMap>> = BTreeMap::new();
         let mesh_indices = self.parts.iter().zip(&self.mesh_of).map(|(part, mesh)| (Arc::as_ptr(&part.mesh), *mesh));
-        let mut of_meshes: BTreeMap<*const Mesh, usize> = mesh_indices.collect();
+        let mut mesh_indices: BTreeMap<*const Mesh, usize> = mesh_indices.collect();
         for part in &parts {
-            let mesh = *of_meshes.entry(Arc::as_ptr(&part.mesh)).or_insert_with(|| {
+            let mesh = *mesh_indices.entry(Arc::as_ptr(&part.mesh)).or_insert_with(|| {
                 self.meshes.push(Arc::new(PreparedMesh::new(&part.mesh, &mut mip_maps)));
                 self.meshes.len() - 1
             });
@@ -178,7 +177,7 @@ impl Scenery {
         &self.parts
     }
 
-    /// The ground; `None` if a part is the ground, or there is none.
+    /// The ground; `None` without ground, and if the ground is one of the parts.
     pub fn ground(&self) -> Option<&Ground> {
         self.ground.as_ref()
     }
@@ -207,7 +206,7 @@ impl Scenery {
     pub(super) fn fixed_shadows(&self) -> &ShadowGrid {
         self.shadows.get_or_init(|| {
             let mut grid = ShadowGrid::default();
-            grid.fill(self, None, &Axes::new(self.light.towards), |part| {
+            grid.fill(self, None, &Axes::new(self.light.sun_direction), |part| {
                 matches!(part.attachment, Attachment::Fixed(_))
             });
             grid
@@ -219,7 +218,8 @@ impl Scenery {
         &self.meshes[self.mesh_of[part]].render_mesh
     }
 
-    /// Published poses of all parts present at `at`, which is at most 100 ms before the world's present slot.
+    /// The scenery with the published poses of all parts that are present at `at`, which is at most 100 ms before the
+    /// world's current slot.
     pub fn pose_at(&self, world: &World, at: Time) -> PosedScenery<'_> {
         let pose = |part: &Part| match part.attachment {
             Attachment::Fixed(pose) => Some(pose),
@@ -234,7 +234,7 @@ impl Scenery {
         self.with_poses(self.parts.iter().map(pose).collect())
     }
 
-    /// A still with the given pose of each part, `None` for an absent part; for example the poses of another
+    /// The scenery with the given poses of its parts, `None` for an absent part; for example the poses of another
     /// [`PosedScenery`] of this scenery.
     ///
     /// # Panics
@@ -263,7 +263,7 @@ impl<'s> PosedScenery<'s> {
         &self.poses
     }
 
-    /// The parts present, each with its index among all parts and its pose.
+    /// The present parts, each with its index among all parts and its pose.
     pub fn parts(&self) -> impl Iterator<Item = (usize, &'s Part, &Pose3)> {
         let parts = self.scenery.parts.iter().zip(&self.poses).enumerate();
         parts.filter_map(|(number, (part, pose))| Some((number, part, pose.as_ref()?)))
@@ -274,7 +274,7 @@ impl PreparedMesh {
     fn new(mesh: &Mesh, mip_maps: &mut BTreeMap<*const Texture, Arc<MipMap>>) -> Self {
         let materials: Vec<PreparedMaterial> =
             mesh.materials.iter().map(|material| PreparedMaterial::new(material, mip_maps)).collect();
-        Self { render_mesh: RenderMesh::new(mesh, |material| materials[material as usize].is_seen), materials }
+        Self { render_mesh: RenderMesh::new(mesh, |material| materials[material as usize].is_visible), materials }
     }
 }
 
@@ -285,6 +285,6 @@ impl PreparedMaterial {
             Arc::clone(mip_maps.entry(Arc::as_ptr(texture)).or_insert_with(new))
         });
         let colour = material.colour.map(|channel| 255.0 * channel.clamp(0.0, 1.0));
-        Self { colour, texture, is_seen: material.opacity >= 0.5 }
+        Self { colour, texture, is_visible: material.opacity >= 0.5 }
     }
 }

@@ -6,7 +6,9 @@ use glam::DVec3;
 
 use super::face::Face;
 use super::rays::{PIXELS, Rays, Window};
-use super::surface::{Attribute, Lighting, Painted, ShadedSurface, Shares, SurfaceContext, fill_from};
+use super::surface::{
+    Attribute, LightFractions, Lighting, PaintedGround, ShadedSurface, SurfaceContext, fill_direction,
+};
 use super::texture::Wrap;
 use super::tile::{GROUND, SKY, Tile};
 
@@ -15,19 +17,20 @@ pub type Colours = [[f32; PIXELS]; 3];
 
 type Rgb<S> = [<S as Simd>::f32s; 3];
 
-/// An [`Attribute`] in a tile: its value at one pixel, and a form for its difference at the other pixels.
+/// An [`Attribute`] in a tile: its value at a reference ray, and a form for the differences at the other rays.
 #[derive(Clone, Copy)]
-struct Local {
-    here: f64,
+struct LocalAttribute {
+    reference: f64,
     form: [f32; 3],
 }
 
-impl Local {
+impl LocalAttribute {
     #[inline(always)]
     fn new<const FLAT: bool>(attribute: &Attribute, plane: DVec3, ray: DVec3, window: &Window) -> Self {
-        let here = attribute.form.dot(ray) / plane.dot(ray);
-        let here = if here.is_finite() { here } else { 0.0 };
-        Self { here: attribute.base + here, form: window.local::<FLAT>(attribute.form - plane * here) }
+        let difference = attribute.form.dot(ray) / plane.dot(ray);
+        let difference = if difference.is_finite() { difference } else { 0.0 };
+        let form = window.local::<FLAT>(attribute.form - plane * difference);
+        Self { reference: attribute.base + difference, form }
     }
 }
 
@@ -38,36 +41,37 @@ pub struct Shading<'a> {
     pub is_flat: bool,
 }
 
-/// Colours the pixels of a tile in the bit mask `wanted`; `ray_of` gives their rays in lens space.
+/// Colours the pixels of a tile that are in the bit mask `pixels.0`; `pixels.1` gives their rays in lens space.
 pub fn shade(
     level: Level,
     shading: &Shading,
-    at: (&Rays, &Window),
+    rays: (&Rays, &Window),
     tile: &Tile,
-    wanted: (u64, &dyn Fn(usize) -> DVec3),
+    pixels: (u64, &dyn Fn(usize) -> DVec3),
     colours: &mut Colours,
 ) {
     if shading.is_flat {
-        dispatch!(level, simd => shade_at::<_, true>(simd, shading, at, tile, wanted, colours));
+        dispatch!(level, simd => shade_tile::<_, true>(simd, shading, rays, tile, pixels, colours));
     } else {
-        dispatch!(level, simd => shade_at::<_, false>(simd, shading, at, tile, wanted, colours));
+        dispatch!(level, simd => shade_tile::<_, false>(simd, shading, rays, tile, pixels, colours));
     }
 }
 
 #[inline(always)]
-fn shade_at<S: Simd, const FLAT: bool>(
+fn shade_tile<S: Simd, const FLAT: bool>(
     simd: S,
     Shading { context, faces, .. }: &Shading,
     (rays, window): (&Rays, &Window),
     tile: &Tile,
-    (wanted, ray_of): (u64, &dyn Fn(usize) -> DVec3),
+    (pixels, ray_of): (u64, &dyn Fn(usize) -> DVec3),
     colours: &mut Colours,
 ) {
-    let mut pending = wanted;
+    let mut pending = pixels;
     while pending != 0 {
         let pixel = pending.trailing_zeros() as usize % PIXELS;
         let number = tile.shown[pixel];
         let id = S::u32s::splat(simd, number);
+        // Pixels that show the same face.
         let mut same = 1 << pixel;
         let mut first = 0;
         while first < PIXELS {
@@ -92,7 +96,7 @@ fn shade_at<S: Simd, const FLAT: bool>(
             Lighting::Smooth(..) => true,
         };
         let lit = match &context.sun {
-            Some(sun) if has_sun => sun.reaches(surface.plane, surface.face_id, same, ray_of),
+            Some(sun) if has_sun => sun.lit_pixels(surface.plane, surface.face_id, same, ray_of),
             _ => same,
         };
         paint::<S, FLAT>(simd, context, (rays, window), &surface, (same, lit, ray_of(pixel)), colours);
@@ -100,27 +104,28 @@ fn shade_at<S: Simd, const FLAT: bool>(
 }
 
 /// Rounds the colours of a tile to integers; red is the lowest byte, then green and blue.
-pub fn rounded(level: Level, colours: &Colours) -> [u32; PIXELS] {
-    dispatch!(level, simd => rounded_at(simd, colours))
+pub fn round_colours(level: Level, colours: &Colours) -> [u32; PIXELS] {
+    dispatch!(level, simd => round_with(simd, colours))
 }
 
 #[inline(always)]
-fn rounded_at<S: Simd>(simd: S, colours: &Colours) -> [u32; PIXELS] {
+fn round_with<S: Simd>(simd: S, colours: &Colours) -> [u32; PIXELS] {
     let mut pixels = [0; PIXELS];
     let mut first = 0;
     while first < PIXELS {
-        let at = first..first + S::f32s::LEN;
+        let lanes = first..first + S::f32s::LEN;
         // All values are between 0 and 255.
-        let red: S::u32s = (S::f32s::from_slice(simd, &colours[0][at.clone()]) + 0.5).to_int();
-        let green: S::u32s = (S::f32s::from_slice(simd, &colours[1][at.clone()]) + 0.5).to_int();
-        let blue: S::u32s = (S::f32s::from_slice(simd, &colours[2][at.clone()]) + 0.5).to_int();
-        (red | green << 8 | blue << 16).store_slice(&mut pixels[at]);
+        let red: S::u32s = (S::f32s::from_slice(simd, &colours[0][lanes.clone()]) + 0.5).to_int();
+        let green: S::u32s = (S::f32s::from_slice(simd, &colours[1][lanes.clone()]) + 0.5).to_int();
+        let blue: S::u32s = (S::f32s::from_slice(simd, &colours[2][lanes.clone()]) + 0.5).to_int();
+        (red | green << 8 | blue << 16).store_slice(&mut pixels[lanes]);
         first += S::f32s::LEN;
     }
     pixels
 }
 
-/// Colours pixels that show one surface. The sun reaches the pixels in the bit mask `lit`, if the surface faces it.
+/// Colours pixels that show one surface. `pixels` and `lit` are bit masks: the pixels, and those that the sun reaches if
+/// the surface faces it. `ray` is the ray of one of the pixels.
 #[inline(always)]
 fn paint<S: Simd, const FLAT: bool>(
     simd: S,
@@ -130,13 +135,14 @@ fn paint<S: Simd, const FLAT: bool>(
     (pixels, lit, ray): (u64, u64, DVec3),
     colours: &mut Colours,
 ) {
-    let local = |attribute: &Attribute| Local::new::<FLAT>(attribute, surface.plane, ray, window);
+    let local = |attribute: &Attribute| LocalAttribute::new::<FLAT>(attribute, surface.plane, ray, window);
     let plane = window.local::<FLAT>(surface.plane);
     let image = surface
         .image
         .as_ref()
         .map(|image| (image.mip_map, [local(&image.coordinates[0]), local(&image.coordinates[1])]));
-    let painted = surface.painted.as_ref().map(|painted| (painted, [local(&painted.at[0]), local(&painted.at[1])]));
+    let painted =
+        surface.painted.as_ref().map(|painted| (painted, [local(&painted.position[0]), local(&painted.position[1])]));
     let one = S::f32s::splat(simd, 1.0);
     let mut first = 0;
     while first < PIXELS {
@@ -145,88 +151,95 @@ fn paint<S: Simd, const FLAT: bool>(
             first += S::f32s::LEN;
             continue;
         }
-        let per_near = one / rays.value::<S, FLAT>(simd, plane, first);
+        let ray_parameter = one / rays.value::<S, FLAT>(simd, plane, first);
         let mut colour = rgb(simd, surface.colour);
-        let mut wanted = lanes;
-        let mut at = [one; 2];
+        let mut with_image = lanes;
+        let mut position = [one; 2];
         if let Some((painted, [x, y])) = &painted {
-            at = [
-                rays.value::<S, FLAT>(simd, x.form, first) * per_near,
-                rays.value::<S, FLAT>(simd, y.form, first) * per_near,
+            position = [
+                rays.value::<S, FLAT>(simd, x.form, first) * ray_parameter,
+                rays.value::<S, FLAT>(simd, y.form, first) * ray_parameter,
             ];
-            wanted &= on_floor(simd, painted, [x.here, y.here], at);
+            with_image &= on_floor(simd, painted, [x.reference, y.reference], position);
         }
         if let Some((mip_map, [u, v])) = &image
-            && wanted != 0
+            && with_image != 0
         {
             let projected = [
-                rays.value::<S, FLAT>(simd, u.form, first) * per_near,
-                rays.value::<S, FLAT>(simd, v.form, first) * per_near,
+                rays.value::<S, FLAT>(simd, u.form, first) * ray_parameter,
+                rays.value::<S, FLAT>(simd, v.form, first) * ray_parameter,
             ];
             let [width, height] = mip_map.size().map(|side| side as f32);
-            let base = |here: f64| match mip_map.wrap() {
-                Wrap::Repeat => (here - here.floor()) as f32,
-                Wrap::Clamp => here as f32,
+            let base = |coordinate: f64| match mip_map.wrap() {
+                Wrap::Repeat => (coordinate - coordinate.floor()) as f32,
+                Wrap::Clamp => coordinate as f32,
             };
-            let uv = [projected[0] + base(u.here), projected[1] + base(v.here)];
+            let uv = [projected[0] + base(u.reference), projected[1] + base(v.reference)];
             let mut axes = [[one; 2]; 2];
             let mut axis = 0;
             while axis < 2 {
                 let plane_step = rays.step::<S, FLAT>(simd, plane, first, axis);
                 let u_step = rays.step::<S, FLAT>(simd, u.form, first, axis);
                 let v_step = rays.step::<S, FLAT>(simd, v.form, first, axis);
-                axes[axis][0] = (u_step - projected[0] * plane_step) * (per_near * width);
-                axes[axis][1] = (v_step - projected[1] * plane_step) * (per_near * height);
+                axes[axis][0] = (u_step - projected[0] * plane_step) * (ray_parameter * width);
+                axes[axis][1] = (v_step - projected[1] * plane_step) * (ray_parameter * height);
                 axis += 1;
             }
-            let found = mip_map.sample(simd, wanted, uv, axes);
+            let sample = mip_map.sample(simd, with_image, uv, axes);
             let tint = rgb(simd, surface.tint);
-            let tinted = [found[0] * tint[0], found[1] * tint[1], found[2] * tint[2]];
-            colour = if mip_map.is_opaque { tinted } else { over(simd, tinted, found[3] * (1.0 / 255.0), colour) };
+            let tinted = [sample[0] * tint[0], sample[1] * tint[1], sample[2] * tint[2]];
+            colour = if mip_map.is_opaque { tinted } else { over(simd, tinted, sample[3] * (1.0 / 255.0), colour) };
         }
         if let Some((painted, [x, y])) = &painted {
-            let inside = S::mask32s::from_bitmask(simd, wanted);
-            colour = select(simd, inside, colour, rgb(simd, painted.ground.colour.map(f32::from)));
-            colour = spots(simd, painted, [x.here, y.here], at, colour);
+            let is_on_floor = S::mask32s::from_bitmask(simd, with_image);
+            colour = select(simd, is_on_floor, colour, rgb(simd, painted.ground.colour.map(f32::from)));
+            colour = paint_spots(simd, painted, [x.reference, y.reference], position, colour);
         }
-        let [dim, sun] = match &surface.light {
-            Lighting::Flat(fractions) => [S::f32s::splat(simd, fractions.dim), S::f32s::splat(simd, fractions.sun)],
+        let [indirect, sun] = match &surface.light {
+            Lighting::Flat(fractions) => {
+                [S::f32s::splat(simd, fractions.indirect), S::f32s::splat(simd, fractions.sun)]
+            }
             Lighting::Smooth(forms, flat_light) => {
                 let forms =
                     [window.local::<FLAT>(forms[0]), window.local::<FLAT>(forms[1]), window.local::<FLAT>(forms[2])];
-                smooth::<S, FLAT>(simd, context, rays, (forms, flat_light), first)
+                smooth_light::<S, FLAT>(simd, context, rays, (forms, flat_light), first)
             }
         };
         let lit = S::mask32s::from_bitmask(simd, lanes_of::<S>(lit, first));
-        let light = dim + lit.select(sun, S::f32s::splat(simd, 0.0));
+        let light = indirect + lit.select(sun, S::f32s::splat(simd, 0.0));
         store(simd, colours, first, lanes, [colour[0] * light, colour[1] * light, colour[2] * light]);
         first += S::f32s::LEN;
     }
 }
 
-/// Bit mask of the lanes that show the world's floor.
+/// Bit mask of the lanes that show the world's floor; `position` is relative to the point `reference` of the ground.
 #[inline(always)]
-fn on_floor<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], uv: [S::f32s; 2]) -> u64 {
+fn on_floor<S: Simd>(simd: S, painted: &PaintedGround, reference: [f64; 2], position: [S::f32s; 2]) -> u64 {
     let Some(floor) = &painted.ground.floor else { return 0 };
-    let low = [-here[0] as f32, -here[1] as f32];
-    let high = [(floor.size.x - here[0]) as f32, (floor.size.y - here[1]) as f32];
-    let x = uv[0].simd_ge(S::f32s::splat(simd, low[0])) & uv[0].simd_le(S::f32s::splat(simd, high[0]));
-    let y = uv[1].simd_ge(S::f32s::splat(simd, low[1])) & uv[1].simd_le(S::f32s::splat(simd, high[1]));
+    let low = [-reference[0] as f32, -reference[1] as f32];
+    let high = [(floor.size.x - reference[0]) as f32, (floor.size.y - reference[1]) as f32];
+    let x = position[0].simd_ge(S::f32s::splat(simd, low[0])) & position[0].simd_le(S::f32s::splat(simd, high[0]));
+    let y = position[1].simd_ge(S::f32s::splat(simd, low[1])) & position[1].simd_le(S::f32s::splat(simd, high[1]));
     (x & y).to_bitmask()
 }
 
-/// Paints the spots over the colour beneath them.
+/// Paints the spots over `colour`; `position` is relative to the point `reference` of the ground.
 #[inline(always)]
-fn spots<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], uv: [S::f32s; 2], under: Rgb<S>) -> Rgb<S> {
-    let mut colour = under;
+fn paint_spots<S: Simd>(
+    simd: S,
+    painted: &PaintedGround,
+    reference: [f64; 2],
+    position: [S::f32s; 2],
+    mut colour: Rgb<S>,
+) -> Rgb<S> {
     for spot in &painted.ground.spots {
-        let (x, y) = ((spot.centre.x - here[0]) as f32, (spot.centre.y - here[1]) as f32);
-        let (dx, dy) = (uv[0] - x, uv[1] - y);
-        let within = (dx * dx + dy * dy).simd_le(S::f32s::splat(simd, (spot.radius * spot.radius) as f32));
-        if within.to_bitmask() != 0 {
+        let (x, y) = ((spot.centre.x - reference[0]) as f32, (spot.centre.y - reference[1]) as f32);
+        let (dx, dy) = (position[0] - x, position[1] - y);
+        let is_inside = (dx * dx + dy * dy).simd_le(S::f32s::splat(simd, (spot.radius * spot.radius) as f32));
+        if is_inside.to_bitmask() != 0 {
             let [red, green, blue, opacity] = spot.colour.map(f32::from);
             let opacity = S::f32s::splat(simd, opacity / 255.0);
-            colour = select(simd, within, over(simd, rgb(simd, [red, green, blue]), opacity, colour), colour);
+            colour = select(simd, is_inside, over(simd, rgb(simd, [red, green, blue]), opacity, colour), colour);
         }
     }
     colour
@@ -234,29 +247,29 @@ fn spots<S: Simd>(simd: S, painted: &Painted, here: [f64; 2], uv: [S::f32s; 2], 
 
 /// Fractions of indirect light and of sunlight, for a normal that varies over the surface.
 #[inline(always)]
-fn smooth<S: Simd, const FLAT: bool>(
+fn smooth_light<S: Simd, const FLAT: bool>(
     simd: S,
     context: &SurfaceContext,
     rays: &Rays,
-    (forms, flat): ([[f32; 3]; 3], &Shares),
+    (forms, flat_light): ([[f32; 3]; 3], &LightFractions),
     first: usize,
 ) -> [S::f32s; 2] {
     let light = context.scenery.light();
-    let (sun, fill) = (light.towards.as_vec3(), fill_from(light).as_vec3());
+    let (sun, fill) = (light.sun_direction.as_vec3(), fill_direction(light).as_vec3());
     let x = rays.value::<S, FLAT>(simd, forms[0], first);
     let y = rays.value::<S, FLAT>(simd, forms[1], first);
     let z = rays.value::<S, FLAT>(simd, forms[2], first);
     let length = (x * x + y * y + z * z).sqrt();
-    let per_length = S::f32s::splat(simd, 1.0) / length;
-    let (x, y, z) = (x * per_length, y * per_length, z * per_length);
+    let inverse_length = S::f32s::splat(simd, 1.0) / length;
+    let (x, y, z) = (x * inverse_length, y * inverse_length, z * inverse_length);
     let fill = (x * fill.x + y * fill.y + z * fill.z + 1.0) * (0.5 * light.fill as f32);
     let zero = S::f32s::splat(simd, 0.0);
-    let to_sun = x * sun.x + y * sun.y + z * sun.z;
-    let to_sun = to_sun.simd_gt(zero).select(to_sun, zero) * light.diffuse as f32;
-    let is_sound = length.simd_gt(f32::MIN_POSITIVE);
+    let cosine = x * sun.x + y * sun.y + z * sun.z;
+    let sun = cosine.simd_gt(zero).select(cosine, zero) * light.diffuse as f32;
+    let is_defined = length.simd_gt(f32::MIN_POSITIVE);
     [
-        is_sound.select(fill + light.ambient as f32, S::f32s::splat(simd, flat.dim)),
-        is_sound.select(to_sun, S::f32s::splat(simd, flat.sun)),
+        is_defined.select(fill + light.ambient as f32, S::f32s::splat(simd, flat_light.indirect)),
+        is_defined.select(sun, S::f32s::splat(simd, flat_light.sun)),
     ]
 }
 
@@ -325,10 +338,10 @@ fn store<S: Simd>(simd: S, colours: &mut Colours, first: usize, lanes: u64, colo
     let mut channel = 0;
     while channel < 3 {
         let output = &mut colours[channel][first..first + S::f32s::LEN];
-        let before = S::f32s::from_slice(simd, output);
+        let previous = S::f32s::from_slice(simd, output);
         // NaN becomes black.
-        let within = colour[channel].simd_gt(black).select(colour[channel].min(white), black);
-        mask.select(within, before).store_slice(output);
+        let clamped = colour[channel].simd_gt(black).select(colour[channel].min(white), black);
+        mask.select(clamped, previous).store_slice(output);
         channel += 1;
     }
 }

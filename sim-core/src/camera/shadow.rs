@@ -1,8 +1,8 @@
 //! Shadows: the shadow-casting faces, binned in a grid perpendicular to the sun's direction.
 //!
-//! The shadows are hard and exact, without a shadow map: a point is in shadow if a face other than its own, farther from it than
-//! [`SHADOW_BIAS`], hides the sun from it. Everything visible except the ground casts shadows, including the camera's own robot. The
-//! sources say nothing about shadows: all of this is our choice.
+//! The shadows are hard and exact, without a shadow map. A point is in shadow if a face hides the sun from it, other than
+//! the face on which the point lies, and farther from the point than [`SHADOW_BIAS`]. Everything visible except the ground
+//! casts shadows, including the robot that carries the camera. Source: our choice; the papers do not mention shadows.
 
 use glam::{DVec2, DVec3};
 
@@ -22,12 +22,14 @@ pub struct Axes([DVec3; 3]);
 /// Shadow casters, binned in a grid perpendicular to the sun's direction.
 #[derive(Clone, Debug, Default)]
 pub struct ShadowGrid {
+    /// Lower left corner of the grid.
     low: DVec2,
     cells_per_metre: f64,
+    /// Number of columns and rows.
     size: [usize; 2],
-    /// For each cell, the index of its first entry in `members`; one more element holds `members.len()`.
+    /// For each cell, the index of its first entry in `members`; the last element is the length of `members`.
     starts: Vec<u32>,
-    /// Indices of faces; in each cell, the faces that reach farthest towards the sun come first.
+    /// Indices of the faces of each cell, in descending order of [`Caster::highest`].
     members: Vec<u32>,
     faces: Vec<Caster>,
 }
@@ -50,15 +52,15 @@ struct Caster {
 }
 
 #[inline(always)]
-fn evaluate([a, b, c]: [f64; 3], at: DVec2) -> f64 {
-    a * at.x + b * at.y + c
+fn evaluate([a, b, c]: [f64; 3], position: DVec2) -> f64 {
+    a * position.x + b * position.y + c
 }
 
 impl Axes {
-    /// Axes for a sun in the direction `towards`, of length 1.
-    pub fn new(towards: DVec3) -> Self {
-        let (first, second) = towards.any_orthonormal_pair();
-        Self([first, second, towards])
+    /// Axes for a sun in the direction `sun_direction`, a unit vector.
+    pub fn new(sun_direction: DVec3) -> Self {
+        let (first, second) = sun_direction.any_orthonormal_pair();
+        Self([first, second, sun_direction])
     }
 
     /// The two axes perpendicular to the sun's direction and the axis towards the sun.
@@ -72,17 +74,17 @@ impl Axes {
 }
 
 impl Caster {
-    /// `None` for a face edge-on to the sun. Also `None` for a face of a closed surface that points away from the sun,
-    /// because faces that point to the sun cast the same shadow.
+    /// The face with these corners; `None` if it is edge-on to the sun. Also `None` for a face of a closed surface that
+    /// points away from the sun, because the faces that point towards the sun cast the same shadow.
     fn new((part, triangle): (u32, u32), corners: [DVec3; 3], is_closed: bool) -> Option<Self> {
         let [a, b, c] = corners.map(DVec3::truncate);
         let area = (b - a).perp_dot(c - a);
         let longest = (b - a).length_squared().max((c - a).length_squared());
-        // A ray towards the sun leaves a closed surface through a face that points to the sun.
-        let is_hidden = is_closed && area < 0.0;
+        // A ray towards the sun leaves a closed surface through a face that points towards the sun.
+        let is_redundant = is_closed && area < 0.0;
         // False for NaN.
         let is_usable = area.abs() > 1e-9 * longest && longest < 1e30;
-        if is_hidden || !is_usable {
+        if is_redundant || !is_usable {
             return None;
         }
         let edge = |from: DVec2, to: DVec2| {
@@ -105,8 +107,9 @@ impl Caster {
 
     /// Returns true if the face hides the sun from a point.
     #[inline(always)]
-    fn hides_sun_from(&self, at: DVec2, height: f64) -> bool {
-        self.edges.iter().all(|edge| evaluate(*edge, at) >= -SLACK) && evaluate(self.plane, at) > height + SHADOW_BIAS
+    fn hides_sun_from(&self, position: DVec2, height: f64) -> bool {
+        self.edges.iter().all(|edge| evaluate(*edge, position) >= -SLACK)
+            && evaluate(self.plane, position) > height + SHADOW_BIAS
     }
 }
 
@@ -130,12 +133,12 @@ impl ShadowGrid {
             let render_mesh = scenery.render_mesh(number);
             for cluster in &render_mesh.clusters {
                 corners.clear();
-                let of_cluster = &render_mesh.corners[cluster.corners.clone()];
-                corners.extend(of_cluster.iter().map(|corner| axes.coordinates(pose.transform_point(*corner))));
+                let cluster_corners = &render_mesh.corners[cluster.corners.clone()];
+                corners.extend(cluster_corners.iter().map(|corner| axes.coordinates(pose.transform_point(*corner))));
                 for face in &render_mesh.faces[cluster.faces.clone()] {
                     let corners = face.corners.map(|corner| corners[usize::from(corner)]);
                     let face_id = (number as u32, face.triangle);
-                    self.faces.extend(Caster::new(face_id, corners, cluster.closed.is_some()));
+                    self.faces.extend(Caster::new(face_id, corners, cluster.closed_bounds.is_some()));
                 }
             }
         }
@@ -161,7 +164,7 @@ impl ShadowGrid {
         self.starts.resize(self.size[0] * self.size[1] + 1, 0);
         let mut starts = std::mem::take(&mut self.starts);
         for face in &self.faces {
-            self.cells(face, |cell| starts[cell + 1] += 1);
+            self.for_each_cell(face, |cell| starts[cell + 1] += 1);
         }
         for cell in 1..starts.len() {
             starts[cell] += starts[cell - 1];
@@ -175,7 +178,7 @@ impl ShadowGrid {
             highest(b).total_cmp(&highest(a)).then(a.cmp(b))
         });
         for number in order {
-            self.cells(&self.faces[number as usize], |cell| {
+            self.for_each_cell(&self.faces[number as usize], |cell| {
                 members[next[cell] as usize] = number;
                 next[cell] += 1;
             });
@@ -184,9 +187,9 @@ impl ShadowGrid {
     }
 
     /// Visits the cells that a face overlaps.
-    fn cells(&self, face: &Caster, mut visit: impl FnMut(usize)) {
+    fn for_each_cell(&self, face: &Caster, mut visit: impl FnMut(usize)) {
         let [columns, rows] = self.size;
-        let cell_coordinates = |at: DVec2| ((at - self.low) * self.cells_per_metre).max(DVec2::ZERO);
+        let cell_coordinates = |position: DVec2| ((position - self.low) * self.cells_per_metre).max(DVec2::ZERO);
         let (first, last) = (cell_coordinates(face.low - SLACK), cell_coordinates(face.high + SLACK));
         let half = 0.5 / self.cells_per_metre;
         for row in first.y as usize..=(last.y as usize).min(rows - 1) {
@@ -203,21 +206,22 @@ impl ShadowGrid {
         }
     }
 
-    /// Returns true if a face hides the sun from a point on the face `own`; `last` caches the last such face.
+    /// Returns true if another face hides the sun from a point on the face `shown_face` (numbers of part and triangle).
+    /// `last_caster` caches the index of the last face that did so.
     #[inline]
-    pub fn shades(&self, point: DVec3, own: (u32, u32), last: &mut usize) -> bool {
-        let at = point.truncate();
-        let cell = (at - self.low) * self.cells_per_metre;
+    pub fn is_shaded(&self, point: DVec3, shown_face: (u32, u32), last_caster: &mut usize) -> bool {
+        let position = point.truncate();
+        let cell = (position - self.low) * self.cells_per_metre;
         let [columns, rows] = self.size;
         // False for NaN.
         let is_inside = cell.x >= 0.0 && cell.y >= 0.0 && cell.x < columns as f64 && cell.y < rows as f64;
         if !is_inside {
             return false;
         }
-        let is_own = |face: &Caster| face.part == own.0 && face.triangle == own.1;
-        if let Some(face) = self.faces.get(*last)
-            && face.hides_sun_from(at, point.z)
-            && !is_own(face)
+        let is_shown = |face: &Caster| (face.part, face.triangle) == shown_face;
+        if let Some(face) = self.faces.get(*last_caster)
+            && face.hides_sun_from(position, point.z)
+            && !is_shown(face)
         {
             return true;
         }
@@ -227,8 +231,8 @@ impl ShadowGrid {
             if face.highest <= point.z + SHADOW_BIAS {
                 return false;
             }
-            if face.hides_sun_from(at, point.z) && !is_own(face) {
-                *last = number as usize;
+            if face.hides_sun_from(position, point.z) && !is_shown(face) {
+                *last_caster = number as usize;
                 return true;
             }
         }

@@ -8,8 +8,7 @@ use super::shadow::{Axes, ShadowGrid};
 use super::texture::MipMap;
 use super::{Ground, Light, PosedScenery, Scenery, View};
 
-/// A value that varies over a surface. At a ray it is `base` plus the ray's dot product with `form`, divided by its dot
-/// product with the surface's plane.
+/// A value that varies over a surface. Its value at a ray is base + form . ray / plane . ray, with the surface's plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Attribute {
     pub base: f64,
@@ -28,66 +27,73 @@ pub struct ShadedSurface<'a> {
     pub light: Lighting,
     /// Numbers of part and triangle; for the ground, numbers that no face has.
     pub face_id: (u32, u32),
-    pub painted: Option<Painted<'a>>,
+    /// `None` for a face.
+    pub painted: Option<PaintedGround<'a>>,
 }
 
 /// An image on a surface.
 pub struct Image<'a> {
     pub mip_map: &'a MipMap,
-    /// Image coordinates to the right and downwards from the upper left corner; 1 is the whole image.
+    /// Image coordinates to the right and downwards from the upper left corner; 1 is the full width or height.
     pub coordinates: [Attribute; 2],
 }
 
 /// Light on a surface: indirect light and sunlight.
 pub enum Lighting {
-    Flat(Shares),
+    Flat(LightFractions),
     /// Varies with the normal. The forms give the components of the normal (world frame, on the visible side, not
-    /// normalised); the shares belong to the flat face and are used where the normal vanishes.
-    Smooth([DVec3; 3], Shares),
+    /// normalised). The fractions are those of the flat face, for points where the normal vanishes.
+    Smooth([DVec3; 3], LightFractions),
 }
 
-/// Fractions of light: indirect (`dim`) and of the sun.
+/// Fractions of the full light on a surface: indirect light, and sunlight where the sun reaches the surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Shares {
-    pub dim: f32,
+pub struct LightFractions {
+    pub indirect: f32,
     pub sun: f32,
 }
 
-/// The painted ground.
-pub struct Painted<'a> {
+/// The ground with everything painted on it.
+pub struct PaintedGround<'a> {
     pub ground: &'a Ground,
     /// World coordinates x and y.
-    pub at: [Attribute; 2],
+    pub position: [Attribute; 2],
 }
 
 /// Shadow test: finds the points that the sun reaches.
 pub struct Sun<'a> {
     /// Shadow casters that never move, and moving shadow casters.
     pub grids: [&'a ShadowGrid; 2],
-    /// Coordinates perpendicular to the sun's direction and towards the sun.
-    at: [Attribute; 3],
+    /// Coordinates of a surface in the grids' frame: two perpendicular to the sun's direction, the third towards the sun.
+    coordinates: [Attribute; 3],
 }
 
 impl Sun<'_> {
-    /// Returns the pixels of the bit mask `pixels` that the sun reaches. The pixels show the face `own`; `ray_of` gives
-    /// their rays in lens space.
-    pub fn reaches(&self, plane: DVec3, own: (u32, u32), pixels: u64, ray_of: &dyn Fn(usize) -> DVec3) -> u64 {
+    /// The pixels of the bit mask `pixels` that the sun reaches. The pixels show the face `shown_face`, in the plane `plane`;
+    /// `ray_of` gives their rays in lens space.
+    pub fn lit_pixels(
+        &self,
+        plane: DVec3,
+        shown_face: (u32, u32),
+        pixels: u64,
+        ray_of: &dyn Fn(usize) -> DVec3,
+    ) -> u64 {
         let mut lit = pixels;
-        let mut last = [usize::MAX; 2];
+        let mut last_casters = [usize::MAX; 2];
         let mut pending = pixels;
         while pending != 0 {
             let pixel = pending.trailing_zeros() as usize;
             pending &= pending - 1;
             let ray = ray_of(pixel);
             let scale = 1.0 / plane.dot(ray);
-            let [x, y, z] = &self.at;
+            let [x, y, z] = &self.coordinates;
             let point = DVec3::new(
                 x.base + x.form.dot(ray) * scale,
                 y.base + y.form.dot(ray) * scale,
                 z.base + z.form.dot(ray) * scale,
             );
-            let [fixed, moving] = &mut last;
-            if self.grids[0].shades(point, own, fixed) || self.grids[1].shades(point, own, moving) {
+            let [fixed, moving] = &mut last_casters;
+            if self.grids[0].is_shaded(point, shown_face, fixed) || self.grids[1].is_shaded(point, shown_face, moving) {
                 lit &= !(1 << pixel);
             }
         }
@@ -95,7 +101,7 @@ impl Sun<'_> {
     }
 }
 
-/// Data common to all surfaces of a still in a view.
+/// Data common to all surfaces in a picture.
 pub struct SurfaceContext<'a> {
     pub posed: &'a PosedScenery<'a>,
     pub scenery: &'a Scenery,
@@ -109,7 +115,7 @@ pub struct SurfaceContext<'a> {
 }
 
 impl<'a> SurfaceContext<'a> {
-    /// `moving` holds the moving shadow casters; `None` turns shadows off.
+    /// The context of a view. `moving` contains the moving shadow casters; `None` turns shadows off.
     pub fn new(
         posed: &'a PosedScenery<'a>,
         view: &View,
@@ -125,9 +131,10 @@ impl<'a> SurfaceContext<'a> {
         let ground = if ground.abs().max_element() <= 1e30 { ground } else { DVec3::ZERO };
         let eye = camera.position;
         let sun = moving.map(|moving| {
-            let axes = Axes::new(scenery.light().towards).directions();
-            let at = axes.map(|axis| Attribute { base: axis.dot(eye), form: world_from_lens.transpose() * axis });
-            Sun { grids: [scenery.fixed_shadows(), moving], at }
+            let axes = Axes::new(scenery.light().sun_direction).directions();
+            let coordinates =
+                axes.map(|axis| Attribute { base: axis.dot(eye), form: world_from_lens.transpose() * axis });
+            Sun { grids: [scenery.fixed_shadows(), moving], coordinates }
         });
         Self { posed, scenery, eye, world_from_lens, ground, sun }
     }
@@ -143,7 +150,7 @@ impl<'a> SurfaceContext<'a> {
             rotation * self.scenery.render_mesh(face.part as usize).normals[face.triangle as usize] * side;
         let flat_light = light_fractions(self.scenery.light(), face_normal);
         let light = triangle.normals.map_or(Lighting::Flat(flat_light), |normals| {
-            let [a, b, c] = normals.map(|normal| rotation * normal.as_dvec3() * (side * face.per_det));
+            let [a, b, c] = normals.map(|normal| rotation * normal.as_dvec3() * (side * face.inverse_det));
             let [x, y, z] = face.edges;
             let form = |axis: usize| x * a[axis] + y * b[axis] + z * c[axis];
             Lighting::Smooth([form(0), form(1), form(2)], flat_light)
@@ -182,19 +189,19 @@ impl<'a> SurfaceContext<'a> {
             image,
             light: Lighting::Flat(light_fractions(self.scenery.light(), DVec3::Z)),
             face_id: (u32::MAX, u32::MAX),
-            painted: Some(Painted { ground, at: [x, y] }),
+            painted: Some(PaintedGround { ground, position: [x, y] }),
         }
     }
 }
 
-/// The direction from which the fill light comes: the side opposite to the sun.
-pub fn fill_from(light: &Light) -> DVec3 {
-    DVec3::new(-light.towards.x, -light.towards.y, light.towards.z)
+/// Unit vector towards the fill light, which comes from the side opposite to the sun.
+pub fn fill_direction(light: &Light) -> DVec3 {
+    DVec3::new(-light.sun_direction.x, -light.sun_direction.y, light.sun_direction.z)
 }
 
 /// Fractions of light on a surface with this normal on its visible side.
-fn light_fractions(light: &Light, normal: DVec3) -> Shares {
-    let fill = 0.5 * (1.0 + normal.dot(fill_from(light)));
-    let sun = normal.dot(light.towards).max(0.0);
-    Shares { dim: (light.ambient + light.fill * fill) as f32, sun: (light.diffuse * sun) as f32 }
+fn light_fractions(light: &Light, normal: DVec3) -> LightFractions {
+    let fill = 0.5 * (1.0 + normal.dot(fill_direction(light)));
+    let sun = normal.dot(light.sun_direction).max(0.0);
+    LightFractions { indirect: (light.ambient + light.fill * fill) as f32, sun: (light.diffuse * sun) as f32 }
 }

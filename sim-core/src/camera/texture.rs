@@ -17,20 +17,20 @@ pub enum Wrap {
 /// A mip map: an image at several levels, each half as wide and high as the previous one (Williams, Pyramidal
 /// parametrics, 1983).
 ///
-/// A texel of a level is the mean, rounded half up, of two by two texels of the previous level, or of the one or two
-/// that exist. A last odd row or column is omitted.
+/// A texel of a level is the mean, rounded half up, of two by two texels of the previous level, or of one or two texels if
+/// that level has only one row or column. If a number of rows or columns is odd, the last one is omitted.
 ///
 /// # Filter
 /// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels, from
-/// the derivatives of u and v at the pixel's middle (for a fisheye, half the difference of the rays of the neighbouring
-/// pixels). The footprint is taken to be as long as the longer axis, L, and as wide as the shorter, S. It is sampled
-/// with n = |L| / max(3 |S|, 1) probes, limited to 1 to 2, each L / n long. So a footprint up to three times as long as
-/// wide takes one probe, and no probe is shorter than a texel. Two probes lie at the distances (1 - 1/n) / 2 of L on
-/// either side of the middle. The colour is the mean of the probes, and changes continuously with the footprint.
+/// the derivatives of u and v at the pixel's middle (for a fisheye, half the difference between the rays of the
+/// neighbouring pixels). Let L be the longer axis and S the shorter one; the footprint is treated as |L| long and |S| wide.
+/// It is sampled with n = |L| / max(3 |S|, 1) probes, limited to 1 to 2, each |L| / n long. So a footprint up to three
+/// times as long as wide needs one probe, and no probe is shorter than a texel. Two probes are centred (1 - 1/n) / 2 of L
+/// before and after the middle. The colour is the mean of the probes, and changes continuously with the footprint.
 ///
-/// A probe of level = log2(|L| / n) samples the level of the nearest integer, in which it blends the four nearest
-/// texels linearly; in the quarter of a level around the middle between two levels it blends both, linearly in level.
-/// Level 0 is the image, also for probes smaller than a texel. Transparent texels show the material's colour.
+/// A probe has the level log2(|L| / n). It samples the nearest integer level and blends the four nearest texels linearly.
+/// Within an eighth of a level of the middle between two levels, it blends both levels, linearly in the level. Level 0 is
+/// the image, also for probes smaller than a texel. Transparent texels show the material's colour.
 ///
 /// Our choice, after Feline (McCormack et al., 1999) for the probes; blending two levels only on a part of the interval
 /// is common in graphics drivers, and saves a third of the texels.
@@ -81,12 +81,12 @@ impl MipMap {
     fn add(&mut self, size: [u32; 2], pixels: &[[u8; 4]]) {
         self.levels.push(MipLevel { size, start: self.texels.len() });
         let [width, height] = size.map(i64::from);
-        let within = |index: i64, size: i64| match self.wrap {
+        let wrapped = |index: i64, size: i64| match self.wrap {
             Wrap::Repeat => index.rem_euclid(size),
             Wrap::Clamp => index.clamp(0, size - 1),
         };
         let texel = |column: i64, row: i64| {
-            i32::from_le_bytes(pixels[(within(row, height) * width + within(column, width)) as usize])
+            i32::from_le_bytes(pixels[(wrapped(row, height) * width + wrapped(column, width)) as usize])
         };
         for row in -1..=height {
             self.texels.extend((-1..=width).map(|column| [texel(column, row), texel(column, row + 1)]));
@@ -103,9 +103,9 @@ impl MipMap {
         self.wrap
     }
 
-    /// Filtered red, green, blue and opacity, 0 to 255, at `place` (to the right and downwards from the upper left
-    /// corner; 1 is the whole image). `axes[0]` and `axes[1]` are the steps to the next column and the next row, in
-    /// texels. Lanes not in `wanted` are undefined.
+    /// Filtered red, green, blue and opacity, 0 to 255, at `uv` (to the right and downwards from the upper left corner; 1 is
+    /// the full width or height). `axes[0]` and `axes[1]` are the steps to the next column and the next row, in texels. Only
+    /// the lanes in the bit mask `wanted` are defined.
     #[inline(always)]
     pub(super) fn sample<S: Simd>(
         &self,
@@ -116,29 +116,30 @@ impl MipMap {
     ) -> [S::f32s; 4] {
         let [a, b] = axes;
         let (a2, b2) = (a[0] * a[0] + a[1] * a[1], b[0] * b[0] + b[1] * b[1]);
-        let is_a = a2.simd_ge(b2);
-        let (long, short) = (is_a.select(a2, b2), is_a.select(b2, a2));
-        let widest = (short * 9.0).max(1.0).max(long * (1.0 / (Self::PROBES * Self::PROBES)));
-        // Squared length of a probe; all lengths here are squared.
-        let length = long.min(widest);
+        let is_a_longer = a2.simd_ge(b2);
+        // All lengths in this function are squared.
+        let (long, short) = (is_a_longer.select(a2, b2), is_a_longer.select(b2, a2));
+        let max_length = (short * 9.0).max(1.0).max(long * (1.0 / (Self::PROBES * Self::PROBES)));
+        // Length of a probe.
+        let length = long.min(max_length);
         let zero = S::f32s::splat(simd, 0.0);
         let level = (log2(simd, length) * 0.5).max(zero).min((self.levels.len() - 1) as f32);
-        let is_one = long.simd_le(widest);
+        let has_one_probe = long.simd_le(max_length);
         let [width, height] = self.size().map(|side| 1.0 / side as f32);
-        let axis = [is_a.select(a[0], b[0]) * width, is_a.select(a[1], b[1]) * height];
+        let axis = [is_a_longer.select(a[0], b[0]) * width, is_a_longer.select(a[1], b[1]) * height];
         let (mut half_spread, mut probes) = (zero, 1);
-        if is_one.to_bitmask() & wanted != wanted {
+        if has_one_probe.to_bitmask() & wanted != wanted {
             // 1 / n.
-            let fraction = is_one.select(S::f32s::splat(simd, 1.0), (length / long).sqrt());
+            let fraction = has_one_probe.select(S::f32s::splat(simd, 1.0), (length / long).sqrt());
             half_spread = (S::f32s::splat(simd, 1.0) - fraction) * 0.5;
             probes = 2;
         }
         let mut sum = [zero; 4];
         let mut number = 0;
         while number < probes {
-            let along = if number == 0 { half_spread } else { -half_spread };
-            let at = [uv[0] + axis[0] * along, uv[1] + axis[1] * along];
-            let colour = self.probe(simd, wanted, at, level);
+            let offset = if number == 0 { half_spread } else { -half_spread };
+            let probe_uv = [uv[0] + axis[0] * offset, uv[1] + axis[1] * offset];
+            let colour = self.probe(simd, wanted, probe_uv, level);
             sum = [sum[0] + colour[0], sum[1] + colour[1], sum[2] + colour[2], sum[3] + colour[3]];
             number += 1;
         }
@@ -165,28 +166,28 @@ impl MipMap {
             pending &= !same;
             // The cast saturates.
             let mut number = (number as usize).min(last);
-            let versions = if fraction.simd_gt(zero).to_bitmask() & same == 0 { 1 } else { 2 };
-            let mut part = one - fraction;
-            let mut found = [zero; 4];
-            let mut version = 0;
-            while version < versions {
-                let of_level = self.bilinear(simd, same, uv, self.levels[number]);
-                found = [
-                    found[0] + of_level[0] * part,
-                    found[1] + of_level[1] * part,
-                    found[2] + of_level[2] * part,
-                    found[3] + of_level[3] * part,
+            let level_count = if fraction.simd_gt(zero).to_bitmask() & same == 0 { 1 } else { 2 };
+            let mut weight = one - fraction;
+            let mut blended = [zero; 4];
+            let mut index = 0;
+            while index < level_count {
+                let sample = self.bilinear(simd, same, uv, self.levels[number]);
+                blended = [
+                    blended[0] + sample[0] * weight,
+                    blended[1] + sample[1] * weight,
+                    blended[2] + sample[2] * weight,
+                    blended[3] + sample[3] * weight,
                 ];
                 number = (number + 1).min(last);
-                part = fraction;
-                version += 1;
+                weight = fraction;
+                index += 1;
             }
-            let of_level = S::mask32s::from_bitmask(simd, same);
+            let is_same = S::mask32s::from_bitmask(simd, same);
             colour = [
-                of_level.select(found[0], colour[0]),
-                of_level.select(found[1], colour[1]),
-                of_level.select(found[2], colour[2]),
-                of_level.select(found[3], colour[3]),
+                is_same.select(blended[0], colour[0]),
+                is_same.select(blended[1], colour[1]),
+                is_same.select(blended[2], colour[2]),
+                is_same.select(blended[3], colour[3]),
             ];
         }
         colour
@@ -194,14 +195,14 @@ impl MipMap {
 
     /// Wraps a coordinate into the image, 0 to 1, by the wrap mode; NaN becomes 0.
     #[inline(always)]
-    fn wrapped<S: Simd>(&self, simd: S, part: S::f32s) -> S::f32s {
+    fn wrapped<S: Simd>(&self, simd: S, coordinate: S::f32s) -> S::f32s {
         let (zero, one) = (S::f32s::splat(simd, 0.0), S::f32s::splat(simd, 1.0));
         match self.wrap {
             Wrap::Repeat => {
-                let part = part - part.floor();
-                (part.simd_ge(zero) & part.simd_le(one)).select(part, zero)
+                let fraction = coordinate - coordinate.floor();
+                (fraction.simd_ge(zero) & fraction.simd_le(one)).select(fraction, zero)
             }
-            Wrap::Clamp => part.simd_gt(zero).select(part.simd_lt(one).select(part, one), zero),
+            Wrap::Clamp => coordinate.simd_gt(zero).select(coordinate.simd_lt(one).select(coordinate, one), zero),
         }
     }
 
@@ -212,7 +213,7 @@ impl MipMap {
         // Measured from the middle of the border's first texel.
         let (x, y) = (uv[0] * width + 0.5, uv[1] * height + 0.5);
         let (left, top) = (x.floor(), y.floor());
-        let (right_share, low_share) = (x - left, y - top);
+        let (right_weight, lower_weight) = (x - left, y - top);
         let stride = level.stride();
         let (column, row): (S::i32s, S::i32s) = (left.to_int(), top.to_int());
         let first = row * S::i32s::splat(simd, stride as i32) + column;
@@ -220,9 +221,9 @@ impl MipMap {
         let texels = &self.texels[level.start..];
         let mut found = [[[0_i32; 2]; 2]; MAX_LANES];
         if wanted.count_ones() as usize == S::f32s::LEN {
-            for (found, at) in found.iter_mut().zip(first) {
-                let at = *at as u32 as usize;
-                let four = &texels[at..at + 2];
+            for (found, index) in found.iter_mut().zip(first) {
+                let index = *index as u32 as usize;
+                let four = &texels[index..index + 2];
                 *found = [four[0], four[1]];
             }
         } else {
@@ -230,8 +231,8 @@ impl MipMap {
             while pending != 0 {
                 let lane = pending.trailing_zeros() as usize % S::f32s::LEN;
                 pending &= pending - 1;
-                let at = first[lane] as u32 as usize;
-                let four = &texels[at..at + 2];
+                let index = first[lane] as u32 as usize;
+                let four = &texels[index..index + 2];
                 found[lane] = [four[0], four[1]];
             }
         }
@@ -246,9 +247,13 @@ impl MipMap {
         let (lower_left, lower_right) = odd_low.deinterleave(odd_high);
         let found = [upper_left, upper_right, lower_left, lower_right];
         let one = S::f32s::splat(simd, 1.0);
-        let (left_share, high_share) = (one - right_share, one - low_share);
-        let weights =
-            [left_share * high_share, right_share * high_share, left_share * low_share, right_share * low_share];
+        let (left_weight, upper_weight) = (one - right_weight, one - lower_weight);
+        let weights = [
+            left_weight * upper_weight,
+            right_weight * upper_weight,
+            left_weight * lower_weight,
+            right_weight * lower_weight,
+        ];
         let mut sum = [S::f32s::splat(simd, 0.0); 4];
         let low_byte = S::i32s::splat(simd, 255);
         let mut corner = 0;
@@ -293,11 +298,11 @@ fn log2<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
 /// An image of half the width and height.
 fn halved([width, height]: [u32; 2], pixels: &[[u8; 4]]) -> ([u32; 2], Vec<[u8; 4]>) {
     let half = [width, height].map(|side| (side / 2).max(1));
-    let below = |index: u32, size: u32| [(2 * index).min(size - 1), (2 * index + 1).min(size - 1)];
+    let sources = |index: u32, size: u32| [(2 * index).min(size - 1), (2 * index + 1).min(size - 1)];
     let texel = |column: u32, row: u32| {
         let mut sum = [0_u32; 4];
-        for y in below(row, height) {
-            for x in below(column, width) {
+        for y in sources(row, height) {
+            for x in sources(column, width) {
                 let texel = pixels[y as usize * width as usize + x as usize];
                 sum = std::array::from_fn(|channel| sum[channel] + u32::from(texel[channel]));
             }

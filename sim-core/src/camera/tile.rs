@@ -28,11 +28,12 @@ impl Tile {
 }
 
 /// Margin by which a face must be nearer to cover an earlier one, so that the first of several coplanar faces is
-/// visible. Relative to the maximum reciprocal distance of the face in the tile. The margin shifts the line where two
-/// faces intersect by less than 1e-5 pixels.
+/// visible. The margin is relative to the maximum reciprocal distance of the face in the tile. It shifts the line where
+/// two faces intersect by less than 1e-5 pixels.
 const COPLANAR: f64 = 5e-7;
 
-/// Finds the face shown by each pixel of a tile: one of `faces`, or the ground, whose plane is `ground`.
+/// Finds the face shown by each pixel of a tile: one of `faces` (all faces, and the numbers of those in the tile), or the
+/// ground, whose plane is `ground`.
 pub fn find_visible(
     level: Level,
     is_flat: bool,
@@ -62,34 +63,34 @@ fn nearest<S: Simd, const FLAT: bool>(
     let lanes = S::f32s::LEN;
     let mut nearest = [0.0_f32; PIXELS];
     *shown = [SKY; PIXELS];
-    // Minimum reciprocal distance of the nearest hits of all pixels: a face farther away everywhere can be skipped.
-    let mut all_nearer = 0.0;
-    let (middle, more) = window.range::<FLAT>(ground);
-    if middle + more > 0.0 {
+    // Lower bound of the reciprocal distances in `nearest`: a face with smaller ones in the whole tile can be skipped.
+    let mut min_nearest = 0.0;
+    let (middle, deviation) = window.middle_and_deviation::<FLAT>(ground);
+    if middle + deviation > 0.0 {
         let form = window.local::<FLAT>(ground);
         let zero = S::f32s::splat(simd, 0.0);
         let mut first = 0;
         while first < PIXELS {
-            let at = first..first + lanes;
+            let pixels = first..first + lanes;
             let nearness = rays.value::<S, FLAT>(simd, form, first);
             let is_ground = nearness.simd_gt(zero);
-            is_ground.select(nearness, zero).store_slice(&mut nearest[at.clone()]);
-            is_ground.select(S::u32s::splat(simd, GROUND), S::u32s::splat(simd, SKY)).store_slice(&mut shown[at]);
+            is_ground.select(nearness, zero).store_slice(&mut nearest[pixels.clone()]);
+            is_ground.select(S::u32s::splat(simd, GROUND), S::u32s::splat(simd, SKY)).store_slice(&mut shown[pixels]);
             first += lanes;
         }
-        all_nearer = (middle - more) - 1e-6 * (middle.abs() + more);
+        min_nearest = (middle - deviation) - 1e-6 * (middle.abs() + deviation);
     }
     for &number in list {
         let face = &faces[number as usize];
-        let (middle, more) = window.range::<FLAT>(face.plane);
-        if middle + more <= all_nearer {
+        let (middle, deviation) = window.middle_and_deviation::<FLAT>(face.plane);
+        if middle + deviation <= min_nearest {
             continue;
         }
-        let lead = (COPLANAR * (middle.abs() + more)) as f32;
+        let margin = (COPLANAR * (middle.abs() + deviation)) as f32;
         let plane = window.local::<FLAT>(face.plane);
-        let is_filled = fills::<FLAT>(face, window);
+        let is_filled = fills_tile::<FLAT>(face, window);
         if is_filled {
-            all_nearer = f64::max(all_nearer, (middle - more) - 1e-6 * (middle.abs() + more));
+            min_nearest = f64::max(min_nearest, (middle - deviation) - 1e-6 * (middle.abs() + deviation));
         }
         let edges = [
             window.local::<FLAT>(face.edges[0]),
@@ -103,19 +104,19 @@ fn nearest<S: Simd, const FLAT: bool>(
         ];
         let mut first = 0;
         while first < PIXELS {
-            let at = first..first + lanes;
+            let pixels = first..first + lanes;
             let nearness = rays.value::<S, FLAT>(simd, plane, first);
-            let before = S::f32s::from_slice(simd, &nearest[at.clone()]);
-            let mut is_seen = nearness.simd_gt(before + lead);
+            let previous = S::f32s::from_slice(simd, &nearest[pixels.clone()]);
+            let mut is_seen = nearness.simd_gt(previous + margin);
             if !is_filled {
                 is_seen = is_seen
                     & rays.value::<S, FLAT>(simd, edges[0], first).simd_ge(min_edges[0])
                     & rays.value::<S, FLAT>(simd, edges[1], first).simd_ge(min_edges[1])
                     & rays.value::<S, FLAT>(simd, edges[2], first).simd_ge(min_edges[2]);
             }
-            is_seen.select(nearness, before).store_slice(&mut nearest[at.clone()]);
-            let ids = S::u32s::from_slice(simd, &shown[at.clone()]);
-            is_seen.select(S::u32s::splat(simd, number), ids).store_slice(&mut shown[at]);
+            is_seen.select(nearness, previous).store_slice(&mut nearest[pixels.clone()]);
+            let previous = S::u32s::from_slice(simd, &shown[pixels.clone()]);
+            is_seen.select(S::u32s::splat(simd, number), previous).store_slice(&mut shown[pixels]);
             first += lanes;
         }
     }
@@ -123,10 +124,10 @@ fn nearest<S: Simd, const FLAT: bool>(
 
 /// Returns true if all rays of the tile hit the face.
 #[inline(always)]
-fn fills<const FLAT: bool>(face: &Face, window: &Window) -> bool {
-    let is_beyond = |edge: DVec3| {
-        let (middle, more) = window.range::<FLAT>(edge);
-        middle - more > window.slack::<FLAT>(edge)
+fn fills_tile<const FLAT: bool>(face: &Face, window: &Window) -> bool {
+    let is_inside = |edge: DVec3| {
+        let (middle, deviation) = window.middle_and_deviation::<FLAT>(edge);
+        middle - deviation > window.slack::<FLAT>(edge)
     };
-    is_beyond(face.edges[0]) & is_beyond(face.edges[1]) & is_beyond(face.edges[2])
+    is_inside(face.edges[0]) & is_inside(face.edges[1]) & is_inside(face.edges[2])
 }

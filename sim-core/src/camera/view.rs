@@ -68,8 +68,9 @@ impl View {
         if !size.iter().all(|side| (1..=MAX_SIDE).contains(side)) {
             return Err(ViewError::Size(width, height));
         }
-        let is_place = world_from_camera.position.abs().max_element() <= 1e9 && world_from_camera.position.is_finite();
-        if !is_place || !world_from_camera.rotation.is_finite() {
+        let is_position =
+            world_from_camera.position.abs().max_element() <= 1e9 && world_from_camera.position.is_finite();
+        if !is_position || !world_from_camera.rotation.is_finite() {
             return Err(ViewError::Pose);
         }
         let half_width = 0.5 * f64::from(width);
@@ -104,7 +105,7 @@ impl View {
         self.focal
     }
 
-    /// This view at `factor` times the resolution.
+    /// This view with `factor` times as many pixels on either side.
     ///
     /// # Errors
     /// [`ViewError::Size`] if the image has too many pixels, or none.
@@ -112,18 +113,18 @@ impl View {
         Self::new(self.world_from_camera, self.lens, self.size.map(|side| side.saturating_mul(factor)))
     }
 
-    /// The ray through the position `at` (columns to the right, rows downwards), in the camera's frame: (1, y, z) for a
-    /// pinhole, of length 1 for a fisheye; `None` beyond the end of a fisheye's image, pi off the axis.
-    pub fn ray(&self, at: DVec2) -> Option<DVec3> {
-        let (angle, ray) = self.continued_ray(at);
+    /// The ray through an image position (columns to the right, rows downwards), in the camera's frame: (1, y, z) for a
+    /// pinhole, of length 1 for a fisheye; `None` more than pi off the axis, beyond the end of a fisheye's image.
+    pub fn ray(&self, position: DVec2) -> Option<DVec3> {
+        let (angle, ray) = self.continued_ray(position);
         (angle <= PI).then_some(ray)
     }
 
-    /// The ray and, for a fisheye, its angle off the axis; continued beyond the end of the image, where the angle
-    /// exceeds pi.
-    pub(super) fn continued_ray(&self, at: DVec2) -> (f64, DVec3) {
+    /// Angle off the axis (0 for a pinhole) and ray through an image position, also beyond the end of a fisheye's image,
+    /// where the angle exceeds pi.
+    pub(super) fn continued_ray(&self, position: DVec2) -> (f64, DVec3) {
         let [width, height] = self.size.map(f64::from);
-        let (y, z) = ((0.5 * width - at.x) / self.focal, (0.5 * height - at.y) / self.focal);
+        let (y, z) = ((0.5 * width - position.x) / self.focal, (0.5 * height - position.y) / self.focal);
         match self.lens {
             Lens::Pinhole { .. } => (0.0, DVec3::new(1.0, y, z)),
             Lens::Fisheye { .. } => {
@@ -134,10 +135,9 @@ impl View {
         }
     }
 
-    /// Unit vector, in the world frame, of the line of sight through the image position `at`; `None` beyond a fisheye's
-    /// image.
-    pub fn direction(&self, at: DVec2) -> Option<DVec3> {
-        self.ray(at).map(|ray| self.world_from_camera.rotation * ray.normalize_or_zero())
+    /// Unit vector, in the world frame, of the line of sight through an image position; `None` beyond a fisheye's image.
+    pub fn direction(&self, position: DVec2) -> Option<DVec3> {
+        self.ray(position).map(|ray| self.world_from_camera.rotation * ray.normalize_or_zero())
     }
 
     /// Image position of a point in the world, possibly beyond the border. `None` for a point without a projection:
@@ -155,15 +155,15 @@ impl View {
         Some(DVec2::new(0.5 * width - self.focal * y * scale, 0.5 * height - self.focal * z * scale))
     }
 
-    /// The pose of a camera at `from` that looks at `to`, upright: the image's vertical lies in the vertical plane.
-    /// Straight up or down, the top of the image is towards y. `None` if both points are equal or a coordinate is not
-    /// finite.
-    pub fn looking(from: DVec3, to: DVec3) -> Option<Pose3> {
+    /// The pose of an upright camera at `from` that looks at `to`: the image's vertical lies in a vertical plane. For a
+    /// camera that looks straight up or down, the top of the image is towards y. `None` if both points are equal or a
+    /// coordinate is not finite.
+    pub fn look_at(from: DVec3, to: DVec3) -> Option<Pose3> {
         let DVec3 { x, y, z } = to - from;
         let horizontal = math::hypot(x, y);
-        let is_somewhere = from.is_finite() && to.is_finite() && (horizontal > 0.0 || z != 0.0);
+        let is_defined = from.is_finite() && to.is_finite() && (horizontal > 0.0 || z != 0.0);
         let yaw = if horizontal > 0.0 { math::atan2(y, x) } else { FRAC_PI_2 };
-        is_somewhere.then(|| Pose3::from_angles(from, 0.0, math::atan2(z, horizontal), yaw))
+        is_defined.then(|| Pose3::from_angles(from, 0.0, math::atan2(z, horizontal), yaw))
     }
 }
 
@@ -177,41 +177,43 @@ mod tests {
     }
 
     #[test]
-    fn what_a_place_shows_is_projected_onto_it() {
+    fn points_along_a_ray_are_projected_to_its_position() {
         for lens in [Lens::Pinhole { fov: 1.0 }, Lens::Fisheye { fov: 2.5 }, Lens::Fisheye { fov: 5.0 }] {
             let view = view(lens);
-            for at in [DVec2::new(0.0, 0.0), DVec2::new(80.0, 60.0), DVec2::new(159.5, 3.25), DVec2::new(20.0, 120.0)] {
-                let direction = view.direction(at).expect("within the image");
+            for position in
+                [DVec2::new(0.0, 0.0), DVec2::new(80.0, 60.0), DVec2::new(159.5, 3.25), DVec2::new(20.0, 120.0)]
+            {
+                let direction = view.direction(position).expect("within the image");
                 let found = view.project(view.world_from_camera().position + 3.0 * direction).expect("ahead");
-                assert!((found - at).length() < 1e-9, "{lens:?} {at} {found}");
+                assert!((found - position).length() < 1e-9, "{lens:?} {position} {found}");
             }
         }
     }
 
     #[test]
-    fn left_is_left_and_up_is_up() {
+    fn left_and_up_are_left_and_up_in_the_image() {
         let ahead = View::new(Pose3::IDENTITY, Lens::Pinhole { fov: FRAC_PI_2 }, [160, 120]).expect("a view");
         let found = ahead.project(DVec3::new(1.0, 0.5, 0.25)).expect("ahead");
         assert!((found - DVec2::new(40.0, 40.0)).length() < 1e-9, "{found}");
         assert_eq!(ahead.project(DVec3::new(-1.0, 0.5, 0.25)), None);
-        let down = View::looking(DVec3::new(0.0, 0.0, 2.0), DVec3::ZERO).expect("a direction");
-        let down = View::new(down, Lens::Pinhole { fov: FRAC_PI_2 }, [100, 100]).expect("a view");
+        let pose = View::look_at(DVec3::new(0.0, 0.0, 2.0), DVec3::ZERO).expect("a direction");
+        let down = View::new(pose, Lens::Pinhole { fov: FRAC_PI_2 }, [100, 100]).expect("a view");
         let found = down.project(DVec3::new(1.0, 1.0, 0.0)).expect("below");
         assert!((found - DVec2::new(75.0, 25.0)).length() < 1e-9, "x to the right, y up: {found}");
     }
 
     #[test]
-    fn what_no_camera_can_be_is_refused() {
+    fn invalid_views_are_rejected() {
         let pose = Pose3::IDENTITY;
-        let of = |lens, size| View::new(pose, lens, size);
-        assert_eq!(of(Lens::Pinhole { fov: 1.0 }, [0, 5]), Err(ViewError::Size(0, 5)));
-        assert_eq!(of(Lens::Pinhole { fov: PI }, [5, 5]), Err(ViewError::Field(PI)));
+        let view = |lens, size| View::new(pose, lens, size);
+        assert_eq!(view(Lens::Pinhole { fov: 1.0 }, [0, 5]), Err(ViewError::Size(0, 5)));
+        assert_eq!(view(Lens::Pinhole { fov: PI }, [5, 5]), Err(ViewError::Field(PI)));
         assert!(
-            of(Lens::Pinhole { fov: f64::NAN }, [5, 5]).is_err() && of(Lens::Fisheye { fov: 0.0 }, [5, 5]).is_err()
+            view(Lens::Pinhole { fov: f64::NAN }, [5, 5]).is_err() && view(Lens::Fisheye { fov: 0.0 }, [5, 5]).is_err()
         );
-        assert!(of(Lens::Pinhole { fov: 1e-320 }, [5, 5]).is_err());
-        let lost = Pose3 { position: DVec3::new(f64::NAN, 0.0, 0.0), ..pose };
-        assert_eq!(View::new(lost, Lens::Pinhole { fov: 1.0 }, [5, 5]), Err(ViewError::Pose));
-        assert_eq!(View::looking(DVec3::ONE, DVec3::ONE), None);
+        assert!(view(Lens::Pinhole { fov: 1e-320 }, [5, 5]).is_err());
+        let invalid_pose = Pose3 { position: DVec3::new(f64::NAN, 0.0, 0.0), ..pose };
+        assert_eq!(View::new(invalid_pose, Lens::Pinhole { fov: 1.0 }, [5, 5]), Err(ViewError::Pose));
+        assert_eq!(View::look_at(DVec3::ONE, DVec3::ONE), None);
     }
 }

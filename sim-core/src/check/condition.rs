@@ -100,16 +100,16 @@ impl Condition {
                 let (robots, corners) = (selected_robots(robots, scene), area_corners(area.as_deref(), scene));
                 Self::Coverage(Coverage::new(robots, 0.5 * width, &corners, *cell, *share, seconds(*by)))
             }
-            CheckKind::Swarm { robots, of, min, max, since, at_end } => {
+            CheckKind::Swarm { robots, metric, min, max, since, at_end } => {
                 let robots = selected_robots(robots, scene);
-                let coverage = match of {
+                let coverage = match metric {
                     SwarmMetric::Coverage { width, area, cell } => {
                         let corners = area_corners(area.as_deref(), scene);
                         Some(Coverage::new(robots.clone(), 0.5 * width, &corners, *cell, 1.0, f64::INFINITY))
                     }
                     _ => None,
                 };
-                let (metric, since, series) = (of.clone(), *since, Vec::new());
+                let (metric, since, series) = (metric.clone(), *since, Vec::new());
                 let (min, max, at_end) = (*min, *max, *at_end);
                 Self::Swarm(Swarm { robots, metric, min, max, since, at_end, coverage, violated: None, series })
             }

@@ -1,8 +1,8 @@
 //! Camera of a robot: settings, instant and pose of each exposure, and errors of lens and sensor.
 //!
-//! An image is exposed [`READ_OUT`] before it is available. It shows the camera's pose at the exposure, and the
-//! published poses of other bodies at that instant. Source: Koestler & Bräunl, section 4.1; the time of exposure is our
-//! choice.
+//! An image is exposed [`READ_OUT`] before it is available. It shows the scene from the camera's pose at the exposure,
+//! with the published poses of other bodies at that instant. Source: Koestler & Bräunl, section 4.1; the time of exposure
+//! is our choice.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -19,8 +19,8 @@ use crate::pose::Pose3;
 use crate::spec::{CameraSpec, JointSpec, RobiSpec};
 use crate::time::Time;
 
-/// Delay from exposure to image: the read-out time of a sensor with 60 images a second. Shorter than the history that
-/// world and servos keep.
+/// Delay from exposure to image: the read-out time of a sensor with 60 images per second. The delay is shorter than the
+/// history of world and servos.
 pub const READ_OUT: Time = Time(16_667);
 
 /// Default width and height of images, in pixels.
@@ -29,7 +29,7 @@ pub const DEFAULT_SIZE: [u32; 2] = [320, 240];
 /// The camera of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Camera {
-    /// `None` while the camera is switched off.
+    /// Settings; `None` while the camera is switched off.
     pub setting: Option<Setting>,
     /// `None` if images are exact.
     errors: Option<Box<ImageErrors>>,
@@ -70,7 +70,7 @@ pub struct Exposure {
     pub view: View,
     pub(crate) scenery: Arc<Scenery>,
     pub(crate) poses: Vec<Option<Pose3>>,
-    /// True if an intervention had switched the camera off: the image is black, depths are infinite and labels are sky.
+    /// True if an intervention has switched the camera off: the image is black, depths are infinite, and all labels are sky.
     pub(crate) is_dark: bool,
 }
 
@@ -134,7 +134,7 @@ impl Camera {
     }
 
     /// Adds blur and noise of image `number` to a picture.
-    pub(crate) fn err<const CHANNELS: usize>(&self, number: u64, picture: &mut Picture<[u8; CHANNELS]>) {
+    pub(crate) fn add_errors<const CHANNELS: usize>(&self, number: u64, picture: &mut Picture<[u8; CHANNELS]>) {
         if let Some(errors) = &self.errors {
             errors.expose(number, picture.size()[0] as usize, picture.pixels_mut());
         }
@@ -143,19 +143,19 @@ impl Camera {
     /// Turns a rendered picture into image `number`: applies the level settings, blur and noise.
     pub fn develop(&self, number: u64, picture: &mut Picture<[u8; 3]>) {
         self.setting.unwrap_or_default().levels.colour(picture.pixels_mut());
-        self.err(number, picture);
+        self.add_errors(number, picture);
     }
 
-    /// Adapts the automatic brightness to an image with these levels.
-    pub(crate) fn follow(&mut self, levels: &[u8]) {
+    /// Adapts the automatic brightness to an image with these grey levels.
+    pub(crate) fn adapt_brightness(&mut self, levels: &[u8]) {
         if let Some(setting) = &mut self.setting {
             let sum: u64 = levels.iter().map(|level| u64::from(*level)).sum();
-            setting.levels.follow(sum as f64 / levels.len().max(1) as f64);
+            setting.levels.adapt_brightness(sum as f64 / levels.len().max(1) as f64);
         }
     }
 
-    /// Counts an image that has been taken and keeps its exposure as the last one.
-    pub(crate) fn keep(&mut self, exposure: Exposure) {
+    /// Records an image that has been taken: counts it and stores its exposure as the last one.
+    pub(crate) fn record(&mut self, exposure: Exposure) {
         self.image_count = exposure.number;
         while self.exposed.front().is_some_and(|oldest| *oldest + HISTORY < exposure.at) {
             self.exposed.pop_front();
@@ -169,20 +169,20 @@ impl Camera {
         self.workspace.0.get_or_insert_default()
     }
 
-    /// Renders the last exposure with `render`; every pixel is `nothing` if the camera was dark.
+    /// Renders the last exposure with `render`; all pixels are `dark` if an intervention had switched the camera off.
     ///
     /// # Errors
     /// [`CameraError::NotTaken`].
     pub(crate) fn render_last<T: Copy>(
         &mut self,
-        nothing: T,
+        dark: T,
         render: impl FnOnce(&mut Renderer, &PosedScenery<'_>, &View) -> Picture<T>,
     ) -> Result<Picture<T>, CameraError> {
         let exposure = Arc::clone(self.last.as_ref().ok_or(CameraError::NotTaken)?);
         let posed = exposure.scenery.with_poses(exposure.poses.clone());
         let mut picture = render(self.renderer(), &posed, &exposure.view);
         if exposure.is_dark {
-            picture.pixels_mut().fill(nothing);
+            picture.pixels_mut().fill(dark);
         }
         Ok(picture)
     }
@@ -204,9 +204,9 @@ fn angle(joint: &JointSpec, spec: &RobiSpec, servos: &Servos, at: Time) -> f64 {
     match joint {
         JointSpec::Fixed(angle) => *angle,
         JointSpec::Servo { name, from, to } => {
-            let all = spec.all_servos();
-            let index = all.iter().position(|servo| servo.name == name);
-            index.map_or(0.5 * (from + to), |index| servos.angle_before(index, all[index].swing, at))
+            let refs = spec.all_servos();
+            let index = refs.iter().position(|servo| servo.name == name);
+            index.map_or(0.5 * (from + to), |index| servos.angle_before(index, refs[index].swing, at))
         }
     }
 }
@@ -227,7 +227,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn twice_the_zoom_is_twice_the_size() {
+    fn twice_the_zoom_doubles_the_size_in_the_image() {
         let tangent = |lens: Lens| match lens {
             Lens::Pinhole { fov } => math::tan(0.5 * fov),
             Lens::Fisheye { fov } => 0.5 * fov,
@@ -237,6 +237,10 @@ mod tests {
             assert!((tangent(zoomed(lens, 2.0)) - 0.5 * tangent(lens)).abs() < 1e-15);
             assert!((tangent(zoomed(lens, 0.5)) - 2.0 * tangent(lens)).abs() < 1e-15);
         }
-        assert_eq!(zoomed(Lens::Fisheye { fov: 1.5 * PI }, 0.5), Lens::Fisheye { fov: TAU }, "all around is most");
+        assert_eq!(
+            zoomed(Lens::Fisheye { fov: 1.5 * PI }, 0.5),
+            Lens::Fisheye { fov: TAU },
+            "a full turn is the maximum"
+        );
     }
 }

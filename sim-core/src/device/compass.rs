@@ -50,7 +50,8 @@ impl Compass {
         self.measured_at.is_some()
     }
 
-    /// The latest value, rad clockwise from north; `None` before the end of the first cycle. `measure` gives the value at an instant.
+    /// The latest value, rad clockwise from north; `None` before the end of the first cycle. `measure` computes the value at
+    /// an instant.
     pub fn read(&mut self, now: Time, measure: impl FnOnce(Time) -> f64) -> Option<f64> {
         self.advance(now);
         let measured_at = self.measured_at?;
@@ -64,14 +65,14 @@ impl Compass {
         self.cycle.map_or(Time::NEVER, |cycle| cycle.last_end())
     }
 
-    /// Discards measurements and values; keeps the noise model.
+    /// Discards all measurements, but not the noise model.
     pub fn reset(&mut self) {
         *self = Self { errors: self.errors.take(), ..Self::default() };
     }
 
     fn advance(&mut self, now: Time) {
         let Some(cycle) = self.cycle else { return };
-        let Some(measured_at) = cycle.latest(now) else { return };
+        let Some(measured_at) = cycle.latest_end(now) else { return };
         if self.measured_at != Some(measured_at) {
             (self.measured_at, self.angle) = (Some(measured_at), None);
         }
@@ -106,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_needs_a_cycle() {
+    fn a_value_exists_after_a_complete_cycle() {
         let mut compass = Compass::default();
         assert!(compass.start(true, Time(0)));
         assert!(!compass.start(true, Time(10)), "already measuring");

@@ -37,12 +37,12 @@ impl Cycle {
 
     /// End of the latest complete cycle; `None` before the end of the first.
     #[inline]
-    pub fn latest(&self, now: Time) -> Option<Time> {
+    pub fn latest_end(&self, now: Time) -> Option<Time> {
         let completed = self.completed(now);
         (completed > 0).then(|| self.end(completed))
     }
 
-    /// Returns true if no cycle is in progress any more.
+    /// Returns true if the last cycle is complete.
     #[inline]
     pub fn is_over(&self, now: Time) -> bool {
         self.completed(now) == self.last
@@ -61,11 +61,11 @@ mod tests {
     #[test]
     fn cycles_end_at_multiples_of_the_period() {
         let cycle = Cycle::new(Time(1_000), Time(60_000), true);
-        assert_eq!(cycle.latest(Time(60_999)), None);
-        assert_eq!(cycle.latest(Time(61_000)), Some(Time(61_000)));
-        assert_eq!(cycle.latest(Time(200_000)), Some(Time(181_000)));
+        assert_eq!(cycle.latest_end(Time(60_999)), None);
+        assert_eq!(cycle.latest_end(Time(61_000)), Some(Time(61_000)));
+        assert_eq!(cycle.latest_end(Time(200_000)), Some(Time(181_000)));
         assert_eq!(cycle.last_end(), Time::NEVER);
-        assert_eq!(cycle.latest(Time(0)), None, "before the start");
+        assert_eq!(cycle.latest_end(Time(0)), None, "before the start");
     }
 
     #[test]
@@ -73,15 +73,15 @@ mod tests {
         let cycle = Cycle::new(Time(0), Time(60_000), false);
         assert!(!cycle.is_over(Time(59_999)));
         assert!(cycle.is_over(Time(60_000)));
-        assert_eq!(cycle.latest(Time(10_000_000)), Some(Time(60_000)));
+        assert_eq!(cycle.latest_end(Time(10_000_000)), Some(Time(60_000)));
     }
 
     #[test]
-    fn stop_lets_the_cycle_in_progress_end() {
+    fn stop_completes_the_cycle_in_progress() {
         let mut cycle = Cycle::new(Time(0), Time(60_000), true);
         cycle.stop(Time(70_000));
         assert_eq!(cycle.last_end(), Time(120_000));
         cycle.stop(Time(500_000));
-        assert_eq!(cycle.latest(Time(500_000)), Some(Time(120_000)), "a second stop changes nothing");
+        assert_eq!(cycle.latest_end(Time(500_000)), Some(Time(120_000)), "a second stop changes nothing");
     }
 }

@@ -86,8 +86,8 @@ fn parse_pixel(text: &str) -> Option<[i32; 2]> {
 
 /// Queue of future and unread presses, ordered by time; equal times keep the order of insertion.
 ///
-/// A reader passes `key_of`, which maps a touch to a key of the reader. Touches for which `key_of` returns `None` stay
-/// in the queue.
+/// A reader passes `key_of`, which maps an input to a key of the reader. Inputs for which `key_of` returns `None` stay in
+/// the queue.
 #[derive(Clone, Debug, Default)]
 pub struct InputQueue {
     presses: VecDeque<(Time, UserInput)>,
@@ -95,16 +95,16 @@ pub struct InputQueue {
 
 impl InputQueue {
     /// Adds a press at `at`.
-    pub fn press(&mut self, at: Time, touch: UserInput) {
+    pub fn press(&mut self, at: Time, input: UserInput) {
         let index = self.presses.partition_point(|(earlier, _)| *earlier <= at);
-        self.presses.insert(index, (at, touch));
+        self.presses.insert(index, (at, input));
     }
 
     /// Removes and returns the earliest press of a key up to `now`.
     pub fn take<K>(&mut self, now: Time, key_of: impl Fn(UserInput) -> Option<K>) -> Option<K> {
-        let is_key = |(at, touch): &(Time, UserInput)| *at <= now && key_of(*touch).is_some();
-        let (_, touch) = self.presses.remove(self.presses.iter().position(is_key)?)?;
-        key_of(touch)
+        let is_key = |(at, input): &(Time, UserInput)| *at <= now && key_of(*input).is_some();
+        let (_, input) = self.presses.remove(self.presses.iter().position(is_key)?)?;
+        key_of(input)
     }
 
     /// Removes and returns the earliest press of any kind up to `now`.
@@ -112,9 +112,9 @@ impl InputQueue {
         self.take(now, Some)
     }
 
-    /// Time of the next press for which `is_meant` returns true; [`Time::NEVER`] if there is none.
-    pub fn next(&self, is_meant: impl Fn(UserInput) -> bool) -> Time {
-        self.presses.iter().find(|(_, touch)| is_meant(*touch)).map_or(Time::NEVER, |(at, _)| *at)
+    /// Time of the next press for which `matches` returns true; [`Time::NEVER`] if there is none.
+    pub fn next(&self, matches: impl Fn(UserInput) -> bool) -> Time {
+        self.presses.iter().find(|(_, input)| matches(*input)).map_or(Time::NEVER, |(at, _)| *at)
     }
 }
 
@@ -122,15 +122,15 @@ impl InputQueue {
 mod tests {
     use super::*;
 
-    fn pressed<const N: usize>(presses: [(i64, UserInput); N]) -> InputQueue {
-        let mut all = InputQueue::default();
-        presses.into_iter().for_each(|(at, touch)| all.press(Time(at), touch));
-        all
+    fn queue_of<const N: usize>(presses: [(i64, UserInput); N]) -> InputQueue {
+        let mut queue = InputQueue::default();
+        presses.into_iter().for_each(|(at, input)| queue.press(Time(at), input));
+        queue
     }
 
     #[test]
     fn presses_are_kept_until_read() {
-        let mut keys = pressed([(20, UserInput::Key(4)), (10, UserInput::Key(1)), (10, UserInput::Key(2))]);
+        let mut keys = queue_of([(20, UserInput::Key(4)), (10, UserInput::Key(1)), (10, UserInput::Key(2))]);
         assert_eq!(keys.take_any(Time(9)), None);
         assert_eq!([(); 2].map(|()| keys.take_any(Time(30))), [Some(UserInput::Key(1)), Some(UserInput::Key(2))]);
         keys.press(Time(15), UserInput::Key(3));
@@ -138,14 +138,14 @@ mod tests {
     }
 
     #[test]
-    fn touches_that_are_no_key_wait_for_who_reads_touches() {
+    fn touches_that_are_no_key_stay_in_the_queue() {
         let [key, edge, middle] = [UserInput::Key(1), UserInput::Touch([0, 9]), UserInput::Touch([5, 5])];
-        let key_of = |touch: UserInput| match touch {
+        let key_of = |input: UserInput| match input {
             UserInput::Key(number) => Some(number),
-            touch => (touch == edge).then_some(2),
+            input => (input == edge).then_some(2),
         };
-        let mut keys = pressed([(1, middle), (2, edge), (3, key), (4, middle)]);
-        let next_key = |keys: &InputQueue| keys.next(|touch| key_of(touch).is_some());
+        let mut keys = queue_of([(1, middle), (2, edge), (3, key), (4, middle)]);
+        let next_key = |keys: &InputQueue| keys.next(|input| key_of(input).is_some());
         assert_eq!([keys.next(|_| true), next_key(&keys)], [Time(1), Time(2)]);
         assert_eq!([keys.take(Time(9), key_of), keys.take(Time(9), key_of)], [Some(2), Some(1)]);
         assert_eq!((keys.take(Time(9), key_of), next_key(&keys)), (None, Time::NEVER));
@@ -154,8 +154,8 @@ mod tests {
     }
 
     #[test]
-    fn texts_of_touches() {
-        let touches = [
+    fn inputs_are_printed_and_parsed() {
+        let inputs = [
             UserInput::Key(1),
             UserInput::Key(4),
             UserInput::Touch([0, 65_535]),
@@ -163,9 +163,9 @@ mod tests {
             UserInput::Remote(18),
         ];
         let texts = ["KEY1", "KEY4", "TOUCH(0,65535)", "IRTV_0", "IRTV_OK"];
-        assert_eq!(touches.map(|touch| touch.to_string()), texts);
-        assert_eq!(texts.map(str::parse), touches.map(Ok));
-        assert_eq!(["key2", " touch( 5 ,6 )", "irtv_power"].map(str::parse), {
+        assert_eq!(inputs.map(|input| input.to_string()), texts);
+        assert_eq!(texts.map(str::parse), inputs.map(Ok));
+        assert_eq!(["key2", " input( 5 ,6 )", "irtv_power"].map(str::parse), {
             [Ok(UserInput::Key(2)), Ok(UserInput::Touch([5, 6])), Ok(UserInput::Remote(19))]
         });
         for text in ["", "KEY0", "KEY5", "KEY", "TOUCH", "TOUCH(-1,0)", "TOUCH(1,65536)", "TOUCH(1,2", "TOUCH(1,2)3"] {

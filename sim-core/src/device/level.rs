@@ -31,16 +31,16 @@ impl Default for Levels {
 }
 
 impl Levels {
-    /// Changes the pixels of a colour image: multiplies by brightness / 128; turns the hue about the grey axis by (hue - 128) / 128 of
-    /// half a turn, from red towards green; multiplies the distance from grey by saturation / 128.
+    /// Changes the pixels of a colour image: multiplies by brightness / 128; rotates about the grey axis by (hue - 128) / 128
+    /// of half a turn, from red towards green; multiplies the distance from grey by saturation / 128.
     pub fn colour(&self, pixels: &mut [[u8; 3]]) {
         if self.numbers == [NEUTRAL; 3] {
             return;
         }
         let [brightness, hue, saturation] = self.fractions();
-        let turned = DMat3::from_cols_array_2d(&turned_about_grey(PI * (hue - 1.0)));
+        let rotation = DMat3::from_cols_array_2d(&rotation_about_grey(PI * (hue - 1.0)));
         let grey = DMat3::from_cols(DVec3::ONE, DVec3::ONE, DVec3::ONE) * (1.0 / 3.0);
-        let change = (turned * saturation + grey * (1.0 - saturation)) * brightness;
+        let change = (rotation * saturation + grey * (1.0 - saturation)) * brightness;
         for pixel in pixels {
             *pixel = (change * DVec3::from(pixel.map(f64::from))).to_array().map(level);
         }
@@ -59,13 +59,13 @@ impl Levels {
         }
     }
 
-    /// Adapts an automatic brightness after an image with mean level `mean`: moves the brightness halfway to the value
+    /// Adapts an automatic brightness to an image with the mean level `mean`: moves the brightness halfway to the value
     /// that would give a mean of 128, within 1 to 255.
-    pub fn follow(&mut self, mean: f64) {
+    pub fn adapt_brightness(&mut self, mean: f64) {
         if self.is_automatic {
             let brightness = f64::from(self.numbers[0]);
-            let gain = brightness * MIDDLE_LEVEL / mean.max(1.0);
-            self.numbers[0] = level(0.5 * (brightness + gain)).max(1);
+            let target = brightness * MIDDLE_LEVEL / mean.max(1.0);
+            self.numbers[0] = level(0.5 * (brightness + target)).max(1);
         }
     }
 
@@ -76,19 +76,20 @@ impl Levels {
 }
 
 /// Columns of the rotation about the grey axis by `angle`, from red towards green.
-fn turned_about_grey(angle: f64) -> [[f64; 3]; 3] {
-    let (along, across) = ((1.0 - math::cos(angle)) / 3.0, math::sin(angle) / 3.0_f64.sqrt());
-    let same = math::cos(angle) + along;
+fn rotation_about_grey(angle: f64) -> [[f64; 3]; 3] {
+    let (symmetric, skew) = ((1.0 - math::cos(angle)) / 3.0, math::sin(angle) / 3.0_f64.sqrt());
+    let diagonal = math::cos(angle) + symmetric;
     [
-        [same, along + across, along - across],
-        [along - across, same, along + across],
-        [along + across, along - across, same],
+        [diagonal, symmetric + skew, symmetric - skew],
+        [symmetric - skew, diagonal, symmetric + skew],
+        [symmetric + skew, symmetric - skew, diagonal],
     ]
 }
 
-fn level(level: f64) -> u8 {
+/// The nearest level from 0 to 255.
+fn level(value: f64) -> u8 {
     // A conversion to an integer saturates.
-    level.round() as u8
+    value.round() as u8
 }
 
 #[cfg(test)]
@@ -108,13 +109,13 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_changes_nothing() {
+    fn neutral_settings_change_nothing() {
         assert_eq!(colour([128; 3], [1, 100, 255]), [1, 100, 255]);
         assert_eq!(grey([128; 3], 37), 37);
     }
 
     #[test]
-    fn colours_change_as_said() {
+    fn settings_change_colours_as_documented() {
         assert_eq!(colour([64, 128, 128], [10, 100, 200]), [5, 50, 100], "half as bright");
         assert_eq!(colour([255, 128, 128], [200, 0, 0]), [255, 0, 0], "limited");
         assert_eq!(colour([128, 128, 0], [30, 60, 90]), [60, 60, 60], "without colour");
@@ -125,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn greys_change_as_said() {
+    fn settings_change_greys_as_documented() {
         assert_eq!(grey([64, 128, 128], 100), 50);
         assert_eq!(grey([128, 138, 128], 100), 110);
         assert_eq!(grey([128, 128, 64], 100), 114, "half as far from 128");
@@ -133,20 +134,20 @@ mod tests {
     }
 
     #[test]
-    fn the_brightness_comes_to_where_the_mean_is_in_the_middle() {
-        for (scene, wanted) in [(64.0, 255), (100.0, 164), (250.0, 66), (10.0, 255)] {
+    fn automatic_brightness_converges_to_a_mean_of_128() {
+        for (scene, expected) in [(64.0, 255), (100.0, 164), (250.0, 66), (10.0, 255)] {
             let mut levels = Levels { is_automatic: true, ..Levels::default() };
             for _ in 0..12 {
                 let mean = (scene * f64::from(levels.numbers[0]) / 128.0).min(255.0);
-                levels.follow(mean);
+                levels.adapt_brightness(mean);
             }
-            assert!(levels.numbers[0].abs_diff(wanted) <= 1, "{scene}: {levels:?}");
+            assert!(levels.numbers[0].abs_diff(expected) <= 1, "{scene}: {levels:?}");
         }
         let mut dark = Levels { numbers: [0, 128, 128], is_automatic: true };
-        (0..12).for_each(|_| dark.follow(100.0 * f64::from(dark.numbers[0]) / 128.0));
-        assert!(dark.numbers[0] > 150, "it comes back from nothing: {dark:?}");
+        (0..12).for_each(|_| dark.adapt_brightness(100.0 * f64::from(dark.numbers[0]) / 128.0));
+        assert!(dark.numbers[0] > 150, "the brightness recovers from 0: {dark:?}");
         let mut manual = Levels::default();
-        manual.follow(10.0);
+        manual.adapt_brightness(10.0);
         assert_eq!(manual, Levels::default());
     }
 }

@@ -28,7 +28,7 @@ pub struct Devices {
     pub ranges: range::Ranges,
     /// The driver that measures with range sensors in cycles.
     pub psds: psd::Psds,
-    /// The scanner, once a program has set its fan of rays; `None` while the robi's own settings hold.
+    /// The scanner with the fan of rays that a program has set; `None` while the settings of the robi apply.
     pub scanner: Option<range::Scanner>,
     /// Motor commands, in percent of the motors' maximum rate.
     pub motor_percent: [i32; 4],
@@ -63,12 +63,13 @@ impl Devices {
     }
 
     /// Queues a press of a key, a touch of the display or a press on the remote control at `at`.
-    pub fn press(&mut self, at: Time, touch: key::UserInput) {
-        let presses = if matches!(touch, key::UserInput::Remote(_)) { &mut self.remote } else { &mut self.keys };
-        presses.press(at, touch);
+    pub fn press(&mut self, at: Time, input: key::UserInput) {
+        let queue = if matches!(input, key::UserInput::Remote(_)) { &mut self.remote } else { &mut self.keys };
+        queue.press(at, input);
     }
 
-    /// Time by which a finished measurement must be computed, before the world's history is dropped; [`Time::NEVER`] if there is none.
+    /// Time by which a finished measurement must be computed, while the world still has the history that it needs;
+    /// [`Time::NEVER`] if there is no such measurement.
     #[inline]
     pub fn due(&self) -> Time {
         self.psds.due().min(self.compass.due())

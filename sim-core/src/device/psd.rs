@@ -22,6 +22,7 @@ pub struct Psds {
     measurement: Option<Measurement>,
     /// Latest measurements by sensor, in the order of the robi, up to the last sensor that has ever measured.
     readings: Vec<Latest>,
+    /// End of the latest cycle completed since the last start.
     stamp: Option<Time>,
 }
 
@@ -54,7 +55,7 @@ impl Psds {
     /// Starts measuring with `sensors` at `now`, for one cycle or continuously. Returns false, without effect, if a
     /// measurement is in progress.
     ///
-    /// Until the first cycle is complete, no value counts as valid and the sensors keep their older values.
+    /// Until the first cycle is complete, [`stamp`](Self::stamp) is `None` and [`read`](Self::read) returns older values.
     pub fn start(&mut self, sensors: SensorSet, is_continuous: bool, now: Time) -> bool {
         self.advance(now);
         if self.measurement.is_some() {
@@ -84,8 +85,8 @@ impl Psds {
         self.stamp
     }
 
-    /// The latest value of sensor `index`; `None` if the sensor has never completed a cycle. `measure` gives the sensor's reading at
-    /// an instant.
+    /// The latest value of sensor `index`; `None` if the sensor has never completed a cycle. `measure` computes the sensor's
+    /// reading at an instant.
     pub fn read(&mut self, index: usize, now: Time, measure: impl FnOnce(usize, Time) -> Reading) -> Option<Measured> {
         self.advance(now);
         let latest = self.readings.get_mut(index)?;
@@ -119,7 +120,7 @@ impl Psds {
         }
     }
 
-    /// Takes over the cycles completed by `now`.
+    /// Updates time stamps and measurements to the cycles completed by `now`.
     fn advance(&mut self, now: Time) {
         let Some(Measurement { sensors, cycle, next }) = &mut self.measurement else { return };
         if now < *next {
@@ -127,7 +128,7 @@ impl Psds {
         }
         let (sensors, cycle) = (*sensors, *cycle);
         *next = cycle.end(cycle.completed(now) + 1);
-        let Some(measured_at) = cycle.latest(now) else { return };
+        let Some(measured_at) = cycle.latest_end(now) else { return };
         if self.stamp != Some(measured_at) {
             self.stamp = Some(measured_at);
             for index in members(sensors) {
@@ -149,8 +150,8 @@ fn members(sensors: SensorSet) -> impl Iterator<Item = usize> {
 mod tests {
     use super::*;
 
-    /// A world in which sensor i measures i metres plus one metre per second of virtual time.
-    fn seen(index: usize, at: Time) -> Reading {
+    /// Reading in a world in which sensor i measures i metres plus one metre per second of virtual time.
+    fn measure(index: usize, at: Time) -> Reading {
         Reading { distance: Some(index as f64 + at.seconds()), signal: 1.0 }
     }
 
@@ -159,17 +160,17 @@ mod tests {
     }
 
     #[test]
-    fn a_value_is_as_old_as_its_cycle() {
+    fn a_value_is_measured_at_the_end_of_its_cycle() {
         let mut psds = Psds::default();
         assert!(psds.start(0b101, true, Time(1_000)));
-        assert_eq!(psds.read(0, Time(60_999), seen), None);
+        assert_eq!(psds.read(0, Time(60_999), measure), None);
         assert_eq!(psds.stamp(Time(60_999)), None);
-        let at_once = psds.read(2, Time(61_000), seen);
-        assert_eq!(at_once, measured(Time(61_000), 2.061));
+        let first = psds.read(2, Time(61_000), measure);
+        assert_eq!(first, measured(Time(61_000), 2.061));
         let later = psds.read(2, Time(120_999), |_, _| panic!("the value is known"));
-        assert_eq!(later, at_once);
-        assert_eq!(psds.read(2, Time(121_000), seen).unwrap().measured_at, Time(121_000));
-        assert_eq!(psds.read(1, Time(121_000), seen), None, "not started");
+        assert_eq!(later, first);
+        assert_eq!(psds.read(2, Time(121_000), measure).unwrap().measured_at, Time(121_000));
+        assert_eq!(psds.read(1, Time(121_000), measure), None, "not started");
         assert_eq!(psds.due(), Time::NEVER);
     }
 
@@ -179,13 +180,13 @@ mod tests {
         psds.start(1, false, Time(0));
         assert_eq!(psds.due(), Time(60_000));
         assert!(!psds.start(1, false, Time(59_999)));
-        psds.settle(Time(60_000), seen);
+        psds.settle(Time(60_000), measure);
         assert_eq!(psds.due(), Time::NEVER);
         let reading = measured(Time(60_000), 0.06);
         assert_eq!(psds.read(0, Time(9_000_000), |_, _| panic!("settled")), reading);
         assert!(psds.start(1, true, Time(9_000_000)));
         assert_eq!(psds.stamp(Time(9_000_001)), None, "nothing new is valid yet");
-        assert_eq!(psds.read(0, Time(9_000_001), seen), reading, "the old value stays");
+        assert_eq!(psds.read(0, Time(9_000_001), measure), reading, "the old value stays");
     }
 
     #[test]
@@ -195,6 +196,6 @@ mod tests {
         psds.stop(Time(130_000));
         assert!(!psds.start(1, true, Time(179_999)));
         assert!(psds.start(1, true, Time(180_000)));
-        assert_eq!(psds.read(0, Time(180_000), seen).unwrap().measured_at, Time(180_000));
+        assert_eq!(psds.read(0, Time(180_000), measure).unwrap().measured_at, Time(180_000));
     }
 }

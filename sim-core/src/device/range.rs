@@ -50,7 +50,7 @@ pub struct SensorView {
     /// Pose of the sensor; its x axis is the viewing direction.
     pub world_from_sensor: Pose3,
     /// Maximum distance that the sensor measures, m.
-    pub reach: f64,
+    pub range: f64,
     /// Distance without errors, m; `None` if out of range.
     pub distance: Option<f64>,
 }
@@ -104,15 +104,15 @@ impl Ranges {
         let Some(sensor) = self.sensors.get(index) else { return NO_RETURN };
         let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));
         let event = errors.map_or(0, |_| Events::index(at, CYCLE));
-        let own = errors.map_or(0.0, |(errors, [sigma, mean])| errors.own(event, *sigma, *mean));
+        let noise = errors.map_or(0.0, |(errors, [sigma, mean])| errors.own(event, *sigma, *mean));
         let reading = if sensor.is_level_psd() {
             let (centre, forward) = motion.centre_and_forward(at);
-            sensor.read_level(world, motion.id(), (centre, forward, motion.lift(at)), at, own)
+            sensor.read_level(world, motion.id(), (centre, forward, motion.lift(at)), at, noise)
         } else {
             let world_from_robot = motion.pose(at);
-            let (angles, lift) = self.angles(sensor.link, servos, motion, at);
+            let (angles, lift) = self.angles_and_lift(sensor.link, servos, motion, at);
             let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift };
-            sensor.read(world, motion.id(), &posture, at, own)
+            sensor.read(world, motion.id(), &posture, at, noise)
         };
         errors.map_or(reading, |(errors, _)| errors.reading_of(event, at, &sensor.model, reading))
     }
@@ -120,19 +120,19 @@ impl Ranges {
     /// Pose of each sensor in the world at `at`, and its distance without errors.
     pub fn views(&self, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Vec<SensorView> {
         let stance = motion.stance(at);
-        let angles = self.all_angles(servos, &stance.joints, at);
+        let angles = self.joint_angles(servos, &stance.joints, at);
         let world_from_robot = motion.pose(at);
         let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift: stance.lift };
-        let sight = |sensor: &RangeSensor| {
+        let view = |sensor: &RangeSensor| {
             let Reading { distance, signal } = sensor.read(world, motion.id(), &posture, at, 0.0);
             let world_from_sensor = sensor.world_from_sensor(&posture);
             SensorView {
                 world_from_sensor,
-                reach: sensor.model.limits()[1],
+                range: sensor.model.limits()[1],
                 distance: distance.filter(|_| signal > 0.0),
             }
         };
-        self.sensors.iter().map(sight).collect()
+        self.sensors.iter().map(view).collect()
     }
 
     /// Pose of the scanner in the world at `at`, and the distance along each of its rays without errors.
@@ -152,7 +152,7 @@ impl Ranges {
                 (Pose3::from_planar(&planar, scan.height()), distances)
             }
             Scanner::InSpace { scan, mount, link } => {
-                let (angles, lift) = self.angles(*link, servos, motion, at);
+                let (angles, lift) = self.angles_and_lift(*link, servos, motion, at);
                 let posture = Posture { world_from_robot, links: &self.links, angles: &angles, lift };
                 let world_from_scanner = posture.world_from(mount, *link);
                 let distances = scan.distances_from(world, motion.id(), &world_from_scanner, at);
@@ -173,21 +173,20 @@ impl Ranges {
     ) -> (Pose3, Vec<Option<f64>>) {
         let (world_from_scanner, exact) = self.exact_scan(scanner, servos, motion, world, at);
         let Some(errors) = &self.errors else { return (world_from_scanner, exact) };
-        let mut erring = errors.lidar.scan(Events::index(at, SCAN), at, [0.0, scanner.fan().range()]);
-        (world_from_scanner, exact.into_iter().map(|point| erring.point(point)).collect())
+        let mut errors = errors.lidar.scan(Events::index(at, SCAN), at, [0.0, scanner.fan().range()]);
+        (world_from_scanner, exact.into_iter().map(|point| errors.point(point)).collect())
     }
 
-    /// Angles of all joints at `at`, rad, or an empty list for a sensor on the body; and the height of the robot's
-    /// frame, m.
-    fn angles(&self, link: Option<usize>, servos: &Servos, motion: &mut Motion, at: Time) -> (Vec<f64>, f64) {
+    /// Angles of all joints at `at`, rad (an empty list for a sensor on the body), and height of the robot's frame, m.
+    fn angles_and_lift(&self, link: Option<usize>, servos: &Servos, motion: &mut Motion, at: Time) -> (Vec<f64>, f64) {
         let Stance { joints, lift, .. } = motion.stance(at);
-        (if link.is_some() { self.all_angles(servos, &joints, at) } else { Vec::new() }, lift)
+        (if link.is_some() { self.joint_angles(servos, &joints, at) } else { Vec::new() }, lift)
     }
 
-    /// Angles of all servos just before `at`, then those of the legs, `joints`, rad.
-    pub fn all_angles(&self, servos: &Servos, joints: &[f64], at: Time) -> Vec<f64> {
+    /// Angles of all joints, rad: the servos' angles just before `at`, then the angles `leg_joints` of the legs.
+    pub fn joint_angles(&self, servos: &Servos, leg_joints: &[f64], at: Time) -> Vec<f64> {
         let angle = |(index, swing): (usize, &[f64; 2])| servos.angle_before(index, *swing, at);
-        self.swings.iter().enumerate().map(angle).chain(joints.iter().copied()).collect()
+        self.swings.iter().enumerate().map(angle).chain(leg_joints.iter().copied()).collect()
     }
 }
 

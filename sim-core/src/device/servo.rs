@@ -1,4 +1,4 @@
-//! Servos: they hold the commanded position.
+//! Servos, which hold the commanded position.
 //!
 //! A servo turns instantly. Source: RoBIOS 6 library, servos; section 4.1 of Koestler & Bräunl for the steering.
 
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_servo_has_the_angle_that_it_had_just_before() {
+    fn angle_before_excludes_a_change_at_the_same_instant() {
         let mut servos = Servos::default();
         let angle = |servos: &Servos, at| servos.angle_before(1, [-1.0, 3.0], Time(at));
         assert_eq!(angle(&servos, 0), 1.0, "the middle");

@@ -29,7 +29,7 @@ pub enum SensorId {
     Camera,
 }
 
-/// Set of a robot's sensors that are off; empty at the start.
+/// Switched-off and stuck sensors of a robot; none at the start.
 #[derive(Clone, Debug, Default)]
 pub struct Switches {
     off: BTreeSet<SensorId>,
@@ -44,12 +44,12 @@ impl Switches {
     }
 
     /// The reading that range sensor `index` repeats, if it is stuck.
-    pub fn stuck(&self, index: usize) -> Option<Reading> {
+    pub fn stuck_reading(&self, index: usize) -> Option<Reading> {
         if self.stuck.is_empty() { None } else { self.stuck.get(&index).copied() }
     }
 
     /// Makes range sensor `index` repeat `reading`, or measure again if it is `None`.
-    pub fn stick(&mut self, index: usize, reading: Option<Reading>) {
+    pub fn set_stuck(&mut self, index: usize, reading: Option<Reading>) {
         match reading {
             Some(reading) => drop(self.stuck.insert(index, reading)),
             None => drop(self.stuck.remove(&index)),

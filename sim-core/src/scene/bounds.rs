@@ -1,7 +1,7 @@
 use glam::DVec2;
 
-/// Component of a ray's direction below which the ray counts as parallel to the other axis, because the reciprocal of a
-/// smaller component would overflow in products.
+/// Component of a ray's direction below which the ray is treated as parallel to the other axis, because the reciprocal of
+/// a smaller component would overflow in products.
 pub(super) const PARALLEL: f64 = 1e-150;
 
 /// An axis-parallel rectangle, borders included, in metres in the world frame.
@@ -54,8 +54,8 @@ impl Bounds {
         self.min.is_finite() && self.max.is_finite() && self.min.cmple(self.max).all()
     }
 
-    /// Interval of the ray from `origin` along the unit vector `direction` inside the rectangle, as distances from the
-    /// origin; `None` if the ray misses it.
+    /// Part of a ray inside the rectangle, as minimum and maximum distance from the origin; `None` if the ray misses the
+    /// rectangle. `direction` is a unit vector.
     #[inline]
     pub(super) fn clip(&self, origin: DVec2, direction: DVec2, range: f64) -> Option<(f64, f64)> {
         let mut interval = (0.0_f64, range);
@@ -67,9 +67,9 @@ impl Bounds {
                     return None;
                 }
             } else {
-                let per = 1.0 / d;
-                let (one, other) = ((min - o) * per, (max - o) * per);
-                interval = (interval.0.max(one.min(other)), interval.1.min(one.max(other)));
+                let reciprocal = 1.0 / d;
+                let (to_min, to_max) = ((min - o) * reciprocal, (max - o) * reciprocal);
+                interval = (interval.0.max(to_min.min(to_max)), interval.1.min(to_min.max(to_max)));
             }
         }
         (interval.0 <= interval.1).then_some(interval)
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn union_with_nothing_changes_nothing() {
+    fn union_with_the_empty_rectangle_changes_nothing() {
         let disc = Bounds::of_disc(DVec2::new(2.0, 3.0), 0.5);
         assert_eq!(disc.union(Bounds::EMPTY), disc);
         assert_eq!(

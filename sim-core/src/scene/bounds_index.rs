@@ -30,7 +30,7 @@ impl<K> Default for BoundsIndex<K> {
 }
 
 impl<K: Copy + Ord> BoundsIndex<K> {
-    /// Replaces all bodies with `bodies`, each with a unique key and its bounds.
+    /// Replaces all bodies with `bodies`: unique keys and bounds.
     ///
     /// Bounds that are empty or have a NaN coordinate are never found; infinite bounds are clamped to
     /// 10^100 m.
@@ -73,11 +73,10 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         self.bodies.is_empty()
     }
 
-    /// Visits once each body whose rectangle meets the ray from `origin` along the unit vector `direction` within
-    /// `range` metres, approximately in the order along the ray. `visit` returns the distance up to which bodies are
-    /// still of interest.
+    /// Visits each body whose rectangle a ray meets within `range` metres, once and approximately in the order along the
+    /// ray. `direction` is a unit vector. `visit` returns the distance up to which the search must continue.
     ///
-    /// Rectangles that the ray misses by less than their size may be visited too. An invalid ray (see
+    /// Bodies whose rectangle the ray misses by less than its size may be visited too. An invalid ray (see
     /// [`Walls::cast`](super::Walls::cast)) visits nothing.
     pub fn along_ray(&self, origin: DVec2, direction: DVec2, range: f64, mut visit: impl FnMut(K) -> f64) {
         let Some(grid) = &self.grid else { return };
@@ -90,16 +89,16 @@ impl<K: Copy + Ord> BoundsIndex<K> {
             let slack = 2.0 * self.margin;
             let mut limit = range;
             grid.walk(origin, direction, range, |visited| {
-                for &index in self.cells.of(visited.cell) {
+                for &index in self.cells.entries(visited.cell) {
                     let (id, bounds) = &self.bodies[index as usize];
-                    // Most bodies of a cell lie off the ray's line; this test detects them without a division.
+                    // Most bodies of a cell lie beside the ray's line; this test detects them without a division.
                     let (middle, half) = (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min));
                     let offset = middle - origin;
                     let (ahead, reach) = (offset.dot(direction), half.dot(forward) + slack);
-                    let is_met = (direction.perp_dot(offset).abs() <= half.dot(lateral) + slack)
+                    let is_hit = (direction.perp_dot(offset).abs() <= half.dot(lateral) + slack)
                         & (ahead >= -reach)
                         & (ahead - reach <= limit);
-                    if is_met && visited.is_first_of(&bounds.grown(self.margin)) {
+                    if is_hit && visited.is_first_of(&bounds.grown(self.margin)) {
                         limit = limit.min(visit(*id));
                     }
                 }
@@ -118,7 +117,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
     }
 
-    /// Visits once each body whose rectangle meets `bounds`, in ascending order.
+    /// Visits each body whose rectangle overlaps `bounds` once, in ascending order of the keys.
     pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(K)) {
         let mut indices = Vec::new();
         self.overlapping(&bounds, &mut indices);
@@ -127,7 +126,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
     }
 
-    /// Visits once each body whose rectangle meets `bounds`, in no particular order, without building a list.
+    /// Visits each body whose rectangle overlaps `bounds` once, in no particular order, without building a list.
     pub fn visit_in(&self, bounds: &Bounds, mut visit: impl FnMut(K)) {
         let Some(grid) = &self.grid else { return };
         if !grid.bounds().overlaps(bounds) {
@@ -136,22 +135,22 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         let (columns, rows) = grid.span(bounds);
         for row in rows {
             for column in columns.clone() {
-                for &index in self.cells.of(grid.index(column, row)) {
-                    let (other, its) = &self.bodies[index as usize];
-                    // Bodies that share several cells are visited in the cell of their common rectangle's lower left corner.
-                    let is_here = || {
-                        let corner = bounds.min.max(its.min);
+                for &index in self.cells.entries(grid.index(column, row)) {
+                    let (key, rectangle) = &self.bodies[index as usize];
+                    // A body is visited only in the cell with the lower left corner of the intersection.
+                    let is_corner_cell = || {
+                        let corner = bounds.min.max(rectangle.min);
                         grid.column(corner.x) == column && grid.row(corner.y) == row
                     };
-                    if its.overlaps(bounds) && is_here() {
-                        visit(*other);
+                    if rectangle.overlaps(bounds) && is_corner_cell() {
+                        visit(*key);
                     }
                 }
             }
         }
     }
 
-    /// Fills `places` with the indices of the bodies whose rectangles meet `bounds`, in ascending order.
+    /// Fills `indices` with the indices of the bodies whose rectangles overlap `bounds`, in ascending order.
     fn overlapping(&self, bounds: &Bounds, indices: &mut Vec<u32>) {
         indices.clear();
         let Some(grid) = &self.grid else { return };
@@ -160,9 +159,9 @@ impl<K: Copy + Ord> BoundsIndex<K> {
         }
         let (columns, rows) = grid.span(bounds);
         for row in rows {
-            let of_row = self.cells.of_range(grid.index(*columns.start(), row), grid.index(*columns.end(), row));
-            let meets = |index: u32| self.bodies[index as usize].1.overlaps(bounds);
-            indices.extend(of_row.iter().filter(|&&index| meets(index)));
+            let in_row = self.cells.entries_between(grid.index(*columns.start(), row), grid.index(*columns.end(), row));
+            let overlaps = |index: u32| self.bodies[index as usize].1.overlaps(bounds);
+            indices.extend(in_row.iter().filter(|&&index| overlaps(index)));
         }
         indices.sort_unstable();
         indices.dedup();
@@ -175,7 +174,7 @@ impl<K: Copy + Ord> BoundsIndex<K> {
             return;
         }
         let count = self.bodies.len() as f64;
-        let extent = self.bodies.iter().fold(Bounds::EMPTY, |all, (_, bounds)| all.union(*bounds));
+        let extent = self.bodies.iter().fold(Bounds::EMPTY, |extent, (_, bounds)| extent.union(*bounds));
         let (mut sides, mut areas) = (0.0, 0.0);
         for (_, bounds) in &self.bodies {
             let size = bounds.max - bounds.min;
@@ -202,41 +201,41 @@ mod tests {
     fn bodies(discs: &[(u32, f64, f64, f64)]) -> BoundsIndex<u32> {
         let list: Vec<_> =
             discs.iter().map(|&(id, x, y, radius)| (id, Bounds::of_disc(DVec2::new(x, y), radius))).collect();
-        let mut moving = BoundsIndex::default();
-        moving.rebuild(&list);
-        moving
+        let mut index = BoundsIndex::default();
+        index.rebuild(&list);
+        index
     }
 
-    fn along(moving: &BoundsIndex<u32>, origin: DVec2, direction: DVec2, range: f64) -> Vec<u32> {
+    fn visited_along(index: &BoundsIndex<u32>, origin: DVec2, direction: DVec2, range: f64) -> Vec<u32> {
         let mut ids = Vec::new();
-        moving.along_ray(origin, direction, range, |id| {
+        index.along_ray(origin, direction, range, |id| {
             ids.push(id);
             range
         });
         ids
     }
 
-    fn pairs(moving: &BoundsIndex<u32>) -> Vec<(u32, u32)> {
+    fn pairs(index: &BoundsIndex<u32>) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
-        for (key, bounds) in &moving.bodies {
-            moving.visit_in(bounds, |other| pairs.extend((other > *key).then_some((*key, other))));
+        for (key, bounds) in &index.bodies {
+            index.visit_in(bounds, |other| pairs.extend((other > *key).then_some((*key, other))));
         }
         pairs.sort_unstable();
         pairs
     }
 
     #[test]
-    fn a_ray_finds_the_bodies_on_its_way_once() {
-        let moving = bodies(&[(1, 0.0, 0.0, 0.5), (2, 5.0, 0.2, 0.5), (3, 3.0, 3.0, 0.5), (4, 2.0, -0.4, 0.5)]);
-        assert_eq!(along(&moving, DVec2::ZERO, DVec2::X, f64::INFINITY), [1, 4, 2]);
-        assert_eq!(along(&moving, DVec2::ZERO, DVec2::X, 1.4), [1]);
-        assert_eq!(along(&moving, DVec2::new(-1e9, 0.0), DVec2::X, f64::INFINITY), [1, 2, 4]);
-        assert_eq!(along(&moving, DVec2::new(-9.0, 0.0), DVec2::NEG_X, f64::INFINITY), [0; 0]);
-        assert_eq!(along(&moving, DVec2::ZERO, DVec2::NAN, 2.0), [0; 0]);
+    fn a_ray_finds_each_body_on_its_path_once() {
+        let index = bodies(&[(1, 0.0, 0.0, 0.5), (2, 5.0, 0.2, 0.5), (3, 3.0, 3.0, 0.5), (4, 2.0, -0.4, 0.5)]);
+        assert_eq!(visited_along(&index, DVec2::ZERO, DVec2::X, f64::INFINITY), [1, 4, 2]);
+        assert_eq!(visited_along(&index, DVec2::ZERO, DVec2::X, 1.4), [1]);
+        assert_eq!(visited_along(&index, DVec2::new(-1e9, 0.0), DVec2::X, f64::INFINITY), [1, 2, 4]);
+        assert_eq!(visited_along(&index, DVec2::new(-9.0, 0.0), DVec2::NEG_X, f64::INFINITY), [0; 0]);
+        assert_eq!(visited_along(&index, DVec2::ZERO, DVec2::NAN, 2.0), [0; 0]);
     }
 
     #[test]
-    fn a_ray_leaves_out_no_body_that_it_meets() {
+    fn a_ray_misses_no_body_on_its_path() {
         // Linear congruential generator with values from 0 to 1.
         let mut state = 1_u64;
         let mut unit = || {
@@ -245,47 +244,47 @@ mod tests {
         };
         for (count, size) in [(2, 0.3), (30, 0.1), (30, 2.0), (300, 0.2)] {
             let discs: Vec<_> = (0..count).map(|id| (id, 10.0 * unit(), 10.0 * unit(), size * unit())).collect();
-            let moving = bodies(&discs);
+            let index = bodies(&discs);
             for _ in 0..500 {
                 let origin = DVec2::new(12.0 * unit() - 1.0, 12.0 * unit() - 1.0);
                 let (sin, cos) = crate::math::sin_cos(7.0 * unit());
                 let (direction, range) = (DVec2::new(cos, sin), 8.0 * unit());
-                let mut visited = along(&moving, origin, direction, range);
+                let mut visited = visited_along(&index, origin, direction, range);
                 let found = visited.len();
                 visited.sort_unstable();
                 visited.dedup();
-                assert_eq!(visited.len(), found, "each once");
+                assert_eq!(visited.len(), found, "each body is visited once");
                 for &(id, x, y, radius) in &discs {
-                    let is_met = Bounds::of_disc(DVec2::new(x, y), radius).clip(origin, direction, range).is_some();
-                    assert!(!is_met || visited.contains(&id), "{id} from {origin} along {direction} up to {range} m");
+                    let is_hit = Bounds::of_disc(DVec2::new(x, y), radius).clip(origin, direction, range).is_some();
+                    assert!(!is_hit || visited.contains(&id), "{id} from {origin} along {direction} up to {range} m");
                 }
-                let mut is_any_met = false;
-                moving.along_ray(origin, direction, range, |_| {
-                    is_any_met = true;
+                let mut is_any_visited = false;
+                index.along_ray(origin, direction, range, |_| {
+                    is_any_visited = true;
                     0.0
                 });
-                assert_eq!(is_any_met, !visited.is_empty(), "a nearer limit leaves at least the first");
+                assert_eq!(is_any_visited, !visited.is_empty(), "a nearer limit leaves at least the first");
             }
         }
     }
 
     #[test]
-    fn pairs_come_once() {
-        let moving = bodies(&[(3, 1.0, 0.0, 0.5), (1, 0.0, 0.0, 0.5), (2, 0.5, 0.5, 0.1), (9, 7.0, 7.0, 0.1)]);
-        assert_eq!(pairs(&moving), [(1, 2), (1, 3), (2, 3)], "those that touch included");
+    fn each_pair_is_found_once() {
+        let index = bodies(&[(3, 1.0, 0.0, 0.5), (1, 0.0, 0.0, 0.5), (2, 0.5, 0.5, 0.1), (9, 7.0, 7.0, 0.1)]);
+        assert_eq!(pairs(&index), [(1, 2), (1, 3), (2, 3)], "bodies that touch are a pair");
     }
 
     #[test]
-    fn bodies_without_end_are_found_and_those_without_a_place_are_not() {
+    fn infinite_bodies_are_found_and_bodies_with_nan_bounds_are_not() {
         let everywhere = Bounds { min: DVec2::NEG_INFINITY, max: DVec2::INFINITY };
-        let nowhere = Bounds { min: DVec2::NAN, max: DVec2::NAN };
-        let mut moving = BoundsIndex::default();
-        moving.rebuild(&[(1, Bounds::of_disc(DVec2::ONE, 0.1)), (2, everywhere), (3, nowhere), (4, Bounds::EMPTY)]);
-        assert_eq!(pairs(&moving), [(1, 2)]);
+        let undefined = Bounds { min: DVec2::NAN, max: DVec2::NAN };
+        let mut index = BoundsIndex::default();
+        index.rebuild(&[(1, Bounds::of_disc(DVec2::ONE, 0.1)), (2, everywhere), (3, undefined), (4, Bounds::EMPTY)]);
+        assert_eq!(pairs(&index), [(1, 2)]);
         // The rounding of a rectangle of 10^100 m is wider than the other bodies, which may be visited too.
-        assert!(along(&moving, DVec2::ZERO, DVec2::NEG_Y, 1.0).contains(&2));
-        moving.rebuild(&[]);
-        assert_eq!(pairs(&moving), []);
-        assert_eq!(along(&moving, DVec2::ZERO, DVec2::NEG_Y, 1.0), [0; 0]);
+        assert!(visited_along(&index, DVec2::ZERO, DVec2::NEG_Y, 1.0).contains(&2));
+        index.rebuild(&[]);
+        assert_eq!(pairs(&index), []);
+        assert_eq!(visited_along(&index, DVec2::ZERO, DVec2::NEG_Y, 1.0), [0; 0]);
     }
 }

@@ -47,7 +47,7 @@ pub(super) struct Grid {
     /// Area covered by the cells; points outside belong to the outermost cells.
     bounds: Bounds,
     cell: f64,
-    per_cell: f64,
+    cells_per_metre: f64,
     columns: usize,
     rows: usize,
 }
@@ -57,7 +57,7 @@ impl Grid {
     pub fn new(bounds: Bounds, cell: f64) -> Self {
         let size = bounds.max - bounds.min;
         let count = |extent: f64| (extent / cell) as usize + 1;
-        Self { bounds, cell, per_cell: 1.0 / cell, columns: count(size.x), rows: count(size.y) }
+        Self { bounds, cell, cells_per_metre: 1.0 / cell, columns: count(size.x), rows: count(size.y) }
     }
 
     /// Number of cells.
@@ -88,12 +88,12 @@ impl Grid {
     #[inline]
     pub fn column(&self, x: f64) -> usize {
         // `as` saturates, and maps NaN to 0; a conversion to 32 bits takes half as many instructions as one to 64 bits.
-        (((x - self.bounds.min.x) * self.per_cell) as u32 as usize).min(self.columns - 1)
+        (((x - self.bounds.min.x) * self.cells_per_metre) as u32 as usize).min(self.columns - 1)
     }
 
     #[inline]
     pub fn row(&self, y: f64) -> usize {
-        (((y - self.bounds.min.y) * self.per_cell) as u32 as usize).min(self.rows - 1)
+        (((y - self.bounds.min.y) * self.cells_per_metre) as u32 as usize).min(self.rows - 1)
     }
 
     #[inline]
@@ -119,8 +119,8 @@ impl Grid {
     /// Visits the cells along a ray in order, up to `range` metres or until `visit` breaks. `direction` has length 1;
     /// all arguments except `range` are finite.
     ///
-    /// Distances to the cell borders are computed afresh at each step. So the ray is within a few units in the last
-    /// place of its coordinates of every visited cell, however many cells the ray has passed.
+    /// Distances to the cell borders are not summed but computed anew at each step. So every visited cell is at most a few
+    /// units in the last place of the ray's coordinates away from the ray, for any number of cells.
     #[inline]
     pub fn walk(
         &self,
@@ -146,33 +146,33 @@ impl Grid {
             if visit(&cell_visit).is_break() || cell_visit.exit > far {
                 return;
             }
-            let is_left = if x_exit < y_exit {
-                let is_left = x_axis.advance(&mut cell_visit.cell);
+            let is_outside = if x_exit < y_exit {
+                let is_outside = x_axis.advance(&mut cell_visit.cell);
                 x_exit = x_axis.exit();
                 cell_visit.entered = Some((0, x_axis.index, x_axis.step > 0.0));
-                is_left
+                is_outside
             } else {
-                let is_left = y_axis.advance(&mut cell_visit.cell);
+                let is_outside = y_axis.advance(&mut cell_visit.cell);
                 y_exit = y_axis.exit();
                 cell_visit.entered = Some((1, y_axis.index, y_axis.step > 0.0));
-                is_left
+                is_outside
             };
-            if is_left {
+            if is_outside {
                 return;
             }
         }
     }
 }
 
-/// A cell on the way of a ray.
+/// A cell on the path of a ray.
 pub(super) struct CellVisit<'a> {
     grid: &'a Grid,
     /// Index of the cell.
     pub cell: usize,
     /// Distance at which the ray leaves the cell.
     pub exit: f64,
-    /// Axis along which the ray has entered the cell, the cell's index on that axis, and true if the ray moves upwards; `None` for the
-    /// ray's first cell.
+    /// Axis along which the ray has entered the cell, the cell's index on that axis, and true if the ray runs in the positive
+    /// direction of the axis; `None` for the ray's first cell.
     entered: Option<(usize, f64, bool)>,
 }
 
@@ -181,20 +181,21 @@ impl CellVisit<'_> {
     /// cells of an area once. `area` must overlap this cell.
     #[inline]
     pub fn is_first_of(&self, area: &Bounds) -> bool {
-        let Some((axis, index, is_upwards)) = self.entered else { return true };
-        // Same computation as columns and rows of the grid.
-        let cell_coordinate = |corner: DVec2| (corner[axis] - self.grid.bounds.min[axis]) * self.grid.per_cell;
-        if is_upwards { cell_coordinate(area.min) >= index } else { cell_coordinate(area.max) < index + 1.0 }
+        let Some((axis, index, is_positive)) = self.entered else { return true };
+        // The computation of `Grid::column` and `Grid::row`.
+        let cell_coordinate = |corner: DVec2| (corner[axis] - self.grid.bounds.min[axis]) * self.grid.cells_per_metre;
+        if is_positive { cell_coordinate(area.min) >= index } else { cell_coordinate(area.max) < index + 1.0 }
     }
 }
 
 /// Crossings of a ray with the cell borders of one axis.
 struct Axis {
-    /// Distance to the exit border of column or row 0: the upper border, or the lower border for a ray that moves
-    /// backwards.
-    first: f64,
-    per_border: f64,
-    /// Present column or row, a whole number.
+    /// Distance at which the ray leaves column or row 0: at its upper border, or at its lower border if the ray runs in the
+    /// negative direction of the axis.
+    first_exit: f64,
+    /// Distance along the ray between successive borders; negative for the negative direction.
+    border_spacing: f64,
+    /// Current column or row, a whole number.
     index: f64,
     /// Change of `index` from cell to cell.
     step: f64,
@@ -209,21 +210,22 @@ impl Axis {
     fn new(origin: f64, direction: f64, min: f64, cell: f64, [index, count]: [usize; 2], stride: usize) -> Self {
         let (index, count) = (index as f64, count as f64);
         if direction.abs() < PARALLEL {
-            return Self { first: f64::INFINITY, per_border: 0.0, index, step: 0.0, count, stride: 0 };
+            return Self { first_exit: f64::INFINITY, border_spacing: 0.0, index, step: 0.0, count, stride: 0 };
         }
-        let per = 1.0 / direction;
+        let reciprocal = 1.0 / direction;
         let (step, stride) = if direction > 0.0 { (1.0, stride) } else { (-1.0, stride.wrapping_neg()) };
-        let leading = if direction > 0.0 { cell } else { 0.0 };
-        Self { first: (min - origin + leading) * per, per_border: cell * per, index, step, count, stride }
+        let exit_side = if direction > 0.0 { cell } else { 0.0 };
+        let first_exit = (min - origin + exit_side) * reciprocal;
+        Self { first_exit, border_spacing: cell * reciprocal, index, step, count, stride }
     }
 
     /// Distance at which the ray leaves the column or row.
     #[inline]
     fn exit(&self) -> f64 {
-        self.first + self.index * self.per_border
+        self.first_exit + self.index * self.border_spacing
     }
 
-    /// Moves on to the next column or row and updates `cell`; returns true if there is none.
+    /// Moves on to the next column or row and updates `cell`; returns true if the ray has left the grid.
     #[inline]
     fn advance(&mut self, cell: &mut usize) -> bool {
         *cell = cell.wrapping_add(self.stride);
@@ -266,8 +268,8 @@ impl<T: Copy> Cells<T> {
             *start = total;
         }
         self.entries.clear();
-        let Some(any) = items.clone().next() else { return };
-        self.entries.resize(total as usize, any);
+        let Some(placeholder) = items.clone().next() else { return };
+        self.entries.resize(total as usize, placeholder);
         // In reverse order, so that each start moves from the end of its cell to the beginning.
         for item in items.rev() {
             cells_of(item, &mut |cell| {
@@ -279,13 +281,13 @@ impl<T: Copy> Cells<T> {
 
     /// Entries of a cell.
     #[inline]
-    pub fn of(&self, cell: usize) -> &[T] {
-        self.of_range(cell, cell)
+    pub fn entries(&self, cell: usize) -> &[T] {
+        self.entries_between(cell, cell)
     }
 
     /// Entries of the cells from `first` to `last`.
     #[inline]
-    pub fn of_range(&self, first: usize, last: usize) -> &[T] {
+    pub fn entries_between(&self, first: usize, last: usize) -> &[T] {
         &self.entries[self.starts[first] as usize..self.starts[last + 1] as usize]
     }
 }

@@ -17,12 +17,12 @@ pub enum Ground {
 }
 
 impl Ground {
-    /// Distance of a segment from the ground, see [`HeightField::clearance`]; over the flat floor the distance is exact
-    /// even beyond `within`.
-    pub fn clearance(&self, ends: [DVec3; 2], within: f64) -> f64 {
+    /// Distance of a segment from the ground, m: see [`HeightField::clearance`]. On the flat floor, also distances beyond
+    /// `max_distance` are exact.
+    pub fn clearance(&self, ends: [DVec3; 2], max_distance: f64) -> f64 {
         match self {
             Self::Flat => self.min_height_above(ends).0,
-            Self::Field(field) => field.clearance(ends, within),
+            Self::Field(field) => field.clearance(ends, max_distance),
         }
     }
 
@@ -37,11 +37,11 @@ impl Ground {
         }
     }
 
-    /// Minimum and maximum height in a disc, m: see [`HeightField::range_in`].
-    pub fn range_in(&self, centre: DVec2, radius: f64) -> (f64, f64) {
+    /// Bounds of the ground's height in a disc, m: see [`HeightField::height_bounds_in`].
+    pub fn height_bounds_in(&self, centre: DVec2, radius: f64) -> (f64, f64) {
         match self {
             Self::Flat => (0.0, 0.0),
-            Self::Field(field) => field.range_in(centre, radius),
+            Self::Field(field) => field.height_bounds_in(centre, radius),
         }
     }
 

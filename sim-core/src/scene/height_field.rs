@@ -21,20 +21,20 @@ const TINTS: [[f32; 3]; 5] =
 
 /// Height as a function of the position in a rectangle of the plane, world frame, in metres.
 ///
-/// The heights are given at the corners of a rectilinear grid. The diagonal from its minimum x and y to its maximum
-/// divides each cell into two triangles, so the surface is continuous and rays find no gap. (One exception: if steps
-/// along x and along y meet in one vertical line with more than two heights, a ray aimed exactly at that line may pass
-/// within rounding.) A grid coordinate may occur twice: the cell between has no width and is an exact vertical step.
-/// Beyond the rectangle the ground continues level from its border, see [`height`](Self::height); rays hit nothing
-/// there.
+/// The heights are given at the corners of a rectilinear grid. Each cell is divided into two triangles by the diagonal
+/// from its minimum x and y to its maximum x and y, so the surface is continuous and rays find no gap. (One exception: if
+/// steps along x and along y meet in one vertical line with more than two heights, a ray aimed exactly at that line may
+/// pass within rounding.) A grid coordinate may occur twice: the cell between the two lines has no width and is an exact
+/// vertical step. Outside the rectangle the ground continues level from its border, see [`height`](Self::height), but
+/// rays hit nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     xs: Vec<f64>,
     ys: Vec<f64>,
     /// Heights row by row along y, in each row along x.
     heights: Vec<f64>,
-    low: f64,
-    high: f64,
+    min_height: f64,
+    max_height: f64,
 }
 
 /// Reason why data do not form a height field.
@@ -63,17 +63,17 @@ impl HeightField {
     /// # Errors
     /// See [`FieldError`].
     pub fn new(xs: Vec<f64>, ys: Vec<f64>, heights: Vec<f64>) -> Result<Self, FieldError> {
-        // This form refuses NaN.
+        // NaN fails this comparison.
         let is_number = |value: &f64| value.abs() <= 1e9;
         if !xs.iter().chain(&ys).chain(&heights).all(is_number) {
             return Err(FieldError::Number);
         }
-        for axis in [&xs, &ys] {
-            if axis.len() < 2 || axis[0] == axis[axis.len() - 1] {
+        for lines in [&xs, &ys] {
+            if lines.len() < 2 || lines[0] == lines[lines.len() - 1] {
                 return Err(FieldError::Small);
             }
-            let rises = axis.windows(2).all(|pair| pair[0] <= pair[1]);
-            if !rises || axis.windows(3).any(|three| three[0] == three[2]) {
+            let is_sorted = lines.windows(2).all(|pair| pair[0] <= pair[1]);
+            if !is_sorted || lines.windows(3).any(|three| three[0] == three[2]) {
                 return Err(FieldError::Order);
             }
         }
@@ -84,20 +84,20 @@ impl HeightField {
         if heights.len() != xs.len() * ys.len() {
             return Err(FieldError::Count(heights.len(), xs.len() * ys.len()));
         }
-        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        Ok(Self { xs, ys, heights, low, high })
+        let min_height = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        let max_height = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        Ok(Self { xs, ys, heights, min_height, max_height })
     }
 
-    /// The rectangle covered, in metres.
+    /// The rectangle that the field covers, in metres.
     pub fn bounds(&self) -> Bounds {
-        let [(left, right), (lower, upper)] = [&self.xs, &self.ys].map(|axis| (axis[0], axis[axis.len() - 1]));
+        let [(left, right), (lower, upper)] = [&self.xs, &self.ys].map(|lines| (lines[0], lines[lines.len() - 1]));
         Bounds { min: DVec2::new(left, lower), max: DVec2::new(right, upper) }
     }
 
     /// Lowest and highest height, in metres.
-    pub fn range(&self) -> (f64, f64) {
-        (self.low, self.high)
+    pub fn height_bounds(&self) -> (f64, f64) {
+        (self.min_height, self.max_height)
     }
 
     /// Number of corners along x and along y.
@@ -110,16 +110,16 @@ impl HeightField {
     /// # Panics
     /// If the corner does not exist.
     pub fn corner(&self, column: usize, row: usize) -> DVec3 {
-        DVec3::new(self.xs[column], self.ys[row], self.at(column, row))
+        DVec3::new(self.xs[column], self.ys[row], self.corner_height(column, row))
     }
 
-    /// Height of the ground at a point in the world frame, in metres. At a step, the height of its upper side; beyond
-    /// the rectangle, the height of the nearest border. NaN if a coordinate is NaN.
+    /// Height of the ground at a point in the world frame, in metres: at a step, the height of its upper side; outside
+    /// the rectangle, the height of the nearest point of its border. NaN if a coordinate is NaN.
     pub fn height(&self, x: f64, y: f64) -> f64 {
         if x.is_nan() || y.is_nan() {
             return f64::NAN;
         }
-        let (columns, rows) = (AxisPosition::of(&self.xs, x), AxisPosition::of(&self.ys, y));
+        let (columns, rows) = (AxisPosition::new(&self.xs, x), AxisPosition::new(&self.ys, y));
         let mut highest = f64::NEG_INFINITY;
         for row in rows.iter() {
             for column in columns.iter() {
@@ -128,24 +128,24 @@ impl HeightField {
         }
         // Where a step along x crosses a step along y, the diagonal of the vertical cell may rise above both.
         let ((column, right), (row, up)) = (columns.first, rows.first);
-        let along = if columns.second.is_some() { up } else { right };
-        if along > 0.0 && (columns.second.is_some() || rows.second.is_some()) {
+        let fraction = if columns.second.is_some() { up } else { right };
+        if fraction > 0.0 && (columns.second.is_some() || rows.second.is_some()) {
             let [a, _, c, _] = self.cell(column, row);
-            highest = highest.max(a + along * (c - a));
+            highest = highest.max(a + fraction * (c - a));
         }
         highest
     }
 
-    /// Upward unit normal of the ground at a point: the normal of the triangle there. On an edge the triangle with the
-    /// larger x counts, then the one with the larger y; at a step the upper side counts. Beyond the rectangle the
-    /// ground is level across its border.
+    /// Upward unit normal of the ground at a point: the normal of the triangle that contains the point. A point on an edge
+    /// belongs to the triangle at larger x, then to the one at larger y; a point on a step belongs to the upper side.
+    /// Outside the rectangle, the ground does not rise or fall with the distance from the border.
     ///
     /// The normal is straight up if a coordinate is NaN.
     pub fn normal(&self, x: f64, y: f64) -> DVec3 {
         if x.is_nan() || y.is_nan() {
             return DVec3::Z;
         }
-        let (columns, rows) = (AxisPosition::of(&self.xs, x), AxisPosition::of(&self.ys, y));
+        let (columns, rows) = (AxisPosition::new(&self.xs, x), AxisPosition::new(&self.ys, y));
         let mut upper = (f64::NEG_INFINITY, DVec3::Z);
         for row in rows.iter() {
             for column in columns.iter() {
@@ -178,13 +178,13 @@ impl HeightField {
         [[a, b, c], [a, c, d]]
     }
 
-    /// Columns and rows of the cells that touch the rectangle, as two ranges; border cells represent the ground beyond
-    /// the border.
+    /// Ranges of the columns and of the rows of the cells that touch the rectangle `bounds`; border cells represent the
+    /// ground beyond the border.
     pub fn cells(&self, bounds: &Bounds) -> [std::ops::Range<usize>; 2] {
-        let range = |axis: &[f64], low: f64, high: f64| {
-            let last = axis.len() - 2;
-            let first = axis.partition_point(|at| *at < low).saturating_sub(1).min(last);
-            let end = axis.partition_point(|at| *at <= high).clamp(first + 1, last + 1);
+        let range = |lines: &[f64], low: f64, high: f64| {
+            let last = lines.len() - 2;
+            let first = lines.partition_point(|line| *line < low).saturating_sub(1).min(last);
+            let end = lines.partition_point(|line| *line <= high).clamp(first + 1, last + 1);
             first..end
         };
         [range(&self.xs, bounds.min.x, bounds.max.x), range(&self.ys, bounds.min.y, bounds.max.y)]
@@ -193,7 +193,8 @@ impl HeightField {
     /// Colour of the ground at a height, red, green, blue, 0 to 1: as on a relief map, from the field's lowest to its
     /// highest point.
     pub fn tint(&self, height: f64) -> [f32; 3] {
-        let fraction = if self.high > self.low { (height - self.low) / (self.high - self.low) } else { 0.0 };
+        let range = self.max_height - self.min_height;
+        let fraction = if range > 0.0 { (height - self.min_height) / range } else { 0.0 };
         tint(fraction.clamp(0.0, 1.0) as f32)
     }
 
@@ -203,7 +204,8 @@ impl HeightField {
         let (columns, rows) = self.size();
         let positions = (0..rows).flat_map(|row| (0..columns).map(move |column| self.corner(column, row))).collect();
         let mut triangles = Vec::with_capacity(2 * (columns - 1) * (rows - 1));
-        let per_band = if self.high > self.low { BANDS as f64 / (self.high - self.low) } else { 0.0 };
+        let range = self.max_height - self.min_height;
+        let bands_per_metre = if range > 0.0 { BANDS as f64 / range } else { 0.0 };
         for row in 0..rows - 1 {
             for column in 0..columns - 1 {
                 let corner = |right, up| ((row + up) * columns + column + right) as u32;
@@ -215,7 +217,7 @@ impl HeightField {
                         continue;
                     }
                     let middle = (p.z + q.z + r.z) / 3.0;
-                    let band = (((middle - self.low) * per_band) as usize).min(BANDS - 1);
+                    let band = (((middle - self.min_height) * bands_per_metre) as usize).min(BANDS - 1);
                     let material = if colour.is_some() { 0 } else { band as u32 };
                     triangles.push(Triangle { corners, normals: None, uv: None, material });
                 }
@@ -224,40 +226,42 @@ impl HeightField {
         Mesh { positions, triangles, materials: materials(colour) }
     }
 
-    fn at(&self, column: usize, row: usize) -> f64 {
+    fn corner_height(&self, column: usize, row: usize) -> f64 {
         self.heights[row * self.xs.len() + column]
     }
 
     /// Heights of the corners of a cell: at its minimum x and y, then counter-clockwise.
     fn cell(&self, column: usize, row: usize) -> [f64; 4] {
-        [self.at(column, row), self.at(column + 1, row), self.at(column + 1, row + 1), self.at(column, row + 1)]
+        [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(right, up)| self.corner_height(column + right, row + up))
     }
 
+    /// Height at a position, given as a corner and the fraction of the cell to its right and above it.
     fn interpolate(&self, (column, right): (usize, f64), (row, up): (usize, f64)) -> f64 {
         if right == 0.0 && up == 0.0 {
-            return self.at(column, row);
+            return self.corner_height(column, row);
         }
         if up == 0.0 {
-            let [a, b] = [self.at(column, row), self.at(column + 1, row)];
+            let [a, b] = [self.corner_height(column, row), self.corner_height(column + 1, row)];
             return a + right * (b - a);
         }
         if right == 0.0 {
-            let [a, d] = [self.at(column, row), self.at(column, row + 1)];
+            let [a, d] = [self.corner_height(column, row), self.corner_height(column, row + 1)];
             return a + up * (d - a);
         }
         let [a, b, c, d] = self.cell(column, row);
         if right >= up { a + right * (b - a) + up * (c - b) } else { a + up * (d - a) + right * (c - d) }
     }
 
-    /// Slopes along x and along y of the triangle at a position; for a cell of width 0, of the cell before it.
+    /// Slopes along x and along y (as x and y of the result) of the triangle at a position; for a cell without width, the
+    /// slopes of the previous cell.
     fn slope(&self, (column, right): (usize, f64), (row, up): (usize, f64)) -> DVec3 {
-        let inside = |axis: &[f64], cell: usize, part: f64| {
-            let is_wide = cell + 1 < axis.len() && axis[cell + 1] > axis[cell];
-            // The last corner, and the first of the two corners at a step, belong to the cell before.
-            if is_wide { (cell, part) } else { (cell.saturating_sub(1), 1.0) }
+        // The last corner, and the first of the two corners at a step, belong to the previous cell.
+        let in_wide_cell = |lines: &[f64], cell: usize, fraction: f64| {
+            let is_wide = cell + 1 < lines.len() && lines[cell + 1] > lines[cell];
+            if is_wide { (cell, fraction) } else { (cell.saturating_sub(1), 1.0) }
         };
-        let (column, right) = inside(&self.xs, column, right);
-        let (row, up) = inside(&self.ys, row, up);
+        let (column, right) = in_wide_cell(&self.xs, column, right);
+        let (row, up) = in_wide_cell(&self.ys, row, up);
         let [a, b, c, d] = self.cell(column, row);
         let [along_x, along_y] = if right >= up { [b - a, c - b] } else { [c - d, d - a] };
         let width = self.xs[column + 1] - self.xs[column];
@@ -266,22 +270,22 @@ impl HeightField {
     }
 }
 
-/// Position of a coordinate on an axis: one position, or the two sides of a step; each is a corner and the fraction of
-/// the next cell.
+/// Position of a coordinate among the grid lines of an axis: one position, or the two sides of a step. A position is the
+/// index of a grid line and the fraction of the cell that begins there.
 struct AxisPosition {
     first: (usize, f64),
     second: Option<(usize, f64)>,
 }
 
 impl AxisPosition {
-    fn of(axis: &[f64], value: f64) -> Self {
-        let value = value.clamp(axis[0], axis[axis.len() - 1]);
-        let next = axis.partition_point(|at| *at < value);
-        if axis[next] == value {
-            let is_step = axis.get(next + 1) == Some(&value);
+    fn new(lines: &[f64], value: f64) -> Self {
+        let value = value.clamp(lines[0], lines[lines.len() - 1]);
+        let next = lines.partition_point(|line| *line < value);
+        if lines[next] == value {
+            let is_step = lines.get(next + 1) == Some(&value);
             return Self { first: (next, 0.0), second: is_step.then_some((next + 1, 0.0)) };
         }
-        let [low, high] = [axis[next - 1], axis[next]];
+        let [low, high] = [lines[next - 1], lines[next]];
         Self { first: (next - 1, (value - low) / (high - low)), second: None }
     }
 
@@ -293,7 +297,7 @@ impl AxisPosition {
 /// Materials of the height bands, or the single material of `colour`.
 fn materials(colour: Option<[u8; 3]>) -> Vec<Material> {
     if let Some(colour) = colour {
-        let colour = colour.map(|shade| f32::from(shade) / 255.0);
+        let colour = colour.map(|channel| f32::from(channel) / 255.0);
         return vec![Material { name: "ground".to_owned(), colour, ..Material::default() }];
     }
     let band = |band: usize| {
@@ -306,7 +310,7 @@ fn materials(colour: Option<[u8; 3]>) -> Vec<Material> {
 /// Colour at a fraction of the height range, 0 lowest, 1 highest.
 fn tint(fraction: f32) -> [f32; 3] {
     let position = fraction * (TINTS.len() - 1) as f32;
-    let at = (position as usize).min(TINTS.len() - 2);
-    let part = position - at as f32;
-    [0, 1, 2].map(|shade| TINTS[at][shade] + part * (TINTS[at + 1][shade] - TINTS[at][shade]))
+    let index = (position as usize).min(TINTS.len() - 2);
+    let part = position - index as f32;
+    [0, 1, 2].map(|channel| TINTS[index][channel] + part * (TINTS[index + 1][channel] - TINTS[index][channel]))
 }

@@ -57,13 +57,13 @@ impl Texture {
         self.pixels[row as usize * self.width as usize + column as usize]
     }
 
-    /// The pixel at texture coordinates `u` to the right and `v` upwards from the lower left corner, where 1 is the whole
-    /// image; beyond it the image repeats. The lower left pixel for coordinates that are not finite.
-    pub fn at(&self, u: f64, v: f64) -> [u8; 4] {
-        let texel = |part: f64, size: u32| {
-            let part = part - part.floor();
+    /// The pixel at texture coordinates: `u` to the right and `v` upwards from the lower left corner, 1 for the full width
+    /// or height; outside 0 to 1 the image repeats. Coordinates that are not finite give the lower left pixel.
+    pub fn sample(&self, u: f64, v: f64) -> [u8; 4] {
+        let texel = |coordinate: f64, size: u32| {
+            let fraction = coordinate - coordinate.floor();
             // A cast saturates; NaN becomes 0.
-            ((part * f64::from(size)) as u32).min(size - 1)
+            ((fraction * f64::from(size)) as u32).min(size - 1)
         };
         self.pixel(texel(u, self.width), self.height - 1 - texel(v, self.height))
     }
@@ -83,13 +83,14 @@ mod tests {
     fn coordinates_begin_at_the_lower_left_corner_and_repeat() {
         let [a, b, c, d] = [1, 2, 3, 4].map(|grey| [grey, grey, grey, 255]);
         let image = Texture::new(2, 2, vec![a, b, c, d]).expect("four pixels");
-        assert_eq!([image.at(0.1, 0.1), image.at(0.9, 0.1), image.at(0.1, 0.9), image.at(0.9, 0.9)], [c, d, a, b]);
-        assert_eq!((image.at(1.1, -0.1), image.at(-0.1, 3.9)), (a, b));
-        assert_eq!((image.at(1.0, f64::NAN), image.at(f64::INFINITY, -1e300)), (c, c));
+        let corners = [(0.1, 0.1), (0.9, 0.1), (0.1, 0.9), (0.9, 0.9)].map(|(u, v)| image.sample(u, v));
+        assert_eq!(corners, [c, d, a, b]);
+        assert_eq!((image.sample(1.1, -0.1), image.sample(-0.1, 3.9)), (a, b));
+        assert_eq!((image.sample(1.0, f64::NAN), image.sample(f64::INFINITY, -1e300)), (c, c));
     }
 
     #[test]
-    fn an_image_has_all_its_pixels() {
+    fn an_image_with_missing_pixels_is_rejected() {
         assert!(Texture::new(0, 5, Vec::new()).is_none());
         assert!(Texture::new(2, 2, vec![[0; 4]; 3]).is_none());
         assert!(Texture::new(u32::MAX, u32::MAX, vec![[0; 4]; 1]).is_none());

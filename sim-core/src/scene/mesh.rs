@@ -1,5 +1,5 @@
-//! Triangle meshes with materials: the appearance of bodies. [`MeshIndex`](super::MeshIndex) makes a mesh solid to
-//! rays.
+//! Triangle meshes with materials: the appearance of bodies. [`MeshIndex`](super::MeshIndex) finds the triangles that rays
+//! hit.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -25,7 +25,7 @@ pub struct Triangle {
     pub corners: [u32; 3],
     /// Unit normals at the corners for smooth shading, in single precision; `None` for a flat face.
     pub normals: Option<[Vec3; 3]>,
-    /// Texture coordinates of the corners, as in [`Texture::at`](super::Texture::at).
+    /// Texture coordinates of the corners: see [`Texture::sample`](super::Texture::sample).
     pub uv: Option<[Vec2; 3]>,
     /// Index of its material in [`Mesh::materials`].
     pub material: u32,

@@ -63,9 +63,9 @@ impl Segment {
     pub fn thickened(&self, thickness: f64) -> [Segment; 4] {
         let along = self.b - self.a;
         let length = self.length();
-        let to_side =
+        let to_left =
             if length > 0.0 { along.perp() * (0.5 * thickness / length) } else { DVec2::Y * (0.5 * thickness) };
-        let corners = [self.a - to_side, self.b - to_side, self.b + to_side, self.a + to_side];
+        let corners = [self.a - to_left, self.b - to_left, self.b + to_left, self.a + to_left];
         std::array::from_fn(|side| Segment::new(corners[side], corners[(side + 1) % 4]))
     }
 }
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn distances_to_a_wall_are_those_of_plane_geometry() {
+    fn distances_to_a_wall_match_plane_geometry() {
         let wall = Segment::new(DVec2::ZERO, DVec2::new(4.0, 0.0));
         assert_eq!(wall.distance(DVec2::new(3.0, -2.0)), 2.0);
         assert_eq!(wall.distance(DVec2::new(7.0, 4.0)), 5.0);

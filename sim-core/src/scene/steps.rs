@@ -7,7 +7,7 @@ use super::{Bounds, FieldError, HeightField};
 /// Maximum number of steps of a flight of stairs.
 pub const MAX_STEPS: u32 = 1000;
 
-/// Level ground with blocks and stairs on it; in metres, world frame. Where they overlap, the highest one counts.
+/// Level ground with blocks and stairs on it; in metres, world frame. Where they overlap, the highest one is the surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Steps {
     /// Corner with the minimum x and y.
@@ -54,7 +54,7 @@ impl StairsDirection {
 /// A flight of stairs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stairs {
-    /// Middle of the foot of the first step.
+    /// Middle of the lower edge of the first riser.
     pub from: DVec2,
     /// Direction in which the stairs go up.
     pub uphill: StairsDirection,
@@ -68,14 +68,14 @@ pub struct Stairs {
     pub landing: f64,
     /// Width perpendicular to the direction; positive.
     pub width: f64,
-    /// If true, as many steps lead down again after the landing; otherwise the landing ends in a vertical side.
+    /// If true, the same number of steps leads down after the landing; otherwise the landing ends in a vertical side.
     pub goes_down: bool,
 }
 
 /// A block with level top and vertical sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Block {
-    /// Area covered.
+    /// Rectangle that the block covers.
     pub bounds: Bounds,
     /// Height above the ground; positive.
     pub height: f64,
@@ -106,30 +106,31 @@ impl Steps {
         let (low, high) = (self.origin, self.origin + self.size);
         let blocks: Vec<Block> =
             self.stairs.iter().flat_map(Stairs::blocks).chain(self.blocks.iter().copied()).collect();
-        let sides = |of: fn(DVec2) -> f64| {
-            let sides = blocks.iter().flat_map(|block| [of(block.bounds.min), of(block.bounds.max)]);
-            let mut sides: Vec<f64> = sides.filter(|side| of(low) < *side && *side < of(high)).collect();
+        let grid_lines = |coordinate: fn(DVec2) -> f64| {
+            let sides = blocks.iter().flat_map(|block| [coordinate(block.bounds.min), coordinate(block.bounds.max)]);
+            let mut sides: Vec<f64> =
+                sides.filter(|side| coordinate(low) < *side && *side < coordinate(high)).collect();
             sides.sort_by(f64::total_cmp);
             sides.dedup();
-            let twice = sides.into_iter().flat_map(|side| [side; 2]);
-            std::iter::once(of(low)).chain(twice).chain([of(high)]).collect::<Vec<f64>>()
+            let doubled = sides.into_iter().flat_map(|side| [side; 2]);
+            std::iter::once(coordinate(low)).chain(doubled).chain([coordinate(high)]).collect::<Vec<f64>>()
         };
-        let (xs, ys) = (sides(|point| point.x), sides(|point| point.y));
+        let (xs, ys) = (grid_lines(|point| point.x), grid_lines(|point| point.y));
         let corners = xs.len().saturating_mul(ys.len());
         if corners > 2 * super::MAX_CELLS {
             return Err(FieldError::Large(corners));
         }
-        // Corners 2i and 2i + 1 are the ends of level interval i of an axis.
+        // The ground is level between the grid lines 2i and 2i + 1 of an axis.
         let mut heights = vec![0.0_f64; corners];
         for block in &blocks {
-            let cells_in = |axis: &[f64], least: f64, greatest: f64| {
-                let first = (0..axis.len()).step_by(2).find(|at| axis[*at] >= least).unwrap_or(axis.len());
-                let end = (1..axis.len()).step_by(2).rfind(|at| axis[*at] <= greatest).map_or(0, |at| at + 1);
+            let lines_between = |lines: &[f64], min: f64, max: f64| {
+                let first = (0..lines.len()).step_by(2).find(|index| lines[*index] >= min).unwrap_or(lines.len());
+                let end = (1..lines.len()).step_by(2).rfind(|index| lines[*index] <= max).map_or(0, |index| index + 1);
                 first..end.max(first)
             };
             let Bounds { min, max } = block.bounds;
-            for row in cells_in(&ys, min.y.max(low.y), max.y.min(high.y)) {
-                for column in cells_in(&xs, min.x.max(low.x), max.x.min(high.x)) {
+            for row in lines_between(&ys, min.y.max(low.y), max.y.min(high.y)) {
+                for column in lines_between(&xs, min.x.max(low.x), max.x.min(high.x)) {
                     let height = &mut heights[row * xs.len() + column];
                     *height = height.max(block.height);
                 }
@@ -155,19 +156,19 @@ mod tests {
     }
 
     #[test]
-    fn stairs_go_up_all_four_ways() {
+    fn stairs_go_up_in_all_four_directions() {
         for uphill in StairsDirection::ALL {
             let field = steps(vec![stairs(uphill)], Vec::new());
-            let at = |ahead: f64, lateral: f64| {
+            let height_at = |ahead: f64, lateral: f64| {
                 let point = DVec2::new(2.0, 1.5) + ahead * uphill.direction() + lateral * uphill.direction().perp();
                 field.height(point.x, point.y)
             };
             let expected =
                 [(-0.01, 0.0), (0.0, 0.125), (0.24, 0.125), (0.25, 0.25), (0.5, 0.375), (1.0, 0.375), (1.01, 0.0)];
             for (ahead, height) in expected {
-                assert_eq!(at(ahead, 0.0), height, "{uphill:?}, {ahead} m ahead");
-                assert_eq!(at(ahead, 0.5), height, "on the side");
-                assert_eq!(at(ahead, -0.51), 0.0, "beside");
+                assert_eq!(height_at(ahead, 0.0), height, "{uphill:?}, {ahead} m ahead");
+                assert_eq!(height_at(ahead, 0.5), height, "on the side");
+                assert_eq!(height_at(ahead, -0.51), 0.0, "beside the stairs");
             }
         }
     }
@@ -180,9 +181,9 @@ mod tests {
     }
 
     #[test]
-    fn the_highest_block_counts_and_what_lies_outside_is_cut_off() {
-        let block = |from: [f64; 2], to: [f64; 2], height| Block {
-            bounds: Bounds { min: from.into(), max: to.into() },
+    fn the_highest_block_is_the_surface_and_blocks_are_cut_off_at_the_border() {
+        let block = |min: [f64; 2], max: [f64; 2], height| Block {
+            bounds: Bounds { min: min.into(), max: max.into() },
             height,
         };
         let blocks = vec![
@@ -196,6 +197,6 @@ mod tests {
         for (x, y, height) in heights {
             assert_eq!(field.height(x, y), height, "at {x}, {y}");
         }
-        assert_eq!((field.range(), field.bounds().max), ((0.0, 0.5), DVec2::new(4.0, 3.0)));
+        assert_eq!((field.height_bounds(), field.bounds().max), ((0.0, 0.5), DVec2::new(4.0, 3.0)));
     }
 }

@@ -48,8 +48,8 @@ const MAX_CELLS_ACROSS: f64 = 16384.0;
 /// - a ray that crosses a wall or touches one of its ends hits the wall. No ray slips through a shared corner, because
 ///   the side of the ray on which the corner lies is the same value for both walls;
 /// - a ray along a wall, touching both ends, hits the nearer end;
-/// - a ray that starts on a wall hits it at distance 0 in every direction. The origin counts as on the wall up to 8
-///   such units of the sum of the wall's length and the origin's coordinates.
+/// - a ray that starts on a wall hits it at distance 0 in every direction. An origin is on the wall if its distance from
+///   the wall is at most 8 such units of the sum of the wall's length and the origin's coordinates.
 #[derive(Clone, Debug)]
 pub struct Walls {
     segments: Vec<Segment>,
@@ -79,7 +79,7 @@ impl Walls {
             .filter(|(_, segment)| is_usable(segment.a) && is_usable(segment.b))
             .map(|(wall, _)| wall)
             .collect();
-        let extent = usable.iter().fold(Bounds::EMPTY, |all, &wall| all.union(segments[wall as usize].bounds()));
+        let extent = usable.iter().fold(Bounds::EMPTY, |extent, &wall| extent.union(segments[wall as usize].bounds()));
         let bounds = (!usable.is_empty()).then_some(extent);
         let (grid, margin) = match bounds {
             Some(bounds) => choose_grid(bounds, usable.iter().map(|&wall| &segments[wall as usize])),
@@ -141,7 +141,7 @@ impl Walls {
     /// Lower bound of the distance from `point` to the nearest wall that a ray can hit, m.
     #[inline]
     fn clearance(&self, point: DVec2) -> f64 {
-        self.clearance.as_ref().map_or(0.0, |clearance| clearance.at(point))
+        self.clearance.as_ref().map_or(0.0, |clearance| clearance.lower_bound(point))
     }
 
     /// The nearest wall at most `range` metres from `origin` along `direction`, a vector of length 1.
@@ -156,35 +156,35 @@ impl Walls {
         self.cast_where(origin, direction, range, |_, _| true)
     }
 
-    /// [`Walls::cast`] restricted to walls for which `counts`, called with a wall and its distance, returns true.
+    /// Like [`Walls::cast`], but only for walls for which `accepts`, called with a wall and its distance, returns true.
     #[inline]
     pub fn cast_where(
         &self,
         origin: DVec2,
         direction: DVec2,
         range: f64,
-        counts: impl Fn(WallId, f64) -> bool,
+        accepts: impl Fn(WallId, f64) -> bool,
     ) -> Option<WallHit> {
         if !is_ray(origin, direction, range) {
             return None;
         }
         let bounds = self.bounds?;
-        let mut nearest = Nearest::within(range);
-        let reach = bounds.grown(self.margin);
-        if reach.contains(origin) {
+        let mut nearest = Nearest::new(range);
+        let area = bounds.grown(self.margin);
+        if area.contains(origin) {
             let ray = self.ray(origin, direction, self.inside_rounding_error, bounds);
-            self.walk(ray, origin, 0.0, &mut nearest, counts);
+            self.walk(ray, origin, 0.0, &mut nearest, accepts);
             return nearest.hit();
         }
         let ray = self.ray(origin, direction, rounding_error(origin, &bounds), bounds);
         if ray.rounding_error < self.margin {
-            let (entry, _) = reach.clip(origin, direction, range)?;
-            self.walk(ray, origin + direction * entry, entry, &mut nearest, counts);
+            let (entry, _) = area.clip(origin, direction, range)?;
+            self.walk(ray, origin + direction * entry, entry, &mut nearest, accepts);
         } else if bounds.grown(2.0 * ray.rounding_error).clip(origin, direction, range).is_some() {
-            // For so distant an origin, rounding exceeds the margin of the cells.
+            // The origin is so distant that rounding exceeds the margin of the cells.
             for (wall, segment) in (0..).map(WallId).zip(&self.segments) {
                 if is_usable(segment.a) && is_usable(segment.b) {
-                    nearest.offer(wall, ray.distance(segment), &counts);
+                    nearest.offer(wall, ray.distance(segment), &accepts);
                 }
             }
         }
@@ -197,24 +197,24 @@ impl Walls {
         Ray { origin, direction, rounding_error, area_rounding_error }
     }
 
-    /// Tests the ray, which enters the walls' bounds at `start` after `passed` metres, against the walls along its
-    /// path.
+    /// Tests the walls along the path of the ray, which enters the walls' bounds at `start`, `passed` metres after its
+    /// origin.
     #[inline(always)]
-    fn walk(&self, ray: Ray, start: DVec2, passed: f64, nearest: &mut Nearest, counts: impl Fn(WallId, f64) -> bool) {
+    fn walk(&self, ray: Ray, start: DVec2, passed: f64, nearest: &mut Nearest, accepts: impl Fn(WallId, f64) -> bool) {
         let mut found = *nearest;
         self.batches.walk(start, ray.direction, passed, found.distance, |wall| {
-            found.offer(wall, ray.distance(self.segment(wall)), &counts);
+            found.offer(wall, ray.distance(self.segment(wall)), &accepts);
             found.distance
         });
         *nearest = found;
     }
 
-    /// Visits once each wall that meets `bounds`, in the order of their numbers. May also visit walls of which only the bounding rectangle
-    /// meets `bounds`.
+    /// Visits each wall that overlaps `bounds` once, in the order of their numbers. May also visit walls of which only the
+    /// bounding rectangle overlaps `bounds`.
     pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(WallId, &Segment)) {
         let half = 0.5 * (bounds.max - bounds.min);
         let is_clear = half.element_sum() < self.clearance(bounds.min + half);
-        if is_clear || !self.bounds.is_some_and(|all| all.overlaps(&bounds)) {
+        if is_clear || !self.bounds.is_some_and(|extent| extent.overlaps(&bounds)) {
             return;
         }
         for id in self.candidates(&bounds) {
@@ -225,7 +225,7 @@ impl Walls {
         }
     }
 
-    /// Walls in the cells that `bounds` meets, without duplicates, in the order of their numbers.
+    /// Walls in the cells that `bounds` overlaps, without duplicates, in the order of their numbers.
     fn candidates(&self, bounds: &Bounds) -> Vec<WallId> {
         let mut ids = Vec::new();
         self.batches.collect(self.grid.span(bounds), &mut ids);
@@ -237,8 +237,8 @@ impl Walls {
 
 /// Chooses the cell size and the margin of the walls.
 ///
-/// Cells are as small as three budgets allow, each proportional to the number of walls: the number of cells, the number
-/// of entries (a wall has about one entry more than its extents span cells), and the number of cells along a ray.
+/// Cells are as small as three limits allow, each proportional to the number of walls: the number of cells, the number of
+/// entries (a wall has about one entry more than its extents span cells), and the number of cells along a ray.
 fn choose_grid<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segment>) -> (Grid, f64) {
     let count = walls.len() as f64;
     let size = bounds.max - bounds.min;
@@ -256,12 +256,12 @@ fn choose_grid<'a>(bounds: Bounds, walls: impl ExactSizeIterator<Item = &'a Segm
 
 /// Visits each cell that the wall, enlarged by `margin` on all sides, overlaps.
 fn for_each_cell(grid: &Grid, margin: f64, segment: &Segment, mut visit: impl FnMut(usize)) {
-    let along = (segment.b - segment.a).abs();
-    if along.x >= along.y {
+    let extent = (segment.b - segment.a).abs();
+    if extent.x >= extent.y {
         let (columns, _) = grid.span(&segment.bounds().grown(margin));
         for column in columns {
             let (left, right) = (grid.left(column) - margin, grid.left(column + 1) + margin);
-            let (low, high) = heights_between(segment.a, segment.b, left, right);
+            let (low, high) = y_between(segment.a, segment.b, left, right);
             for row in grid.row(low - margin)..=grid.row(high + margin) {
                 visit(grid.index(column, row));
             }
@@ -270,7 +270,7 @@ fn for_each_cell(grid: &Grid, margin: f64, segment: &Segment, mut visit: impl Fn
         let (_, rows) = grid.span(&segment.bounds().grown(margin));
         for row in rows {
             let (lower, upper) = (grid.lower(row) - margin, grid.lower(row + 1) + margin);
-            let (low, high) = heights_between(segment.a.yx(), segment.b.yx(), lower, upper);
+            let (low, high) = y_between(segment.a.yx(), segment.b.yx(), lower, upper);
             for column in grid.column(low - margin)..=grid.column(high + margin) {
                 visit(grid.index(column, row));
             }
@@ -279,10 +279,10 @@ fn for_each_cell(grid: &Grid, margin: f64, segment: &Segment, mut visit: impl Fn
 }
 
 /// Minimum and maximum y, for x between `left` and `right`, of the segment from `a` to `b`, whose slope is between -1
-/// and 1; x beyond an end gives the y of that end.
-fn heights_between(a: DVec2, b: DVec2, left: f64, right: f64) -> (f64, f64) {
+/// and 1; where x is beyond an end, y is the y of that end.
+fn y_between(a: DVec2, b: DVec2, left: f64, right: f64) -> (f64, f64) {
     let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };
-    let height = |x: f64| {
+    let y = |x: f64| {
         if x <= a.x {
             a.y
         } else if x >= b.x {
@@ -291,8 +291,8 @@ fn heights_between(a: DVec2, b: DVec2, left: f64, right: f64) -> (f64, f64) {
             a.y + (x - a.x) / (b.x - a.x) * (b.y - a.y)
         }
     };
-    let (one, other) = (height(left), height(right));
-    (one.min(other), one.max(other))
+    let (left_y, right_y) = (y(left), y(right));
+    (left_y.min(right_y), left_y.max(right_y))
 }
 
 #[cfg(test)]
@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_wall_within_range_is_met() {
+    fn the_nearest_wall_within_range_is_hit() {
         let scene = walls(&[[3.0, -1.0, 3.0, 1.0], [2.0, -1.0, 2.0, 1.0], [-1.0, -1.0, -1.0, 1.0]]);
         let hit = scene.cast(DVec2::ZERO, DVec2::X, 2.0);
         assert_eq!(hit, Some(WallHit { distance: 2.0, wall: WallId(1) }));
@@ -320,21 +320,25 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_seen_along_itself_ends_at_the_nearer_end() {
+    fn a_ray_along_a_wall_hits_its_nearer_end() {
         let scene = walls(&[[5.0, 5.0, 1.0, 1.0]]);
         let near = distance(&scene, [0.0, 0.0], [FRAC_1_SQRT_2, FRAC_1_SQRT_2], 9.0);
         assert!((near.unwrap() - std::f64::consts::SQRT_2).abs() < 1e-15, "within rounding: {near:?}");
-        assert_eq!(distance(&scene, [2.0, 2.0], [FRAC_1_SQRT_2, FRAC_1_SQRT_2], 9.0), Some(0.0), "from within");
+        assert_eq!(
+            distance(&scene, [2.0, 2.0], [FRAC_1_SQRT_2, FRAC_1_SQRT_2], 9.0),
+            Some(0.0),
+            "from a point on the wall"
+        );
         assert_eq!(distance(&scene, [6.0, 6.0], [FRAC_1_SQRT_2, FRAC_1_SQRT_2], 9.0), None, "away from it");
     }
 
     #[test]
-    fn from_on_a_wall_everything_is_at_0() {
+    fn a_ray_that_starts_on_a_wall_hits_it_at_distance_0() {
         let scene = walls(&[[-1.0, 0.1, 2.0, 0.7]]);
-        let on = DVec2::new(0.5, 0.1 + 0.6 / 3.0 * 1.5);
+        let origin = DVec2::new(0.5, 0.1 + 0.6 / 3.0 * 1.5);
         for step in 0..64 {
             let (y, x) = crate::math::sin_cos(f64::from(step) * 0.1);
-            assert_eq!(distance(&scene, on.into(), [x, y], 1.0), Some(0.0), "step {step}");
+            assert_eq!(distance(&scene, origin.into(), [x, y], 1.0), Some(0.0), "step {step}");
         }
     }
 
@@ -343,14 +347,14 @@ mod tests {
         let upright = |x: f64| [x, 0.0, x, 1.0];
         let mut ends = vec![upright(0.0), upright(1.0)];
         ends.resize(40, upright(0.5));
-        let spaced = walls(&ends).grid;
-        let borders: Vec<f64> = (1..9).map(|column| spaced.left(column)).filter(|&x| x < 1.0).collect();
+        let grid = walls(&ends).grid;
+        let borders: Vec<f64> = (1..9).map(|column| grid.left(column)).filter(|&x| x < 1.0).collect();
         assert!(borders.len() > 3, "a grid of several columns: {borders:?}");
         for (end, &border) in ends[2..].iter_mut().zip(&borders) {
             *end = upright(border);
         }
         let scene = walls(&ends);
-        assert_eq!(scene.grid.left(1), borders[0], "neither the bounds nor the lengths have changed");
+        assert_eq!(scene.grid.left(1), borders[0], "equal bounds and lengths give the same grid");
         for &border in &borders {
             let just_below = border.next_down().max(border - 1e-12);
             for (x, direction) in [(border - 0.01, 1.0), (border + 0.01, -1.0), (just_below, 1.0), (just_below, -1.0)] {
@@ -366,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_leave_out_no_wall_that_is_met() {
+    fn cast_agrees_with_the_test_of_every_wall() {
         // Linear congruential generator with values from 0 to 1.
         let mut state = 1_u64;
         let mut unit = || {
@@ -395,7 +399,7 @@ mod tests {
                 let range = if round % 2 == 0 { f64::INFINITY } else { 10.0 };
                 let rounding_error = rounding_error(origin, &scene.bounds.unwrap());
                 let ray = scene.ray(origin, direction, rounding_error, scene.bounds.unwrap());
-                let mut nearest = Nearest::within(range);
+                let mut nearest = Nearest::new(range);
                 for (wall, segment) in (0..).map(WallId).zip(&scene.segments) {
                     nearest.offer(wall, ray.distance(segment), |_, _| true);
                 }
@@ -405,7 +409,7 @@ mod tests {
     }
 
     #[test]
-    fn arguments_that_are_no_ray_meet_nothing() {
+    fn invalid_rays_hit_nothing() {
         let scene = walls(&[[1.0, -1.0, 1.0, 1.0]]);
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert_eq!(distance(&scene, [bad, 0.0], [1.0, 0.0], 2.0), None);
@@ -420,7 +424,7 @@ mod tests {
     }
 
     #[test]
-    fn walls_without_numbers_keep_theirs() {
+    fn walls_with_invalid_coordinates_keep_their_numbers() {
         let scene = walls(&[[f64::NAN, 0.0, 1.0, 0.0], [0.0, f64::INFINITY, 1.0, 0.0], [1.0, -1.0, 1.0, 1.0]]);
         assert_eq!(scene.cast(DVec2::ZERO, DVec2::X, 2.0).unwrap().wall, WallId(2));
         assert_eq!(scene.bounds(), Some(Bounds { min: DVec2::new(1.0, -1.0), max: DVec2::ONE }));
@@ -428,7 +432,7 @@ mod tests {
     }
 
     #[test]
-    fn a_query_visits_each_wall_in_order_once() {
+    fn a_query_visits_each_wall_once_and_in_order() {
         let scene = walls(&[[0.0, 0.0, 4.0, 4.0], [4.0, 0.0, 0.0, 4.0], [9.0, 9.0, 9.0, 9.0]]);
         let visited = |bounds| {
             let mut ids = Vec::new();

@@ -19,7 +19,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_four_winds() {
+    fn bearings_are_clockwise_from_north() {
         let reading = |heading: f64| bearing_from_north(Heading::new(heading), FRAC_PI_2);
         assert_eq!(reading(FRAC_PI_2), 0.0);
         assert_eq!(reading(0.0), FRAC_PI_2);

@@ -20,31 +20,31 @@ pub struct Echo {
     /// Maximum measurable distance, m; also the reading if there is no echo.
     pub max: f64,
     /// Maximum angle between the ray and the surface's normal, rad.
-    pub incidence: f64,
+    pub max_incidence: f64,
 }
 
 impl Echo {
     /// The laser range finder: 0 to 2 m, 45 degrees.
-    pub const LASER: Self = Self { min: 0.0, max: 2.0, incidence: std::f64::consts::FRAC_PI_4 };
+    pub const LASER: Self = Self { min: 0.0, max: 2.0, max_incidence: std::f64::consts::FRAC_PI_4 };
 
     /// The ultrasonic sensor: 0.1 to 1 m, 15 degrees.
-    pub const ULTRASONIC: Self = Self { min: 0.1, max: 1.0, incidence: std::f64::consts::PI / 12.0 };
+    pub const ULTRASONIC: Self = Self { min: 0.1, max: 1.0, max_incidence: std::f64::consts::PI / 12.0 };
 
     /// The reflectance sensor: 0 to 1 m, 90 degrees.
-    pub const REFLECTANCE: Self = Self { min: 0.0, max: 1.0, incidence: std::f64::consts::FRAC_PI_2 };
+    pub const REFLECTANCE: Self = Self { min: 0.0, max: 1.0, max_incidence: std::f64::consts::FRAC_PI_2 };
 
-    /// Returns true if a surface at `distance` (m) and the incidence angle `incidence` (rad) returns an echo.
-    pub fn returns(&self, distance: f64, incidence: f64) -> bool {
-        (self.min..=self.max).contains(&distance) && incidence <= self.incidence + ANGLE_ROUNDING
+    /// Returns true if the sensor detects a surface at `distance` (m) with the incidence angle `incidence` (rad).
+    pub fn detects(&self, distance: f64, incidence: f64) -> bool {
+        (self.min..=self.max).contains(&distance) && incidence <= self.max_incidence + ANGLE_ROUNDING
     }
 
     /// Reading of a laser or ultrasonic sensor for a hit at (distance in m, incidence in rad), with the paper's `noise`
     /// N: d (1 + N) with an echo, otherwise the maximum distance. The signal is 1 with an echo, otherwise 0.
     ///
     /// Source: France et al., section 5. The distance is never below 0: our choice.
-    pub fn time_of_flight(&self, met: Option<(f64, f64)>, noise: f64) -> Reading {
-        match met {
-            Some((distance, incidence)) if self.returns(distance, incidence) => {
+    pub fn time_of_flight(&self, hit: Option<(f64, f64)>, noise: f64) -> Reading {
+        match hit {
+            Some((distance, incidence)) if self.detects(distance, incidence) => {
                 Reading { distance: Some((distance * (1.0 + noise)).max(0.0)), signal: 1.0 }
             }
             _ => Reading { distance: Some(self.max), signal: 0.0 },
@@ -55,9 +55,9 @@ impl Echo {
     /// [`reflected_signal`] and the distance of [`recovered_distance`]; without an echo, signal 0 and the maximum distance.
     ///
     /// Source: France et al., Eq. 1 and section 5.
-    pub fn reflectance(&self, met: Option<(f64, f64)>, noise: f64) -> Reading {
-        match met {
-            Some((distance, incidence)) if self.returns(distance, incidence) => {
+    pub fn reflectance(&self, hit: Option<(f64, f64)>, noise: f64) -> Reading {
+        match hit {
+            Some((distance, incidence)) if self.detects(distance, incidence) => {
                 let signal = reflected_signal(distance, incidence, self.max, noise);
                 Reading { distance: Some(recovered_distance(signal, self.max)), signal }
             }
@@ -69,7 +69,7 @@ impl Echo {
 /// Incidence angle: between a ray along `direction` and the normal of the surface that it hits, 0 to pi/2 rad, for either
 /// orientation of the normal.
 ///
-/// Computed from sine and cosine: equally accurate at normal and at grazing incidence.
+/// The computation from sine and cosine is equally accurate at normal and at grazing incidence.
 pub fn incidence(direction: DVec3, normal: DVec3) -> f64 {
     math::atan2(direction.cross(normal).length(), direction.dot(normal).abs())
 }
@@ -92,8 +92,9 @@ pub fn reflected_signal(distance: f64, incidence: f64, max: f64, noise: f64) -> 
 /// Distance at which a surface at normal incidence gives this `signal` (1/m), in m; 0 for an infinite signal, `max` for
 /// signal 0.
 ///
-/// The positive root of s d^2 + d - max = 0 as 2 max / (1 + sqrt(1 + 4 s max)), which stays accurate as s goes to 0, while
-/// the printed form, (-1 + sqrt(1 + 4 s max)) / (2 s), loses all digits.
+/// The distance is the positive root d of s d^2 + d - max = 0 for the signal s, computed as
+/// 2 max / (1 + sqrt(1 + 4 s max)). This form stays accurate as s goes to 0; the form in the paper,
+/// (-1 + sqrt(1 + 4 s max)) / (2 s), loses all digits.
 ///
 /// Source: France et al., section 5.
 pub fn recovered_distance(signal: f64, max: f64) -> f64 {
@@ -111,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_are_closed() {
+    fn limits_are_inclusive() {
         for (echo, limit) in [(Echo::LASER, FRAC_PI_4), (Echo::ULTRASONIC, PI / 12.0)] {
             let read = |d: f64, alpha: f64| distance(echo.time_of_flight(Some((d, alpha)), 0.0));
             assert_eq!([read(echo.min, 0.0), read(echo.max, 0.0)], [echo.min, echo.max]);
@@ -126,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn incidence_keeps_its_digits_head_on_and_grazing() {
+    fn incidence_is_accurate_at_normal_and_grazing_incidence() {
         let normal = DVec3::new(0.0, 0.0, 1.0);
         for angle in [0.0, 1e-12, 1e-9, 0.3, FRAC_PI_4, FRAC_PI_4 + 1e-9, 1.5, FRAC_PI_2 - 1e-9, FRAC_PI_2 - 1e-12] {
             let (sin, cos) = math::sin_cos(angle);
@@ -137,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn the_signal_and_its_inverse_agree_over_all_distances() {
+    fn signal_and_recovered_distance_are_inverse_at_all_distances() {
         let max = 1.0;
         for exponent in 0..150 {
             for d in [libm::pow(10.0, -f64::from(exponent)), 1.0 - libm::pow(10.0, -f64::from(exponent) / 20.0)] {
@@ -149,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ends_of_the_signal_are_no_nan() {
+    fn limits_of_the_signal_are_defined() {
         assert_eq!(reflected_signal(0.0, 0.0, 1.0, 0.0), f64::INFINITY);
         assert_eq!(recovered_distance(f64::INFINITY, 1.0), 0.0);
         assert_eq!(reflected_signal(1.0, 0.0, 1.0, 0.0), 0.0);
@@ -161,9 +162,9 @@ mod tests {
         let half = Echo::REFLECTANCE.reflectance(Some((0.5, 0.0)), 0.0);
         assert_eq!((half.signal, half.distance), (2.0, Some(0.5)));
         // At 60 degrees the signal is a quarter: 2 / (1 + sqrt(3)).
-        let slanting = Echo::REFLECTANCE.reflectance(Some((0.5, PI / 3.0)), 0.0);
-        assert!((slanting.signal - 0.5).abs() < 1e-15);
-        assert!((distance(slanting) - 2.0 / (1.0 + 3.0_f64.sqrt())).abs() < 1e-15);
+        let oblique = Echo::REFLECTANCE.reflectance(Some((0.5, PI / 3.0)), 0.0);
+        assert!((oblique.signal - 0.5).abs() < 1e-15);
+        assert!((distance(oblique) - 2.0 / (1.0 + 3.0_f64.sqrt())).abs() < 1e-15);
         let grazing = Echo::REFLECTANCE.reflectance(Some((0.5, FRAC_PI_2)), 0.0);
         assert_eq!((grazing.signal, grazing.distance), (0.0, Some(1.0)));
     }

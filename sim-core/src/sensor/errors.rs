@@ -21,8 +21,8 @@ impl From<&RangeModel> for RangeKind {
 impl RangeErrors {
     /// Applies [`RangeErrors::reading`] to a [`Reading`]: `exact` is the error-free reading of a sensor of type `model`.
     ///
-    /// A reading without signal counts as no return, and no return becomes a reading without signal. An outlier without
-    /// a return gets signal 1.
+    /// An exact reading without signal is treated as no return; no return gives a reading without signal. An outlier
+    /// without a return has signal 1.
     pub fn reading_of(&self, index: u64, at: Time, model: &RangeModel, exact: Reading) -> Reading {
         if self.is_exact() {
             return exact;

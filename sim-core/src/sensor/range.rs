@@ -54,7 +54,8 @@ pub struct Posture<'a> {
 /// Reading of a range sensor at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Distance, m; `None` if out of range. Laser, ultrasonic and reflectance sensors give their maximum distance instead of `None`.
+    /// Distance, m; `None` if out of range. Laser, ultrasonic and reflectance sensors give their maximum distance instead of
+    /// `None`.
     pub distance: Option<f64>,
     /// Signal from which the distance was derived: for a reflectance sensor in 1/m; for a sonar the energy of the echo,
     /// relative to a perfect reflector 1 m ahead; for other sensors 1 with an echo and 0 without.
@@ -62,22 +63,22 @@ pub struct Reading {
 }
 
 impl RangeModel {
-    /// Reading of a sensor of robot `by` at `world_from_sensor` at the instant `at`, with the paper's `noise` N; N = 0 gives
-    /// the exact reading.
+    /// Reading of a sensor of the robot `observer` at `world_from_sensor` at the instant `at`, with the `noise` N of France
+    /// et al.; N = 0 gives the exact reading.
     ///
     /// The sensor does not see its own robot. N scales the distance, except for the reflectance sensor, where it scales the
     /// signal; for PSD and sonar this is our choice.
-    pub fn read(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
-        let met = |range: f64| {
+    pub fn read(&self, world: &World, observer: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
+        let hit = |range: f64| {
             let direction = world_from_sensor.forward();
-            let hit = world.cast(by, &Ray::new(world_from_sensor.position, direction, range), at)?;
+            let hit = world.cast(observer, &Ray::new(world_from_sensor.position, direction, range), at)?;
             Some((hit.distance, incidence(direction, hit.face?.normal)))
         };
         match self {
-            Self::Psd { range } => Reading::of_distance(met(*range).map(|(distance, _)| distance), noise),
-            Self::Laser(echo) | Self::Ultrasonic(echo) => echo.time_of_flight(met(echo.max), noise),
-            Self::Reflectance(echo) => echo.reflectance(met(echo.max), noise),
-            Self::Sonar(sonar) => sonar.listen(world, by, world_from_sensor, at, noise),
+            Self::Psd { range } => Reading::of_distance(hit(*range).map(|(distance, _)| distance), noise),
+            Self::Laser(echo) | Self::Ultrasonic(echo) => echo.time_of_flight(hit(echo.max), noise),
+            Self::Reflectance(echo) => echo.reflectance(hit(echo.max), noise),
+            Self::Sonar(sonar) => sonar.read(world, observer, world_from_sensor, at, noise),
         }
     }
 
@@ -123,16 +124,16 @@ impl RangeSensor {
         posture.world_from(&self.mount, self.link)
     }
 
-    /// Returns true for a level PSD on the body, which measures in the plane: see [`RangeSensor::read`].
+    /// Returns true for a level PSD on the body, which measures in the plane (see [`RangeSensor::read`]).
     pub fn is_level_psd(&self) -> bool {
         matches!(self.model, RangeModel::Psd { .. }) && self.link.is_none() && self.mount.is_level()
     }
 
-    /// Reading of a level PSD on the body of robot `by` with this centre, unit vector of the heading, and height.
+    /// Reading of a level PSD on the body of the robot `observer` with this centre, unit vector of the heading, and height.
     pub(crate) fn read_level(
         &self,
         world: &World,
-        by: RobotId,
+        observer: RobotId,
         (centre, forward, lift): (DVec2, DVec2, f64),
         at: Time,
         noise: f64,
@@ -141,23 +142,23 @@ impl RangeSensor {
         let direction = forward.rotate(self.mount.forward().truncate());
         let [_, range] = self.model.limits();
         let ray = Ray::flat(origin, direction, range).at_height(self.mount.position.z + lift);
-        Reading::of_distance(world.cast(by, &ray, at).map(|hit| hit.distance), noise)
+        Reading::of_distance(world.cast(observer, &ray, at).map(|hit| hit.distance), noise)
     }
 
-    /// Reading of the sensor of robot `by` in this posture at the instant `at`, with the paper's `noise` N: see
+    /// Reading of the sensor of the robot `observer` in this posture at the instant `at`, with the `noise` N: see
     /// [`RangeModel::read`].
     ///
-    /// A level PSD on the body measures in the plane, as a [`Beam`](super::Beam), so that walls and bodies count as
-    /// infinitely high; meshes and floating objects are hit at their true heights.
+    /// A level PSD on the body measures in the plane, as a [`Beam`](super::Beam) does: walls and bodies are infinitely high
+    /// for it; meshes and floating objects are hit at their true heights.
     ///
     /// # Panics
     /// Like [`link_pose`].
-    pub fn read(&self, world: &World, by: RobotId, posture: &Posture, at: Time, noise: f64) -> Reading {
+    pub fn read(&self, world: &World, observer: RobotId, posture: &Posture, at: Time, noise: f64) -> Reading {
         let &Posture { world_from_robot: Pose { position, heading }, lift, .. } = posture;
         if self.is_level_psd() {
-            return self.read_level(world, by, (position, heading.direction(), lift), at, noise);
+            return self.read_level(world, observer, (position, heading.direction(), lift), at, noise);
         }
-        self.model.read(world, by, &self.world_from_sensor(posture), at, noise)
+        self.model.read(world, observer, &self.world_from_sensor(posture), at, noise)
     }
 }
 

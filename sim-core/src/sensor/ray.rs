@@ -20,7 +20,7 @@ impl Mount {
         Self { robot_from_sensor: Pose::new(x, y, angle) }
     }
 
-    /// Origin and unit direction, in the world, of the line of sight of the sensor on a robot at `world_from_robot`.
+    /// Origin and unit direction, in the world frame, of the line of sight of a sensor on a robot at `world_from_robot`.
     pub fn ray(&self, world_from_robot: &Pose) -> (DVec2, DVec2) {
         let forward = world_from_robot.heading.direction();
         let mount = &self.robot_from_sensor;
@@ -38,24 +38,24 @@ pub struct Beam {
 }
 
 impl Beam {
-    /// First hit of the sensor of robot `by`, whose centre is at `world_from_robot` at the instant `at`.
+    /// First hit of the sensor of the robot `observer`, whose centre is at `world_from_robot` at the instant `at`.
     ///
-    /// The sensor sees walls and the bodies of other robots, but not its own robot. `None` if nothing lies within `range`; distance 0 if
-    /// the sensor's origin lies inside another body. Noise is added by the caller.
+    /// The sensor sees walls and the bodies of other robots, but not its own robot. The result is `None` if nothing lies
+    /// within `range`, and has distance 0 if the sensor's origin lies inside another body. The caller adds noise.
     ///
-    /// Source: Koestler & Bräunl, section 4.1. `None` if nothing is within range is our choice.
-    pub fn sight(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Option<RayHit> {
+    /// Source: Koestler & Bräunl, section 4.1; `None` if nothing is within range: our choice.
+    pub fn cast(&self, world: &World, observer: RobotId, world_from_robot: &Pose, at: Time) -> Option<RayHit> {
         let (origin, direction) = self.mount.ray(world_from_robot);
-        world.cast(by, &Ray::flat(origin, direction, self.range), at)
+        world.cast(observer, &Ray::flat(origin, direction, self.range), at)
     }
 
     /// Distance along the beam to the first hit, m.
-    pub fn distance(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Option<f64> {
-        self.sight(world, by, world_from_robot, at).map(|hit| hit.distance)
+    pub fn distance(&self, world: &World, observer: RobotId, world_from_robot: &Pose, at: Time) -> Option<f64> {
+        self.cast(world, observer, world_from_robot, at).map(|hit| hit.distance)
     }
 
     /// Returns true if anything lies within range: the reading of an infrared switch.
-    pub fn is_interrupted(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> bool {
-        self.sight(world, by, world_from_robot, at).is_some()
+    pub fn is_interrupted(&self, world: &World, observer: RobotId, world_from_robot: &Pose, at: Time) -> bool {
+        self.cast(world, observer, world_from_robot, at).is_some()
     }
 }

@@ -12,10 +12,10 @@ use crate::{
 
 /// A laser scanner: a fan of rays in the robot's frame, from left to right.
 ///
-/// Ray i of n points (n/2 - i) spacings to the left of the line of sight, with n/2 rounded down, so ray n/2 points
-/// exactly ahead. The fan turns with the robot. A full turn has n spacings and begins straight behind (for an even n).
-/// A smaller sweep begins half of the sweep to the left; for an odd n it ends half of the sweep to the right, for an
-/// even n one spacing earlier. So 180 degrees in 180 or 181 points are 1 degree apart.
+/// In a fan of n rays, ray i is (n/2 - i) spacings to the left of the line of sight, with n/2 rounded down, so ray n/2
+/// points exactly ahead. The fan turns with the robot. A full turn has n spacings and begins straight behind (for an even
+/// n). A smaller sweep begins half of the sweep to the left; for an odd n it ends half of the sweep to the right, for an
+/// even n one spacing earlier. So the spacing is 1 degree for 180 degrees and 180 or 181 points.
 ///
 /// A tilted fan is a cone: all of its rays rise or fall at the same angle. Distances are measured along the rays.
 ///
@@ -107,30 +107,36 @@ impl Scan {
         self.tilt.direction(self.rays[ray as usize])
     }
 
-    /// Distances measured by the scanner of robot `by`, whose centre is at `world_from_robot` at the instant `at`: for
-    /// each ray the metres along the ray to the first hit, or `None` if nothing is within range. All rays are cast at
+    /// Distances measured by the scanner of the robot `observer`, whose centre is at `world_from_robot` at the instant `at`:
+    /// for each ray the metres along the ray to the first hit, or `None` if nothing is within range. All rays are cast at
     /// the same instant.
     ///
-    /// The rays are made by [`Ray::tilted`] (our choice) and do not hit their own robot. Noise is added by the caller.
-    pub fn distances(&self, world: &World, by: RobotId, world_from_robot: &Pose, at: Time) -> Vec<Option<f64>> {
+    /// [`Ray::tilted`] constructs the rays (our choice). They do not hit the robot itself. The caller adds noise.
+    pub fn distances(&self, world: &World, observer: RobotId, world_from_robot: &Pose, at: Time) -> Vec<Option<f64>> {
         let (origin, ahead) = self.mount.ray(world_from_robot);
         let origin = origin.extend(self.height);
         let measure = |ray: &DVec2| {
             let ray = Ray::tilted(origin, ahead.rotate(*ray), &self.tilt, self.range);
-            world.cast(by, &ray, at).map(|hit| hit.distance)
+            world.cast(observer, &ray, at).map(|hit| hit.distance)
         };
         self.rays.iter().map(measure).collect()
     }
 
-    /// [`Scan::distances`] for a scanner at `world_from_sensor`, with any roll and pitch, instead of at its mount. The
-    /// rays are made by [`Ray::new`], which hits bodies up to their heights.
+    /// Like [`Scan::distances`], for a scanner at `world_from_sensor`, with any roll and pitch, instead of at its mount.
+    /// [`Ray::new`] constructs the rays, which hit bodies up to their heights.
     ///
     /// The fan, tilt included, is fixed in the sensor's frame.
-    pub fn distances_from(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time) -> Vec<Option<f64>> {
+    pub fn distances_from(
+        &self,
+        world: &World,
+        observer: RobotId,
+        world_from_sensor: &Pose3,
+        at: Time,
+    ) -> Vec<Option<f64>> {
         let measure = |ray: &DVec2| {
             let direction = world_from_sensor.rotation * self.tilt.direction(*ray);
             let ray = Ray::new(world_from_sensor.position, direction, self.range);
-            world.cast(by, &ray, at).map(|hit| hit.distance)
+            world.cast(observer, &ray, at).map(|hit| hit.distance)
         };
         self.rays.iter().map(measure).collect()
     }
@@ -154,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_ray_looks_ahead_and_the_first_ones_to_the_left() {
+    fn the_middle_ray_points_ahead_and_the_first_rays_to_the_left() {
         assert_eq!(bearings(360.0, 4), [180.0, 90.0, 0.0, -90.0]);
         assert_eq!(bearings(360.0, 5), [144.0, 72.0, 0.0, -72.0, -144.0]);
         assert_eq!(bearings(180.0, 4), [90.0, 45.0, 0.0, -45.0]);

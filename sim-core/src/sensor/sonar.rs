@@ -86,9 +86,10 @@ impl Sonar {
     }
 
     /// Energy of the echo of a surface that a ray hits at `angle` rad from the line of sight:
-    /// G^2 / d^2 times the reflectivity times (the diffuse share times cos(alpha) plus the specular share at normal incidence).
+    /// G^2 / d^2 times the reflectivity times (the diffuse fraction times cos(alpha) plus, at normal incidence, the specular
+    /// fraction).
     ///
-    /// G is the gain in either direction, d the distance and alpha the incidence angle. A convex mirror spreads the energy over an area
+    /// G is the one-way gain, d the distance and alpha the incidence angle. A convex mirror spreads the energy over an area
     /// that is larger by a factor (1 + d / r) for each of its principal radii r.
     ///
     /// Source: France et al. 1999, sections 3.2 and 3.3 (loss with distance; diffuse and specular surfaces). From
@@ -103,23 +104,24 @@ impl Sonar {
         ratio * ratio * reflectivity * (mirrored + scattered)
     }
 
-    /// Reading of a sensor of robot `by` at `world_from_sensor` at the instant `at`, with the paper's `noise` N. The
-    /// robot itself returns no echo.
+    /// Reading of a sensor of the robot `observer` at `world_from_sensor` at the instant `at`, with the `noise` N of France
+    /// et al. The robot itself returns no echo.
     ///
     /// The reading is the nearest echo above the threshold. Echoes are searched along the line of sight, along a fan of
     /// rays, and towards the nearest point of every body in reach; the nearest points find mirrors, and are exact for
     /// surfaces that face the sensor. If the fan hits triangles of a mesh, their perpendiculars are tried too. Second
     /// reflections are ignored.
     ///
-    /// The fan is a spiral over the part of the half space from which an echo may be detected. If all bodies are upright
-    /// and reach up to a level sensor, and the floor is a perfect mirror, the fan lies in the sensor's horizontal plane and is
-    /// correspondingly denser.
+    /// The fan is a spiral over the part of the half space from which an echo may be detected. If the sensor is level, all
+    /// bodies are upright and reach up to it, and the floor is a perfect mirror, the fan lies in the sensor's horizontal
+    /// plane and is correspondingly denser.
     ///
     /// Source: France et al. 1999, section 3.2 (a single reflection); Gois & Hiller, section 2.1 (the beam); rays and
     /// nearest points: our choice.
-    pub fn listen(&self, world: &World, by: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
-        let mut search = EchoSearch { sonar: self, world, by, world_from_sensor, at, distance: self.max, energy: 0.0 };
-        search.try_angle(world_from_sensor.forward(), 0.0);
+    pub fn read(&self, world: &World, observer: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
+        let mut search =
+            EchoSearch { sonar: self, world, observer, world_from_sensor, at, distance: self.max, energy: 0.0 };
+        search.try_direction(world_from_sensor.forward(), 0.0);
         search.try_nearest_points();
         search.try_fan();
         match search.energy > 0.0 {
@@ -129,7 +131,7 @@ impl Sonar {
     }
 
     /// Maximum distance of a detectable echo at `angle` rad off the line of sight, m.
-    fn reach(&self, angle: f64) -> f64 {
+    fn max_distance_at(&self, angle: f64) -> f64 {
         (self.gain(angle) / self.threshold.sqrt()).min(self.max)
     }
 
@@ -147,7 +149,7 @@ impl Sonar {
 struct EchoSearch<'a> {
     sonar: &'a Sonar,
     world: &'a World,
-    by: RobotId,
+    observer: RobotId,
     world_from_sensor: &'a Pose3,
     at: Time,
     /// Distance of the nearest echo so far; initially the maximum distance.
@@ -158,13 +160,13 @@ struct EchoSearch<'a> {
 
 impl EchoSearch<'_> {
     /// Casts a ray along `direction`, `angle` rad from the line of sight. Returns the hit if it is near enough to be detected.
-    fn try_angle(&mut self, direction: DVec3, angle: f64) -> Option<HitSurface> {
-        let range = self.sonar.reach(angle).min(self.distance);
+    fn try_direction(&mut self, direction: DVec3, angle: f64) -> Option<HitSurface> {
+        let range = self.sonar.max_distance_at(angle).min(self.distance);
         if range < self.sonar.min {
             return None;
         }
         let RayHit { distance, face, .. } =
-            self.world.cast(self.by, &Ray::new(self.world_from_sensor.position, direction, range), self.at)?;
+            self.world.cast(self.observer, &Ray::new(self.world_from_sensor.position, direction, range), self.at)?;
         let face = face?;
         if distance < self.sonar.min || distance == self.distance && self.energy > 0.0 {
             return None;
@@ -179,7 +181,7 @@ impl EchoSearch<'_> {
     fn try_nearest_points(&mut self) {
         let (origin, forward) = (self.world_from_sensor.position, self.world_from_sensor.forward());
         let mut points = Vec::new();
-        self.world.for_each_nearest(self.by, origin, self.distance, self.at, |point| {
+        self.world.for_each_nearest(self.observer, origin, self.distance, self.at, |point| {
             let offset = point - origin;
             let length = offset.length();
             // No echo can be detected from behind the sensor. If the sensor is inside a body, the direction is
@@ -189,7 +191,7 @@ impl EchoSearch<'_> {
             }
         });
         for direction in points {
-            self.try_angle(direction, angle_between(direction, forward));
+            self.try_direction(direction, angle_between(direction, forward));
         }
     }
 
@@ -197,7 +199,7 @@ impl EchoSearch<'_> {
         let aperture = self.sonar.aperture();
         let Pose3 { position, rotation } = *self.world_from_sensor;
         let forward = rotation.x_axis;
-        let last = f64::from(self.sonar.rays.max(2) - 1);
+        let last_ray = f64::from(self.sonar.rays.max(2) - 1);
         let is_mirror = self.world.floor_surface().is_none_or(|floor| floor.specular == 1.0);
         let is_planar = forward.z == 0.0 && is_mirror && self.world.is_upright_at(position.z);
         for ray in 1..self.sonar.rays {
@@ -205,24 +207,24 @@ impl EchoSearch<'_> {
             // In the plane the rays alternate between both sides, from the middle outwards.
             let (angle, offset) = if is_planar {
                 let side = if ray % 2.0 == 0.0 { 1.0 } else { -1.0 };
-                (aperture * (ray * 0.5).ceil() / (last * 0.5).ceil(), DVec3::new(-forward.y, forward.x, 0.0) * side)
+                (aperture * (ray * 0.5).ceil() / (last_ray * 0.5).ceil(), DVec3::new(-forward.y, forward.x, 0.0) * side)
             } else {
                 let (sin, cos) = math::sin_cos(ray * GOLDEN_ANGLE);
-                (aperture * (ray / last).sqrt(), rotation.y_axis * cos + rotation.z_axis * sin)
+                (aperture * (ray / last_ray).sqrt(), rotation.y_axis * cos + rotation.z_axis * sin)
             };
             let (sin, cos) = math::sin_cos(angle);
-            let hit = self.try_angle(forward * cos + offset * sin, angle);
+            let hit = self.try_direction(forward * cos + offset * sin, angle);
             // The plane of a mesh's triangle is known once a ray has hit it, so its perpendicular can be tried.
             if let Some(hit) = hit.filter(|_| self.world.has_meshes()) {
-                self.try_angle(-hit.normal, angle_between(-hit.normal, forward));
+                self.try_direction(-hit.normal, angle_between(-hit.normal, forward));
             }
         }
     }
 }
 
 /// Angle between two unit vectors, 0 to pi rad.
-fn angle_between(one: DVec3, other: DVec3) -> f64 {
-    math::atan2(one.cross(other).length(), one.dot(other))
+fn angle_between(a: DVec3, b: DVec3) -> f64 {
+    math::atan2(a.cross(b).length(), a.dot(b))
 }
 
 #[cfg(test)]
@@ -239,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn side_lobes_stand_out_where_the_main_lobe_is_weak() {
+    fn side_lobes_exceed_the_main_lobe_where_it_is_weak() {
         let ring = SideLobes { angle: 1.0, half_width: 0.1, gain: 0.05 };
         let sonar = Sonar { half_angle: 0.25, side_lobes: Some(ring), ..Sonar::srf08() };
         assert_eq!(sonar.gain(0.0), 1.0);

@@ -64,7 +64,7 @@ impl Robot {
         let (exposure, picture) = self.expose(world, scenery, size)?;
         let mut picture = Picture::new(size, picture.pixels().iter().map(|rgb| [camera::grey(*rgb)]).collect());
         levels.grey(picture.pixels_mut());
-        self.devices.camera.err(exposure.number, &mut picture);
+        self.devices.camera.add_errors(exposure.number, &mut picture);
         let bytes = picture.pixels().as_flattened();
         self.keep_image(exposure, bytes, ("grey", size, bytes));
         Ok(picture)
@@ -144,8 +144,8 @@ impl Robot {
     /// Counts and records an image. `levels` are its grey levels, for the automatic brightness; the tuple contains its
     /// form, size and bytes.
     fn keep_image(&mut self, exposure: Exposure, levels: &[u8], (form, size, bytes): (&str, [u32; 2], &[u8])) {
-        self.devices.camera.follow(levels);
-        self.devices.camera.keep(exposure);
+        self.devices.camera.adapt_brightness(levels);
+        self.devices.camera.record(exposure);
         self.record_frame(form, size, bytes);
     }
 }

@@ -36,7 +36,7 @@ impl Faults {
             };
             for at in start_times(fault, seed, until.seconds()) {
                 schedule(at, true);
-                fault.lasts.into_iter().for_each(|duration| schedule(at + duration, false));
+                fault.duration.into_iter().for_each(|duration| schedule(at + duration, false));
             }
         }
         actions.sort_by_key(|(at, _)| *at);
@@ -57,7 +57,7 @@ impl Faults {
 /// Times at which `fault` begins, s.
 fn start_times(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
     let mut stream = Stream::new(seed, RobotId(0), Purpose::Fault, 0, name_key(fault.title()));
-    match fault.when {
+    match fault.time {
         FaultTime::Once { at, probability } => {
             if stream.unit() < probability {
                 vec![at]
@@ -74,7 +74,7 @@ fn start_times(fault: &FaultSpec, seed: u64, until: f64) -> Vec<f64> {
                     break;
                 }
                 instants.push(at);
-                match fault.lasts {
+                match fault.duration {
                     Some(duration) => at += duration,
                     None => break,
                 }
@@ -113,8 +113,15 @@ fn action(fault: &FaultSpec, noise: &Profile, is_begin: bool) -> Option<Action> 
 mod tests {
     use super::*;
 
-    fn fault(name: &str, when: FaultTime, lasts: Option<f64>) -> FaultSpec {
-        FaultSpec { name: name.into(), robot: RobotId(1), when, lasts, kind: FaultKind::RadioOff, ..Default::default() }
+    fn fault(name: &str, time: FaultTime, duration: Option<f64>) -> FaultSpec {
+        FaultSpec {
+            name: name.into(),
+            robot: RobotId(1),
+            time,
+            duration,
+            kind: FaultKind::RadioOff,
+            ..Default::default()
+        }
     }
 
     fn times(faults: &[FaultSpec], seed: u64) -> Vec<(Time, bool)> {

@@ -223,7 +223,7 @@ impl Robot {
             let SensorId::Range(index) = sensor else { continue };
             let Self { motion, devices: Devices { ranges, servos, switches, .. }, .. } = self;
             let reading = is_stuck.then(|| measure_range((ranges, servos, switches), motion, world, index, at));
-            switches.stick(index, reading);
+            switches.set_stuck(index, reading);
         }
     }
 
@@ -442,7 +442,7 @@ fn measure_range(
     at: Time,
 ) -> Reading {
     let is_on = switches.is_on(SensorId::Range(index));
-    if let Some(stuck) = switches.stuck(index).filter(|_| is_on) {
+    if let Some(stuck) = switches.stuck_reading(index).filter(|_| is_on) {
         return stuck;
     }
     if is_on { ranges.read(index, servos, motion, world, at) } else { ranges.no_return(index) }

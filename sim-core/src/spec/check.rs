@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use crate::record::{Kind, Outcome};
-use crate::spec::{PathRef, Span};
+use crate::spec::{Span, SpannedText};
 use crate::time::Time;
 use crate::{ObjectId, RobotId};
 
@@ -12,7 +12,7 @@ use crate::{ObjectId, RobotId};
 pub struct CheckSpec {
     /// Name, unique in its scene; if empty, [`CheckSpec::title`] makes one.
     pub name: String,
-    /// Points for a run that meets it, 0 or more.
+    /// Points for a run that meets the condition, 0 or more.
     pub points: f64,
     /// True if a run that does not meet the condition gets no points at all.
     pub is_required: bool,
@@ -23,8 +23,8 @@ pub struct CheckSpec {
 }
 
 impl CheckSpec {
-    /// The check of this kind, worth one point.
-    pub fn of(kind: CheckKind) -> Self {
+    /// A check of this kind, without a name and worth one point.
+    pub fn new(kind: CheckKind) -> Self {
         Self { name: String::new(), points: 1.0, is_required: false, kind, span: Span::default() }
     }
 
@@ -36,7 +36,7 @@ impl CheckSpec {
 
 impl Default for CheckSpec {
     fn default() -> Self {
-        Self::of(CheckKind::Contacts { robot: None, with: Contacted::Anything, max: 0 })
+        Self::new(CheckKind::Contacts { robot: None, with: ObstacleFilter::Anything, max: 0 })
     }
 }
 
@@ -52,7 +52,7 @@ pub enum CheckKind {
         region: Region,
         /// Time by which the body must have reached the place.
         by: Option<Time>,
-        /// Time for which the body must stay there without leaving.
+        /// Time for which the body must stay in the place without interruption.
         stay: Time,
     },
     /// The centre of a body visits several places.
@@ -79,12 +79,12 @@ pub enum CheckKind {
     Laps {
         /// The body whose centre passes.
         body: BodyRef,
-        /// Ends of the gate. Passages from its right to its left, seen from the first end to the second, count up; opposite passages count
-        /// down.
+        /// Ends of the gate. A passage from the right to the left of the line from the first end to the second adds 1; an
+        /// opposite passage subtracts 1.
         gate: [DVec2; 2],
         /// Smallest number of passages.
         min: u64,
-        /// Time by which they must be complete.
+        /// Time by which the passages must be complete.
         by: Option<Time>,
     },
     /// The gap between a robot's body and other bodies or walls is never smaller than a limit.
@@ -113,11 +113,11 @@ pub enum CheckKind {
         width: f64,
         /// Corners of the area; `None` for the floor.
         area: Option<Vec<DVec2>>,
-        /// Side of the squares by whose middles the area is measured.
+        /// Side of the squares into which the area is divided; a square is covered if its middle is.
         cell: f64,
         /// Smallest fraction of the squares, 0 to 1.
         share: f64,
-        /// Time by which it must be reached.
+        /// Time by which this fraction must be reached.
         by: Option<Time>,
     },
     /// A swarm metric stays within limits; it is evaluated every 100 ms.
@@ -125,14 +125,14 @@ pub enum CheckKind {
         /// The robots; if empty, all robots of the scene.
         robots: Vec<RobotId>,
         /// The metric.
-        of: SwarmMetric,
+        metric: SwarmMetric,
         /// Minimum value.
         min: Option<f64>,
         /// Maximum value.
         max: Option<f64>,
-        /// Time before which the limits do not count.
+        /// Time from which the limits apply.
         since: Time,
-        /// True if only the end of the run counts.
+        /// True if the limits apply only at the end of the run.
         at_end: bool,
     },
     /// Odometry never deviates from the true pose by more than a limit.
@@ -141,15 +141,15 @@ pub enum CheckKind {
         robot: RobotId,
         /// Maximum distance between the axle's odometry pose and its true pose.
         max: f64,
-        /// True if only the end of the run counts.
+        /// True if the limit applies only at the end of the run.
         at_end: bool,
     },
     /// The number of contacts does not exceed a limit.
     Contacts {
         /// The robot; `None` for all robots together.
         robot: Option<RobotId>,
-        /// The obstacles that count.
-        with: Contacted,
+        /// The obstacles whose contacts are counted.
+        with: ObstacleFilter,
         /// Maximum number.
         max: u64,
     },
@@ -161,9 +161,9 @@ pub enum CheckKind {
         min: Option<f64>,
         /// Maximum value.
         max: Option<f64>,
-        /// Value for all points.
+        /// Value that gives all points.
         full: Option<f64>,
-        /// Value for no points; in between, points are proportional.
+        /// Value that gives no points; between the two values, points are interpolated linearly.
         zero: Option<f64>,
     },
     /// A program prints something.
@@ -171,16 +171,16 @@ pub enum CheckKind {
         /// The robot.
         robot: RobotId,
         /// Output of the program.
-        on: Screen,
+        output: ProgramOutput,
         /// The expected text or numbers.
-        what: Printed,
+        expected: ExpectedOutput,
     },
     /// Programs end in a certain way.
     Outcome {
         /// The robot; `None` for each robot that has a program.
         robot: Option<RobotId>,
         /// The outcome.
-        is: Outcome,
+        outcome: Outcome,
     },
     /// Events of a kind happen a number of times.
     Event {
@@ -189,7 +189,7 @@ pub enum CheckKind {
         /// Kind of the events.
         event: Kind,
         /// Bounds of the number of times.
-        count: Counts,
+        count: CountLimits,
         /// Time by which the minimum number must be reached.
         by: Option<Time>,
     },
@@ -200,7 +200,7 @@ pub enum CheckKind {
         /// Name of the function.
         function: String,
         /// Bounds of the number of times.
-        count: Counts,
+        count: CountLimits,
     },
     /// Messages are read from the radio a number of times.
     Message {
@@ -211,17 +211,17 @@ pub enum CheckKind {
         /// Text that the message contains; `None` for any message.
         text: Option<String>,
         /// Bounds of the number of times.
-        count: Counts,
+        count: CountLimits,
     },
     /// A program of the user judges the report and the trace.
     Script {
         /// The program, from `folder`.
-        program: PathRef,
+        program: SpannedText,
         /// Arguments before the paths of report and trace.
         arguments: Vec<String>,
-        /// Wall-clock time after which it is ended.
+        /// Wall-clock time after which the program is killed.
         timeout: Time,
-        /// Folder of the file that states the check, in which the program runs.
+        /// Folder of the file that contains the check: the program's working folder.
         folder: String,
     },
 }
@@ -252,7 +252,7 @@ impl CheckKind {
 
     /// The robots and objects that the check names.
     pub fn bodies(&self) -> Vec<BodyRef> {
-        let robot = |robot: &RobotId| BodyRef::Robot(*robot);
+        let robot = |id: &RobotId| BodyRef::Robot(*id);
         match self {
             Self::Reach { body, .. }
             | Self::Visits { body, .. }
@@ -320,9 +320,9 @@ pub enum Neighbours {
     Robots,
 }
 
-/// Obstacles that a count of contacts includes.
+/// Obstacles whose contacts are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Contacted {
+pub enum ObstacleFilter {
     /// Walls, terrain, robots, objects.
     #[default]
     Anything,
@@ -336,7 +336,7 @@ pub enum Contacted {
 
 /// Output of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Screen {
+pub enum ProgramOutput {
     /// Its standard output.
     #[default]
     Stdout,
@@ -346,7 +346,7 @@ pub enum Screen {
 
 /// Text or numbers that a program must print.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Printed {
+pub enum ExpectedOutput {
     /// A text within a line.
     Text(String),
     /// A whole line that matches a pattern, in which `*` matches any text.
@@ -360,24 +360,24 @@ pub enum Printed {
     },
 }
 
-/// Bounds of a number of times.
+/// Minimum and maximum of a number of times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Counts {
+pub struct CountLimits {
     /// Minimum number.
     pub min: u64,
     /// Maximum number.
     pub max: Option<u64>,
 }
 
-impl Default for Counts {
-    /// Bounds for at least once.
+impl Default for CountLimits {
+    /// At least once.
     fn default() -> Self {
         Self { min: 1, max: None }
     }
 }
 
-impl Counts {
-    /// Returns true if `count` is within the bounds.
+impl CountLimits {
+    /// Returns true if `count` is between minimum and maximum.
     pub fn contains(&self, count: u64) -> bool {
         self.min <= count && self.max.is_none_or(|max| count <= max)
     }
@@ -389,7 +389,7 @@ pub enum SwarmMetric {
     /// Mean distance of the robots from their centroid, m.
     #[default]
     Spread,
-    /// Length of the mean direction vector of the moving robots: 1 if all move in the same direction.
+    /// Length of the mean of the moving robots' direction vectors: 1 if all robots move in the same direction.
     Order,
     /// Number of groups of robots that are connected by distances of at most `reach`.
     Groups {
@@ -402,7 +402,7 @@ pub enum SwarmMetric {
         width: f64,
         /// Corners of the area; `None` for the floor.
         area: Option<Vec<DVec2>>,
-        /// Side of the squares by whose middles the area is measured, m.
+        /// Side of the squares into which the area is divided, m; a square is covered if its middle is.
         cell: f64,
     },
 }

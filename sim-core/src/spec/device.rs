@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{JointSpec, MountSpec, PathRef};
+use super::{JointSpec, MountSpec, SpannedText};
 use crate::camera::Lens;
 use crate::sensor::{Echo, FRANCE_1999_SIGMA, RangeModel};
 use crate::spec::Span;
@@ -42,7 +42,7 @@ pub struct PsdSpec {
     /// Angle of the beam above the floor plane of the body or link that carries it, in radians.
     pub pitch: f64,
     /// Link that carries the sensor; `None` for the body.
-    pub on: Option<PathRef>,
+    pub link: Option<SpannedText>,
     /// Maximum measurable distance, in metres.
     pub range: f64,
     /// Location of its line in the file.
@@ -59,13 +59,13 @@ pub struct RangeSpec {
     pub name: String,
     /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
-    /// Mounting pose; x is the middle of its beam.
+    /// Mounting pose; x is the axis of the beam.
     pub mount: MountSpec,
     /// Measuring principle.
     pub model: RangeModel,
-    /// Standard deviation of its noise N, relative to the measured value.
+    /// Standard deviation of the noise N, relative to the measured value.
     pub sigma: f64,
-    /// Mean of N.
+    /// Mean of the noise N, relative to the measured value.
     pub mean: f64,
     /// Bus of a sonar, from 1; `None` for other sensors.
     pub bus: Option<u32>,
@@ -89,11 +89,12 @@ impl Default for RangeSpec {
     }
 }
 
-/// Default horizontal field of view of a camera, in radians: 60 degrees, similar to the EyeCam. Source: our choice; the
-/// files do not state it.
+/// Default horizontal field of view of a camera, in radians: 60 degrees, similar to the EyeCam. Source: our choice, since
+/// robot files do not state it.
 pub const DEFAULT_FIELD_OF_VIEW: f64 = FRAC_PI_3;
 
-/// Widest horizontal field of view of a pinhole camera, in degrees: beyond it, the edges of the view fill almost all of the image.
+/// Maximum horizontal field of view of a pinhole camera, in degrees: beyond it, the edges of the view fill almost all of
+/// the image.
 pub const MAX_FIELD_OF_VIEW_DEG: f64 = 170.0;
 
 /// Default number of samples per side of a pixel. Source: our choice, see docs/camera.md.
@@ -141,7 +142,7 @@ impl Default for CameraSpec {
 /// A laser scanner: measures distances in many directions at equal angles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LidarSpec {
-    /// Mounting pose; x is the middle of its scan.
+    /// Mounting pose; x points to the middle of the scan.
     pub mount: MountSpec,
     /// Maximum measurable distance along a ray, in metres.
     pub range: f64,
@@ -149,7 +150,7 @@ pub struct LidarSpec {
     pub points: u32,
     /// Angle of the scanning plane above the floor plane, in radians.
     pub tilt: f64,
-    /// Angle that a scan covers, half of it on either side of forward, in radians; default: a full turn.
+    /// Angle that a scan covers, half of it on either side of x, in radians; default: a full turn.
     pub sweep: f64,
     /// Location of its line in the file.
     pub span: Span,
@@ -296,7 +297,7 @@ pub enum SerialLine {
     /// A device that sends the bytes of a file.
     File {
         /// The file.
-        path: PathRef,
+        path: SpannedText,
         /// Contents of the file; empty if it has not been read.
         bytes: Arc<[u8]>,
     },

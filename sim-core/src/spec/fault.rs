@@ -6,24 +6,24 @@ use crate::spec::Span;
 /// A fault of a robot, at a given instant or at random instants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultSpec {
-    /// Name, by which its random instants are drawn; unique in its scene.
+    /// Name, unique in its scene; key of the fault's random numbers.
     pub name: String,
     /// The robot.
     pub robot: RobotId,
-    /// The fault itself.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// Its instant.
-    pub when: FaultTime,
+    /// Instants at which it begins.
+    pub time: FaultTime,
     /// Its duration in seconds; `None` for a fault that lasts until the end of the run.
-    pub lasts: Option<f64>,
+    pub duration: Option<f64>,
     /// Location of its table in the file.
     pub span: Span,
 }
 
 impl Default for FaultSpec {
     fn default() -> Self {
-        let (name, kind, when) = (String::new(), FaultKind::default(), FaultTime::default());
-        Self { name, robot: RobotId(1), kind, when, lasts: None, span: Span::default() }
+        let (name, kind, time) = (String::new(), FaultKind::default(), FaultTime::default());
+        Self { name, robot: RobotId(1), kind, time, duration: None, span: Span::default() }
     }
 }
 
@@ -41,7 +41,7 @@ pub enum FaultTime {
     Once {
         /// The instant.
         at: f64,
-        /// Probability that it happens at all.
+        /// Probability that the fault occurs at all.
         probability: f64,
     },
     /// Repeatedly, as a Poisson process that pauses while the fault lasts.
@@ -80,9 +80,9 @@ pub enum FaultKind {
         /// Fraction of a wheel's distance that is lost.
         share: f64,
     },
-    /// The radio can neither be heard nor hear.
+    /// The radio neither sends nor receives.
     RadioOff,
-    /// A number of the noise models has another value.
+    /// A parameter of the noise models has another value.
     Noise {
         /// Table and key of the noise profile, such as `psd.sigma_mm`.
         parameter: String,

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use super::PathRef;
+use super::SpannedText;
 use crate::drive::legged::Foot;
 use crate::spec::Span;
 
-/// Default duty factor of a gait: one foot of four in the air at a time, with a margin. Source: our choice.
+/// Default duty factor of a gait: at most one of four feet is in the air at a time, with a margin. Source: our choice.
 pub const DEFAULT_DUTY: f64 = 0.8;
 /// Default period of a gait, in seconds. Source: our choice.
 pub const DEFAULT_PERIOD: f64 = 1.0;
@@ -46,8 +46,9 @@ pub struct GaitSpec {
     /// Phase at which each leg lifts off, as a fraction of the period; if empty, the legs lift off evenly, one after the
     /// other.
     pub offsets: Vec<f64>,
-    /// True if legs with feet move like human legs.
-    pub is_natural: bool,
+    /// True for the natural, human-like foot curve of `docs/legged.md`, which requires two legs with feet; false for the plain
+    /// foot curve.
+    pub has_natural_curve: bool,
     /// Location in the file.
     pub span: Span,
 }
@@ -56,7 +57,7 @@ pub struct GaitSpec {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LegSpec {
     /// Name of the leg.
-    pub name: PathRef,
+    pub name: SpannedText,
     /// Position of the hip while the robot stands, in metres.
     pub hip: DVec3,
     /// Length from hip to knee, in metres.

@@ -1,7 +1,7 @@
-//! Scenes, robots, objects and noise profiles as plain data in SI units: metres, radians, seconds. `docs/conventions.md` defines the
-//! frames. `sim-format` reads and prints specs, [`build`](crate::build) turns them into simulation models.
+//! Scenes, robots, objects and noise profiles as plain data in SI units: metres, radians, seconds. `docs/conventions.md`
+//! defines the frames. `sim-format` reads and prints specs, [`build`](crate::build) turns them into simulation models.
 //!
-//! Every value in a spec is a finite number within its documented range, for any input text.
+//! Every number in a spec is finite and within its documented range, whatever the text from which it was read.
 
 mod check;
 mod device;
@@ -36,10 +36,10 @@ pub use world::*;
 
 pub use crate::unit::MAX_LENGTH;
 
-/// A file named in another file.
+/// A text in a file, such as a path or a name, with its location.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct PathRef {
-    /// The path as written, without quotes.
+pub struct SpannedText {
+    /// The text as written, without quotes.
     pub text: String,
     /// Location in the file.
     pub span: Span,

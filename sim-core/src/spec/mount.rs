@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Axis, PathRef};
+use super::{Axis, SpannedText};
 use crate::spec::Span;
 
 /// Pan or tilt of a camera.
@@ -34,7 +34,7 @@ pub const BODY: &str = "body";
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MountSpec {
     /// The link; `None` for the body.
-    pub on: Option<PathRef>,
+    pub link: Option<SpannedText>,
     /// Position of the origin, in metres.
     pub position: DVec3,
     /// Rotation about x, the left side upwards, in radians; the first of the three rotations.
@@ -48,17 +48,17 @@ pub struct MountSpec {
 impl MountSpec {
     /// Returns true for a device on the body with a horizontal line of sight.
     pub fn is_level(&self) -> bool {
-        self.on.is_none() && self.roll == 0.0 && self.pitch == 0.0
+        self.link.is_none() && self.roll == 0.0 && self.pitch == 0.0
     }
 }
 
 /// Joint of a link.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TurnSpec {
-    /// Axis of rotation in the link's frame; about y, positive angles turn x upwards, as a pitch does.
+pub struct LinkJointSpec {
+    /// Axis of rotation in the link's frame; positive angles about y turn x upwards, like a positive pitch.
     pub axis: Axis,
     /// Name of the servo that sets the angle.
-    pub servo: PathRef,
+    pub servo: SpannedText,
 }
 
 /// A rigid part on the body or on another link.
@@ -66,10 +66,10 @@ pub struct TurnSpec {
 pub struct LinkSpec {
     /// Name of the link; never [`BODY`].
     pub name: String,
-    /// Pose at servo angle 0.
+    /// Pose on the parent link or the body at servo angle 0.
     pub mount: MountSpec,
     /// Joint; `None` for a fixed link.
-    pub turn: Option<TurnSpec>,
+    pub joint: Option<LinkJointSpec>,
     /// Location in the file.
     pub span: Span,
 }

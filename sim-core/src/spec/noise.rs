@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{PathRef, Span};
+use super::{Span, SpannedText};
 use crate::noise::keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RADIO, RANGE};
 use crate::noise::{Profile, RangeKind};
 
@@ -11,12 +11,12 @@ use crate::noise::{Profile, RangeKind};
 pub struct Preset {
     /// Name of the preset.
     pub name: &'static str,
-    /// Numbers of the preset, as in a [`NoiseSpec`].
+    /// Parameters of the preset, as in a [`NoiseSpec`].
     pub entries: Arc<[NoiseEntry]>,
 }
 
 impl Default for Preset {
-    /// Returns the preset without errors.
+    /// Returns the preset `none`: no errors.
     fn default() -> Self {
         Self { name: "none", entries: Arc::new([]) }
     }
@@ -25,7 +25,7 @@ impl Default for Preset {
 impl Preset {
     /// Noise models of all devices.
     pub fn profile(&self) -> Profile {
-        changed(Profile::default(), &self.entries)
+        with_entries(Profile::default(), &self.entries)
     }
 }
 
@@ -35,13 +35,13 @@ pub enum NoiseRef {
     /// A preset.
     Preset(Preset),
     /// A file.
-    File(PathRef),
+    File(SpannedText),
     /// A profile given in the scene, or read from a file.
     Profile(Arc<NoiseSpec>),
 }
 
 impl NoiseRef {
-    /// The profile; `None` if there are no errors, or if the profile is a file that was not read.
+    /// The profile; `None` if it has no errors, or if it is a file that was not read.
     pub fn profile(&self) -> Option<Profile> {
         match self {
             Self::Preset(preset) => (!preset.entries.is_empty()).then(|| preset.profile()),
@@ -61,18 +61,18 @@ pub struct NoiseSpec {
     pub file: String,
     /// Preset that the profile starts from.
     pub base: Preset,
-    /// Changes in the order of the sections; single sensors last, by name.
+    /// Changes in the order of the sections; those of individual sensors come last, by name.
     pub entries: Vec<NoiseEntry>,
 }
 
-/// One number of a profile.
+/// One parameter of a profile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseEntry {
     /// The section.
     pub section: NoiseSection,
     /// The key.
     pub key: &'static str,
-    /// The number in SI units; a percentage is a share.
+    /// The value in SI units; a percentage as a fraction.
     pub value: f64,
     /// Location in the file.
     pub span: Span,
@@ -100,12 +100,12 @@ pub enum NoiseSection {
 impl NoiseSpec {
     /// Noise models of all devices.
     pub fn profile(&self) -> Profile {
-        changed(self.base.profile(), &self.entries)
+        with_entries(self.base.profile(), &self.entries)
     }
 }
 
-/// `profile` with the numbers of `entries`.
-fn changed(mut profile: Profile, entries: &[NoiseEntry]) -> Profile {
+/// `profile` with the parameters of `entries`.
+fn with_entries(mut profile: Profile, entries: &[NoiseEntry]) -> Profile {
     for NoiseEntry { section, key, value, .. } in entries {
         let (key, value) = (*key, *value);
         match section {
@@ -125,7 +125,7 @@ fn changed(mut profile: Profile, entries: &[NoiseEntry]) -> Profile {
     profile
 }
 
-/// Sets the number of `model` that belongs to `key`.
+/// Sets the parameter of `model` that belongs to `key`.
 fn set<M>(keys: &[Keys<M>], model: &mut M, key: &str, value: f64) {
     if let Some(known) = keys.iter().copied().flatten().find(|known| known.name == key) {
         *(known.accessor)(model) = value;

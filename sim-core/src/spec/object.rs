@@ -59,9 +59,10 @@ pub struct ObjectType {
     /// Reflection properties.
     pub surface: Surface,
     /// Shape for three-dimensional range sensors.
-    pub solid: Solid,
-    /// Buoyant volume in cubic metres; 0 for none. It has no effect on dry land.
-    pub buoyancy: f64,
+    pub sensor_shape: SensorShape,
+    /// Volume of water that the submerged object displaces, in cubic metres; 0 if it does not float. It has no effect on dry
+    /// land.
+    pub displaced_volume: f64,
     /// Height of the object's frame above the floor, in metres: greater than 0 for an object that
     /// [floats](Self::afloat).
     pub lift: f64,
@@ -88,8 +89,8 @@ impl Default for ObjectType {
             restitution: DEFAULT_RESTITUTION,
             colour: None,
             surface: Surface::default(),
-            solid: Solid::Colliders,
-            buoyancy: 0.0,
+            sensor_shape: SensorShape::Colliders,
+            displaced_volume: 0.0,
             lift: 0.0,
         }
     }
@@ -101,12 +102,13 @@ impl ObjectType {
         Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
     }
 
-    /// This type in still water of this depth, in metres, if it floats there: movable, and lighter than its buoyant volume of water.
+    /// This type floating in still water of depth `depth` (m); `None` if it does not float, because it is fixed, because it
+    /// is not lighter than the water that it displaces, or because the water is too shallow.
     ///
-    /// The submerged fraction of the colliders' height is the object's mass divided by the mass of that water: exact for upright prisms, our
-    /// choice for other shapes. `None` for an object on the floor.
+    /// The submerged fraction of the colliders' height is the object's mass divided by the mass of the displaced volume of
+    /// water: exact for upright prisms, our choice for other shapes.
     pub fn afloat(&self, depth: f64) -> Option<Self> {
-        let submerged = self.mass / (WATER_DENSITY * self.buoyancy);
+        let submerged = self.mass / (WATER_DENSITY * self.displaced_volume);
         if self.is_fixed || submerged >= 1.0 {
             return None;
         }
@@ -119,7 +121,7 @@ impl ObjectType {
 
 /// Shape of an object for three-dimensional range sensors.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub enum Solid {
+pub enum SensorShape {
     /// Its colliders.
     #[default]
     Colliders,

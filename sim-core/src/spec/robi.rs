@@ -37,7 +37,7 @@ const MAX_STEER_DEG: f64 = 45.0;
 pub struct HullSpec {
     /// Force of a thruster at its maximum rate, in N.
     pub thrust: f64,
-    /// Drag ahead, sideways, of a turn, and upwards.
+    /// Drag of motion ahead, sideways, of rotation about the vertical axis, and of motion upwards.
     pub drag: [Drag; 4],
 }
 
@@ -89,7 +89,7 @@ pub struct DriveSpec {
 pub struct WheelSpec {
     /// Diameter in metres.
     pub diameter: f64,
-    /// Largest turning rate in rad/s.
+    /// Maximum rate of rotation in rad/s.
     pub max_rate: f64,
     /// Encoder ticks per turn of the wheel.
     pub ticks_per_turn: f64,
@@ -117,9 +117,9 @@ pub struct RobiSpec {
     pub name: String,
     /// Diameter of the body, a circle about the robot's centre, in metres.
     pub diameter: f64,
-    /// Largest speed in m/s.
+    /// Maximum speed in m/s.
     pub max_speed: f64,
-    /// Largest turning speed in rad/s.
+    /// Maximum angular speed in rad/s.
     pub max_turn: f64,
     /// Position of the wheel axis on the robot's x axis, in metres; positive: ahead of the centre.
     pub axis_offset: f64,
@@ -153,7 +153,7 @@ pub struct RobiSpec {
     pub friction: f64,
     /// Legs of a robot with [`DriveKind::Legged`]; `None` if no file describes them.
     pub legs: Option<LegsSpec>,
-    /// Hull of a robot with [`DriveKind::Thrusters`]; meaningless for other drives.
+    /// Hull of a robot with [`DriveKind::Thrusters`]; unused for other drives.
     pub hull: HullSpec,
     /// Infrared switches.
     pub infrareds: Vec<InfraredSpec>,
@@ -175,7 +175,7 @@ pub struct RobiSpec {
     pub hdt: Vec<(String, i32)>,
 }
 
-/// A servo of a robot, from any of the entries that name it.
+/// A servo of a robot, from the entries of the robot type that name it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ServoRef<'r> {
     /// Name of the servo.
@@ -258,11 +258,11 @@ impl RobiSpec {
         // Position 0 steers to the left.
         let steer = self.drive.max_steer;
         let steering = self.drive.steering.iter().map(|name| (name.as_str(), [steer, -steer]));
-        let own = self.servos.iter().map(|servo| (servo.name.as_str(), [servo.from, servo.to]));
+        let listed = self.servos.iter().map(|servo| (servo.name.as_str(), [servo.from, servo.to]));
         let mut servos: Vec<ServoRef<'_>> = Vec::new();
         let mut names: BTreeSet<&str> = BTreeSet::new();
         let tables: BTreeMap<&str, &ServoSpec> = self.servos.iter().rev().map(|servo| (&*servo.name, servo)).collect();
-        for (name, swing) in steering.chain(own).chain(joints) {
+        for (name, swing) in steering.chain(listed).chain(joints) {
             if names.insert(name) {
                 let table = tables.get(name);
                 let swing = table.map_or(swing, |servo| [servo.from, servo.to]);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::{CheckSpec, FaultSpec, LooksSpec, NoiseRef, ObjectType, PathRef, RobiSpec, WorldSpec};
+use super::{CheckSpec, FaultSpec, LooksSpec, NoiseRef, ObjectType, RobiSpec, SpannedText, WorldSpec};
 use crate::RobotId;
 use crate::pose::{Heading, Pose};
 use crate::radio;
@@ -23,7 +23,7 @@ pub struct ObjectLine {
     pub friction: Option<f64>,
     /// Name of the line within the scene.
     pub name: Option<String>,
-    /// Path of the line in a scene in TOML, such as `object.2`, by which its random numbers are drawn.
+    /// Path of the line in a scene in TOML, such as `object.2`; key of its random numbers.
     pub path: String,
     /// Random placement, if the pose is drawn.
     pub scatter: Option<Scatter>,
@@ -57,24 +57,24 @@ pub struct MarkerSpec {
     pub span: Span,
 }
 
-/// Reference of a line to the type of a robot or an object.
+/// Reference to the type of a robot or an object.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TypeRef {
     /// The file of the type.
-    File(PathRef),
+    File(SpannedText),
     /// The name of a built-in type or of a type that the scene has loaded.
-    Name(PathRef),
+    Name(SpannedText),
 }
 
 impl Default for TypeRef {
     fn default() -> Self {
-        Self::Name(PathRef::default())
+        Self::Name(SpannedText::default())
     }
 }
 
 impl TypeRef {
     /// Name of the file or type as written.
-    pub fn written(&self) -> &PathRef {
+    pub fn written(&self) -> &SpannedText {
         match self {
             TypeRef::File(reference) | TypeRef::Name(reference) => reference,
         }
@@ -96,8 +96,8 @@ pub struct WorldLine {
     /// World or maze.
     pub kind: WorldKind,
     /// The file.
-    pub path: PathRef,
-    /// Side of a maze's cells in metres, which overrides the maze file.
+    pub path: SpannedText,
+    /// Cell size of a maze in metres; takes precedence over the maze file.
     pub cell: Option<f64>,
     /// Looks of the world, from the scene; world files have none.
     pub looks: LooksSpec,
@@ -188,28 +188,28 @@ pub struct Drawn {
     pub value: serde_json::Value,
 }
 
-/// A position in a scene that a demand refers to.
+/// A position in a scene, to which a requirement refers.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Whereabouts {
+pub enum PositionRef {
     /// A point in the world frame, in metres.
     Point(DVec2),
     /// The start of the robot or object with this path, such as `robot.1`.
-    Thing(PathRef),
+    Start(SpannedText),
 }
 
-impl Default for Whereabouts {
+impl Default for PositionRef {
     fn default() -> Self {
         Self::Point(DVec2::ZERO)
     }
 }
 
-/// A demand that a disc can move between two positions of a scene without touching walls and objects.
+/// A requirement: a disc can move between two positions of a scene without touching walls or objects.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReachableSpec {
     /// Start of the route.
-    pub from: Whereabouts,
+    pub from: PositionRef,
     /// End of the route.
-    pub to: Whereabouts,
+    pub to: PositionRef,
     /// Diameter of the disc in metres; `None` for the diameter of the robot at the start.
     pub width: Option<f64>,
     /// Location in the file.
@@ -257,8 +257,8 @@ pub struct RunSpec {
     pub until: Option<Time>,
     /// Virtual time that calls take.
     pub costs: Option<CostsRef>,
-    /// RoBIOS functions that fail for all programs: names, in which `*` matches any letters.
-    pub forbid: Vec<PathRef>,
+    /// RoBIOS functions that fail for all programs: names, in which `*` matches any text.
+    pub forbid: Vec<SpannedText>,
     /// Generation of the RoBIOS API for which the robots' programs are written: 6 or 7.
     pub api: Option<u32>,
     /// The EyeSim version whose conventions the scene and its programs follow.
@@ -316,10 +316,10 @@ pub enum ContactKind {
 }
 
 impl ContactKind {
-    /// Both rules.
+    /// Both kinds.
     pub const ALL: [Self; 2] = [Self::Slide, Self::Stall];
 
-    /// Word for the rule in files and on the command line.
+    /// Word for the kind in files and on the command line.
     pub fn word(self) -> &'static str {
         match self {
             Self::Slide => "slide",
@@ -332,7 +332,7 @@ impl ContactKind {
 #[derive(Clone, Debug, PartialEq)]
 pub enum CostsRef {
     /// A file.
-    File(PathRef),
+    File(SpannedText),
     /// A table given in the scene, or read from a file.
     Table(CostTable),
 }
@@ -379,7 +379,7 @@ pub struct RobotLine {
     /// Type of the robot.
     pub kind: TypeRef,
     /// Program; `None` for a robot without a program.
-    pub program: Option<PathRef>,
+    pub program: Option<SpannedText>,
     /// Command-line arguments of the program.
     pub arguments: Vec<String>,
     /// Generation of the RoBIOS API for which the program is written, 6 or 7; `None`: the scene's generation.
@@ -390,7 +390,7 @@ pub struct RobotLine {
     pub start: StartRef,
     /// Name of the line within the scene.
     pub name: Option<String>,
-    /// Path of the line in a scene in TOML, such as `robot.2`, by which its random numbers are drawn.
+    /// Path of the line in a scene in TOML, such as `robot.2`; key of its random numbers.
     pub path: String,
     /// Location of its line in the file.
     pub span: Span,
@@ -407,7 +407,7 @@ pub struct Settings {
 
 /// File format of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SceneForm {
+pub enum SceneFormat {
     /// Lines of a `.sim`, in which a type is loaded before it is used.
     #[default]
     Sim,
@@ -421,20 +421,20 @@ pub struct SimSpec {
     /// Name of the file.
     pub file: String,
     /// File format.
-    pub form: SceneForm,
+    pub form: SceneFormat,
     /// The world; `None` if no usable line names one.
     pub world: Option<WorldLine>,
     /// Display options of the window.
     pub settings: Settings,
     /// Files of robot types that lines load, in the order of the file.
-    pub robot_types: Vec<PathRef>,
+    pub robot_types: Vec<SpannedText>,
     /// Files of object types that lines load, in the order of the file.
-    pub object_types: Vec<PathRef>,
+    pub object_types: Vec<SpannedText>,
     /// Robots of built-in types, and of types whose file is named in the robot's own line, in the order of the file.
     pub robots: Vec<RobotLine>,
     /// Objects of built-in types, and of types whose file is named in the object's own line, in the order of the file.
     pub objects: Vec<ObjectLine>,
-    /// Robots and objects of types that other lines load, in the order of the file. Only the type's file determines whether a line
+    /// Robots and objects of types that other lines load, in the order of the file. The type's file determines whether a line
     /// places a robot or an object.
     pub named: Vec<RobotLine>,
     /// Markers in the order of the file.
@@ -449,7 +449,7 @@ pub struct SimSpec {
     pub checks: Vec<CheckSpec>,
     /// Faults in the order of the file; only in our own format.
     pub faults: Vec<FaultSpec>,
-    /// Demands on reachability; only in our own format.
+    /// Reachability requirements; only in our own format.
     pub reachable: Vec<ReachableSpec>,
     /// Values of the text that were drawn; only in our own format.
     pub drawn: Vec<Drawn>,
@@ -467,15 +467,16 @@ pub struct RobotSpec {
     /// Start pose of the robot's centre in the world frame.
     pub start: Pose,
     /// Program, not yet resolved; `None` for a robot without a program.
-    pub program: Option<PathRef>,
+    pub program: Option<SpannedText>,
     /// Command-line arguments of the program.
     pub arguments: Vec<String>,
     /// Generation of the RoBIOS API for which the program is written, 6 or 7; `None` if the scene does not state it.
     pub api: Option<u32>,
-    /// Noise profile of devices and drive, from the robot's line, otherwise from the scene. A profile in a file has been read.
+    /// Noise profile of devices and drive: that of the robot's line, otherwise that of the scene. A profile in a file has been
+    /// read.
     pub noise: Option<NoiseRef>,
-    /// Dialect of the robot's line, as the generation of the RoBIOS API of the simulator that uses it: 6 for `robi`
-    /// lines, 7 for lines of EyeSim VR; in our own format the generation of the scene's dialect.
+    /// Generation of the RoBIOS API that corresponds to the dialect of the robot's line: 6 for `robi` lines, 7 for lines of
+    /// EyeSim VR; in our own format, the generation of the scene's dialect.
     pub dialect: Option<u32>,
     /// Path of its line in a scene in TOML, such as `robot.2`; otherwise empty.
     pub line: String,

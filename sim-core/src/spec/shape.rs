@@ -2,17 +2,17 @@
 
 use glam::{DVec2, DVec3};
 
-use super::PathRef;
+use super::SpannedText;
 
-/// A mesh file and its pose in the frame of the body that it shows.
+/// A mesh file, and the pose of the mesh in the frame of the body that it depicts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelSpec {
     /// The mesh file.
-    pub path: PathRef,
+    pub path: SpannedText,
     /// Position of the mesh's origin in the body's frame (x forward, y left, z up), in metres.
     pub offset: DVec3,
-    /// Rotations about the axes of the mesh file (X right, Y up, Z forward), in radians, as the line gives them.
-    pub turns: DVec3,
+    /// Rotation angles about the axes of the mesh file (X right, Y up, Z forward), in radians, as given in the line.
+    pub rotations: DVec3,
 }
 
 /// An axis of a body's frame.
@@ -105,7 +105,7 @@ impl Collider {
         }
     }
 
-    /// Radius of the smallest disc about the origin of the floor plane that contains the collider in plan view, in metres.
+    /// Radius of the smallest disc about the frame's origin that contains the collider seen from above, in metres.
     pub fn reach(&self) -> f64 {
         match *self {
             Collider::Box { centre, size } => (centre.truncate().abs() + 0.5 * size.truncate()).length(),

@@ -7,16 +7,16 @@ use serde::Serialize;
 pub struct Span {
     /// First byte, counted in the decoded text (the file's own bytes unless it is not UTF-8).
     pub start: usize,
-    /// End: the first byte after the span.
+    /// Index of the first byte after the span.
     pub end: usize,
     /// Line, from 1; 0 if the span denotes the whole file.
     pub line: u32,
-    /// Column in characters, from 1; a byte order mark does not count.
+    /// Column in characters, from 1, without a byte order mark.
     pub column: u32,
 }
 
 impl Span {
-    /// Span from the start of this one to the end of `last`, which begins on the same line or later.
+    /// The span from the start of `self` to the end of `last`, which begins on the same line or later.
     pub fn to(self, last: Span) -> Span {
         Span { end: last.end.max(self.end), ..self }
     }

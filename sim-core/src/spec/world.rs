@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::{LooksSpec, ModelSpec, ObjectLine, PathRef, Scatter, Surface};
+use super::{LooksSpec, ModelSpec, ObjectLine, Scatter, SpannedText, Surface};
 use crate::pose::Pose;
-use crate::scene::{Boulders, HeightField, Mesh, Relief, Steps};
+use crate::scene::{Boulders, HeightField, Mesh, RandomTerrain, Steps};
 use crate::spec::Span;
 
 /// Default height of a wall, in metres: the wall height of EyeSim VR.
@@ -18,14 +18,14 @@ pub const DEFAULT_CELL: f64 = 0.36;
 /// Default scale of a terrain's mesh, in metres per unit. Source: our choice, the same as for meshes of robots.
 pub const DEFAULT_TERRAIN_SCALE: f64 = 1.0;
 
-/// A wall: the straight segment from `from` to `to`, standing on the floor.
+/// A wall on the floor along the segment from `from` to `to`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WallSpec {
     /// One end, in metres, world frame.
     pub from: DVec2,
     /// The other end; never equal to `from`.
     pub to: DVec2,
-    /// Thickness in metres, half of it on either side; 0 for a wall given by four numbers, which is a line.
+    /// Thickness in metres, half of it on either side of the segment; 0 for a wall given by four numbers.
     pub thickness: f64,
     /// Height of the upper edge above the floor, in metres; positive.
     pub height: f64,
@@ -58,13 +58,13 @@ pub struct WorldSpec {
     /// Width (along x) and height (along y) of the floor, in metres; one corner is the origin.
     pub floor: DVec2,
     /// Image stretched over the whole floor.
-    pub texture: Option<PathRef>,
+    pub texture: Option<SpannedText>,
     /// True if the image is turned by 180 degrees, so that its upper left pixel lies at (width, 0), as in worlds of
     /// EyeSim VR.
     pub texture_is_turned: bool,
     /// Reflection properties of the floor, and of walls without their own; `None`: the floor is smooth and walls are rough.
     pub surface: Option<Surface>,
-    /// Ground other than the plane z = 0: sensors and cameras see it, legs walk on it; wheels still drive on the plane.
+    /// Ground other than the plane z = 0: sensors and cameras see it, legs walk on it, but wheels drive on the plane.
     pub terrain: Option<TerrainSpec>,
     /// Depth of the water over the floor, in metres; `None` for dry land.
     pub water: Option<f64>,
@@ -114,8 +114,8 @@ pub enum TerrainShape {
     },
     /// A grey image.
     Image(TerrainImage),
-    /// A random relief.
-    Relief(Relief),
+    /// Random terrain.
+    Random(RandomTerrain),
     /// Blocks and stairs.
     Steps(Steps),
 }
@@ -124,7 +124,7 @@ pub enum TerrainShape {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TerrainImage {
     /// The image file.
-    pub path: PathRef,
+    pub path: SpannedText,
     /// Position of the lower left pixel, in metres, world frame.
     pub origin: DVec2,
     /// Offset from `origin` to the upper right pixel, in metres; positive.
@@ -139,7 +139,7 @@ pub struct TerrainImage {
 pub const DEFAULT_TERRAIN_CELL: f64 = 0.05;
 
 /// Default height of the relief of a random terrain, in metres. Source: our choice.
-pub const DEFAULT_RELIEF: f64 = 0.1;
+pub const DEFAULT_RELIEF_HEIGHT: f64 = 0.1;
 
 /// Default length of the longest hills of a random terrain, in metres. Source: our choice.
 pub const DEFAULT_HILL_LENGTH: f64 = 2.0;
@@ -154,11 +154,11 @@ impl TerrainSpec {
     }
 
     /// The file that the terrain names, if any.
-    pub fn path_mut(&mut self) -> Option<&mut PathRef> {
+    pub fn path_mut(&mut self) -> Option<&mut SpannedText> {
         match &mut self.shape {
             TerrainShape::Mesh { model, .. } => Some(&mut model.path),
             TerrainShape::Image(image) => Some(&mut image.path),
-            TerrainShape::Relief(_) | TerrainShape::Steps(_) => None,
+            TerrainShape::Random(_) | TerrainShape::Steps(_) => None,
         }
     }
 }

@@ -60,7 +60,7 @@ impl World {
         let mut contacts = Vec::new();
         let mut clearance = max_clearance;
         let underside = world_from_robot.position.extend(stance.lift + legs.belly);
-        let (_, highest) = ground.range_in(underside.truncate(), radius);
+        let (_, highest) = ground.height_bounds_in(underside.truncate(), radius);
         clearance = clearance.min(underside.z - highest);
         if underside.z <= highest {
             contacts.push(LegContact { part: BodyPart::Body, thing: Thing::Floor, point: underside.with_z(highest) });

@@ -14,7 +14,8 @@ use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::{self, in_unit};
 use crate::spec::{
-    BodyRef, CheckKind, CheckSpec, Contacted, Counts, Neighbours, PathRef, Printed, Region, Screen, SwarmMetric,
+    BodyRef, CheckKind, CheckSpec, CountLimits, ExpectedOutput, Neighbours, ObstacleFilter, ProgramOutput, Region,
+    SpannedText, SwarmMetric,
 };
 use crate::table::Reader;
 use sim_core::record::{Kind as EventKind, Outcome};
@@ -124,8 +125,8 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             keys.key("share_percent", "Minimum share of the area in percent; default: 100.").optional(SHARE, share);
             by_key(keys, by);
         }
-        CheckKind::Swarm { robots, of, min, max, since, at_end } => {
-            swarm_keys(keys, robots, of, [min, max], since, at_end)
+        CheckKind::Swarm { robots, metric, min, max, since, at_end } => {
+            swarm_keys(keys, robots, metric, [min, max], since, at_end)
         }
         CheckKind::OdometryError { robot, max, at_end } => {
             robot_key(keys, robot);
@@ -139,14 +140,14 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             keys.key("max", "Maximum number of contacts; default: 0.").optional(0..=MAX_COUNT, max);
         }
         CheckKind::Metric { path, min, max, full, zero } => metric_keys(keys, path, [min, max, full, zero]),
-        CheckKind::Prints { robot, on, what } => {
+        CheckKind::Prints { robot, output, expected } => {
             robot_key(keys, robot);
-            keys.key("on", "Where the program prints; default: `stdout`.").optional(Word, on);
-            printed_keys(keys, what);
+            keys.key("on", "Where the program prints; default: `stdout`.").optional(Word, output);
+            printed_keys(keys, expected);
         }
-        CheckKind::Outcome { robot, is } => {
+        CheckKind::Outcome { robot, outcome } => {
             any_robot_key(keys, "robot", "Number of the robot; default: each robot with a program.", robot);
-            keys.key("is", "The outcome; default: `finished`.").optional(Word, is);
+            keys.key("is", "The outcome; default: `finished`.").optional(Word, outcome);
         }
         CheckKind::Event { robot, event, count, by } => {
             any_robot_key(keys, "robot", "Number of the robot; default: all robots together.", robot);
@@ -357,8 +358,8 @@ fn place_keys(keys: &mut Keys<'_>, region: &mut Region) {
     }
 }
 
-fn count_keys(keys: &mut Keys<'_>, count: &mut Counts) {
-    let usual = |count: &Counts| if count.max.is_some() { 0 } else { 1 };
+fn count_keys(keys: &mut Keys<'_>, count: &mut CountLimits) {
+    let usual = |count: &CountLimits| if count.max.is_some() { 0 } else { 1 };
     let mut min = Some(count.min).filter(|min| keys.reading().is_none() && *min != usual(count));
     keys.key("min", "Minimum number; default: 1, or 0 if only `max` is given.").maybe(0..=MAX_COUNT, &mut min);
     keys.key("max", "Maximum number; default: any.").maybe(0..=MAX_COUNT, &mut count.max);
@@ -397,13 +398,13 @@ fn metric_keys(keys: &mut Keys<'_>, path: &mut String, [min, max, full, zero]: [
     }
 }
 
-fn printed_keys(keys: &mut Keys<'_>, what: &mut Printed) {
+fn printed_keys(keys: &mut Keys<'_>, what: &mut ExpectedOutput) {
     let (mut text, mut pattern, mut rows, mut tolerance) = (None, None, None, 0.0);
     match what.clone() {
         _ if keys.reading().is_some() => {}
-        Printed::Text(known) => text = Some(known),
-        Printed::Pattern(known) => pattern = Some(known),
-        Printed::Numbers { rows: known, tolerance: within } => (rows, tolerance) = (Some(known), within),
+        ExpectedOutput::Text(known) => text = Some(known),
+        ExpectedOutput::Pattern(known) => pattern = Some(known),
+        ExpectedOutput::Numbers { rows: known, tolerance: within } => (rows, tolerance) = (Some(known), within),
     }
     keys.key("text", "Text within a line.").maybe(TEXT, &mut text);
     keys.key("pattern", "A whole line, in which `*` stands for any text.").maybe(TEXT, &mut pattern);
@@ -419,9 +420,9 @@ fn printed_keys(keys: &mut Keys<'_>, what: &mut Printed) {
         reader.sink.error(code, section.span, message, "one of them");
     }
     let printed = match (text, pattern, rows) {
-        (Some(text), None, None) => Some(Printed::Text(text)),
-        (None, Some(pattern), None) => Some(Printed::Pattern(pattern)),
-        (None, None, Some(rows)) => Some(Printed::Numbers { rows, tolerance }),
+        (Some(text), None, None) => Some(ExpectedOutput::Text(text)),
+        (None, Some(pattern), None) => Some(ExpectedOutput::Pattern(pattern)),
+        (None, None, Some(rows)) => Some(ExpectedOutput::Numbers { rows, tolerance }),
         _ => None,
     };
     match printed {
@@ -595,23 +596,23 @@ impl Words for Neighbours {
     ];
 }
 
-impl Words for Contacted {
+impl Words for ObstacleFilter {
     const NAME: &'static str = "ContactedForm";
     const ABOUT: &'static str = "Obstacles that a count of contacts includes.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
-        (Contacted::Anything, "anything", "Walls, terrain, robots and objects."),
-        (Contacted::Walls, "walls", "Walls, fixed objects and terrain."),
-        (Contacted::Robots, "robots", "Robots."),
-        (Contacted::Objects, "objects", "Movable objects."),
+        (ObstacleFilter::Anything, "anything", "Walls, terrain, robots and objects."),
+        (ObstacleFilter::Walls, "walls", "Walls, fixed objects and terrain."),
+        (ObstacleFilter::Robots, "robots", "Robots."),
+        (ObstacleFilter::Objects, "objects", "Movable objects."),
     ];
 }
 
-impl Words for Screen {
+impl Words for ProgramOutput {
     const NAME: &'static str = "ScreenForm";
     const ABOUT: &'static str = "Where a program prints.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
-        (Screen::Stdout, "stdout", "Standard output, during the whole run."),
-        (Screen::Display, "display", "The display, as it is at the end of the run."),
+        (ProgramOutput::Stdout, "stdout", "Standard output, during the whole run."),
+        (ProgramOutput::Display, "display", "The display, as it is at the end of the run."),
     ];
 }
 
@@ -637,62 +638,62 @@ const NOWHERE: Region = Region::Disc { centre: DVec2::ZERO, radius: 0.0 };
 impl Variants for CheckSpec {
     const KINDS: &'static [Variant<Self>] = &[
         ("reach", "The centre of a robot or object reaches a place.", || {
-            Self::of(CheckKind::Reach { body: ROBOT, region: NOWHERE, by: None, stay: Time::ZERO })
+            Self::new(CheckKind::Reach { body: ROBOT, region: NOWHERE, by: None, stay: Time::ZERO })
         }),
         ("visits", "The centre of a robot or object reaches several places.", || {
             let places = Vec::new();
-            Self::of(CheckKind::Visits { body: ROBOT, places, within: 0.0, by: None, any_order: false })
+            Self::new(CheckKind::Visits { body: ROBOT, places, within: 0.0, by: None, any_order: false })
         }),
         ("stays_in", "The centre of a robot or object never leaves a place.", || {
-            Self::of(CheckKind::StaysIn { body: ROBOT, region: NOWHERE })
+            Self::new(CheckKind::StaysIn { body: ROBOT, region: NOWHERE })
         }),
         ("laps", "The centre of a robot or object passes a gate at least `min` times.", || {
-            Self::of(CheckKind::Laps { body: ROBOT, gate: [DVec2::ZERO; 2], min: 1, by: None })
+            Self::new(CheckKind::Laps { body: ROBOT, gate: [DVec2::ZERO; 2], min: 1, by: None })
         }),
         ("clearance", "The gap between a robot's body and others is never smaller than a limit.", || {
-            Self::of(CheckKind::Clearance { robot: RobotId(1), min: 0.0, to: Neighbours::All })
+            Self::new(CheckKind::Clearance { robot: RobotId(1), min: 0.0, to: Neighbours::All })
         }),
         ("follows_wall", "A robot drives along walls.", || {
-            Self::of(CheckKind::FollowsWall { robot: RobotId(1), gap: [0.0; 2], share: 1.0 })
+            Self::new(CheckKind::FollowsWall { robot: RobotId(1), gap: [0.0; 2], share: 1.0 })
         }),
         ("coverage", "Robots pass over a fraction of an area.", || {
             let robots = Vec::new();
-            Self::of(CheckKind::Coverage { robots, width: 0.0, area: None, cell: CELL, share: 1.0, by: None })
+            Self::new(CheckKind::Coverage { robots, width: 0.0, area: None, cell: CELL, share: 1.0, by: None })
         }),
         ("swarm", "A number that describes robots together stays within limits.", || {
-            let (robots, of, since) = (Vec::new(), SwarmMetric::Spread, Time::ZERO);
-            Self::of(CheckKind::Swarm { robots, of, min: None, max: None, since, at_end: false })
+            let (robots, metric, since) = (Vec::new(), SwarmMetric::Spread, Time::ZERO);
+            Self::new(CheckKind::Swarm { robots, metric, min: None, max: None, since, at_end: false })
         }),
         ("odometry_error", "Odometry never deviates from the truth by more than a limit.", || {
-            Self::of(CheckKind::OdometryError { robot: RobotId(1), max: 0.0, at_end: false })
+            Self::new(CheckKind::OdometryError { robot: RobotId(1), max: 0.0, at_end: false })
         }),
         ("contacts", "Robots touch obstacles at most `max` times.", Self::default),
         ("metric", "A number of the report is within limits.", || {
             let path = String::new();
-            Self::of(CheckKind::Metric { path, min: None, max: None, full: None, zero: None })
+            Self::new(CheckKind::Metric { path, min: None, max: None, full: None, zero: None })
         }),
         ("prints", "A program prints something.", || {
-            let what = Printed::Text(String::new());
-            Self::of(CheckKind::Prints { robot: RobotId(1), on: Screen::Stdout, what })
+            let expected = ExpectedOutput::Text(String::new());
+            Self::new(CheckKind::Prints { robot: RobotId(1), output: ProgramOutput::Stdout, expected })
         }),
         ("outcome", "Programs end in a certain way.", || {
-            Self::of(CheckKind::Outcome { robot: None, is: Outcome::Finished })
+            Self::new(CheckKind::Outcome { robot: None, outcome: Outcome::Finished })
         }),
         ("event", "Events of a kind occur between `min` and `max` times.", || {
-            let count = Counts::default();
-            Self::of(CheckKind::Event { robot: None, event: EventKind::Beep, count, by: None })
+            let count = CountLimits::default();
+            Self::new(CheckKind::Event { robot: None, event: EventKind::Beep, count, by: None })
         }),
         ("calls", "A RoBIOS function is called between `min` and `max` times.", || {
-            let (function, count) = (String::new(), Counts::default());
-            Self::of(CheckKind::Calls { robot: None, function, count })
+            let (function, count) = (String::new(), CountLimits::default());
+            Self::new(CheckKind::Calls { robot: None, function, count })
         }),
         ("message", "Radio messages are read between `min` and `max` times.", || {
-            let count = Counts::default();
-            Self::of(CheckKind::Message { from: None, to: None, text: None, count })
+            let count = CountLimits::default();
+            Self::new(CheckKind::Message { from: None, to: None, text: None, count })
         }),
         ("script", "A program of the user judges the report and the trace.", || {
-            let (program, arguments, folder) = (PathRef::default(), Vec::new(), String::new());
-            Self::of(CheckKind::Script { program, arguments, timeout: Time::from_millis(10_000), folder })
+            let (program, arguments, folder) = (SpannedText::default(), Vec::new(), String::new());
+            Self::new(CheckKind::Script { program, arguments, timeout: Time::from_millis(10_000), folder })
         }),
     ];
 

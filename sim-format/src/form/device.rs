@@ -17,7 +17,7 @@ use crate::line::Quantity;
 use crate::print::number::shortest;
 use crate::spec::{
     BumperSpec, CameraSpec, CompassSpec, DEFAULT_LENS, InfraredSpec, InputSpec, JointSpec, LcdSpec, Lens,
-    MAX_FIELD_OF_VIEW_DEG, MAX_SAMPLES, PathRef, SerialLine, SerialSpec, ServoSpec,
+    MAX_FIELD_OF_VIEW_DEG, MAX_SAMPLES, SerialLine, SerialSpec, ServoSpec, SpannedText,
 };
 use crate::table::Reader;
 use sim_core::unit::{degrees_from_radians, radians_from_degrees};
@@ -242,7 +242,7 @@ impl Reader {
         match value.get_ref() {
             DeValue::String(word) if word == "loopback" => Some(SerialLine::Loopback),
             DeValue::Table(_) => {
-                let (section, mut path) = (self.as_section("serial", value)?, PathRef::default());
+                let (section, mut path) = (self.as_section("serial", value)?, SpannedText::default());
                 let is_complete = self.table(section, |keys| keys.key("file", "The file.").required(TEXT, &mut path));
                 is_complete.then(|| SerialLine::File { path, bytes: Arc::default() })
             }

@@ -54,11 +54,11 @@ impl Form for FaultSpec {
                     .required(Quantity::number("value", -1e9, 1e9), value);
             }
         }
-        when_keys(keys, &mut self.when);
+        when_keys(keys, &mut self.time);
         let is_end = matches!(self.kind, FaultKind::Dies);
         if !is_end {
             keys.key("for_s", "Duration in seconds; default: until the end of the run.")
-                .maybe(DURATION, &mut self.lasts);
+                .maybe(DURATION, &mut self.duration);
         }
     }
 }

@@ -8,7 +8,7 @@ use toml::Value;
 use super::{Definitions, Form, Keys, definition, print, print_beside, reference};
 use crate::line::Quantity;
 use crate::print::number::in_unit;
-use crate::spec::PathRef;
+use crate::spec::SpannedText;
 use crate::table::{Reader, Section};
 
 /// Context of a value that is being read: reader, table and key.
@@ -127,12 +127,12 @@ impl Kind<String> for Text {
 }
 
 /// Reference to a file, or a name.
-impl Kind<PathRef> for Text {
-    fn read(&self, at: At<'_, '_>, _: Option<&PathRef>) -> Option<PathRef> {
+impl Kind<SpannedText> for Text {
+    fn read(&self, at: At<'_, '_>, _: Option<&SpannedText>) -> Option<SpannedText> {
         at.reader.reference_to(at.section, at.key, self.0)
     }
 
-    fn print(&self, value: &PathRef) -> Value {
+    fn print(&self, value: &SpannedText) -> Value {
         value.text.as_str().into()
     }
 

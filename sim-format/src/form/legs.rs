@@ -54,7 +54,7 @@ impl Form for GaitSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("GaitForm", "A gait.");
         let period = Quantity::milliseconds("period").within(10.0, 3.6e6);
-        let mut curve = if self.is_natural { Curve::Natural } else { Curve::Plain };
+        let mut curve = if self.has_natural_curve { Curve::Natural } else { Curve::Plain };
         keys.span(&mut self.span);
         keys.key("name", "Its name.").required(TEXT, &mut self.name);
         keys.key("period_ms", "Time from one lift-off of a foot to its next in ms; default: 1000.")
@@ -68,7 +68,7 @@ impl Form for GaitSpec {
             "Motion of the joints: from the path of the foot (`plain`, the default) or from joint angles of people (`natural`).",
         )
         .optional(Word, &mut curve);
-        self.is_natural = curve == Curve::Natural;
+        self.has_natural_curve = curve == Curve::Natural;
     }
 }
 

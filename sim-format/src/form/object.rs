@@ -4,7 +4,7 @@ use super::kind::{Bounded, PART, PARTS, Shades, TEXT, Word, Words};
 use super::sensor::PLACE;
 use super::{Form, Keys};
 use crate::line::Quantity;
-use crate::spec::{Collider, DEFAULT_ROLLING, ObjectType, PathRef, Solid};
+use crate::spec::{Collider, DEFAULT_ROLLING, ObjectType, SensorShape, SpannedText};
 
 /// Length of the unit of a mesh.
 pub(crate) const MESH_UNIT: Quantity = Quantity::coordinate("length of the mesh's unit").within(1e-6, 1e9);
@@ -12,7 +12,7 @@ pub(crate) const MESH_UNIT: Quantity = Quantity::coordinate("length of the mesh'
 impl Form for ObjectType {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("ObjectTypeForm", "An object type: a file alone, or all that an `.esObj` can say.");
-        keys.key("file", "An `.esObj`; no other key then.").maybe(TEXT, &mut None::<PathRef>);
+        keys.key("file", "An `.esObj`; no other key then.").maybe(TEXT, &mut None::<SpannedText>);
         keys.key("name", "Name under which objects have it; required without a `file`.").expected(TEXT, &mut self.name);
         keys.key("model", "Its looks.").maybe(PART, &mut self.model);
         keys.key("scale_mm", "Length of the mesh's unit in mm; default: 1000.").optional(MESH_UNIT, &mut self.scale);
@@ -33,17 +33,18 @@ impl Form for ObjectType {
             .always(Bounded(Quantity::number("restitution", 0.0, 1.0)), &mut self.restitution);
         keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Shades, &mut self.colour);
         keys.key("surface", "How it reflects.").optional(PART, &mut self.surface);
-        let mut sight = if matches!(self.solid, Solid::Mesh(_)) { SensorShape::Mesh } else { SensorShape::Colliders };
+        let mut sight =
+            if matches!(self.sensor_shape, SensorShape::Mesh(_)) { ShapeWord::Mesh } else { ShapeWord::Colliders };
         keys.key("solid", "Shape that range sensors detect; default: its colliders.").optional(Word, &mut sight);
         keys.key("buoyancy_m3", "Displaced volume in cubic metres, for floating; default: 0.")
-            .optional(Bounded(Quantity::number("volume", 0.0, 1e6)), &mut self.buoyancy);
+            .optional(Bounded(Quantity::number("volume", 0.0, 1e6)), &mut self.displaced_volume);
         if let Some((reader, section)) = keys.reading() {
             let is_ball = self.colliders.iter().all(|collider| matches!(collider, Collider::Sphere { .. }));
             self.rolling = self.rolling.or(is_ball.then_some(DEFAULT_ROLLING));
             match (sight, &self.model) {
-                (SensorShape::Colliders, _) => {}
-                (SensorShape::Mesh, Some(_)) => self.solid = Solid::Mesh(None),
-                (SensorShape::Mesh, None) => reader.missing(section, "model"),
+                (ShapeWord::Colliders, _) => {}
+                (ShapeWord::Mesh, Some(_)) => self.sensor_shape = SensorShape::Mesh(None),
+                (ShapeWord::Mesh, None) => reader.missing(section, "model"),
             }
         }
     }
@@ -51,16 +52,16 @@ impl Form for ObjectType {
 
 /// Shape of an object that 3D range sensors see.
 #[derive(Clone, Copy, PartialEq)]
-enum SensorShape {
+enum ShapeWord {
     Colliders,
     Mesh,
 }
 
-impl Words for SensorShape {
+impl Words for ShapeWord {
     const NAME: &'static str = "SolidForm";
     const ABOUT: &'static str = "Shape of an object for range sensors.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
-        (SensorShape::Colliders, "colliders", "Its colliders."),
-        (SensorShape::Mesh, "mesh", "Its mesh; contacts stay those of the colliders."),
+        (ShapeWord::Colliders, "colliders", "Its colliders."),
+        (ShapeWord::Mesh, "mesh", "Its mesh; contacts stay those of the colliders."),
     ];
 }

@@ -12,8 +12,8 @@ use crate::line::Quantity;
 use crate::path;
 use crate::print::number;
 use crate::spec::{
-    Layout, MarkerSpec, ObjectLine, PathRef, ReachableSpec, RobotLine, Scatter, StartRef, StartSpec, TypeRef,
-    Whereabouts,
+    Layout, MarkerSpec, ObjectLine, PositionRef, ReachableSpec, RobotLine, Scatter, SpannedText, StartRef, StartSpec,
+    TypeRef,
 };
 use crate::table::{Reader, Section};
 use sim_core::RobotId;
@@ -47,7 +47,7 @@ impl Kind<TypeRef> for TypeName {
     }
 
     fn describe(&self, definitions: &mut Definitions) -> Json {
-        Kind::<PathRef>::describe(&TEXT, definitions)
+        Kind::<SpannedText>::describe(&TEXT, definitions)
     }
 }
 
@@ -402,19 +402,19 @@ impl Form for ReachableSpec {
 }
 
 /// A point, or the path of a robot or object.
-const WHEREABOUTS: Custom<Whereabouts> = Custom {
+const WHEREABOUTS: Custom<PositionRef> = Custom {
     read: |at| match at.section.get(at.key).map(|value| value.get_ref()) {
         Some(value) if value.is_array() => {
-            at.reader.numbers(at.section, at.key, &POINT).map(|point| Whereabouts::Point(point.into()))
+            at.reader.numbers(at.section, at.key, &POINT).map(|point| PositionRef::Point(point.into()))
         }
         _ => {
             let expected = "the path of a robot or object, as \"robot.1\", or [x, y] in mm";
-            at.reader.reference_to(at.section, at.key, expected).map(Whereabouts::Thing)
+            at.reader.reference_to(at.section, at.key, expected).map(PositionRef::Start)
         }
     },
     print: |position| match position {
-        Whereabouts::Point(point) => POINT.print(point),
-        Whereabouts::Thing(path) => TEXT.print(path),
+        PositionRef::Point(point) => POINT.print(point),
+        PositionRef::Start(path) => TEXT.print(path),
     },
     describe: |definitions| json!({ "anyOf": [Kind::<DVec2>::describe(&POINT, definitions), { "type": "string" }] }),
 };

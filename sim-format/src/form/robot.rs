@@ -12,7 +12,7 @@ use crate::Diagnostic;
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::robi::{drive_devices, usual_wheelbase};
-use crate::spec::{HullSpec, LinkSpec, MotorSpec, PathRef, RobiSpec, WheelSpec};
+use crate::spec::{HullSpec, LinkSpec, MotorSpec, RobiSpec, SpannedText, WheelSpec};
 use crate::table::{Reader, Section};
 use sim_core::drive::DriveKind;
 
@@ -23,7 +23,7 @@ impl Form for RobiSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("RobotTypeForm", "A robot type: a file alone, or all that a `.robi` and its companion can say.");
         keys.key("file", "A `.robi`, with the companion beside it; no other key then.")
-            .maybe(TEXT, &mut None::<PathRef>);
+            .maybe(TEXT, &mut None::<SpannedText>);
         keys.key("name", "Name under which robots have it; required without a `file`.").expected(TEXT, &mut self.name);
         keys.key("diameter_mm", "Diameter of the body in mm; default: 180.")
             .always(Quantity::size("diameter"), &mut self.diameter);
@@ -131,7 +131,7 @@ fn drive_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
     keys.key("kind", "Its kind; default: differential.").always(Word, &mut robi.drive.kind);
     let wheelbase = wheelbase_of(robi);
     let drive = &mut robi.drive;
-    let mut steering = drive.steering.take().map(|text| PathRef { text, ..PathRef::default() });
+    let mut steering = drive.steering.take().map(|text| SpannedText { text, ..SpannedText::default() });
     if keys.reading().is_some() {
         (drive.motors, drive.steering) = drive_devices(drive.kind);
         drive.wheelbase = wheelbase;

@@ -17,7 +17,7 @@ use crate::code::Code;
 use crate::line::Quantity;
 use crate::print::number::shortest;
 use crate::spec::{
-    ContactKind, CostEntry, CostTable, CostsRef, Dialect, PathRef, RobotLine, RunSpec, Settings, SimSpec,
+    ContactKind, CostEntry, CostTable, CostsRef, Dialect, RobotLine, RunSpec, Settings, SimSpec, SpannedText,
 };
 use crate::table::{Reader, Section};
 use sim_core::radio::{Medium, RadioModel};
@@ -34,7 +34,7 @@ const MAX_BAUD: i64 = 1_000_000_000;
 impl Form for SimSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form(
-            "SceneForm",
+            "SceneFormat",
             "A scene of eyesim: a world, robots with their programs, objects, and settings of the run.",
         );
         keys.key("scene", "Settings of the run; the command line overrides them.").optional(PART, &mut self.run);
@@ -257,7 +257,7 @@ impl Words for Medium {
 
 /// Entry of a type in a scene.
 enum TypeEntry<F> {
-    File(PathRef),
+    File(SpannedText),
     /// Inline type, with the spans of its table and of its name.
     Inline(F, Span, Span),
 }
@@ -313,7 +313,7 @@ impl Reader {
         types: Vec<TypeEntry<F>>,
         name_and_file: fn(&mut F) -> (&str, &mut String),
         names: &mut BTreeSet<String>,
-        files: &mut Vec<PathRef>,
+        files: &mut Vec<SpannedText>,
     ) -> Vec<(F, Span)> {
         let mut inline = Vec::new();
         for entry in types {
@@ -337,7 +337,7 @@ impl Reader {
 }
 
 /// Entries of a scene's types: files first.
-fn entries<F: Clone>(files: &[PathRef], inline: &[(F, Span)]) -> Vec<TypeEntry<F>> {
+fn entries<F: Clone>(files: &[SpannedText], inline: &[(F, Span)]) -> Vec<TypeEntry<F>> {
     let files = files.iter().cloned().map(TypeEntry::File);
     files.chain(inline.iter().map(|(form, span)| TypeEntry::Inline(form.clone(), *span, Span::default()))).collect()
 }

@@ -12,7 +12,8 @@ use crate::code::Code;
 use crate::line::Quantity;
 use crate::robi::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use crate::spec::{
-    Axis, BODY, DEFAULT_PSD_RANGE, LidarSpec, LinkSpec, MountSpec, PathRef, PsdSpec, RangeSpec, Surface, TurnSpec,
+    Axis, BODY, DEFAULT_PSD_RANGE, LidarSpec, LinkJointSpec, LinkSpec, MountSpec, PsdSpec, RangeSpec, SpannedText,
+    Surface,
 };
 use sim_core::sensor::{Echo, RangeModel, SideLobes, Sonar};
 use sim_core::unit::mm_from_metres;
@@ -46,9 +47,9 @@ pub(crate) fn position(keys: &mut Keys<'_>, [x, y, z]: [Quantity; 3], position: 
 
 /// Declares a 3D pose on the body or on a link.
 fn mount(keys: &mut Keys<'_>, mount: &mut MountSpec) {
-    let MountSpec { on, position, roll, pitch, yaw } = mount;
+    let MountSpec { link, position, roll, pitch, yaw } = mount;
     let [x, y, z] = PLACE;
-    link_of(keys, on);
+    link_of(keys, link);
     keys.key("x_mm", "Position forward in mm; default: 0.").optional(x, &mut position.x);
     keys.key("y_mm", "Position to the left in mm; default: 0.").optional(y, &mut position.y);
     keys.key("z_mm", "Position upwards in mm; default: 100 for a laser scanner, otherwise 0.")
@@ -64,7 +65,7 @@ fn mount(keys: &mut Keys<'_>, mount: &mut MountSpec) {
 }
 
 /// Declares the link that a device is mounted on.
-pub(crate) fn link_of(keys: &mut Keys<'_>, on: &mut Option<PathRef>) {
+pub(crate) fn link_of(keys: &mut Keys<'_>, on: &mut Option<SpannedText>) {
     keys.key("on", "The link on which it is mounted; default: `body`.").maybe(TEXT, on);
     on.take_if(|link| link.text == BODY);
 }
@@ -90,8 +91,8 @@ impl Form for Surface {
 impl Form for LinkSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("LinkForm", "A rigid part on the body or on another link; a servo may turn it.");
-        let mut axis = self.turn.as_ref().map_or(Axis::Z, |turn| turn.axis);
-        let mut servo = self.turn.take().map(|turn| turn.servo);
+        let mut axis = self.joint.as_ref().map_or(Axis::Z, |turn| turn.axis);
+        let mut servo = self.joint.take().map(|turn| turn.servo);
         keys.span(&mut self.span);
         keys.key("name", "Its name, by which sensors and links sit on it.").required(TEXT, &mut self.name);
         mount(keys, &mut self.mount);
@@ -105,7 +106,7 @@ impl Form for LinkSpec {
         {
             reader.missing(section, "servo");
         }
-        self.turn = servo.map(|servo| TurnSpec { axis, servo });
+        self.joint = servo.map(|servo| LinkJointSpec { axis, servo });
     }
 }
 
@@ -119,7 +120,7 @@ impl Form for PsdSpec {
         keys.span(&mut self.span);
         device(keys, "Its name, such as `PSD_FRONT`.", &mut self.name, &mut self.id);
         keys.mention(&["x_mm", "y_mm", "z_mm"]);
-        link_of(keys, &mut self.on);
+        link_of(keys, &mut self.link);
         position(keys, PLACE, &mut self.position);
         keys.mention(&["pitch_deg"]);
         keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; default: 0.")
@@ -136,7 +137,7 @@ pub(crate) const RANGE_OF_PSDS: Quantity = Quantity::size("range of the PSDs");
 pub(crate) fn psd_keys(keys: &mut Keys<'_>, psd: &mut PsdSpec) {
     keys.key("range_mm", "Range in mm.").always(RANGE_OF_PSDS, &mut psd.range);
     keys.key("pitch_deg", "Angle of the beam upwards in degrees.").optional(PITCH, &mut psd.pitch);
-    link_of(keys, &mut psd.on);
+    link_of(keys, &mut psd.link);
 }
 
 impl Form for LidarSpec {
@@ -254,7 +255,7 @@ fn echo_keys(keys: &mut Keys<'_>, echo: &mut Echo) {
         "incidence_deg",
         "Maximum angle of incidence in degrees; default: 45 for a laser, 15 for an ultrasonic sensor, otherwise 90.",
     )
-    .optional(Bounded(incidence), &mut echo.incidence);
+    .optional(Bounded(incidence), &mut echo.max_incidence);
 }
 
 fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {

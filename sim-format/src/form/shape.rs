@@ -17,7 +17,7 @@ impl Form for ModelSpec {
         keys.key("file", "The mesh file.").required(TEXT, &mut self.path);
         keys.key("offset_mm", "Position of the mesh's origin, x forward, y left, z up, in mm; default: 0.")
             .optional(PLACE, &mut self.offset);
-        turns(keys, &mut self.turns);
+        turns(keys, &mut self.rotations);
     }
 }
 

@@ -12,7 +12,7 @@ use super::{Form, Keys};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::set::Setting;
-use crate::spec::PathRef;
+use crate::spec::SpannedText;
 use crate::suite::{LimitSpec, MAX_CASES, Matrix, SubmitSpec, SuiteSpec, Values};
 use crate::table::Reader;
 use sim_core::time::Time;
@@ -122,12 +122,12 @@ pub(super) const TEXTS: Custom<Vec<String>> = Custom {
 };
 
 /// Array of texts with their locations in the file; a single text counts as an array.
-pub(super) const REFERENCES: Custom<Vec<PathRef>> = Custom {
+pub(super) const REFERENCES: Custom<Vec<SpannedText>> = Custom {
     read: |At { reader, section, key }| {
         let value = section.get(key)?;
         let reference = |item: &Spanned<DeValue<'_>>| {
             let text = reader.plain_text(key, item)?;
-            Some(PathRef { text, span: reader.span(item.span()) })
+            Some(SpannedText { text, span: reader.span(item.span()) })
         };
         Some(items(value).iter().filter_map(reference).collect())
     },

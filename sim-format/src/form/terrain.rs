@@ -14,11 +14,11 @@ use super::{Definitions, Form, Keys, definition, print_beside, reference};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::spec::{
-    DEFAULT_BOULDERS, DEFAULT_HILL_LENGTH, DEFAULT_RELIEF, DEFAULT_TERRAIN_CELL, DEFAULT_TERRAIN_SCALE, ModelSpec,
-    TerrainImage, TerrainShape, TerrainSpec,
+    DEFAULT_BOULDERS, DEFAULT_HILL_LENGTH, DEFAULT_RELIEF_HEIGHT, DEFAULT_TERRAIN_CELL, DEFAULT_TERRAIN_SCALE,
+    ModelSpec, TerrainImage, TerrainShape, TerrainSpec,
 };
 use crate::table::{Reader, Section};
-use sim_core::scene::{Block, Bounds, Disc, MAX_BOULDERS, MAX_STEPS, Relief, Stairs, StairsDirection, Steps};
+use sim_core::scene::{Block, Bounds, Disc, MAX_BOULDERS, MAX_STEPS, RandomTerrain, Stairs, StairsDirection, Steps};
 
 /// Keys that select the source of a terrain.
 const KINDS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
@@ -58,7 +58,7 @@ impl Kind<TerrainSpec> for TerrainTable {
         let kind = match &terrain.shape {
             TerrainShape::Mesh { .. } => "file",
             TerrainShape::Image(_) => "image",
-            TerrainShape::Relief(_) => "function",
+            TerrainShape::Random(_) => "function",
             TerrainShape::Steps(_) => "stairs",
         };
         let table = print_beside(
@@ -91,14 +91,14 @@ impl TerrainTable {
         let (origin, size, base) = (DVec2::ZERO, self.0, 0.0);
         match kind {
             "image" => TerrainShape::Image(TerrainImage { size, ..TerrainImage::default() }),
-            "function" => TerrainShape::Relief(Relief {
+            "function" => TerrainShape::Random(RandomTerrain {
                 seed: 0,
                 origin,
                 size,
                 base,
                 cell: DEFAULT_TERRAIN_CELL,
-                relief: DEFAULT_RELIEF,
-                length: DEFAULT_HILL_LENGTH,
+                relief_height: DEFAULT_RELIEF_HEIGHT,
+                hill_length: DEFAULT_HILL_LENGTH,
                 boulders: Some(DEFAULT_BOULDERS),
                 clear: Vec::new(),
             }),
@@ -112,7 +112,7 @@ fn terrain_keys(shape: &mut TerrainShape, keys: &mut Keys<'_>) {
     match shape {
         TerrainShape::Mesh { model, scale } => mesh(keys, model, scale),
         TerrainShape::Image(made) => image(keys, made),
-        TerrainShape::Relief(made) => relief(keys, made),
+        TerrainShape::Random(made) => relief(keys, made),
         TerrainShape::Steps(made) => steps(keys, made),
     }
 }
@@ -142,7 +142,7 @@ fn mesh(keys: &mut Keys<'_>, model: &mut ModelSpec, scale: &mut f64) {
     keys.key("file", "The mesh file.").required(TEXT, &mut model.path);
     keys.key("offset_mm", "Position of the mesh's origin in the world in mm; default: 0.")
         .optional(PLACE, &mut model.offset);
-    turns(keys, &mut model.turns);
+    turns(keys, &mut model.rotations);
     keys.key("scale_mm", "Length of the mesh's unit in mm; default: 1000.").optional(MESH_UNIT, scale);
 }
 
@@ -168,9 +168,9 @@ fn image(keys: &mut Keys<'_>, image: &mut TerrainImage) {
         .required(Quantity::coordinate("height"), height);
 }
 
-fn relief(keys: &mut Keys<'_>, made: &mut Relief) {
+fn relief(keys: &mut Keys<'_>, made: &mut RandomTerrain) {
     keys.form("FunctionTerrainForm", "Ground that is drawn from a seed: a smooth relief, with or without boulders.");
-    let Relief { seed, origin, size, base, cell, relief, length, boulders, clear } = made;
+    let RandomTerrain { seed, origin, size, base, cell, relief_height, hill_length, boulders, clear } = made;
     let mut function = if boulders.is_some() { Function::Boulders } else { Function::Hills };
     keys.key("function", "Function that generates the terrain.").required(Word, &mut function);
     keys.key("seed", "Seed of its random numbers; default: 0.").optional(0..=i64::MAX, seed);
@@ -178,9 +178,9 @@ fn relief(keys: &mut Keys<'_>, made: &mut Relief) {
     extent(keys, about, (origin, base), size);
     keys.key("cell_mm", "Maximum side of a cell in mm; default: 50.").optional(Quantity::size("side of a cell"), cell);
     keys.key("relief_mm", "Height difference of the smooth relief in mm; default: 100.")
-        .optional(Quantity::length("height of the relief"), relief);
+        .optional(Quantity::length("height of the relief"), relief_height);
     keys.key("length_mm", "Length of the longest hills in mm; default: 2000.")
-        .optional(Quantity::size("length of a hill"), length);
+        .optional(Quantity::size("length of a hill"), hill_length);
     let usual = DEFAULT_BOULDERS;
     let mut drawn = boulders.unwrap_or(usual);
     if let Some((reader, section)) = keys.reading()

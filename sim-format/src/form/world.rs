@@ -12,7 +12,7 @@ use crate::map;
 use crate::path;
 use crate::print::print_maze;
 use crate::spec::{
-    DEFAULT_WALL_HEIGHT, LightSpec, LooksSpec, PathRef, Scatter, SimSpec, SkySpec, WallSpec, WorldKind, WorldLine,
+    DEFAULT_WALL_HEIGHT, LightSpec, LooksSpec, Scatter, SimSpec, SkySpec, SpannedText, WallSpec, WorldKind, WorldLine,
     WorldSpec,
 };
 use crate::world::WATER;
@@ -26,7 +26,7 @@ const INLINE: [&str; 10] =
 /// World of a scene in the structure of its table.
 #[derive(Clone, Default)]
 pub(crate) struct WorldTable {
-    file: Option<PathRef>,
+    file: Option<SpannedText>,
     kind: Option<WorldKind>,
     maze: Option<String>,
     floor: Option<DVec2>,
@@ -75,7 +75,7 @@ impl WorldTable {
 }
 
 /// Kind of a world's file: determined by its extension, otherwise the stated kind.
-fn kind_of_file(path: &PathRef, stated: Option<WorldKind>) -> WorldKind {
+fn kind_of_file(path: &SpannedText, stated: Option<WorldKind>) -> WorldKind {
     match path::extension(&path.text).as_str() {
         "maz" | "maze" => WorldKind::Maze,
         _ => stated.unwrap_or(WorldKind::World),

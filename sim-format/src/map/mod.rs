@@ -19,7 +19,7 @@ use crate::diagnostic::Sink;
 use crate::load::{Files, InputFile, Loaded, Loader};
 use crate::maze::{self, CellRules};
 use crate::mesh::read_grey;
-use crate::spec::{DEFAULT_CELL, PathRef, SceneSpec, WorldKind, WorldSpec};
+use crate::spec::{DEFAULT_CELL, SceneSpec, SpannedText, WorldKind, WorldSpec};
 use crate::unit::mm_from_metres;
 use crate::{FileError, Span, line, path, read_maze_with, read_world};
 use netpbm::{Image, is_netpbm, read_netpbm};
@@ -255,7 +255,7 @@ pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Spa
             Err(_) => break,
         }
     }
-    loader.find(file, folder, &PathRef { text: map.to_owned(), span })
+    loader.find(file, folder, &SpannedText { text: map.to_owned(), span })
 }
 
 /// Location in a file that may not be text: line and column if all bytes before it are UTF-8, otherwise none.

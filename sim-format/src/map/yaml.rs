@@ -7,7 +7,7 @@ use super::netpbm::Image;
 use crate::code::Code;
 use crate::diagnostic::Sink;
 use crate::line::{self, Line, Quantity, Word};
-use crate::spec::PathRef;
+use crate::spec::SpannedText;
 use crate::{Severity, Span};
 use sim_core::pose::Pose;
 
@@ -25,7 +25,7 @@ pub(crate) enum Mode {
 /// Content of a `map.yaml`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MapSpec {
-    pub(crate) image: PathRef,
+    pub(crate) image: SpannedText,
     /// Side of the cells in metres.
     pub(crate) resolution: f64,
     pub(crate) origin: Pose,
@@ -70,7 +70,7 @@ impl MapSpec {
     /// The interpretation of an image without a `map.yaml`.
     pub(crate) fn of_image(resolution: f64) -> Self {
         Self {
-            image: PathRef { text: String::new(), span: Span::default() },
+            image: SpannedText { text: String::new(), span: Span::default() },
             resolution,
             origin: Pose::default(),
             is_negated: false,
@@ -267,7 +267,7 @@ impl<'t> Values<'t, '_> {
         self.sink.report(severity, Code::MapKey, Span::default(), message, expected);
     }
 
-    fn image(&mut self) -> Option<PathRef> {
+    fn image(&mut self) -> Option<SpannedText> {
         let expected = "`image: NAME.pgm`: a pgm, pbm, png, bmp or jpg file";
         if !self.entries.contains_key("image") {
             self.missing(Severity::Error, "image", "", expected);
@@ -278,7 +278,7 @@ impl<'t> Values<'t, '_> {
             self.report(Severity::Error, "image", "the name of the image is empty", expected);
             return None;
         }
-        Some(PathRef { text: word.text.to_owned(), span: word.span })
+        Some(SpannedText { text: word.text.to_owned(), span: word.span })
     }
 
     /// The number of a key; if it is missing, `default` with a warning, or an error without a default.

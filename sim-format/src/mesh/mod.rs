@@ -27,7 +27,7 @@ use self::mtl::Entry;
 use self::obj::Obj;
 use super::diagnostic::{Diagnostic, Severity, Sink};
 use super::load::Loader;
-use super::spec::{ModelSpec, ObjectType, PathRef, RobiSpec, Solid, WorldSpec};
+use super::spec::{ModelSpec, ObjectType, RobiSpec, SensorShape, SpannedText, WorldSpec};
 use super::{Code, Files, InputFile, Span, path};
 use sim_core::build::MeshSource;
 use sim_core::scene::{Material, Mesh, Texture};
@@ -158,7 +158,7 @@ impl<'a> MeshReader<'a> {
         materials
     }
 
-    fn texture(&mut self, file: &str, reference: &PathRef, instead: &str) -> Option<Arc<Texture>> {
+    fn texture(&mut self, file: &str, reference: &SpannedText, instead: &str) -> Option<Arc<Texture>> {
         let (path, bytes) = self.find(file, reference, instead)?;
         if let Some(known) = self.textures.get(&path) {
             return known.clone();
@@ -181,7 +181,7 @@ impl<'a> MeshReader<'a> {
     }
 
     /// Finds the file that `reference` in `file` refers to; all diagnostics become warnings.
-    fn find(&mut self, file: &str, reference: &PathRef, instead: &str) -> Option<(String, Vec<u8>)> {
+    fn find(&mut self, file: &str, reference: &SpannedText, instead: &str) -> Option<(String, Vec<u8>)> {
         let count_before = self.loader.diagnostics.len();
         let found = self.loader.find(file, path::folder_of(file), reference);
         for diagnostic in &mut self.loader.diagnostics[count_before..] {
@@ -206,7 +206,7 @@ impl MeshSource for MeshReader<'_> {
     }
 
     fn object(&mut self, kind: &ObjectType) -> Option<Arc<Mesh>> {
-        let without = if kind.solid == Solid::Colliders { SHAPE } else { SEEN };
+        let without = if kind.sensor_shape == SensorShape::Colliders { SHAPE } else { SEEN };
         self.mesh(&kind.file, kind.model.as_ref()?, kind.scale, without)
     }
 
@@ -225,9 +225,9 @@ struct Placement {
 
 impl Placement {
     fn new(model: &ModelSpec, scale: f64) -> Self {
-        let turns = DMat3::from_rotation_y(model.turns.y)
-            * DMat3::from_rotation_x(model.turns.x)
-            * DMat3::from_rotation_z(model.turns.z);
+        let turns = DMat3::from_rotation_y(model.rotations.y)
+            * DMat3::from_rotation_x(model.rotations.x)
+            * DMat3::from_rotation_z(model.rotations.z);
         // Columns are axes: X right, Y up, Z forward in the body frame; then the axes of the file in the graphics frame.
         let body_from_graphics = DMat3::from_cols(DVec3::NEG_Y, DVec3::Z, DVec3::X);
         let graphics_from_file = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));

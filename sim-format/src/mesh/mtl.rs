@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::faults::Faults;
 use super::obj::{shortened, split_word};
 use crate::line::{Line, lines};
-use crate::spec::PathRef;
+use crate::spec::SpannedText;
 use crate::{Code, Diagnostic};
 use sim_core::scene::Material;
 
@@ -30,7 +30,7 @@ const OPTIONS: [(&str, usize); 10] = [
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Entry {
     pub(super) material: Material,
-    pub(super) image: Option<PathRef>,
+    pub(super) image: Option<SpannedText>,
 }
 
 /// Reads all materials of a file, by name; of materials with the same name, the first is used.
@@ -79,7 +79,7 @@ fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faul
         "Tr" => fraction(rest).map(|transparency| 1.0 - transparency),
         "map_Kd" => {
             let name = without_options(rest);
-            entry.image = (!name.is_empty()).then(|| PathRef { text: name.to_owned(), span: line.span() });
+            entry.image = (!name.is_empty()).then(|| SpannedText { text: name.to_owned(), span: line.span() });
             if name.is_empty() {
                 complain(faults, line);
             }

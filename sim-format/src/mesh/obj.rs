@@ -10,7 +10,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::faults::Faults;
 use crate::line::{Line, lines};
-use crate::spec::{MAX_LENGTH, PathRef};
+use crate::spec::{MAX_LENGTH, SpannedText};
 use crate::{Code, Diagnostic, Span};
 use sim_core::scene::Triangle;
 
@@ -27,7 +27,7 @@ pub(super) struct Obj {
     /// Names of the materials in the order of the triangles' numbers, with the span of the first use.
     pub(super) materials: Vec<(String, Span)>,
     /// The material files.
-    pub(super) libraries: Vec<PathRef>,
+    pub(super) libraries: Vec<SpannedText>,
     /// True if the file has more than [`MAX_COUNT`] of some element; the rest was not read.
     pub(super) is_too_large: bool,
 }
@@ -219,11 +219,11 @@ impl Reader {
             name = if name.is_empty() { word.to_owned() } else { format!("{name} {word}") };
             if word.to_lowercase().ends_with(".mtl") {
                 let text = std::mem::take(&mut name).trim().to_owned();
-                self.obj.libraries.push(PathRef { text, span: line.span() });
+                self.obj.libraries.push(SpannedText { text, span: line.span() });
             }
         }
         if !name.trim().is_empty() {
-            self.obj.libraries.push(PathRef { text: name.trim().to_owned(), span: line.span() });
+            self.obj.libraries.push(SpannedText { text: name.trim().to_owned(), span: line.span() });
         }
     }
 

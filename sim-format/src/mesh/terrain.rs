@@ -42,7 +42,7 @@ impl MeshReader<'_> {
         let field = match &terrain.shape {
             TerrainShape::Mesh { .. } => return None,
             TerrainShape::Image(image) => self.image(&world.file, image)?.field(image),
-            TerrainShape::Relief(relief) => relief.field().map(|(field, left_out)| {
+            TerrainShape::Random(random) => random.field().map(|(field, left_out)| {
                 if left_out > 0 {
                     let message = format!("{left_out} boulders find no place apart from the clear discs");
                     let mut sink = Sink::new(&world.file);
@@ -58,7 +58,7 @@ impl MeshReader<'_> {
 
     fn too_large(&mut self, file: &str, terrain: &TerrainSpec, error: &FieldError) {
         let expected = match (&terrain.shape, error) {
-            (TerrainShape::Relief(_), FieldError::Large(_)) => {
+            (TerrainShape::Random(_), FieldError::Large(_)) => {
                 format!("a larger `cell_mm`, so that there are at most {MAX_CELLS} cells")
             }
             (TerrainShape::Image(_), _) => {

@@ -63,8 +63,8 @@ fn text_of(object: &ObjectType) -> String {
     if let Some([red, green, blue]) = object.colour {
         let _ = writeln!(out, "colour {red} {green} {blue}");
     }
-    if object.buoyancy != 0.0 {
-        let _ = writeln!(out, "buoyancy {}", written(object.buoyancy));
+    if object.displaced_volume != 0.0 {
+        let _ = writeln!(out, "buoyancy {}", written(object.displaced_volume));
     }
     out
 }
@@ -81,8 +81,8 @@ fn differences(a: &ObjectType, b: &ObjectType) -> Vec<String> {
         ((a.friction, a.rolling, a.restitution) != (b.friction, b.rolling, b.restitution), "the friction"),
         (a.colour != b.colour, "the colour"),
         (a.surface != b.surface, "the surface"),
-        (a.solid != b.solid, "`solid = \"mesh\"`"),
-        (a.buoyancy != b.buoyancy, "the buoyancy"),
+        (a.sensor_shape != b.sensor_shape, "`solid = \"mesh\"`"),
+        (a.displaced_volume != b.displaced_volume, "the buoyancy"),
     ];
     points.into_iter().filter(|(differs, _)| *differs).map(|(_, what)| format!("{what} of the object type")).collect()
 }

@@ -108,7 +108,7 @@ fn vr(robi: &RobiSpec) -> String {
     let mut out = head(robi);
     let _ = writeln!(out, "mass {} {}", written(robi.mass), unity(robi.centre_of_mass));
     if let Some(model) = &robi.model {
-        let turns = model.turns.to_array().map(written_degrees).join(" ");
+        let turns = model.rotations.to_array().map(written_degrees).join(" ");
         let _ = writeln!(out, "model {} {} {turns}", quoted(&model.path.text).unwrap_or_default(), unity(model.offset));
     }
     for collider in &robi.colliders {

@@ -7,7 +7,7 @@ use super::Printed;
 use super::number::{heading, written, written_degrees, written_mm};
 use crate::path;
 use crate::spec::{
-    Dialect, Layout, LooksSpec, ObjectLine, PathRef, RobotLine, RobotSpec, SceneSpec, SimSpec, StartRef, TypeRef,
+    Dialect, Layout, LooksSpec, ObjectLine, RobotLine, RobotSpec, SceneSpec, SimSpec, SpannedText, StartRef, TypeRef,
     WorldKind,
 };
 use sim_core::RobotId;
@@ -74,8 +74,8 @@ impl Printer<'_> {
     }
 
     /// Type files of robots without a program; a classic line cannot represent a robot without a program.
-    fn robots_of_files(&self, sim: &SimSpec) -> Vec<PathRef> {
-        let mut files: Vec<PathRef> = Vec::new();
+    fn robots_of_files(&self, sim: &SimSpec) -> Vec<SpannedText> {
+        let mut files: Vec<SpannedText> = Vec::new();
         for line in &sim.robots {
             if let TypeRef::File(path) = &line.kind
                 && !is_classic(line)

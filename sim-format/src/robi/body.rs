@@ -66,7 +66,7 @@ impl Reader {
         let path = path::reference(&mut self.sink, Severity::Warning, keyword, name, MODEL_FORM);
         let [x, y, z, turns @ ..] = values;
         self.robi.model =
-            path.map(|path| ModelSpec { path, offset: from_unity([x, y, z]), turns: DVec3::from_array(turns) });
+            path.map(|path| ModelSpec { path, offset: from_unity([x, y, z]), rotations: DVec3::from_array(turns) });
     }
 }
 

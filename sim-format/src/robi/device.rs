@@ -67,8 +67,8 @@ impl Reader {
             let position = DVec3::new(x, y, z);
             self.psds.add(name.text, id, span.line);
             let name = name.text.to_owned();
-            let (pitch, on, range) = (0.0, None, DEFAULT_PSD_RANGE);
-            self.robi.psds.push(PsdSpec { name, id, position, angle, pitch, on, range, span });
+            let (pitch, link, range) = (0.0, None, DEFAULT_PSD_RANGE);
+            self.robi.psds.push(PsdSpec { name, id, position, angle, pitch, link, range, span });
         }
     }
 

@@ -16,7 +16,7 @@ use super::diagnostic::Diagnostic;
 use super::form::Form;
 use super::form::place::MAX_ROBOTS;
 use super::set::Setting;
-use super::spec::{CostTable, RobotLine, SceneForm, SimSpec, StartRef};
+use super::spec::{CostTable, RobotLine, SceneFormat, SimSpec, StartRef};
 use super::table::{Reader, Section, has_top_key};
 use super::{Span, path};
 pub(super) use draw::Draw;
@@ -60,7 +60,7 @@ pub(super) fn read_scene_with(file: &str, text: &str, settings: &[Setting], draw
     let texts = draw::Texts::default();
     let document = reader.draw(root, draw, &texts);
     let drawn = document.drawn;
-    let mut sim = SimSpec { file: file.to_owned(), form: SceneForm::Toml, drawn, ..SimSpec::default() };
+    let mut sim = SimSpec { file: file.to_owned(), form: SceneFormat::Toml, drawn, ..SimSpec::default() };
     reader.table(Section::root(&document.root), |keys| sim.keys(keys));
     let paths = |list: &str| document.paths.get(list).cloned().unwrap_or_default();
     let lines = sim.robots.iter_mut().map(|line| &mut line.path);

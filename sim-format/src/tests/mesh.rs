@@ -8,16 +8,16 @@ use glam::{DVec3, Vec2, Vec3};
 use proptest::prelude::*;
 
 use super::Memory;
-use crate::{Diagnostic, FileError, Files, MeshReader, ModelSpec, ObjectType, PathRef, Severity, Span};
+use crate::{Diagnostic, FileError, Files, MeshReader, ModelSpec, ObjectType, Severity, Span, SpannedText};
 use sim_core::build::MeshSource;
 use sim_core::scene::Mesh;
 
 /// Upright square of side 1 at z = 3 of the file, with one edge in the plane x = 0.
 const QUAD: &str = "mtllib a.mtl\nv 0 0 3\nv 1 0 3\nv 1 1 3\nv 0 1 3\nusemtl red\nf 1 2 3 4\n";
 
-fn model(turns: DVec3, offset: DVec3) -> ModelSpec {
+fn model(rotations: DVec3, offset: DVec3) -> ModelSpec {
     let span = Span { start: 4, end: 9, line: 1, column: 5 };
-    ModelSpec { path: PathRef { text: "a.obj".into(), span }, offset, turns }
+    ModelSpec { path: SpannedText { text: "a.obj".into(), span }, offset, rotations }
 }
 
 fn object(model: ModelSpec, scale: f64) -> ObjectType {
@@ -35,8 +35,8 @@ fn object(model: ModelSpec, scale: f64) -> ObjectType {
         restitution: 0.0,
         colour: None,
         surface: Default::default(),
-        solid: Default::default(),
-        buoyancy: 0.0,
+        sensor_shape: Default::default(),
+        displaced_volume: 0.0,
         lift: 0.0,
     }
 }

@@ -47,7 +47,7 @@ fn unity_axes_become_ours() {
     assert_eq!((robi.mass, robi.centre_of_mass), (5.0, mm(-50.0, -10.0, 30.0)));
     let model = robi.model.expect("a model");
     assert_eq!((model.path.text.as_str(), model.offset), ("a b.obj", mm(30.0, -14.0, 20.0)));
-    assert_eq!(model.turns, DVec3::new(0.0, FRAC_PI_2, 0.0));
+    assert_eq!(model.rotations, DVec3::new(0.0, FRAC_PI_2, 0.0));
     let expected = [
         Collider::Box { centre: mm(20.0, -10.0, 82.0), size: mm(200.0, 180.0, 145.0) },
         Collider::Capsule { centre: mm(-60.0, 0.0, 25.0), radius: 0.01, height: 0.05, axis: Axis::Z },

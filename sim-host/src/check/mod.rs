@@ -10,7 +10,7 @@ mod wording;
 use sim_core::RobotId;
 use sim_core::check::{Finding, Monitor};
 use sim_core::record::Outcome;
-use sim_core::spec::{CheckKind, CheckSpec, Printed, Screen};
+use sim_core::spec::{CheckKind, CheckSpec, ExpectedOutput, ProgramOutput};
 use sim_core::time::Time;
 
 use crate::record::Report;
@@ -76,8 +76,10 @@ pub fn results(
             (None, CheckKind::Metric { path, min, max, full, zero }) => {
                 metric::judge(&json, path, [*min, *max], full.zip(*zero))
             }
-            (None, CheckKind::Outcome { robot, is }) => judge_outcome(report, *robot, *is),
-            (None, CheckKind::Prints { robot, on: Screen::Display, what }) => judge_display(report, *robot, what),
+            (None, CheckKind::Outcome { robot, outcome }) => judge_outcome(report, *robot, *outcome),
+            (None, CheckKind::Prints { robot, output: ProgramOutput::Display, expected }) => {
+                judge_display(report, *robot, expected)
+            }
             (None, kind) => of_count(kind, tally.and_then(|tally| tally.count(index))),
         };
         CheckReport {
@@ -166,7 +168,7 @@ fn is_met_for_good(kind: &CheckKind) -> bool {
         | CheckKind::Visits { .. }
         | CheckKind::Laps { .. }
         | CheckKind::Coverage { .. }
-        | CheckKind::Prints { on: Screen::Stdout, .. } => true,
+        | CheckKind::Prints { output: ProgramOutput::Stdout, .. } => true,
         CheckKind::Event { count, .. } | CheckKind::Calls { count, .. } | CheckKind::Message { count, .. } => {
             count.max.is_none()
         }
@@ -240,7 +242,7 @@ fn judge_outcome(report: &Report, robot: Option<RobotId>, is: Outcome) -> Verdic
     }
 }
 
-fn judge_display(report: &Report, robot: RobotId, what: &Printed) -> Verdict {
+fn judge_display(report: &Report, robot: RobotId, what: &ExpectedOutput) -> Verdict {
     let mut search = prints::Search::new(what);
     let lines = report.robots.iter().find(|other| other.id == robot.0).map_or(&[][..], |other| &other.lcd);
     lines.iter().for_each(|line| _ = search.take(line));

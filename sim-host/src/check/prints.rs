@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 
 use sim_core::RobotId;
-use sim_core::spec::Printed;
+use sim_core::spec::ExpectedOutput;
 
 /// Search, line by line, for the text or numbers that a program must print.
 #[derive(Clone, Debug)]
 pub(super) struct Search {
-    what: Printed,
+    what: ExpectedOutput,
     is_found: bool,
     lines: u64,
     /// Numbers of the last lines that have any, at most as many as there are rows.
@@ -18,7 +18,7 @@ pub(super) struct Search {
 }
 
 impl Search {
-    pub fn new(what: &Printed) -> Self {
+    pub fn new(what: &ExpectedOutput) -> Self {
         Self { what: what.clone(), is_found: false, lines: 0, numbers: VecDeque::new(), nearest: None }
     }
 
@@ -33,9 +33,9 @@ impl Search {
         }
         self.lines += 1;
         self.is_found = match &self.what {
-            Printed::Text(text) => line.contains(text.as_str()),
-            Printed::Pattern(pattern) => matches(pattern, line.trim_end()),
-            Printed::Numbers { rows, tolerance } => {
+            ExpectedOutput::Text(text) => line.contains(text.as_str()),
+            ExpectedOutput::Pattern(pattern) => matches(pattern, line.trim_end()),
+            ExpectedOutput::Numbers { rows, tolerance } => {
                 let (rows, tolerance) = (rows.clone(), *tolerance);
                 self.take_numbers(line, &rows, tolerance)
             }
@@ -71,10 +71,10 @@ impl Search {
     /// Describes what was found, or the nearest match. `verb` is what the robot does with lines.
     pub fn explain(&self, robot: RobotId, verb: &str) -> String {
         let what = match &self.what {
-            Printed::Text(text) => format!("`{text}`"),
-            Printed::Pattern(pattern) => format!("a line like `{pattern}`"),
-            Printed::Numbers { rows, .. } if rows.len() == 1 => "the numbers".to_owned(),
-            Printed::Numbers { rows, .. } => format!("the {} rows of numbers", rows.len()),
+            ExpectedOutput::Text(text) => format!("`{text}`"),
+            ExpectedOutput::Pattern(pattern) => format!("a line like `{pattern}`"),
+            ExpectedOutput::Numbers { rows, .. } if rows.len() == 1 => "the numbers".to_owned(),
+            ExpectedOutput::Numbers { rows, .. } => format!("the {} rows of numbers", rows.len()),
         };
         if self.is_found {
             return format!("{robot} {verb} {what}");
@@ -84,7 +84,7 @@ impl Search {
             1 => "in one line".to_owned(),
             count => format!("in {count} lines"),
         };
-        let (Printed::Numbers { rows, tolerance }, Some((matched, found))) = (&self.what, &self.nearest) else {
+        let (ExpectedOutput::Numbers { rows, tolerance }, Some((matched, found))) = (&self.what, &self.nearest) else {
             return format!("{robot} {verb} no {} {lines}", what.trim_start_matches("the ").trim_start_matches("a "));
         };
         let row = &rows[*matched];

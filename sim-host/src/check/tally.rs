@@ -2,7 +2,7 @@
 
 use sim_core::RobotId;
 use sim_core::record::{Digest, Event, Kind, KindSet, Obstacle, Record, WORLD};
-use sim_core::spec::{CheckKind, CheckSpec, Contacted, Counts, SceneSpec, Screen};
+use sim_core::spec::{CheckKind, CheckSpec, CountLimits, ObstacleFilter, ProgramOutput, SceneSpec};
 use sim_core::time::Time;
 
 use super::prints::Search;
@@ -38,7 +38,7 @@ impl Tally {
         let counted = |(index, check): (usize, &CheckSpec)| {
             let interest = interest(&check.kind)?;
             let search = match &check.kind {
-                CheckKind::Prints { what, .. } => Some(Search::new(what)),
+                CheckKind::Prints { expected, .. } => Some(Search::new(expected)),
                 _ => None,
             };
             Some((interest, (index, check.kind.clone(), Count { search, ..Count::default() })))
@@ -65,7 +65,7 @@ impl Tally {
 fn interest(kind: &CheckKind) -> Option<KindSet> {
     match kind {
         CheckKind::Contacts { .. } => Some(Kind::Contact.set()),
-        CheckKind::Prints { on: Screen::Stdout, .. } => Some(Kind::Stdout.set()),
+        CheckKind::Prints { output: ProgramOutput::Stdout, .. } => Some(Kind::Stdout.set()),
         CheckKind::Event { event, .. } => Some(event.set()),
         CheckKind::Calls { .. } => Some(Kind::Call.set()),
         CheckKind::Message { .. } => Some(Kind::RadioReceived.set()),
@@ -128,7 +128,7 @@ impl Count {
         }
     }
 
-    fn add(&mut self, count: Counts, record: &Record<'_>) {
+    fn add(&mut self, count: CountLimits, record: &Record<'_>) {
         self.number += 1;
         if self.number == count.min || count.max.is_some_and(|max| self.number == max + 1) {
             self.at = Some(record.time.seconds());
@@ -160,17 +160,17 @@ impl Count {
     }
 
     /// Returns true if the minimum was reached only after `by`.
-    pub fn is_late(&self, count: Counts, by: Option<Time>) -> bool {
+    pub fn is_late(&self, count: CountLimits, by: Option<Time>) -> bool {
         let is_enough = count.min > 0 && self.number >= count.min;
         is_enough && by.zip(self.at).is_some_and(|(by, at)| at > by.seconds())
     }
 }
 
-fn counts(with: Contacted, obstacle: Obstacle) -> bool {
+fn counts(with: ObstacleFilter, obstacle: Obstacle) -> bool {
     match with {
-        Contacted::Anything => true,
-        Contacted::Walls => matches!(obstacle, Obstacle::Wall | Obstacle::Terrain),
-        Contacted::Robots => matches!(obstacle, Obstacle::Robot(_)),
-        Contacted::Objects => matches!(obstacle, Obstacle::Object(_)),
+        ObstacleFilter::Anything => true,
+        ObstacleFilter::Walls => matches!(obstacle, Obstacle::Wall | Obstacle::Terrain),
+        ObstacleFilter::Robots => matches!(obstacle, Obstacle::Robot(_)),
+        ObstacleFilter::Objects => matches!(obstacle, Obstacle::Object(_)),
     }
 }

@@ -1,19 +1,19 @@
 use serde_json::json;
 use sim_core::RobotId;
-use sim_core::spec::Printed;
+use sim_core::spec::ExpectedOutput;
 
 use super::metric::judge;
 use super::prints::Search;
 
 /// Explanation after these lines; true if the search has succeeded.
-fn search(what: &Printed, lines: &str) -> (bool, String) {
+fn search(what: &ExpectedOutput, lines: &str) -> (bool, String) {
     let mut search = Search::new(what);
     lines.lines().for_each(|line| _ = search.take(line));
     (search.is_found(), search.explain(RobotId(1), "printed"))
 }
 
-fn numbers(rows: &[&[f64]], tolerance: f64) -> Printed {
-    Printed::Numbers { rows: rows.iter().map(|row| row.to_vec()).collect(), tolerance }
+fn numbers(rows: &[&[f64]], tolerance: f64) -> ExpectedOutput {
+    ExpectedOutput::Numbers { rows: rows.iter().map(|row| row.to_vec()).collect(), tolerance }
 }
 
 #[test]
@@ -30,7 +30,7 @@ fn patterns_match_whole_lines() {
         ("*ab*ab*", "abab", true),
         ("*ab*ab*", "aab", false),
     ] {
-        assert_eq!(search(&Printed::Pattern(pattern.into()), line).0, is_match, "{pattern} {line}");
+        assert_eq!(search(&ExpectedOutput::Pattern(pattern.into()), line).0, is_match, "{pattern} {line}");
     }
 }
 

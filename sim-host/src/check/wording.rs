@@ -3,7 +3,7 @@
 use glam::DVec2;
 use sim_core::check::Finding;
 use sim_core::record::Obstacle;
-use sim_core::spec::{CheckKind, Counts, Region, SwarmMetric};
+use sim_core::spec::{CheckKind, CountLimits, Region, SwarmMetric};
 use sim_core::time::Time;
 use sim_core::unit;
 
@@ -133,8 +133,8 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
             Some(_) => format!("{} only at {when}, not{}", percent(*share), by_text(*by)),
             None => format!("{}, not {}", percent(value), percent(*share)),
         },
-        CheckKind::Swarm { of, .. } => {
-            let number = |value: f64| match of {
+        CheckKind::Swarm { metric, .. } => {
+            let number = |value: f64| match metric {
                 SwarmMetric::Spread => mm(value),
                 SwarmMetric::Coverage { .. } => percent(value),
                 SwarmMetric::Order | SwarmMetric::Groups { .. } => format!("{}", (value * 1000.0).round() / 1000.0),
@@ -215,12 +215,12 @@ fn with(obstacle: Option<Obstacle>) -> String {
     }
 }
 
-fn of_times(count: &Count, wanted: Counts) -> String {
+fn of_times(count: &Count, wanted: CountLimits) -> String {
     let bounds = match wanted {
         _ if wanted.contains(count.number) => return times(count.number),
-        Counts { min, max: None } => format!("at least {}", times(min)),
-        Counts { min: 0, max: Some(max) } => format!("at most {}", times(max)),
-        Counts { min, max: Some(max) } => format!("{min} to {max} times"),
+        CountLimits { min, max: None } => format!("at least {}", times(min)),
+        CountLimits { min: 0, max: Some(max) } => format!("at most {}", times(max)),
+        CountLimits { min, max: Some(max) } => format!("{min} to {max} times"),
     };
     let is_too_often = count.number > wanted.min;
     let (what, since) = if wanted.max == Some(0) {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use sim_core::spec::{CheckKind, CostTable, PathRef, RobotSpec, SceneSpec};
+use sim_core::spec::{CheckKind, CostTable, RobotSpec, SceneSpec, SpannedText};
 use sim_format::{Code, Diagnostic, Files as _, Severity};
 
 use crate::check::script;
@@ -88,8 +88,8 @@ pub fn unknown_functions(table: &CostTable) -> impl Iterator<Item = Diagnostic> 
 }
 
 /// Diagnostics for the patterns of `forbid` in `file` that do not match a RoBIOS function.
-pub fn unknown_forbidden_functions(file: &str, forbid: &[PathRef]) -> Vec<Diagnostic> {
-    let diagnostics_of = |pattern: &PathRef| {
+pub fn unknown_forbidden_functions(file: &str, forbid: &[SpannedText]) -> Vec<Diagnostic> {
+    let diagnostics_of = |pattern: &SpannedText| {
         let diagnostic = |(name, similar): (String, Option<String>)| Diagnostic {
             severity: Severity::Error,
             code: Code::ForbidFunction,

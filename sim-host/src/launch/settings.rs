@@ -388,7 +388,7 @@ mod tests {
 
     use sim_core::RobotId;
     use sim_core::pose::Pose;
-    use sim_core::spec::{PathRef, Span};
+    use sim_core::spec::{Span, SpannedText};
     use sim_format::read_robi;
 
     use super::*;
@@ -403,7 +403,7 @@ mod tests {
             id: RobotId::from_index(index),
             robi: Arc::clone(&robi),
             start: Pose::new(0.0, 0.0, 0.0),
-            program: (index == 0).then(|| PathRef { text: "own.c".into(), span }),
+            program: (index == 0).then(|| SpannedText { text: "own.c".into(), span }),
             arguments: if index == 0 { SCENE_ARGUMENTS.map(str::to_owned).to_vec() } else { Vec::new() },
             api: None,
             noise: None,

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use sim_core::spec::{PathRef, RobotSpec, SceneSpec, Span};
+use sim_core::spec::{RobotSpec, SceneSpec, Span, SpannedText};
 
 use super::build::Builder;
 use super::data_files;
@@ -52,7 +52,7 @@ impl Programs {
         let mut searched: BTreeMap<(&str, bool), Result<Found, FindError>> = BTreeMap::new();
         let mut mistakes = Vec::new();
         for robot in &scene.robots {
-            let find = |program: &PathRef| {
+            let find = |program: &SpannedText| {
                 let search = if is_of_command_line(program) { &search_from_here } else { search };
                 find_program(&program.text, search)
             };
@@ -108,11 +108,11 @@ impl Programs {
 }
 
 /// Reference to a program that is named on the command line, and so has no span in a file.
-pub fn program_of_command_line(name: &str) -> PathRef {
-    PathRef { text: name.to_owned(), span: Span::default() }
+pub fn program_of_command_line(name: &str) -> SpannedText {
+    SpannedText { text: name.to_owned(), span: Span::default() }
 }
 
-fn is_of_command_line(program: &PathRef) -> bool {
+fn is_of_command_line(program: &SpannedText) -> bool {
     program.span.line == 0
 }
 
@@ -132,7 +132,7 @@ pub fn shown_name(robot: &RobotSpec, scene: &SceneSpec) -> String {
 }
 
 /// Location at which `program` is named: `line.sim:3`, or the command line's option.
-fn place_of(scene: &SceneSpec, program: &PathRef) -> String {
+fn place_of(scene: &SceneSpec, program: &SpannedText) -> String {
     if is_of_command_line(program) { "--program".to_owned() } else { format!("{}:{}", scene.file, program.span.line) }
 }
 

@@ -25,7 +25,7 @@ pub fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<SensorView> {
             Pose3::from_planar(&world_from_robot.compose(&mount.robot_from_sensor), infrared.position.z);
         SensorView {
             world_from_sensor,
-            reach: beam.range,
+            range: beam.range,
             distance: beam.distance(world, robot.id, &world_from_robot, at),
         }
     };

@@ -304,7 +304,7 @@ mod tests {
     }
 
     fn device(bytes: &[u8]) -> Serial {
-        let path = sim_core::spec::PathRef { text: String::new(), span: sim_core::spec::Span::default() };
+        let path = sim_core::spec::SpannedText { text: String::new(), span: sim_core::spec::Span::default() };
         serial(SerialLine::File { path, bytes: bytes.into() })
     }
 

@@ -4,18 +4,19 @@ use std::fmt::Write as _;
 
 use anyhow::Context as _;
 use glam::DVec2;
-use sim_core::scene::{Boulders, Disc, HeightField, Relief};
+use sim_core::scene::{Boulders, Disc, HeightField, RandomTerrain};
 
 /// A terrain of boulders over relief.
 #[derive(Clone, Debug)]
-pub struct Terrain(pub Relief);
+pub struct Terrain(pub RandomTerrain);
 
 impl Terrain {
     /// The boulders of `seed` on a square of `side` m.
     pub fn new(seed: u64, side: f64, relief: f64, boulders: Boulders, clear: Vec<Disc>) -> Self {
         let size = DVec2::splat(side);
         let boulders = Some(boulders);
-        Self(Relief { seed, origin: DVec2::ZERO, size, base: 0.0, cell: 0.1, relief, length: 4.0, boulders, clear })
+        let (origin, base, cell, relief_height, hill_length) = (DVec2::ZERO, 0.0, 0.1, relief, 4.0);
+        Self(RandomTerrain { seed, origin, size, base, cell, relief_height, hill_length, boulders, clear })
     }
 
     /// The true heights.
@@ -28,7 +29,7 @@ impl Terrain {
 
     /// Table `[world]` of a scene with the terrain. Soil scatters sound as rough surfaces do.
     pub fn world(&self) -> String {
-        let Relief { seed, size, cell, relief, length, boulders, clear, .. } = &self.0;
+        let RandomTerrain { seed, size, cell, relief_height, hill_length, boulders, clear, .. } = &self.0;
         let mm = |metres: f64| metres * 1e3;
         let mut text = format!(
             "[world]\nfloor_mm = [{}, {}]\nsurface = {{ specular = 0 }}\n\n[world.terrain]\nfunction = \"boulders\"\nseed = {seed}\n\
@@ -36,8 +37,8 @@ impl Terrain {
             mm(size.x),
             mm(size.y),
             mm(*cell),
-            mm(*relief),
-            mm(*length)
+            mm(*relief_height),
+            mm(*hill_length)
         );
         if let Some(Boulders { count, radius: [r0, r1], height: [h0, h1] }) = boulders {
             // Writing to a string cannot fail.

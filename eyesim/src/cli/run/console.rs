@@ -222,12 +222,12 @@ impl FinishedRun {
 /// NAME is `run-NAME.svg`.
 fn write_charts(report: &Report, scene: &SceneSpec, path: &Path) -> anyhow::Result<()> {
     for (check, spec) in report.checks.iter().zip(&scene.checks) {
-        let (Some(series), CheckKind::Swarm { of, .. }) = (&check.series, &spec.kind) else { continue };
+        let (Some(series), CheckKind::Swarm { metric, .. }) = (&check.series, &spec.kind) else { continue };
         // The value is constant until it changes.
         let ends = series.iter().skip(1).map(|[time, _]| *time).chain([report.sim_time_s]);
         let points =
             series.iter().zip(ends).flat_map(|([time, value], end)| [(*time, *value), (end, *value)]).collect();
-        let label = match of {
+        let label = match metric {
             SwarmMetric::Spread => "mean distance from the middle, m",
             SwarmMetric::Order => "order",
             SwarmMetric::Groups { .. } => "connected groups",

@@ -85,7 +85,7 @@ impl ShotCamera {
     /// If the two points are equal.
     pub fn looking(from: DVec3, to: DVec3, fov: Option<f64>) -> anyhow::Result<Self> {
         let pose =
-            View::looking(from, to).context("--from and --to are one point: expected two, which give a direction")?;
+            View::look_at(from, to).context("--from and --to are one point: expected two, which give a direction")?;
         Ok(Self::Point((pose, fov.map_or(DEFAULT_LENS, |fov| Lens::Pinhole { fov }))))
     }
 }
@@ -97,7 +97,7 @@ fn pose_above(floor: DVec2, [width, height]: [u32; 2]) -> anyhow::Result<Pose3> 
     let metres_per_pixel = (floor.x / f64::from(width)).max(floor.y / f64::from(height)) * MARGIN;
     let height_above = 0.5 * f64::from(width) * metres_per_pixel / math::tan(0.5 * DEFAULT_FIELD_OF_VIEW);
     let middle = (0.5 * floor).extend(0.0);
-    View::looking(middle + height_above * DVec3::Z, middle)
+    View::look_at(middle + height_above * DVec3::Z, middle)
         .context("the floor has no size: `--from` and `--to` say what is shown")
 }
 

@@ -137,9 +137,9 @@ fn ground(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Ground {
 fn light(light: &LightSpec) -> Light {
     let LightSpec { azimuth, elevation, ambient, shadows } = *light;
     let (vertical, horizontal) = math::sin_cos(elevation);
-    let towards = DVec3::new(horizontal * math::cos(azimuth), horizontal * math::sin(azimuth), vertical);
+    let sun_direction = DVec3::new(horizontal * math::cos(azimuth), horizontal * math::sin(azimuth), vertical);
     let directed = 1.0 - ambient;
-    Light { towards, ambient, fill: FILL * directed, diffuse: (1.0 - FILL) * directed, shadows }
+    Light { sun_direction, ambient, fill: FILL * directed, diffuse: (1.0 - FILL) * directed, shadows }
 }
 
 fn sky(sky: &SkySpec) -> Sky {

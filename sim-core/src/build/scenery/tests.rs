@@ -9,10 +9,10 @@ use crate::world::World;
 #[test]
 fn walls_in_four_directions_and_floor_differ_in_brightness() {
     let light = light(&LightSpec::default());
-    let fill_from = DVec3::new(-light.towards.x, -light.towards.y, light.towards.z);
+    let fill_from = DVec3::new(-light.sun_direction.x, -light.sun_direction.y, light.sun_direction.z);
     let intensity = |normal: DVec3| {
         let fill = 0.5 * (1.0 + normal.dot(fill_from));
-        light.ambient + light.fill * fill + light.diffuse * normal.dot(light.towards).max(0.0)
+        light.ambient + light.fill * fill + light.diffuse * normal.dot(light.sun_direction).max(0.0)
     };
     let mut intensities = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z].map(intensity);
     intensities.sort_by(f64::total_cmp);
@@ -37,7 +37,7 @@ fn quadrant_pixels() -> Vec<[u8; 4]> {
 
 /// View of a scenery without moving parts.
 fn render(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<[u8; 3]> {
-    let pose = View::looking(from, to).expect("a direction");
+    let pose = View::look_at(from, to).expect("a direction");
     let view = View::new(pose, Lens::Pinhole { fov: 0.7 }, size).expect("a view");
     let world = World::new(Arc::new(Walls::new(Vec::new())), Time::from_millis(50), []);
     Camera::default().colour(&scenery.pose_at(&world, Time::ZERO), &view, None, 1)
@@ -47,7 +47,7 @@ fn render(scenery: &Scenery, from: DVec3, to: DVec3, size: [u32; 2]) -> Picture<
 fn scenery_of(mesh: Arc<Mesh>) -> Scenery {
     let attachment = Attachment::Fixed(Pose3::IDENTITY);
     let part = Part { mesh, label: Label::Fixed(0), attachment };
-    let white = Light { towards: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
+    let white = Light { sun_direction: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
     Scenery::new(vec![part], None, white, Sky { horizon: [0; 3], zenith: [0; 3] })
 }
 

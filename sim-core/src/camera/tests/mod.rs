@@ -45,7 +45,7 @@ fn image(random: &mut Random, width: u32, height: u32, is_opaque: bool) -> Arc<T
     Arc::new(Texture::new(width, height, pixels.collect()).expect("as many pixels"))
 }
 
-/// A box with images on its faces; if it `is_round`, with the corner normals of a ball.
+/// A box with images on its faces; if `is_round`, its corners have the normals of a ball.
 fn cuboid(random: &mut Random, half: DVec3, is_round: bool, materials: Vec<Material>) -> Arc<Mesh> {
     let sign = |corner: usize, axis: usize| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
     let corner = |corner: usize| DVec3::new(sign(corner, 0), sign(corner, 1), sign(corner, 2));
@@ -54,11 +54,11 @@ fn cuboid(random: &mut Random, half: DVec3, is_round: bool, materials: Vec<Mater
     let mut triangles = Vec::new();
     for side in sides {
         let (material, repeats) = (random.between(0.0, materials.len() as f64) as u32, random.between(0.5, 6.0) as f32);
-        for part in [[0, 1, 2], [0, 2, 3]] {
+        for half in [[0, 1, 2], [0, 2, 3]] {
             triangles.push(Triangle {
-                corners: part.map(|index| side[index] as u32),
-                normals: is_round.then(|| part.map(|index| corner(side[index]).normalize_or_zero().as_vec3())),
-                uv: Some(part.map(|index| uv[index] * repeats)),
+                corners: half.map(|index| side[index] as u32),
+                normals: is_round.then(|| half.map(|index| corner(side[index]).normalize_or_zero().as_vec3())),
+                uv: Some(half.map(|index| uv[index] * repeats)),
                 material,
             });
         }
@@ -78,7 +78,7 @@ fn ball(rows: u32) -> Arc<Mesh> {
         }));
     }
     positions.push(DVec3::NEG_Z);
-    let at = |row: u32, column: u32| match row {
+    let index = |row: u32, column: u32| match row {
         0 => 0,
         row if row == rows => (rows - 1) * columns + 1,
         row => 1 + (row - 1) * columns + column % columns,
@@ -86,8 +86,8 @@ fn ball(rows: u32) -> Arc<Mesh> {
     let mut triangles = Vec::new();
     for row in 0..rows {
         for column in 0..columns {
-            let (a, b) = (at(row, column), at(row + 1, column));
-            let (c, d) = (at(row + 1, column + 1), at(row, column + 1));
+            let (a, b) = (index(row, column), index(row + 1, column));
+            let (c, d) = (index(row + 1, column + 1), index(row, column + 1));
             let faces = [[a, b, c], [a, c, d]];
             triangles.extend(faces.iter().filter(|[a, b, c]| a != b && b != c && c != a).map(|&corners| Triangle {
                 corners,
@@ -117,8 +117,9 @@ fn heap(seed: u64) -> Scenery {
         let half = DVec3::splat(0.1) + point(random, 0.5).abs();
         let colour = [(); 3].map(|()| random.between(0.0, 1.0) as f32);
         let materials = (0..=4).map(|number| material(number, colour)).collect();
-        let at = point(random, 3.0) + DVec3::Z;
-        let pose = if number % 3 == 0 { pose(random, at) } else { Pose3::from_angles(at, 0.0, 0.0, 0.3 * at.x) };
+        let position = point(random, 3.0) + DVec3::Z;
+        let upright = Pose3::from_angles(position, 0.0, 0.0, 0.3 * position.x);
+        let pose = if number % 3 == 0 { pose(random, position) } else { upright };
         let label = if number == 0 { Label::Robot(RobotId(1)) } else { Label::Fixed(number) };
         parts.push(Part {
             mesh: cuboid(random, half, number % 4 == 0, materials),
@@ -152,8 +153,8 @@ fn heap(seed: u64) -> Scenery {
         floor: Some(Floor { size: DVec2::new(3.0, 2.5), colour: [150, 150, 140], texture }),
         spots,
     };
-    let towards = point(random, 1.0).normalize_or(DVec3::Z);
-    let light = Light { towards, ambient: 0.3, fill: 0.2, diffuse: 0.5, shadows: seed % 2 == 1 };
+    let sun_direction = point(random, 1.0).normalize_or(DVec3::Z);
+    let light = Light { sun_direction, ambient: 0.3, fill: 0.2, diffuse: 0.5, shadows: seed % 2 == 1 };
     Scenery::new(parts, Some(ground), light, Sky { horizon: [200, 210, 220], zenith: [60, 110, 200] })
 }
 
@@ -169,55 +170,57 @@ fn view(random: &mut Random, lens: Lens, size: [u32; 2]) -> View {
     View::new(pose(random, position), lens, size).expect("a view")
 }
 
-/// Returns true if all neighbours of a pixel show the same face.
-fn is_within(shown: &Picture<Shown>, column: u32, row: u32) -> bool {
+/// Returns true if a pixel and all its neighbours show the same face.
+fn is_inside_face(shown: &Picture<Shown>, column: u32, row: u32) -> bool {
     let [width, height] = shown.size();
     let rows = row.saturating_sub(1)..(row + 2).min(height);
-    let of = shown.pixel(column, row);
+    let expected = shown.pixel(column, row);
     rows.flat_map(|row| (column.saturating_sub(1)..(column + 2).min(width)).map(move |column| (column, row)))
-        .all(|(column, row)| shown.pixel(column, row) == of)
+        .all(|(column, row)| shown.pixel(column, row) == expected)
 }
 
 #[test]
-fn pictures_are_those_of_every_face_on_every_pixel() {
+fn pictures_match_the_reference_renderer() {
     let world = world();
     let mut camera = Camera::default();
-    let (mut compared, mut differing, mut off) = (0_u32, 0_u32, 0_u32);
+    let (mut compared, mut differing, mut wrong) = (0_u32, 0_u32, 0_u32);
     for seed in 0..6 {
         let scenery = heap(seed);
         let posed = scenery.pose_at(&world, Time::ZERO);
         let mut random = Random::new(100 + seed);
         for lens in LENSES {
             let view = view(&mut random, lens, [83, 61]);
-            let by = (seed % 2 == 0).then_some(RobotId(1));
-            let slow = reference::render(&posed, &view, by);
-            let colour = camera.colour(&posed, &view, by, 1);
-            let depth = camera.depth(&posed, &view, by);
+            let observer = (seed % 2 == 0).then_some(RobotId(1));
+            let reference = reference::render(&posed, &view, observer);
+            let colour = camera.colour(&posed, &view, observer, 1);
+            let depth = camera.depth(&posed, &view, observer);
             for row in 0..61 {
                 for column in 0..83 {
-                    let expected = slow.colour.pixel(column, row);
+                    let expected = reference.colour.pixel(column, row);
                     let found = colour.pixel(column, row);
                     let difference = (0..3).map(|channel| (expected[channel] - f64::from(found[channel])).abs());
                     let difference = difference.fold(0.0, f64::max);
-                    let (far, near) = (*slow.depth.pixel(column, row), f64::from(*depth.pixel(column, row)));
-                    let is_as_far = far == near || (far - near).abs() <= 1e-5 * far;
+                    let expected_depth = *reference.depth.pixel(column, row);
+                    let found_depth = f64::from(*depth.pixel(column, row));
+                    let has_depth =
+                        expected_depth == found_depth || (expected_depth - found_depth).abs() <= 1e-5 * expected_depth;
                     compared += 1;
-                    if is_within(&slow.shown, column, row) {
-                        let what = (seed, lens, column, row, slow.shown.pixel(column, row));
-                        assert!(is_as_far, "{far} m, not {near}: {what:?}");
+                    if is_inside_face(&reference.shown, column, row) {
+                        let context = (seed, lens, column, row, reference.shown.pixel(column, row));
+                        assert!(has_depth, "{expected_depth} m, not {found_depth}: {context:?}");
                         // Half a colour level of rounding, and half a level of error of the renderer.
                         if difference > 1.0 {
-                            off += 1;
-                            eprintln!("{expected:?}, not {found:?}: {what:?}");
+                            wrong += 1;
+                            eprintln!("{expected:?}, not {found:?}: {context:?}");
                         }
-                    } else if difference > 1.0 || !is_as_far {
+                    } else if difference > 1.0 || !has_depth {
                         differing += 1;
                     }
                 }
             }
         }
     }
-    assert_eq!(off, 0, "of {compared} pixels");
+    assert_eq!(wrong, 0, "of {compared} pixels");
     // Differences on silhouettes, where the ray passes within rounding of an edge.
     assert!(differing <= compared / 2000, "{differing} of {compared}");
 }
@@ -238,7 +241,7 @@ fn levels() -> Vec<Level> {
 }
 
 #[test]
-fn every_processor_gives_the_same_bits() {
+fn pictures_of_all_simd_levels_are_bit_identical() {
     let world = world();
     for seed in 10..14 {
         let scenery = heap(seed);
@@ -261,7 +264,7 @@ fn every_processor_gives_the_same_bits() {
 fn a_closed_surface_has_no_holes() {
     let world = world();
     let part = Part { mesh: ball(12), label: Label::Wall(0), attachment: Attachment::Fixed(Pose3::IDENTITY) };
-    let light = Light { towards: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
+    let light = Light { sun_direction: DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
     let scenery = Scenery::new(vec![part], None, light, Sky { horizon: [0; 3], zenith: [0; 3] });
     let posed = scenery.pose_at(&world, Time::ZERO);
     let mut random = Random::new(5);
@@ -288,13 +291,14 @@ fn a_closed_surface_has_no_holes() {
 /// The colour sampled in one lane.
 #[inline(always)]
 fn sampled<S: Simd>(simd: S, mip_map: &MipMap, uv: DVec2, axes: [DVec2; 2]) -> [f64; 4] {
-    let all = |value: f64| S::f32s::splat(simd, value as f32);
-    let found = mip_map.sample(simd, 1 << 3, [all(uv.x), all(uv.y)], axes.map(|axis| [all(axis.x), all(axis.y)]));
-    found.map(|channel| f64::from(channel.as_slice()[3]))
+    let splat = |value: f64| S::f32s::splat(simd, value as f32);
+    let axes = axes.map(|axis| [splat(axis.x), splat(axis.y)]);
+    let sample = mip_map.sample(simd, 1 << 3, [splat(uv.x), splat(uv.y)], axes);
+    sample.map(|channel| f64::from(channel.as_slice()[3]))
 }
 
 #[test]
-fn images_are_filtered_as_defined() {
+fn texture_filter_matches_its_definition() {
     let mut random = Random::new(3);
     for (width, height) in [(16, 16), (7, 30), (1, 1), (64, 5), (33, 2)] {
         let image = image(&mut random, width, height, false);
@@ -304,15 +308,15 @@ fn images_are_filtered_as_defined() {
                 let size = random.between(-4.0, 1.0);
                 let length = math::exp(size * std::f64::consts::LN_10);
                 let mut pair = |reach: f64| DVec2::new(random.between(-reach, reach), random.between(-reach, reach));
-                let (uv, changes) = (pair(1.5), [pair(length), pair(length)]);
-                let expected = reference::filtered(&image, wrap, DVec2::new(uv.x, 1.0 - uv.y), changes);
+                let (uv, steps) = (pair(1.5), [pair(length), pair(length)]);
+                let expected = reference::filtered(&image, wrap, DVec2::new(uv.x, 1.0 - uv.y), steps);
                 let texels = DVec2::new(f64::from(width), f64::from(height));
-                let axes = changes.map(|change| change * texels * DVec2::new(1.0, -1.0));
+                let axes = steps.map(|step| step * texels * DVec2::new(1.0, -1.0));
                 let found = dispatch!(Level::new(), simd => sampled(simd, &mip_map, uv, axes));
                 for channel in 0..4 {
                     assert!(
                         (found[channel] - expected[channel]).abs() < 0.05,
-                        "{found:?}, not {expected:?}: {width} x {height} {wrap:?} {uv} {changes:?}"
+                        "{found:?}, not {expected:?}: {width} x {height} {wrap:?} {uv} {steps:?}"
                     );
                 }
             }

@@ -25,10 +25,9 @@ pub struct Reference {
     pub colour: Picture<[f64; 3]>,
 }
 
-struct Meeting {
+struct Hit {
     shown: Shown,
     distance: f64,
-    /// Barycentric coordinates.
     barycentric: [f64; 3],
 }
 
@@ -36,23 +35,23 @@ struct Meeting {
 /// is visible.
 const COPLANAR: f64 = 1e-7;
 
-pub fn render(posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Reference {
+pub fn render(posed: &PosedScenery, view: &View, observer: Option<RobotId>) -> Reference {
     let [width, height] = view.size();
     let (mut shown, mut depth, mut colour) = (Vec::new(), Vec::new(), Vec::new());
     for row in 0..height {
         for column in 0..width {
-            let at = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
-            let Some(ray) = direction(view, at) else {
+            let position = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+            let Some(ray) = direction(view, position) else {
                 shown.push(Shown::Sky);
                 depth.push(f64::INFINITY);
                 colour.push([0.0; 3]);
                 continue;
             };
             let eye = view.world_from_camera().position;
-            let meeting = meet(posed, eye, ray.normalize_or_zero(), by);
-            shown.push(meeting.shown);
-            depth.push(meeting.distance);
-            colour.push(colour_of(posed, view, at, ray, &meeting));
+            let hit = cast(posed, eye, ray.normalize_or_zero(), observer);
+            shown.push(hit.shown);
+            depth.push(hit.distance);
+            colour.push(colour_of(posed, view, position, ray, &hit));
         }
     }
     Reference {
@@ -63,8 +62,8 @@ pub fn render(posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Referen
 }
 
 /// The ray through a position of the image, in the world frame, not normalised.
-fn direction(view: &View, at: DVec2) -> Option<DVec3> {
-    view.ray(at).map(|ray| view.world_from_camera().rotation * ray)
+fn direction(view: &View, position: DVec2) -> Option<DVec3> {
+    view.ray(position).map(|ray| view.world_from_camera().rotation * ray)
 }
 
 fn corners(posed: &PosedScenery, part: usize, triangle: usize) -> [DVec3; 3] {
@@ -73,16 +72,16 @@ fn corners(posed: &PosedScenery, part: usize, triangle: usize) -> [DVec3; 3] {
 }
 
 fn pose(posed: &PosedScenery, part: usize) -> Pose3 {
-    posed.poses()[part].expect("only of parts that are there")
+    posed.poses()[part].expect("the part is present")
 }
 
-fn meet(posed: &PosedScenery, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Meeting {
-    let mut best = Meeting { shown: Shown::Sky, distance: f64::INFINITY, barycentric: [0.0; 3] };
+fn cast(posed: &PosedScenery, eye: DVec3, ray: DVec3, observer: Option<RobotId>) -> Hit {
+    let mut best = Hit { shown: Shown::Sky, distance: f64::INFINITY, barycentric: [0.0; 3] };
     if posed.scenery().ground().is_some() && eye.z > 0.0 && ray.z < 0.0 {
-        best = Meeting { shown: Shown::Ground, distance: eye.z / -ray.z, ..best };
+        best = Hit { shown: Shown::Ground, distance: eye.z / -ray.z, ..best };
     }
     for (number, part, _) in posed.parts() {
-        if by.is_some_and(|by| part.label == Label::Robot(by)) {
+        if observer.is_some_and(|robot| part.label == Label::Robot(robot)) {
             continue;
         }
         for (index, triangle) in part.mesh.triangles.iter().enumerate() {
@@ -90,19 +89,20 @@ fn meet(posed: &PosedScenery, eye: DVec3, ray: DVec3, by: Option<RobotId>) -> Me
                 continue;
             }
             let corners = corners(posed, number, index);
-            if let Some((distance, barycentric)) = on_plane(corners, eye, ray)
+            if let Some((distance, barycentric)) = intersect_plane(corners, eye, ray)
                 && barycentric.iter().all(|fraction| *fraction >= 0.0)
                 && distance < best.distance * (1.0 - COPLANAR)
             {
-                best = Meeting { shown: Shown::Face(number, index), distance, barycentric };
+                best = Hit { shown: Shown::Face(number, index), distance, barycentric };
             }
         }
     }
     best
 }
 
-/// Intersection of the ray with the plane of a triangle: distance and barycentric coordinates. `None` behind the eye.
-fn on_plane([a, b, c]: [DVec3; 3], eye: DVec3, ray: DVec3) -> Option<(f64, [f64; 3])> {
+/// Intersection of the ray with the plane of a triangle: distance and barycentric coordinates. `None` if it is behind the
+/// eye.
+fn intersect_plane([a, b, c]: [DVec3; 3], eye: DVec3, ray: DVec3) -> Option<(f64, [f64; 3])> {
     let normal = (b - a).cross(c - a);
     let distance = normal.dot(a - eye) / normal.dot(ray);
     let point = eye + ray * distance;
@@ -110,15 +110,15 @@ fn on_plane([a, b, c]: [DVec3; 3], eye: DVec3, ray: DVec3) -> Option<(f64, [f64;
     (distance > 0.0 && distance.is_finite()).then(|| (distance, [fraction(b, c), fraction(c, a), fraction(a, b)]))
 }
 
-fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: &Meeting) -> [f64; 3] {
+fn colour_of(posed: &PosedScenery, view: &View, position: DVec2, ray: DVec3, hit: &Hit) -> [f64; 3] {
     let scenery = posed.scenery();
     let eye = view.world_from_camera().position;
-    // Points on the surface half a pixel to the sides, extrapolated from the change of the ray.
-    let neighbours = |step: DVec2| {
-        let [before, behind] = [-0.5, 0.5].map(|half| view.continued_ray(at + half * step).1);
-        1e-4 * (view.world_from_camera().rotation * (behind - before))
+    // A ten-thousandth of the ray's change over one pixel.
+    let ray_step = |step: DVec2| {
+        let [previous, next] = [-0.5, 0.5].map(|half| view.continued_ray(position + half * step).1);
+        1e-4 * (view.world_from_camera().rotation * (next - previous))
     };
-    match meeting.shown {
+    match hit.shown {
         Shown::Sky => {
             let up = ray.normalize_or_zero().z.max(0.0);
             let sky = scenery.sky();
@@ -138,9 +138,9 @@ fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: 
             {
                 colour = floor.colour.map(f64::from);
                 if let Some(image) = &floor.texture {
-                    let change = |step| (on_ground(ray + neighbours(step)) - point) / floor.size * 1e4;
-                    let found = filtered(image, Wrap::Clamp, point / floor.size, [change(DVec2::X), change(DVec2::Y)]);
-                    colour = over(found, colour);
+                    let change = |step| (on_ground(ray + ray_step(step)) - point) / floor.size * 1e4;
+                    let sample = filtered(image, Wrap::Clamp, point / floor.size, [change(DVec2::X), change(DVec2::Y)]);
+                    colour = over(sample, colour);
                 }
             }
             for spot in &ground.spots {
@@ -148,24 +148,23 @@ fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: 
                     colour = over(spot.colour.map(f64::from), colour);
                 }
             }
-            lit(posed, colour, DVec3::Z, (point.extend(0.0), meeting.shown))
+            lit(posed, colour, DVec3::Z, (point.extend(0.0), hit.shown))
         }
-        Shown::Face(number, triangle) => {
+        Shown::Face(number, index) => {
             let part = &scenery.parts()[number];
-            let own = triangle;
-            let triangle = &part.mesh.triangles[own];
+            let triangle = &part.mesh.triangles[index];
             let material = part.mesh.material(triangle);
             let plain = material.colour.map(|component| 255.0 * f64::from(component.clamp(0.0, 1.0)));
-            let corners = corners(posed, number, own);
+            let corners = corners(posed, number, index);
             let colour = match (&material.texture, triangle.uv) {
                 (Some(image), Some(uv)) => {
-                    let at = |ray: DVec3| {
+                    let uv_at = |ray: DVec3| {
                         let fractions =
-                            on_plane(corners, eye, ray).map_or(meeting.barycentric, |(_, fractions)| fractions);
+                            intersect_plane(corners, eye, ray).map_or(hit.barycentric, |(_, fractions)| fractions);
                         (0..3).map(|corner| uv[corner].as_dvec2() * fractions[corner]).sum::<DVec2>()
                     };
-                    let point = at(ray);
-                    let change = |step| (at(ray + neighbours(step)) - point) * 1e4;
+                    let point = uv_at(ray);
+                    let change = |step| (uv_at(ray + ray_step(step)) - point) * 1e4;
                     let [red, green, blue, opacity] =
                         filtered(image, Wrap::Repeat, point, [change(DVec2::X), change(DVec2::Y)]);
                     let tint = plain.map(|channel| channel / 255.0);
@@ -175,40 +174,41 @@ fn colour_of(posed: &PosedScenery, view: &View, at: DVec2, ray: DVec3, meeting: 
             };
             let [a, b, c] = corners;
             let face_normal = (b - a).cross(c - a).normalize_or_zero();
-            let turned = |normal: glam::Vec3| pose(posed, number).rotation * normal.as_dvec3();
+            let rotated = |normal: glam::Vec3| pose(posed, number).rotation * normal.as_dvec3();
             let normal = triangle.normals.map_or(face_normal, |normals| {
                 (0..3)
-                    .map(|corner| turned(normals[corner]) * meeting.barycentric[corner])
+                    .map(|corner| rotated(normals[corner]) * hit.barycentric[corner])
                     .sum::<DVec3>()
                     .normalize_or(face_normal)
             });
-            let intersection = eye + ray.normalize_or_zero() * meeting.distance;
-            lit(posed, colour, if face_normal.dot(ray) < 0.0 { normal } else { -normal }, (intersection, meeting.shown))
+            let intersection = eye + ray.normalize_or_zero() * hit.distance;
+            lit(posed, colour, if face_normal.dot(ray) < 0.0 { normal } else { -normal }, (intersection, hit.shown))
         }
     }
 }
 
-/// Returns true if no face except `own` lies between the sun and a point.
-fn is_in_sun(posed: &PosedScenery, point: DVec3, own: Shown) -> bool {
+/// Returns true if no face except `shown` lies between the sun and a point.
+fn is_in_sun(posed: &PosedScenery, point: DVec3, shown: Shown) -> bool {
     let light = posed.scenery().light();
     let covers = |number: usize, triangle: usize| {
-        own != Shown::Face(number, triangle)
-            && on_plane(corners(posed, number, triangle), point, light.towards)
+        shown != Shown::Face(number, triangle)
+            && intersect_plane(corners(posed, number, triangle), point, light.sun_direction)
                 .is_some_and(|(distance, fractions)| distance > 1e-6 && fractions.iter().all(|share| *share >= 0.0))
     };
-    let of_part = |(number, part, _): (usize, &crate::camera::Part, &Pose3)| {
-        let is_seen = |triangle: usize| part.mesh.material(&part.mesh.triangles[triangle]).opacity >= 0.5;
-        (0..part.mesh.triangles.len()).any(|triangle| is_seen(triangle) && covers(number, triangle))
+    let part_covers = |(number, part, _): (usize, &crate::camera::Part, &Pose3)| {
+        let is_visible = |triangle: usize| part.mesh.material(&part.mesh.triangles[triangle]).opacity >= 0.5;
+        (0..part.mesh.triangles.len()).any(|triangle| is_visible(triangle) && covers(number, triangle))
     };
-    !light.shadows || !posed.parts().any(of_part)
+    !light.shadows || !posed.parts().any(part_covers)
 }
 
-fn lit(posed: &PosedScenery, colour: [f64; 3], normal: DVec3, (point, own): (DVec3, Shown)) -> [f64; 3] {
+fn lit(posed: &PosedScenery, colour: [f64; 3], normal: DVec3, (point, shown): (DVec3, Shown)) -> [f64; 3] {
     let light = posed.scenery().light();
-    let sun = if is_in_sun(posed, point, own) { light.diffuse } else { 0.0 };
-    let opposite = DVec3::new(-light.towards.x, -light.towards.y, light.towards.z);
-    let fraction =
-        light.ambient + light.fill * 0.5 * (1.0 + normal.dot(opposite)) + sun * normal.dot(light.towards).max(0.0);
+    let sun = if is_in_sun(posed, point, shown) { light.diffuse } else { 0.0 };
+    let opposite = DVec3::new(-light.sun_direction.x, -light.sun_direction.y, light.sun_direction.z);
+    let fraction = light.ambient
+        + light.fill * 0.5 * (1.0 + normal.dot(opposite))
+        + sun * normal.dot(light.sun_direction).max(0.0);
     colour.map(|channel| (channel * fraction).min(255.0))
 }
 
@@ -218,21 +218,21 @@ fn over([red, green, blue, opacity]: [f64; 4], under: [f64; 3]) -> [f64; 3] {
 }
 
 /// The filter of [`MipMap`], implemented from its definition.
-pub fn filtered(image: &Texture, wrap: Wrap, at: DVec2, changes: [DVec2; 2]) -> [f64; 4] {
+pub fn filtered(image: &Texture, wrap: Wrap, uv: DVec2, steps: [DVec2; 2]) -> [f64; 4] {
     let (width, height) = image.size();
     let texels = DVec2::new(f64::from(width), f64::from(height));
-    let [a, b] = changes.map(|change| (change * texels).length());
-    let (long, short, axis) = if a >= b { (a, b, changes[0]) } else { (b, a, changes[1]) };
+    let [a, b] = steps.map(|step| (step * texels).length());
+    let (long, short, axis) = if a >= b { (a, b, steps[0]) } else { (b, a, steps[1]) };
     let n = (long / (3.0 * short).max(1.0)).clamp(1.0, f64::from(MipMap::PROBES));
     let half_spread = (1.0 - 1.0 / n) / 2.0;
-    let levels = smaller(image);
+    let levels = mip_levels(image);
     let level = (math::ln(long / n) / std::f64::consts::LN_2).clamp(0.0, (levels.len() - 1) as f64);
     let mut sum = [0.0; 4];
     for offset in [-half_spread, half_spread] {
         let lower = level as usize;
-        let uv = at + axis * offset;
-        let fine = bilinear(&levels[lower], wrap, uv);
-        let coarse = bilinear(&levels[(lower + 1).min(levels.len() - 1)], wrap, uv);
+        let probe = uv + axis * offset;
+        let fine = bilinear(&levels[lower], wrap, probe);
+        let coarse = bilinear(&levels[(lower + 1).min(levels.len() - 1)], wrap, probe);
         let fraction = ((level - level.floor() - 0.5) / 0.25 + 0.5).clamp(0.0, 1.0);
         sum =
             std::array::from_fn(|channel| sum[channel] + fine[channel] + fraction * (coarse[channel] - fine[channel]));
@@ -241,7 +241,7 @@ pub fn filtered(image: &Texture, wrap: Wrap, at: DVec2, changes: [DVec2; 2]) -> 
 }
 
 /// The image and its smaller mip levels.
-fn smaller(image: &Texture) -> Vec<Texture> {
+fn mip_levels(image: &Texture) -> Vec<Texture> {
     let mut levels = vec![image.clone()];
     while let Some(last) = levels.last().filter(|last| last.size() != (1, 1)) {
         let (width, height) = last.size();
@@ -250,9 +250,9 @@ fn smaller(image: &Texture) -> Vec<Texture> {
         for row in 0..half(height) {
             for column in 0..half(width) {
                 let (x, y) = ((2 * column + 1).min(width - 1), (2 * row + 1).min(height - 1));
-                let below =
+                let sources =
                     [(2 * column, 2 * row), (x, 2 * row), (2 * column, y), (x, y)].map(|(x, y)| last.pixel(x, y));
-                let mean = |channel: usize| below.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / 4.0;
+                let mean = |channel: usize| sources.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / 4.0;
                 pixels.push([0, 1, 2, 3].map(|channel| (mean(channel) + 0.5).floor() as u8));
             }
         }
@@ -261,14 +261,14 @@ fn smaller(image: &Texture) -> Vec<Texture> {
     levels
 }
 
-fn bilinear(image: &Texture, wrap: Wrap, at: DVec2) -> [f64; 4] {
+fn bilinear(image: &Texture, wrap: Wrap, uv: DVec2) -> [f64; 4] {
     let (width, height) = image.size();
-    let wrapped = |part: f64| match wrap {
-        Wrap::Repeat => part,
-        Wrap::Clamp => part.clamp(0.0, 1.0),
+    let wrapped = |coordinate: f64| match wrap {
+        Wrap::Repeat => coordinate,
+        Wrap::Clamp => coordinate.clamp(0.0, 1.0),
     };
-    let x = wrapped(at.x) * f64::from(width) - 0.5;
-    let y = (1.0 - wrapped(at.y)) * f64::from(height) - 0.5;
+    let x = wrapped(uv.x) * f64::from(width) - 0.5;
+    let y = (1.0 - wrapped(uv.y)) * f64::from(height) - 0.5;
     let texel = |column: f64, row: f64| {
         let coordinate = |coordinate: f64, size: u32| match wrap {
             Wrap::Repeat => coordinate.rem_euclid(f64::from(size)) as u32,

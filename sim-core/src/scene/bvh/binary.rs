@@ -27,9 +27,10 @@ struct Subtree {
 /// The cheapest way to collapse a subtree.
 #[derive(Default)]
 struct Collapse {
-    /// Expected costs of the subtree as at most 1, 2, ... 7 children of a wide node.
+    /// Expected cost if the subtree becomes at most 1, 2, ... 7 children of a wide node.
     costs: [f32; WIDTH - 1],
-    /// Number of children of the left subtree out of at most 2, 3, ... 8; 0 if one child fewer in total is as good.
+    /// Number of children from the left subtree if the subtree becomes at most 2, 3, ... 8 children; 0 if one child fewer in
+    /// total costs no more.
     left_parts: [usize; WIDTH - 1],
     /// True if the subtree, as one child, is cheapest as a batch of triangles.
     is_leaf: bool,
@@ -64,33 +65,33 @@ impl Binary {
         self.subtrees[root].best.is_leaf
     }
 
-    /// Indices of all boxes below a subtree.
-    pub fn places(&self, root: usize) -> &[usize] {
+    /// Indices of all boxes of a subtree.
+    pub fn boxes_below(&self, root: usize) -> &[usize] {
         &self.order[self.subtrees[root].range.clone()]
     }
 
-    /// Appends the subtrees that become the children, at most `parts`, of a wide node made of `root`.
-    pub fn split(&self, root: usize, parts: usize, into: &mut Vec<usize>) {
+    /// Splits the subtree `root` into at most `parts` subtrees, the children of a wide node, and appends them to `children`.
+    pub fn split(&self, root: usize, parts: usize, children: &mut Vec<usize>) {
         let Some(left) = self.subtrees[root].left.filter(|_| parts > 1) else {
-            into.push(root);
+            children.push(root);
             return;
         };
         match self.subtrees[root].best.left_parts[parts - 2] {
-            0 => self.split(root, parts - 1, into),
+            0 => self.split(root, parts - 1, children),
             left_parts => {
-                self.split(left, left_parts, into);
-                self.split(left + 1, parts - left_parts, into);
+                self.split(left, left_parts, children);
+                self.split(left + 1, parts - left_parts, children);
             }
         }
     }
 
     /// Computes the cheapest collapse of a subtree. Source: Ylitie, Karras and Laine 2017, section 3.1.
     fn cheapest_collapse(&self, index: usize, batch_cost: f32) -> Collapse {
-        let fork = &self.subtrees[index];
-        let area = fork.bounds.half_area();
-        let batch = area * batch_cost;
-        let Some(left) = fork.left else {
-            return Collapse { costs: [batch; WIDTH - 1], left_parts: [0; WIDTH - 1], is_leaf: true };
+        let subtree = &self.subtrees[index];
+        let area = subtree.bounds.half_area();
+        let leaf_cost = area * batch_cost;
+        let Some(left) = subtree.left else {
+            return Collapse { costs: [leaf_cost; WIDTH - 1], left_parts: [0; WIDTH - 1], is_leaf: true };
         };
         let mut best = Collapse::default();
         // Indexed by the number of parts.
@@ -105,15 +106,15 @@ impl Binary {
                 }
             }
         }
-        let inner = area + costs[WIDTH];
-        best.is_leaf = fork.range.len() <= WIDTH && batch <= inner;
-        best.costs[0] = if best.is_leaf { batch } else { inner };
+        let node_cost = area + costs[WIDTH];
+        best.is_leaf = subtree.range.len() <= WIDTH && leaf_cost <= node_cost;
+        best.costs[0] = if best.is_leaf { leaf_cost } else { node_cost };
         for (parts, &cost) in costs.iter().enumerate().take(WIDTH).skip(2) {
-            let fewer = best.costs[parts - 2];
-            if fewer <= cost {
+            let cost_with_fewer = best.costs[parts - 2];
+            if cost_with_fewer <= cost {
                 best.left_parts[parts - 2] = 0;
             }
-            best.costs[parts - 1] = fewer.min(cost);
+            best.costs[parts - 1] = cost_with_fewer.min(cost);
         }
         best
     }
@@ -126,13 +127,13 @@ impl Subtree {
     }
 }
 
-/// Partitions `order` where the expected cost is lowest, and returns the size of the first part. Both parts are
-/// non-empty.
+/// Partitions `order` in two non-empty parts at the lowest expected cost, and returns the size of the first part. If the
+/// middles of all boxes coincide, both parts have the same number of boxes.
 ///
-/// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007. If all middles coincide, the
-/// boxes are split in half by count.
+/// Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007.
 fn split(boxes: &[Box3], order: &mut [usize]) -> usize {
-    let middles = order.iter().fold(Box3::EMPTY, |all, &index| all.union(Box3::at(boxes[index].middle())));
+    let middle_box = |index: usize| Box3::of_point(boxes[index].middle());
+    let middles = order.iter().fold(Box3::EMPTY, |bounds, &index| bounds.union(middle_box(index)));
     let size = middles.high - middles.low;
     let bin = |index: usize, axis: usize| {
         let fraction = (boxes[index].middle()[axis] - middles.low[axis]) / size[axis];
@@ -147,28 +148,30 @@ fn split(boxes: &[Box3], order: &mut [usize]) -> usize {
             *count += 1;
         }
         let mut above = [(Box3::EMPTY, 0_usize); BINS + 1];
-        for at in (0..BINS).rev() {
-            above[at] = (above[at + 1].0.union(bins[at].0), above[at + 1].1 + bins[at].1);
+        for first_bin in (0..BINS).rev() {
+            let (bounds, count) = above[first_bin + 1];
+            above[first_bin] = (bounds.union(bins[first_bin].0), count + bins[first_bin].1);
         }
         let mut below = (Box3::EMPTY, 0);
-        for at in 1..BINS {
-            below = (below.0.union(bins[at - 1].0), below.1 + bins[at - 1].1);
-            if below.1 == 0 || above[at].1 == 0 {
+        for split_bin in 1..BINS {
+            below = (below.0.union(bins[split_bin - 1].0), below.1 + bins[split_bin - 1].1);
+            let above = above[split_bin];
+            if below.1 == 0 || above.1 == 0 {
                 continue;
             }
-            let cost = below.0.half_area() * below.1 as f32 + above[at].0.half_area() * above[at].1 as f32;
+            let cost = below.0.half_area() * below.1 as f32 + above.0.half_area() * above.1 as f32;
             if cost < best.0 {
-                best = (cost, axis, at);
+                best = (cost, axis, split_bin);
             }
         }
     }
-    let (cost, axis, at) = best;
+    let (cost, axis, split_bin) = best;
     if cost == f32::INFINITY {
         return order.len() / 2;
     }
     let mut first = 0;
     for index in 0..order.len() {
-        if bin(order[index], axis) < at {
+        if bin(order[index], axis) < split_bin {
             order.swap(first, index);
             first += 1;
         }

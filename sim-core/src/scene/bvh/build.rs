@@ -15,7 +15,7 @@ const BALANCED_FROM: usize = 14;
 /// Cost of testing a batch relative to a node.
 const BATCH_COST: f32 = 1.0;
 
-/// The tree over the triangles whose indices are in `indices`.
+/// The tree over the triangles with these `indices`.
 pub(super) fn tree(triangles: &[[DVec3; 3]], indices: &[u32], frame: &Frame) -> Tree {
     let tree_corners: Vec<[Vec3; 3]> = indices
         .iter()
@@ -47,10 +47,10 @@ impl Builder<'_> {
     /// Adds a subtree of the binary tree as one child.
     fn subtree(&mut self, binary: &Binary, root: usize, depth: usize) -> (Child, Box3) {
         if binary.is_leaf(root) {
-            return self.batch(binary.places(root).to_vec());
+            return self.batch(binary.boxes_below(root).to_vec());
         }
         if depth >= BALANCED_FROM {
-            return self.balanced(binary.places(root).to_vec(), depth);
+            return self.balanced(binary.boxes_below(root).to_vec(), depth);
         }
         let node = self.reserve(depth);
         let mut parts = Vec::with_capacity(WIDTH);
@@ -59,7 +59,7 @@ impl Builder<'_> {
         self.fill(node, &children)
     }
 
-    /// Adds triangles as one child, split only by count.
+    /// Adds the triangles at these positions of the lists as one child, split only by count.
     fn balanced(&mut self, mut positions: Vec<usize>, depth: usize) -> (Child, Box3) {
         if positions.len() <= WIDTH {
             return self.batch(positions);
@@ -74,7 +74,7 @@ impl Builder<'_> {
             2
         };
         let middle = |position: &usize| self.boxes[*position].low[axis] + self.boxes[*position].high[axis];
-        positions.sort_by(|one, other| middle(one).total_cmp(&middle(other)));
+        positions.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
         let node = self.reserve(depth);
         let per_child = positions.len().div_ceil(WIDTH);
         let children: Vec<_> =
@@ -86,6 +86,7 @@ impl Builder<'_> {
         positions.iter().fold(Box3::EMPTY, |bounds, &position| bounds.union(self.boxes[position]))
     }
 
+    /// Adds a batch of triangles as one child.
     fn batch(&mut self, mut positions: Vec<usize>) -> (Child, Box3) {
         positions.sort_unstable();
         let mut batch = TriangleBatch::EMPTY;
@@ -112,7 +113,7 @@ impl Builder<'_> {
         self.tree.nodes.len() - 1
     }
 
-    /// Sets the children of node number `index`.
+    /// Sets the children of node `index`; returns the node as a child and its bounds.
     fn fill(&mut self, index: usize, children: &[(Child, Box3)]) -> (Child, Box3) {
         let node = &mut self.tree.nodes[index];
         for (lane, (child, bounds)) in children.iter().enumerate() {
@@ -122,6 +123,6 @@ impl Builder<'_> {
                 node.planes[axis][1][lane] = bounds.high[axis];
             }
         }
-        (Child::node(index), children.iter().fold(Box3::EMPTY, |all, (_, bounds)| all.union(*bounds)))
+        (Child::node(index), children.iter().fold(Box3::EMPTY, |union, (_, bounds)| union.union(*bounds)))
     }
 }

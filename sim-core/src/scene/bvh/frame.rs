@@ -14,7 +14,7 @@ pub(super) struct Frame {
     /// Middle of the mesh.
     pub centre: DVec3,
     /// Half extents of the bounds around `centre`, rounded up.
-    half: DVec3,
+    half_extents: DVec3,
     /// Tree units per metre; a power of two, so that scaling is exact.
     pub scale: f64,
 }
@@ -36,11 +36,12 @@ impl Frame {
         let first = corners.next()?;
         let (low, high) = corners.fold((first, first), |(low, high), corner| (low.min(corner), high.max(corner)));
         let centre = 0.5 * low + 0.5 * high;
-        let half = (high - centre).max(centre - low);
+        let half_extents = (high - centre).max(centre - low);
         let max_coordinate = low.abs().max(high.abs()).max_element();
-        // Power of two that scales `half` to [0.5, 1).
-        let exponent = half.max_element().max(1e-280).to_bits() >> 52;
-        Some(Self { low, high, max_coordinate, centre, half, scale: f64::from_bits((2045 - exponent) << 52) })
+        // Power of two that scales `half_extents` to [0.5, 1).
+        let exponent = half_extents.max_element().max(1e-280).to_bits() >> 52;
+        let scale = f64::from_bits((2045 - exponent) << 52);
+        Some(Self { low, high, max_coordinate, centre, half_extents, scale })
     }
 
     /// A point of the mesh's frame in tree coordinates.
@@ -48,26 +49,26 @@ impl Frame {
         (point - self.centre) * self.scale
     }
 
-    /// Entry of the ray into the bounds; the origin itself if it lies within them. `None` if the ray misses the bounds
-    /// or ends before them. `reciprocal` is the reciprocal of the direction.
+    /// Point at which the ray enters the bounds; its origin if that lies within the bounds. `None` if the ray misses the
+    /// bounds or ends before them. `reciprocal` is the reciprocal of the direction.
     pub fn enter(&self, origin: DVec3, direction: DVec3, reciprocal: DVec3, range: f64) -> Option<Entry> {
         let offset = origin - self.centre;
         // The second term exceeds the rounding of the computations below.
-        let reach = self.half + (MARGIN / self.scale + offset.abs().max_element() * f64::EPSILON * 8.0);
-        if offset.abs().cmple(reach).all() {
+        let half_extents = self.half_extents + (MARGIN / self.scale + offset.abs().max_element() * f64::EPSILON * 8.0);
+        if offset.abs().cmple(half_extents).all() {
             return Some(Entry { distance: 0.0, origin });
         }
-        let (to_low, to_high) = ((-reach - offset) * reciprocal, (reach - offset) * reciprocal);
+        let (to_low, to_high) = ((-half_extents - offset) * reciprocal, (half_extents - offset) * reciprocal);
         let (mut near, mut far) = (0.0_f64, range);
         for axis in 0..3 {
             if reciprocal[axis].is_finite() {
                 near = near.max(to_low[axis].min(to_high[axis]));
                 far = far.min(to_low[axis].max(to_high[axis]));
-            } else if offset[axis].abs() > reach[axis] {
+            } else if offset[axis].abs() > half_extents[axis] {
                 return None;
             }
         }
-        (near <= far)
-            .then(|| Entry { distance: near, origin: self.centre + (offset + near * direction).clamp(-reach, reach) })
+        let origin = || self.centre + (offset + near * direction).clamp(-half_extents, half_extents);
+        (near <= far).then(|| Entry { distance: near, origin: origin() })
     }
 }

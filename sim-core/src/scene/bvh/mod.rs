@@ -27,8 +27,8 @@ pub struct MeshHit {
     pub distance: f64,
     /// Number of the triangle; among triangles at the same distance, the lowest.
     pub triangle: u32,
-    /// Unit normal of the triangle on the side from which the ray comes. For a ray within the triangle's
-    /// plane, the side from which its corners are counter-clockwise.
+    /// Unit normal of the triangle on the side from which the ray comes. For a ray in the triangle's plane, the normal on the
+    /// side from which its corners are counter-clockwise.
     pub normal: DVec3,
 }
 
@@ -42,12 +42,12 @@ pub struct MeshHit {
 /// Both sides of a triangle can be hit, edges and corners included. Where triangles share bit-identical corners, no ray
 /// slips through between them. The reason: projected along the ray, the offset of a shared edge from the ray is the
 /// same number for both triangles, and rounding never gives the offset a wrong sign; it can only make it 0, which hits
-/// both. A ray within a triangle's plane hits the triangle at its point of entry. A ray that starts on a triangle hits
-/// it at distance 0; the tolerance is 4 units in the last place (2^-52) of the coordinates involved.
+/// both. A ray in a triangle's plane hits the triangle where it enters it. A ray that starts on a triangle hits it at
+/// distance 0; the tolerance is 4 units in the last place (2^-52) of the coordinates involved.
 ///
-/// Distances are exact within rounding (some 10^-15 of the mesh's extent, over the cosine of the incidence angle). A
-/// ray from outside the mesh's bounds is followed from its entry into them, so a distant origin adds only its own
-/// rounding.
+/// Distances are exact within rounding (some 10^-15 of the mesh's extent, divided by the cosine of the incidence angle). A
+/// ray from outside the mesh's bounds is followed from the point where it enters them, so a distant origin adds only the
+/// rounding of its coordinates.
 ///
 /// Source: Woop, Benthin and Wald, "Watertight ray/triangle intersection", 2013, in `f64`; Ylitie, Karras and Laine,
 /// "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", 2017, section 3, for the wide tree.
@@ -72,8 +72,8 @@ impl MeshIndex {
     fn at_level(triangles: &[[DVec3; 3]], level: Level) -> Self {
         assert!(triangles.len() < 1 << 28, "a mesh has fewer than 2^28 triangles");
         let candidates: Vec<u32> =
-            (0..).zip(triangles).filter(|(_, corners)| has_area(corners)).map(|(at, _)| at).collect();
-        let frame = Frame::around(candidates.iter().flat_map(|&at| triangles[at as usize]));
+            (0..).zip(triangles).filter(|(_, corners)| has_area(corners)).map(|(index, _)| index).collect();
+        let frame = Frame::around(candidates.iter().flat_map(|&index| triangles[index as usize]));
         let tree = frame.map_or_else(Tree::default, |frame| build::tree(triangles, &candidates, &frame));
         Self { count: triangles.len(), frame, tree, level }
     }
@@ -130,15 +130,16 @@ fn area_vector([a, b, c]: &[DVec3; 3]) -> DVec3 {
     if extent == 0.0 { DVec3::ZERO } else { (ab / extent).cross(ac / extent) }
 }
 
+/// Unit normal of a triangle on the side from which a ray along `direction` comes.
 fn normal(corners: &[DVec3; 3], direction: DVec3) -> DVec3 {
     let [a, b, c] = *corners;
-    let mut area = (b - a).cross(c - a);
-    let mut square = area.length_squared();
-    if !(1e-200..1e200).contains(&square) {
+    let mut normal = (b - a).cross(c - a);
+    let mut length_squared = normal.length_squared();
+    if !(1e-200..1e200).contains(&length_squared) {
         let scaled = area_vector(corners);
-        area = scaled / scaled.abs().max_element();
-        square = area.length_squared();
+        normal = scaled / scaled.abs().max_element();
+        length_squared = normal.length_squared();
     }
-    let unit = area / square.sqrt();
+    let unit = normal / length_squared.sqrt();
     if unit.dot(direction) > 0.0 { -unit } else { unit }
 }

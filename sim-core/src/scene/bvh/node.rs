@@ -10,9 +10,9 @@ pub(super) const WIDTH: usize = 8;
 ///
 /// A ray enters a box at (bound - origin) / direction on each axis. Rounding shifts the entry along that axis by at
 /// most 8.3 u: 1 u for the bound, 1 u for the origin, 2.1 u for the reciprocal, and 4.2 u for the difference (at most
-/// 2.1) and the products in it (two, or one if multiplication and subtraction are fused). Hits are off by at most 4 u
-/// (see `ray`). An origin that counts as on a surface is off by at most 4 u, too. The rest of the margin is for
-/// reciprocals clamped to [`MAX_RECIPROCAL`](super::walk::MAX_RECIPROCAL), and for `f64`.
+/// 2.1) and its products (two, or one if multiplication and subtraction are fused). The position of a hit has an error of
+/// at most 4 u (see `ray`), and so does an origin on a surface. The rest of the margin covers reciprocals clamped to
+/// [`MAX_RECIPROCAL`](super::walk::MAX_RECIPROCAL), and the rounding of `f64`.
 pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;
 
 /// The tree over a mesh's triangles.
@@ -87,7 +87,7 @@ pub(super) struct Box3 {
 impl Box3 {
     pub const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
 
-    pub fn at(point: Vec3) -> Self {
+    pub fn of_point(point: Vec3) -> Self {
         Self { low: point, high: point }
     }
 

@@ -12,7 +12,7 @@ pub(super) struct Ray {
     pub reciprocal: DVec3,
     /// Permutation of the axes; the last one is the dominant axis of the direction.
     axes: [usize; 3],
-    /// Metres on the first two axes per metre on the last.
+    /// Metres on the first two axes per metre on the last axis.
     shear: [f64; 2],
     /// Metres along the ray per metre on the last axis.
     length_per_axis: f64,
@@ -25,17 +25,18 @@ pub(super) struct Ray {
 
 /// The nearest hit so far.
 pub(super) struct Nearest {
-    /// Metres along the ray; the range without a hit.
+    /// Metres along the ray; without a hit, the range of the ray.
     pub distance: f64,
     /// Number of the triangle; [`NO_TRIANGLE`] without a hit.
     pub triangle: u32,
+    /// Batch and lane in which the triangle is stored.
     pub batch_lane: (usize, usize),
 }
 
 /// Distance behind the origin, in tree units, within which a hit may mean that the origin lies on the surface.
 const ORIGIN_DEPTH: f64 = 1.0 / (1 << 20) as f64;
 
-/// Part of the boxes' margin that is reserved for the rounding of the origin, in tree units.
+/// Part of the boxes' margin for the rounding of the origin, in tree units.
 const ORIGIN_ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
 const NO_TRIANGLE: u32 = u32::MAX;
@@ -110,13 +111,13 @@ impl Ray {
         Some(&self.nearest).filter(|nearest| nearest.triangle != NO_TRIANGLE)
     }
 
-    /// Tests a triangle and records it if it is the nearest; ties in distance go to the lowest number. `batch_lane` gives
-    /// the caller where the triangle is stored.
+    /// Tests a triangle and records it if it is the nearest; among equal distances, the lowest number takes precedence.
+    /// `batch_lane` tells the caller where the triangle is stored.
     #[inline(always)]
     pub fn test(&mut self, corners: &[DVec3; 3], triangle: u32, batch_lane: (usize, usize)) {
-        let Nearest { distance: min_distance, triangle: first, .. } = self.nearest;
-        if let Some(distance) = self.meets(corners)
-            && (distance < min_distance || distance == min_distance && triangle < first)
+        let Nearest { distance: min_distance, triangle: nearest, .. } = self.nearest;
+        if let Some(distance) = self.distance_to(corners)
+            && (distance < min_distance || distance == min_distance && triangle < nearest)
         {
             self.nearest = Nearest { distance, triangle, batch_lane };
         }
@@ -124,8 +125,8 @@ impl Ray {
 
     /// Distance to a triangle, m, without the limit of the range; `None` if the ray misses the triangle.
     #[inline(always)]
-    pub fn meets(&self, corners: &[DVec3; 3]) -> Option<f64> {
-        let [a, b, c] = [self.seen(corners[0]), self.seen(corners[1]), self.seen(corners[2])];
+    pub fn distance_to(&self, corners: &[DVec3; 3]) -> Option<f64> {
+        let [a, b, c] = [self.sheared(corners[0]), self.sheared(corners[1]), self.sheared(corners[2])];
         // The sign of a difference of two products is never wrong, because rounding is monotonic. The products of an
         // edge are the same for both triangles that share this edge.
         let u = c.x * b.y - c.y * b.x;
@@ -142,40 +143,41 @@ impl Ray {
         if distance >= 0.0 { Some(distance) } else { self.starts_on(corners, distance).then_some(0.0) }
     }
 
+    /// A corner in ray coordinates.
     #[inline(always)]
-    fn seen(&self, corner: DVec3) -> Corner {
+    fn sheared(&self, corner: DVec3) -> Corner {
         let offset = (corner - self.origin).to_array();
         let [x, y, z] = [offset[self.axes[0]], offset[self.axes[1]], offset[self.axes[2]]];
         Corner { x: x - self.shear[0] * z, y: y - self.shear[1] * z, z }
     }
 
-    /// Returns true if the origin lies on a triangle that the ray's line hits shortly behind it.
+    /// Returns true if the origin lies on a triangle that the ray's line hits at `distance`, which is negative.
     #[cold]
     fn starts_on(&self, corners: &[DVec3; 3], distance: f64) -> bool {
         let normal = super::normal(corners, self.direction);
-        let touch = (4.0 * f64::EPSILON * self.max_coordinate).min(ORIGIN_ROUNDING / self.scale);
-        distance >= -ORIGIN_DEPTH / self.scale && normal.dot(corners[0] - self.origin).abs() <= touch
+        let tolerance = (4.0 * f64::EPSILON * self.max_coordinate).min(ORIGIN_ROUNDING / self.scale);
+        distance >= -ORIGIN_DEPTH / self.scale && normal.dot(corners[0] - self.origin).abs() <= tolerance
     }
 
-    /// Distance to a triangle that projects almost to a line. `ahead` is an estimate of the distance, anywhere within
-    /// the triangle, or NaN.
+    /// Distance to a triangle that projects almost to a line. `ahead` is an estimate of the distance, which may be the
+    /// distance of any point of the triangle, or NaN.
     #[cold]
-    fn through_sliver(&self, seen: [Corner; 3], spread: f64, ahead: f64) -> Option<f64> {
-        let edges = [(seen[0], seen[1]), (seen[1], seen[2]), (seen[2], seen[0])];
-        let [_, p, x, y] = edges.iter().fold([0.0, spread, 0.0, 0.0], |longest, (from, to)| {
+    fn through_sliver(&self, [a, b, c]: [Corner; 3], spread: f64, ahead: f64) -> Option<f64> {
+        let edges = [(a, b), (b, c), (c, a)];
+        // Length of the longest edge, its line's distance from the ray, and the components of its direction.
+        let [_, offset, x, y] = edges.iter().fold([0.0, spread, 0.0, 0.0], |longest, (from, to)| {
             let (x, y) = (to.x - from.x, to.y - from.y);
             let length = (x * x + y * y).sqrt();
-            // Distance of the line from the ray.
             if length > longest[0] {
                 [length, (from.x * y - from.y * x) / length, x / length, y / length]
             } else {
                 longest
             }
         });
-        if p.abs() > 2.0 * SLIVER * spread {
+        if offset.abs() > 2.0 * SLIVER * spread {
             return None;
         }
-        // Along that line, the ray is at 0.
+        // Coordinate along that line; the ray is at 0.
         let along = |corner: &Corner| corner.x * x + corner.y * y;
         let slack = 4.0 * f64::EPSILON * spread;
         let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -9,7 +9,7 @@ use crate::math;
 
 type Triangle = [DVec3; 3];
 
-fn unit(random: &mut Random) -> DVec3 {
+fn unit_vector(random: &mut Random) -> DVec3 {
     let z = random.between(-1.0, 1.0);
     let (sin, cos) = math::sin_cos(random.between(0.0, TAU));
     let horizontal = (1.0 - z * z).sqrt();
@@ -20,7 +20,7 @@ fn point(random: &mut Random, reach: f64) -> DVec3 {
     DVec3::new(random.between(-reach, reach), random.between(-reach, reach), random.between(-reach, reach))
 }
 
-fn soup(seed: u64, count: usize, reach: f64, size: f64) -> Vec<Triangle> {
+fn random_triangles(seed: u64, count: usize, reach: f64, size: f64) -> Vec<Triangle> {
     let mut random = Random::new(seed);
     (0..count)
         .map(|_| {
@@ -30,15 +30,15 @@ fn soup(seed: u64, count: usize, reach: f64, size: f64) -> Vec<Triangle> {
         .collect()
 }
 
-/// Hills on a grid of `cells` by `cells` squares of 1 m with the corner in the origin.
+/// Hills on a grid of `cells` by `cells` squares of 1 m with a corner at the origin.
 fn hills(cells: usize) -> Vec<Triangle> {
-    let at = |column: usize, row: usize| {
+    let corner = |column: usize, row: usize| {
         let (x, y) = (column as f64, row as f64);
         DVec3::new(x, y, math::sin(0.7 * x) + math::cos(0.4 * y + 0.3 * x))
     };
     let square = |column: usize, row: usize| {
-        let (a, b) = (at(column, row), at(column + 1, row));
-        let (c, d) = (at(column, row + 1), at(column + 1, row + 1));
+        let (a, b) = (corner(column, row), corner(column + 1, row));
+        let (c, d) = (corner(column, row + 1), corner(column + 1, row + 1));
         [[a, b, d], [a, d, c]]
     };
     (0..cells * cells).flat_map(|cell| square(cell % cells, cell / cells)).collect()
@@ -47,11 +47,12 @@ fn hills(cells: usize) -> Vec<Triangle> {
 /// The surface of a box, twelve triangles, corners counter-clockwise from outside.
 fn cuboid(low: DVec3, high: DVec3) -> Vec<Triangle> {
     let corner = |bits: usize| {
-        let part = |axis: usize| if bits >> axis & 1 == 0 { low[axis] } else { high[axis] };
-        DVec3::new(part(0), part(1), part(2))
+        let coordinate = |axis: usize| if bits >> axis & 1 == 0 { low[axis] } else { high[axis] };
+        DVec3::new(coordinate(0), coordinate(1), coordinate(2))
     };
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    faces.iter().flat_map(|face| [[0, 1, 2], [0, 2, 3]].map(|part| part.map(|at: usize| corner(face[at])))).collect()
+    let halves = [[0, 1, 2], [0, 2, 3]];
+    faces.iter().flat_map(|face| halves.map(|half| half.map(|index: usize| corner(face[index])))).collect()
 }
 
 /// A sphere of radius 1: an octahedron whose faces are each subdivided `times` times into four.
@@ -118,7 +119,7 @@ fn cast(levels: &Levels, origin: DVec3, direction: DVec3, range: f64) -> Option<
     levels.indices[0].cast(origin, direction, range)
 }
 
-/// Like [`cast`]; also compares the oracle's answer within `tolerance` metres.
+/// Like [`cast`]; also compares the distance with the oracle's answer within `tolerance` metres.
 fn check(levels: &Levels, origin: DVec3, direction: DVec3, range: f64, tolerance: f64) {
     let hit = cast(levels, origin, direction, range);
     let nearest = |range, wider| oracle::nearest_triangle(&levels.triangles, origin, direction, range, wider);
@@ -133,14 +134,14 @@ fn check(levels: &Levels, origin: DVec3, direction: DVec3, range: f64, tolerance
 }
 
 #[test]
-fn a_triangle_is_met_from_both_sides() {
+fn a_triangle_is_hit_from_both_sides() {
     let index = MeshIndex::new(&[[DVec3::ZERO, DVec3::X, DVec3::Y]]);
-    let at = DVec3::new(0.25, 0.25, 0.0);
+    let target = DVec3::new(0.25, 0.25, 0.0);
     for side in [DVec3::Z, -DVec3::Z] {
-        let hit = index.cast(at + 3.0 * side, -side, 3.0);
+        let hit = index.cast(target + 3.0 * side, -side, 3.0);
         assert_eq!(hit, Some(MeshHit { distance: 3.0, triangle: 0, normal: side }));
-        assert_eq!(index.cast(at + 3.0 * side, -side, 2.999), None);
-        assert_eq!(index.cast(at + 3.0 * side, side, f64::INFINITY), None);
+        assert_eq!(index.cast(target + 3.0 * side, -side, 2.999), None);
+        assert_eq!(index.cast(target + 3.0 * side, side, f64::INFINITY), None);
     }
     let slanted = DVec3::new(0.6, 0.0, -0.8);
     let hit = index.cast(DVec3::new(-0.35, 0.25, 0.8), slanted, 2.0).unwrap();
@@ -148,12 +149,12 @@ fn a_triangle_is_met_from_both_sides() {
 }
 
 #[test]
-fn random_triangles_are_met_as_brute_force_says() {
+fn hits_of_random_triangles_match_brute_force() {
     let mut random = Random::new(11);
     for (seed, count, size) in [(1, 1, 3.0), (2, 9, 3.0), (3, 200, 1.0), (4, 700, 0.2), (5, 60, 9.0)] {
-        let levels = levels(&soup(seed, count, 5.0, size));
+        let levels = levels(&random_triangles(seed, count, 5.0, size));
         for _ in 0..400 {
-            check(&levels, point(&mut random, 6.0), unit(&mut random), random.between(0.1, 20.0), 1e-9);
+            check(&levels, point(&mut random, 6.0), unit_vector(&mut random), random.between(0.1, 20.0), 1e-9);
         }
         for _ in 0..50 {
             let direction = DVec3::AXES[random.below(3)] * if random.chance(0.5) { 1.0 } else { -1.0 };
@@ -163,34 +164,33 @@ fn random_triangles_are_met_as_brute_force_says() {
 }
 
 #[test]
-fn the_nearest_of_a_terrain_is_met_from_anywhere() {
+fn hits_of_a_terrain_match_brute_force() {
     let levels = levels(&hills(24));
     let mut random = Random::new(12);
     for _ in 0..600 {
         let origin = DVec3::new(random.between(-5.0, 29.0), random.between(-5.0, 29.0), random.between(-3.0, 6.0));
-        check(&levels, origin, unit(&mut random), 60.0, 1e-9);
+        check(&levels, origin, unit_vector(&mut random), 60.0, 1e-9);
     }
 }
 
 #[test]
-fn nothing_is_lost_from_far_away() {
+fn rays_from_far_away_hit() {
     let levels = levels(&hills(16));
     let mut random = Random::new(13);
     for far in [1e2, 1e4, 1e6, 1e8] {
         for _ in 0..100 {
             let target = DVec3::new(random.between(4.0, 12.0), random.between(4.0, 12.0), 0.0);
-            let mut from = unit(&mut random);
-            from.z = 1.0;
-            let from = from.normalize_or_zero();
-            let hit = cast(&levels, target + far * from, -from, f64::INFINITY).expect("the hills have no holes");
-            let hit_point = target + (far - hit.distance) * from;
-            let truth =
-                oracle::nearest_triangle(&levels.triangles, target + 30.0 * from, -from, 60.0, 1e-12).unwrap().0;
-            let expected = target + (30.0 - truth) * from;
-            // If a grazing ray hits two slopes, rounding of the origin may choose either.
-            let grazing = hit.normal.dot(from) < 0.05;
+            let mut up = unit_vector(&mut random);
+            up.z = 1.0;
+            let up = up.normalize_or_zero();
+            let hit = cast(&levels, target + far * up, -up, f64::INFINITY).expect("the hills have no holes");
+            let hit_point = target + (far - hit.distance) * up;
+            let truth = oracle::nearest_triangle(&levels.triangles, target + 30.0 * up, -up, 60.0, 1e-12).unwrap().0;
+            let expected = target + (30.0 - truth) * up;
+            // If a grazing ray meets two slopes, rounding of the origin determines which one it hits.
+            let is_grazing = hit.normal.dot(up) < 0.05;
             assert!(
-                grazing || (hit_point - expected).length() < 1e-14 * far + 1e-9,
+                is_grazing || (hit_point - expected).length() < 1e-14 * far + 1e-9,
                 "{far}: {hit_point} for {expected}"
             );
         }
@@ -198,24 +198,24 @@ fn nothing_is_lost_from_far_away() {
 }
 
 #[test]
-fn extents_of_any_size_are_the_same_mesh() {
+fn hits_scale_with_the_mesh() {
     let terrain = hills(6);
     let mut random = Random::new(14);
-    let rays: Vec<_> = (0..100).map(|_| (point(&mut random, 6.0) + 3.0, unit(&mut random))).collect();
-    let one = levels(&terrain);
+    let rays: Vec<_> = (0..100).map(|_| (point(&mut random, 6.0) + 3.0, unit_vector(&mut random))).collect();
+    let unscaled = levels(&terrain);
     // Powers of two scale without rounding.
-    for scale in [1e-30, 1e-3, 1e6, 1e90_f64].map(|about| f64::from_bits(about.to_bits() >> 52 << 52)) {
+    for scale in [1e-30, 1e-3, 1e6, 1e90_f64].map(|scale| f64::from_bits(scale.to_bits() >> 52 << 52)) {
         let scaled = levels(&terrain.iter().map(|corners| corners.map(|corner| corner * scale)).collect::<Vec<_>>());
         for &(origin, direction) in &rays {
-            let expected = cast(&one, origin, direction, 40.0).map(|hit| (hit.distance * scale, hit.triangle));
+            let expected = cast(&unscaled, origin, direction, 40.0).map(|hit| (hit.distance * scale, hit.triangle));
             let found = cast(&scaled, origin * scale, direction, 40.0 * scale).map(|hit| (hit.distance, hit.triangle));
             assert_eq!(found, expected, "scale {scale:e}");
         }
     }
 }
 
-/// Rays from `origin` at points of the mesh's edges and corners.
-fn aimed(triangles: &[Triangle], origin: DVec3, random: &mut Random) -> DVec3 {
+/// Direction of a ray from `origin` towards a random corner or edge of the mesh.
+fn direction_to_edge(triangles: &[Triangle], origin: DVec3, random: &mut Random) -> DVec3 {
     let [a, b, c] = triangles[random.below(triangles.len())];
     let target = match random.below(4) {
         0 => a,
@@ -234,8 +234,8 @@ fn no_ray_slips_through_a_shared_edge() {
         let levels = levels(&triangles);
         for turn in 0..1500 {
             let origin = if turn % 3 == 0 { DVec3::new(0.125, -0.25, 0.25) } else { point(&mut random, 0.1) + 0.12 };
-            let direction = aimed(&triangles, origin, &mut random);
-            let hit = cast(&levels, origin, direction, f64::INFINITY).expect("nothing leaves a closed mesh");
+            let direction = direction_to_edge(&triangles, origin, &mut random);
+            let hit = cast(&levels, origin, direction, f64::INFINITY).expect("a closed mesh has no holes");
             let truth = oracle::nearest_triangle(&triangles, origin, direction, 99.0, 1e-12).unwrap().0;
             assert!((hit.distance - truth).abs() < 1e-9, "{hit:?} for {truth}");
         }
@@ -249,27 +249,27 @@ fn no_ray_slips_through_a_shared_edge() {
 }
 
 #[test]
-fn vertical_rays_through_the_corners_of_a_grid_meet_it() {
+fn vertical_rays_hit_the_corners_of_a_grid() {
     let levels = levels(&hills(12));
     for index in 0..13 * 13 {
         let (x, y) = (f64::from(index % 13), f64::from(index / 13));
         let height = math::sin(0.7 * x) + math::cos(0.4 * y + 0.3 * x);
-        for (origin, direction) in [(10.0, -DVec3::Z), (-10.0, DVec3::Z)] {
-            let hit = cast(&levels, DVec3::new(x, y, origin), direction, 50.0).expect("corners belong to triangles");
-            assert!((hit.distance - (height - origin).abs()).abs() < 1e-14, "{hit:?} at {x}, {y}");
+        for (z, direction) in [(10.0, -DVec3::Z), (-10.0, DVec3::Z)] {
+            let hit = cast(&levels, DVec3::new(x, y, z), direction, 50.0).expect("corners belong to triangles");
+            assert!((hit.distance - (height - z).abs()).abs() < 1e-14, "{hit:?} at {x}, {y}");
         }
     }
 }
 
 #[test]
-fn of_equal_triangles_the_first_is_met() {
-    let mut triangles = soup(6, 30, 2.0, 2.0);
+fn the_first_of_equal_triangles_is_hit() {
+    let mut triangles = random_triangles(6, 30, 2.0, 2.0);
     let copy = triangles.clone();
     triangles.extend_from_slice(&copy);
     triangles.extend(copy.iter().map(|&[a, b, c]| [b, c, a]));
     let levels = levels(&triangles);
     let mut random = Random::new(16);
-    let hits = (0..500).filter_map(|_| cast(&levels, point(&mut random, 3.0), unit(&mut random), 9.0));
+    let hits = (0..500).filter_map(|_| cast(&levels, point(&mut random, 3.0), unit_vector(&mut random), 9.0));
     let numbers: Vec<u32> = hits.map(|hit| hit.triangle % 60).collect();
     assert!(numbers.len() > 100 && numbers.iter().all(|&number| number < 30), "{numbers:?}");
 }
@@ -277,11 +277,11 @@ fn of_equal_triangles_the_first_is_met() {
 #[test]
 fn triangles_without_area_keep_their_numbers() {
     let wall = |x: f64| [DVec3::new(x, -1.0, -1.0), DVec3::new(x, 1.0, -1.0), DVec3::new(x, 0.0, 2.0)];
-    let spoilt = |corner: DVec3| [corner, wall(1.0)[1], wall(1.0)[2]];
+    let with_corner = |corner: DVec3| [corner, wall(1.0)[1], wall(1.0)[2]];
     let triangles = [
-        spoilt(DVec3::NAN),
-        spoilt(DVec3::INFINITY),
-        spoilt(DVec3::splat(1e101)),
+        with_corner(DVec3::NAN),
+        with_corner(DVec3::INFINITY),
+        with_corner(DVec3::splat(1e101)),
         [DVec3::ONE; 3],
         [DVec3::X, 2.0 * DVec3::X, 3.0 * DVec3::X],
         [wall(1.0)[0], wall(1.0)[0], wall(1.0)[1]],
@@ -292,13 +292,14 @@ fn triangles_without_area_keep_their_numbers() {
     assert_eq!((hit.distance, hit.triangle), (2.0, 6));
     assert_eq!(levels.indices[0].len(), 7);
     assert_eq!(levels.indices[0].bounds(), Some((DVec3::new(2.0, -1.0, -1.0), DVec3::new(2.0, 1.0, 2.0))));
-    let none = MeshIndex::new(&triangles[..6]);
-    assert_eq!((none.cast(DVec3::ZERO, DVec3::X, 9.0), none.bounds(), none.is_empty()), (None, None, false));
+    let invisible = MeshIndex::new(&triangles[..6]);
+    let hit = invisible.cast(DVec3::ZERO, DVec3::X, 9.0);
+    assert_eq!((hit, invisible.bounds(), invisible.is_empty()), (None, None, false));
     assert!(MeshIndex::new(&[]).is_empty());
 }
 
 #[test]
-fn arguments_that_are_no_ray_meet_nothing() {
+fn invalid_rays_hit_nothing() {
     let index = MeshIndex::new(&[[DVec3::new(1.0, -1.0, -1.0), DVec3::new(1.0, 1.0, -1.0), DVec3::new(1.0, 0.0, 2.0)]]);
     assert!(index.cast(DVec3::ZERO, DVec3::X, 1.0).is_some());
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -317,19 +318,19 @@ fn arguments_that_are_no_ray_meet_nothing() {
 }
 
 #[test]
-fn a_ray_that_starts_on_a_surface_is_there() {
+fn a_ray_that_starts_on_a_surface_hits_it_at_once() {
     let mut random = Random::new(17);
     for reach in [1.0, 1e4] {
         for seed in 0..40 {
-            let corners = soup(100 + seed, 1, reach, 1.0);
+            let corners = random_triangles(100 + seed, 1, reach, 1.0);
             let levels = levels(&corners);
             let [a, b, c] = corners[0];
             for _ in 0..25 {
                 let (u, v) = (random.between(0.05, 0.45), random.between(0.05, 0.45));
-                let direction = unit(&mut random);
+                let direction = unit_vector(&mut random);
                 let hit = cast(&levels, a + u * (b - a) + v * (c - a), direction, 9.0);
                 let distance = hit.map(|hit| hit.distance);
-                // Just above the surface, the distance back is divided by the cosine of incidence.
+                // If rounding puts the origin above the surface, the distance is its height over the cosine of incidence.
                 assert!(distance.is_some_and(|metres| metres < 1e-9 * reach), "{distance:?} towards {direction}")
             }
         }
@@ -337,7 +338,7 @@ fn a_ray_that_starts_on_a_surface_is_there() {
 }
 
 #[test]
-fn a_ray_within_a_triangles_plane_meets_it_where_it_enters() {
+fn a_ray_in_a_triangles_plane_hits_where_it_enters() {
     let triangle = [[DVec3::new(1.0, -1.0, 0.5), DVec3::new(3.0, 0.0, 0.5), DVec3::new(1.0, 1.0, 0.5)]];
     let levels = levels(&triangle);
     let cast = |x: f64, y: f64, direction| cast(&levels, DVec3::new(x, y, 0.5), direction, 9.0);
@@ -348,39 +349,39 @@ fn a_ray_within_a_triangles_plane_meets_it_where_it_enters() {
     assert_eq!(distance(5.0, 0.0, -DVec3::X), Some(2.0));
     assert_eq!(distance(2.0, 3.0, -DVec3::Y), Some(2.5));
     assert_eq!(distance(1.0, 3.0, -DVec3::Y), Some(2.0), "along an edge");
-    assert_eq!(distance(2.0, 0.0, DVec3::X), Some(0.0), "from within");
+    assert_eq!(distance(2.0, 0.0, DVec3::X), Some(0.0), "from inside the triangle");
     assert_eq!(distance(4.0, 0.0, DVec3::X), None, "away from it");
     assert_eq!(cast(0.0, 0.0, DVec3::X).unwrap().normal, DVec3::Z);
 }
 
 #[test]
-fn slivers_are_met_within_themselves() {
+fn hits_of_slivers_lie_on_the_slivers() {
     let mut random = Random::new(18);
     for thickness in [1e-6, 1e-10, 1e-13, 1e-16] {
         let triangles: Vec<Triangle> = (0..40)
             .map(|_| {
-                let (from, to) = (point(&mut random, 2.0), point(&mut random, 2.0));
-                [from, to, 0.5 * (from + to) + thickness * unit(&mut random)]
+                let (a, b) = (point(&mut random, 2.0), point(&mut random, 2.0));
+                [a, b, 0.5 * (a + b) + thickness * unit_vector(&mut random)]
             })
             .collect();
         let levels = levels(&triangles);
         for _ in 0..400 {
             let origin = point(&mut random, 3.0);
-            let direction = aimed(&triangles, origin, &mut random);
+            let direction = direction_to_edge(&triangles, origin, &mut random);
             if let Some(hit) = cast(&levels, origin, direction, 20.0) {
                 let [a, b, _] = triangles[hit.triangle as usize];
-                let (met, along) = (origin + hit.distance * direction, (b - a).normalize_or_zero());
-                let distance = (met - a).reject_from(along).length();
-                // For a ray almost along the sliver, the position of the hit along it is undetermined.
-                let grazing = direction.cross(along).length() < 1e-3;
-                assert!(grazing || distance < thickness + 1e-9, "{distance} from a sliver of {thickness}");
+                let (hit_point, along) = (origin + hit.distance * direction, (b - a).normalize_or_zero());
+                let distance = (hit_point - a).reject_from(along).length();
+                // For a ray almost parallel to the sliver, the position of the hit is undetermined.
+                let is_parallel = direction.cross(along).length() < 1e-3;
+                assert!(is_parallel || distance < thickness + 1e-9, "{distance} from a sliver of {thickness}");
             }
         }
     }
 }
 
 #[test]
-fn many_triangles_in_one_place_make_no_deep_tree() {
+fn coinciding_and_nested_triangles_make_no_deep_tree() {
     let mut triangles = vec![[DVec3::ZERO, DVec3::X, DVec3::Y]; 500];
     // Nested triangles, each half as large as the previous one.
     triangles.extend((0..300).map(|step| {
@@ -390,12 +391,12 @@ fn many_triangles_in_one_place_make_no_deep_tree() {
     let levels = levels(&triangles);
     let mut random = Random::new(19);
     for _ in 0..300 {
-        check(&levels, point(&mut random, 2.0), unit(&mut random), 9.0, 1e-9);
+        check(&levels, point(&mut random, 2.0), unit_vector(&mut random), 9.0, 1e-9);
     }
 }
 
 #[test]
-fn a_room_is_as_large_as_it_is_at_any_pose() {
+fn distances_in_a_room_match_its_planes() {
     let mut random = Random::new(20);
     for far in [0.0, 1e4] {
         let low = DVec3::new(far, -far, 0.0);
@@ -404,7 +405,7 @@ fn a_room_is_as_large_as_it_is_at_any_pose() {
         for _ in 0..5000 {
             let fractions =
                 DVec3::new(random.between(0.01, 0.99), random.between(0.01, 0.99), random.between(0.01, 0.99));
-            let (origin, direction) = (low + fractions * size, unit(&mut random));
+            let (origin, direction) = (low + fractions * size, unit_vector(&mut random));
             let expected = (0..3).fold(f64::INFINITY, |minimum: f64, axis| {
                 let wall = if direction[axis] > 0.0 { low[axis] + size[axis] } else { low[axis] };
                 minimum.min(((wall - origin[axis]) / direction[axis]).abs())
@@ -422,13 +423,13 @@ proptest! {
     /// Coordinates on a coarse grid give shared corners, coplanar and degenerate triangles, and rays along edges and
     /// planes.
     #[test]
-    fn on_a_grid_all_levels_give_what_every_triangle_says(
+    fn all_levels_agree_with_the_test_of_every_triangle(
         corners in prop::collection::vec(prop::array::uniform9(-3_i8..4), 1..60),
         rays in prop::collection::vec((prop::array::uniform3(-8_i8..9), prop::array::uniform3(-2_i8..3)), 1..20),
     ) {
         let triangles: Vec<Triangle> = corners
             .iter()
-            .map(|numbers| [0, 3, 6].map(|at| DVec3::from_array([0, 1, 2].map(|axis| f64::from(numbers[at + axis])))))
+            .map(|numbers| [0, 3, 6].map(|start| DVec3::from_array([0, 1, 2].map(|axis| f64::from(numbers[start + axis])))))
             .collect();
         let levels = levels(&triangles);
         for (origin, direction) in rays {
@@ -439,15 +440,19 @@ proptest! {
     }
 
     #[test]
-    fn a_turned_box_is_met_from_within_at_the_right_distance(
-        angle in 0.0..PI, x in -0.9..0.9_f64, y in -0.9..0.9_f64, towards in 0.0..TAU,
+    fn distances_inside_a_rotated_box_match_its_planes(
+        angle in 0.0..PI, x in -0.9..0.9_f64, y in -0.9..0.9_f64, bearing in 0.0..TAU,
     ) {
-        let turn = glam::DMat3::from_rotation_z(angle);
-        let triangles: Vec<Triangle> = cuboid(DVec3::NEG_ONE, DVec3::ONE).iter().map(|face| face.map(|at| turn * at)).collect();
-        let (sin, cos) = math::sin_cos(towards);
+        let rotation = glam::DMat3::from_rotation_z(angle);
+        let faces = cuboid(DVec3::NEG_ONE, DVec3::ONE);
+        let triangles: Vec<Triangle> = faces.iter().map(|face| face.map(|corner| rotation * corner)).collect();
+        let (sin, cos) = math::sin_cos(bearing);
         let direction = DVec3::new(cos, sin, 0.0);
-        let hit = cast(&levels(&triangles), turn * DVec3::new(x, y, 0.0), turn * direction, 9.0).expect("it is closed");
-        let to = |at: f64, part: f64| if part == 0.0 { f64::INFINITY } else { (part.signum() - at) / part };
-        prop_assert!((hit.distance - to(x, cos).min(to(y, sin))).abs() < 1e-12);
+        let origin = rotation * DVec3::new(x, y, 0.0);
+        let hit = cast(&levels(&triangles), origin, rotation * direction, 9.0).expect("the box is closed");
+        let to_plane = |coordinate: f64, component: f64| {
+            if component == 0.0 { f64::INFINITY } else { (component.signum() - coordinate) / component }
+        };
+        prop_assert!((hit.distance - to_plane(x, cos).min(to_plane(y, sin))).abs() < 1e-12);
     }
 }

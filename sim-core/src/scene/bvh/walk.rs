@@ -11,9 +11,9 @@ use fearless_simd::{Level, Simd, dispatch, f32x8};
 /// clamping shifts the ray sideways by less than 2^-38 tree units.
 pub(super) const MAX_RECIPROCAL: f64 = (1_u64 << 40) as f64;
 
-/// Stack sizes of the traversal, 7 entries per level: for trees of the usual depth, and for any tree.
+/// Stack sizes of the traversal, 7 entries per level of the tree: for trees of the usual depth, and for any tree.
 const USUAL_STACK: usize = 7 * 9;
-const MANY: usize = 7 * MAX_DEPTH;
+const MAX_STACK: usize = 7 * MAX_DEPTH;
 
 /// Upper bound of the length of any path through the tree's coordinates.
 const MAX_PATH: f64 = 8.0;
@@ -24,7 +24,7 @@ pub(super) fn nearest(level: Level, tree: &Tree, frame: &Frame, ray: &mut Ray) {
         if 7 * tree.depth <= USUAL_STACK {
             dispatch!(level, simd => walk::<_, USUAL_STACK>(simd, tree, root, frame, ray));
         } else {
-            dispatch!(level, simd => walk::<_, MANY>(simd, tree, root, frame, ray));
+            dispatch!(level, simd => walk::<_, MAX_STACK>(simd, tree, root, frame, ray));
         }
     }
 }
@@ -43,9 +43,10 @@ struct Probe<S: Simd> {
 
 /// A ray on one axis.
 struct Slab<S: Simd> {
-    /// Reciprocal of the direction, and that reciprocal times the origin.
+    /// Reciprocal of the direction.
     reciprocal: f32x8<S>,
-    moved: f32x8<S>,
+    /// Product of reciprocal and origin.
+    origin_product: f32x8<S>,
     /// Side of a box (low 0, high 1) through which the ray enters.
     near: usize,
 }
@@ -58,20 +59,21 @@ impl<S: Simd> Slab<S> {
         let reciprocal = reciprocal.clamp(-MAX_RECIPROCAL, MAX_RECIPROCAL) as f32;
         Self {
             reciprocal: f32x8::splat(simd, reciprocal),
-            moved: f32x8::splat(simd, reciprocal * origin),
+            origin_product: f32x8::splat(simd, reciprocal * origin),
             near: usize::from(reciprocal < 0.0),
         }
     }
 
     /// Distances to the planes through which the ray enters the boxes.
     #[inline(always)]
-    fn enter(&self, simd: S, planes: &[[f32; WIDTH]; 2]) -> f32x8<S> {
-        f32x8::simd_from(simd, planes[self.near & 1]).mul_sub(self.reciprocal, self.moved)
+    fn entries(&self, simd: S, planes: &[[f32; WIDTH]; 2]) -> f32x8<S> {
+        f32x8::simd_from(simd, planes[self.near & 1]).mul_sub(self.reciprocal, self.origin_product)
     }
 
+    /// Distances to the planes through which the ray leaves the boxes.
     #[inline(always)]
-    fn leave(&self, simd: S, planes: &[[f32; WIDTH]; 2]) -> f32x8<S> {
-        f32x8::simd_from(simd, planes[(self.near & 1) ^ 1]).mul_sub(self.reciprocal, self.moved)
+    fn exits(&self, simd: S, planes: &[[f32; WIDTH]; 2]) -> f32x8<S> {
+        f32x8::simd_from(simd, planes[(self.near & 1) ^ 1]).mul_sub(self.reciprocal, self.origin_product)
     }
 }
 
@@ -96,21 +98,24 @@ impl<S: Simd> Probe<S> {
 
     /// Entry distances into the boxes of a node, and the bit mask of the boxes entered within `farthest`.
     #[inline(always)]
-    fn boxes(&self, simd: S, node: &Node, farthest: f32) -> ([f32; WIDTH], u32) {
+    fn enter_boxes(&self, simd: S, node: &Node, farthest: f32) -> ([f32; WIDTH], u32) {
         let [x, y, z] = &node.planes;
-        let near =
-            self.x.enter(simd, x).max(self.y.enter(simd, y)).max(self.z.enter(simd, z).max(f32x8::splat(simd, 0.0)));
+        let near = self
+            .x
+            .entries(simd, x)
+            .max(self.y.entries(simd, y))
+            .max(self.z.entries(simd, z).max(f32x8::splat(simd, 0.0)));
         let far = self
             .x
-            .leave(simd, x)
-            .min(self.y.leave(simd, y))
-            .min(self.z.leave(simd, z).min(f32x8::splat(simd, farthest)));
+            .exits(simd, x)
+            .min(self.y.exits(simd, y))
+            .min(self.z.exits(simd, z).min(f32x8::splat(simd, farthest)));
         (near.into(), near.simd_le(far).to_bitmask() as u32)
     }
 
     /// One corner of each of a batch's triangles in ray coordinates, sheared so that the ray runs through 0.
     #[inline(always)]
-    fn seen(&self, simd: S, batch: &TriangleBatch, corner: usize) -> (f32x8<S>, f32x8<S>) {
+    fn sheared(&self, simd: S, batch: &TriangleBatch, corner: usize) -> (f32x8<S>, f32x8<S>) {
         let [first, second, last] = self.axes;
         let ahead = f32x8::simd_from(simd, batch.tree_corners[last][corner]) - self.origin[2];
         let x = f32x8::simd_from(simd, batch.tree_corners[first][corner]) - self.origin[0] - self.shear[0] * ahead;
@@ -125,10 +130,10 @@ impl<S: Simd> Probe<S> {
     /// has an error of 4 (17 u) m + 4 m^2 u < 86 u m, plus 2 (17 u)^2 where m is about as small as u. The margin is 128
     /// u (m + 2^-18).
     #[inline(always)]
-    fn triangles(&self, simd: S, batch: &TriangleBatch) -> u32 {
-        let (ax, ay) = self.seen(simd, batch, 0);
-        let (bx, by) = self.seen(simd, batch, 1);
-        let (cx, cy) = self.seen(simd, batch, 2);
+    fn may_hit(&self, simd: S, batch: &TriangleBatch) -> u32 {
+        let (ax, ay) = self.sheared(simd, batch, 0);
+        let (bx, by) = self.sheared(simd, batch, 1);
+        let (cx, cy) = self.sheared(simd, batch, 2);
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
         let w = bx * ay - by * ax;
@@ -143,7 +148,7 @@ impl<S: Simd> Probe<S> {
 
 /// A distance in tree units, rounded up.
 #[inline(always)]
-fn bound(distance: f64, frame: &Frame) -> f32 {
+fn upper_bound(distance: f64, frame: &Frame) -> f32 {
     ((distance * frame.scale).min(MAX_PATH) * (1.0 + 1e-6)) as f32
 }
 
@@ -155,27 +160,27 @@ fn entry(near: &[f32; WIDTH], node: &Node, lane: u32) -> u64 {
 }
 
 #[inline(always)]
-fn walk<S: Simd, const PLACES: usize>(simd: S, tree: &Tree, root: Child, frame: &Frame, ray: &mut Ray) {
+fn walk<S: Simd, const STACK: usize>(simd: S, tree: &Tree, root: Child, frame: &Frame, ray: &mut Ray) {
     let probe = Probe::new(simd, ray, frame);
-    let mut farthest = bound(ray.distance(), frame);
-    let mut waiting = [0_u64; PLACES];
+    let mut farthest = upper_bound(ray.distance(), frame);
+    let mut stack = [0_u64; STACK];
     let mut count = 0;
     let mut child = root;
     loop {
         if let Some(index) = child.as_batch() {
             let batch = &tree.batches[index];
-            let mut hit_lanes = probe.triangles(simd, batch);
+            let mut hit_lanes = probe.may_hit(simd, batch);
             if hit_lanes != 0 {
                 while hit_lanes != 0 {
                     let lane = hit_lanes.trailing_zeros() as usize % WIDTH;
                     ray.test(&batch.corners[lane], batch.numbers[lane], (index, lane));
                     hit_lanes &= hit_lanes - 1;
                 }
-                farthest = bound(ray.distance(), frame);
+                farthest = upper_bound(ray.distance(), frame);
             }
         } else {
             let node = &tree.nodes[child.0 as usize];
-            let (near, mut hit_lanes) = probe.boxes(simd, node, farthest);
+            let (near, mut hit_lanes) = probe.enter_boxes(simd, node, farthest);
             if hit_lanes != 0 {
                 let first = hit_lanes.trailing_zeros();
                 hit_lanes &= hit_lanes - 1;
@@ -191,12 +196,12 @@ fn walk<S: Simd, const PLACES: usize>(simd: S, tree: &Tree, root: Child, frame: 
                     let farther = nearest.max(next);
                     nearest = nearest.min(next);
                     // Insertion sort with the nearest entry last.
-                    let mut at = count;
-                    while at > start && waiting[at - 1] < farther {
-                        waiting[at] = waiting[at - 1];
-                        at -= 1;
+                    let mut index = count;
+                    while index > start && stack[index - 1] < farther {
+                        stack[index] = stack[index - 1];
+                        index -= 1;
                     }
-                    waiting[at] = farther;
+                    stack[index] = farther;
                     count += 1;
                 }
                 child = Child(nearest as u32);
@@ -208,7 +213,7 @@ fn walk<S: Simd, const PLACES: usize>(simd: S, tree: &Tree, root: Child, frame: 
                 return;
             }
             count -= 1;
-            let entry = waiting[count];
+            let entry = stack[count];
             if f32::from_bits((entry >> 32) as u32) <= farthest {
                 break Child(entry as u32);
             }

@@ -6,41 +6,41 @@ use crate::scene::{Block, MeshIndex, Stairs, StairsDirection, Steps};
 /// A hilly field on an uneven grid in which some coordinates occur twice.
 pub(super) fn rough(seed: u64) -> HeightField {
     let mut stream = Stream::new(seed, RobotId(0), Purpose::Terrain, 99, 0);
-    let mut axis = |low: f64| {
-        let mut at = low;
-        let mut values = vec![at];
+    let mut lines = |low: f64| {
+        let mut coordinate = low;
+        let mut lines = vec![coordinate];
         for _ in 0..20 {
-            at += 0.02 + 0.3 * stream.unit();
-            values.push(at);
+            coordinate += 0.02 + 0.3 * stream.unit();
+            lines.push(coordinate);
             if stream.unit() < 0.3 {
-                values.push(at);
+                lines.push(coordinate);
             }
         }
-        at += 0.1;
-        values.push(at);
-        values
+        coordinate += 0.1;
+        lines.push(coordinate);
+        lines
     };
-    let (xs, ys) = (axis(-1.5), axis(0.25));
+    let (xs, ys) = (lines(-1.5), lines(0.25));
     let heights = (0..xs.len() * ys.len()).map(|_| 0.8 * stream.unit() - 0.2).collect();
     HeightField::new(xs, ys, heights).expect("a field")
 }
 
-fn index(field: &HeightField) -> MeshIndex {
+fn mesh_index(field: &HeightField) -> MeshIndex {
     let mesh = field.mesh(None);
     let corners: Vec<_> = mesh.triangles.iter().map(|triangle| mesh.corners(triangle)).collect();
     MeshIndex::new(&corners)
 }
 
 #[test]
-fn height_and_normal_are_what_a_vertical_ray_meets() {
+fn height_and_normal_match_vertical_rays() {
     for seed in 0..8 {
         let field = rough(seed);
-        let (mesh, rays) = (field.mesh(None), index(&field));
+        let (mesh, index) = (field.mesh(None), mesh_index(&field));
         let mut stream = Stream::new(seed, RobotId(0), Purpose::Terrain, 98, 0);
         let Bounds { min, max } = field.bounds();
         for _ in 0..4000 {
             let [x, y] = [min.x + (max.x - min.x) * stream.unit(), min.y + (max.y - min.y) * stream.unit()];
-            let hit = rays.cast(DVec3::new(x, y, 5.0), DVec3::NEG_Z, 20.0).expect("no gap");
+            let hit = index.cast(DVec3::new(x, y, 5.0), DVec3::NEG_Z, 20.0).expect("the surface has no gap");
             // 1 nm on a field of several metres.
             assert!((5.0 - hit.distance - field.height(x, y)).abs() < 1e-9, "seed {seed} at {x}, {y}");
             let [a, b, c] = mesh.corners(&mesh.triangles[hit.triangle as usize]);
@@ -50,17 +50,17 @@ fn height_and_normal_are_what_a_vertical_ray_meets() {
     }
 }
 
-/// Returns true if a coordinate occurs twice.
-fn is_double(axis: &[f64], value: f64) -> bool {
-    axis.windows(2).any(|pair| pair == [value; 2])
+/// Returns true if the coordinate `value` occurs twice in `lines`.
+fn is_double(lines: &[f64], value: f64) -> bool {
+    lines.windows(2).any(|pair| pair == [value; 2])
 }
 
 #[test]
-fn rays_at_shared_edges_and_corners_slip_through_nowhere() {
-    let mut aslant = 0;
+fn rays_at_shared_edges_and_corners_hit_the_surface() {
+    let mut oblique_count = 0;
     for seed in 0..4 {
         let field = rough(seed);
-        let rays = index(&field);
+        let index = mesh_index(&field);
         let (columns, rows) = field.size();
         // Points on the border are omitted, because a ray may pass beside it within rounding.
         for row in 1..rows - 2 {
@@ -73,7 +73,7 @@ fn rays_at_shared_edges_and_corners_slip_through_nowhere() {
                     if is_double(&field.xs, point.x) && is_double(&field.ys, point.y) {
                         continue;
                     }
-                    let hit = rays.cast(DVec3::new(point.x, point.y, 3.0), DVec3::NEG_Z, 20.0);
+                    let hit = index.cast(DVec3::new(point.x, point.y, 3.0), DVec3::NEG_Z, 20.0);
                     let hit = hit.unwrap_or_else(|| panic!("seed {seed}: a gap at {point}"));
                     // At a step, the ray hits its upper edge, or passes the edge within rounding.
                     let height = 3.0 - hit.distance;
@@ -86,16 +86,16 @@ fn rays_at_shared_edges_and_corners_slip_through_nowhere() {
                         if !inner.contains(point.truncate()) {
                             continue;
                         }
-                        aslant += 1;
+                        oblique_count += 1;
                         let origin = point + offset;
-                        let direction = (point - origin).try_normalize().expect("apart");
-                        assert!(rays.cast(origin, direction, 100.0).is_some(), "seed {seed}: a gap at {point}");
+                        let direction = (point - origin).try_normalize().expect("the points differ");
+                        assert!(index.cast(origin, direction, 100.0).is_some(), "seed {seed}: a gap at {point}");
                     }
                 }
             }
         }
     }
-    assert!(aslant > 5000, "{aslant} rays aslant");
+    assert!(oblique_count > 5000, "{oblique_count} oblique rays");
 }
 
 #[test]
@@ -108,18 +108,18 @@ fn a_step_is_vertical_and_exact() {
         assert_eq!(field.height(1.5, x), height, "at {x}");
         assert_eq!(field.normal(x, 1.5), DVec3::Z);
     }
-    let rays = index(&field);
+    let index = mesh_index(&field);
     for z in [0.001, 0.1, 0.299] {
-        let level = rays.cast(DVec3::new(0.25, 1.5, z), DVec3::X, 10.0).expect("the side of the block");
-        assert!((level.distance - 0.75).abs() < 1e-12, "{level:?}");
+        let hit = index.cast(DVec3::new(0.25, 1.5, z), DVec3::X, 10.0).expect("the ray hits the side of the block");
+        assert!((hit.distance - 0.75).abs() < 1e-12, "{hit:?}");
     }
-    assert!(rays.cast(DVec3::new(0.25, 1.5, 0.301), DVec3::X, 10.0).is_none(), "above the block");
-    // Five level pieces with two triangles each make the ground and the top, four sides, and nothing without area.
+    assert!(index.cast(DVec3::new(0.25, 1.5, 0.301), DVec3::X, 10.0).is_none(), "above the block");
+    // 9 horizontal cells (ground and top) and 4 vertical ones (sides), two triangles each, and no triangle without area.
     assert_eq!(field.mesh(None).triangles.len(), 2 * 9 + 2 * 4);
 }
 
 #[test]
-fn beyond_its_border_the_ground_goes_on_level() {
+fn ground_continues_level_beyond_the_border() {
     let heights = vec![0.0, 1.0, 2.0, 3.0];
     let field = HeightField::new(vec![0.0, 1.0], vec![0.0, 1.0], heights).expect("a field");
     assert_eq!([field.height(-5.0, 0.0), field.height(9.0, 0.5), field.height(1e300, f64::INFINITY)], [0.0, 2.0, 3.0]);
@@ -129,27 +129,27 @@ fn beyond_its_border_the_ground_goes_on_level() {
 }
 
 #[test]
-fn what_is_no_field_is_an_error() {
-    let with = |xs: &[f64], ys: &[f64], heights: &[f64]| {
-        HeightField::new(xs.to_vec(), ys.to_vec(), heights.to_vec()).expect_err("no field")
+fn invalid_fields_are_rejected() {
+    let error = |xs: &[f64], ys: &[f64], heights: &[f64]| {
+        HeightField::new(xs.to_vec(), ys.to_vec(), heights.to_vec()).expect_err("the field is invalid")
     };
     let four = [0.0; 4];
-    assert_eq!(with(&[], &[0.0, 1.0], &[]), FieldError::Small);
-    assert_eq!(with(&[1.0], &[0.0, 1.0], &[0.0; 2]), FieldError::Small);
-    assert_eq!(with(&[1.0, 1.0], &[0.0, 1.0], &four), FieldError::Small);
-    assert_eq!(with(&[1.0, 0.0, 2.0], &[0.0, 1.0], &[0.0; 6]), FieldError::Order);
-    assert_eq!(with(&[0.0, 1.0, 1.0, 1.0, 2.0], &[0.0, 1.0], &[0.0; 10]), FieldError::Order);
-    assert_eq!(with(&[0.0, 1.0], &[0.0, 1.0], &[0.0; 3]), FieldError::Count(3, 4));
+    assert_eq!(error(&[], &[0.0, 1.0], &[]), FieldError::Small);
+    assert_eq!(error(&[1.0], &[0.0, 1.0], &[0.0; 2]), FieldError::Small);
+    assert_eq!(error(&[1.0, 1.0], &[0.0, 1.0], &four), FieldError::Small);
+    assert_eq!(error(&[1.0, 0.0, 2.0], &[0.0, 1.0], &[0.0; 6]), FieldError::Order);
+    assert_eq!(error(&[0.0, 1.0, 1.0, 1.0, 2.0], &[0.0, 1.0], &[0.0; 10]), FieldError::Order);
+    assert_eq!(error(&[0.0, 1.0], &[0.0, 1.0], &[0.0; 3]), FieldError::Count(3, 4));
     for bad in [f64::NAN, f64::INFINITY, -1e10] {
-        assert_eq!(with(&[0.0, bad], &[0.0, 1.0], &four), FieldError::Number);
-        assert_eq!(with(&[0.0, 1.0], &[0.0, 1.0], &[0.0, 0.0, bad, 0.0]), FieldError::Number);
+        assert_eq!(error(&[0.0, bad], &[0.0, 1.0], &four), FieldError::Number);
+        assert_eq!(error(&[0.0, 1.0], &[0.0, 1.0], &[0.0, 0.0, bad, 0.0]), FieldError::Number);
     }
     let many: Vec<f64> = (0..2000).map(f64::from).collect();
-    assert_eq!(with(&many, &many, &[]), FieldError::Large(1999 * 1999));
+    assert_eq!(error(&many, &many, &[]), FieldError::Large(1999 * 1999));
 }
 
 #[test]
-fn stairs_meet_level_rays_step_by_step() {
+fn level_rays_hit_the_risers_of_stairs() {
     let stairs = Stairs {
         from: DVec2::new(1.0, 1.0),
         uphill: StairsDirection::East,
@@ -162,16 +162,16 @@ fn stairs_meet_level_rays_step_by_step() {
     };
     let steps =
         Steps { origin: DVec2::ZERO, size: DVec2::new(4.0, 2.0), base: 0.0, stairs: vec![stairs], blocks: vec![] };
-    let rays = index(&steps.field().expect("a field"));
+    let index = mesh_index(&steps.field().expect("a field"));
     for step in 0..5 {
         let origin = DVec3::new(0.0, 1.2, 0.1 * f64::from(step) + 0.05);
-        let hit = rays.cast(origin, DVec3::X, 10.0).expect("a riser");
+        let hit = index.cast(origin, DVec3::X, 10.0).expect("the ray hits a riser");
         assert!((hit.distance - (1.0 + 0.3 * f64::from(step))).abs() < 1e-12, "{step}: {hit:?}");
     }
 }
 
 #[test]
-fn cells_cover_what_a_rectangle_touches() {
+fn cells_cover_the_rectangle() {
     let field = rough(2);
     let bounds = |low: [f64; 2], high: [f64; 2]| Bounds { min: low.into(), max: high.into() };
     let Bounds { min, max } = field.bounds();
@@ -182,11 +182,11 @@ fn cells_cover_what_a_rectangle_touches() {
     let [outside, _] = field.cells(&bounds([80.0, 80.0], [90.0, 90.0]));
     assert_eq!(outside, columns - 2..columns - 1);
     let point = DVec2::new(0.5 * (min.x + max.x), 0.5 * (min.y + max.y));
-    let [across, along] = field.cells(&bounds(point.to_array(), point.to_array()));
+    let [columns, rows] = field.cells(&bounds(point.to_array(), point.to_array()));
     assert!(
-        across
+        columns
             .clone()
             .all(|column| { field.corner(column, 0).x <= point.x && point.x <= field.corner(column + 1, 0).x })
     );
-    assert_eq!((across.len(), along.len()), (1, 1));
+    assert_eq!((columns.len(), rows.len()), (1, 1));
 }

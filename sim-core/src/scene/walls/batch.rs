@@ -15,22 +15,25 @@ use super::WallId;
 /// Number of walls in a batch.
 const WIDTH: usize = 4;
 
-/// The walls of each cell of a grid. Lengths are in cells, counted from half a cell outside the grid's lower left
-/// corner, so that a position rounded to whole numbers is a cell index, starting at 1. A ring of sentinel cells around
-/// the grid ends every walk.
+/// The walls of each cell of a grid.
+///
+/// Positions are in cells, relative to a point half a cell outside the grid's lower left corner. A position rounded to
+/// whole numbers is then the column and row of a cell, counted from 1. A ring of sentinel cells around the grid ends every
+/// walk.
 #[derive(Clone, Debug)]
 pub(super) struct WallBatches {
+    /// Origin of the positions.
     corner: DVec2,
-    per_cell: f64,
+    cells_per_metre: f64,
     columns: usize,
     rows: usize,
     /// Index of the first batch of each cell, sentinel ring included.
     first: Vec<u32>,
     batches: Vec<WallBatch>,
-    /// Bound of the `f32` error; together with the [margin](super::Walls) of the walls it allows for 16 units of
-    /// rounding of the farthest coordinate. On each axis the end of a wall has an error of 1 (its coordinate) + 1 (the
-    /// direction) + 1 (the product); their sum and the ray's own position add 1 each. For a grid of 3 by 3 cells, ring
-    /// included, 5 units remain for the margin.
+    /// Bound of the `f32` error. Together with the [margin](super::Walls) of the walls, it covers 16 units in the last
+    /// place of the largest coordinate. On each axis, the coordinate of a wall's end, the ray's direction and the product of
+    /// both contribute 1 unit each; the sum over the axes and the ray's own position add 1 unit each. For a grid of 3 by 3
+    /// cells, ring included, 5 units remain for the margin.
     slack: f32,
 }
 
@@ -66,7 +69,7 @@ const TINY: f64 = 1e-300;
 impl WallBatches {
     /// The batches of the walls that `cells` lists for each cell of `grid`.
     pub fn new(grid: &Grid, cells: &Cells<u32>, segments: &[Segment]) -> Self {
-        let per_cell = 1.0 / grid.cell();
+        let cells_per_metre = 1.0 / grid.cell();
         let corner = grid.bounds().min - DVec2::splat(0.5 * grid.cell());
         let (columns, rows) = (grid.columns() + 2, grid.rows() + 2);
         let mut first = vec![OUTSIDE; columns * rows];
@@ -74,9 +77,10 @@ impl WallBatches {
         for row in 0..grid.rows() {
             for column in 0..grid.columns() {
                 let entry = &mut first[(row + 1) * columns + column + 1];
-                let walls = cells.of(grid.index(column, row));
+                let walls = cells.entries(grid.index(column, row));
                 *entry = if walls.is_empty() { EMPTY_CELL } else { batches.len() as u32 };
-                batches.extend(walls.chunks(WIDTH).map(|few| WallBatch::new(few, segments, corner, per_cell)));
+                batches
+                    .extend(walls.chunks(WIDTH).map(|chunk| WallBatch::new(chunk, segments, corner, cells_per_metre)));
                 let count = walls.len().div_ceil(WIDTH);
                 let start = batches.len() - count;
                 for (next, batch) in (start + 1..).zip(&mut batches[start..]).take(count.saturating_sub(1)) {
@@ -85,14 +89,14 @@ impl WallBatches {
             }
         }
         let slack = (columns + rows) as f32 / (1 << 20) as f32;
-        Self { corner, per_cell, columns, rows, first, batches, slack }
+        Self { corner, cells_per_metre, columns, rows, first, batches, slack }
     }
 
     /// Calls `test` with each wall that the ray from `start` along `direction` may hit, approximately in order of
     /// distance and possibly several times. `test` returns the distance up to which the walk must continue.
     ///
-    /// `start` lies within the grid, or outside it by no more than rounding. Distances, at first up to `farthest`,
-    /// count from a point `passed` metres before `start`.
+    /// `start` lies within the grid, or outside it by no more than rounding. Distances are measured from a point `passed`
+    /// metres before `start`; the walk begins with the limit `farthest`.
     #[inline(always)]
     pub fn walk(
         &self,
@@ -102,7 +106,7 @@ impl WallBatches {
         farthest: f64,
         mut test: impl FnMut(WallId) -> f64,
     ) {
-        let position = (start - self.corner) * self.per_cell;
+        let position = (start - self.corner) * self.cells_per_metre;
         let biased = position + DVec2::splat(ROUNDING_BIAS);
         let [column, row] = [biased.x, biased.y].map(|whole| whole.to_bits().wrapping_sub(ROUNDING_BIAS.to_bits()));
         if column >= self.columns as u64 || row >= self.rows as u64 {
@@ -111,13 +115,14 @@ impl WallBatches {
         let mut cell = row as usize * self.columns + column as usize;
         // Distances to the next borders; a cell extends half a cell to either side of its middle.
         let from_middle = position - (biased - DVec2::splat(ROUNDING_BIAS));
-        let per = DVec2::ONE / direction.abs();
+        // Distance along the ray between successive borders on each axis.
+        let spacing = DVec2::ONE / direction.abs();
         let ahead = DVec2::new(along(from_middle.x, direction.x), along(from_middle.y, direction.y));
-        let mut exits = (DVec2::splat(0.5) - ahead + DVec2::splat(TINY)) * per;
+        let mut exits = (DVec2::splat(0.5) - ahead + DVec2::splat(TINY)) * spacing;
         let (by_column, by_row) = (step(1, direction.x), step(self.columns, direction.y));
 
         let probe = Probe::new(direction, position, self.slack);
-        let cells_to = |distance: f64| (distance - passed) * self.per_cell;
+        let cells_to = |distance: f64| (distance - passed) * self.cells_per_metre;
         let mut limit = cells_to(farthest);
         let mut end = probe.end(limit);
         loop {
@@ -150,8 +155,8 @@ impl WallBatches {
             // Bit masks replace an unpredictable branch: either border may come first.
             let is_column = u64::from(exits.x < exits.y).wrapping_neg();
             cell = cell.wrapping_add((by_column as u64 & is_column | by_row as u64 & !is_column) as usize);
-            exits.x += f64::from_bits(per.x.to_bits() & is_column);
-            exits.y += f64::from_bits(per.y.to_bits() & !is_column);
+            exits.x += f64::from_bits(spacing.x.to_bits() & is_column);
+            exits.y += f64::from_bits(spacing.y.to_bits() & !is_column);
         }
     }
 
@@ -170,23 +175,24 @@ impl WallBatches {
     }
 }
 
-/// Distance from the cell's middle on an axis, positive in the direction of motion (the sign of `direction`).
+/// Distance from the cell's middle on an axis, positive in the direction of the ray (the sign of `direction`).
 #[inline(always)]
 fn along(from_middle: f64, direction: f64) -> f64 {
     f64::from_bits(from_middle.to_bits() ^ direction.to_bits() & (1 << 63))
 }
 
-/// Index difference of the next cell in the direction of motion, wrapping.
+/// Difference (wrapping) between the index of the next cell in the ray's direction and the index of the current cell.
 #[inline(always)]
 fn step(stride: usize, direction: f64) -> usize {
     if direction.is_sign_negative() { stride.wrapping_neg() } else { stride }
 }
 
 impl WallBatch {
-    fn new(walls: &[u32], segments: &[Segment], corner: DVec2, per_cell: f64) -> Self {
+    fn new(walls: &[u32], segments: &[Segment], corner: DVec2, cells_per_metre: f64) -> Self {
         let mut batch = EMPTY;
         for (index, &wall) in walls.iter().enumerate() {
-            let [a, b] = [segments[wall as usize].a, segments[wall as usize].b].map(|end| (end - corner) * per_cell);
+            let [a, b] =
+                [segments[wall as usize].a, segments[wall as usize].b].map(|end| (end - corner) * cells_per_metre);
             (batch.ax[index], batch.ay[index]) = (a.x as f32, a.y as f32);
             (batch.bx[index], batch.by[index]) = (b.x as f32, b.y as f32);
             batch.walls[index] = wall;
@@ -199,7 +205,7 @@ impl WallBatch {
 struct Probe {
     x: Vec4,
     y: Vec4,
-    /// Minimum and maximum offset from the ray's line at which a point may lie on it.
+    /// Minimum and maximum signed offset, positive to the left of the ray, of a point that may lie on the ray's line.
     right: Vec4,
     left: Vec4,
     /// Coordinate of the ray's start along its line.
@@ -224,7 +230,7 @@ impl Probe {
         }
     }
 
-    /// Coordinate along the ray's line beyond which no hit is of interest.
+    /// Coordinate along the ray's line beyond which hits are ignored.
     #[inline(always)]
     fn end(&self, limit: f64) -> Vec4 {
         Vec4::splat((self.start + limit) as f32 + self.slack)

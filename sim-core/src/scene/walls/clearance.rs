@@ -8,14 +8,15 @@ use super::super::{
 };
 use super::for_each_cell;
 
-/// The grid has about this many cells plus one per wall; a cell takes one byte.
+/// Approximate number of cells of the grid, in addition to one cell per wall; a cell takes one byte.
 const BASE_CELLS: f64 = 4096.0;
 
 /// For each cell of a grid over the walls' bounds, the number of cells to the nearest cell with a wall.
 #[derive(Clone, Debug)]
 pub(super) struct Clearance {
     grid: Grid,
-    /// Chebyshev distance, at most 255; 0 for a cell with a wall. A ring of cells around the grid has the maximum value.
+    /// Chebyshev distance of each cell from the nearest cell with a wall, at most 255. A ring of cells around the grid has
+    /// the maximum value.
     distances: Vec<u8>,
 }
 
@@ -52,7 +53,7 @@ impl Clearance {
 
     /// Lower bound of the distance from `point` to the nearest wall, m; 0 for a point outside the grid.
     #[inline]
-    pub fn at(&self, point: DVec2) -> f64 {
+    pub fn lower_bound(&self, point: DVec2) -> f64 {
         if !self.grid.bounds().contains(point) {
             return 0.0;
         }
@@ -68,16 +69,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_wall_is_nearer_than_the_bound_says() {
+    fn the_bound_never_exceeds_the_distance_of_a_wall() {
         let ends = [[0.0, 0.0, 9.0, 0.0], [9.0, 0.0, 9.0, 7.0], [2.0, 5.0, 3.0, 6.0], [0.0, 7.0, 0.0, 7.0]];
         let walls = ends.map(|[ax, ay, bx, by]| Segment::new(DVec2::new(ax, ay), DVec2::new(bx, by)));
-        let bounds = walls.iter().fold(Bounds::EMPTY, |all, wall| all.union(wall.bounds()));
+        let bounds = walls.iter().fold(Bounds::EMPTY, |bounds, wall| bounds.union(wall.bounds()));
         let clearance = Clearance::new(bounds, walls.iter());
         let mut max_bound = 0.0_f64;
         for step in 0..10_000 {
             let point = DVec2::new(f64::from(step % 100) * 0.1 - 0.5, f64::from(step / 100) * 0.08 - 0.5);
             let nearest = walls.iter().map(|wall| wall.distance(point)).fold(f64::INFINITY, f64::min);
-            let bound = clearance.at(point);
+            let bound = clearance.lower_bound(point);
             assert!(bound <= nearest, "{bound} m at {point}, where a wall is {nearest} m away");
             max_bound = max_bound.max(bound);
         }
@@ -89,6 +90,6 @@ mod tests {
         let wall = Segment::new(DVec2::ZERO, DVec2::new(1e6, 0.0));
         let clearance = Clearance::new(wall.bounds(), [wall].iter());
         assert!(clearance.distances.len() < 20_000, "{} cells", clearance.distances.len());
-        assert_eq!(clearance.at(DVec2::new(5.0, 1.0)), 0.0, "outside");
+        assert_eq!(clearance.lower_bound(DVec2::new(5.0, 1.0)), 0.0, "outside the grid");
     }
 }

@@ -10,9 +10,9 @@ use super::{WallHit, WallId};
 pub(super) struct Ray {
     pub origin: DVec2,
     pub direction: DVec2,
-    /// Maximum distance from a wall's point at which the ray touches it.
+    /// Maximum distance between the ray and a point that it touches.
     pub rounding_error: f64,
-    /// Upper bound of the product of a wall's length and the distance within which an origin counts as on the wall.
+    /// Upper bound of the product of a wall's length and the maximum distance from the wall of an origin on it.
     pub area_rounding_error: f64,
 }
 
@@ -33,7 +33,7 @@ impl Ray {
     }
 
     /// Distance to a wall on the ray's line, without the limit of the range; negative if the ray misses the wall.
-    // `|` joins conditions where branch prediction would fail half of the time.
+    // `|` instead of `||`, because branch prediction would fail half of the time.
     #[inline(always)]
     pub fn distance(self, segment: &Segment) -> f64 {
         let (a, b) = (self.end(segment.a), self.end(segment.b));
@@ -42,7 +42,7 @@ impl Ray {
             | (b.side.abs() <= self.rounding_error)
             | (area.abs() <= self.area_rounding_error)
         {
-            self.touching(segment, a, b)
+            self.touch_distance(segment, a, b)
         } else if a.side * b.side > 0.0 {
             -1.0
         } else {
@@ -50,22 +50,23 @@ impl Ray {
         }
     }
 
-    /// Distance to a wall whose end the ray's line may touch, or on which the origin may lie; negative if the ray
+    /// Distance to a wall if the ray's line may touch one of its ends, or the origin may lie on it; negative if the ray
     /// misses the wall.
     #[cold]
     #[inline(never)]
-    fn touching(self, segment: &Segment, a: End, b: End) -> f64 {
+    fn touch_distance(self, segment: &Segment, a: End, b: End) -> f64 {
         let is_left = (a.side > self.rounding_error) & (b.side > self.rounding_error);
         let is_right = (a.side < -self.rounding_error) & (b.side < -self.rounding_error);
         if is_left | is_right {
             return -1.0;
         }
         let length = (segment.b - segment.a).abs().element_sum();
-        // This part of the touch tolerance depends only on the origin.
-        let at_origin = ROUNDING * self.origin.abs().element_sum();
-        let touches =
-            |end: End, point: DVec2| end.side.abs() <= at_origin + ROUNDING * (point - self.origin).abs().element_sum();
-        if segment.distance(self.origin) <= at_origin + ROUNDING * length {
+        // Part of the touch tolerance that depends only on the origin.
+        let origin_tolerance = ROUNDING * self.origin.abs().element_sum();
+        let touches = |end: End, point: DVec2| {
+            end.side.abs() <= origin_tolerance + ROUNDING * (point - self.origin).abs().element_sum()
+        };
+        if segment.distance(self.origin) <= origin_tolerance + ROUNDING * length {
             return 0.0;
         }
         match (touches(a, segment.a), touches(b, segment.b)) {
@@ -92,16 +93,17 @@ pub(super) struct Nearest {
 const NO_WALL: WallId = WallId(u32::MAX);
 
 impl Nearest {
-    pub fn within(range: f64) -> Self {
+    /// No wall yet, for a ray of this range.
+    pub fn new(range: f64) -> Self {
         Self { distance: range, wall: NO_WALL }
     }
 
     /// Records a hit at `distance` if it is the nearest; a negative distance means no hit.
     #[inline(always)]
-    pub fn offer(&mut self, wall: WallId, distance: f64, counts: impl Fn(WallId, f64) -> bool) {
+    pub fn offer(&mut self, wall: WallId, distance: f64, accepts: impl Fn(WallId, f64) -> bool) {
         let is_nearer = (0.0 <= distance) & (distance <= self.distance)
             && (distance < self.distance || wall < self.wall)
-            && counts(wall, distance);
+            && accepts(wall, distance);
         if is_nearer {
             *self = Self { distance, wall };
         }
