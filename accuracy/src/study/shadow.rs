@@ -37,7 +37,7 @@ const WINDOW: f64 = 8.0;
 /// Grey level of the ground under full light. Its levels in the sun (176) and in the shadow (80) are whole numbers.
 const GREY: u8 = 200;
 const LIGHT: Light =
-    Light { towards: DVec3::new(0.36, 0.48, 0.8), ambient: 0.4, fill: 0.0, diffuse: 0.6, shadows: true };
+    Light { sun_direction: DVec3::new(0.36, 0.48, 0.8), ambient: 0.4, fill: 0.0, diffuse: 0.6, shadows: true };
 /// Height of the screen, which stands on the x axis, and half of its length, m.
 const HEIGHT: f64 = 1.0;
 const HALF_LENGTH: f64 = 20.0;
@@ -71,7 +71,7 @@ fn scenery() -> Scenery {
 /// Point of the shadow's edge below the top of the screen at `x`, m.
 fn edge(x: f64) -> DVec3 {
     let top = DVec3::new(x, 0.0, HEIGHT);
-    top - LIGHT.towards * (HEIGHT / LIGHT.towards.z)
+    top - LIGHT.sun_direction * (HEIGHT / LIGHT.sun_direction.z)
 }
 
 /// Cameras 0.3 to 0.4 m above the ground that look steeply down at points of the edge, from all sides.
@@ -81,7 +81,7 @@ fn views() -> Vec<View> {
         let target = edge(random.between(-5.0, 5.0));
         let aside = random.direction() * random.between(0.02, 0.1);
         let from = target + aside.extend(random.between(0.3, 0.4));
-        let pose = View::looking(from, target).expect("two points");
+        let pose = View::look_at(from, target).expect("two points");
         View::new(pose, Lens::Pinhole { fov: FIELD }, SIZE).expect("a view")
     };
     (0..VIEWS).map(|_| view()).collect()
@@ -129,7 +129,7 @@ impl Line {
 /// Mean distance, in pixels, between the edges in pictures and their projections; `level` returns the grey level of a view's pixel.
 fn error(views: &[View], level: impl Fn(usize, [u32; 2]) -> f64) -> f64 {
     let [dark, bright] =
-        [LIGHT.ambient, LIGHT.ambient + LIGHT.diffuse * LIGHT.towards.z].map(|share| share * f64::from(GREY));
+        [LIGHT.ambient, LIGHT.ambient + LIGHT.diffuse * LIGHT.sun_direction.z].map(|share| share * f64::from(GREY));
     let (mut sum, mut count) = (0.0, 0.0);
     for (number, view) in views.iter().enumerate() {
         let line = Line::of(view);

@@ -10,8 +10,8 @@ use sim_core::spec::{CostsRef, Dialect, SceneSpec, Span};
 use sim_format::{CellRules, Code, Diagnostic, FileError, Files, InputFile, Loaded, MeshReader, Overrides, Severity};
 use sim_host::files::{DiskFiles, slashed};
 use sim_host::launch::check::{
-    FindProgram, count, finder, is_rejected, missing_programs, plural, search_path, unknown_forbidden_functions,
-    unknown_functions, invalid_checks,
+    FindProgram, count, finder, invalid_checks, is_rejected, missing_programs, plural, search_path,
+    unknown_forbidden_functions, unknown_functions,
 };
 use sim_host::program::Generation;
 use sim_host::program::language::Language;

@@ -116,7 +116,8 @@ fn recording_of(recorded: &Recorded, trace: &Path) -> anyhow::Result<Recording> 
     remarks.iter().for_each(say);
     let (spec, scenery) = scene.into_scenery();
     let mut robots: Vec<RobotInput> = spec.robots.iter().map(robot_input).collect();
-    let mut objects: Vec<ObjectInput> = (1..).map(ObjectId).zip(build::movable_objects(&spec)).map(object_input).collect();
+    let mut objects: Vec<ObjectInput> =
+        (1..).map(ObjectId).zip(build::movable_objects(&spec)).map(object_input).collect();
     let roster = roster_of(&spec);
     for (_, action) in &recorded.interventions {
         match action {

@@ -349,7 +349,7 @@ impl Mcap {
                 let message = json!({
                     "timestamp": timestamp(at),
                     "frame_id": scene::WORLD,
-                    "pose": scene::pose(&scene::of_pose(&corner)),
+                    "pose": scene::pose(&scene::pose_in_space(&corner)),
                     "column_count": grid.columns,
                     "cell_size": { "x": grid.cell, "y": grid.cell },
                     "row_stride": grid.columns,
@@ -364,7 +364,7 @@ impl Mcap {
                 let message = json!({
                     "timestamp": timestamp(at),
                     "frame_id": scene::WORLD,
-                    "pose": scene::pose(&scene::of_pose(frame)),
+                    "pose": scene::pose(&scene::pose_in_space(frame)),
                     "point_stride": size_of::<[f64; 3]>(),
                     "fields": [field("x", 0, FLOAT64), field("y", 8, FLOAT64), field("z", 16, FLOAT64)],
                     "data": STANDARD.encode(bytes),
