@@ -3,12 +3,7 @@
 //! The biped walks through a dining room towards a small obstacle, once with each sensor at each place, without noise and with
 //! that of section 5. Its program computes the profile of the ground; this module compares the profile with the truth.
 
-mod crossing;
-mod floors;
-mod placement;
-mod profile;
 mod side;
-mod study;
 mod walk;
 
 use std::f64::consts::PI;
@@ -168,22 +163,6 @@ pub fn incidences(truth: &Truth, walk: &Walk, place: MountPoint, kind: Kind) -> 
         let (low, high) = range.unwrap_or((degrees, degrees));
         Some((degrees.min(low), degrees.max(high)))
     })
-}
-
-/// Makes the page of the walks over holes, stairs and uneven ground, with `each` training and as many held-out floors of each kind, 10 if not given.
-///
-/// # Errors
-/// A scene that does not run to its end; a search that does not enclose the optimum.
-pub fn over_floors(job: &Job, each: Option<usize>) -> anyhow::Result<Page> {
-    study::run(job, each)
-}
-
-/// Computes rows of the published errors again (`docs/papers/floors.csv`), from the published placements (`docs/papers/floors-settings.csv`).
-///
-/// # Errors
-/// A table that cannot be read; a scene that does not run to its end.
-pub fn floors_sample(job: &Job, settings: &str) -> anyhow::Result<Vec<String>> {
-    study::sample(job, settings)
 }
 
 /// Makes the page.

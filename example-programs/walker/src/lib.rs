@@ -7,12 +7,7 @@
 //!
 //! It prints a line for each reading: `time_ms distance_mm x_mm z_mm`, with `-` for a distance without a point; x counts from
 //! the start, z from the floor. The window shows the profile as a line. Source: France et al. 1999, section 6.2.
-//!
-//! `walker scan SPEED WAY SENSOR...` walks WAY mm without looking and reads any number of sensors on the way. A SENSOR is
-//! `ID:LINK:X:Z:PITCH`: number of the device; `body` or a link such as `LEFT.shank`; place on it in mm; elevation in degrees. Each reading is
-//! a line `time_ms id distance_mm x_mm z_mm`.
 
-use robios_api::robios7::Psd;
 use robios_api::robios7::prelude::*;
 use robios_api::{LayerFrame, Leg, LegLink, Legs, LinkPose};
 
@@ -45,8 +40,8 @@ struct Sensor {
 /// Mounting of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Mount {
-    /// Leg and link that bear the sensor; `None` for the body.
-    link: Option<(Leg, LegLink)>,
+    /// Link that bears the sensor; `None` for the body.
+    link: Option<LegLink>,
     /// Forward in the link's frame.
     x: Length,
     /// Up in the link's frame.
@@ -65,8 +60,8 @@ impl Sensor {
             pitch: Angle::degrees(pitch),
         };
         let (first, mount) = match place {
-            "tibia" => (1, mount(Some((LEG, LegLink::Shank)), 50.0, -98.0, -5.0)),
-            "thigh" => (5, mount(Some((LEG, LegLink::Thigh)), 70.0, -200.0, -40.0)),
+            "tibia" => (1, mount(Some(LegLink::Shank), 50.0, -98.0, -5.0)),
+            "thigh" => (5, mount(Some(LegLink::Thigh), 70.0, -200.0, -40.0)),
             "body" => (9, mount(None, 120.0, 900.0, 0.0)),
             _ => return None,
         };
@@ -78,32 +73,6 @@ impl Sensor {
             _ => return None,
         };
         Some(Self { at: PsdAt::Other(first + kind), max: Length::millimetres(max), mount })
-    }
-
-    /// The laser range finder that `ID:LINK:X:Z:PITCH` describes.
-    fn of_word(word: &str) -> Option<Self> {
-        let parts: Vec<&str> = word.split(':').collect();
-        let [id, link, x, z, pitch] = parts[..] else { return None };
-        let link = match link.split_once('.') {
-            None if link == "body" => None,
-            Some((leg, link)) => Some((
-                match leg {
-                    "LEFT" => Leg(1),
-                    "RIGHT" => Leg(2),
-                    _ => return None,
-                },
-                match link {
-                    "thigh" => LegLink::Thigh,
-                    "shank" => LegLink::Shank,
-                    "foot" => LegLink::Foot,
-                    _ => return None,
-                },
-            )),
-            None => return None,
-        };
-        let [x, z] = [x.parse().ok()?, z.parse().ok()?].map(Length::millimetres);
-        let mount = Mount { link, x, z, pitch: Angle::degrees(pitch.parse().ok()?) };
-        Some(Self { at: PsdAt::Other(id.parse().ok()?), max: 2.metres(), mount })
     }
 }
 
@@ -140,42 +109,10 @@ impl Bearer {
     }
 }
 
-/// A reading of a sensor, and the pose of what bears it at that time.
-struct Sample {
-    /// Time after the reading, ms.
-    time_ms: u128,
-    distance: Length,
-    bearer: Bearer,
-    /// Distance walked, after the reading.
-    x: Length,
-}
-
-impl Sample {
-    /// Reads a sensor. Calls cost virtual time: values read before and after the distance, in mirrored order, average to the time of the
-    /// reading.
-    fn read(robot: &Robot, legs: &Legs, psd: &Psd<'_>, sensor: &Sensor) -> Result<Self> {
-        let (before_x, before_height) = (robot.drive().position().x, legs.height()?);
-        let before = Bearer::of(before_x, before_height, &link(legs, &sensor.mount)?);
-        let distance = psd.distance().unwrap_or(sensor.max);
-        let time_ms = robot.now().as_millis();
-        let after_link = link(legs, &sensor.mount)?;
-        let after_height = legs.height()?;
-        let x = robot.drive().position().x;
-        let bearer = before.middle(&Bearer::of(x, after_height, &after_link));
-        Ok(Self { time_ms, distance, bearer, x })
-    }
-
-    /// Point that was met; `None` for the sensor's maximum distance.
-    fn point(&self, sensor: &Sensor) -> Option<(Length, Length)> {
-        (self.distance < sensor.max).then(|| self.bearer.met(&sensor.mount, self.distance))
-    }
-}
-
 fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     let words: Vec<&str> = robot.arguments().iter().map(String::as_str).collect();
     let (sensor, speed) = match words[..] {
         [] => (Sensor::of_words("tibia", "laser"), Some(1300.0)),
-        ["scan", speed, way, ref sensors @ ..] => return scan(robot, speed, way, sensors),
         [place_word, kind, speed] => (Sensor::of_words(place_word, kind), speed.parse().ok()),
         _ => (None, None),
     };
@@ -192,15 +129,23 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     let mut stuck = 0;
     while x < nearest - STOP && stuck < STUCK {
         ticker.wait();
+        // Calls cost virtual time. Values read before and after the distance, in mirrored order, average to the time of the reading.
         let last_x = x;
-        let sample = Sample::read(robot, &legs, &psd, &sensor)?;
-        x = sample.x;
+        let (before_x, before_height) = (robot.drive().position().x, legs.height()?);
+        let before = Bearer::of(before_x, before_height, &link(&legs, &sensor.mount)?);
+        let distance = psd.distance().unwrap_or(sensor.max);
+        let time_ms = robot.now().as_millis();
+        let after_link = link(&legs, &sensor.mount)?;
+        let after_height = legs.height()?;
+        x = robot.drive().position().x;
         stuck = if x > last_x { 0 } else { stuck + 1 };
-        let (time_ms, distance_mm) = (sample.time_ms, sample.distance.as_millimetres());
-        let Some((point_x, point_z)) = sample.point(&sensor) else {
+        let bearer = before.middle(&Bearer::of(x, after_height, &after_link));
+        let distance_mm = distance.as_millimetres();
+        if distance >= sensor.max {
             writeln!(robot.console(), "{time_ms} {distance_mm} - -");
             continue;
-        };
+        }
+        let (point_x, point_z) = bearer.met(&sensor.mount, distance);
         if point_z > OBSTACLE {
             nearest = nearest.min(point_x);
         }
@@ -224,37 +169,9 @@ fn main(robot: &Robot) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Walks straight on and prints what the sensors read.
-fn scan(robot: &Robot, speed: &str, way: &str, words: &[&str]) -> Result<(), Box<dyn std::error::Error>> {
-    let sensors: Option<Vec<Sensor>> = words.iter().map(|word| Sensor::of_word(word)).collect();
-    let (Ok(speed), Ok(way), Some(sensors)) = (speed.parse(), way.parse(), sensors) else {
-        return Err("expected scan, mm/s, mm, and for each sensor ID:LINK:X:Z:PITCH".into());
-    };
-    let legs = robot.legs()?;
-    let psds: Vec<Psd<'_>> = sensors.iter().map(|sensor| robot.psd(sensor.at)).collect::<Result<_>>()?;
-    legs.set_speed(Speed::millimetres_per_second(speed), Speed::ZERO, TurnRate::ZERO)?;
-    let ticker = robot.ticker(PERIOD);
-    while robot.drive().position().x < Length::millimetres(way) {
-        for (sensor, psd) in sensors.iter().zip(&psds) {
-            let sample = Sample::read(robot, &legs, psd, sensor)?;
-            let (time_ms, id, distance_mm) = (sample.time_ms, sensor.at.number(), sample.distance.as_millimetres());
-            let Some((x, z)) = sample.point(sensor) else {
-                writeln!(robot.console(), "{time_ms} {id} {distance_mm} - -");
-                continue;
-            };
-            let [x_mm, z_mm] = [x, z].map(Length::as_millimetres);
-            writeln!(robot.console(), "{time_ms} {id} {distance_mm} {x_mm:.1} {z_mm:.1}");
-        }
-        ticker.wait();
-    }
-    legs.stop()?;
-    robot.sleep(2.seconds());
-    Ok(())
-}
-
 /// Pose of the link that bears the sensor, in the robot's frame.
 fn link(legs: &Legs, mount: &Mount) -> Result<LinkPose> {
-    mount.link.map_or(Ok(LinkPose::default()), |(leg, link)| legs.link(leg, link))
+    mount.link.map_or(Ok(LinkPose::default()), |link| legs.link(LEG, link))
 }
 
 #[cfg(test)]
@@ -299,16 +216,6 @@ mod tests {
         assert!(console.lines().last().is_some_and(|line| line.starts_with("stopped 0.6")), "{console}");
         let x = run.position().x;
         assert!(x > 0.8.metres() && x < 0.9.metres(), "{x}");
-    }
-
-    #[test]
-    fn it_scans_with_any_sensors() {
-        let run = ["scan", "1300", "500", "2:RIGHT.shank:50:-98:-5"].into_iter().fold(fake(), Fake::argument);
-        let run = run.run_robios7(main).expect_finished();
-        let console = run.console();
-        assert!(console.lines().count() > 10 && console.lines().all(|line| line.split(' ').count() == 5), "{console}");
-        assert_eq!(Sensor::of_word("2:RIGHT.shank:50:-98:-5"), Sensor::of_words("tibia", "laser"));
-        assert_eq!(Sensor::of_word("2:RIGHT.arm:50:-98:-5"), None);
     }
 
     #[test]

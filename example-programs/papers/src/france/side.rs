@@ -4,8 +4,7 @@ use std::fmt::Write as _;
 
 use glam::DVec2;
 
-use super::crossing::{Crossing, PERIOD, Reading};
-use super::walk::{Kind, MountPoint, Thing, Truth, Walk, leg_points};
+use super::walk::{Kind, MountPoint, Thing, Truth, Walk};
 
 /// Pixels per metre.
 const SCALE: f64 = 190.0;
@@ -14,7 +13,6 @@ const MARGIN: f64 = 0.12;
 const NEAR_LEG: &str = "#0072b2";
 const FAR_LEG: &str = "#999999";
 const RAY: &str = "#d55e00";
-const KNOWN: &str = "#009e73";
 
 /// A drawing in metres: x ahead of the start, y up.
 struct Canvas {
@@ -103,36 +101,6 @@ pub fn model(truth: &Truth, walk: &Walk) -> String {
         canvas.dot(from, RAY, 3.5);
         canvas.text(to + DVec2::new(0.14, -0.02), place.name());
     }
-    canvas.finish()
-}
-
-/// Draws a walk over a floor up to `until`: the legs every quarter of a gait cycle, in the last cycle the beams of the sensors' `readings`, and the
-/// ground that the robot knows at that time (`known`).
-pub fn over_floor(crossing: &Crossing, readings: &[Vec<Reading>], until: f64, known: &[DVec2], title: &str) -> String {
-    let now = crossing.at_time(until);
-    let body = crossing.ahead(now.pose.position.extend(now.lift));
-    let (left, right) = (body.x - 1.9, body.x + 1.7);
-    let mut canvas = Canvas::new(left, right, body.y + 1.1, title);
-    let places = (0..=((right - left) / 0.002) as usize).map(|index| left + 0.002 * index as f64);
-    let floor: Vec<DVec2> = places.map(|x| DVec2::new(x, crossing.height(x, 0.0))).collect();
-    canvas.path(&floor, "#333333", 1.5);
-    for reading in readings.iter().flatten() {
-        if reading.at <= until && reading.at > until - PERIOD {
-            canvas.path(&[reading.from, reading.to], RAY, 0.5);
-            canvas.dot(reading.to, RAY, 1.6);
-        }
-    }
-    for quarter in (0..4).rev() {
-        let moment = crossing.at_time(until - 0.25 * PERIOD * f64::from(quarter));
-        for (leg, colour) in [(0, FAR_LEG), (1, NEAR_LEG)] {
-            let points: Vec<DVec2> = leg_points(&crossing.robi, &crossing.links, leg, &moment)
-                .into_iter()
-                .map(|point| crossing.ahead(point))
-                .collect();
-            canvas.path(&points, colour, 2.0);
-        }
-    }
-    canvas.path(known, KNOWN, 3.5);
     canvas.finish()
 }
 
