@@ -224,11 +224,11 @@ fn blurred(sigma: f64, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
     }
     for place in 0..pixels.len() {
         let (column, row) = (place % width, (place / width) as i64);
-        for channel in 0..3 {
+        levels.extend([0, 1, 2].map(|channel| {
             let taps = weights.iter().zip(row - radius..);
             let sum: f64 = taps.map(|(weight, at)| weight * rows[mirrored(at, height) * width + column][channel]).sum();
-            levels.push((sum / (whole * whole)).round() as u8);
-        }
+            (sum / (whole * whole)).round() as u8
+        }));
     }
     levels
 }

@@ -61,7 +61,6 @@ fn scenery() -> Scenery {
         positions: vec![left, right, right + top, left + top],
         triangles: vec![triangle([0, 1, 2]), triangle([0, 2, 3])],
         materials: vec![Material { name: "screen".to_owned(), colour: [0.5; 3], opacity: 1.0, texture: None }],
-        ..Mesh::default()
     };
     let part = Part { mesh: Arc::new(mesh), label: Label::Fixed(0), attachment: Attachment::Fixed(Pose3::IDENTITY) };
     let ground = Ground { colour: [GREY; 3], floor: None, spots: Vec::new() };

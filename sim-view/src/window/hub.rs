@@ -70,6 +70,9 @@ impl CachedDetail {
     }
 }
 
+/// The layers of a robot by name, each with its version.
+type RobotLayers = BTreeMap<String, (u64, Arc<CachedText<Message>>)>;
+
 #[derive(Default)]
 struct State {
     /// Version of the latest message: the number of changes so far.
@@ -79,8 +82,8 @@ struct State {
     snapshot: Option<(u64, Arc<CachedText<Message>>)>,
     build: Option<(u64, Arc<CachedText<Message>>)>,
     details: BTreeMap<u32, (u64, Arc<CachedDetail>)>,
-    /// The last layers of programs, by robot and name.
-    layers: BTreeMap<u32, BTreeMap<String, (u64, Arc<CachedText<Message>>)>>,
+    /// The last layers of programs, by robot.
+    layers: BTreeMap<u32, RobotLayers>,
     events: VecDeque<Arc<CachedText<Event>>>,
     /// Number of events that the ring buffer has dropped since the run began.
     dropped_count: u64,
