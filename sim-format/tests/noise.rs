@@ -191,7 +191,7 @@ fn the_page_names_every_key_and_its_example_has_no_mistakes() {
 fn a_mistake_leaves_what_the_base_says() {
     let (spec, _) = read_noise("p.toml", "base = \"real\"\n[psd]\nsigma_mm = -1\nstep_mm = 7\n");
     let psd = spec.profile().range(RangeKind::Psd, "");
-    assert_eq!((psd.sigma, psd.step), (0.002, 0.007));
+    assert_eq!((psd.sigma, psd.step), (0.001, 0.007));
 }
 
 #[test]

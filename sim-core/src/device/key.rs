@@ -165,7 +165,7 @@ mod tests {
         let texts = ["KEY1", "KEY4", "TOUCH(0,65535)", "IRTV_0", "IRTV_OK"];
         assert_eq!(inputs.map(|input| input.to_string()), texts);
         assert_eq!(texts.map(str::parse), inputs.map(Ok));
-        assert_eq!(["key2", " input( 5 ,6 )", "irtv_power"].map(str::parse), {
+        assert_eq!(["key2", " touch( 5 ,6 )", "irtv_power"].map(str::parse), {
             [Ok(UserInput::Key(2)), Ok(UserInput::Touch([5, 6])), Ok(UserInput::Remote(19))]
         });
         for text in ["", "KEY0", "KEY5", "KEY", "TOUCH", "TOUCH(-1,0)", "TOUCH(1,65536)", "TOUCH(1,2", "TOUCH(1,2)3"] {
