@@ -704,8 +704,8 @@ mod tests {
         assert_eq!(grid[0].3["pose"]["position"], json!({ "x": 1.5, "y": 2.25, "z": 0.0 }));
         assert_eq!(STANDARD.decode(grid[0].3["data"].as_str().unwrap()).unwrap(), [100, 255]);
         let points = messages_of("/robot/1/points/hits");
-        let bytes: Vec<u8> = [1.0_f64, 2.0, 3.0].iter().flat_map(|number| number.to_le_bytes()).collect();
-        assert_eq!(STANDARD.decode(points[0].3["data"].as_str().unwrap()).unwrap(), bytes);
+        let coordinates: Vec<u8> = [1.0_f64, 2.0, 3.0].iter().flat_map(|number| number.to_le_bytes()).collect();
+        assert_eq!(STANDARD.decode(points[0].3["data"].as_str().unwrap()).unwrap(), coordinates);
         let image = STANDARD.decode(messages_of("/robot/1/camera")[0].3["data"].as_str().unwrap()).unwrap();
         assert_eq!(image::load_from_memory(&image).unwrap().to_rgb8().as_raw(), &[255, 0, 0]);
         let contact = messages_of("/robot/1/contacts");
