@@ -559,7 +559,7 @@ fn the_cells_of_a_maze_are_as_large_as_somebody_says() {
     );
     scratch.write("e.sim", "world room.wld\nS4 500 500 0 step.x\n");
     let refused = scratch.eyesim(&["run", "e.sim", "--maze-cell", "360"]);
-    assert!(refused.code == Some(2) && refused.stderr.contains("no maze"), "{refused:#?}");
+    assert!(refused.code == Some(2) && refused.stderr.contains("is not a maze file"), "{refused:#?}");
 }
 
 #[test]

@@ -130,7 +130,7 @@ fn named_files(text: &str) -> BTreeSet<&str> {
     const FOLDERS: &[&str] = &[
         "sim-core/",
         "sim-host/",
-        "eyesim/",
+        "eyesim/src/",
         "robios-sys/",
         "robios-api/",
         "accuracy/",
