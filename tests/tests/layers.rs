@@ -45,7 +45,7 @@ if len(sys.argv) > 1:
     assert eyesim_show_line("way", EYESIM_ODOMETRY, [(0, 0), (0.5, 0), (0.5, 0.1)]) == 0
     assert eyesim_show_points("hits", EYESIM_WORLD, []) == 0
 print("time", OSGetCount())
-print("refused", *(
+print("refused ", *(
     eyesim_show_grid("map", EYESIM_WORLD, 0, 0, 1, 1025, 1024, bytes(1025 * 1024)),
     eyesim_show_grid("map", 7, 0, 0, 1, 1, 1, [0]),
     eyesim_show_grid("map", EYESIM_WORLD, 0, 0, float("nan"), 1, 1, [0]),

@@ -44,7 +44,7 @@ impl ShownLayers {
                 }
             }
         }
-        waiting.sort_by(|(at, ..), (other, ..)| at.cmp(other));
+        waiting.sort_by_key(|(at, ..)| *at);
         let now = Instant::now();
         let mut next = self.next.unwrap_or(now).max(now);
         let mut changed = Vec::new();
