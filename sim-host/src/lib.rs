@@ -27,10 +27,10 @@
 
 pub mod check;
 pub mod executive;
-pub mod files;
-pub mod host;
 pub mod launch;
-pub mod program;
 pub mod record;
 pub mod robios;
 pub mod scenery;
+
+pub use sim_program as program;
+pub use sim_program::{files, host};

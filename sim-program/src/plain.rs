@@ -1308,6 +1308,7 @@ const IS_CALLED: &str = "`[ ]` belongs to an array: a function is called with `(
 
 const NO_FUNCTION: &str = "this `{` belongs to no function: a function has `( )` after its name, as in `int main(void)`, or a `;` is missing further up";
 
+/// Hint for a stack overflow by one function.
 pub const RECURSION: &str = "the function calls itself for ever: it needs an `if` with a `return` before the call";
 
 /// The number behind `words` in `text`.

@@ -1,37 +1,40 @@
 //! Robot programs: finds the program that a sim file names, builds it if it is a source, and loads a private copy for each robot.
 //!
-//! Programs are run by the executive, and the effects of RoBIOS calls are defined elsewhere. `docs/programs.md` describes what a
-//! program may be, the search order, the flags and the cache.
+//! The crate `sim-host` runs programs and implements the RoBIOS calls. `docs/programs.md` describes what a program may be, the
+//! search order, the flags and the cache. [`files`] reads the files of scenes; [`host`] describes the executable that contains
+//! these crates.
 
-pub(crate) mod access;
+pub mod access;
 mod brace;
 pub mod build;
 pub mod cache;
 mod calls;
 pub mod cargo;
-pub(crate) mod code;
+pub mod code;
 pub mod command;
 pub mod compile;
 pub mod compiler;
 mod constructors;
 mod data_files;
 pub mod embedded;
+pub mod files;
 pub mod find;
 pub mod float;
 pub mod generation;
 mod hint;
+pub mod host;
 pub mod image;
 pub mod kind;
 pub mod language;
 pub mod load;
-pub(crate) mod plain;
+pub mod plain;
 mod plain_rust;
 pub mod prepare;
 pub mod python;
-pub(crate) mod run_folder;
+pub mod run_folder;
 pub mod sandbox;
 pub mod scene;
-pub(crate) mod share;
+pub mod share;
 pub mod shared;
 pub mod site;
 pub mod symbols;

@@ -79,6 +79,7 @@ impl Variables {
     }
 
     /// Worker on which the robot runs.
+    #[inline]
     pub fn worker(&self) -> u32 {
         self.copy.worker
     }
@@ -87,6 +88,7 @@ impl Variables {
     ///
     /// # Safety
     /// See [`Variables::swap_in`].
+    #[inline]
     pub unsafe fn saved(&self) -> Range<*const u8> {
         // SAFETY: no code changes the values meanwhile, by this function's contract.
         unsafe { (*self.values.get()).as_ptr_range() }
@@ -97,6 +99,7 @@ impl Variables {
     /// # Safety
     /// Called on the thread of the copy's worker, while no code of the library runs on it. Variables of the copy are dropped only when
     /// none of their robots runs any more.
+    #[inline]
     pub unsafe fn swap_in(&self) {
         let own = ptr::from_ref(self).cast_mut();
         let present = self.copy.present.load(Ordering::Relaxed);

@@ -28,6 +28,7 @@ pub fn set_default() -> Option<u32> {
 
 /// Restores an environment that [`set_default`] returned.
 #[cfg(target_arch = "x86_64")]
+#[inline]
 pub fn restore(environment: u32) {
     // SAFETY: `environment` is the default, or was in the register before, so that no reserved bit is set.
     unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const environment, options(nostack, preserves_flags)) };
@@ -66,6 +67,7 @@ impl Environment {
     const X87_FLAGS: u16 = 0x7f;
 
     /// The calling thread's current environment.
+    #[inline]
     pub fn current() -> Self {
         let (mut sse, mut control, mut status) = (0_u32, 0_u16, 0_u16);
         // SAFETY: each instruction stores a register in a valid variable of its size, and changes nothing else.
@@ -84,6 +86,7 @@ impl Environment {
     }
 
     /// Makes this the calling thread's environment.
+    #[inline]
     pub fn apply(self) {
         restore(self.sse);
         let Self { control, flags, .. } = Self::current();

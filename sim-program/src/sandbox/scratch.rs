@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 
 use super::Limits;
-use crate::program::run_folder::RunFolder;
+use crate::run_folder::RunFolder;
 
 /// Interval at which a program's limits are checked; within it a program may exceed them.
 const INTERVAL: Duration = Duration::from_millis(100);
