@@ -70,7 +70,7 @@ fn serve(program: &RemoteProgram) {
         let line = program.own_source_line(&broken.addresses);
         assert!(line.is_none_or(|line| !line.file.as_os_str().is_empty()), "a line of no file");
     }
-    let location = program.place_of(&program.call_site());
+    let location = program.location_of(&program.call_site());
     assert!(location.is_none_or(|location| !location.is_empty()), "a place without words");
 }
 

@@ -105,7 +105,7 @@ impl Flow for RobotFlow {
     }
 
     fn note_hint(&self, text: &str, site: &Site) {
-        let location = self.run.program(self.id).and_then(|program| program.place_of(site));
+        let location = self.run.program(self.id).and_then(|program| program.location_of(site));
         location.into_iter().for_each(|location| self.run.hint_locations.note(self.id, text, location));
     }
 
@@ -118,7 +118,7 @@ impl Flow for RobotFlow {
 /// overflowed.
 const STACK_RESERVE: usize = 128 << 10;
 
-/// Marks the calling flow as inside `call`; false if its stack is too small to serve it.
+/// Marks the calling flow as inside `call`; returns false if too little of its stack is left for the call.
 #[inline]
 fn enter(call: Call) -> bool {
     let block = FlowBlock::current();
