@@ -40,7 +40,7 @@ impl EmbeddedRobot {
     /// # Errors
     /// [`Broken`] if the program was overdue.
     pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
-        FlowBlock::current().leave_faults_to_process();
+        FlowBlock::current().pass_faults_to_process();
         let calls = Arc::new(CallsOf {
             host: AtomicPtr::new(ptr::from_ref(host).cast_mut()),
             thread: thread::current().id(),

@@ -25,10 +25,11 @@ pub struct Broken {
 }
 
 /// Depth of the search for return addresses from the stack pointer, in words.
-pub(super) const SEARCH: usize = 4096;
+pub(super) const MAX_SEARCH_WORDS: usize = 4096;
 
-/// Distance from the low end of the stack, in bytes, within which a fault counts as a stack overflow (a guard page lies below the stack).
-const GUARD: usize = 64 << 10;
+/// Distance from the low end of the stack, in bytes, within which a fault is reported as a stack overflow (a guard page lies below the
+/// stack).
+const GUARD_REACH: usize = 64 << 10;
 
 /// Beginning of the description of a null pointer dereference.
 pub(super) const NULL_POINTER: &str = "null pointer used";
@@ -46,7 +47,7 @@ pub(super) const ILLEGAL: &str =
 /// Like [`ILLEGAL`], at a line whose only possible fault is a division.
 pub(super) const ILLEGAL_DIVISION: &str = "division by zero, known to the compiler (illegal instruction)";
 
-/// Usual causes of a fault at another address.
+/// Usual causes of a fault at an address that is neither near 0 nor at the end of the stack.
 pub(super) const WILD: &str =
     "a pointer without a value, an index beyond its array, or a text in quotes that is written to";
 
@@ -54,15 +55,16 @@ pub(super) const WILD: &str =
 const SI_KERNEL: i32 = 0x80;
 
 /// Number of words up to which a stack is too shallow to have overflowed.
-const SHALLOW: usize = 1024;
+const MAX_SHALLOW: usize = 1024;
 
 impl Broken {
-    /// Describes `fault` of a thread with these stack bounds and with these words on its stack from the stack pointer on.
+    /// Describes `fault` of a thread with these stack bounds and with these words on its stack, from the stack pointer upwards.
     pub(super) fn new(fault: Fault, [low, high]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
         // A shallow stack has not overflowed: other memory may end just below it.
-        let is_deep = stack_words.is_empty() || stack_words.len() > SHALLOW;
-        let near_guard =
-            low > 0 && is_deep && (low.saturating_sub(GUARD)..low.saturating_add(GUARD)).contains(&fault.address);
+        let is_deep = stack_words.is_empty() || stack_words.len() > MAX_SHALLOW;
+        let near_guard = low > 0
+            && is_deep
+            && (low.saturating_sub(GUARD_REACH)..low.saturating_add(GUARD_REACH)).contains(&fault.address);
         let what = match fault.signal {
             OVERDUE_SIGNAL => "endless loop, or too long without a RoBIOS call".into(),
             EXITS => "the program called `exit` of the C library, which would have ended eyesim".into(),
@@ -128,13 +130,13 @@ impl Broken {
         }
     }
 
-    /// Describes an overdue program that was stopped after its last call, and ended at `location`.
+    /// Describes an overdue program that was stopped at `location`, after its last call.
     pub(super) fn overdue(last_call: u16, location: String) -> Self {
         let fault = Fault { signal: OVERDUE_SIGNAL, ..Fault::default() };
         Self { location, ..Self::new(fault, [0; 2], last_call, Vec::new()) }
     }
 
-    /// Describes a flow that receives no signals and therefore cannot be stopped: it is abandoned as it is.
+    /// Describes a flow that receives no signals and therefore cannot be stopped; it is abandoned.
     pub(super) fn unstoppable() -> Self {
         Self {
             what: "too long without a RoBIOS call, and the program blocks the signals by which it would be stopped"
@@ -148,7 +150,7 @@ impl Broken {
         }
     }
 
-    /// The flow's break as the ending of its program.
+    /// The ending of the program that this break causes.
     pub(super) fn ending(&self) -> Ending {
         let reason = self.what.clone();
         if self.is_overdue { Ending::Overdue { reason } } else { Ending::Failed { reason } }
@@ -190,13 +192,13 @@ fn cause_of_arithmetic_fault(code: i32) -> &'static str {
     }
 }
 
-/// The mapped words on a parked thread's stack from `sp` on, at most [`SEARCH`] of them.
+/// The mapped words on a parked thread's stack from `sp` upwards, at most [`MAX_SEARCH_WORDS`] of them.
 pub(super) fn stack_words(sp: usize, [low, high]: [usize; 2]) -> Vec<usize> {
     let sp = sp.next_multiple_of(align_of::<usize>());
     if sp < low || sp >= high {
         return Vec::new();
     }
-    let mut words = vec![0_usize; ((high - sp) / size_of::<usize>()).min(SEARCH)];
+    let mut words = vec![0_usize; ((high - sp) / size_of::<usize>()).min(MAX_SEARCH_WORDS)];
     // The program may have unmapped its stack, or a part of it.
     let mapped = signal::copy_own_memory(sp, &mut words);
     words.truncate(mapped);

@@ -125,7 +125,7 @@ fn enter(call: Call) -> bool {
     if let Some(number) = call.robios_number() {
         block.last_call.store(number, Ordering::Relaxed);
     }
-    if block.stack_left() < STACK_RESERVE {
+    if block.remaining_stack() < STACK_RESERVE {
         return false;
     }
     block.enter_host();

@@ -405,7 +405,7 @@ impl Scheduler {
         } else {
             let broken = run.with_task(id, broken);
             if run.program(id).is_some_and(|program| program_status::has_lost_heap(&broken, program)) {
-                damage::lose_heap();
+                damage::mark_heap_lost();
             }
             let broken = {
                 let mut robot = run.robot(id);

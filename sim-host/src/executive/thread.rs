@@ -144,7 +144,7 @@ pub(super) fn join(thread: JoinHandle<()>, block: &FlowBlock, timeout: Duration)
 impl ThreadFlow {
     fn new(notifier: Arc<Notifier>) -> io::Result<Self> {
         Ok(Self {
-            block: FlowBlock::notifying(notifier),
+            block: FlowBlock::of_thread(notifier),
             worker: AtomicU32::new(u32::MAX),
             is_resumed: AtomicBool::new(false),
             thread: Mutex::default(),
@@ -278,7 +278,7 @@ impl Executor for ThreadExecutor {
             let should_end = !is_broken && has_departed(RobotId::from_index(index));
             for (_, flow) in list {
                 if !(should_end && flow.join(JOIN_TIMEOUT)) {
-                    damage::lose_flow();
+                    damage::count_lost_flow();
                     all_ended = false;
                 }
             }

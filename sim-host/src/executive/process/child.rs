@@ -18,7 +18,7 @@ use super::client::NO_ROOM_FOR_TASK;
 use super::debugger::Debugger;
 use super::output;
 use crate::executive::confine::protect_host;
-use crate::executive::fault::{Broken, SEARCH};
+use crate::executive::fault::{Broken, MAX_SEARCH_WORDS};
 use crate::executive::signal::{Fault, GONE, OVERDUE_SIGNAL};
 use crate::executive::watchdog::{self, FlowSample, ReleaseTimer};
 use crate::host;
@@ -462,7 +462,7 @@ impl Child {
             let text = body.get::<u32>()? as usize;
             let [address, pc, low, high]: [u64; 4] = body.get()?;
             let text = String::from_utf8_lossy(body.take(text)?).into_owned();
-            let words = body.rest().chunks_exact(8).take(SEARCH);
+            let words = body.rest().chunks_exact(8).take(MAX_SEARCH_WORDS);
             let words = words.map(|word| word.iter().rev().fold(0, |value, byte| value << 8 | usize::from(*byte)));
             if signal == 0 {
                 return if text.trim().is_empty() { Err(Malformed) } else { Ok(self.broken(&text)) };

@@ -16,7 +16,7 @@ use robios_sys::{
 
 use super::channel::{Channel, Channels, Message, Turn, kind, refusal};
 use crate::executive::confine::protect_host;
-use crate::executive::fault::SEARCH;
+use crate::executive::fault::MAX_SEARCH_WORDS;
 use crate::executive::guard::below_guard;
 use crate::executive::signal::{self, Fault, FlowBlock, OVERDUE_SIGNAL};
 use crate::executive::thread::STACK;
@@ -377,8 +377,8 @@ fn report_fault(block: &FlowBlock, fault: Fault) {
     };
     let [low, high] = block.stack_bounds();
     let sp = fault.sp.next_multiple_of(align_of::<usize>());
-    let mut words = [0_usize; SEARCH];
-    let count = if (low..high).contains(&sp) { ((high - sp) / size_of::<usize>()).min(SEARCH) } else { 0 };
+    let mut words = [0_usize; MAX_SEARCH_WORDS];
+    let count = if (low..high).contains(&sp) { ((high - sp) / size_of::<usize>()).min(MAX_SEARCH_WORDS) } else { 0 };
     // The program may have unmapped its stack, or a part of it.
     let count = signal::copy_own_memory(sp, &mut words[..count]);
     if fault.signal == OVERDUE_SIGNAL && connection.channel.is_location_requested() {
