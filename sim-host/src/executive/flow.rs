@@ -1,4 +1,4 @@
-//! A robot's flow as the calls of its program see it, independent of whether it is a thread or a fiber.
+//! A robot's flow as the implementation of the calls uses it, for threads and fibers alike.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -114,8 +114,8 @@ impl Flow for RobotFlow {
     }
 }
 
-/// Stack that a RoBIOS call may need, in bytes, the scheduler step included: if less is left, the program's stack has
-/// overflowed.
+/// Stack that a RoBIOS call may need, in bytes, including the scheduler step; a program with less remaining stack has
+/// overflowed it.
 const STACK_RESERVE: usize = 128 << 10;
 
 /// Marks the calling flow as inside `call`; returns false if too little of its stack is left for the call.
@@ -145,8 +145,8 @@ pub(super) fn has_called() -> bool {
 pub(super) fn call_back(callback: Callback) -> Result<(), Stop> {
     let block = FlowBlock::current();
     block.leave_host();
-    // SAFETY: the robot's flow, which is the calling one, is in a call of its program, or the first in a task that such
-    // a call started; its frames keep the run and thus the program alive.
+    // SAFETY: the calling flow is in a call of its program, or at the beginning of a task that such a call started; its
+    // frames keep the run and thus the program alive.
     let result = unsafe { callback.call() };
     block.enter_host();
     result

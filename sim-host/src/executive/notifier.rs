@@ -1,11 +1,11 @@
-//! Wake-up of the supervisor by robots, by the scheduler step and from signal handlers.
+//! Notifier: wakes the supervisor from flows, from the scheduler step and from signal handlers.
 
 use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// An eventfd on which one thread waits and which any code may notify, signal handlers included.
+/// An eventfd on which one thread waits, and which any code may notify, including signal handlers.
 pub struct Notifier {
     fd: OwnedFd,
     /// A flow has broken since the last [`Notifier::take_fault`].
@@ -27,10 +27,10 @@ impl Notifier {
         Ok(Self { fd: unsafe { OwnedFd::from_raw_fd(fd) }, has_fault: AtomicBool::new(false) })
     }
 
-    /// Wakes the waiting thread; async-signal-safe and idempotent until the next [`wait`](Self::wait).
+    /// Wakes the waiting thread; async-signal-safe, and idempotent until the next [`wait`](Self::wait).
     pub fn notify(&self) {
         let one = 1u64;
-        // SAFETY: `one` has eight bytes; write is async-signal-safe and an error (a full counter) means it is notified already.
+        // SAFETY: `one` has eight bytes; write is async-signal-safe and an error (a full counter) means that the notifier is already notified.
         unsafe { libc::write(self.fd.as_raw_fd(), (&raw const one).cast(), 8) };
     }
 

@@ -389,7 +389,7 @@ impl Executor for ThreadExecutor {
             None => {
                 let sample = FlowSample::at_thread(&flow.block);
                 let release = flow.block.releases.load(Ordering::Relaxed);
-                if sample.is_none() && flow.timer.lock().is_gone(release) {
+                if sample.is_none() && flow.timer.lock().record_missing(release) {
                     flow.block.set_gone();
                 }
                 sample

@@ -670,7 +670,7 @@ impl Executor for FiberExecutor {
             return false;
         }
         let sample = FlowSample::at_thread(&fiber.block);
-        if sample.is_none() && fiber.timer.lock().is_gone(fiber.block.releases.load(Ordering::Relaxed)) {
+        if sample.is_none() && fiber.timer.lock().record_missing(fiber.block.releases.load(Ordering::Relaxed)) {
             fiber.block.set_gone();
         }
         sample.is_some_and(|sample| fiber.timer.lock().is_overdue(&sample, timeout))

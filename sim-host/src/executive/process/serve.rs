@@ -185,9 +185,9 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
 
     /// Carries out a call.
     fn call(&self, body: &[u8], reply: &mut Vec<u8>) -> Result<Status, Malformed> {
-        // The number of the last call is for the report of a fault.
-        let note = |number| self.program.child.last_call.store(number, Ordering::Relaxed);
-        answer(self.host, body, &self.program.site, note, &|code, data| self.callback(code, data), reply)
+        // The report of a fault contains the number of the last call.
+        let store_number = |number| self.program.child.last_call.store(number, Ordering::Relaxed);
+        answer(self.host, body, &self.program.site, store_number, &|code, data| self.callback(code, data), reply)
     }
 
     /// A callback through which the host calls the child's function identified by `code` and `data`.
