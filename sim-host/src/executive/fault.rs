@@ -2,21 +2,21 @@
 
 use super::confine;
 use super::guard::is_in_guard;
-use super::signal::{self, DIVIDES_BY_ZERO, EXITS, Fault, GONE, OVERDUE_SIGNAL};
+use super::signal::{self, DIVISION_BY_ZERO, EXIT_CALLED, Fault, GONE, OVERDUE_SIGNAL};
 use crate::robios::robot::Ending;
 
 /// A flow that will never run again, with the cause.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
     /// Description of the break, without the location: `null pointer used (segmentation fault at address 0x0)`.
-    pub what: String,
-    /// True if the watchdog stopped the flow, false if the program itself faulted.
+    pub description: String,
+    /// True if the watchdog stopped the flow, false if the program faulted.
     pub is_overdue: bool,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub last_call: u16,
     /// The task that broke, if it is one of several.
     pub task: Option<u32>,
-    /// The location as text, if the program itself has reported it; otherwise empty.
+    /// The location as text, if the program has reported it; otherwise empty.
     pub location: String,
     /// Program counter at the break, then words of the stack that may be return addresses, innermost first.
     pub addresses: Vec<usize>,
@@ -65,9 +65,9 @@ impl Broken {
         let near_guard = low > 0
             && is_deep
             && (low.saturating_sub(GUARD_REACH)..low.saturating_add(GUARD_REACH)).contains(&fault.address);
-        let what = match fault.signal {
+        let description = match fault.signal {
             OVERDUE_SIGNAL => "endless loop, or too long without a RoBIOS call".into(),
-            EXITS => "the program called `exit` of the C library, which would have ended eyesim".into(),
+            EXIT_CALLED => "the program called `exit` of the C library, which would have ended eyesim".into(),
             libc::SIGSYS => format!(
                 "the program would have ended or replaced eyesim by the system call {}",
                 confine::name_of(fault.address)
@@ -105,7 +105,7 @@ impl Broken {
         let mut addresses = vec![fault.pc];
         addresses.extend(stack_words);
         Self {
-            what,
+            description,
             is_overdue: fault.signal == OVERDUE_SIGNAL,
             last_call,
             task: None,
@@ -121,11 +121,11 @@ impl Broken {
         Self { unfinished, ..self }
     }
 
-    /// Adds the reason that the program itself reported before it broke.
+    /// Replaces the description by the reason that the program reported before it broke, if any.
     #[must_use]
     pub(super) fn with_reason(self, ending: Option<&Ending>) -> Self {
         match ending {
-            Some(Ending::Failed { reason }) if !self.is_overdue => Self { what: reason.clone(), ..self },
+            Some(Ending::Failed { reason }) if !self.is_overdue => Self { description: reason.clone(), ..self },
             _ => self,
         }
     }
@@ -139,8 +139,9 @@ impl Broken {
     /// Describes a flow that receives no signals and therefore cannot be stopped; it is abandoned.
     pub(super) fn unstoppable() -> Self {
         Self {
-            what: "too long without a RoBIOS call, and the program blocks the signals by which it would be stopped"
-                .to_owned(),
+            description:
+                "too long without a RoBIOS call, and the program blocks the signals by which it would be stopped"
+                    .to_owned(),
             is_overdue: true,
             last_call: u16::MAX,
             task: None,
@@ -152,7 +153,7 @@ impl Broken {
 
     /// The ending of the program that this break causes.
     pub(super) fn ending(&self) -> Ending {
-        let reason = self.what.clone();
+        let reason = self.description.clone();
         if self.is_overdue { Ending::Overdue { reason } } else { Ending::Failed { reason } }
     }
 
@@ -181,7 +182,7 @@ fn name_of_signal(signal: i32) -> Option<&'static str> {
 fn cause_of_arithmetic_fault(code: i32) -> &'static str {
     // The numbers of <asm-generic/siginfo.h>, which the crate `libc` does not have.
     match code {
-        DIVIDES_BY_ZERO => "integer division by zero",
+        DIVISION_BY_ZERO => "integer division by zero",
         2 => "integer division by zero, or of INT_MIN by -1",
         3 => "floating-point division by zero, for which the program has asked for a trap",
         4 => "floating-point overflow, for which the program has asked for a trap",

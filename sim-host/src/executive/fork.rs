@@ -179,7 +179,7 @@ pub fn limit_memory(additional: u64) -> io::Result<()> {
     }
 }
 
-/// Processor time in seconds that this process and its children have used; grandchildren count only once they have
+/// Processor time in seconds that this process and its children have used; includes grandchildren only once they have
 /// ended.
 pub fn processor_seconds() -> f64 {
     // SAFETY: a struct of numbers, for which zeros are valid.

@@ -8,8 +8,8 @@ use std::time::Duration;
 /// An eventfd on which one thread waits, and which any code may notify, including signal handlers.
 pub struct Notifier {
     fd: OwnedFd,
-    /// A flow has broken since the last [`Notifier::take_fault`].
-    has_fault: AtomicBool,
+    /// A flow has broken since the last [`Notifier::take_break`].
+    has_broken_flow: AtomicBool,
 }
 
 impl Notifier {
@@ -24,7 +24,7 @@ impl Notifier {
             return Err(io::Error::last_os_error());
         }
         // SAFETY: `fd` was just opened by this function, which hands its ownership over.
-        Ok(Self { fd: unsafe { OwnedFd::from_raw_fd(fd) }, has_fault: AtomicBool::new(false) })
+        Ok(Self { fd: unsafe { OwnedFd::from_raw_fd(fd) }, has_broken_flow: AtomicBool::new(false) })
     }
 
     /// Wakes the waiting thread; async-signal-safe, and idempotent until the next [`wait`](Self::wait).
@@ -34,28 +34,28 @@ impl Notifier {
         unsafe { libc::write(self.fd.as_raw_fd(), (&raw const one).cast(), 8) };
     }
 
-    /// Wakes the waiting thread because a flow has published its fault; async-signal-safe.
-    pub fn notify_fault(&self) {
-        self.has_fault.store(true, Ordering::Release);
+    /// Wakes the waiting thread because a flow has broken; async-signal-safe.
+    pub fn notify_break(&self) {
+        self.has_broken_flow.store(true, Ordering::Release);
         self.notify();
     }
 
-    /// Returns true if a flow has published a fault since the last call.
-    pub fn take_fault(&self) -> bool {
-        self.has_fault.swap(false, Ordering::AcqRel)
+    /// Returns true if a flow has broken since the last call.
+    pub fn take_break(&self) -> bool {
+        self.has_broken_flow.swap(false, Ordering::AcqRel)
     }
 
     /// Waits until notified or until `timeout` has passed, and clears the notification. Returns true if notified.
     pub fn wait(&self, timeout: Duration) -> bool {
         let mut poll = libc::pollfd { fd: self.fd.as_raw_fd(), events: libc::POLLIN, revents: 0 };
         let millis = i32::try_from(timeout.as_millis()).unwrap_or(i32::MAX);
-        // SAFETY: `poll` is one valid pollfd, as the count says.
+        // SAFETY: `poll` is one valid pollfd, and the count is 1.
         let ready = unsafe { libc::poll(&mut poll, 1, millis) };
         if ready <= 0 {
             return false;
         }
         let mut count = 0u64;
-        // SAFETY: `count` has the eight bytes that an eventfd gives.
+        // SAFETY: `count` has the eight bytes that an eventfd writes.
         unsafe { libc::read(self.fd.as_raw_fd(), (&raw mut count).cast(), 8) == 8 }
     }
 }

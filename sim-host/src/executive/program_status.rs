@@ -23,16 +23,16 @@ pub struct ProgramStatus {
     pub reason: Option<String>,
     /// Exit code of the program, if it gave one.
     pub exit_code: Option<i32>,
-    /// Location of the break and last call, if the program broke.
-    pub fault: Option<FaultReport>,
+    /// Description of the break, if the program broke.
+    pub break_report: Option<BreakReport>,
 }
 
 impl ProgramStatus {
     /// Records the status in the journal of `robot` at the end of the run.
     pub fn record(&self, robot: &mut Robot) {
         let (now, journal) = (robot.now, &mut robot.state.journal);
-        if let Some(FaultReport { what, location, last_call }) = &self.fault {
-            journal.record(now, &Event::Fault { what, location, last_call });
+        if let Some(BreakReport { description, location, last_call }) = &self.break_report {
+            journal.record(now, &Event::Fault { what: description, location, last_call });
         }
         journal.record(now, &Event::ProgramEnded { outcome: self.outcome, exit_code: self.exit_code });
         if let Some(text) = &self.reason {
@@ -42,24 +42,24 @@ impl ProgramStatus {
 
     /// Status of a robot that was removed while its program ran.
     pub fn removed() -> Self {
-        Self { outcome: Outcome::Removed, reason: None, exit_code: None, fault: None }
+        Self { outcome: Outcome::Removed, reason: None, exit_code: None, break_report: None }
     }
 
     /// Status of a robot that was halted while its program ran.
     pub fn halted() -> Self {
-        Self { outcome: Outcome::Halted, reason: None, exit_code: None, fault: None }
+        Self { outcome: Outcome::Halted, reason: None, exit_code: None, break_report: None }
     }
 
     /// Status of a robot without a program.
     pub fn without_program() -> Self {
-        Self { outcome: Outcome::NoProgram, reason: None, exit_code: None, fault: None }
+        Self { outcome: Outcome::NoProgram, reason: None, exit_code: None, break_report: None }
     }
 }
 
 /// Break of a program: description, location and last call.
-pub struct FaultReport {
+pub struct BreakReport {
     /// Description of the break, without the location.
-    pub what: String,
+    pub description: String,
     /// Source file and line; empty if unknown.
     pub location: String,
     /// The last RoBIOS call; empty if there was none.
@@ -131,12 +131,12 @@ pub fn judge(
     broken: Option<&Broken>,
     program: &RobotProgram,
 ) -> ProgramStatus {
-    let status = |outcome, reason| ProgramStatus { outcome, reason, exit_code: None, fault: None };
+    let status = |outcome, reason| ProgramStatus { outcome, reason, exit_code: None, break_report: None };
     if let Some(broken) = broken {
-        let report = fault_report(broken, program);
+        let report = break_report(broken, program);
         let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
         let reason = Some(format!("{report}{}", advice(&report, broken, robot, program)));
-        return ProgramStatus { reason, fault: Some(report), ..status(outcome, None) };
+        return ProgramStatus { reason, break_report: Some(report), ..status(outcome, None) };
     }
     match &robot.ending {
         Some(Ending::Exited { code: 0 }) => ProgramStatus { exit_code: Some(0), ..status(Outcome::Finished, None) },
@@ -267,7 +267,7 @@ fn describe_wait(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_
     format!("{reason} since {since}{location}{advice}")
 }
 
-fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
+fn break_report(broken: &Broken, program: &RobotProgram) -> BreakReport {
     let location = if has_lost_heap(broken, program) {
         // The reason names the line that allocated the block; the overrun may have happened anywhere after that.
         String::new()
@@ -277,13 +277,13 @@ fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
         broken.location.clone()
     };
     let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
-    let what = match reason_of_trap(broken, program) {
+    let description = match reason_of_trap(broken, program) {
         Some(reason) => reason,
-        None if broken.what == ILLEGAL && is_at_division(broken, program) => ILLEGAL_DIVISION,
-        None => &broken.what,
+        None if broken.description == ILLEGAL && is_at_division(broken, program) => ILLEGAL_DIVISION,
+        None => &broken.description,
     };
-    let what = what.to_owned();
-    FaultReport { what, location, last_call }
+    let description = description.to_owned();
+    BreakReport { description, location, last_call }
 }
 
 /// Reads and writes of the line at which the program's own code broke. `None` if the program broke elsewhere, if the line may have
@@ -333,8 +333,8 @@ fn is_in_empty_loop(broken: &Broken, program: &RobotProgram) -> bool {
 }
 
 /// Advice to the user about a break, appended to its report.
-fn advice(report: &FaultReport, broken: &Broken, robot: &Robot, program: &RobotProgram) -> String {
-    let is_null = report.what.starts_with(NULL_POINTER);
+fn advice(report: &BreakReport, broken: &Broken, robot: &Robot, program: &RobotProgram) -> String {
+    let is_null = report.description.starts_with(NULL_POINTER);
     let open_failure = robot.robios.storage.open_failure().filter(|_| is_null);
     if broken.is_overdue && robot.robios.input.has_ended() {
         "; it has read its standard input, which has come to its end (`--stdin`)".to_owned()
@@ -343,14 +343,14 @@ fn advice(report: &FaultReport, broken: &Broken, robot: &Robot, program: &RobotP
         let empty =
             if is_in_empty_loop(broken, program) { "the `;` ends the loop here: leave it out, or " } else { "" };
         format!("; {empty}put a call that waits into the loop, such as `{call}`")
-    } else if report.what.starts_with(STACK_OVERFLOW) {
+    } else if report.description.starts_with(STACK_OVERFLOW) {
         "; a function calls itself without end, or a local array is too large, which `static` puts elsewhere".to_owned()
     } else {
         let null = null_pointer(broken, program).filter(|_| is_null).map(|pointer| format!("; {pointer} is NULL"));
         // A NULL file is used within the C library, so that no line of the program shows the pointer.
         let null_file =
             open_failure.filter(|_| null.is_none()).map(|why| format!("; `fopen` has returned NULL before: {why}"));
-        let is_wild = report.what.contains(WILD) || report.what.contains("an array overrun");
+        let is_wild = report.description.contains(WILD) || report.description.contains("an array overrun");
         let index = wild_index(broken, program).filter(|_| is_wild);
         [null, null_file, index].into_iter().flatten().collect()
     }
@@ -409,9 +409,9 @@ fn reason_of_trap(broken: &Broken, program: &RobotProgram) -> Option<&'static st
     }
 }
 
-impl std::fmt::Display for FaultReport {
+impl std::fmt::Display for BreakReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.what)?;
+        f.write_str(&self.description)?;
         if !self.location.is_empty() {
             write!(f, " at {}", self.location)?;
         }

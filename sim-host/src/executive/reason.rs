@@ -8,23 +8,24 @@ use crate::robios::storage::missing_file;
 /// Explains `reason`, followed by the library's message in brackets: `src/lib.rs:8: this divides by 0 (panicked: attempt to divide by
 /// zero)`. `None` for an unknown message. `text_of` returns the text of a line of the program.
 pub fn explain(reason: &str, text_of: impl Fn(&SourceLine) -> Option<String>) -> Option<String> {
-    let (what, line) = if let Some((task, panic)) = reason.split_once("panicked: ") {
+    let (message, line) = if let Some((task, panic)) = reason.split_once("panicked: ") {
         let mut parts = panic.splitn(4, ':');
         let (file, line) = (parts.next()?, parts.next()?);
         (format!("{task}panicked: {}", parts.nth(1)?.trim_start()), Some((file, line)))
     } else {
-        let location =
-            reason.rsplit_once(" at ").and_then(|(what, location)| Some((what.to_owned(), location.split_once(':')?)));
-        location.map_or_else(|| (reason.to_owned(), None), |(what, location)| (what, Some(location)))
+        let location = reason
+            .rsplit_once(" at ")
+            .and_then(|(message, location)| Some((message.to_owned(), location.split_once(':')?)));
+        location.map_or_else(|| (reason.to_owned(), None), |(message, location)| (message, Some(location)))
     };
     let source_line = || Some(SourceLine { file: PathBuf::from(line?.0), line: line?.1.parse().ok()?, function: None });
-    let explanation = explanation(&what, &|| text_of(&source_line()?))?;
+    let explanation = explanation(&message, &|| text_of(&source_line()?))?;
     let location = line.map_or_else(String::new, |(file, line)| format!("{file}:{line}: "));
-    Some(format!("{location}{explanation} ({what})"))
+    Some(format!("{location}{explanation} ({message})"))
 }
 
-/// Explanation of the message `what`; `text` returns the line of the program that caused it.
-fn explanation(what: &str, text: &dyn Fn() -> Option<String>) -> Option<String> {
+/// Explanation of `message`; `text` returns the line of the program that caused it.
+fn explanation(message: &str, text: &dyn Fn() -> Option<String>) -> Option<String> {
     let fixed = [
         ("panicked: ", "attempt to divide by zero", "this divides by 0"),
         ("panicked: ", "with a divisor of zero", "this divides by 0"),
@@ -42,25 +43,25 @@ fn explanation(what: &str, text: &dyn Fn() -> Option<String>) -> Option<String> 
         ("assertion of the C++ library failed", "!this->empty()", "there is no element: the container is empty"),
     ];
     if let Some((.., explanation)) =
-        fixed.iter().find(|(first, second, _)| what.contains(first) && what.contains(second))
+        fixed.iter().find(|(first, second, _)| message.contains(first) && message.contains(second))
     {
         return Some((*explanation).to_owned());
     }
     let number_parsers = ["stoi", "stol", "stoll", "stoul", "stoull", "stof", "stod", "stold"];
-    if what
+    if message
         .split_once("`std::invalid_argument`: ")
         .is_some_and(|(_, function)| number_parsers.contains(&function.trim()))
     {
         return Some("the text does not begin with a number".to_owned());
     }
-    let is_panic = what.contains("panicked: ");
-    if is_panic && what.contains("kind: NotFound") {
+    let is_panic = message.contains("panicked: ");
+    if is_panic && message.contains("kind: NotFound") {
         return Some(missing_file(text().as_deref().and_then(opened_file)));
     }
-    if is_panic && what.contains("index out of bounds: ") {
-        return Some(index_error("array", number_after(what, "index is ")?, number_after(what, "len is ")?));
+    if is_panic && message.contains("index out of bounds: ") {
+        return Some(index_error("array", number_after(message, "index is ")?, number_after(message, "len is ")?));
     }
-    let (_, checked) = what.split_once("`std::out_of_range`: ")?;
+    let (_, checked) = message.split_once("`std::out_of_range`: ")?;
     let kind = match checked.split_once("::")?.0 {
         "basic_string" => "string",
         kind => kind,

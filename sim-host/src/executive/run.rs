@@ -450,7 +450,7 @@ impl Run {
     /// Adds the name of the task that broke to the description.
     pub(super) fn with_task(&self, id: RobotId, mut broken: Broken) -> Broken {
         if let Some(task) = broken.task.take() {
-            broken.what += &format!(" in {}", self.robot(id).tasks.name(task));
+            broken.description += &format!(" in {}", self.robot(id).tasks.name(task));
         }
         broken
     }

@@ -263,9 +263,9 @@ impl Scheduler {
         }
     }
 
-    /// Carries out the faults of the slot with which the paused run continues. Returns the start of the slot before
-    /// `time` in which the next fault happens. Faults alone do not keep a run going; a fault that cannot be carried
-    /// out, such as one of a removed robot, is skipped.
+    /// Carries out the scene's faults of the slot with which the paused run continues. Returns the start of the slot of
+    /// the next fault, if it is before `time`. A run does not continue only for faults; a fault that cannot be carried
+    /// out, such as that of a removed robot, is skipped.
     fn carry_out_faults(&mut self, time: Time) -> Option<Time> {
         while let Some(at) = self.faults.next() {
             let boundary = self.boundary();
@@ -349,8 +349,8 @@ impl Scheduler {
             if !self.broken.is_empty() {
                 interrupt::arm_last_resort();
             }
-            // Faults are rare, and checking all flows takes time.
-            if self.run.notifier().take_fault() {
+            // Flows rarely break, and a check of all flows takes time.
+            if self.run.notifier().take_break() {
                 for (id, broken) in self.run.executor().broken() {
                     self.handle_broken(id, broken, deadline);
                 }
@@ -461,7 +461,7 @@ impl Scheduler {
         }
     }
 
-    /// Reinstalls the handlers of faults and interrupts that programs on threads have replaced.
+    /// Reinstalls the signal handlers that programs on threads have replaced.
     fn reinstall_handlers(&self) {
         let is_of_program = |address: usize| {
             let address_ranges = self.run.programs().filter_map(|program| match program {

@@ -30,11 +30,11 @@ pub struct FlowBlock {
     pub tid: AtomicI32,
     /// Lowest and highest address of the thread's stack.
     pub stack: [AtomicUsize; 2],
-    /// Number of the current release: counts how often the flow was resumed or handed the run token.
+    /// Number of the current release; increases whenever the flow is resumed or handed the run token.
     pub releases: AtomicU64,
     /// Id of the RoBIOS call in progress or, in the program's own code, of the last one; `u16::MAX` before the first.
     pub last_call: AtomicU16,
-    /// The flow is inside a call to the host, whose locks may be held, so the thread must not be parked now.
+    /// The flow is inside a call to the host and may hold its locks, so that the thread must not be parked.
     pub in_host: AtomicBool,
     /// Passes faults of the thread to the handlers that the process had before the run.
     passes_faults_to_process: AtomicBool,
@@ -117,13 +117,13 @@ pub struct Fault {
 pub const OVERDUE_SIGNAL: i32 = libc::SIGURG;
 
 /// Code of a SIGFPE: an integer was divided by 0 (FPE_INTDIV, which the crate `libc` does not have).
-pub const DIVIDES_BY_ZERO: i32 = 1;
+pub const DIVISION_BY_ZERO: i32 = 1;
 
 /// Code of a SIGFPE: the quotient of integers may not have fitted (FPE_INTOVF).
-const DIVISION_OVERFLOWS: i32 = 2;
+const DIVISION_OVERFLOW: i32 = 2;
 
 /// Used instead of a signal number: the program called `exit` of the C library on a thread of the host.
-pub const EXITS: i32 = -2;
+pub const EXIT_CALLED: i32 = -2;
 
 /// Used instead of a signal number: the thread has ended without the executor's knowledge.
 pub const GONE: i32 = -1;
@@ -312,7 +312,7 @@ impl FlowBlock {
     pub fn publish_stored(&self) {
         self.has_faulted.store(true, Ordering::Release);
         if let OnFault::Park(notifier) | OnFault::Leave { notifier, .. } = &self.on_fault {
-            notifier.notify_fault();
+            notifier.notify_break();
         }
     }
 
@@ -389,7 +389,7 @@ impl Drop for FlowBlock {
 pub struct Handlers(());
 
 /// The signals that [`Handlers`] catch.
-const CAUGHT: [i32; 8] = [
+const CAUGHT_SIGNALS: [i32; 8] = [
     libc::SIGSEGV,
     libc::SIGBUS,
     libc::SIGFPE,
@@ -403,25 +403,27 @@ const CAUGHT: [i32; 8] = [
 /// State shared by all values of [`Handlers`].
 struct HandlerState {
     count: usize,
-    /// The previous action of each signal of [`CAUGHT`], while ours is installed.
-    previous: [Option<libc::sigaction>; CAUGHT.len()],
+    /// The previous action of each signal of [`CAUGHT_SIGNALS`], while our handler is installed.
+    previous: [Option<libc::sigaction>; CAUGHT_SIGNALS.len()],
 }
 
-static HANDLER_STATE: Mutex<HandlerState> = Mutex::new(HandlerState { count: 0, previous: [None; CAUGHT.len()] });
+static HANDLER_STATE: Mutex<HandlerState> =
+    Mutex::new(HandlerState { count: 0, previous: [None; CAUGHT_SIGNALS.len()] });
 
 /// True while any [`Handlers`] live; read in signal handlers.
 static ARE_INSTALLED: AtomicBool = AtomicBool::new(false);
 
-/// The parts of the previous action that a handler needs.
-struct Previous {
+/// The parts of a signal's previous action that our handler needs.
+struct PreviousAction {
     handler: AtomicUsize,
     flags: AtomicI32,
 }
 
-/// The previous actions of [`CAUGHT`]; valid once ours has been installed, and kept after that: other code may chain to
-/// our handler later.
-static PREVIOUS: [Previous; CAUGHT.len()] =
-    [const { Previous { handler: AtomicUsize::new(libc::SIG_DFL), flags: AtomicI32::new(0) } }; CAUGHT.len()];
+/// The previous actions of [`CAUGHT_SIGNALS`]; valid once our handler has been installed, and kept after
+/// that: other code may chain to our handler later.
+static PREVIOUS_ACTIONS: [PreviousAction; CAUGHT_SIGNALS.len()] =
+    [const { PreviousAction { handler: AtomicUsize::new(libc::SIG_DFL), flags: AtomicI32::new(0) } };
+        CAUGHT_SIGNALS.len()];
 
 impl Handlers {
     /// Installs the handlers unless they are already installed.
@@ -443,7 +445,7 @@ impl Handlers {
     pub fn reinstall(is_of_program: impl Fn(usize) -> bool) {
         let state = HANDLER_STATE.lock();
         let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
-        for (signal, previous) in CAUGHT.into_iter().zip(&state.previous) {
+        for (signal, previous) in CAUGHT_SIGNALS.into_iter().zip(&state.previous) {
             if previous.is_some() {
                 reinstall(signal, &on_fault, &is_of_program);
             }
@@ -470,14 +472,14 @@ impl HandlerState {
     fn install(&mut self) -> io::Result<()> {
         guard_process();
         let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
-        for (index, signal) in CAUGHT.into_iter().enumerate() {
+        for (index, signal) in CAUGHT_SIGNALS.into_iter().enumerate() {
             // SAFETY: nothing changes.
             let previous = unsafe { change_action(signal, None) }?;
             // Our handler may still be installed below another one that chains to it, unless other code has restored the default action.
             let is_reset = matches!(previous.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN);
             if self.previous[index].is_none() || is_reset {
-                PREVIOUS[index].handler.store(previous.sa_sigaction, Ordering::Relaxed);
-                PREVIOUS[index].flags.store(previous.sa_flags, Ordering::Release);
+                PREVIOUS_ACTIONS[index].handler.store(previous.sa_sigaction, Ordering::Relaxed);
+                PREVIOUS_ACTIONS[index].flags.store(previous.sa_flags, Ordering::Release);
                 // SAFETY: `on_fault` has the type of an SA_SIGINFO handler; what it calls is async-signal-safe.
                 unsafe { change_action(signal, Some(&on_fault)) }?;
                 self.previous[index] = Some(previous);
@@ -490,7 +492,7 @@ impl HandlerState {
     /// Restores the previous handlers, unless other code has installed its own over ours.
     fn restore(&mut self) {
         ARE_INSTALLED.store(false, Ordering::Release);
-        for (signal, previous) in CAUGHT.into_iter().zip(&mut self.previous) {
+        for (signal, previous) in CAUGHT_SIGNALS.into_iter().zip(&mut self.previous) {
             let is_ours = |now: libc::sigaction| now.sa_sigaction == on_fault as *const () as usize;
             // SAFETY: the first call changes nothing, the second restores the previous action, which came from the kernel.
             unsafe {
@@ -526,7 +528,7 @@ fn block_of_program<'a>() -> Option<&'a FlowBlock> {
 extern "C" fn on_exit() {
     if let Some(block) = block_of_program() {
         let local = 0u8;
-        block.stop_faulted(Fault { signal: EXITS, sp: (&raw const local).addr(), ..Fault::default() });
+        block.stop_faulted(Fault { signal: EXIT_CALLED, sp: (&raw const local).addr(), ..Fault::default() });
     }
 }
 
@@ -549,7 +551,9 @@ extern "C" fn on_fork_in_child() {
 /// # Safety
 /// The arguments must be those of an SA_SIGINFO handler.
 unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
-    let Some(previous) = CAUGHT.iter().position(|caught| *caught == signal).map(|index| &PREVIOUS[index]) else {
+    let Some(previous) =
+        CAUGHT_SIGNALS.iter().position(|caught| *caught == signal).map(|index| &PREVIOUS_ACTIONS[index])
+    else {
         return;
     };
     let flags = previous.flags.load(Ordering::Acquire);
@@ -632,7 +636,7 @@ pub fn stop_overdue(block: &FlowBlock) {
 }
 
 /// Program counter and stack pointer of the running flow of `block`; its thread continues immediately. `None` if the
-/// flow is inside a call, or does not run any more.
+/// flow is inside a call, or no longer runs.
 pub fn backtrace(block: &FlowBlock) -> Option<[usize; 2]> {
     /// Time within which a running thread receives the signal, even on a loaded machine.
     const TIMEOUT: Duration = Duration::from_millis(200);
@@ -681,11 +685,11 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
         }
     }
     // SAFETY: `info` and `context` are what the kernel passed to this SA_SIGINFO handler.
-    let (code, address, (pc, sp)) = unsafe { ((*info).si_code, detail(signal, info), registers(context)) };
+    let (code, address, (pc, sp)) = unsafe { ((*info).si_code, accessed_address(signal, info), registers(context)) };
     let code = match code {
         libc::SI_USER => -1,
         // SAFETY: as above.
-        DIVIDES_BY_ZERO if signal == libc::SIGFPE && unsafe { may_overflow(context) } => DIVISION_OVERFLOWS,
+        DIVISION_BY_ZERO if signal == libc::SIGFPE && unsafe { may_overflow(context) } => DIVISION_OVERFLOW,
         code => code,
     };
     let fault = Fault { signal, code, address, pc, sp };
@@ -707,7 +711,7 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
 ///
 /// # Safety
 /// `info` must be the second argument of an SA_SIGINFO handler.
-unsafe fn detail(signal: i32, info: *mut libc::siginfo_t) -> usize {
+unsafe fn accessed_address(signal: i32, info: *mut libc::siginfo_t) -> usize {
     if signal == libc::SIGSYS {
         // SAFETY: the kernel's siginfo_t, 128 bytes, has the number after the address of the call, at byte 24.
         return unsafe { info.cast::<i32>().add(6).read() } as usize;
@@ -716,7 +720,7 @@ unsafe fn detail(signal: i32, info: *mut libc::siginfo_t) -> usize {
     unsafe { (*info).si_addr() as usize }
 }
 
-/// Returns true if the quotient of a division that has faulted may have overflowed: its dividend is the minimum.
+/// Returns true if the quotient of a division that has faulted may have overflowed: the dividend is the minimum integer.
 ///
 /// # Safety
 /// `context` must be the third argument of an SA_SIGINFO handler.

@@ -379,7 +379,7 @@ impl Executor for ThreadExecutor {
             Some(child) if child.is_debugged() => return false,
             Some(child) if child.is_location_requested(flow.current_release()) || child.is_stopped() => return true,
             Some(child) => {
-                let sample = FlowSample::at_process(child.pid(), &flow.block);
+                let sample = FlowSample::of_process(child.pid(), &flow.block);
                 sample.map(|sample| sample.with_imports(child.imports()))
             }
             None if flow.block.in_host.load(Ordering::Relaxed) => {
@@ -387,7 +387,7 @@ impl Executor for ThreadExecutor {
                 return false;
             }
             None => {
-                let sample = FlowSample::at_thread(&flow.block);
+                let sample = FlowSample::of_thread(&flow.block);
                 let release = flow.block.releases.load(Ordering::Relaxed);
                 if sample.is_none() && flow.timer.lock().record_missing(release) {
                     flow.block.set_gone();
@@ -421,7 +421,7 @@ impl Executor for ThreadExecutor {
 /// Implements [`Executor::backtrace`] for the flow of `block`. Empty if the flow sleeps in the kernel, since the signal of
 /// the request would end its sleep.
 pub(super) fn backtrace(block: &FlowBlock) -> Vec<usize> {
-    let is_computing = FlowSample::at_thread(block).is_some_and(|sample| !sample.is_asleep);
+    let is_computing = FlowSample::of_thread(block).is_some_and(|sample| !sample.is_asleep);
     let Some([pc, sp]) = is_computing.then(|| signal::backtrace(block)).flatten() else { return Vec::new() };
     std::iter::once(pc).chain(stack_words(sp, block.stack_bounds())).collect()
 }

@@ -46,7 +46,7 @@ const IMPORT_TIMEOUT_FACTOR: f64 = 12.0;
 
 impl FlowSample {
     /// Samples a thread of this process.
-    pub fn at_thread(block: &FlowBlock) -> Option<Self> {
+    pub fn of_thread(block: &FlowBlock) -> Option<Self> {
         let tid = block.tid.load(Relaxed);
         Some(Self {
             release: block.releases.load(Relaxed),
@@ -58,7 +58,7 @@ impl FlowSample {
     }
 
     /// Samples the process `pid`, which the thread of `block` serves; `None` while a debugger is attached to it.
-    pub fn at_process(pid: i32, block: &FlowBlock) -> Option<Self> {
+    pub fn of_process(pid: i32, block: &FlowBlock) -> Option<Self> {
         if is_traced(&pid.to_string()) {
             return None;
         }
@@ -75,7 +75,7 @@ impl FlowSample {
 
 impl FlowSample {
     /// Samples the process `pid`, which loads its program.
-    pub fn at_loading(pid: i32) -> Option<Self> {
+    pub fn of_loading(pid: i32) -> Option<Self> {
         Some(Self {
             release: 1,
             processor_time: process_time(pid)?,

@@ -669,7 +669,7 @@ impl Executor for FiberExecutor {
             fiber.timer.lock().pause();
             return false;
         }
-        let sample = FlowSample::at_thread(&fiber.block);
+        let sample = FlowSample::of_thread(&fiber.block);
         if sample.is_none() && fiber.timer.lock().record_missing(fiber.block.releases.load(Ordering::Relaxed)) {
             fiber.block.set_gone();
         }

@@ -153,7 +153,7 @@ impl Channels {
         };
         let channels = Self { file };
         channels.grow_to(1)?;
-        // A child that truncated the file would make the host fault.
+        // Otherwise a child could make the host fault by truncating the file.
         // SAFETY: the descriptor is open; the call takes no pointer.
         if unsafe { libc::fcntl(channels.file.as_raw_fd(), libc::F_ADD_SEALS, libc::F_SEAL_SHRINK) } < 0 {
             return Err(io::Error::last_os_error());

@@ -211,7 +211,7 @@ impl Child {
         // A debugger has no time limit, and an interpreter reports when it imports modules, which may take long.
         while !self.is_debugged && !self.first.wait_for(Turn::Host, Some(POLL_INTERVAL)) && self.exit_status().is_none()
         {
-            let sample = FlowSample::at_loading(self.pid).map(|sample| sample.with_imports(self.imports()));
+            let sample = FlowSample::of_loading(self.pid).map(|sample| sample.with_imports(self.imports()));
             if sample.is_some_and(|sample| timer.is_overdue(&sample, LOAD_TIMEOUT)) {
                 return Err(self.lose(self.broken(&format!(
                     "its library was not loaded within {LOAD_TIMEOUT} s: a function that runs while it is being loaded does not return"
@@ -243,7 +243,7 @@ impl Child {
             {
                 return Err(self.lose(self.broken_by_end(status)));
             }
-            // A task's thread is replaced by the next one; a thread that is missing in two checks has ended itself.
+            // The next thread of a task replaces the previous one; a thread that is missing in two checks has ended by itself.
             let missing = Some(channel.thread()).filter(|thread| *thread != 0 && self.has_lost_thread(*thread));
             if missing.is_some() && missing == missing_before {
                 let fault = Fault { signal: GONE, ..Fault::default() };
@@ -412,7 +412,7 @@ impl Child {
     fn lose(&self, mut broken: Broken) -> Broken {
         if broken.is_overdue && self.was_stopped.load(Ordering::Acquire) {
             broken.is_overdue = false;
-            broken.what = "the program stopped its own process by a signal (SIGSTOP)".to_owned();
+            broken.description = "the program stopped its own process by a signal (SIGSTOP)".to_owned();
         }
         let broken = self.lost.get_or_init(|| broken).clone();
         self.kill();
@@ -420,10 +420,10 @@ impl Child {
     }
 
     /// A break of the child with this description, after its last call.
-    fn broken(&self, what: &str) -> Broken {
+    fn broken(&self, description: &str) -> Broken {
         let last_call = self.last_call.load(Ordering::Relaxed);
         Broken {
-            what: what.to_owned(),
+            description: description.to_owned(),
             is_overdue: false,
             last_call,
             task: None,

@@ -136,8 +136,8 @@ impl Connection {
     fn run_program(&self, library: &Path) {
         let library = match open(library) {
             Ok(opened) => opened.kept(),
-            Err(OpenError::Linker(what)) => self.refuse(refusal::LINKER, &what),
-            Err(OpenError::Incompatible(what)) => self.refuse(refusal::INCOMPATIBLE, &what),
+            Err(OpenError::Linker(message)) => self.refuse(refusal::LINKER, &message),
+            Err(OpenError::Incompatible(reason)) => self.refuse(refusal::INCOMPATIBLE, &reason),
         };
         CALL_SITE.store(library.description().call_site.cast_mut(), Ordering::Relaxed);
         CONSOLES.store(library.description().consoles(), Ordering::Relaxed);
@@ -207,8 +207,8 @@ impl Connection {
     }
 
     /// Reports to the host why the program cannot continue, and ends the process.
-    fn break_off(&self, what: &str) -> ! {
-        self.channel.send(kind::FAULT, &[&fault_header(&Fault::default(), what.len(), [0; 2]), what.as_bytes()]);
+    fn break_off(&self, reason: &str) -> ! {
+        self.channel.send(kind::FAULT, &[&fault_header(&Fault::default(), reason.len(), [0; 2]), reason.as_bytes()]);
         std::process::exit(1)
     }
 }

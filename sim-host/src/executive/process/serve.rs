@@ -46,9 +46,9 @@ impl RemoteProgram {
     /// # Errors
     /// [`LoadRefusal`] if the child cannot load the program.
     pub fn new(child: Child, prepared: Arc<Prepared>, arguments: &[String]) -> Result<Self, LoadRefusal> {
-        let message = child.receive_first().map_err(|broken| LoadRefusal::Broken(broken.what))?;
+        let message = child.receive_first().map_err(|broken| LoadRefusal::Broken(broken.description))?;
         let mut body = Reader::new(&message.body);
-        let malformed = |Malformed| LoadRefusal::Broken(child.malformed().what);
+        let malformed = |Malformed| LoadRefusal::Broken(child.malformed().description);
         match message.kind {
             kind::READY => {
                 let base = body.get().map_err(malformed)?;
@@ -61,7 +61,7 @@ impl RemoteProgram {
                 Err(match reason {
                     refusal::LINKER => LoadRefusal::Linker(text),
                     refusal::INCOMPATIBLE => LoadRefusal::Incompatible(text),
-                    _ if text.trim().is_empty() => LoadRefusal::Broken(child.malformed().what),
+                    _ if text.trim().is_empty() => LoadRefusal::Broken(child.malformed().description),
                     _ => LoadRefusal::Broken(text),
                 })
             }
