@@ -46,7 +46,7 @@ pub struct Dispatcher {
     wakes: BinaryHeap<Reverse<Wake>>,
     /// For each robot the number of its valid entry in `soon` or `wakes`; entries with other numbers are stale.
     wake_numbers: Vec<u32>,
-    /// For each robot, true if its suspended program waits for something that the scheduler step can bring.
+    /// For each robot, true if its suspended program waits for an event that the scheduler step can cause.
     await_step: Vec<bool>,
     /// For each robot, true if its program has ended or it has none.
     departed: Vec<bool>,
@@ -58,7 +58,7 @@ pub struct Dispatcher {
     limit: Time,
     /// Slots that start before this time begin without the run's owner; `None` while the run is paused.
     horizon: Option<Time>,
-    /// An intervention is pending: the current slot is due.
+    /// An intervention is pending, so that the following slot is due.
     is_intervention_pending: bool,
     /// Sinks of the record.
     sinks: Sinks<'static>,
@@ -73,7 +73,7 @@ pub struct Dispatcher {
 struct Worker {
     /// Run queue: robots due in the current slot and not yet released, in order of their ids.
     run_queue: VecDeque<RobotId>,
-    /// Robots that were released and whose return to the barrier the dispatcher has not yet seen.
+    /// Released robots whose return to the barrier the dispatcher has not yet processed.
     running: Vec<RobotId>,
 }
 
@@ -97,7 +97,7 @@ pub struct Return {
     pub wake: Time,
     /// It may have requests to other robots, or has written files.
     pub has_requests: bool,
-    /// It waits for something that the scheduler step can bring, so that it may wake earlier.
+    /// It waits for an event that the scheduler step can cause, so that it may wake earlier.
     pub awaits_step: bool,
 }
 
@@ -549,7 +549,7 @@ impl Dispatcher {
                 self.sleep_until(id, at);
             }
         }
-        if effect.is_end {
+        if effect.ends_run {
             self.end_with(End::Interrupted);
         }
     }

@@ -27,7 +27,7 @@ impl Interrupt {
 }
 
 /// Interrupt set by Ctrl-C and SIGTERM.
-static OF_PROCESS: OnceLock<Interrupt> = OnceLock::new();
+static PROCESS_INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
 
 /// Ctrl-C is for a debugger and is ignored here.
 static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
@@ -39,7 +39,7 @@ static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
 /// The kernel refuses a handler, or a run has already installed its own, which these would replace.
 pub fn of_process() -> io::Result<Interrupt> {
     static IS_INSTALLED: Mutex<bool> = Mutex::new(false);
-    let interrupt = OF_PROCESS.get_or_init(Interrupt::default).clone();
+    let interrupt = PROCESS_INTERRUPT.get_or_init(Interrupt::default).clone();
     let mut is_installed = IS_INSTALLED.lock();
     if *is_installed {
         return Ok(interrupt);
@@ -171,7 +171,7 @@ extern "C" fn on_interrupt(signal: i32) {
     if signal == libc::SIGINT && IS_DEBUGGING.load(Ordering::Acquire) {
         return;
     }
-    if OF_PROCESS.get().is_some_and(Interrupt::set) {
+    if PROCESS_INTERRUPT.get().is_some_and(Interrupt::set) {
         // At the second Ctrl-C the user does not want to wait for files to be closed.
         exit_at_once(130);
     }

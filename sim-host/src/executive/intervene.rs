@@ -36,8 +36,8 @@ pub struct RunEffect {
     pub spawned: Option<(RobotId, bool)>,
     /// The removed or halted robot, whose program must exit.
     pub removed: Option<RobotId>,
-    /// The run ends.
-    pub is_end: bool,
+    /// The action ends the run.
+    pub ends_run: bool,
 }
 
 /// The robots of a run, for the simulation.
@@ -102,10 +102,10 @@ pub fn carry_out(action: ValidatedAction, at: Time, run: &Run, environment: &mut
             environment.admit(&mut robot.state, radio_noise);
             let effect = RunEffect { spawned: Some((spec.id, program.is_some())), ..RunEffect::default() };
             run.admit(Member::new(robot, program));
-            run.spawner().keep_robot(spec, prepared);
+            run.spawner().register_robot(spec, prepared);
             effect
         }
-        ValidatedAction::End => RunEffect { is_end: true, ..RunEffect::default() },
+        ValidatedAction::End => RunEffect { ends_run: true, ..RunEffect::default() },
     }
 }
 
@@ -128,7 +128,7 @@ fn intervene(intervention: Intervention, at: Time, run: &Run, environment: &mut 
     }
     let effect = environment.intervene(&intervention, &mut Members(run));
     if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.came) {
-        run.spawner().keep_object(id, *spec);
+        run.spawner().register_object(id, *spec);
     }
     RunEffect { robots: effect.robots, removed, ..RunEffect::default() }
 }

@@ -170,7 +170,7 @@ impl Spawner {
     }
 
     /// Registers a robot that was added to the run.
-    pub fn keep_robot(&mut self, spec: RobotSpec, program: Option<Arc<Prepared>>) {
+    pub fn register_robot(&mut self, spec: RobotSpec, program: Option<Arc<Prepared>>) {
         self.entity_numbers.spawned.push(Placeable::Robot(spec.id));
         self.options.scenery.add(SpawnedEntity::Robot(spec.id, Arc::clone(&spec.robi)));
         self.roster.keep_robot(spec);
@@ -178,7 +178,7 @@ impl Spawner {
     }
 
     /// Registers a movable object that was added to the run.
-    pub fn keep_object(&mut self, id: ObjectId, spec: ObjectSpec) {
+    pub fn register_object(&mut self, id: ObjectId, spec: ObjectSpec) {
         self.entity_numbers.spawned.push(Placeable::Object(id));
         self.options.scenery.add(SpawnedEntity::Object(id, Arc::clone(&spec.kind)));
         self.roster.keep_object(spec);
