@@ -66,11 +66,11 @@ impl Drop for Over<'_> {
 /// Runs the program to its end and looks at all that is known of it then.
 fn serve(program: &RemoteProgram) {
     if let Err(broken) = program.run(&Robot) {
-        assert!(!broken.what.is_empty(), "given up without a reason");
+        assert!(!broken.description.is_empty(), "given up without a reason");
         let line = program.own_source_line(&broken.addresses);
         assert!(line.is_none_or(|line| !line.file.as_os_str().is_empty()), "a line of no file");
     }
-    let location = program.place_of(&program.call_site());
+    let location = program.location_of(&program.call_site());
     assert!(location.is_none_or(|location| !location.is_empty()), "a place without words");
 }
 

@@ -1,4 +1,4 @@
-//! Runs of robot programs in simulated worlds, as a library: the command `eyesim` and the Python package stand on it.
+//! Runs of robot programs in simulated worlds, as a library: the command `eyesim` and the Python package use it.
 //!
 //! ```no_run
 //! use sim_core::RobotId;

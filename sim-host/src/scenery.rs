@@ -17,10 +17,10 @@ use sim_format::{Diagnostic, Files, InputFile, MeshReader};
 pub struct LazyScenery {
     /// The scene and its files; `None` for a black sky.
     source: Option<Source>,
-    built: OnceLock<SceneryReads>,
+    build_report: OnceLock<BuildReport>,
     state: Mutex<SceneryState>,
     /// Files that were read for the scene.
-    of_scene: Vec<InputFile>,
+    scene_inputs: Vec<InputFile>,
 }
 
 struct Source {
@@ -30,10 +30,10 @@ struct Source {
     reported: Vec<Diagnostic>,
 }
 
-/// Diagnostics and files of a built scenery.
+/// Diagnostics and files of the construction of a scenery.
 #[derive(Debug)]
-pub struct SceneryReads {
-    /// Mistakes in meshes and images, without the ones that the user has already seen.
+pub struct BuildReport {
+    /// Mistakes in meshes and images, except those that the user has already seen.
     pub diagnostics: Vec<Diagnostic>,
     /// The files read, in order; files that the scene itself needed may be among them.
     pub inputs: Vec<InputFile>,
@@ -49,15 +49,15 @@ struct SceneryState {
 
 impl LazyScenery {
     /// The scenery of `scene`, with meshes and images from `files`; `reported` are the diagnostics that the user has seen already, and
-    /// `of_scene` the files that were read for the scene.
+    /// `scene_inputs` the files that were read for the scene.
     pub fn new(
         scene: Arc<SceneSpec>,
         files: impl Files + Send + Sync + 'static,
         reported: Vec<Diagnostic>,
-        of_scene: Vec<InputFile>,
+        scene_inputs: Vec<InputFile>,
     ) -> Self {
         let source = Some(Source { scene, files: Box::new(files), reported });
-        Self { source, built: OnceLock::new(), state: Mutex::default(), of_scene }
+        Self { source, build_report: OnceLock::new(), state: Mutex::default(), scene_inputs }
     }
 
     /// The current scenery. The first caller builds it; further callers wait.
@@ -74,7 +74,7 @@ impl LazyScenery {
 
     fn build(&self) -> Visuals {
         let Some(Source { scene, files, reported }) = &self.source else {
-            self.built.get_or_init(|| SceneryReads { diagnostics: Vec::new(), inputs: Vec::new() });
+            self.build_report.get_or_init(|| BuildReport { diagnostics: Vec::new(), inputs: Vec::new() });
             let light = Light { sun_direction: glam::DVec3::Z, ambient: 1.0, fill: 0.0, diffuse: 0.0, shadows: false };
             let sky = Sky { horizon: [0; 3], zenith: [0; 3] };
             return Visuals::from_scenery(Scenery::new(Vec::new(), None, light, sky));
@@ -83,38 +83,38 @@ impl LazyScenery {
         let visuals = Visuals::new(scene, &mut reader);
         let (mut diagnostics, inputs) = reader.finish();
         diagnostics.retain(|diagnostic| !reported.contains(diagnostic));
-        self.built.get_or_init(|| SceneryReads { diagnostics, inputs });
+        self.build_report.get_or_init(|| BuildReport { diagnostics, inputs });
         visuals
     }
 
-    /// Adds a spawned robot or object, which is visible from now on.
+    /// Adds a spawned robot or object, which is visible in all later images.
     pub fn add(&self, spawned: SpawnedEntity) {
         self.state.lock().spawned.push(spawned);
     }
 
-    /// The image on the floor, for a picture from above; `None` if there is none or it cannot be read, which the
-    /// scene's diagnostics report.
+    /// The image on the floor, for a picture from above; `None` if there is none or it cannot be read. The scene's
+    /// diagnostics report an image that cannot be read.
     pub fn floor(&self) -> Option<Arc<Texture>> {
         let Source { scene, files, .. } = self.source.as_ref()?;
         MeshReader::new(&**files).floor(&scene.world)
     }
 
     /// Diagnostics and files of the scenery; `None` until it is built.
-    pub fn built(&self) -> Option<&SceneryReads> {
-        self.built.get()
+    pub fn built(&self) -> Option<&BuildReport> {
+        self.build_report.get()
     }
 
     /// All files to which diagnostics may refer: the scene's, and the files read for cameras.
     pub fn inputs(&self) -> Vec<InputFile> {
         let built = self.built().map(|built| &built.inputs);
-        self.of_scene.iter().chain(built.into_iter().flatten()).cloned().collect()
+        self.scene_inputs.iter().chain(built.into_iter().flatten()).cloned().collect()
     }
 }
 
 impl Default for LazyScenery {
     /// Creates a scenery of only a black sky.
     fn default() -> Self {
-        Self { source: None, built: OnceLock::new(), state: Mutex::default(), of_scene: Vec::new() }
+        Self { source: None, build_report: OnceLock::new(), state: Mutex::default(), scene_inputs: Vec::new() }
     }
 }
 
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_is_built_before_somebody_asks() {
+    fn scenery_is_built_at_first_use() {
         let lazy = LazyScenery::default();
         assert!(lazy.built().is_none());
         assert!(lazy.get().parts().is_empty());

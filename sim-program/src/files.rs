@@ -19,15 +19,15 @@ const MAX_MEBIBYTES: u64 = 256;
 /// Size limit of a scene's text file in MiB; each line of it may become a wall or a robot.
 const MAX_TEXT_MEBIBYTES: u64 = 16;
 /// Extensions of text files.
-const TEXTS: [&str; 15] =
+const TEXT_EXTENSIONS: [&str; 15] =
     ["sim", "wld", "maz", "maze", "robi", "esobj", "toml", "yaml", "yml", "map", "scen", "num", "txt", "world", "sdf"];
 
 /// The installation folder of the archive that this process has opened.
-static OF_ARCHIVE: OnceLock<PathBuf> = OnceLock::new();
+static ARCHIVE_HOME: OnceLock<PathBuf> = OnceLock::new();
 
 /// Makes [`DiskFiles::of_environment`] use the installation in `home`, for a process that runs an archive.
 pub fn use_home(home: &Path) {
-    OF_ARCHIVE.get_or_init(|| home.to_owned());
+    ARCHIVE_HOME.get_or_init(|| home.to_owned());
 }
 
 /// Files on the disk, relative to the working folder.
@@ -35,7 +35,7 @@ pub fn use_home(home: &Path) {
 pub struct DiskFiles {
     home: Option<String>,
     /// Paths of files whose real names are not valid text or contain back-slashes.
-    real: BTreeMap<String, PathBuf>,
+    real_paths: BTreeMap<String, PathBuf>,
     /// Files whose texts the caller supplies.
     texts: BTreeMap<String, String>,
 }
@@ -45,11 +45,11 @@ impl DiskFiles {
     /// brings; the folder above the running binary that contains `worlds` and `robis`; the checkout from which the
     /// binary was built, if it still exists.
     pub fn of_environment() -> Self {
-        if let Some(home) = OF_ARCHIVE.get() {
+        if let Some(home) = ARCHIVE_HOME.get() {
             return Self::with_home(home);
         }
-        let named = std::env::var_os(HOME_VARIABLE).filter(|home| !home.is_empty()).map(PathBuf::from);
-        let home = named.or_else(|| host::current()?.home.clone()).or_else(above_binary).or_else(checkout);
+        let user_home = std::env::var_os(HOME_VARIABLE).filter(|home| !home.is_empty()).map(PathBuf::from);
+        let home = user_home.or_else(|| host::current()?.home.clone()).or_else(folder_above_binary).or_else(checkout);
         Self { home: home.map(|home| slashed(&home)), ..Self::default() }
     }
 
@@ -68,7 +68,7 @@ impl DiskFiles {
     pub fn name(&mut self, path: &Path) -> String {
         let name = slashed(path);
         if path.to_str() != Some(name.as_str()) {
-            self.real.insert(name.clone(), path.to_owned());
+            self.real_paths.insert(name.clone(), path.to_owned());
         }
         name
     }
@@ -79,9 +79,10 @@ impl Files for DiskFiles {
         if let Some(text) = self.texts.get(path) {
             return Ok(text.clone().into_bytes());
         }
-        let path = self.real.get(path).map_or(Path::new(path), PathBuf::as_path);
-        let is_text =
-            path.extension().is_some_and(|extension| TEXTS.iter().any(|text| extension.eq_ignore_ascii_case(text)));
+        let path = self.real_paths.get(path).map_or(Path::new(path), PathBuf::as_path);
+        let is_text = path
+            .extension()
+            .is_some_and(|extension| TEXT_EXTENSIONS.iter().any(|text| extension.eq_ignore_ascii_case(text)));
         let max_mebibytes = if is_text { MAX_TEXT_MEBIBYTES } else { MAX_MEBIBYTES };
         read_bounded(path, max_mebibytes).map_err(file_error)
     }
@@ -139,17 +140,17 @@ fn file_error(error: std::io::Error) -> FileError {
     }
 }
 
-fn above_binary() -> Option<PathBuf> {
+fn folder_above_binary() -> Option<PathBuf> {
     let binary = std::env::current_exe().ok()?;
-    binary.ancestors().skip(1).find(|folder| holds_data(folder)).map(Path::to_path_buf)
+    binary.ancestors().skip(1).find(|folder| is_installation(folder)).map(Path::to_path_buf)
 }
 
 fn checkout() -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
-    holds_data(root).then(|| root.to_path_buf())
+    is_installation(root).then(|| root.to_path_buf())
 }
 
-fn holds_data(folder: &Path) -> bool {
+fn is_installation(folder: &Path) -> bool {
     folder.join("worlds").is_dir() && folder.join("robis").is_dir()
 }
 
@@ -158,7 +159,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reads_files_and_nothing_else() {
+    fn only_files_of_allowed_size_are_read() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = slashed(&folder.path().join("a.wld"));
         fs::write(&path, "floor 1 1").expect("a file");
@@ -178,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn the_checkout_is_an_installation() {
-        assert!(holds_data(&checkout().expect("the checkout holds worlds and robis")));
+    fn checkout_is_an_installation() {
+        assert!(is_installation(&checkout().expect("the checkout holds worlds and robis")));
     }
 }

@@ -1,7 +1,6 @@
 //! The program that hosts this library: the command that starts it again, the installation and the tools that it brings.
 //!
-//! The binary `eyesim` brings only itself. Another host, such as the Python package, describes itself once with
-//! [`set`].
+//! A host other than the binary `eyesim`, such as the Python package, describes itself once with [`set`].
 
 use std::ffi::{OsStr, OsString};
 use std::io;
@@ -58,7 +57,8 @@ pub fn script() -> io::Result<PathBuf> {
     current().map_or_else(std::env::current_exe, |host| Ok(host.script.clone()))
 }
 
-/// The command `eyesim`, called `name` in lists of processes where the host allows it: an interpreter finds its installation by its name.
+/// The command `eyesim`, called `name` in lists of processes unless an interpreter runs it: an interpreter finds its installation by its
+/// own name.
 ///
 /// # Errors
 /// See [`words`].

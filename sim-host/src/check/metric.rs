@@ -4,12 +4,12 @@ use serde_json::Value;
 
 use super::Verdict;
 
-/// Judges the number at `path` of `report`: whether it lies within limits or, for partial points, where it lies between
-/// the values that earn all points and none.
+/// Judges the number at `path` of `report`: it must be within `limits` or, with `partial`, earns points by its position
+/// between the values for all points and for none.
 pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partial: Option<(f64, f64)>) -> Verdict {
     let number = match find(report, path).and_then(|value| number(value, path)) {
         Ok(number) => number,
-        Err(why) => return Verdict::new(false, why),
+        Err(message) => return Verdict::new(false, message),
     };
     let [min, max] = limits;
     let (fraction, message) = match partial {
@@ -30,24 +30,24 @@ pub(super) fn judge(report: &Value, path: &str, limits: [Option<f64>; 2], partia
 
 /// The value at a path, which consists of names of fields separated by dots, and indices from 0 in brackets.
 fn find<'v>(report: &'v Value, path: &str) -> Result<&'v Value, String> {
-    let (mut value, mut known) = (report, String::new());
+    let (mut value, mut found_path) = (report, String::new());
     for part in path.split('.') {
-        // A program could print any metrics about itself, so they do not count for marks.
-        if part == "metrics" && known.starts_with("robots") {
+        // A program can print any metrics about itself, so no check may judge by them.
+        if part == "metrics" && found_path.starts_with("robots") {
             return Err(format!("`{path}`: the program prints its metrics itself: no check judges by them"));
         }
         let (name, mut indices) = part.split_once('[').map_or((part, ""), |(name, rest)| (name, rest));
         let fields = value.as_object().map(|fields| fields.keys().map(String::as_str).collect::<Vec<_>>());
         let Some(next) = value.get(name) else {
-            let of = if known.is_empty() { "the report".to_owned() } else { format!("`{known}`") };
+            let parent = if found_path.is_empty() { "the report".to_owned() } else { format!("`{found_path}`") };
             return Err(match fields {
-                Some(fields) => format!("{of} has no `{name}`; it has {}", fields.join(", ")),
-                None => format!("{of} has no parts"),
+                Some(fields) => format!("{parent} has no `{name}`; it has {}", fields.join(", ")),
+                None => format!("{parent} has no parts"),
             });
         };
         value = next;
-        known.push_str(if known.is_empty() { "" } else { "." });
-        known.push_str(name);
+        found_path.push_str(if found_path.is_empty() { "" } else { "." });
+        found_path.push_str(name);
         while !indices.is_empty() {
             let (index, rest) = indices.split_once(']').ok_or_else(|| format!("`{path}` has no `]`"))?;
             let Ok(index) = index.trim().parse::<usize>() else {
@@ -55,14 +55,14 @@ fn find<'v>(report: &'v Value, path: &str) -> Result<&'v Value, String> {
             };
             let count = value.as_array().map(Vec::len);
             value = value.get(index).ok_or_else(|| match count {
-                Some(count) => format!("`{known}` has {count} entries, counted from 0"),
-                None => format!("`{known}` is no list"),
+                Some(count) => format!("`{found_path}` has {count} entries, counted from 0"),
+                None => format!("`{found_path}` is no list"),
             })?;
-            known.push_str(&format!("[{index}]"));
+            found_path.push_str(&format!("[{index}]"));
             indices = match rest.strip_prefix('[') {
                 Some(rest) => rest,
                 None if rest.is_empty() => "",
-                None => return Err(format!("`{path}`: expected `.` or `[` after `{known}`")),
+                None => return Err(format!("`{path}`: expected `.` or `[` after `{found_path}`")),
             };
         }
     }

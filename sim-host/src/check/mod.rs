@@ -1,5 +1,5 @@
-//! Verdicts on the checks of a scene: checks on motion are judged by [`sim_core::check`], checks on events by a
-//! [`Tally`], all others by the report and by the user's programs.
+//! Verdicts on the checks of a scene: [`sim_core::check`] judges checks on motion and a [`Tally`] checks on events; the
+//! report and the user's programs decide all others.
 
 mod metric;
 mod prints;
@@ -24,9 +24,11 @@ struct Verdict {
     is_met: bool,
     /// Fraction of the points, 0 to 1.
     fraction: f64,
-    /// Instant in s, and point in m.
+    /// Instant of the deciding event, s.
     at: Option<f64>,
+    /// Point of this event, m.
     position: Option<[f64; 2]>,
+    /// The value that was judged.
     value: Option<f64>,
     message: String,
 }
@@ -37,9 +39,9 @@ impl Verdict {
     }
 }
 
-/// Results of all checks of a scene, in its order; without points if a required one is not met. `findings` are the
-/// findings on motion, `tally` has counted the events of the run, `report` describes the run, and `evidence` is what
-/// programs may read of it.
+/// Results of all checks of a scene, in the scene's order; all get 0 points if a required check is not met. `findings` are
+/// the findings on motion, `tally` contains the counts of events, `report` describes the run, and `evidence` is the data
+/// that the programs of checks may read.
 pub fn results(
     checks: &[CheckSpec],
     findings: impl Iterator<Item = (usize, Finding)>,
@@ -50,28 +52,28 @@ pub fn results(
     if checks.is_empty() {
         return Vec::new();
     }
-    let mut of_motion: Vec<Option<Finding>> = vec![None; checks.len()];
-    findings.for_each(|(index, finding)| of_motion[index] = Some(finding));
+    let mut motion_findings: Vec<Option<Finding>> = vec![None; checks.len()];
+    findings.for_each(|(index, finding)| motion_findings[index] = Some(finding));
     let mut json = serde_json::to_value(report).unwrap_or_default();
     if let Some(fields) = json.as_object_mut() {
         // Results of checks are not known yet.
         fields.retain(|name, _| !["checks", "points", "max_points"].contains(&name.as_str()));
     }
-    let of_script = |check: &CheckSpec| {
+    let script_verdict = |check: &CheckSpec| {
         let mut json = json.clone();
         if let Some(fields) = json.as_object_mut() {
-            // A verdict must not depend on them.
+            // A verdict must not depend on the command line or on wall-clock time.
             fields.retain(|name, _| !["argv", "real_time_s"].contains(&name.as_str()));
         }
         script::judge(&check.kind, check.points, &json, evidence)
     };
     let result = |(index, check): (usize, &CheckSpec)| {
         let mut is_broken = false;
-        let verdict = match (&of_motion[index], &check.kind) {
-            (Some(finding), kind) => of_finding(kind, finding),
-            (None, CheckKind::Script { .. }) => of_script(check).unwrap_or_else(|why| {
+        let verdict = match (&motion_findings[index], &check.kind) {
+            (Some(finding), kind) => verdict_of_finding(kind, finding),
+            (None, CheckKind::Script { .. }) => script_verdict(check).unwrap_or_else(|message| {
                 is_broken = true;
-                Verdict::new(false, why)
+                Verdict::new(false, message)
             }),
             (None, CheckKind::Metric { path, min, max, full, zero }) => {
                 metric::judge(&json, path, [*min, *max], full.zip(*zero))
@@ -80,7 +82,7 @@ pub fn results(
             (None, CheckKind::Prints { robot, output: ProgramOutput::Display, expected }) => {
                 judge_display(report, *robot, expected)
             }
-            (None, kind) => of_count(kind, tally.and_then(|tally| tally.count(index))),
+            (None, kind) => verdict_of_count(kind, tally.and_then(|tally| tally.count(index))),
         };
         CheckReport {
             name: check.title().to_owned(),
@@ -98,14 +100,14 @@ pub fn results(
         }
     };
     let mut results: Vec<CheckReport> = checks.iter().enumerate().map(result).collect();
-    let mut has_missed = false;
+    let mut is_required_check_missed = false;
     for (check, result) in checks.iter().zip(&mut results).filter(|(check, result)| check.is_required && !result.passed)
     {
-        has_missed = true;
+        is_required_check_missed = true;
         let name = check.title();
         result.message = format!("{}; without `{name}` there are no points at all", result.message);
     }
-    if has_missed {
+    if is_required_check_missed {
         results.iter_mut().for_each(|result| result.points = 0.0);
     }
     results
@@ -116,24 +118,24 @@ pub fn results(
 pub enum Progress {
     /// The rest of the run decides the check.
     Open,
-    /// It is met, whatever follows.
+    /// The check is met, whatever happens later.
     Met,
-    /// It can no longer be met.
+    /// The check can no longer be met.
     Failed,
 }
 
 /// A check during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standing {
-    /// The verdict up to now.
+    /// The verdict so far.
     pub progress: Progress,
-    /// The verdict in words.
+    /// Message for the user.
     pub message: String,
     /// Current value of a swarm metric.
     pub value: Option<f64>,
 }
 
-/// State of all checks of a scene at `now`, in its order, from the findings and events up to now.
+/// State of all checks of a scene at `now`, in the scene's order, from the findings and events so far.
 pub fn standings(checks: &[CheckSpec], monitor: Option<&Monitor>, tally: Option<&Tally>, now: Time) -> Vec<Standing> {
     let mut findings: Vec<Option<Finding>> = vec![None; checks.len()];
     monitor.into_iter().flat_map(Monitor::findings).for_each(|(index, finding)| findings[index] = Some(finding));
@@ -161,8 +163,8 @@ pub fn standings(checks: &[CheckSpec], monitor: Option<&Monitor>, tally: Option<
     checks.iter().enumerate().map(standing).collect()
 }
 
-/// Returns true if a check that is met stays so.
-fn is_met_for_good(kind: &CheckKind) -> bool {
+/// Returns true if a check of this kind stays met once it is met.
+fn stays_met(kind: &CheckKind) -> bool {
     match kind {
         CheckKind::Reach { .. }
         | CheckKind::Visits { .. }
@@ -176,8 +178,8 @@ fn is_met_for_good(kind: &CheckKind) -> bool {
     }
 }
 
-/// Returns true if a check that is violated stays so.
-fn is_failed_for_good(kind: &CheckKind) -> bool {
+/// Returns true if a check of this kind stays violated once it is violated.
+fn stays_violated(kind: &CheckKind) -> bool {
     match kind {
         CheckKind::StaysIn { .. }
         | CheckKind::Clearance { .. }
@@ -200,20 +202,20 @@ fn progress(kind: &CheckKind, is_met: bool, is_violated: bool, now: Time) -> Pro
         _ => None,
     };
     match is_met {
-        true if is_met_for_good(kind) => Progress::Met,
-        false if is_violated && is_failed_for_good(kind) || by.is_some_and(|by| now > by) => Progress::Failed,
+        true if stays_met(kind) => Progress::Met,
+        false if is_violated && stays_violated(kind) || by.is_some_and(|by| now > by) => Progress::Failed,
         _ => Progress::Open,
     }
 }
 
-fn of_finding(kind: &CheckKind, finding: &Finding) -> Verdict {
+fn verdict_of_finding(kind: &CheckKind, finding: &Finding) -> Verdict {
     let Finding { is_met, at, position, value } = *finding;
     let position = position.map(|point| point.to_array());
     let message = wording::of_finding(kind, finding);
     Verdict { at, position, value: value.filter(|value| value.is_finite()), ..Verdict::new(is_met, message) }
 }
 
-fn of_count(kind: &CheckKind, count: Option<&Count>) -> Verdict {
+fn verdict_of_count(kind: &CheckKind, count: Option<&Count>) -> Verdict {
     let Some(count) = count else {
         return Verdict::new(false, "it was not evaluated".to_owned());
     };
@@ -223,27 +225,27 @@ fn of_count(kind: &CheckKind, count: Option<&Count>) -> Verdict {
     Verdict { at, position, value: Some(count.number as f64), ..Verdict::new(is_met, message) }
 }
 
-fn judge_outcome(report: &Report, robot: Option<RobotId>, is: Outcome) -> Verdict {
-    let concerned = |other: &&RobotReport| match robot {
+fn judge_outcome(report: &Report, robot: Option<RobotId>, expected: Outcome) -> Verdict {
+    let is_concerned = |other: &&RobotReport| match robot {
         Some(id) => other.id == id.0,
         None => other.outcome != Outcome::NoProgram,
     };
-    let concerned: Vec<&RobotReport> = report.robots.iter().filter(concerned).collect();
-    let other = concerned.iter().find(|robot| robot.outcome != is);
-    match other {
+    let concerned: Vec<&RobotReport> = report.robots.iter().filter(is_concerned).collect();
+    let deviating = concerned.iter().find(|robot| robot.outcome != expected);
+    match deviating {
         _ if concerned.is_empty() => Verdict::new(false, "no robot has a program".to_owned()),
-        None => Verdict::new(true, wording::words(is.name())),
+        None => Verdict::new(true, wording::spaced(expected.name())),
         Some(robot) => {
             let reason = robot.reason.as_ref().map(|reason| format!(": {reason}")).unwrap_or_default();
-            let (found, wanted) = (wording::words(robot.outcome.name()), wording::words(is.name()));
+            let (found, wanted) = (wording::spaced(robot.outcome.name()), wording::spaced(expected.name()));
             let at = Some(robot.virtual_time_s);
             Verdict { at, ..Verdict::new(false, format!("r{} is `{found}`, not `{wanted}`{reason}", robot.id)) }
         }
     }
 }
 
-fn judge_display(report: &Report, robot: RobotId, what: &ExpectedOutput) -> Verdict {
-    let mut search = prints::Search::new(what);
+fn judge_display(report: &Report, robot: RobotId, expected: &ExpectedOutput) -> Verdict {
+    let mut search = prints::Search::new(expected);
     let lines = report.robots.iter().find(|other| other.id == robot.0).map_or(&[][..], |other| &other.lcd);
     lines.iter().for_each(|line| _ = search.take(line));
     Verdict::new(search.is_found(), search.explain(robot, "shows"))

@@ -5,21 +5,21 @@ use std::collections::VecDeque;
 use sim_core::RobotId;
 use sim_core::spec::ExpectedOutput;
 
-/// Search, line by line, for the text or numbers that a program must print.
+/// Line-by-line search for the text or numbers that a program must print.
 #[derive(Clone, Debug)]
 pub(super) struct Search {
-    what: ExpectedOutput,
+    expected: ExpectedOutput,
     is_found: bool,
-    lines: u64,
-    /// Numbers of the last lines that have any, at most as many as there are rows.
+    line_count: u64,
+    /// Numbers of the last lines with numbers, for at most as many lines as there are rows.
     numbers: VecDeque<Vec<f64>>,
-    /// Longest beginning of the rows that was found, and the numbers that followed instead of the next row.
+    /// Number of rows in the longest match, and the numbers that followed instead of the next row.
     nearest: Option<(usize, Vec<f64>)>,
 }
 
 impl Search {
-    pub fn new(what: &ExpectedOutput) -> Self {
-        Self { what: what.clone(), is_found: false, lines: 0, numbers: VecDeque::new(), nearest: None }
+    pub fn new(expected: &ExpectedOutput) -> Self {
+        Self { expected: expected.clone(), is_found: false, line_count: 0, numbers: VecDeque::new(), nearest: None }
     }
 
     pub fn is_found(&self) -> bool {
@@ -31,8 +31,8 @@ impl Search {
         if self.is_found {
             return false;
         }
-        self.lines += 1;
-        self.is_found = match &self.what {
+        self.line_count += 1;
+        self.is_found = match &self.expected {
             ExpectedOutput::Text(text) => line.contains(text.as_str()),
             ExpectedOutput::Pattern(pattern) => matches(pattern, line.trim_end()),
             ExpectedOutput::Numbers { rows, tolerance } => {
@@ -52,25 +52,25 @@ impl Search {
             self.numbers.pop_front();
         }
         self.numbers.push_back(numbers);
-        // Rows may begin at any of the last lines; the last line decides how many rows match from each beginning.
+        // A match may begin at any of these lines.
         for start in 0..self.numbers.len() {
             let lines = self.numbers.iter().skip(start);
             let matched = lines.clone().zip(rows).take_while(|(line, row)| has_row(line, row, tolerance)).count();
             if matched == rows.len() {
                 return true;
             }
-            let differs = lines.clone().nth(matched);
-            let is_nearer = self.nearest.as_ref().is_none_or(|(known, _)| matched > *known);
-            if let Some(differs) = differs.filter(|_| is_nearer) {
-                self.nearest = Some((matched, differs.clone()));
+            let mismatch = lines.clone().nth(matched);
+            let is_nearer = self.nearest.as_ref().is_none_or(|(longest, _)| matched > *longest);
+            if let Some(mismatch) = mismatch.filter(|_| is_nearer) {
+                self.nearest = Some((matched, mismatch.clone()));
             }
         }
         false
     }
 
-    /// Describes what was found, or the nearest match. `verb` is what the robot does with lines.
+    /// Describes the match, or the nearest one. `verb` is `printed` or `shows`.
     pub fn explain(&self, robot: RobotId, verb: &str) -> String {
-        let what = match &self.what {
+        let what = match &self.expected {
             ExpectedOutput::Text(text) => format!("`{text}`"),
             ExpectedOutput::Pattern(pattern) => format!("a line like `{pattern}`"),
             ExpectedOutput::Numbers { rows, .. } if rows.len() == 1 => "the numbers".to_owned(),
@@ -79,18 +79,19 @@ impl Search {
         if self.is_found {
             return format!("{robot} {verb} {what}");
         }
-        let lines = match self.lines {
+        let lines = match self.line_count {
             0 => return format!("{robot} {verb} nothing"),
             1 => "in one line".to_owned(),
             count => format!("in {count} lines"),
         };
-        let (ExpectedOutput::Numbers { rows, tolerance }, Some((matched, found))) = (&self.what, &self.nearest) else {
+        let (ExpectedOutput::Numbers { rows, tolerance }, Some((matched, found))) = (&self.expected, &self.nearest)
+        else {
             return format!("{robot} {verb} no {} {lines}", what.trim_start_matches("the ").trim_start_matches("a "));
         };
         let row = &rows[*matched];
-        let differs = row.iter().zip(found).position(|(wanted, found)| !is_near(*wanted, *found, *tolerance));
+        let mismatch = row.iter().zip(found).position(|(wanted, found)| !is_near(*wanted, *found, *tolerance));
         let prefix = if rows.len() > 1 { format!("row {}, ", matched + 1) } else { String::new() };
-        match differs {
+        match mismatch {
             Some(column) => {
                 format!("{prefix}number {}: {robot} {verb} {}, not {}", column + 1, found[column], row[column])
             }
@@ -100,11 +101,11 @@ impl Search {
 }
 
 fn is_near(wanted: f64, found: f64, tolerance: f64) -> bool {
-    // Decimal numbers that differ by the tolerance itself differ by a little more as doubles.
+    // Decimal numbers that differ by exactly the tolerance may differ by slightly more as doubles.
     (wanted - found).abs() <= tolerance * (1.0 + 1e-12) + f64::EPSILON * wanted.abs()
 }
 
-/// Returns true if the numbers of a line contain those of `row`, one after the other.
+/// Returns true if the numbers of a line contain the numbers of `row` in sequence.
 fn has_row(line: &[f64], row: &[f64], tolerance: f64) -> bool {
     line.windows(row.len())
         .any(|window| window.iter().zip(row).all(|(found, wanted)| is_near(*wanted, *found, tolerance)))

@@ -20,7 +20,7 @@ use crate::record::EventStore;
 
 /// Maximum number of bytes that a program may print.
 const MAX_OUTPUT: usize = 1 << 20;
-/// Maximum number of characters of its message, and of quotations from its output.
+/// Maximum number of characters of a program's message, and of quotations from its output.
 const MAX_MESSAGE: usize = 400;
 
 /// Data of a finished run that programs may read.
@@ -30,7 +30,7 @@ pub struct Evidence<'r> {
     pub events: &'r Mutex<EventStore>,
     /// Ends programs that are running.
     pub interrupt: &'r Interrupt,
-    /// Programs may run: the scene is the user's own.
+    /// Programs may run, since the scene is the user's own.
     pub may_run: bool,
 }
 
@@ -66,16 +66,17 @@ fn command(path: &Path) -> Result<Command, String> {
     let mut head = Vec::new();
     let read = File::open(&path).and_then(|file| file.take(256).read_to_end(&mut head));
     read.map_err(|error| format!("cannot be read: {error}"))?;
-    let first = String::from_utf8_lossy(&head);
-    let first = first.lines().next().and_then(|line| line.strip_prefix("#!")).unwrap_or_default().trim();
+    let head = String::from_utf8_lossy(&head);
+    let interpreter_line = head.lines().next().and_then(|line| line.strip_prefix("#!")).unwrap_or_default().trim();
     let mut command = if path.extension().is_some_and(|extension| extension == "py") {
         let mut command = Command::new(Tools::of_environment().python.unwrap_or_else(|| "python3".into()));
         // Keeps Python from writing bytecode files beside the program.
         command.arg("-B").arg(&path);
         command
-    } else if !first.is_empty() {
+    } else if !interpreter_line.is_empty() {
         // Without the executable bit, which archives do not keep, the kernel would refuse the program.
-        let (interpreter, argument) = first.split_once(char::is_whitespace).unwrap_or((first, ""));
+        let (interpreter, argument) =
+            interpreter_line.split_once(char::is_whitespace).unwrap_or((interpreter_line, ""));
         let mut command = Command::new(interpreter);
         command.args(Some(argument.trim()).filter(|argument| !argument.is_empty())).arg(&path);
         command
@@ -122,14 +123,15 @@ pub(super) fn judge(
         }
         _ => format!("`{name}` cannot be started: {error}"),
     })?;
-    let [printed, complaints] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
-    let last = |text: &str| text.lines().rev().find(|line| !line.trim().is_empty()).map(|line| cut(line.trim()));
+    let [stdout, stderr] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes));
+    let last_line =
+        |text: &str| text.lines().rev().find(|line| !line.trim().is_empty()).map(|line| truncated(line.trim()));
     if !output.status.success() {
-        let reason = last(&complaints).map(|line| format!(": {line}")).unwrap_or_default();
+        let reason = last_line(&stderr).map(|line| format!(": {line}")).unwrap_or_default();
         return Err(format!("`{name}` gave no verdict: it ended with {}{reason}", output.status));
     }
-    let line = last(&printed).ok_or_else(|| format!("`{name}` printed no verdict; expected {EXPECTED}"))?;
-    let answer = printed.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default().trim();
+    let line = last_line(&stdout).ok_or_else(|| format!("`{name}` printed no verdict; expected {EXPECTED}"))?;
+    let answer = stdout.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default().trim();
     let answer: Answer = serde_json::from_str(answer).map_err(|error| {
         format!("the last line of `{name}` is no verdict: {error}; expected {EXPECTED}, found `{line}`")
     })?;
@@ -143,16 +145,17 @@ pub(super) fn judge(
     };
     let message = answer.message.unwrap_or_else(|| if answer.passed { "passed" } else { "not passed" }.to_owned());
     let at = answer.at_s.filter(|at| *at >= 0.0);
-    Ok(Verdict { fraction, at, ..Verdict::new(answer.passed, cut(&message)) })
+    Ok(Verdict { fraction, at, ..Verdict::new(answer.passed, truncated(&message)) })
 }
 
 const EXPECTED: &str = r#"a line such as {"passed": true, "points": 2, "message": "..."}"#;
 
-fn cut(text: &str) -> String {
+fn truncated(text: &str) -> String {
     text.chars().take(MAX_MESSAGE).collect()
 }
 
-/// Writes the report and the trace into a new temporary folder; returns the folder, removed when it is dropped, and their paths.
+/// Writes the report and the trace into a new temporary folder. Returns the folder, which is removed when it is dropped, and the paths
+/// of both files.
 fn write_evidence(report: &Value, events: &Mutex<EventStore>) -> Result<(tempfile::TempDir, [PathBuf; 2]), String> {
     let trace = EventStore::trace(events).map_err(|error| error.to_string())?;
     let folder = tempfile::Builder::new().prefix("eyesim-check-").tempdir().map_err(|error| error.to_string())?;

@@ -11,29 +11,30 @@ use crate::record::{RecordError, Sink};
 /// Sink that counts the events of a scene's checks.
 #[derive(Clone, Debug)]
 pub struct Tally {
+    /// Index, kind and count of each check on events.
     checks: Vec<(usize, CheckKind, Count)>,
     interest: KindSet,
 }
 
-/// Events that concern one check.
+/// Count of the events of one check.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Count {
     /// Number of events.
     pub number: u64,
-    /// Instant in s of the deciding event: the first one too many, or the last one needed.
+    /// Instant in s of the deciding event: the first one above the maximum, or the last one of the minimum.
     pub at: Option<f64>,
     /// Point of that event, m.
     pub position: Option<[f64; 2]>,
     /// Robot of that event.
     pub robot: Option<RobotId>,
     /// Obstacle of a contact.
-    pub with: Option<Obstacle>,
+    pub obstacle: Option<Obstacle>,
     /// Search in the lines of a program.
     pub search: Option<Search>,
 }
 
 impl Tally {
-    /// Tally for the checks of `scene`; `None` if no check is on events.
+    /// Tally for the checks of `scene`; `None` if no check counts events.
     pub fn new(scene: &SceneSpec) -> Option<Self> {
         let counted = |(index, check): (usize, &CheckSpec)| {
             let interest = interest(&check.kind)?;
@@ -50,9 +51,9 @@ impl Tally {
 
     /// Returns true if a check counts calls of `id`.
     pub fn counts_calls_of(&self, id: RobotId) -> bool {
-        let counts =
+        let is_counted =
             |kind: &CheckKind| matches!(kind, CheckKind::Calls { robot, .. } if robot.is_none_or(|robot| robot == id));
-        self.checks.iter().any(|(_, kind, _)| counts(kind))
+        self.checks.iter().any(|(_, kind, _)| is_counted(kind))
     }
 
     /// Count of the check at `index` of the scene.
@@ -61,7 +62,7 @@ impl Tally {
     }
 }
 
-/// Kinds of events that decide a check; `None` for a check on something else.
+/// Kinds of events that decide a check of this kind; `None` for a check that does not count events.
 fn interest(kind: &CheckKind) -> Option<KindSet> {
     match kind {
         CheckKind::Contacts { .. } => Some(Kind::Contact.set()),
@@ -80,7 +81,7 @@ impl Sink for Tally {
 
     fn record(&mut self, record: &Record<'_>) -> Result<(), RecordError> {
         for (_, kind, count) in &mut self.checks {
-            count.take(kind, record);
+            count.update(kind, record);
         }
         Ok(())
     }
@@ -91,15 +92,15 @@ impl Sink for Tally {
 }
 
 impl Count {
-    fn take(&mut self, kind: &CheckKind, record: &Record<'_>) {
-        let is_of = |robot: &Option<RobotId>| robot.is_none_or(|robot| robot == record.robot);
+    fn update(&mut self, kind: &CheckKind, record: &Record<'_>) {
+        let concerns = |robot: &Option<RobotId>| robot.is_none_or(|robot| robot == record.robot);
         match (kind, record.event) {
             (CheckKind::Contacts { robot, with, max }, Event::Contact { at_s, with: obstacle, x_m, y_m })
-                if is_of(robot) && counts(*with, obstacle) =>
+                if concerns(robot) && matches_filter(*with, obstacle) =>
             {
                 self.number += 1;
                 if self.number == max + 1 {
-                    (self.at, self.position, self.with) = (Some(at_s), Some([x_m, y_m]), Some(obstacle));
+                    (self.at, self.position, self.obstacle) = (Some(at_s), Some([x_m, y_m]), Some(obstacle));
                     self.robot = Some(record.robot);
                 }
             }
@@ -109,18 +110,18 @@ impl Count {
                 self.number = 1;
                 self.at = Some(record.time.seconds());
             }
-            (CheckKind::Event { robot, event, count, .. }, found) if *event == found.kind() && is_of(robot) => {
+            (CheckKind::Event { robot, event, count, .. }, found) if *event == found.kind() && concerns(robot) => {
                 self.add(*count, record);
             }
             (CheckKind::Calls { robot, function, count }, Event::Call { function: called, .. })
-                if function == called && is_of(robot) =>
+                if function == called && concerns(robot) =>
             {
                 self.add(*count, record);
             }
             (CheckKind::Message { from, to, text, count }, Event::RadioReceived { from: sender, data, .. }) => {
                 let is_from = from.is_none_or(|from| from.0 == sender);
                 let has_text = |text: &String| String::from_utf8_lossy(data).contains(text.as_str());
-                if is_from && is_of(to) && text.as_ref().is_none_or(has_text) {
+                if is_from && concerns(to) && text.as_ref().is_none_or(has_text) {
                     self.add(*count, record);
                 }
             }
@@ -128,9 +129,9 @@ impl Count {
         }
     }
 
-    fn add(&mut self, count: CountLimits, record: &Record<'_>) {
+    fn add(&mut self, limits: CountLimits, record: &Record<'_>) {
         self.number += 1;
-        if self.number == count.min || count.max.is_some_and(|max| self.number == max + 1) {
+        if self.number == limits.min || limits.max.is_some_and(|max| self.number == max + 1) {
             self.at = Some(record.time.seconds());
             self.robot = Some(record.robot).filter(|robot| *robot != WORLD);
         }
@@ -166,8 +167,8 @@ impl Count {
     }
 }
 
-fn counts(with: ObstacleFilter, obstacle: Obstacle) -> bool {
-    match with {
+fn matches_filter(filter: ObstacleFilter, obstacle: Obstacle) -> bool {
+    match filter {
         ObstacleFilter::Anything => true,
         ObstacleFilter::Walls => matches!(obstacle, Obstacle::Wall | Obstacle::Terrain),
         ObstacleFilter::Robots => matches!(obstacle, Obstacle::Robot(_)),

@@ -5,9 +5,9 @@ use sim_core::spec::ExpectedOutput;
 use super::metric::judge;
 use super::prints::Search;
 
-/// Explanation after these lines; true if the search has succeeded.
-fn search(what: &ExpectedOutput, lines: &str) -> (bool, String) {
-    let mut search = Search::new(what);
+/// True if the search in these lines succeeds, and its explanation.
+fn search(expected: &ExpectedOutput, lines: &str) -> (bool, String) {
+    let mut search = Search::new(expected);
     lines.lines().for_each(|line| _ = search.take(line));
     (search.is_found(), search.explain(RobotId(1), "printed"))
 }
@@ -55,7 +55,7 @@ fn numbers_have_a_tolerance() {
 }
 
 #[test]
-fn metrics_are_found_by_their_path_and_points_are_partial() {
+fn numbers_are_found_by_path_and_points_are_partial() {
     let report = json!({ "robots": [{ "path_m": 2.5, "reason": null, "lcd": ["a"] }], "sim_time_s": 10.0 });
     let passed = |path: &str, min, max| judge(&report, path, [min, max], None).fraction == 1.0;
     assert!(passed("robots[0].path_m", Some(2.5), Some(2.5)) && passed("sim_time_s", None, Some(10.0)));

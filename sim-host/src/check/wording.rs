@@ -9,8 +9,8 @@ use sim_core::unit;
 
 use super::tally::Count;
 
-/// A name of the report with blanks between its words: `no program`.
-pub(super) fn words(name: &str) -> String {
+/// A name of the report with its words separated by blanks: `no program`.
+pub(super) fn spaced(name: &str) -> String {
     name.replace('_', " ")
 }
 
@@ -33,29 +33,29 @@ fn point(point: DVec2) -> String {
 }
 
 fn percent(fraction: f64) -> String {
-    // Rounded down, so that a share that is too small never looks like enough.
+    // Rounds down, so that a fraction below a limit never looks as if it reached the limit.
     format!("{:.1} %", (fraction * 1000.0 + 1e-6).floor() / 10.0)
 }
 
-fn by_text(by: Option<Time>) -> String {
+fn deadline_text(by: Option<Time>) -> String {
     by.map(|by| format!(" by {} s", by.seconds())).unwrap_or_default()
 }
 
 /// `at 5.200 s at (1250, 830) mm`.
-fn at(finding: &Finding) -> String {
+fn at_text(finding: &Finding) -> String {
     let instant = finding.at.map(|at| format!("at {}", seconds(at)));
     let location = finding.position.map(|position| format!("at {}", point(position)));
     instant.into_iter().chain(location).collect::<Vec<_>>().join(" ")
 }
 
-fn place_text(region: &Region) -> String {
+fn region_text(region: &Region) -> String {
     match region {
         Region::Disc { centre, radius } => format!("within {} of {}", mm(*radius), point(*centre)),
         Region::Polygon(_) => "in the area".to_owned(),
     }
 }
 
-/// Returns true if `distance`, as the judge measures it, means that the body is in the place.
+/// Returns true if a body at this distance, as the monitor measures it, is inside the region.
 fn is_inside(region: &Region, distance: f64) -> bool {
     match region {
         Region::Disc { radius, .. } => distance <= *radius,
@@ -68,54 +68,54 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
     let (value, is_met) = (finding.value.unwrap_or_default(), finding.is_met);
     let when = finding.at.map(seconds).unwrap_or_default();
     match kind {
-        // It has been there since 0 s.
+        // The body was there from 0 s.
         CheckKind::Reach { stay, .. } if is_met && finding.at == Some(stay.seconds()) => {
             format!("at {when}; it started there")
         }
         CheckKind::Reach { .. } if is_met => format!("at {when}"),
         CheckKind::Reach { body, region, by, stay } => match (finding.at, finding.value) {
             (Some(_), Some(distance)) if is_inside(region, distance) => {
-                format!("{body} was {}, but never for {} s", place_text(region), stay.seconds())
+                format!("{body} was {}, but never for {} s", region_text(region), stay.seconds())
             }
             (Some(_), Some(distance)) => {
                 let to = if matches!(region, Region::Disc { .. }) { "its centre" } else { "its border" };
                 format!(
                     "{body} was never {}; it came as near as {} to {to} {}",
-                    place_text(region),
+                    region_text(region),
                     mm(distance),
-                    at(finding)
+                    at_text(finding)
                 )
             }
             (Some(found), None) if by.is_some_and(|by| found > by.seconds()) => {
-                format!("{body} was there only at {when}, not{}", by_text(*by))
+                format!("{body} was there only at {when}, not{}", deadline_text(*by))
             }
             (Some(_), None) => format!("{body} was there from {when} on, but not for {} s", stay.seconds()),
             (None, _) => format!("{body} was not there"),
         },
         CheckKind::Visits { places, .. } if is_met => format!("all {}, the last at {when}", places.len()),
         CheckKind::Visits { body, places, any_order, by, .. } => {
-            let whole = places.len();
-            if value as usize == whole {
-                return format!("{body} visited the last place only at {when}, not{}", by_text(*by));
+            let total = places.len();
+            if value as usize == total {
+                return format!("{body} visited the last place only at {when}, not{}", deadline_text(*by));
             }
             let missing = match places.get(value as usize).filter(|_| !any_order) {
                 Some(next) => format!("; the next one is {}", point(*next)),
                 None => String::new(),
             };
             let last = finding.at.map(|at| format!(", the last at {}", seconds(at))).unwrap_or_default();
-            format!("{body} visited {value} of {whole} places{last}{missing}")
+            format!("{body} visited {value} of {total} places{last}{missing}")
         }
         CheckKind::StaysIn { .. } if is_met => "all the time".to_owned(),
-        CheckKind::StaysIn { body, region } => format!("{body} was not {} {}", place_text(region), at(finding)),
+        CheckKind::StaysIn { body, region } => format!("{body} was not {} {}", region_text(region), at_text(finding)),
         CheckKind::Laps { .. } if is_met => format!("{value}, complete at {when}"),
         CheckKind::Laps { body, min, by, .. } => match finding.at {
-            Some(_) => format!("{body} completed {min} only at {when}, not{}", by_text(*by)),
+            Some(_) => format!("{body} completed {min} only at {when}, not{}", deadline_text(*by)),
             None => format!("{body} passed the gate {value} times, not {min}"),
         },
         CheckKind::Clearance { .. } if is_met && finding.value.is_some() => format!("smallest gap {}", mm(value)),
         CheckKind::Clearance { .. } if is_met => "nothing was near".to_owned(),
         CheckKind::Clearance { robot, min, .. } => {
-            format!("the gap of {robot} fell below {} {}; the smallest was {}", mm(*min), at(finding), mm(value))
+            format!("the gap of {robot} fell below {} {}; the smallest was {}", mm(*min), at_text(finding), mm(value))
         }
         CheckKind::FollowsWall { .. } if is_met => format!("{} of the path", percent(value)),
         CheckKind::FollowsWall { robot, gap, share } => {
@@ -130,7 +130,7 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
             format!("{}{}", percent(value), finding.at.map(|_| format!(", enough at {when}")).unwrap_or_default())
         }
         CheckKind::Coverage { share, by, .. } => match finding.at {
-            Some(_) => format!("{} only at {when}, not{}", percent(*share), by_text(*by)),
+            Some(_) => format!("{} only at {when}, not{}", percent(*share), deadline_text(*by)),
             None => format!("{}, not {}", percent(value), percent(*share)),
         },
         CheckKind::Swarm { metric, .. } => {
@@ -150,7 +150,7 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
             match (is_met, finding.value, finding.at) {
                 (true, ..) => format!("{} at the end", number(value)),
                 (_, None, _) => "it was never defined: no robot, or none that moved".to_owned(),
-                (_, _, Some(_)) => format!("not {limits} {}; {} at the end", at(finding), number(value)),
+                (_, _, Some(_)) => format!("not {limits} {}; {} at the end", at_text(finding), number(value)),
                 _ => format!("{} at the end, not {limits}", number(value)),
             }
         }
@@ -163,7 +163,7 @@ pub(super) fn of_finding(kind: &CheckKind, finding: &Finding) -> String {
             format!(
                 "odometry of {robot} was wrong by more than {} {}; the most was {}",
                 mm(*max),
-                at(finding),
+                at_text(finding),
                 mm(value)
             )
         }
@@ -178,13 +178,13 @@ pub(super) fn of_count(kind: &CheckKind, count: &Count) -> String {
         CheckKind::Contacts { .. } if number == 0 => "no contact".to_owned(),
         CheckKind::Contacts { max, .. } if number <= *max => format!("{} of {max}", times(number)),
         CheckKind::Contacts { max, .. } => {
-            let (robot, with) = (count.robot.map(|robot| robot.to_string()).unwrap_or_default(), with(count.with));
+            let (robot, obstacle) =
+                (count.robot.map(|robot| robot.to_string()).unwrap_or_default(), obstacle_text(count.obstacle));
             let when = count.at.map(seconds).unwrap_or_default();
-            let touch_position =
-                count.position.map(|touch_position| point(DVec2::from(touch_position))).unwrap_or_default();
+            let touch_position = count.position.map(|position| point(DVec2::from(position))).unwrap_or_default();
             let first = if *max == 0 { "first" } else { "one too many" };
             let more = if number > 1 { format!(", {}", times(number)) } else { String::new() };
-            format!("{robot} touched {with} at {when} at {touch_position} ({first}){more}")
+            format!("{robot} touched {obstacle} at {when} at {touch_position} ({first}){more}")
         }
         CheckKind::Prints { robot, .. } => {
             let when = count.at.map(|at| format!(" at {}", seconds(at))).unwrap_or_default();
@@ -196,17 +196,19 @@ pub(super) fn of_count(kind: &CheckKind, count: &Count) -> String {
                     "`{}` only at {}, not{}",
                     event.name(),
                     seconds(count.at.unwrap_or_default()),
-                    by_text(*by)
+                    deadline_text(*by)
                 );
             }
-            of_times(count, *wanted)
+            number_text(count, *wanted)
         }
-        CheckKind::Calls { count: wanted, .. } | CheckKind::Message { count: wanted, .. } => of_times(count, *wanted),
+        CheckKind::Calls { count: wanted, .. } | CheckKind::Message { count: wanted, .. } => {
+            number_text(count, *wanted)
+        }
         _ => String::new(),
     }
 }
 
-fn with(obstacle: Option<Obstacle>) -> String {
+fn obstacle_text(obstacle: Option<Obstacle>) -> String {
     match obstacle {
         Some(Obstacle::Robot(id)) => format!("r{id}"),
         Some(Obstacle::Object(id)) => format!("o{id}"),
@@ -215,7 +217,7 @@ fn with(obstacle: Option<Obstacle>) -> String {
     }
 }
 
-fn of_times(count: &Count, wanted: CountLimits) -> String {
+fn number_text(count: &Count, wanted: CountLimits) -> String {
     let bounds = match wanted {
         _ if wanted.contains(count.number) => return times(count.number),
         CountLimits { min, max: None } => format!("at least {}", times(min)),

@@ -10,8 +10,8 @@ use crate::robios::call::Call;
 /// Carries out the call in `body`, the body of a CALL message, with the methods of `host`; appends the body of the
 /// answer to `reply`.
 ///
-/// `site` gets the location of the call, and `note` the number of a RoBIOS call; `callback` wraps a function of the
-/// program as a function of the host.
+/// Stores the location of the call in `site`, and passes the number of a RoBIOS call to `store_number`; `callback` wraps
+/// a function of the program as a function of the host.
 ///
 /// # Errors
 /// [`Malformed`] if the bytes do not encode a call.
@@ -19,7 +19,7 @@ pub(super) fn answer<H: Support + Robios6 + Robios7>(
     host: &H,
     body: &[u8],
     site: &Mutex<RemoteSite>,
-    note: impl Fn(u16),
+    store_number: impl Fn(u16),
     callback: &dyn Fn(u64, u64) -> Callback,
     reply: &mut Vec<u8>,
 ) -> Result<Status, Malformed> {
@@ -33,7 +33,7 @@ pub(super) fn answer<H: Support + Robios6 + Robios7>(
         site.file.clear();
         site.file.push_str(&String::from_utf8_lossy(file));
     }
-    let note = |call: Call| call.robios_number().into_iter().for_each(&note);
+    let store_number = |call: Call| call.robios_number().into_iter().for_each(&store_number);
     let mut request = Request { arguments: body, callback };
     let function = function as usize;
     match table {
@@ -43,12 +43,12 @@ pub(super) fn answer<H: Support + Robios6 + Robios7>(
         }
         Robios6Call::TABLE => {
             let call = Robios6Call::ALL.get(function).ok_or(Malformed)?;
-            note((*call).into());
+            store_number((*call).into());
             call.serve(host, &mut request, reply)
         }
         Robios7Call::TABLE => {
             let call = Robios7Call::ALL.get(function).ok_or(Malformed)?;
-            note((*call).into());
+            store_number((*call).into());
             call.serve(host, &mut request, reply)
         }
         _ => Err(Malformed),

@@ -1,9 +1,9 @@
 //! Filter of the system calls that a program must not make: on a thread of the host, the calls that end, replace or
 //! trace the whole process; in a process of its own, the calls that send signals to the host or trace it.
 //!
-//! A seccomp filter turns them into a fault of the thread (SIGSYS), which is reported like any other. All threads of
-//! programs get the filter, since imports do not show what a program does in assembly; the kernel caches which calls
-//! pass, so that these cost next to nothing. While programs are on its threads, the host ends the process only by
+//! A seccomp filter turns these calls into a fault of the thread (SIGSYS), which is reported like any other. All threads
+//! of programs get the filter, since imports do not show what a program does in assembly; the kernel caches which calls
+//! it allows, so that these cost next to nothing. While programs run on its threads, the host ends the process only by
 //! [`exit_at_once`].
 
 use std::cell::Cell;
@@ -25,7 +25,7 @@ const ARCHITECTURE: u32 = 0xC000_003E;
 const ARCHITECTURE: u32 = 0xC000_00B7;
 
 /// The system calls that are refused in a program's own process if their first argument, a process id, is the host's.
-const OF_PROCESS: [libc::c_long; 7] = [
+const HOST_CALLS: [libc::c_long; 7] = [
     libc::SYS_kill,
     libc::SYS_tgkill,
     libc::SYS_rt_sigqueueinfo,
@@ -35,13 +35,14 @@ const OF_PROCESS: [libc::c_long; 7] = [
     libc::SYS_prlimit64,
 ];
 
-/// Offsets in the kernel's `struct seccomp_data` of the number, the architecture, the halves of the program counter, and the lower
+/// Offsets in the kernel's `struct seccomp_data`: of the number, the architecture, the halves of the program counter, and the lower
 /// half of the first argument.
-const NUMBER: u32 = 0;
-const OF_ARCHITECTURE: u32 = 4;
-const COUNTER: [u32; 2] = [8, 12];
-const FIRST_ARGUMENT: u32 = 16;
+const NUMBER_OFFSET: u32 = 0;
+const ARCHITECTURE_OFFSET: u32 = 4;
+const COUNTER_OFFSETS: [u32; 2] = [8, 12];
+const FIRST_ARGUMENT_OFFSET: u32 = 16;
 
+/// Loads the word at `offset` of the `seccomp_data`.
 fn load(offset: u32) -> sock_filter {
     // SAFETY: the function only composes an instruction.
     unsafe { BPF_STMT((BPF_LD | BPF_W | BPF_ABS) as u16, offset) }
@@ -53,7 +54,8 @@ fn jump(value: u32, equal: u8, other: u8) -> sock_filter {
     unsafe { BPF_JUMP((BPF_JMP | BPF_JEQ | BPF_K) as u16, value, equal, other) }
 }
 
-fn give(action: u32) -> sock_filter {
+/// Returns `action` to the kernel.
+fn return_action(action: u32) -> sock_filter {
     // SAFETY: the function only composes an instruction.
     unsafe { BPF_STMT((BPF_RET | BPF_K) as u16, action) }
 }
@@ -62,7 +64,7 @@ fn give(action: u32) -> sock_filter {
 /// Async-signal-safe.
 fn install(filter: &mut [sock_filter]) {
     let program = sock_fprog { len: filter.len() as u16, filter: filter.as_mut_ptr() };
-    // SAFETY: the program is valid and is copied by the kernel; where it is refused, nothing changes.
+    // SAFETY: the program is valid and is copied by the kernel; if the kernel refuses it, nothing changes.
     unsafe {
         libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
         let flags = libc::SECCOMP_FILTER_FLAG_SPEC_ALLOW;
@@ -71,30 +73,31 @@ fn install(filter: &mut [sock_filter]) {
 }
 
 /// Makes the kernel refuse, with `EPERM`, signals of this process to the process `host`, to its group and to all
-/// processes, and any tracing: a stopped host could report nothing. For a program's own process before it loads the
-/// program. Async-signal-safe.
+/// processes, and any tracing: a stopped host could report nothing. To be called in a program's own process before it
+/// loads the program. Async-signal-safe.
 pub fn protect_host(host: i32) {
-    /// Number of instructions other than those for [`OF_PROCESS`].
-    const OTHERS: usize = 12;
-    // SAFETY: getpgid takes no pointer. A group of another namespace is 0, which would mean the caller's own.
+    /// Number of instructions other than those for [`HOST_CALLS`].
+    const OTHER_INSTRUCTIONS: usize = 12;
+    // SAFETY: getpgid takes no pointer. The group id is 0 for a group of another namespace; 0 would mean the
+    // caller's own group.
     let group = unsafe { libc::getpgid(host) }.max(1);
-    let calls = OF_PROCESS.len() as u8;
-    let mut filter = [give(libc::SECCOMP_RET_ALLOW); OTHERS + OF_PROCESS.len()];
+    let calls = HOST_CALLS.len() as u8;
+    let mut filter = [return_action(libc::SECCOMP_RET_ALLOW); OTHER_INSTRUCTIONS + HOST_CALLS.len()];
     // Calls of another architecture have different numbers.
-    filter[0] = load(OF_ARCHITECTURE);
+    filter[0] = load(ARCHITECTURE_OFFSET);
     filter[1] = jump(ARCHITECTURE, 0, calls + 9);
-    filter[2] = load(NUMBER);
+    filter[2] = load(NUMBER_OFFSET);
     filter[3] = jump(libc::SYS_ptrace as u32, calls + 7, 0);
     filter[4] = jump(libc::SYS_tkill as u32, calls + 6, 0);
-    for (index, number) in OF_PROCESS.iter().enumerate() {
+    for (index, number) in HOST_CALLS.iter().enumerate() {
         filter[5 + index] = jump(*number as u32, calls - index as u8, 0);
     }
-    let rest = &mut filter[5 + OF_PROCESS.len()..];
-    rest[1] = load(FIRST_ARGUMENT);
+    let rest = &mut filter[5 + HOST_CALLS.len()..];
+    rest[1] = load(FIRST_ARGUMENT_OFFSET);
     rest[2] = jump(host as u32, 3, 0);
     rest[3] = jump(-1_i32 as u32, 2, 0);
     rest[4] = jump(-group as u32, 1, 0);
-    rest[6] = give(libc::SECCOMP_RET_ERRNO | libc::EPERM as u32);
+    rest[6] = return_action(libc::SECCOMP_RET_ERRNO | libc::EPERM as u32);
     install(&mut filter[..]);
 }
 
@@ -102,23 +105,28 @@ pub fn protect_host(host: i32) {
 /// starts. Does nothing if the kernel does not support such filters.
 pub fn confine_thread() {
     thread_local! {
-        /// A second filter would only cost time.
+        /// The thread has its filter; a second one would only cost time.
         static IS_CONFINED: Cell<bool> = const { Cell::new(false) };
     }
     if IS_CONFINED.replace(true) {
         return;
     }
-    let own = (exit_at_once as *const () as usize + EXIT_CALL_END) as u64;
+    let own_call_end = (exit_at_once as *const () as usize + EXIT_CALL_END) as u64;
     let refused = REFUSED.len() as u8;
     // Calls of another architecture have different numbers.
-    let mut filter = vec![load(OF_ARCHITECTURE), jump(ARCHITECTURE, 0, refused + 7), load(NUMBER)];
+    let mut filter = vec![load(ARCHITECTURE_OFFSET), jump(ARCHITECTURE, 0, refused + 7), load(NUMBER_OFFSET)];
     for (before, (number, _)) in REFUSED.iter().enumerate() {
         filter.push(jump(*number as u32, refused - before as u8, 0));
     }
-    filter.push(give(libc::SECCOMP_RET_ALLOW));
+    filter.push(return_action(libc::SECCOMP_RET_ALLOW));
     // The host's own call has the program counter of `exit_at_once`.
-    filter.extend([load(COUNTER[0]), jump(own as u32, 0, 3), load(COUNTER[1]), jump((own >> 32) as u32, 0, 1)]);
-    filter.extend([give(libc::SECCOMP_RET_ALLOW), give(libc::SECCOMP_RET_TRAP)]);
+    filter.extend([
+        load(COUNTER_OFFSETS[0]),
+        jump(own_call_end as u32, 0, 3),
+        load(COUNTER_OFFSETS[1]),
+        jump((own_call_end >> 32) as u32, 0, 1),
+    ]);
+    filter.extend([return_action(libc::SECCOMP_RET_ALLOW), return_action(libc::SECCOMP_RET_TRAP)]);
     install(&mut filter);
 }
 
@@ -148,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hosts_own_call_is_where_the_filter_expects_it() {
+    fn exit_call_is_at_the_address_of_the_filter() {
         #[cfg(target_arch = "x86_64")]
         const CALL: &[u8] = &[0x0f, 0x05];
         #[cfg(target_arch = "aarch64")]

@@ -9,10 +9,11 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::signal::Fault;
 
-/// Number of lost flows at which this process loads no more programs: each keeps its thread, its stack and its whole run. Our choice.
+/// Number of lost flows at which this process loads no more programs: each lost flow keeps its thread, its stack and its whole run. Our
+/// choice.
 pub const MAX_LOST_FLOWS: usize = 200;
 
-static LOST: AtomicUsize = AtomicUsize::new(0);
+static LOST_FLOWS: AtomicUsize = AtomicUsize::new(0);
 static IS_HEAP_LOST: AtomicBool = AtomicBool::new(false);
 
 /// Reasons why no further programs can run on threads of this process.
@@ -46,7 +47,7 @@ pub fn check() -> Result<(), Damage> {
 
 /// Number of flows in this process whose threads never end: they faulted, were stopped as overdue, or could not be joined after that.
 pub fn lost_flows() -> usize {
-    LOST.load(Ordering::Acquire)
+    LOST_FLOWS.load(Ordering::Acquire)
 }
 
 /// Returns true once a program of this process broke within the heap of the C library: it may hold a lock for which
@@ -55,23 +56,23 @@ pub fn is_heap_lost() -> bool {
     IS_HEAP_LOST.load(Ordering::Acquire)
 }
 
-/// Counts a further flow that never ends.
-pub(super) fn lose_flow() {
-    LOST.fetch_add(1, Ordering::AcqRel);
+/// Increments the number of lost flows.
+pub(super) fn count_lost_flow() {
+    LOST_FLOWS.fetch_add(1, Ordering::AcqRel);
 }
 
-/// Marks the heap as lost: a program in this process has reported that it overwrote the heap's data between blocks.
-pub(super) fn lose_heap() {
+/// Marks the heap as lost, after the report of a program in this process that it overwrote the heap's data between blocks.
+pub(super) fn mark_heap_lost() {
     IS_HEAP_LOST.store(true, Ordering::Release);
 }
 
 /// Marks the heap as lost if `fault`, with these words on the stack of its thread, happened in a heap function.
 pub(super) fn assess(fault: &Fault, stack_words: &[usize]) {
-    /// Stack depth in words between the heap's functions and the signal with which they abort the program.
-    const REPORTING: usize = 512;
+    /// Maximum stack depth in words between the heap's functions and the signal with which they abort the program.
+    const MAX_DEPTH: usize = 512;
     let heap = heap_functions();
-    let is_reported = || stack_words.iter().take(REPORTING).any(|word| heap.contains(word));
-    if heap.contains(&fault.pc) || fault.signal == libc::SIGABRT && is_reported() {
+    let is_called_by_heap = || stack_words.iter().take(MAX_DEPTH).any(|word| heap.contains(word));
+    if heap.contains(&fault.pc) || fault.signal == libc::SIGABRT && is_called_by_heap() {
         IS_HEAP_LOST.store(true, Ordering::Release);
     }
 }
@@ -79,16 +80,16 @@ pub(super) fn assess(fault: &Fault, stack_words: &[usize]) {
 /// Address range of the C library's heap functions; empty if they are not found. The first call must be made before
 /// anything breaks, since it takes the dynamic linker's lock; the result is cached.
 pub(super) fn heap_functions() -> Range<usize> {
-    /// Size of the unexported functions in front of `malloc`: 10 KiB in glibc 2.36.
-    const HIDDEN: usize = 16 << 10;
+    /// Upper bound of the size of the unexported functions before `malloc`: 10 KiB in glibc 2.36.
+    const UNEXPORTED: usize = 16 << 10;
     static FUNCTIONS: OnceLock<Range<usize>> = OnceLock::new();
     let [first, last] = [c"malloc", c"malloc_info"];
-    FUNCTIONS.get_or_init(|| address_of(first).saturating_sub(HIDDEN)..address_of(last)).clone()
+    FUNCTIONS.get_or_init(|| address_of(first).saturating_sub(UNEXPORTED)..address_of(last)).clone()
 }
 
 /// Address of a function in the C library itself, even if it is interposed; 0 if unknown.
 fn address_of(name: &CStr) -> usize {
-    // SAFETY: names that end in 0; RTLD_NOLOAD loads nothing, and the library stays as this program needs it.
+    // SAFETY: the names end in 0; RTLD_NOLOAD loads nothing, and the library stays loaded as this program needs it.
     unsafe {
         let library = libc::dlopen(c"libc.so.6".as_ptr(), libc::RTLD_NOW | libc::RTLD_NOLOAD);
         if library.is_null() { ptr::null_mut() } else { libc::dlsym(library, name.as_ptr()) }.addr()
@@ -100,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_functions_of_the_heap_are_found() {
+    fn heap_functions_are_found() {
         let heap = heap_functions();
         for name in [c"malloc", c"free", c"realloc", c"calloc"] {
             assert!(heap.contains(&address_of(name)), "{name:?}");

@@ -46,7 +46,7 @@ pub struct Dispatcher {
     wakes: BinaryHeap<Reverse<Wake>>,
     /// For each robot the number of its valid entry in `soon` or `wakes`; entries with other numbers are stale.
     wake_numbers: Vec<u32>,
-    /// For each robot, true if its suspended program waits for something that the scheduler step can bring.
+    /// For each robot, true if its suspended program waits for an event that the scheduler step can cause.
     await_step: Vec<bool>,
     /// For each robot, true if its program has ended or it has none.
     departed: Vec<bool>,
@@ -56,14 +56,14 @@ pub struct Dispatcher {
     drives_end: Time,
     /// End of the run: no slot begins at or after it.
     limit: Time,
-    /// Slots that start before it begin without the owner; `None` while the run is paused.
+    /// Slots that start before this time begin without the run's owner; `None` while the run is paused.
     horizon: Option<Time>,
-    /// An intervention is pending: the current slot is due.
+    /// An intervention is pending, so that the following slot is due.
     is_intervention_pending: bool,
     /// Sinks of the record.
     sinks: Sinks<'static>,
     end: Option<End>,
-    /// Spare memory for lists of references.
+    /// Memory that lists of references reuse from slot to slot.
     spare: Vec<[usize; 4]>,
     spare_states: Vec<usize>,
 }
@@ -73,7 +73,7 @@ pub struct Dispatcher {
 struct Worker {
     /// Run queue: robots due in the current slot and not yet released, in order of their ids.
     run_queue: VecDeque<RobotId>,
-    /// Robots that were released and whose return to the barrier the dispatcher has not yet seen.
+    /// Released robots whose return to the barrier the dispatcher has not yet processed.
     running: Vec<RobotId>,
 }
 
@@ -97,13 +97,13 @@ pub struct Return {
     pub wake: Time,
     /// It may have requests to other robots, or has written files.
     pub has_requests: bool,
-    /// It waits for something that the scheduler step can bring, so that it may wake earlier.
+    /// It waits for an event that the scheduler step can cause, so that it may wake earlier.
     pub awaits_step: bool,
 }
 
 impl ReturnQueue {
-    /// Puts a robot back at the barrier, unless it has departed (`None`): its flow was abandoned, and has come back after all. True if it
-    /// is the last one that was released, so that the caller must call [`Dispatcher::suspend`].
+    /// Adds a robot that has come back to the barrier. Returns true if it is the last one that was released: then the caller
+    /// must call [`Dispatcher::suspend`]. Returns `None` if the robot has departed: its flow was abandoned before it came back.
     pub fn put(&self, robot: Return, has_departed: &AtomicBool) -> Option<bool> {
         let mut returns = self.returns.lock();
         if has_departed.load(Ordering::Acquire) {
@@ -111,24 +111,24 @@ impl ReturnQueue {
         }
         returns.push(robot);
         drop(returns);
-        Some(self.leave())
+        Some(self.count_down())
     }
 
-    /// Lets a released robot depart instead of coming back; true if it is the last one.
+    /// Removes a released robot that departs instead of coming back; returns true if it is the last one.
     fn depart(&self, robot: RobotId) -> bool {
         let mut returns = self.returns.lock();
-        let came_back = returns.iter().position(|other| other.robot == robot);
-        match came_back {
+        let position = returns.iter().position(|other| other.robot == robot);
+        match position {
             Some(index) => {
                 returns.swap_remove(index);
                 false
             }
-            None => self.leave(),
+            None => self.count_down(),
         }
     }
 
-    /// Counts a robot as come back; true if it is the last one.
-    fn leave(&self) -> bool {
+    /// Decrements the number of released robots; returns true if this was the last one.
+    fn count_down(&self) -> bool {
         self.remaining.fetch_sub(1, Ordering::AcqRel) == 1
     }
 }
@@ -157,7 +157,7 @@ pub enum End {
     Interrupted,
     /// A program broke in a way after which no program may continue.
     Broken,
-    /// A program of another run in this process broke within the heap of the C library, which all programs of the process share.
+    /// A program of another run in this process broke in the heap of the C library, which all programs of the process share.
     HeapLost,
     /// The record cannot be written.
     Record(RecordError),
@@ -210,8 +210,8 @@ pub struct Plan {
 impl Dispatcher {
     /// Maximum number of workers that a run of `plan` can have.
     pub fn max_workers(plan: &Plan) -> usize {
-        let last_home = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
-        plan.workers.max(last_home).max(1)
+        let min_workers = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
+        plan.workers.max(min_workers).max(1)
     }
 
     /// Creates a dispatcher paused before the first slot: all robots with programs are due at 0.
@@ -222,8 +222,8 @@ impl Dispatcher {
             robots.map(|(index, _)| RobotId::from_index(index))
         };
         let alive = ids(true).count();
-        let last_home = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
-        let workers = plan.workers.clamp(1, alive.max(1)).max(last_home);
+        let min_workers = plan.homes.iter().flatten().max().map_or(0, |home| *home as usize + 1);
+        let workers = plan.workers.clamp(1, alive.max(1)).max(min_workers);
         let mut dispatcher = Self {
             workers: (0..workers).map(|_| Worker::default()).collect(),
             max_workers: plan.workers,
@@ -247,10 +247,10 @@ impl Dispatcher {
             spare: Vec::new(),
             spare_states: Vec::new(),
         };
-        let deal = deal(alive, workers);
+        let deal_size = deal(alive, workers);
         for (position, robot) in ids(true).enumerate() {
             dispatcher.affinity[robot.index()] =
-                plan.homes[robot.index()].unwrap_or((position / deal % workers) as u32);
+                plan.homes[robot.index()].unwrap_or((position / deal_size % workers) as u32);
             dispatcher.sleep_until(robot, Time::ZERO);
         }
         if alive > 0 {
@@ -292,8 +292,8 @@ impl Dispatcher {
         self.dispatch(run, None, deadline)
     }
 
-    /// Takes back `robot` and the robots that were released with it: it is the last one that was
-    /// [put](ReturnQueue::put) back at the barrier.
+    /// Takes back `robot` and the robots that were released with it; `robot` is the last one of them that came back to the
+    /// barrier (see [`ReturnQueue::put`]).
     pub fn suspend(&mut self, run: &Run, robot: RobotId) -> BarrierOutcome {
         self.take_returns(run, self.affinity[robot.index()] as usize);
         self.dispatch(run, Some(robot), None)
@@ -313,13 +313,13 @@ impl Dispatcher {
         *run.returns(worker).returns.lock() = returns;
     }
 
-    /// Removes `robot` from the schedule: its program has ended or broken; for `deadline` see [`Dispatcher::advance`].
+    /// Removes `robot`, whose program has ended or broken, from the schedule; for `deadline` see [`Dispatcher::advance`].
     pub fn depart(&mut self, run: &Run, robot: RobotId, deadline: Option<Instant>) -> BarrierOutcome {
         if std::mem::replace(&mut self.departed[robot.index()], true) {
             // The flow was abandoned, but has come back after all.
             return BarrierOutcome::default();
         }
-        // From here on it cannot come back.
+        // From here on the robot cannot come back.
         run.has_departed_flag(robot).store(true, Ordering::Release);
         let was_running = self.vacate_worker(robot);
         self.requesting.push(robot);
@@ -385,7 +385,7 @@ impl Dispatcher {
     /// Removes `robot` from its worker; returns true if it was released there.
     fn vacate_worker(&mut self, robot: RobotId) -> bool {
         let running = &mut self.workers[self.affinity[robot.index()] as usize].running;
-        let index = running.iter().position(|running| *running == robot);
+        let index = running.iter().position(|id| *id == robot);
         debug_assert!(index.is_some(), "only a robot that runs comes back");
         index.map(|index| running.swap_remove(index));
         self.touched.push(robot);
@@ -396,9 +396,9 @@ impl Dispatcher {
         self.workers[self.affinity[robot.index()] as usize].run_queue.push_back(robot);
     }
 
-    /// Returns the next robot for the idle `worker`: from its own run queue, or stolen from the worker with the longest
-    /// one, unless that robot is bound to its worker.
-    fn next_for(&mut self, worker: usize, run: &Run) -> Option<RobotId> {
+    /// Takes the next robot for the idle `worker`: from its own run queue, or stolen from the longest run queue of another
+    /// worker, unless that robot is bound to the other worker.
+    fn take_next_for(&mut self, worker: usize, run: &Run) -> Option<RobotId> {
         if let Some(robot) = self.workers[worker].run_queue.pop_front() {
             return Some(robot);
         }
@@ -426,7 +426,7 @@ impl Dispatcher {
         running.iter().for_each(|robot| run.set_worker(*robot, worker as u32));
     }
 
-    /// Replaces the robot's wake time; for [`Time::NEVER`] the robot has none.
+    /// Replaces the robot's wake time; with [`Time::NEVER`], the robot has none.
     fn sleep_until(&mut self, robot: RobotId, at: Time) {
         let number = &mut self.wake_numbers[robot.index()];
         *number += 1;
@@ -444,7 +444,7 @@ impl Dispatcher {
         loop {
             for worker in 0..self.workers.len() {
                 if self.workers[worker].running.is_empty()
-                    && let Some(first) = self.next_for(worker, run)
+                    && let Some(first) = self.take_next_for(worker, run)
                 {
                     self.release(worker, first, run);
                     outcome.continues |= Some(first) == returning;
@@ -527,12 +527,12 @@ impl Dispatcher {
         self.is_intervention_pending = true;
         environment.record_intervention(at, action);
         let effect = intervene::carry_out(validated, at, run, environment);
-        self.take_effect(effect, at, run);
+        self.apply_effect(effect, at, run);
         Ok(())
     }
 
     /// Updates the wake queue after an intervention at `at`.
-    fn take_effect(&mut self, effect: RunEffect, at: Time, run: &Run) {
+    fn apply_effect(&mut self, effect: RunEffect, at: Time, run: &Run) {
         for id in effect.robots {
             if let Some(wake) = run.robot(id).earliest_wake_after(at).filter(|_| !self.has_departed(id)) {
                 self.sleep_until(id, wake);
@@ -549,7 +549,7 @@ impl Dispatcher {
                 self.sleep_until(id, at);
             }
         }
-        if effect.is_end {
+        if effect.ends_run {
             self.end_with(End::Interrupted);
         }
     }
@@ -631,7 +631,7 @@ impl Dispatcher {
         let soon = self.soon.iter().filter(|wake| self.wake_numbers[wake.robot.index()] == wake.number);
         let soon = soon.map(|wake| wake.at).min().unwrap_or(Time::NEVER);
         let wake = self.wakes.peek().map_or(Time::NEVER, |Reverse(wake)| wake.at).min(soon);
-        // Nor does the run continue for a message once no program is alive.
+        // Once no program is alive, the run does not continue for a message either.
         let message = if self.alive > 0 { environment.message_due() } else { Time::NEVER };
         let due = wake.min(message);
         (due < Time::NEVER).then(|| due.floor_to(world.slot()).max(following))
@@ -666,7 +666,7 @@ struct AffectedRobot<'a> {
     id: RobotId,
     /// Its state, while the step uses it.
     robot: Option<MutexGuard<'a, Robot>>,
-    /// Time at which it wakes; `None` if the step has not changed that.
+    /// Its new wake time; `None` if the step has not changed it.
     wake: Option<Time>,
 }
 

@@ -1,4 +1,4 @@
-//! Robots whose programs are code of the embedding process, on the threads of their flows.
+//! Robots whose programs are code of the embedding process. Each program runs on the thread of its flow.
 
 use std::collections::BTreeMap;
 use std::ffi::c_void;
@@ -34,14 +34,14 @@ impl EmbeddedRobot {
         Self { robot, code, arguments: arguments.to_vec(), site: Arc::default() }
     }
 
-    /// Runs the program on the calling thread, which belongs to a flow; `host` answers its calls there; returns its
-    /// exit code.
+    /// Runs the program on the calling thread, which belongs to a flow, and answers its calls with `host`. Returns its exit
+    /// code.
     ///
     /// # Errors
     /// [`Broken`] if the program was overdue.
     pub fn run<H: Support + Robios6 + Robios7 + Sync + 'static>(&self, host: &H) -> Result<i32, Broken> {
-        FlowBlock::current().leave_faults_to_process();
-        let calls = Arc::new(CallsOf {
+        FlowBlock::current().pass_faults_to_process();
+        let calls = Arc::new(HostCalls {
             host: AtomicPtr::new(ptr::from_ref(host).cast_mut()),
             thread: thread::current().id(),
             robot: self.robot,
@@ -49,7 +49,8 @@ impl EmbeddedRobot {
             site: Arc::clone(&self.site),
             functions: Mutex::default(),
         });
-        // From here on the program's calls end immediately, wherever it has kept `calls`, even if it unwinds.
+        // When this guard is dropped, also by a panic, `calls` becomes invalid: a copy that the program has kept then answers
+        // every call with `STOP`.
         let _revoke = Revoke(Arc::clone(&calls));
         match self.code.run(self.robot, &self.arguments, calls) {
             EmbeddedEnd::Exited(code) => Ok(code),
@@ -71,8 +72,8 @@ impl EmbeddedRobot {
     }
 }
 
-/// Calls of a robot's program to `H`, while the program runs.
-struct CallsOf<H> {
+/// Passes the calls of a robot's program to the host `H` while the program runs.
+struct HostCalls<H> {
     /// Null once the program has returned.
     host: AtomicPtr<H>,
     /// The thread that runs the program.
@@ -84,8 +85,8 @@ struct CallsOf<H> {
     functions: Mutex<BTreeMap<u64, Box<Function>>>,
 }
 
-/// Ends the calls when it is dropped.
-struct Revoke<H>(Arc<CallsOf<H>>);
+/// Invalidates the calls when it is dropped.
+struct Revoke<H>(Arc<HostCalls<H>>);
 
 impl<H> Drop for Revoke<H> {
     fn drop(&mut self) {
@@ -93,24 +94,24 @@ impl<H> Drop for Revoke<H> {
     }
 }
 
-impl<H: Support + Robios6 + Robios7 + Sync> Calls for CallsOf<H> {
+impl<H: Support + Robios6 + Robios7 + Sync> Calls for HostCalls<H> {
     fn call(&self, request: &[u8], reply: &mut Vec<u8>) -> Result<Status, Malformed> {
         if thread::current().id() != self.thread {
             return Ok(Status::STOP);
         }
-        // SAFETY: null, or the host that `run` has borrowed further up the stack of this very thread, which sets the pointer to null
+        // SAFETY: null, or the host that `run` has borrowed further up the stack of this thread, which sets the pointer to null
         // before it returns.
         let Some(host) = (unsafe { self.host.load(Ordering::Acquire).cast_const().as_ref() }) else {
             return Ok(Status::STOP);
         };
         let callback = |number, _| self.callback(number);
-        // The flow notes the number of its last call itself.
+        // The flow itself stores the number of its last call.
         answer(host, request, &self.site, |_| {}, &callback, reply)
     }
 }
 
-impl<H> CallsOf<H> {
-    /// A function of the host that calls the program's function `number`.
+impl<H> HostCalls<H> {
+    /// A callback through which the host calls the program's function `number`.
     fn callback(&self, number: u64) -> Callback {
         let mut functions = self.functions.lock();
         let new = || Box::new(Function { code: Arc::clone(&self.code), robot: self.robot, number });
@@ -129,7 +130,7 @@ struct Function {
 /// Calls a function of the program.
 ///
 /// # Safety
-/// `data` must come from [`CallsOf::callback`], and the program must not have returned from its run, which keeps the function.
+/// `data` must come from [`HostCalls::callback`], and the program must still be running: the function is freed when its run returns.
 unsafe extern "C" fn call_function(data: *mut c_void) -> Status {
     // SAFETY: by this function's contract.
     let function = unsafe { data.cast_const().cast::<Function>().as_ref() };

@@ -2,21 +2,21 @@
 
 use super::confine;
 use super::guard::is_in_guard;
-use super::signal::{self, DIVIDES_BY_ZERO, EXITS, Fault, GONE, OVERDUE_SIGNAL};
+use super::signal::{self, DIVISION_BY_ZERO, EXIT_CALLED, Fault, GONE, OVERDUE_SIGNAL};
 use crate::robios::robot::Ending;
 
 /// A flow that will never run again, with the cause.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
     /// Description of the break, without the location: `null pointer used (segmentation fault at address 0x0)`.
-    pub what: String,
-    /// True if the watchdog stopped the flow, false if the program itself faulted.
+    pub description: String,
+    /// True if the watchdog stopped the flow, false if the program faulted.
     pub is_overdue: bool,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub last_call: u16,
     /// The task that broke, if it is one of several.
     pub task: Option<u32>,
-    /// The location as text, if the program itself has reported it; otherwise empty.
+    /// The location as text, if the program has reported it; otherwise empty.
     pub location: String,
     /// Program counter at the break, then words of the stack that may be return addresses, innermost first.
     pub addresses: Vec<usize>,
@@ -25,10 +25,11 @@ pub struct Broken {
 }
 
 /// Depth of the search for return addresses from the stack pointer, in words.
-pub(super) const SEARCH: usize = 4096;
+pub(super) const MAX_SEARCH_WORDS: usize = 4096;
 
-/// Distance from the low end of the stack, in bytes, within which a fault counts as a stack overflow (a guard page lies below the stack).
-const GUARD: usize = 64 << 10;
+/// Distance from the low end of the stack, in bytes, within which a fault is reported as a stack overflow (a guard page lies below the
+/// stack).
+const GUARD_REACH: usize = 64 << 10;
 
 /// Beginning of the description of a null pointer dereference.
 pub(super) const NULL_POINTER: &str = "null pointer used";
@@ -46,7 +47,7 @@ pub(super) const ILLEGAL: &str =
 /// Like [`ILLEGAL`], at a line whose only possible fault is a division.
 pub(super) const ILLEGAL_DIVISION: &str = "division by zero, known to the compiler (illegal instruction)";
 
-/// Usual causes of a fault at another address.
+/// Usual causes of a fault at an address that is neither near 0 nor at the end of the stack.
 pub(super) const WILD: &str =
     "a pointer without a value, an index beyond its array, or a text in quotes that is written to";
 
@@ -54,18 +55,19 @@ pub(super) const WILD: &str =
 const SI_KERNEL: i32 = 0x80;
 
 /// Number of words up to which a stack is too shallow to have overflowed.
-const SHALLOW: usize = 1024;
+const MAX_SHALLOW: usize = 1024;
 
 impl Broken {
-    /// Describes `fault` of a thread with these stack bounds and with these words on its stack from the stack pointer on.
+    /// Describes `fault` of a thread with these stack bounds and with these words on its stack, from the stack pointer upwards.
     pub(super) fn new(fault: Fault, [low, high]: [usize; 2], last_call: u16, stack_words: Vec<usize>) -> Self {
         // A shallow stack has not overflowed: other memory may end just below it.
-        let is_deep = stack_words.is_empty() || stack_words.len() > SHALLOW;
-        let near_guard =
-            low > 0 && is_deep && (low.saturating_sub(GUARD)..low.saturating_add(GUARD)).contains(&fault.address);
-        let what = match fault.signal {
+        let is_deep = stack_words.is_empty() || stack_words.len() > MAX_SHALLOW;
+        let near_guard = low > 0
+            && is_deep
+            && (low.saturating_sub(GUARD_REACH)..low.saturating_add(GUARD_REACH)).contains(&fault.address);
+        let description = match fault.signal {
             OVERDUE_SIGNAL => "endless loop, or too long without a RoBIOS call".into(),
-            EXITS => "the program called `exit` of the C library, which would have ended eyesim".into(),
+            EXIT_CALLED => "the program called `exit` of the C library, which would have ended eyesim".into(),
             libc::SIGSYS => format!(
                 "the program would have ended or replaced eyesim by the system call {}",
                 confine::name_of(fault.address)
@@ -103,7 +105,7 @@ impl Broken {
         let mut addresses = vec![fault.pc];
         addresses.extend(stack_words);
         Self {
-            what,
+            description,
             is_overdue: fault.signal == OVERDUE_SIGNAL,
             last_call,
             task: None,
@@ -119,26 +121,27 @@ impl Broken {
         Self { unfinished, ..self }
     }
 
-    /// Adds the reason that the program itself reported before it broke.
+    /// Replaces the description by the reason that the program reported before it broke, if any.
     #[must_use]
     pub(super) fn with_reason(self, ending: Option<&Ending>) -> Self {
         match ending {
-            Some(Ending::Failed { reason }) if !self.is_overdue => Self { what: reason.clone(), ..self },
+            Some(Ending::Failed { reason }) if !self.is_overdue => Self { description: reason.clone(), ..self },
             _ => self,
         }
     }
 
-    /// Describes an overdue program that was stopped after its last call, and ended at `location`.
+    /// Describes an overdue program that was stopped at `location`, after its last call.
     pub(super) fn overdue(last_call: u16, location: String) -> Self {
         let fault = Fault { signal: OVERDUE_SIGNAL, ..Fault::default() };
         Self { location, ..Self::new(fault, [0; 2], last_call, Vec::new()) }
     }
 
-    /// Describes a flow that receives no signals and therefore cannot be stopped: it is abandoned as it is.
+    /// Describes a flow that receives no signals and therefore cannot be stopped; it is abandoned.
     pub(super) fn unstoppable() -> Self {
         Self {
-            what: "too long without a RoBIOS call, and the program blocks the signals by which it would be stopped"
-                .to_owned(),
+            description:
+                "too long without a RoBIOS call, and the program blocks the signals by which it would be stopped"
+                    .to_owned(),
             is_overdue: true,
             last_call: u16::MAX,
             task: None,
@@ -148,9 +151,9 @@ impl Broken {
         }
     }
 
-    /// The flow's break as the ending of its program.
+    /// The ending of the program that this break causes.
     pub(super) fn ending(&self) -> Ending {
-        let reason = self.what.clone();
+        let reason = self.description.clone();
         if self.is_overdue { Ending::Overdue { reason } } else { Ending::Failed { reason } }
     }
 
@@ -179,7 +182,7 @@ fn name_of_signal(signal: i32) -> Option<&'static str> {
 fn cause_of_arithmetic_fault(code: i32) -> &'static str {
     // The numbers of <asm-generic/siginfo.h>, which the crate `libc` does not have.
     match code {
-        DIVIDES_BY_ZERO => "integer division by zero",
+        DIVISION_BY_ZERO => "integer division by zero",
         2 => "integer division by zero, or of INT_MIN by -1",
         3 => "floating-point division by zero, for which the program has asked for a trap",
         4 => "floating-point overflow, for which the program has asked for a trap",
@@ -190,13 +193,13 @@ fn cause_of_arithmetic_fault(code: i32) -> &'static str {
     }
 }
 
-/// The mapped words on a parked thread's stack from `sp` on, at most [`SEARCH`] of them.
+/// The mapped words on a parked thread's stack from `sp` upwards, at most [`MAX_SEARCH_WORDS`] of them.
 pub(super) fn stack_words(sp: usize, [low, high]: [usize; 2]) -> Vec<usize> {
     let sp = sp.next_multiple_of(align_of::<usize>());
     if sp < low || sp >= high {
         return Vec::new();
     }
-    let mut words = vec![0_usize; ((high - sp) / size_of::<usize>()).min(SEARCH)];
+    let mut words = vec![0_usize; ((high - sp) / size_of::<usize>()).min(MAX_SEARCH_WORDS)];
     // The program may have unmapped its stack, or a part of it.
     let mapped = signal::copy_own_memory(sp, &mut words);
     words.truncate(mapped);

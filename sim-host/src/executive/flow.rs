@@ -1,4 +1,4 @@
-//! A robot's flow as the calls of its program see it, independent of whether it is a thread or a fiber.
+//! A robot's flow as the implementation of the calls uses it, for threads and fibers alike.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -105,7 +105,7 @@ impl Flow for RobotFlow {
     }
 
     fn note_hint(&self, text: &str, site: &Site) {
-        let location = self.run.program(self.id).and_then(|program| program.place_of(site));
+        let location = self.run.program(self.id).and_then(|program| program.location_of(site));
         location.into_iter().for_each(|location| self.run.hint_locations.note(self.id, text, location));
     }
 
@@ -114,18 +114,18 @@ impl Flow for RobotFlow {
     }
 }
 
-/// Stack that a RoBIOS call may need, in bytes, the scheduler step included: if less is left, the program's stack has
-/// overflowed.
+/// Stack that a RoBIOS call may need, in bytes, including the scheduler step; a program with less remaining stack has
+/// overflowed it.
 const STACK_RESERVE: usize = 128 << 10;
 
-/// Marks the calling flow as inside `call`; false if its stack is too small to serve it.
+/// Marks the calling flow as inside `call`; returns false if too little of its stack is left for the call.
 #[inline]
 fn enter(call: Call) -> bool {
     let block = FlowBlock::current();
     if let Some(number) = call.robios_number() {
         block.last_call.store(number, Ordering::Relaxed);
     }
-    if block.stack_left() < STACK_RESERVE {
+    if block.remaining_stack() < STACK_RESERVE {
         return false;
     }
     block.enter_host();
@@ -145,8 +145,8 @@ pub(super) fn has_called() -> bool {
 pub(super) fn call_back(callback: Callback) -> Result<(), Stop> {
     let block = FlowBlock::current();
     block.leave_host();
-    // SAFETY: the robot's flow, which is the calling one, is in a call of its program, or the first in a task that such
-    // a call started; its frames keep the run and thus the program alive.
+    // SAFETY: the calling flow is in a call of its program, or at the beginning of a task that such a call started; its
+    // frames keep the run and thus the program alive.
     let result = unsafe { callback.call() };
     block.enter_host();
     result

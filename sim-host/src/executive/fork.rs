@@ -18,7 +18,8 @@ pub struct ForkedWorker {
     pid: libc::pid_t,
     /// Connection to the child.
     pub stream: UnixStream,
-    is_over: bool,
+    /// The child has been waited for.
+    is_reaped: bool,
 }
 
 impl ForkedWorker {
@@ -29,13 +30,13 @@ impl ForkedWorker {
     /// This process has several threads, of which only one would exist in the child, or the kernel refuses.
     pub fn start(serve: impl FnOnce(UnixStream)) -> io::Result<Self> {
         await_single_thread()?;
-        let (own, other) = UnixStream::pair()?;
+        let (own_end, child_end) = UnixStream::pair()?;
         let parent = std::process::id();
         // SAFETY: the process has one thread, so that no lock is held and no state is half changed in the child.
         match unsafe { libc::fork() } {
             -1 => Err(io::Error::last_os_error()),
             0 => {
-                drop(own);
+                drop(own_end);
                 // SAFETY: prctl and getppid take no pointers.
                 let is_orphan = unsafe {
                     libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL, 0, 0, 0);
@@ -44,22 +45,22 @@ impl ForkedWorker {
                 if is_orphan {
                     exit_at_once(1);
                 }
-                let served = catch_unwind(AssertUnwindSafe(|| serve(other)));
+                let served = catch_unwind(AssertUnwindSafe(|| serve(child_end)));
                 exit_at_once(if served.is_ok() { 0 } else { 3 })
             }
-            pid => Ok(Self { pid, stream: own, is_over: false }),
+            pid => Ok(Self { pid, stream: own_end, is_reaped: false }),
         }
     }
 
-    /// Kills the child.
+    /// Kills the child unless it has been waited for.
     pub fn kill(&mut self) {
-        if !self.is_over {
-            // SAFETY: the child has not been waited for, so that its number is still its own.
+        if !self.is_reaped {
+            // SAFETY: the child has not been waited for, so that its process id still identifies it.
             unsafe { libc::kill(self.pid, libc::SIGKILL) };
         }
     }
 
-    /// Waits for the end of the child, and kills it after `timeout`; returns a description of how it ended.
+    /// Waits for the end of the child, and kills it after `timeout`; returns a description of its end.
     pub fn end_within(&mut self, timeout: Duration) -> String {
         let start = Instant::now();
         while !self.has_ended() {
@@ -77,29 +78,29 @@ impl ForkedWorker {
         // SAFETY: a struct of numbers, for which zeros are valid.
         let mut info: libc::siginfo_t = unsafe { std::mem::zeroed() };
         let options = libc::WEXITED | libc::WNOHANG | libc::WNOWAIT;
-        // SAFETY: a child that has not been waited for, and a valid pointer. If there is none, there is nothing to wait for.
-        let result =
-            self.is_over || unsafe { libc::waitid(libc::P_PID, self.pid.cast_unsigned(), &raw mut info, options) } != 0;
-        // SAFETY: the kernel has filled in the structure of a child that has ended, or left it.
+        // SAFETY: a child that has not been waited for, and a valid pointer. The call fails if there is no child to wait for.
+        let result = self.is_reaped
+            || unsafe { libc::waitid(libc::P_PID, self.pid.cast_unsigned(), &raw mut info, options) } != 0;
+        // SAFETY: the kernel has filled in the structure for a child that has ended, or not changed it.
         result || unsafe { info.si_pid() } != 0
     }
 
-    /// Waits for the end of the child, and removes the run folders that it leaves if it is killed; returns a
-    /// description of how it ended.
+    /// Waits for the end of the child; if it was killed, removes its abandoned run folders. Returns a description of its
+    /// end.
     pub fn wait(&mut self) -> String {
         let mut status = 0;
-        if self.is_over {
+        if self.is_reaped {
             return "it has ended".to_owned();
         }
         // SAFETY: a child that has not been waited for, and a valid pointer.
         while unsafe { libc::waitpid(self.pid, &raw mut status, 0) } < 0
             && io::Error::last_os_error().kind() == io::ErrorKind::Interrupted
         {}
-        self.is_over = true;
+        self.is_reaped = true;
         if libc::WIFSIGNALED(status) {
             RunFolder::remove_abandoned();
             let signal = libc::WTERMSIG(status);
-            format!("signal {signal}{}", name_of(signal))
+            format!("signal {signal}{}", signal_name(signal))
         } else {
             format!("exit code {}", libc::WEXITSTATUS(status))
         }
@@ -113,7 +114,8 @@ impl Drop for ForkedWorker {
     }
 }
 
-fn name_of(signal: i32) -> &'static str {
+/// Name of `signal` in brackets; empty for a signal that has no name here.
+fn signal_name(signal: i32) -> &'static str {
     match signal {
         libc::SIGSEGV => " (SIGSEGV)",
         libc::SIGABRT => " (SIGABRT)",
@@ -128,7 +130,7 @@ fn name_of(signal: i32) -> &'static str {
     }
 }
 
-/// Waits for threads that are about to end, such as a progress bar's.
+/// Waits until this process has one thread: others, such as that of a progress bar, may be about to end.
 fn await_single_thread() -> io::Result<()> {
     const ATTEMPTS: u32 = 500;
     for _ in 0..ATTEMPTS {
@@ -140,8 +142,8 @@ fn await_single_thread() -> io::Result<()> {
     Err(io::Error::other("a process with several threads cannot be copied"))
 }
 
-/// Indices of those `streams` that have something to read or are closed; waits for the first one, at most for `timeout`, or until a
-/// signal arrives.
+/// Indices of those `streams` that have data to read or are closed. Waits until there is one, at most for `timeout`; a signal ends the
+/// wait.
 ///
 /// # Errors
 /// The kernel refuses.
@@ -158,16 +160,16 @@ pub fn readable(streams: &[&UnixStream], timeout: Duration) -> io::Result<Vec<us
     Ok(polled.iter().enumerate().filter(|(_, polled)| polled.revents != 0).map(|(index, _)| index).collect())
 }
 
-/// Limits the memory that this process may allocate in addition to what it has now, in bytes; processes that it starts
-/// inherit the limit.
+/// Limits the memory that this process may allocate in addition to its present memory to `additional` bytes; processes
+/// that it starts inherit the limit.
 ///
 /// # Errors
 /// The kernel refuses.
-pub fn limit_memory(more: u64) -> io::Result<()> {
+pub fn limit_memory(additional: u64) -> io::Result<()> {
     let status = fs::read_to_string("/proc/self/status")?;
     let kilobytes =
         status.lines().find_map(|line| line.strip_prefix("VmData:")?.split_whitespace().next()?.parse().ok());
-    let limit = kilobytes.unwrap_or(0_u64) * 1024 + more;
+    let limit = kilobytes.unwrap_or(0_u64) * 1024 + additional;
     let limits = libc::rlimit { rlim_cur: limit, rlim_max: limit };
     // SAFETY: a valid pointer.
     if unsafe { libc::setrlimit(libc::RLIMIT_DATA, &raw const limits) } < 0 {
@@ -177,17 +179,17 @@ pub fn limit_memory(more: u64) -> io::Result<()> {
     }
 }
 
-/// Processor time in seconds that this process and its children have used; grandchildren count only once they have
+/// Processor time in seconds that this process and its children have used; includes grandchildren only once they have
 /// ended.
 pub fn processor_seconds() -> f64 {
     // SAFETY: a struct of numbers, for which zeros are valid.
-    let mut ended: libc::rusage = unsafe { std::mem::zeroed() };
+    let mut usage: libc::rusage = unsafe { std::mem::zeroed() };
     // SAFETY: a valid pointer.
-    unsafe { libc::getrusage(libc::RUSAGE_CHILDREN, &raw mut ended) };
+    unsafe { libc::getrusage(libc::RUSAGE_CHILDREN, &raw mut usage) };
     let seconds = |time: libc::timeval| time.tv_sec as f64 + 1e-6 * time.tv_usec as f64;
-    let own = std::process::id().cast_signed();
-    let running = children().chain([own]).filter_map(process_time).map(|time| time.as_secs_f64());
-    seconds(ended.ru_utime) + seconds(ended.ru_stime) + running.sum::<f64>()
+    let own_pid = std::process::id().cast_signed();
+    let running = children().chain([own_pid]).filter_map(process_time).map(|time| time.as_secs_f64());
+    seconds(usage.ru_utime) + seconds(usage.ru_stime) + running.sum::<f64>()
 }
 
 /// Process ids of the children of this process; none if the kernel does not list them.
@@ -202,7 +204,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn processor_time_has_that_of_running_and_of_ended_children() {
+    fn processor_time_includes_running_and_ended_children() {
         let before = processor_seconds();
         let mut child = std::process::Command::new("sh").args(["-c", "while :; do :; done"]).spawn().expect("a child");
         let start = std::time::Instant::now();

@@ -1,4 +1,4 @@
-//! Interruption of runs by the user: a handle for the runs' owner, which a binary connects with Ctrl-C.
+//! Interruption of runs by the user: a handle for the runs' owner, which a binary connects to Ctrl-C.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -15,7 +15,7 @@ pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
     /// Ends the runs with their current slots; may be called from any thread; async-signal-safe. Returns true if it was
-    /// set already.
+    /// already set.
     pub fn set(&self) -> bool {
         self.0.swap(true, Ordering::AcqRel)
     }
@@ -27,9 +27,9 @@ impl Interrupt {
 }
 
 /// Interrupt set by Ctrl-C and SIGTERM.
-static OF_PROCESS: OnceLock<Interrupt> = OnceLock::new();
+static PROCESS_INTERRUPT: OnceLock<Interrupt> = OnceLock::new();
 
-/// Ctrl-C belongs to a debugger and is ignored here.
+/// Ctrl-C is for a debugger and is ignored here.
 static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
 
 /// Installs the handlers of a binary, before its first run, and returns the interrupt that Ctrl-C and SIGTERM set; the second such
@@ -39,7 +39,7 @@ static IS_DEBUGGING: AtomicBool = AtomicBool::new(false);
 /// The kernel refuses a handler, or a run has already installed its own, which these would replace.
 pub fn of_process() -> io::Result<Interrupt> {
     static IS_INSTALLED: Mutex<bool> = Mutex::new(false);
-    let interrupt = OF_PROCESS.get_or_init(Interrupt::default).clone();
+    let interrupt = PROCESS_INTERRUPT.get_or_init(Interrupt::default).clone();
     let mut is_installed = IS_INSTALLED.lock();
     if *is_installed {
         return Ok(interrupt);
@@ -75,10 +75,10 @@ fn interrupt_action() -> libc::sigaction {
     action(on_interrupt as *const () as usize, libc::SA_RESTART)
 }
 
-/// Installs the handlers of [`of_process`] again that programs have replaced, as [`Handlers::take_back`] does.
-pub(super) fn take_back(is_of_program: impl Fn(usize) -> bool) {
+/// Reinstalls the handlers of [`of_process`] that programs have replaced, as [`Handlers::reinstall`] does.
+pub(super) fn reinstall(is_of_program: impl Fn(usize) -> bool) {
     if HAS_HANDLERS.load(Ordering::Acquire) {
-        INTERRUPTS.iter().for_each(|signal| signal::take_back(*signal, &interrupt_action(), &is_of_program));
+        INTERRUPTS.iter().for_each(|signal| signal::reinstall(*signal, &interrupt_action(), &is_of_program));
     }
 }
 
@@ -116,7 +116,7 @@ impl LastResort {
         Ok(())
     }
 
-    /// Lets the timer end the process after `seconds`; 0 stops it. Async-signal-safe.
+    /// Makes the timer end the process after `seconds`; 0 stops the timer. Async-signal-safe.
     fn set(&self, seconds: libc::time_t) {
         if !self.is_installed.load(Ordering::Acquire) {
             return;
@@ -129,7 +129,8 @@ impl LastResort {
     }
 }
 
-/// Ends the process of a binary with a message unless this function is called again, or [`disarm_last_resort`], in time.
+/// Makes the process of a binary end with a message after [`LAST_RESORT_TIMEOUT`], unless this function or
+/// [`disarm_last_resort`] is called before.
 /// Async-signal-safe.
 pub(super) fn arm_last_resort() {
     LAST_RESORT.set(LAST_RESORT_TIMEOUT);
@@ -170,14 +171,14 @@ extern "C" fn on_interrupt(signal: i32) {
     if signal == libc::SIGINT && IS_DEBUGGING.load(Ordering::Acquire) {
         return;
     }
-    if OF_PROCESS.get().is_some_and(Interrupt::set) {
+    if PROCESS_INTERRUPT.get().is_some_and(Interrupt::set) {
         // At the second Ctrl-C the user does not want to wait for files to be closed.
         exit_at_once(130);
     }
 }
 
-/// Ends the process with a message: a thread that a program started itself has faulted. Such threads are outside the guarantee;
-/// what is recorded up to the last slot is in the trace.
+/// Ends the process with a message: a thread that a program started itself has faulted. The isolation of programs does not cover such
+/// threads; the trace contains the record up to the last slot.
 extern "C" fn on_foreign_fault(signal: i32) {
     const WORDS: &[u8] =
         b"error: a thread that a robot program started by itself has faulted, or one whose stack and own variables a program has \
@@ -198,7 +199,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn copies_are_interrupted_together_and_others_are_not() {
+    fn only_clones_are_interrupted_together() {
         let interrupt = Interrupt::default();
         let copy = interrupt.clone();
         assert!(!copy.is_set());

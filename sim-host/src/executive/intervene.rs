@@ -1,7 +1,7 @@
 //! Interventions in a run, carried out at the start of a slot while no robot runs: their effects on the simulation
 //! ([`sim_core::simulation::Intervention`]), on programs and on tasks.
 //!
-//! All that can fail happens during validation: the program of a spawned robot is loaded and its flow started, suspended.
+//! Everything that can fail happens during validation: the program of a spawned robot is loaded and its flow started, suspended.
 //! Carrying out a validated action cannot fail.
 
 use sim_core::RobotId;
@@ -27,7 +27,7 @@ pub enum ValidatedAction {
     End,
 }
 
-/// Robots that an action has affected.
+/// Effect of an action on the robots and the run.
 #[derive(Default)]
 pub struct RunEffect {
     /// Robots whose motion has changed, or for which an awaited input may have arrived.
@@ -36,11 +36,11 @@ pub struct RunEffect {
     pub spawned: Option<(RobotId, bool)>,
     /// The removed or halted robot, whose program must exit.
     pub removed: Option<RobotId>,
-    /// The run ends.
-    pub is_end: bool,
+    /// The action ends the run.
+    pub ends_run: bool,
 }
 
-/// The robots of a run as the simulation knows them.
+/// The robots of a run, for the simulation.
 pub(super) struct Members<'a>(pub &'a Run);
 
 impl Robots for Members<'_> {
@@ -52,19 +52,19 @@ impl Robots for Members<'_> {
 /// Validates `action` for the start of the slot at `at`; for a spawned robot, loads its program and starts its flow.
 ///
 /// # Errors
-/// [`Refusal`] if the action names something unknown, makes no sense or cannot load its program; nothing changes then.
+/// [`Refusal`] if the action names something unknown or is invalid, or if its program cannot be loaded; nothing changes then.
 pub fn validate(action: &Action, at: Time, run: &Run, world: &World) -> Result<ValidatedAction, Refusal> {
     match action {
         Action::AddRobot { kind, program_of, x_m, y_m, phi_rad } => {
             let mut spawner = run.spawner();
             let spec = spawner.roster().robot(kind, *program_of, [*x_m, *y_m, *phi_rad], world)?;
-            let new = spawner.robot(spec, program_of.map(RobotId), at);
-            let new = new.map_err(|error| Refusal::Other(error.to_string()))?;
-            if let Some((program, _)) = &new.program {
-                let started = run.start_program(new.spec.id, program);
+            let new_robot = spawner.robot(spec, program_of.map(RobotId), at);
+            let new_robot = new_robot.map_err(|error| Refusal::Other(error.to_string()))?;
+            if let Some((program, _)) = &new_robot.program {
+                let started = run.start_program(new_robot.spec.id, program);
                 started.map_err(|error| Refusal::Other(format!("the system has no room for its program: {error}")))?;
             }
-            Ok(ValidatedAction::AddRobot(Box::new(new)))
+            Ok(ValidatedAction::AddRobot(Box::new(new_robot)))
         }
         Action::Type { robot, line } if world.is_robot_present(RobotId(*robot), at) => {
             let id = RobotId(*robot);
@@ -96,19 +96,20 @@ pub fn carry_out(action: ValidatedAction, at: Time, run: &Run, environment: &mut
             robot.tasks.recheck_input(at);
             RunEffect { robots: vec![id], ..RunEffect::default() }
         }
-        ValidatedAction::AddRobot(new) => {
-            let NewRobot { spec, mut robot, radio_noise, program } = *new;
+        ValidatedAction::AddRobot(new_robot) => {
+            let NewRobot { spec, mut robot, radio_noise, program } = *new_robot;
             let (program, prepared) = program.unzip();
             environment.admit(&mut robot.state, radio_noise);
             let effect = RunEffect { spawned: Some((spec.id, program.is_some())), ..RunEffect::default() };
             run.admit(Member::new(robot, program));
-            run.spawner().keep_robot(spec, prepared);
+            run.spawner().register_robot(spec, prepared);
             effect
         }
-        ValidatedAction::End => RunEffect { is_end: true, ..RunEffect::default() },
+        ValidatedAction::End => RunEffect { ends_run: true, ..RunEffect::default() },
     }
 }
 
+/// Carries out an intervention in the simulation at `at`, with its effects on programs.
 fn intervene(intervention: Intervention, at: Time, run: &Run, environment: &mut Environment) -> RunEffect {
     let mut removed = None;
     match &intervention {
@@ -127,7 +128,7 @@ fn intervene(intervention: Intervention, at: Time, run: &Run, environment: &mut 
     }
     let effect = environment.intervene(&intervention, &mut Members(run));
     if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.came) {
-        run.spawner().keep_object(id, *spec);
+        run.spawner().register_object(id, *spec);
     }
     RunEffect { robots: effect.robots, removed, ..RunEffect::default() }
 }

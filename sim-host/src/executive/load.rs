@@ -61,16 +61,16 @@ pub fn load_programs(
 ) -> Result<Vec<Option<RobotProgram>>, ProgramLoadError> {
     check_room(programs.iter(), exec, workers)?;
     loader.set_deal(deal(programs.iter().count(), workers));
-    Child::make_room(programs.iter().filter(|program| place_of(program, exec).0 == ExecutionKind::Process).count());
-    // All processes are started before the first one is waited for.
+    Child::make_room(programs.iter().filter(|program| execution_of(program, exec).0 == ExecutionKind::Process).count());
+    // All processes start before the wait for the first one.
     let mut loading = Vec::with_capacity(scene.robots.len());
     for (robot, program) in scene.robots.iter().zip(&programs.of_robots) {
         let debugger = debug.filter(|debug| debug.robot == robot.id).map(|debug| &debug.debugger);
-        let begun = program.as_ref().map(|program| Loading::begin(robot, program, (exec, workers), loader, debugger));
-        loading.push(begun.transpose().map_err(|error| of_robot(robot, error))?);
+        let started = program.as_ref().map(|program| Loading::begin(robot, program, (exec, workers), loader, debugger));
+        loading.push(started.transpose().map_err(|error| error_of_robot(robot, error))?);
     }
     let finish = |(robot, loading): (&RobotSpec, Option<Loading>)| {
-        loading.map(|loading| loading.finish(robot).map_err(|error| of_robot(robot, error))).transpose()
+        loading.map(|loading| loading.finish(robot).map_err(|error| error_of_robot(robot, error))).transpose()
     };
     scene.robots.iter().zip(loading).map(finish).collect()
 }
@@ -87,7 +87,7 @@ pub fn load_program(
 ) -> Result<RobotProgram, ProgramLoadError> {
     check_room([program], exec, workers)?;
     let loading = Loading::begin(robot, program, (exec, workers), loader, None);
-    loading.and_then(|loading| loading.finish(robot)).map_err(|error| of_robot(robot, error))
+    loading.and_then(|loading| loading.finish(robot)).map_err(|error| error_of_robot(robot, error))
 }
 
 /// Checks that earlier programs have not damaged this process too much, and that the kernel allows the memory mappings for the
@@ -97,15 +97,15 @@ fn check_room<'a>(
     exec: Exec,
     workers: usize,
 ) -> Result<(), ProgramLoadError> {
-    // The copies of each program (keyed by its address), and the robots in this process.
+    // Number of copies of each program (keyed by its address), of robots in this process, and of mappings.
     let (mut copies, mut robots, mut mappings) = (BTreeMap::new(), 0, 0);
     for program in programs {
-        let execution = place_of(program, exec).0;
+        let execution = execution_of(program, exec).0;
         let Some(image) = program.image().filter(|_| execution != ExecutionKind::Process) else { continue };
         robots += 1;
-        let is_shared = execution == ExecutionKind::Fiber && image.shared_variables().is_some();
+        let is_copy_shared = execution == ExecutionKind::Fiber && image.shared_variables().is_some();
         let count: &mut usize = copies.entry(Arc::as_ptr(program).addr()).or_default();
-        if !is_shared || *count < workers {
+        if !is_copy_shared || *count < workers {
             *count += 1;
             mappings += image.mappings();
         }
@@ -117,7 +117,8 @@ fn check_room<'a>(
     check_mappings(robots, mappings).map_err(ProgramLoadError::Mappings)
 }
 
-fn of_robot(robot: &RobotSpec, error: LoadError) -> ProgramLoadError {
+/// The error `error` of loading the program of `robot`.
+fn error_of_robot(robot: &RobotSpec, error: LoadError) -> ProgramLoadError {
     ProgramLoadError::Robot { robot: robot.id, program: robot.program_name().to_owned(), error }
 }
 
@@ -130,12 +131,12 @@ pub struct DebugTarget {
     pub debugger: Debugger,
 }
 
-/// Kind of execution of a program if the user asks for `exec`, and the reason if that is a different kind or `auto`
-/// chose the slower one: a line without its beginning, `` uses `fork`: ... ``.
+/// Kind of execution of a program if the user requests `exec`, and the reason if that is a different kind or `auto`
+/// chose the slower one: the predicate of a sentence about the program, such as `` uses `fork`: ... ``.
 ///
 /// A Python program always has its own process, and so does a library whose code runs while it is loaded: if that code
 /// does not return, the process can be killed.
-pub fn place_of(program: &Prepared, exec: Exec) -> (ExecutionKind, Option<String>) {
+pub fn execution_of(program: &Prepared, exec: Exec) -> (ExecutionKind, Option<String>) {
     let image = match &program.code {
         Code::Python(_) => return (ExecutionKind::Process, None),
         Code::Embedded(_) => return (ExecutionKind::Thread, None),
@@ -147,7 +148,7 @@ pub fn place_of(program: &Prepared, exec: Exec) -> (ExecutionKind, Option<String
         Exec::Auto if program.danger.is_some() => in_process(),
         Exec::Auto | Exec::Fiber => {
             match program.danger.clone().or_else(|| program.why_thread_bound().map(str::to_owned)) {
-                Some(why) => (ExecutionKind::Thread, Some(why)),
+                Some(reason) => (ExecutionKind::Thread, Some(reason)),
                 None => (ExecutionKind::Fiber, None),
             }
         }
@@ -171,7 +172,7 @@ impl Loading {
         loader: &mut Loader,
         debugger: Option<&Debugger>,
     ) -> Result<Self, LoadError> {
-        let execution = if debugger.is_some() { ExecutionKind::Process } else { place_of(program, exec).0 };
+        let execution = if debugger.is_some() { ExecutionKind::Process } else { execution_of(program, exec).0 };
         if execution != ExecutionKind::Process {
             if let Code::Embedded(embedded) = &program.code {
                 let robot = EmbeddedRobot::new(robot.id, embedded, &robot.arguments);
@@ -183,18 +184,18 @@ impl Loading {
         }
         let path = program.source.path().to_owned();
         let (child, library) = match (&program.code, debugger) {
-            (Code::Python(_), Some(_)) => return Err(not_debugged(program, "is in Python")),
-            (Code::Embedded(_), Some(_)) => return Err(not_debugged(program, "is code of this process")),
+            (Code::Python(_), Some(_)) => return Err(debug_error(program, "is in Python")),
+            (Code::Embedded(_), Some(_)) => return Err(debug_error(program, "is code of this process")),
             (Code::Embedded(_), None) => unreachable!("it runs on a thread"),
             (Code::Python(python), None) => {
-                let why = |error: std::io::Error| why_not(program, path.clone(), error.to_string());
+                let to_load_error = |error: std::io::Error| start_error(program, path.clone(), error.to_string());
                 let (mut command, folders) = match loader.is_restricting() {
-                    true => {
-                        std::path::absolute(&path).and_then(|path| python.restricted_command(&path)).map_err(why)?
-                    }
+                    true => std::path::absolute(&path)
+                        .and_then(|path| python.restricted_command(&path))
+                        .map_err(to_load_error)?,
                     false => (python.command(&path), Vec::new()),
                 };
-                let scratch = loader.restrict(&mut command, program, folders).map_err(why)?;
+                let scratch = loader.restrict(&mut command, program, folders).map_err(to_load_error)?;
                 (Child::start_foreign(command, scratch), path.clone())
             }
             // gdb reads the library's file again while it debugs; the file in the cache is not removed.
@@ -215,7 +216,7 @@ impl Loading {
                 (start(), library)
             }
         };
-        let child = child.map_err(|error| why_not(program, path, format!("{error} ({PROCESS_HINT})")))?;
+        let child = child.map_err(|error| start_error(program, path, format!("{error} ({PROCESS_HINT})")))?;
         Ok(Self::InProcess(Box::new(child), Arc::clone(program), library))
     }
 
@@ -229,19 +230,19 @@ impl Loading {
         remote.map(RobotProgram::Process).map_err(|refusal| match refusal {
             LoadRefusal::Linker(what) => OpenError::Linker(what).of(&path, &library),
             LoadRefusal::Incompatible(what) => OpenError::Incompatible(what).of(&path, &library),
-            LoadRefusal::Broken(what) => why_not(&program, path, what),
+            LoadRefusal::Broken(what) => start_error(&program, path, what),
         })
     }
 }
 
-/// Refusal to debug a program in a language that gdb does not support.
-fn not_debugged(program: &Prepared, what: &str) -> LoadError {
+/// Error for a program in a language that gdb does not support.
+fn debug_error(program: &Prepared, what: &str) -> LoadError {
     let what = format!("gdb debugs programs in C, C++ and Rust, and this one {what}");
     LoadError::Incompatible { path: program.source.path().to_owned(), what }
 }
 
-/// Reason why the process of `program` has not started: the interpreter's message, otherwise `what`.
-fn why_not(program: &Prepared, path: PathBuf, what: String) -> LoadError {
+/// Error for a process of `program` that has not started: the interpreter's message, otherwise `what`.
+fn start_error(program: &Prepared, path: PathBuf, what: String) -> LoadError {
     match &program.code {
         Code::Python(python) => python.check().err().map_or(LoadError::Process { path, what }, LoadError::Python),
         Code::Library(_) | Code::Embedded(_) => LoadError::Process { path, what },

@@ -16,7 +16,7 @@ use super::run::Member;
 use super::team::Job;
 use super::thread::ThreadExecutor;
 
-/// Executor that forwards each call to the executor of the robot's kind of flow.
+/// Executor that forwards each call to the executor for the robot's kind of flow.
 pub struct MixedExecutor {
     threads: ThreadExecutor,
     fibers: FiberExecutor,
@@ -36,7 +36,7 @@ impl MixedExecutor {
     }
 
     /// The executor of the robot's flows.
-    fn of(&self, robot: RobotId) -> &dyn Executor {
+    fn executor_of(&self, robot: RobotId) -> &dyn Executor {
         if self.are_fibers.get(robot.index()).is_some_and(|is_fiber| *is_fiber) { &self.fibers } else { &self.threads }
     }
 }
@@ -47,9 +47,9 @@ impl Executor for MixedExecutor {
         self.fibers.begin(notifier);
     }
 
-    fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool {
-        let ends = [self.threads.end(departed), self.fibers.end(departed)];
-        ends == [true, true]
+    fn end(&self, has_departed: &dyn Fn(RobotId) -> bool) -> bool {
+        let are_complete = [self.threads.end(has_departed), self.fibers.end(has_departed)];
+        are_complete == [true, true]
     }
 
     fn must_end(&self) -> bool {
@@ -63,31 +63,31 @@ impl Executor for MixedExecutor {
         if self.are_fibers.count() == robot.index() {
             self.are_fibers.push(program.is_fiber());
         }
-        self.of(robot).admit(robot, program, member);
+        self.executor_of(robot).admit(robot, program, member);
     }
 
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> io::Result<()> {
-        self.of(robot).start(robot, task, flow)
+        self.executor_of(robot).start(robot, task, flow)
     }
 
     fn serve(&self, robot: RobotId, child: Arc<Child>) {
-        self.of(robot).serve(robot, child);
+        self.executor_of(robot).serve(robot, child);
     }
 
     fn resume(&self, robot: RobotId, worker: u32) {
-        self.of(robot).resume(robot, worker);
+        self.executor_of(robot).resume(robot, worker);
     }
 
     fn suspend(&self, robot: RobotId) {
-        self.of(robot).suspend(robot);
+        self.executor_of(robot).suspend(robot);
     }
 
     fn continue_running(&self, robot: RobotId) {
-        self.of(robot).continue_running(robot);
+        self.executor_of(robot).continue_running(robot);
     }
 
     fn switch(&self, robot: RobotId, task: u32) {
-        self.of(robot).switch(robot, task);
+        self.executor_of(robot).switch(robot, task);
     }
 
     fn helping_workers(&self) -> usize {
@@ -105,14 +105,14 @@ impl Executor for MixedExecutor {
     }
 
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool {
-        self.of(robot).is_overdue(robot, timeout)
+        self.executor_of(robot).is_overdue(robot, timeout)
     }
 
     fn backtrace(&self, robot: RobotId) -> Vec<usize> {
-        self.of(robot).backtrace(robot)
+        self.executor_of(robot).backtrace(robot)
     }
 
     fn break_overdue(&self, robot: RobotId) {
-        self.of(robot).break_overdue(robot);
+        self.executor_of(robot).break_overdue(robot);
     }
 }

@@ -3,8 +3,8 @@
 //! [`Executor`] abstracts over how a flow is run, suspended and resumed. [`thread`] implements it with one OS thread
 //! for each flow, which serves the robot's [`process`] if it has one; [`fiber`] implements it with fibers. Code above
 //! the trait is independent of the kind of flow: [`run`] is the state that flows share, [`dispatcher`] holds the run
-//! queues, and [`scheduler`] is the value by which the owner of a run advances it ([`script`] and the window are such
-//! owners). Below the trait, [`signal`] and [`watchdog`] catch programs that fault or never return.
+//! queues, and [`scheduler`] is the handle with which the owner of a run, such as [`script`] or the window, advances it.
+//! Below the trait, [`signal`] and [`watchdog`] catch programs that fault or never return.
 
 mod answer;
 pub mod confine;
@@ -49,29 +49,31 @@ use self::program::RobotProgram;
 /// A flow starts suspended. A robot runs from the time that the dispatcher resumes it until it suspends itself, on the
 /// flow with the run token.
 pub trait Executor: Send + Sync {
-    /// Begins a run whose supervisor waits for `notifier`: flows that break notify it. Must be called before the first flow starts.
+    /// Begins a run. Flows that break notify `notifier`, for which the run's supervisor waits. Must be called before the
+    /// first flow starts.
     fn begin(&self, notifier: &Arc<notifier::Notifier>);
 
     /// Ends the run and releases the resources of its flows. Broken flows, and flows of robots that have not
-    /// `departed`, are lost with everything that they hold. Returns true if no flow is lost.
-    fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool;
+    /// departed, are lost with everything that they hold. Returns true if no flow is lost.
+    fn end(&self, has_departed: &dyn Fn(RobotId) -> bool) -> bool;
 
     /// Returns true if the run must end because a program of another run has corrupted the heap of this process.
     fn must_end(&self) -> bool;
 
-    /// Prepares for robots with ids up to this one, which runs `program`. A robot that is being spawned is not yet a
-    /// `member`.
+    /// Prepares for robots with ids up to `robot`, which runs `program`. `member` is `None` for a robot that is being
+    /// spawned.
     fn admit(&self, robot: RobotId, program: &RobotProgram, member: Option<&Arc<run::Member>>);
 
-    /// Creates a flow of the robot, suspended, for its task of this number ([`MAIN`](crate::robios::task::MAIN) for `main`'s, which
-    /// comes first). `flow` returns when the task has ended, with the number of the task that gets the run token next; `None` for
-    /// `main`'s.
+    /// Creates a suspended flow of the robot for task number `task` ([`MAIN`](crate::robios::task::MAIN) for `main`, whose flow is
+    /// created first). `flow` returns when the task has ended, with the number of the task that gets the run token next; `None` if
+    /// the task is `main`.
     ///
     /// # Errors
     /// The system lacks the resources for another flow.
     fn start(&self, robot: RobotId, task: u32, flow: Box<dyn FnOnce() -> Option<u32> + Send>) -> std::io::Result<()>;
 
-    /// Lets the flow of the robot's first task serve this process, in which its program runs. Must be called before it is resumed.
+    /// Makes the flow of the robot's first task serve `child`, the process of the robot's program. Must be called before
+    /// the flow is first resumed.
     fn serve(&self, robot: RobotId, child: Arc<process::Child>);
 
     /// Resumes the robot's flow with the run token on this `worker`. The flows of one worker run one after the other,
@@ -108,16 +110,16 @@ pub trait Executor: Send + Sync {
     fn is_overdue(&self, robot: RobotId, timeout: f64) -> bool;
 
     /// Location at which the robot's flow with the run token computes: the program counter, then words of the stack
-    /// that may be return addresses, innermost first. Empty if it does not compute, if it is inside a call, or if it
-    /// runs in a process, which [answers itself](process::Child::computing_location).
+    /// that may be return addresses, innermost first. Empty if the flow does not compute, if it is inside a call, or if
+    /// the program has its own process (see [`process::Child::current_location`]).
     fn backtrace(&self, robot: RobotId) -> Vec<usize>;
 
     /// Stops the overdue flow with the run token where it is; [`Executor::broken`] reports it soon after.
     fn break_overdue(&self, robot: RobotId);
 }
 
-/// Disables transparent huge pages for the rest of this process, which keeps the memory of a thousand threads small: the heap
-/// would take one or two huge pages for every thread that allocates a few bytes.
+/// Disables transparent huge pages for this process, so that a thousand threads take little memory: with huge pages, the
+/// heap would take one or two of them for every thread that allocates a few bytes.
 pub fn save_memory() {
     // SAFETY: prctl with these arguments takes no pointer; if the kernel refuses, the process only needs more memory.
     unsafe { libc::prctl(libc::PR_SET_THP_DISABLE, 1, 0, 0, 0) };

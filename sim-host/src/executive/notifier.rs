@@ -1,15 +1,15 @@
-//! Wake-up of the supervisor by robots, by the scheduler step and from signal handlers.
+//! Notifier: wakes the supervisor from flows, from the scheduler step and from signal handlers.
 
 use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// An eventfd on which one thread waits and which any code may notify, signal handlers included.
+/// An eventfd on which one thread waits, and which any code may notify, including signal handlers.
 pub struct Notifier {
     fd: OwnedFd,
-    /// A flow has broken since the last [`Notifier::take_fault`].
-    has_fault: AtomicBool,
+    /// A flow has broken since the last [`Notifier::take_break`].
+    has_broken_flow: AtomicBool,
 }
 
 impl Notifier {
@@ -24,38 +24,39 @@ impl Notifier {
             return Err(io::Error::last_os_error());
         }
         // SAFETY: `fd` was just opened by this function, which hands its ownership over.
-        Ok(Self { fd: unsafe { OwnedFd::from_raw_fd(fd) }, has_fault: AtomicBool::new(false) })
+        Ok(Self { fd: unsafe { OwnedFd::from_raw_fd(fd) }, has_broken_flow: AtomicBool::new(false) })
     }
 
-    /// Wakes the waiting thread; async-signal-safe and idempotent until the next [`wait`](Self::wait).
+    /// Wakes the waiting thread; async-signal-safe, and idempotent until the next [`wait`](Self::wait).
     pub fn notify(&self) {
         let one = 1u64;
-        // SAFETY: `one` has eight bytes; write is async-signal-safe and an error (a full counter) means it is notified already.
+        // SAFETY: `one` has eight bytes; write is async-signal-safe. An error (a full counter) means that the notifier is
+        // already notified.
         unsafe { libc::write(self.fd.as_raw_fd(), (&raw const one).cast(), 8) };
     }
 
-    /// Wakes the waiting thread because a flow has published its fault; async-signal-safe.
-    pub fn notify_fault(&self) {
-        self.has_fault.store(true, Ordering::Release);
+    /// Wakes the waiting thread because a flow has broken; async-signal-safe.
+    pub fn notify_break(&self) {
+        self.has_broken_flow.store(true, Ordering::Release);
         self.notify();
     }
 
-    /// Returns true if a flow has published a fault since the last call.
-    pub fn take_fault(&self) -> bool {
-        self.has_fault.swap(false, Ordering::AcqRel)
+    /// Returns true if a flow has broken since the last call.
+    pub fn take_break(&self) -> bool {
+        self.has_broken_flow.swap(false, Ordering::AcqRel)
     }
 
     /// Waits until notified or until `timeout` has passed, and clears the notification. Returns true if notified.
     pub fn wait(&self, timeout: Duration) -> bool {
         let mut poll = libc::pollfd { fd: self.fd.as_raw_fd(), events: libc::POLLIN, revents: 0 };
         let millis = i32::try_from(timeout.as_millis()).unwrap_or(i32::MAX);
-        // SAFETY: `poll` is one valid pollfd, as the count says.
+        // SAFETY: `poll` is one valid pollfd, and the count is 1.
         let ready = unsafe { libc::poll(&mut poll, 1, millis) };
         if ready <= 0 {
             return false;
         }
         let mut count = 0u64;
-        // SAFETY: `count` has the eight bytes that an eventfd gives.
+        // SAFETY: `count` has the eight bytes that an eventfd writes.
         unsafe { libc::read(self.fd.as_raw_fd(), (&raw mut count).cast(), 8) == 8 }
     }
 }

@@ -6,7 +6,7 @@ use sim_core::time::Time;
 
 use super::interrupt::Interrupt;
 
-/// Ratio of virtual to real time, counted from the first wait on.
+/// Ratio of virtual to real time, measured from the first wait.
 pub struct Pace {
     factor: f64,
     start: Option<Instant>,
@@ -14,7 +14,7 @@ pub struct Pace {
 
 impl Pace {
     /// Maximum sleep between two checks of the interrupt.
-    const NAP: Duration = Duration::from_millis(20);
+    const MAX_SLEEP: Duration = Duration::from_millis(20);
 
     /// Creates a pace of `factor` virtual seconds for each second of real time; `factor` must be above 0.
     pub fn new(factor: f64) -> Self {
@@ -30,7 +30,7 @@ impl Pace {
             if remaining.is_zero() {
                 return true;
             }
-            std::thread::sleep(remaining.min(Self::NAP));
+            std::thread::sleep(remaining.min(Self::MAX_SLEEP));
         }
         false
     }

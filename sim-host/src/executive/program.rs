@@ -17,7 +17,7 @@ use crate::program::load::LoadedProgram;
 use crate::program::shared::Variables;
 use crate::program::site::Site;
 
-/// The user's choice of the place in which programs run.
+/// The user's choice of where programs run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Exec {
     /// In a process of its own if its imports show that it could end or stop the host; otherwise as for `Fiber`.
@@ -35,7 +35,7 @@ pub enum Exec {
 /// Kind of execution of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExecutionKind {
-    /// On a fiber of the host, which shares its thread with others.
+    /// On a fiber of the host, which shares its thread with other fibers.
     Fiber,
     /// On a thread of the host.
     Thread,
@@ -59,8 +59,8 @@ pub enum RobotProgram {
 }
 
 impl RobotProgram {
-    /// Runs the program's `main`, answers its calls with `host` on this thread, and returns its exit code. Only one run
-    /// at a time.
+    /// Runs the program's `main`, answers its calls with `host` on this thread, and returns its exit code. Must not be
+    /// called again before it returns.
     ///
     /// # Errors
     /// [`Broken`] if the process of the program broke. A program in this process breaks with its thread instead.
@@ -68,7 +68,7 @@ impl RobotProgram {
         match self {
             Self::InHost { program, .. } => {
                 confine_thread();
-                self.collect_lines();
+                self.register_consoles();
                 Ok(program.run(host))
             }
             Self::Process(program) => program.run(host),
@@ -76,19 +76,19 @@ impl RobotProgram {
         }
     }
 
-    /// Lets the calling flow find the unfinished lines of the program, if the program breaks on it.
-    pub fn collect_lines(&self) {
+    /// Makes the calling flow store the program's unfinished lines if the program breaks on it.
+    pub fn register_consoles(&self) {
         if let Self::InHost { program, .. } = self {
             FlowBlock::current().set_consoles(program.consoles());
         }
     }
 
-    /// Returns true if its flows are fibers.
+    /// Returns true if the program's flows are fibers.
     pub fn is_fiber(&self) -> bool {
         matches!(self, Self::InHost { is_fiber: true, .. })
     }
 
-    /// Its variables in a copy of the library that it shares with other robots; `None` if it has a copy of its own.
+    /// The program's variables in a copy of its library that it shares with other robots; `None` if it has its own copy.
     pub fn variables(&self) -> Option<&Arc<Variables>> {
         match self {
             Self::InHost { program, .. } => program.variables(),
@@ -112,7 +112,7 @@ impl RobotProgram {
         }
     }
 
-    /// Ends the program's own process, which has until `deadline` to close its files; does nothing for a program in this process.
+    /// Ends the program's own process, which may close its files until `deadline`; does nothing for a program in this process.
     pub fn end(&self, deadline: Instant) {
         if let Some(child) = self.child() {
             child.end(deadline);
@@ -163,10 +163,10 @@ impl RobotProgram {
     }
 
     /// A location in this program as text, such as `maze.c:88`.
-    pub fn place_of(&self, site: &Site) -> Option<String> {
+    pub fn location_of(&self, site: &Site) -> Option<String> {
         match (self, site) {
             (Self::InHost { program, .. }, Site::InHost(site)) => program.place_of(site),
-            (Self::Process(program), Site::Reported(site)) => program.place_of(site),
+            (Self::Process(program), Site::Reported(site)) => program.location_of(site),
             (Self::InHost { .. } | Self::Embedded(_), Site::Reported(site)) => site.line(),
             _ => None,
         }

@@ -1,11 +1,11 @@
-//! Final status of robot programs, in values and in words for the user.
+//! Final status of robot programs, as values and as text for the user.
 
 use parking_lot::MutexGuard;
 use sim_core::time::Time;
 
 use super::dispatcher::End;
 use super::fault::{Broken, ILLEGAL, ILLEGAL_DIVISION, NULL_POINTER, STACK_OVERFLOW, WILD};
-use super::process::ComputingLocation;
+use super::process::CodeLocation;
 use super::program::RobotProgram;
 use super::reason;
 use crate::program::access::{Accesses, accesses_of};
@@ -19,20 +19,20 @@ use sim_core::record::{Event, Outcome};
 pub struct ProgramStatus {
     /// The outcome in one word.
     pub outcome: Outcome,
-    /// Reason for the outcome, if there is more to say.
+    /// Reason for the outcome, unless the outcome explains itself.
     pub reason: Option<String>,
     /// Exit code of the program, if it gave one.
     pub exit_code: Option<i32>,
-    /// Place of the break and last call, if the program broke.
-    pub fault: Option<FaultReport>,
+    /// Description of the break, if the program broke.
+    pub break_report: Option<BreakReport>,
 }
 
 impl ProgramStatus {
     /// Records the status in the journal of `robot` at the end of the run.
     pub fn record(&self, robot: &mut Robot) {
         let (now, journal) = (robot.now, &mut robot.state.journal);
-        if let Some(FaultReport { what, location, last_call }) = &self.fault {
-            journal.record(now, &Event::Fault { what, location, last_call });
+        if let Some(BreakReport { description, location, last_call }) = &self.break_report {
+            journal.record(now, &Event::Fault { what: description, location, last_call });
         }
         journal.record(now, &Event::ProgramEnded { outcome: self.outcome, exit_code: self.exit_code });
         if let Some(text) = &self.reason {
@@ -42,24 +42,24 @@ impl ProgramStatus {
 
     /// Status of a robot that was removed while its program ran.
     pub fn removed() -> Self {
-        Self { outcome: Outcome::Removed, reason: None, exit_code: None, fault: None }
+        Self { outcome: Outcome::Removed, reason: None, exit_code: None, break_report: None }
     }
 
     /// Status of a robot that was halted while its program ran.
     pub fn halted() -> Self {
-        Self { outcome: Outcome::Halted, reason: None, exit_code: None, fault: None }
+        Self { outcome: Outcome::Halted, reason: None, exit_code: None, break_report: None }
     }
 
     /// Status of a robot without a program.
     pub fn without_program() -> Self {
-        Self { outcome: Outcome::NoProgram, reason: None, exit_code: None, fault: None }
+        Self { outcome: Outcome::NoProgram, reason: None, exit_code: None, break_report: None }
     }
 }
 
-/// Break of a program: description, place and last call.
-pub struct FaultReport {
-    /// Description of the break, without the place.
-    pub what: String,
+/// Break of a program: description, location and last call.
+pub struct BreakReport {
+    /// Description of the break, without the location.
+    pub description: String,
     /// Source file and line; empty if unknown.
     pub location: String,
     /// The last RoBIOS call; empty if there was none.
@@ -110,8 +110,8 @@ impl PossibleSenders {
         }
     }
 
-    /// Remark about the possible senders, appended to the message that is waited for.
-    fn advice(self) -> &'static str {
+    /// Remark about the possible senders, appended to the description of a wait for a message.
+    fn remark(self) -> &'static str {
         match self {
             Self::None => " (no other robot has a program)",
             Self::Ended => " (all other programs have ended)",
@@ -121,7 +121,7 @@ impl PossibleSenders {
     }
 }
 
-/// Wait that is reported when a run reaches its time limit. Source: our choice.
+/// Minimum length of a wait that is reported when a run reaches its time limit. Source: our choice.
 const LONG_WAIT: Time = Time::from_millis(1000);
 
 /// Status of the program of `robot`, given the end of the run and the break of its flow, if any.
@@ -131,12 +131,12 @@ pub fn judge(
     broken: Option<&Broken>,
     program: &RobotProgram,
 ) -> ProgramStatus {
-    let status = |outcome, reason| ProgramStatus { outcome, reason, exit_code: None, fault: None };
+    let status = |outcome, reason| ProgramStatus { outcome, reason, exit_code: None, break_report: None };
     if let Some(broken) = broken {
-        let report = fault_report(broken, program);
+        let report = break_report(broken, program);
         let outcome = if broken.is_overdue { Outcome::Timeout } else { Outcome::Failed };
         let reason = Some(format!("{report}{}", advice(&report, broken, robot, program)));
-        return ProgramStatus { reason, fault: Some(report), ..status(outcome, None) };
+        return ProgramStatus { reason, break_report: Some(report), ..status(outcome, None) };
     }
     match &robot.ending {
         Some(Ending::Exited { code: 0 }) => ProgramStatus { exit_code: Some(0), ..status(Outcome::Finished, None) },
@@ -145,15 +145,15 @@ pub fn judge(
             ProgramStatus { exit_code: Some(*code), ..status(Outcome::Failed, Some(reason)) }
         }
         Some(Ending::Failed { reason }) => {
-            let words = reason::in_plain_words(reason, |line| program.text_of(line));
+            let words = reason::explain(reason, |line| program.text_of(line));
             status(Outcome::Failed, Some(words.unwrap_or_else(|| reason.clone())))
         }
         _ if matches!(run_end.end, End::Stuck) && robot.tasks.are_waiting() => {
-            status(Outcome::Waiting, Some(waits_in_words(robot, program, run_end)))
+            status(Outcome::Waiting, Some(describe_waits(robot, program, run_end)))
         }
-        // A wait that has just begun, as in every loop with a pause, says nothing.
+        // A wait that has just begun is not worth a report: every loop with a pause has one.
         _ if matches!(run_end.end, End::Until) && robot.tasks.have_waited(run_end.time - LONG_WAIT) => {
-            status(Outcome::Running, Some(waits_in_words(robot, program, run_end)))
+            status(Outcome::Running, Some(describe_waits(robot, program, run_end)))
         }
         _ => match run_end.end {
             End::Interrupted => status(Outcome::Interrupted, None),
@@ -169,20 +169,20 @@ pub fn judge(
 }
 
 /// Describes the wait of each task: `task 1 waits for the end of task 2 since 0.500 s at maze.c:31; task 2 waits for ...`.
-fn waits_in_words(robot: &mut Robot, program: &RobotProgram, run_end: &RunEnd<'_>) -> String {
+fn describe_waits(robot: &mut Robot, program: &RobotProgram, run_end: &RunEnd<'_>) -> String {
     if robot.tasks.scheduler().is_some() && robot.tasks.has_others() {
-        return tasks_in_words(robot, program, run_end.senders);
+        return describe_tasks(robot, program, run_end.senders);
     }
     let waits: Vec<_> = robot.tasks.iter().filter_map(|task| Some((task.number, task.waiting.clone()?))).collect();
-    let is_alone = waits.len() == 1;
+    let is_single = waits.len() == 1;
     let words = waits.iter().map(|(task, waiting)| {
-        let words = wait_in_words(robot, waiting, program, run_end);
-        if is_alone { words } else { format!("task {task} {words}") }
+        let words = describe_wait(robot, waiting, program, run_end);
+        if is_single { words } else { format!("task {task} {words}") }
     });
     words.collect::<Vec<_>>().join("; ")
 }
 
-/// Describes the waits of a robot's tasks during the run, without places: `waits for KEY4 since 2.310 s`; empty if a task does not
+/// Describes the waits of a robot's tasks during the run, without locations: `waits for KEY4 since 2.310 s`; empty if a task does not
 /// wait.
 pub fn waits_now(robot: &Robot) -> String {
     if !robot.tasks.are_waiting() {
@@ -198,9 +198,10 @@ pub fn waits_now(robot: &Robot) -> String {
 
 /// Describes the wait of each task of RoBIOS 6: `` task `left` waits for semaphore 2 (made at deadlock.c:12), last passed by task
 /// `right` (deadlock.c:31), since 0.500 s at deadlock.c:20; ... ``.
-pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: PossibleSenders) -> String {
+pub fn describe_tasks(robot: &Robot, program: &RobotProgram, senders: PossibleSenders) -> String {
     let tasks = &robot.tasks;
-    let at = |site| program.place_of(site).map(|location| format!(" at {location}")).unwrap_or_default();
+    let location_suffix =
+        |site| program.location_of(site).map(|location| format!(" at {location}")).unwrap_or_default();
     let words = tasks.iter().map(|task| {
         let name = tasks.name(task.number);
         let Some(Wait { reason, since, site, .. }) = &task.waiting else {
@@ -208,17 +209,17 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: PossibleSe
                 Some(scheduler) if scheduler.is_ready(task.number) => {
                     format!("{name} is ready, but it is not its turn")
                 }
-                _ => format!("{name}, spawned{}, is not ready", at(&task.origin.site)),
+                _ => format!("{name}, spawned{}, is not ready", location_suffix(&task.origin.site)),
             };
         };
         let semaphore = match reason {
             WaitReason::Semaphore(number) => tasks.semaphores.get(*number),
             _ => None,
         };
-        let more = semaphore.map(|semaphore| {
-            let made_at = program.place_of(&semaphore.made_at).map(|location| format!(" (made at {location})"));
+        let semaphore_details = semaphore.map(|semaphore| {
+            let made_at = program.location_of(&semaphore.made_at).map(|location| format!(" (made at {location})"));
             let last = semaphore.last.as_ref().map(|(by, site)| {
-                let location = program.place_of(site).map(|location| format!(" ({location})")).unwrap_or_default();
+                let location = program.location_of(site).map(|location| format!(" ({location})")).unwrap_or_default();
                 format!(", last passed by {by}{location},")
             });
             made_at.unwrap_or_default() + &last.unwrap_or_default()
@@ -229,20 +230,24 @@ pub fn tasks_in_words(robot: &Robot, program: &RobotProgram, senders: PossibleSe
             }
             _ => "",
         };
-        let advice = if *reason == WaitReason::Message { senders.advice() } else { "" };
+        let advice = if *reason == WaitReason::Message { senders.remark() } else { "" };
         let what = match reason {
             WaitReason::Task(wait) => format!("waits for {}", wait.describe(|number| tasks.name(number))),
             reason => reason.to_string(),
         };
-        format!("{name} {suspended}{what}{} since {since}{}{advice}", more.unwrap_or_default(), at(site))
+        format!(
+            "{name} {suspended}{what}{} since {since}{}{advice}",
+            semaphore_details.unwrap_or_default(),
+            location_suffix(site)
+        )
     });
     words.collect::<Vec<_>>().join("; ")
 }
 
 /// Describes one wait: `waits for KEY4 since 2.310 s at maze.c:88 (try --keys "3:KEY4")`.
-fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_end: &RunEnd<'_>) -> String {
+fn describe_wait(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_end: &RunEnd<'_>) -> String {
     let Wait { call, reason, since, site } = waiting;
-    let mut location = program.place_of(site).map(|site| format!(" at {site}")).unwrap_or_default();
+    let mut location = program.location_of(site).map(|site| format!(" at {site}")).unwrap_or_default();
     if *reason == WaitReason::Message {
         location = format!(" in {}{location}", call.name());
     }
@@ -253,7 +258,7 @@ fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_
             let robot = if run_end.robots == 1 { String::new() } else { format!("{}:", robot.id.0) };
             format!(" (try --keys \"{robot}{seconds}:{key}\")")
         }
-        WaitReason::Message => run_end.senders.advice().into(),
+        WaitReason::Message => run_end.senders.remark().into(),
         WaitReason::Drive if robot.motion.is_stalled(run_end.time) => {
             " (its wheels stall: something is in its way)".into()
         }
@@ -262,9 +267,9 @@ fn wait_in_words(robot: &mut Robot, waiting: &Wait, program: &RobotProgram, run_
     format!("{reason} since {since}{location}{advice}")
 }
 
-fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
+fn break_report(broken: &Broken, program: &RobotProgram) -> BreakReport {
     let location = if has_lost_heap(broken, program) {
-        // The reason names the line that allocated the block; the overrun itself lies anywhere between.
+        // The reason names the line that allocated the block; the overrun may have happened anywhere after that.
         String::new()
     } else if broken.location.is_empty() {
         line_of(&broken.addresses, program).unwrap_or_default()
@@ -272,30 +277,30 @@ fn fault_report(broken: &Broken, program: &RobotProgram) -> FaultReport {
         broken.location.clone()
     };
     let last_call = Call::of_robios_number(broken.last_call).map_or("", Call::name);
-    let what = match reason_of_trap(broken, program) {
+    let description = match reason_of_trap(broken, program) {
         Some(reason) => reason,
-        None if broken.what == ILLEGAL && is_at_division(broken, program) => ILLEGAL_DIVISION,
-        None => &broken.what,
+        None if broken.description == ILLEGAL && is_at_division(broken, program) => ILLEGAL_DIVISION,
+        None => &broken.description,
     };
-    let what = what.to_owned();
-    FaultReport { what, location, last_call }
+    let description = description.to_owned();
+    BreakReport { description, location, last_call }
 }
 
-/// What the line reads and writes at which the program itself broke; `None` if it broke elsewhere, if the line may read or write more, and
-/// in Rust.
+/// Reads and writes of the line at which the program's own code broke. `None` if the program broke elsewhere, if the line may have
+/// further accesses, or if the program is in Rust.
 fn accesses_at(broken: &Broken, program: &RobotProgram) -> Option<Accesses> {
     let line = program.own_source_line(broken.addresses.get(..1)?)?;
     let is_rust = line.file.extension().is_some_and(|extension| extension == "rs");
     accesses_of(&program.source_of(&line).filter(|_| !is_rust)?, usize::try_from(line.line).ok()?)
 }
 
-/// The pointers of the line at which the program itself broke, at most two: one of them was NULL.
+/// The pointers that are used by the line at which the program's own code broke, if there are at most two: one of them was NULL.
 fn null_pointer(broken: &Broken, program: &RobotProgram) -> Option<String> {
     let pointers = accesses_at(broken, program)?.pointers;
     (1..=2).contains(&pointers.len()).then(|| format!("`{}`", pointers.join("` or `")))
 }
 
-/// Question about the only array that the line indexes at which the program itself broke, if it uses no pointer.
+/// Question about an index out of range, if the line at which the program's own code broke indexes one array and uses no pointer.
 fn wild_index(broken: &Broken, program: &RobotProgram) -> Option<String> {
     let Accesses { pointers, arrays } = accesses_at(broken, program)?;
     let [array] = arrays.as_slice() else { return None };
@@ -309,27 +314,27 @@ fn is_at_division(broken: &Broken, program: &RobotProgram) -> bool {
     code.contains(['/', '%']) && !code.contains(['*', '[']) && !code.contains("->")
 }
 
-/// The line of the program at which it broke, or the one `above` lines above it.
-fn code_of(broken: &Broken, program: &RobotProgram, above: u32) -> Option<String> {
+/// The line of the program at which it broke, or the line that is `lines_above` lines above it.
+fn code_of(broken: &Broken, program: &RobotProgram, lines_above: u32) -> Option<String> {
     let mut line = program.own_source_line(&without_stale(&broken.addresses, program))?;
-    line.line = line.line.checked_sub(above)?;
+    line.line = line.line.checked_sub(lines_above)?;
     program.text_of(&line)
 }
 
-/// Returns true if the program broke in a loop without a body, `while (...);`, and not at the end of a `do`.
+/// Returns true if the program broke in a loop without a body, `while (...);`, that is not the end of a `do` loop.
 fn is_in_empty_loop(broken: &Broken, program: &RobotProgram) -> bool {
-    let code = |above: u32| Some(code_only(&code_of(broken, program, above)?).trim().to_owned());
+    let code = |lines_above: u32| Some(code_only(&code_of(broken, program, lines_above)?).trim().to_owned());
     let is_loop = |line: &String| !line.starts_with(['}', 'i']) && is_empty_clause(line);
-    let above: Vec<String> = (1..=3).map_while(code).filter(|line| !line.is_empty()).collect();
+    let previous_lines: Vec<String> = (1..=3).map_while(code).filter(|line| !line.is_empty()).collect();
     let begins_do = |line: &String| line == "do" || line.starts_with("do ") || line.starts_with("do{");
     code(0).as_ref().is_some_and(is_loop)
-        && !above.first().is_some_and(|line| line.ends_with('}'))
-        && !above.iter().any(begins_do)
+        && !previous_lines.first().is_some_and(|line| line.ends_with('}'))
+        && !previous_lines.iter().any(begins_do)
 }
 
-/// What the user may do about a break, appended to its report.
-fn advice(report: &FaultReport, broken: &Broken, robot: &Robot, program: &RobotProgram) -> String {
-    let is_null = report.what.starts_with(NULL_POINTER);
+/// Advice to the user about a break, appended to its report.
+fn advice(report: &BreakReport, broken: &Broken, robot: &Robot, program: &RobotProgram) -> String {
+    let is_null = report.description.starts_with(NULL_POINTER);
     let open_failure = robot.robios.storage.open_failure().filter(|_| is_null);
     if broken.is_overdue && robot.robios.input.has_ended() {
         "; it has read its standard input, which has come to its end (`--stdin`)".to_owned()
@@ -338,41 +343,41 @@ fn advice(report: &FaultReport, broken: &Broken, robot: &Robot, program: &RobotP
         let empty =
             if is_in_empty_loop(broken, program) { "the `;` ends the loop here: leave it out, or " } else { "" };
         format!("; {empty}put a call that waits into the loop, such as `{call}`")
-    } else if report.what.starts_with(STACK_OVERFLOW) {
+    } else if report.description.starts_with(STACK_OVERFLOW) {
         "; a function calls itself without end, or a local array is too large, which `static` puts elsewhere".to_owned()
     } else {
         let null = null_pointer(broken, program).filter(|_| is_null).map(|pointer| format!("; {pointer} is NULL"));
-        // A file is used within the C library, where no line of the program tells a pointer.
-        let why =
+        // A NULL file is used within the C library, so that no line of the program shows the pointer.
+        let null_file =
             open_failure.filter(|_| null.is_none()).map(|why| format!("; `fopen` has returned NULL before: {why}"));
-        let is_wild = report.what.contains(WILD) || report.what.contains("an array overrun");
+        let is_wild = report.description.contains(WILD) || report.description.contains("an array overrun");
         let index = wild_index(broken, program).filter(|_| is_wild);
-        [null, why, index].into_iter().flatten().collect()
+        [null, null_file, index].into_iter().flatten().collect()
     }
 }
 
-/// The line in the program's own sources to which the addresses of a break or of a place lead: `maze.c:88`.
+/// The line in the program's own sources to which the addresses of a break or of a backtrace lead: `maze.c:88`.
 pub(super) fn line_of(addresses: &[usize], program: &RobotProgram) -> Option<String> {
     program.own_source_line(&without_stale(addresses, program)).map(|line| line.to_string())
 }
 
 /// The line in the program's own sources to which return addresses lead, the innermost first.
 pub(super) fn line_of_stack(addresses: &[usize], program: &RobotProgram) -> Option<String> {
-    // Instead of a program counter a number that points nowhere.
+    // Address 0, where no code is, takes the place of the program counter.
     let addresses: Vec<usize> = std::iter::once(0).chain(addresses.iter().copied()).collect();
     program.own_source_line(&addresses).map(|line| line.to_string())
 }
 
 /// The line at which a program in a process of its own computes.
-pub(super) fn line_of_computing(computing: &ComputingLocation, program: &RobotProgram) -> Option<String> {
-    match computing {
-        ComputingLocation::Addresses(addresses) => line_of(&addresses.map(|address| address as usize), program),
-        ComputingLocation::Line { file, line } => Some(format!("{file}:{line}")),
+pub(super) fn line_of_location(location: &CodeLocation, program: &RobotProgram) -> Option<String> {
+    match location {
+        CodeLocation::Addresses(addresses) => line_of(&addresses.map(|address| address as usize), program),
+        CodeLocation::Line { file, line } => Some(format!("{file}:{line}")),
     }
 }
 
-/// The addresses of a break without the words of the stack that lie below the call in progress: those may be left over from earlier
-/// calls. A process of its own leaves them out itself.
+/// The addresses of a break without the words of the stack below the call in progress, which may be left over from earlier calls. A
+/// program in its own process has already omitted them.
 fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
     let RobotProgram::InHost { program: thread, .. } = program else { return addresses.to_vec() };
     let Some((pc, words)) = addresses.split_first().filter(|(pc, _)| !thread.addresses().contains(pc)) else {
@@ -383,7 +388,7 @@ fn without_stale(addresses: &[usize], program: &RobotProgram) -> Vec<usize> {
     std::iter::once(*pc).chain(words[in_progress..].iter().copied()).collect()
 }
 
-/// Returns true if the program broke because it has written over what the heap keeps between its blocks, as its shim has found (`TRAP` in
+/// Returns true if the program broke because it had overwritten the heap's data between blocks, as its shim found (`TRAP` in
 /// shim.c).
 pub(super) fn has_lost_heap(broken: &Broken, program: &RobotProgram) -> bool {
     let function = || program.function_at(*broken.addresses.first()?);
@@ -404,9 +409,9 @@ fn reason_of_trap(broken: &Broken, program: &RobotProgram) -> Option<&'static st
     }
 }
 
-impl std::fmt::Display for FaultReport {
+impl std::fmt::Display for BreakReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.what)?;
+        f.write_str(&self.description)?;
         if !self.location.is_empty() {
             write!(f, " at {}", self.location)?;
         }

@@ -64,7 +64,8 @@ pub struct Run {
     is_verbose: bool,
     /// Time for which the run continues after its last program has ended.
     linger: Time,
-    /// The user has asked for the calls of single robots at least once; the robots' journals say for which.
+    /// The recording of calls has been turned on for an individual robot at least once; the robots' journals store for
+    /// which robots.
     has_verbose_robots: AtomicBool,
     /// Reference to this run for the flows of spawned robots.
     weak_self: Weak<Run>,
@@ -103,8 +104,8 @@ impl Member {
 
     /// Prefetches the data that the robot's calls touch; does nothing if the robot is locked.
     pub fn prefetch(&self) {
-        let own = ptr::from_ref(self);
-        prefetch(own.cast()..own.wrapping_add(1).cast());
+        let this = ptr::from_ref(self);
+        prefetch(this.cast()..this.wrapping_add(1).cast());
         if let Some(robot) = self.robot.try_lock() {
             robot.hot_memory().for_each(prefetch);
         }
@@ -210,8 +211,8 @@ impl Run {
         RwLockReadGuard::map(self.environment.read(), |environment| &environment.world)
     }
 
-    /// Like [`Run::world`], for a robot's running flow: without the lock, whose count all workers would change with
-    /// each call.
+    /// Like [`Run::world`], for a robot's running flow. Takes no lock, since all workers would change the lock's reader
+    /// count with each call.
     #[inline]
     pub(super) fn world_in_slot(&self) -> &World {
         debug_assert!(!self.environment.is_locked_exclusive(), "nobody writes while a robot runs");
@@ -236,7 +237,8 @@ impl Run {
         self.members[id.index()].program.as_ref()
     }
 
-    /// The worker on which robot `id` has to run, the home of the copy of its library; `None` for any.
+    /// The worker on which robot `id` has to run, because the copy of its library belongs to that worker; `None` for any
+    /// worker.
     pub(super) fn home(&self, id: RobotId) -> Option<u32> {
         self.program(id)?.variables().map(|variables| variables.worker())
     }
@@ -268,7 +270,7 @@ impl Run {
         Time(self.slot_end.load(Ordering::Acquire))
     }
 
-    /// World, recorder and checks between two slots, also for a caller that reads the world meanwhile.
+    /// Locks world, recorder and checks for reading, between two slots; the caller may already hold such a lock.
     pub fn environment(&self) -> RwLockReadGuard<'_, Environment> {
         self.environment.read_recursive()
     }
@@ -297,9 +299,9 @@ impl Run {
     }
 
     /// Turns the recording of the calls of robot `id` on or off, between two slots.
-    pub fn set_verbose(&self, id: RobotId, is_wanted: bool) {
-        self.robot(id).journal.set_verbose(is_wanted);
-        self.has_verbose_robots.fetch_or(is_wanted, Ordering::Relaxed);
+    pub fn set_verbose(&self, id: RobotId, is_verbose: bool) {
+        self.robot(id).journal.set_verbose(is_verbose);
+        self.has_verbose_robots.fetch_or(is_verbose, Ordering::Relaxed);
     }
 
     /// Returns true once all programs must exit.
@@ -366,7 +368,7 @@ impl Run {
         if self.is_exiting(robot) { Err(Stop) } else { Ok(()) }
     }
 
-    /// The robots of `worker` that come back to the barrier.
+    /// Queue of the robots of `worker` that have come back to the barrier.
     pub(super) fn returns(&self, worker: usize) -> &ReturnQueue {
         &self.returns[worker]
     }
@@ -438,7 +440,8 @@ impl Run {
         None
     }
 
-    /// Abandons the flow of robot `id`, which has been removed and whose program has not exited in time.
+    /// Abandons the flow of robot `id`, which has been removed and whose program has not exited in time; returns
+    /// the program's ending.
     pub(super) fn abandon(&self, id: RobotId) -> Ending {
         self.robot(id).state.hint("the robot has been removed and its program did not leave: it is left behind");
         Ending::Stopped
@@ -447,7 +450,7 @@ impl Run {
     /// Adds the name of the task that broke to the description.
     pub(super) fn with_task(&self, id: RobotId, mut broken: Broken) -> Broken {
         if let Some(task) = broken.task.take() {
-            broken.what += &format!(" in {}", self.robot(id).tasks.name(task));
+            broken.description += &format!(" in {}", self.robot(id).tasks.name(task));
         }
         broken
     }
@@ -461,14 +464,14 @@ impl Run {
         self.executor.start(id, task, Box::new(move || Some(run.run_task_flow(id, code))))
     }
 
-    /// Body of a further flow of robot `id`; returns the task that gets the run token next.
+    /// Body of the flow of a task of robot `id` other than `main`; returns the task that gets the run token next.
     fn run_task_flow(&self, id: RobotId, code: Callback) -> u32 {
-        let is_left = {
+        let must_exit = {
             let tasks = &self.robot(id).tasks;
             self.is_exiting(id) || tasks.is_exiting() || tasks.is_killed()
         };
-        self.program(id).into_iter().for_each(RobotProgram::collect_lines);
-        let result = if is_left { Err(Stop) } else { flow::call_back(code) };
+        self.program(id).into_iter().for_each(RobotProgram::register_consoles);
+        let result = if must_exit { Err(Stop) } else { flow::call_back(code) };
         let mut robot = self.robot(id);
         robot.has_called |= flow::has_called();
         if result.is_err() && !robot.tasks.is_killed() {
@@ -497,8 +500,8 @@ impl Run {
         let drive_end = |id| self.robot(id).motion.drive_end().filter(|_| !self.is_removed(id));
         let ends = (0..self.robot_count()).map(RobotId::from_index).filter_map(drive_end);
         // Saturates at the end of representable time.
-        let lingered = Time(self.slot_start().0.saturating_add(self.linger.0));
-        ends.fold(lingered, Time::max)
+        let linger_end = Time(self.slot_start().0.saturating_add(self.linger.0));
+        ends.fold(linger_end, Time::max)
     }
 
     /// Location of the call in progress of robot `id`; called by a flow of the robot on behalf of the program.
@@ -508,7 +511,7 @@ impl Run {
 
     /// Describes the wait of each task of `robot`.
     pub(crate) fn waits_of(&self, robot: &Robot) -> String {
-        let words = |program| program_status::tasks_in_words(robot, program, PossibleSenders::Other);
+        let words = |program| program_status::describe_tasks(robot, program, PossibleSenders::Other);
         self.program(robot.id).map(words).unwrap_or_default()
     }
 
@@ -517,9 +520,9 @@ impl Run {
     pub(super) fn end_robot(&self, id: RobotId, deadline: Option<Instant>) {
         {
             let mut robot = self.robot(id);
-            // On EyeSim VR motors keep their last command.
-            let drives_on = robot.ending == Some(Ending::Exited { code: 0 }) && robot.robios.is_of_robios7();
-            if !drives_on {
+            // On EyeSim VR, motors keep their last command after a successful exit.
+            let keeps_driving = robot.ending == Some(Ending::Exited { code: 0 }) && robot.robios.is_of_robios7();
+            if !keeps_driving {
                 if matches!(robot.ending, Some(Ending::Exited { .. })) {
                     robot.hint_at_pending_drive();
                 }

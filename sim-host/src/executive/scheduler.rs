@@ -1,4 +1,4 @@
-//! The scheduler of a run as a value: its owner advances it, inspects it between two slots, and finishes it.
+//! Scheduler: the handle with which the owner of a run advances it, inspects it between two slots, and finishes it.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -59,9 +59,9 @@ type Listener = Box<dyn FnMut(&str) + Send>;
 /// State of a run after it was advanced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// It is paused between two slots; [`Scheduler::boundary`] shows whether anything is left to run.
+    /// The run is paused between two slots; [`Scheduler::boundary`] shows whether anything is left to run.
     Paused,
-    /// It has ended and must be [finished](Scheduler::finish).
+    /// The run has ended and must be [finished](Scheduler::finish).
     Over,
 }
 
@@ -128,7 +128,7 @@ pub struct Ended {
     pub end: End,
     /// Simulated time at the end.
     pub time: Time,
-    /// Wall-clock time that it took.
+    /// Wall-clock time that the run took.
     pub real_time: Duration,
     /// Digest of all recorded events.
     pub digest: Digest,
@@ -144,11 +144,11 @@ pub struct Ended {
 pub struct RobotEnd {
     /// Outcome of its program.
     pub outcome: Outcome,
-    /// Reason for the outcome, if there is more to say.
+    /// Reason for the outcome, unless the outcome explains itself.
     pub reason: Option<String>,
     /// The exit code of its program, if it gave one.
     pub exit_code: Option<i32>,
-    /// Its program has called a function of RoBIOS; only tasks that have ended count.
+    /// Its program has called a RoBIOS function, in a task that has ended.
     pub has_called: bool,
     /// Its virtual time.
     pub virtual_time: Time,
@@ -178,10 +178,10 @@ pub struct RobotEnd {
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Minimum wait for the notifier.
-const SHORTEST_WAIT: Duration = Duration::from_millis(1);
+const MIN_WAIT: Duration = Duration::from_millis(1);
 
 /// Processor time without a call after which a program is reported as computing, and the interval of these reports.
-const LONG: Duration = Duration::from_secs(1);
+const LONG_COMPUTATION: Duration = Duration::from_secs(1);
 
 /// Time within which a stopped program must react before its flow is abandoned.
 const STOP_TIMEOUT: Duration = Duration::from_secs(2);
@@ -236,13 +236,13 @@ impl Scheduler {
         self.advance_within(time, Duration::MAX)
     }
 
-    /// Like [`Scheduler::advance_to`], but pauses after the first slot that is completed after the wall-clock time
-    /// `real`; for [`Duration::ZERO`] after one slot.
-    pub fn advance_within(&mut self, time: Time, real: Duration) -> Progress {
-        let deadline = Instant::now().checked_add(real);
+    /// Like [`Scheduler::advance_to`], but also pauses at the end of the first slot after the wall-clock time `budget` has
+    /// passed; for [`Duration::ZERO`] after one slot.
+    pub fn advance_within(&mut self, time: Time, budget: Duration) -> Progress {
+        let deadline = Instant::now().checked_add(budget);
         loop {
             let fault = self.carry_out_faults(time);
-            self.advance_slots(fault.unwrap_or(time), real, deadline);
+            self.advance_slots(fault.unwrap_or(time), budget, deadline);
             let is_due = fault.is_some_and(|at| self.boundary().next.is_some_and(|next| at <= next));
             if self.is_ending() {
                 return Progress::Over;
@@ -253,9 +253,9 @@ impl Scheduler {
         }
     }
 
-    /// Runs the slots that start before `time`, or until the calling thread has seen `deadline`.
-    fn advance_slots(&mut self, time: Time, real: Duration, deadline: Option<Instant>) {
-        self.run.is_pausing.store(real.is_zero(), Ordering::Relaxed);
+    /// Runs the slots that start before `time`, or until the calling thread finds that `deadline` has passed.
+    fn advance_slots(&mut self, time: Time, budget: Duration, deadline: Option<Instant>) {
+        self.run.is_pausing.store(budget.is_zero(), Ordering::Relaxed);
         let outcome = self.run.dispatcher.lock().advance(&self.run, time, deadline);
         self.run.resume(&outcome.resume);
         if !outcome.is_at_rest {
@@ -263,9 +263,9 @@ impl Scheduler {
         }
     }
 
-    /// Carries out the faults of the slot with which the paused run continues. Returns the start of the slot before
-    /// `time` in which the next fault happens. Faults alone do not keep a run going; a fault that cannot be carried
-    /// out, such as one of a removed robot, is skipped.
+    /// Carries out the scene's faults of the slot with which the paused run continues. Returns the start of the slot of
+    /// the next fault, if it is before `time`. A run does not continue only for faults; a fault that cannot be carried
+    /// out, such as that of a removed robot, is skipped.
     fn carry_out_faults(&mut self, time: Time) -> Option<Time> {
         while let Some(at) = self.faults.next() {
             let boundary = self.boundary();
@@ -290,8 +290,8 @@ impl Scheduler {
         self.run.dispatcher.lock().is_ending()
     }
 
-    /// Carries out `action` in the paused run, at the start of the slot that contains `at`: at the earliest the
-    /// [following](Boundary::following) slot, at the latest the [next](Boundary::next).
+    /// Carries out `action` in the paused run, at the start of the slot that contains `at`, but not before the
+    /// [following](Boundary::following) slot and not after the [next](Boundary::next) one.
     ///
     /// # Errors
     /// [`Refusal`] if the action is invalid or the run is over; nothing changes then.
@@ -323,7 +323,7 @@ impl Scheduler {
     }
 
     /// Lets every program that has not ended exit, and completes the record. A run in which nothing happens any more before its limit
-    /// ends normally; any other run counts as interrupted.
+    /// ends normally; any other run ends as interrupted.
     pub fn finish(mut self) -> Ended {
         self.run.dispatcher.lock().close(&self.run);
         self.exit_programs();
@@ -336,20 +336,21 @@ impl Scheduler {
     /// Supervises the programs until no robot runs.
     fn supervise(&mut self, deadline: Option<Instant>) {
         let mut last_check = Instant::now();
-        let mut last_told = last_check;
-        let mut interrupted: Option<Instant> = None;
+        let mut last_report = last_check;
+        let mut interrupted_at: Option<Instant> = None;
         loop {
-            let left = deadline.map_or(POLL_INTERVAL, |deadline| deadline.saturating_duration_since(Instant::now()));
-            if left.is_zero() {
+            let remaining =
+                deadline.map_or(POLL_INTERVAL, |deadline| deadline.saturating_duration_since(Instant::now()));
+            if remaining.is_zero() {
                 self.run.is_pausing.store(true, Ordering::Relaxed);
             }
-            let wait = if left.is_zero() { POLL_INTERVAL } else { left.clamp(SHORTEST_WAIT, POLL_INTERVAL) };
+            let wait = if remaining.is_zero() { POLL_INTERVAL } else { remaining.clamp(MIN_WAIT, POLL_INTERVAL) };
             self.run.notifier().wait(wait);
             if !self.broken.is_empty() {
                 interrupt::arm_last_resort();
             }
-            // Faults are rare, and checking all flows takes time.
-            if self.run.notifier().take_fault() {
+            // Flows rarely break, and a check of all flows takes time.
+            if self.run.notifier().take_break() {
                 for (id, broken) in self.run.executor().broken() {
                     self.handle_broken(id, broken, deadline);
                 }
@@ -363,7 +364,7 @@ impl Scheduler {
             if self.run.interrupt().is_set() {
                 dispatcher.end_with(End::Interrupted);
                 timeout = timeout.min(INTERRUPT_TIMEOUT);
-                if interrupted.get_or_insert_with(Instant::now).elapsed().as_secs_f64() > INTERRUPT_TIMEOUT {
+                if interrupted_at.get_or_insert_with(Instant::now).elapsed().as_secs_f64() > INTERRUPT_TIMEOUT {
                     // The user waits, possibly while many programs compute or the machine is loaded.
                     dispatcher.skip_queue();
                     timeout = 0.0;
@@ -375,13 +376,13 @@ impl Scheduler {
             }
             if last_check.elapsed() >= POLL_INTERVAL {
                 last_check = Instant::now();
-                self.take_signals_back();
+                self.reinstall_handlers();
                 let running: Vec<_> = dispatcher.running().collect();
                 drop(dispatcher);
                 self.break_overdue(&running, timeout);
-                if last_told.elapsed() >= LONG {
-                    last_told = Instant::now();
-                    self.tell_computing(&running);
+                if last_report.elapsed() >= LONG_COMPUTATION {
+                    last_report = Instant::now();
+                    self.report_computing(&running);
                 }
                 for id in self.unresponsive(&running) {
                     self.handle_broken(id, Broken::unstoppable(), deadline);
@@ -404,7 +405,7 @@ impl Scheduler {
         } else {
             let broken = run.with_task(id, broken);
             if run.program(id).is_some_and(|program| program_status::has_lost_heap(&broken, program)) {
-                damage::lose_heap();
+                damage::mark_heap_lost();
             }
             let broken = {
                 let mut robot = run.robot(id);
@@ -440,40 +441,41 @@ impl Scheduler {
         }
     }
 
-    /// Tells the listener which of the `running` programs have computed for [`LONG`], and where.
-    fn tell_computing(&mut self, running: &[RobotId]) {
+    /// Reports to the listener which of the `running` programs have computed for [`LONG_COMPUTATION`], and where.
+    fn report_computing(&mut self, running: &[RobotId]) {
         /// Maximum number of programs that are reported.
         const MAX: usize = 3;
         let (run, Some(listener)) = (&self.run, &mut self.listener) else { return };
-        let is_long = |id: &&RobotId| run.executor().is_overdue(**id, LONG.as_secs_f64()) && !run.is_removed(**id);
-        let words = running.iter().filter(is_long).take(MAX).map(|id| {
+        let is_long =
+            |id: &&RobotId| run.executor().is_overdue(**id, LONG_COMPUTATION.as_secs_f64()) && !run.is_removed(**id);
+        let reports = running.iter().filter(is_long).take(MAX).map(|id| {
             let location = run.program(*id).and_then(|program| match program.child() {
-                Some(child) => program_status::line_of_computing(&child.computing_location()?, program),
+                Some(child) => program_status::line_of_location(&child.current_location()?, program),
                 None => program_status::line_of(&run.executor().backtrace(*id), program),
             });
             location.map_or(format!("{id} computes"), |location| format!("{id} computes at {location}"))
         });
-        let words = words.collect::<Vec<_>>().join(", ");
-        if !words.is_empty() {
-            listener(&words);
+        let report = reports.collect::<Vec<_>>().join(", ");
+        if !report.is_empty() {
+            listener(&report);
         }
     }
 
-    /// Installs the handlers of faults and interrupts again that programs on threads have replaced.
-    fn take_signals_back(&self) {
+    /// Reinstalls the signal handlers that programs on threads have replaced.
+    fn reinstall_handlers(&self) {
         let is_of_program = |address: usize| {
-            let on_threads = self.run.programs().filter_map(|program| match program {
+            let address_ranges = self.run.programs().filter_map(|program| match program {
                 RobotProgram::InHost { program, .. } => Some(program.addresses()),
                 RobotProgram::Process(_) | RobotProgram::Embedded(_) => None,
             });
-            on_threads.into_iter().any(|addresses| addresses.contains(&address))
+            address_ranges.into_iter().any(|addresses| addresses.contains(&address))
         };
-        Handlers::take_back(is_of_program);
-        interrupt::take_back(is_of_program);
+        Handlers::reinstall(is_of_program);
+        interrupt::reinstall(is_of_program);
     }
 
-    /// Running programs that were requested to stop and have not reacted within [`STOP_TIMEOUT`], or half of it after
-    /// an interrupt.
+    /// The `running` robots whose programs have not reacted within [`STOP_TIMEOUT`] (after an interrupt, half of it) to a
+    /// request to stop.
     fn unresponsive(&self, running: &[RobotId]) -> Vec<RobotId> {
         let timeout = if self.run.interrupt().is_set() { STOP_TIMEOUT / 2 } else { STOP_TIMEOUT };
         let is_late = |(id, since): &&(RobotId, Instant)| since.elapsed() > timeout && running.contains(id);
@@ -487,12 +489,11 @@ impl Scheduler {
             return;
         }
         self.has_requested_exit = true;
-        let mut has_waited_in_vain = false;
+        let mut has_timed_out = false;
         for id in self.run.ids_with_program() {
             // Each program has its own timeout, but after an interrupt all share one, because the user waits.
-            let timeout =
-                if has_waited_in_vain && self.run.interrupt().is_set() { Duration::ZERO } else { EXIT_TIMEOUT };
-            has_waited_in_vain |= !self.exit_program(id, timeout);
+            let timeout = if has_timed_out && self.run.interrupt().is_set() { Duration::ZERO } else { EXIT_TIMEOUT };
+            has_timed_out |= !self.exit_program(id, timeout);
         }
     }
 

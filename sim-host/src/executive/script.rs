@@ -32,9 +32,9 @@ impl Script {
         Self { actions: actions.into(), ..Self::default() }
     }
 
-    /// Interrupts the run at the start of the slot at `end`, as the user did in the recorded run.
-    pub fn interrupt_at(self, end: Time) -> Self {
-        Self { interrupt_at: Some(end), ..self }
+    /// Interrupts the run at the first start of a slot that is not before `time`, as the user did in the recorded run.
+    pub fn interrupt_at(self, time: Time) -> Self {
+        Self { interrupt_at: Some(time), ..self }
     }
 
     /// Sets the pace; `None` for as fast as possible.
@@ -47,39 +47,40 @@ impl Script {
         &self.refused
     }
 
-    /// Advances the run to its next actions or, with a pace, to its next slot, and returns after little more than
-    /// `budget` of wall-clock time. Returns [`Progress::Over`] once nothing is left to do.
-    pub fn advance(&mut self, run: &mut Scheduler, budget: Duration) -> Progress {
-        let boundary = run.boundary();
+    /// Advances the run to its next actions or, with a pace, to its next slot; returns earlier once little more than
+    /// `budget` of wall-clock time has passed. Returns [`Progress::Over`] once nothing is left to do.
+    pub fn advance(&mut self, scheduler: &mut Scheduler, budget: Duration) -> Progress {
+        let boundary = scheduler.boundary();
         let start = self.actions.front().map(|(at, _)| slot_start(*at, &boundary));
         if let Some(at) = start.filter(|at| boundary.next.is_none_or(|next| *at <= next)) {
-            return self.act(at, run, &boundary);
+            return self.act(at, scheduler, &boundary);
         }
-        if self.interrupt_at.is_some_and(|end| boundary.following >= end) {
-            return interrupt(run);
+        if self.interrupt_at.is_some_and(|time| boundary.following >= time) {
+            return interrupt(scheduler);
         }
         let Some(next) = boundary.next_within_limit() else { return Progress::Over };
         let after_next = next + Time(1);
         let horizon = if let Some(pace) = &mut self.pace {
-            if !pace.wait_until(next, run.run().interrupt()) {
-                return interrupt(run);
+            if !pace.wait_until(next, scheduler.run().interrupt()) {
+                return interrupt(scheduler);
             }
             after_next
         } else {
             start.unwrap_or(Time::NEVER).min(self.interrupt_at.unwrap_or(Time::NEVER)).max(after_next)
         };
-        run.advance_within(horizon, budget)
+        scheduler.advance_within(horizon, budget)
     }
 
     /// Carries out the actions of the slot at `at`.
-    fn act(&mut self, at: Time, run: &mut Scheduler, boundary: &Boundary) -> Progress {
-        if self.pace.as_mut().is_some_and(|pace| !pace.wait_until(at.min(boundary.limit), run.run().interrupt())) {
-            return interrupt(run);
+    fn act(&mut self, at: Time, scheduler: &mut Scheduler, boundary: &Boundary) -> Progress {
+        if self.pace.as_mut().is_some_and(|pace| !pace.wait_until(at.min(boundary.limit), scheduler.run().interrupt()))
+        {
+            return interrupt(scheduler);
         }
         while let Some((time, action)) = self.actions.pop_front_if(|(time, _)| slot_start(*time, boundary) == at) {
-            self.refused.extend(run.act(at, &action).err().map(|refusal| (time, refusal)));
+            self.refused.extend(scheduler.act(at, &action).err().map(|refusal| (time, refusal)));
         }
-        if run.is_ending() { Progress::Over } else { Progress::Paused }
+        if scheduler.is_ending() { Progress::Over } else { Progress::Paused }
     }
 }
 
@@ -88,7 +89,8 @@ fn slot_start(at: Time, boundary: &Boundary) -> Time {
     at.floor_to(boundary.slot).max(boundary.following)
 }
 
-fn interrupt(run: &mut Scheduler) -> Progress {
-    run.interrupt();
+/// Interrupts the run, which is then over.
+fn interrupt(scheduler: &mut Scheduler) -> Progress {
+    scheduler.interrupt();
     Progress::Over
 }

@@ -26,26 +26,26 @@ use crate::program::float;
 
 /// State of one flow, a thread or a fiber, that a signal handler may read and write.
 pub struct FlowBlock {
-    /// Kernel's id of the thread, 0 before it runs.
+    /// Kernel's id of the thread; 0 before the thread runs.
     pub tid: AtomicI32,
     /// Lowest and highest address of the thread's stack.
     pub stack: [AtomicUsize; 2],
-    /// Number of the current release: counts how often the flow was resumed or handed the run token.
+    /// Number of the current release; increases whenever the flow is resumed or handed the run token.
     pub releases: AtomicU64,
     /// Id of the RoBIOS call in progress or, in the program's own code, of the last one; `u16::MAX` before the first.
     pub last_call: AtomicU16,
-    /// The flow is inside a call to the host, whose locks may be held, so the thread must not be parked now.
+    /// The flow is inside a call to the host and may hold its locks, so that the thread must not be parked.
     pub in_host: AtomicBool,
-    /// Faults of the thread are passed to the handlers that the process had before the run.
-    faults_are_of_process: AtomicBool,
-    /// The program's floating-point environment while the host uses the default one; 0 if the program's is the default.
+    /// Passes faults of the thread to the handlers that the process had before the run.
+    passes_faults_to_process: AtomicBool,
+    /// The program's floating-point environment while the host uses the default one; 0 if the program also uses the default.
     float_environment: AtomicU32,
     /// The watchdog's signal came while `in_host`: the thread parks itself when it leaves the host.
-    overdue: AtomicBool,
+    is_overdue: AtomicBool,
     /// State of a request for the location, see [`backtrace`].
-    backtrace: AtomicU8,
+    backtrace_state: AtomicU8,
     /// Program counter and stack pointer of the location.
-    place_registers: [AtomicUsize; 2],
+    location_registers: [AtomicUsize; 2],
     fault_signal: AtomicI32,
     fault_code: AtomicI32,
     fault_address: AtomicUsize,
@@ -53,19 +53,19 @@ pub struct FlowBlock {
     fault_sp: AtomicUsize,
     /// Address of the program's console streams; 0 if it has none.
     consoles: AtomicUsize,
-    /// For each stream, the length and address of the text that it held at the fault.
+    /// For each stream, the length and address of its unfinished line at the fault.
     unfinished: [[AtomicUsize; 2]; 2],
-    faulted: AtomicBool,
+    has_faulted: AtomicBool,
     on_fault: OnFault,
     /// Address of the alternate stack of this block's threads, 0 before the first.
     alternate_stack: AtomicUsize,
-    /// [`MARK`] combined with the block's address, once a thread has the block; it distinguishes the block from other
-    /// memory.
+    /// [`MARK`] combined with the block's address, once a thread has adopted the block; it distinguishes the block from
+    /// other memory.
     mark: AtomicUsize,
 }
 
 /// Size of the two console streams of a program, in words.
-const WORDS_OF_CONSOLES: usize = 2 * size_of::<Console>() / size_of::<usize>();
+const CONSOLES_LEN: usize = 2 * size_of::<Console>() / size_of::<usize>();
 
 /// See [`FlowBlock::is_at`].
 const MARK: usize = 0x5AFE_B10C_0DDB_A115;
@@ -73,23 +73,23 @@ const MARK: usize = 0x5AFE_B10C_0DDB_A115;
 /// No request for the location is open.
 const BACKTRACE_READY: u8 = 0;
 
-/// The signal that asks for the location has been sent.
+/// The signal that requests the location has been sent.
 const BACKTRACE_REQUESTED: u8 = 1;
 
 /// Action at a fault.
 enum OnFault {
     /// Parks the thread and notifies the supervisor of its run.
     Park(Arc<Notifier>),
-    /// Leaves the fiber; its worker then publishes the fault.
-    Leave { leave: Leave, notifier: Arc<Notifier> },
+    /// Leaves the fiber, whose worker then publishes the fault.
+    Leave { exits: FiberExits, notifier: Arc<Notifier> },
     /// Calls this async-signal-safe function.
     Report(FaultCallback),
 }
 
-/// Functions by which a broken fiber is left.
+/// Functions by which a thread leaves a broken fiber.
 #[derive(Clone, Copy)]
-pub struct Leave {
-    /// Changes the context of a signal on the fiber so that its worker continues when the handler returns; async-signal-safe.
+pub struct FiberExits {
+    /// Changes the context of a signal on the fiber so that the fiber's worker continues when the handler returns; async-signal-safe.
     pub from_signal: unsafe fn(context: *mut libc::ucontext_t),
     /// Leaves the fiber on which it is called.
     pub from_call: fn() -> !,
@@ -117,13 +117,13 @@ pub struct Fault {
 pub const OVERDUE_SIGNAL: i32 = libc::SIGURG;
 
 /// Code of a SIGFPE: an integer was divided by 0 (FPE_INTDIV, which the crate `libc` does not have).
-pub const DIVIDES_BY_ZERO: i32 = 1;
+pub const DIVISION_BY_ZERO: i32 = 1;
 
 /// Code of a SIGFPE: the quotient of integers may not have fitted (FPE_INTOVF).
-const DIVISION_OVERFLOWS: i32 = 2;
+const DIVISION_OVERFLOW: i32 = 2;
 
 /// Used instead of a signal number: the program called `exit` of the C library on a thread of the host.
-pub const EXITS: i32 = -2;
+pub const EXIT_CALLED: i32 = -2;
 
 /// Used instead of a signal number: the thread has ended without the executor's knowledge.
 pub const GONE: i32 = -1;
@@ -137,14 +137,14 @@ thread_local! {
 }
 
 impl FlowBlock {
-    /// Creates a block whose thread does not run yet; its fault parks the thread and signals `notifier`.
-    pub fn notifying(notifier: Arc<Notifier>) -> Self {
+    /// Creates a block whose thread does not run yet; a fault parks the thread and signals `notifier`.
+    pub fn of_thread(notifier: Arc<Notifier>) -> Self {
         Self::new(OnFault::Park(notifier))
     }
 
-    /// Creates the block of a fiber, whose fault leaves it.
-    pub fn leaving(leave: Leave, notifier: Arc<Notifier>) -> Self {
-        Self::new(OnFault::Leave { leave, notifier })
+    /// Creates the block of a fiber; at a fault, its thread leaves the fiber.
+    pub fn of_fiber(exits: FiberExits, notifier: Arc<Notifier>) -> Self {
+        Self::new(OnFault::Leave { exits, notifier })
     }
 
     /// Creates a block whose faults are passed to `report`.
@@ -159,11 +159,11 @@ impl FlowBlock {
             releases: AtomicU64::new(0),
             last_call: AtomicU16::new(u16::MAX),
             in_host: AtomicBool::new(false),
-            faults_are_of_process: AtomicBool::new(false),
+            passes_faults_to_process: AtomicBool::new(false),
             float_environment: AtomicU32::new(0),
-            overdue: AtomicBool::new(false),
-            backtrace: AtomicU8::new(BACKTRACE_READY),
-            place_registers: Default::default(),
+            is_overdue: AtomicBool::new(false),
+            backtrace_state: AtomicU8::new(BACKTRACE_READY),
+            location_registers: Default::default(),
             fault_signal: AtomicI32::new(0),
             fault_code: AtomicI32::new(0),
             fault_address: AtomicUsize::new(0),
@@ -171,7 +171,7 @@ impl FlowBlock {
             fault_sp: AtomicUsize::new(0),
             consoles: AtomicUsize::new(0),
             unfinished: Default::default(),
-            faulted: AtomicBool::new(false),
+            has_faulted: AtomicBool::new(false),
             on_fault,
             alternate_stack: AtomicUsize::new(0),
             mark: AtomicUsize::new(0),
@@ -195,14 +195,15 @@ impl FlowBlock {
         copied == 1 && word[0] == address.addr() ^ MARK
     }
 
-    /// Passes faults of the block's thread to the process from now on, for code that may hold locks of the process.
-    pub fn leave_faults_to_process(&self) {
-        self.faults_are_of_process.store(true, Ordering::Relaxed);
+    /// Passes faults of the block's thread to the handlers of the process from now on, for code that may hold locks of the
+    /// process.
+    pub fn pass_faults_to_process(&self) {
+        self.passes_faults_to_process.store(true, Ordering::Relaxed);
     }
 
     /// The fault that parked this thread.
     pub fn fault(&self) -> Option<Fault> {
-        self.faulted.load(Ordering::Acquire).then(|| Fault {
+        self.has_faulted.load(Ordering::Acquire).then(|| Fault {
             signal: self.fault_signal.load(Ordering::Relaxed),
             code: self.fault_code.load(Ordering::Relaxed),
             address: self.fault_address.load(Ordering::Relaxed),
@@ -221,7 +222,7 @@ impl FlowBlock {
         compiler_fence(Ordering::SeqCst);
     }
 
-    /// Marks the flow as back in the program; breaks it if the watchdog's signal came meanwhile.
+    /// Marks the flow as back in the program; stops it if the watchdog's signal came meanwhile.
     #[inline]
     pub fn leave_host(&self) {
         let environment = self.float_environment.load(Ordering::Relaxed);
@@ -232,16 +233,16 @@ impl FlowBlock {
         compiler_fence(Ordering::SeqCst);
         self.in_host.store(false, Ordering::Relaxed);
         compiler_fence(Ordering::SeqCst);
-        if self.overdue.load(Ordering::Relaxed) {
+        if self.is_overdue.load(Ordering::Relaxed) {
             self.stop_faulted(Fault { signal: OVERDUE_SIGNAL, ..Fault::default() });
         }
     }
 
-    /// Stops the calling flow, to which the block belongs, permanently; async-signal-safe for threads.
+    /// Permanently stops the calling flow, to which the block belongs; async-signal-safe for threads.
     fn stop_faulted(&self, fault: Fault) -> ! {
-        if let OnFault::Leave { leave, .. } = &self.on_fault {
+        if let OnFault::Leave { exits, .. } = &self.on_fault {
             self.store(fault);
-            (leave.from_call)();
+            (exits.from_call)();
         }
         self.publish(fault);
         loop {
@@ -277,16 +278,16 @@ impl FlowBlock {
         self.consoles.store(address, Ordering::Relaxed);
     }
 
-    /// Stores where the program's unfinished lines lie: robots that share a copy of their library overwrite the
-    /// variables with these addresses, but not the lines. Async-signal-safe.
+    /// Stores the addresses of the program's unfinished lines: robots that share a copy of their library overwrite the
+    /// variables that contain these addresses, but not the lines. Async-signal-safe.
     pub fn store_unfinished(&self) {
         let address = self.consoles.load(Ordering::Relaxed);
-        let mut consoles = [0; WORDS_OF_CONSOLES];
+        let mut consoles = [0; CONSOLES_LEN];
         if address == 0 || copy_if_mapped(address, &mut consoles) != Some(consoles.len()) {
             return;
         }
-        for (unfinished, console) in self.unfinished.iter().zip(consoles.chunks_exact(WORDS_OF_CONSOLES / 2)) {
-            // The program may have overwritten them.
+        for (unfinished, console) in self.unfinished.iter().zip(consoles.chunks_exact(CONSOLES_LEN / 2)) {
+            // The program may have overwritten these words.
             let used = if console[1] <= CONSOLE_LINE { console[1] } else { 0 };
             unfinished[0].store(used, Ordering::Relaxed);
             unfinished[1].store(console[2], Ordering::Relaxed);
@@ -309,9 +310,9 @@ impl FlowBlock {
     /// Publishes the stored fault and notifies the supervisor; async-signal-safe. A fiber's fault is published once the fiber has been
     /// left.
     pub fn publish_stored(&self) {
-        self.faulted.store(true, Ordering::Release);
+        self.has_faulted.store(true, Ordering::Release);
         if let OnFault::Park(notifier) | OnFault::Leave { notifier, .. } = &self.on_fault {
-            notifier.notify_fault();
+            notifier.notify_break();
         }
     }
 
@@ -320,12 +321,12 @@ impl FlowBlock {
         [self.stack[0].load(Ordering::Relaxed), self.stack[1].load(Ordering::Relaxed)]
     }
 
-    /// Bytes of stack left below the caller's frame; `usize::MAX` where the bounds are unknown.
+    /// Bytes of stack that remain below the caller's frame; `usize::MAX` where the bounds are unknown.
     #[inline]
-    pub fn stack_left(&self) -> usize {
-        let here = 0u8;
+    pub fn remaining_stack(&self) -> usize {
+        let local = 0u8;
         let low = self.stack[0].load(Ordering::Relaxed);
-        if low == 0 { usize::MAX } else { ((&raw const here) as usize).saturating_sub(low) }
+        if low == 0 { usize::MAX } else { ((&raw const local) as usize).saturating_sub(low) }
     }
 
     /// Makes this block the calling thread's: records the stack bounds and catches the thread's faults from now on.
@@ -334,7 +335,7 @@ impl FlowBlock {
     /// The alternate stack cannot be mapped or set.
     ///
     /// # Safety
-    /// The block must outlive the calling thread, and a thread that had it before must have ended.
+    /// The block must outlive the calling thread, and a thread that adopted it before must have ended.
     pub unsafe fn adopt_current_thread(&self) -> io::Result<()> {
         let (low, high) = stack_bounds()?;
         self.stack[0].store(low, Ordering::Relaxed);
@@ -344,7 +345,7 @@ impl FlowBlock {
         self.last_call.store(u16::MAX, Ordering::Relaxed);
         self.in_host.store(false, Ordering::Relaxed);
         self.float_environment.store(0, Ordering::Relaxed);
-        self.overdue.store(false, Ordering::Relaxed);
+        self.is_overdue.store(false, Ordering::Relaxed);
         let alternate = set_alternate_stack(self.alternate_stack.load(Ordering::Relaxed))?;
         self.alternate_stack.store(alternate, Ordering::Relaxed);
         self.mark.store(ptr::from_ref(self).addr() ^ MARK, Ordering::Relaxed);
@@ -354,7 +355,7 @@ impl FlowBlock {
 }
 
 impl FlowBlock {
-    /// Makes this the block of a fiber that runs on the calling thread, the one of `worker`, on the stack with these bounds.
+    /// Makes this the block of a fiber that runs on the calling thread, that of `worker`, on the stack with these bounds.
     pub fn adopt_fiber(&self, worker: &Self, [low, top]: [usize; 2]) {
         self.stack[0].store(low, Ordering::Relaxed);
         self.stack[1].store(top, Ordering::Relaxed);
@@ -363,8 +364,8 @@ impl FlowBlock {
     }
 }
 
-/// Makes `block` the current block: it belongs to the fiber that the calling thread, a worker, runs next; null for
-/// none. It replaces the thread's own block, whose alternate stack remains in use.
+/// Makes `block`, the block of the fiber that the calling worker's thread runs next, the thread's current block; null for
+/// none. The alternate stack of the thread's own block remains in use.
 ///
 /// # Safety
 /// The block must be alive until it is replaced.
@@ -377,7 +378,7 @@ impl Drop for FlowBlock {
         let address = *self.alternate_stack.get_mut();
         if address != 0 {
             // SAFETY: mapped with this size by `set_alternate_stack`; by the contract of `adopt_current_thread` the threads that
-            // had the block have ended, and no other code knows the address.
+            // adopted the block have ended, and no other code knows the address.
             unsafe { libc::munmap(ptr::with_exposed_provenance_mut(address), ALTERNATE_STACK) };
         }
     }
@@ -388,7 +389,7 @@ impl Drop for FlowBlock {
 pub struct Handlers(());
 
 /// The signals that [`Handlers`] catch.
-const CAUGHT: [i32; 8] = [
+const CAUGHT_SIGNALS: [i32; 8] = [
     libc::SIGSEGV,
     libc::SIGBUS,
     libc::SIGFPE,
@@ -402,28 +403,30 @@ const CAUGHT: [i32; 8] = [
 /// State shared by all values of [`Handlers`].
 struct HandlerState {
     count: usize,
-    /// The previous action of each signal of [`CAUGHT`], while ours is installed.
-    previous: [Option<libc::sigaction>; CAUGHT.len()],
+    /// The previous action of each signal of [`CAUGHT_SIGNALS`], while our handler is installed.
+    previous: [Option<libc::sigaction>; CAUGHT_SIGNALS.len()],
 }
 
-static HANDLER_STATE: Mutex<HandlerState> = Mutex::new(HandlerState { count: 0, previous: [None; CAUGHT.len()] });
+static HANDLER_STATE: Mutex<HandlerState> =
+    Mutex::new(HandlerState { count: 0, previous: [None; CAUGHT_SIGNALS.len()] });
 
 /// True while any [`Handlers`] live; read in signal handlers.
-static ARE_HELD: AtomicBool = AtomicBool::new(false);
+static ARE_INSTALLED: AtomicBool = AtomicBool::new(false);
 
-/// The parts of the previous action that a handler needs.
-struct Previous {
+/// The parts of a signal's previous action that our handler needs.
+struct PreviousAction {
     handler: AtomicUsize,
     flags: AtomicI32,
 }
 
-/// The previous actions of [`CAUGHT`]; valid once ours has been installed, and kept after that: other code may chain to
-/// our handler later.
-static PREVIOUS: [Previous; CAUGHT.len()] =
-    [const { Previous { handler: AtomicUsize::new(libc::SIG_DFL), flags: AtomicI32::new(0) } }; CAUGHT.len()];
+/// The previous actions of [`CAUGHT_SIGNALS`]; valid once our handler has been installed, and kept after
+/// that: other code may chain to our handler later.
+static PREVIOUS_ACTIONS: [PreviousAction; CAUGHT_SIGNALS.len()] =
+    [const { PreviousAction { handler: AtomicUsize::new(libc::SIG_DFL), flags: AtomicI32::new(0) } };
+        CAUGHT_SIGNALS.len()];
 
 impl Handlers {
-    /// Installs the handlers unless they are installed already.
+    /// Installs the handlers unless they are already installed.
     ///
     /// # Errors
     /// The kernel refuses a handler.
@@ -439,19 +442,19 @@ impl Handlers {
     /// Reinstalls the handlers that programs have replaced: by the default action, by ignoring the signal, or by a
     /// function of their own, for which `is_of_program` returns true. Handlers that other code has installed over ours
     /// stay.
-    pub fn take_back(is_of_program: impl Fn(usize) -> bool) {
+    pub fn reinstall(is_of_program: impl Fn(usize) -> bool) {
         let state = HANDLER_STATE.lock();
         let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
-        for (signal, previous) in CAUGHT.into_iter().zip(&state.previous) {
+        for (signal, previous) in CAUGHT_SIGNALS.into_iter().zip(&state.previous) {
             if previous.is_some() {
-                take_back(signal, &on_fault, &is_of_program);
+                reinstall(signal, &on_fault, &is_of_program);
             }
         }
     }
 
     /// Returns true while any value of this type lives.
     pub fn are_held() -> bool {
-        ARE_HELD.load(Ordering::Acquire)
+        ARE_INSTALLED.load(Ordering::Acquire)
     }
 }
 
@@ -469,27 +472,27 @@ impl HandlerState {
     fn install(&mut self) -> io::Result<()> {
         guard_process();
         let on_fault = action(on_fault as *const () as usize, libc::SA_SIGINFO | libc::SA_ONSTACK);
-        for (index, signal) in CAUGHT.into_iter().enumerate() {
+        for (index, signal) in CAUGHT_SIGNALS.into_iter().enumerate() {
             // SAFETY: nothing changes.
             let previous = unsafe { change_action(signal, None) }?;
             // Our handler may still be installed below another one that chains to it, unless other code has restored the default action.
-            let is_taken_back = matches!(previous.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN);
-            if self.previous[index].is_none() || is_taken_back {
-                PREVIOUS[index].handler.store(previous.sa_sigaction, Ordering::Relaxed);
-                PREVIOUS[index].flags.store(previous.sa_flags, Ordering::Release);
+            let is_reset = matches!(previous.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN);
+            if self.previous[index].is_none() || is_reset {
+                PREVIOUS_ACTIONS[index].handler.store(previous.sa_sigaction, Ordering::Relaxed);
+                PREVIOUS_ACTIONS[index].flags.store(previous.sa_flags, Ordering::Release);
                 // SAFETY: `on_fault` has the type of an SA_SIGINFO handler; what it calls is async-signal-safe.
                 unsafe { change_action(signal, Some(&on_fault)) }?;
                 self.previous[index] = Some(previous);
             }
         }
-        ARE_HELD.store(true, Ordering::Release);
+        ARE_INSTALLED.store(true, Ordering::Release);
         Ok(())
     }
 
     /// Restores the previous handlers, unless other code has installed its own over ours.
     fn restore(&mut self) {
-        ARE_HELD.store(false, Ordering::Release);
-        for (signal, previous) in CAUGHT.into_iter().zip(&mut self.previous) {
+        ARE_INSTALLED.store(false, Ordering::Release);
+        for (signal, previous) in CAUGHT_SIGNALS.into_iter().zip(&mut self.previous) {
             let is_ours = |now: libc::sigaction| now.sa_sigaction == on_fault as *const () as usize;
             // SAFETY: the first call changes nothing, the second restores the previous action, which came from the kernel.
             unsafe {
@@ -501,11 +504,11 @@ impl HandlerState {
     }
 }
 
-/// Registers, once, the functions that the C library calls when a program on a thread of the host ends or forks the process.
+/// Registers the functions that the C library calls when a program on a thread of the host ends or forks the process; does so once.
 fn guard_process() {
     static ARE_REGISTERED: std::sync::Once = std::sync::Once::new();
     ARE_REGISTERED.call_once(|| {
-        // SAFETY: the functions are of this binary, which is never unloaded; if they cannot be registered, nothing is
+        // SAFETY: the functions belong to this binary, which is never unloaded; if they cannot be registered, nothing is
         // guarded.
         unsafe {
             libc::atexit(on_exit);
@@ -524,8 +527,8 @@ fn block_of_program<'a>() -> Option<&'a FlowBlock> {
 /// Parks the flow of a program that ends the process by `exit`, before any other function registered for the end is called.
 extern "C" fn on_exit() {
     if let Some(block) = block_of_program() {
-        let here = 0u8;
-        block.stop_faulted(Fault { signal: EXITS, sp: (&raw const here).addr(), ..Fault::default() });
+        let local = 0u8;
+        block.stop_faulted(Fault { signal: EXIT_CALLED, sp: (&raw const local).addr(), ..Fault::default() });
     }
 }
 
@@ -548,15 +551,17 @@ extern "C" fn on_fork_in_child() {
 /// # Safety
 /// The arguments must be those of an SA_SIGINFO handler.
 unsafe fn chain_to_previous(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
-    let Some(previous) = CAUGHT.iter().position(|caught| *caught == signal).map(|index| &PREVIOUS[index]) else {
+    let Some(previous) =
+        CAUGHT_SIGNALS.iter().position(|caught| *caught == signal).map(|index| &PREVIOUS_ACTIONS[index])
+    else {
         return;
     };
     let flags = previous.flags.load(Ordering::Acquire);
     let handler = ptr::with_exposed_provenance::<()>(previous.handler.load(Ordering::Relaxed));
-    // SAFETY: the kernel's own, by this function's contract.
-    let is_of_kernel = unsafe { (*info).si_code } > 0;
+    // SAFETY: the kernel's information, by this function's contract.
+    let is_from_kernel = unsafe { (*info).si_code } > 0;
     match handler.addr() {
-        libc::SIG_IGN if !is_of_kernel => {}
+        libc::SIG_IGN if !is_from_kernel => {}
         // A fault cannot be ignored.
         libc::SIG_DFL | libc::SIG_IGN if signal != OVERDUE_SIGNAL => default_action(signal),
         libc::SIG_DFL | libc::SIG_IGN => {}
@@ -584,12 +589,12 @@ pub fn install_in_child() -> io::Result<()> {
     Ok(())
 }
 
-/// Copies this process's memory from `address` on to `words`, as far as it is mapped; returns the number of copied
+/// Copies this process's memory at `address` into `words`, as far as it is mapped; returns the number of copied
 /// words. If the kernel lacks the call that checks this, the memory must be mapped. Async-signal-safe.
 pub fn copy_own_memory(address: usize, words: &mut [usize]) -> usize {
     copy_if_mapped(address, words).unwrap_or_else(|| {
         let from = ptr::with_exposed_provenance::<usize>(address);
-        // SAFETY: callers ask for words of stacks, which are assumed to be mapped; every bit pattern is a valid usize.
+        // SAFETY: callers pass addresses of stacks, which are assumed to be mapped; every bit pattern is a valid usize.
         words.iter_mut().enumerate().for_each(|(index, word)| *word = unsafe { from.add(index).read_unaligned() });
         words.len()
     })
@@ -624,31 +629,31 @@ pub fn default_action(signal: i32) {
 
 /// Stops the thread of `block` where it is, as a fault of [`OVERDUE_SIGNAL`].
 pub fn stop_overdue(block: &FlowBlock) {
-    block.overdue.store(true, Ordering::Relaxed);
+    block.is_overdue.store(true, Ordering::Relaxed);
     let tid = block.tid.load(Ordering::Relaxed);
     // SAFETY: tgkill takes no pointer; if the thread has ended meanwhile, the call fails without effect.
     unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), tid, OVERDUE_SIGNAL) };
 }
 
 /// Program counter and stack pointer of the running flow of `block`; its thread continues immediately. `None` if the
-/// flow is inside a call, or does not run any more.
+/// flow is inside a call, or no longer runs.
 pub fn backtrace(block: &FlowBlock) -> Option<[usize; 2]> {
     /// Time within which a running thread receives the signal, even on a loaded machine.
     const TIMEOUT: Duration = Duration::from_millis(200);
-    block.backtrace.store(BACKTRACE_REQUESTED, Ordering::Relaxed);
+    block.backtrace_state.store(BACKTRACE_REQUESTED, Ordering::Relaxed);
     let tid = block.tid.load(Ordering::Relaxed);
     // SAFETY: tgkill takes no pointer; if the thread has ended meanwhile, the call fails without effect.
     unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), tid, OVERDUE_SIGNAL) };
     let start = Instant::now();
-    while block.backtrace.load(Ordering::Acquire) == BACKTRACE_REQUESTED {
+    while block.backtrace_state.load(Ordering::Acquire) == BACKTRACE_REQUESTED {
         if start.elapsed() > TIMEOUT {
-            // The signal may still arrive: then it finds no request.
-            block.backtrace.store(BACKTRACE_READY, Ordering::Relaxed);
+            // The signal may still arrive; its handler then finds no request.
+            block.backtrace_state.store(BACKTRACE_READY, Ordering::Relaxed);
             return None;
         }
         std::thread::sleep(Duration::from_micros(100));
     }
-    Some([0, 1].map(|index| block.place_registers[index].load(Ordering::Relaxed)))
+    Some([0, 1].map(|index| block.location_registers[index].load(Ordering::Relaxed)))
 }
 
 extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
@@ -660,7 +665,7 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     // SAFETY: the block lives as long as this thread (see `adopt_current_thread`), and is at the address in the
     // variable.
     let block = unsafe { &*block };
-    if block.faults_are_of_process.load(Ordering::Relaxed) {
+    if block.passes_faults_to_process.load(Ordering::Relaxed) {
         // SAFETY: as above.
         return unsafe { chain_to_previous(signal, info, context) };
     }
@@ -668,23 +673,23 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
         // The signal may be late: another fiber runs on the thread by now. Inside a call, the thread stops when it
         // leaves the host.
         let in_host = block.in_host.load(Ordering::Relaxed);
-        if block.backtrace.load(Ordering::Relaxed) == BACKTRACE_REQUESTED && !in_host {
+        if block.backtrace_state.load(Ordering::Relaxed) == BACKTRACE_REQUESTED && !in_host {
             // SAFETY: `context` is what the kernel passed to this SA_SIGINFO handler.
             let (pc, sp) = unsafe { registers(context) };
-            block.place_registers[0].store(pc, Ordering::Relaxed);
-            block.place_registers[1].store(sp, Ordering::Relaxed);
-            block.backtrace.store(BACKTRACE_READY, Ordering::Release);
+            block.location_registers[0].store(pc, Ordering::Relaxed);
+            block.location_registers[1].store(sp, Ordering::Relaxed);
+            block.backtrace_state.store(BACKTRACE_READY, Ordering::Release);
         }
-        if !block.overdue.load(Ordering::Relaxed) || in_host {
+        if !block.is_overdue.load(Ordering::Relaxed) || in_host {
             return;
         }
     }
     // SAFETY: `info` and `context` are what the kernel passed to this SA_SIGINFO handler.
-    let (code, address, (pc, sp)) = unsafe { ((*info).si_code, detail(signal, info), registers(context)) };
+    let (code, address, (pc, sp)) = unsafe { ((*info).si_code, accessed_address(signal, info), registers(context)) };
     let code = match code {
         libc::SI_USER => -1,
         // SAFETY: as above.
-        DIVIDES_BY_ZERO if signal == libc::SIGFPE && unsafe { may_overflow(context) } => DIVISION_OVERFLOWS,
+        DIVISION_BY_ZERO if signal == libc::SIGFPE && unsafe { may_overflow(context) } => DIVISION_OVERFLOW,
         code => code,
     };
     let fault = Fault { signal, code, address, pc, sp };
@@ -693,20 +698,20 @@ extern "C" fn on_fault(signal: i32, info: *mut libc::siginfo_t, context: *mut li
     }
     match &block.on_fault {
         OnFault::Park(_) => block.stop_faulted(fault),
-        OnFault::Leave { leave, .. } => {
+        OnFault::Leave { exits, .. } => {
             block.store(fault);
             // SAFETY: `context` is the kernel's context of a signal on the worker that runs the fiber of this block.
-            unsafe { (leave.from_signal)(context.cast()) };
+            unsafe { (exits.from_signal)(context.cast()) };
         }
         OnFault::Report(report) => report(block, fault),
     }
 }
 
-/// Accessed address; for SIGSYS the number of the system call.
+/// Accessed address; for SIGSYS, the number of the system call.
 ///
 /// # Safety
 /// `info` must be the second argument of an SA_SIGINFO handler.
-unsafe fn detail(signal: i32, info: *mut libc::siginfo_t) -> usize {
+unsafe fn accessed_address(signal: i32, info: *mut libc::siginfo_t) -> usize {
     if signal == libc::SIGSYS {
         // SAFETY: the kernel's siginfo_t, 128 bytes, has the number after the address of the call, at byte 24.
         return unsafe { info.cast::<i32>().add(6).read() } as usize;
@@ -715,7 +720,7 @@ unsafe fn detail(signal: i32, info: *mut libc::siginfo_t) -> usize {
     unsafe { (*info).si_addr() as usize }
 }
 
-/// Returns true if the quotient of a division that has faulted may have overflowed: its dividend is the minimum.
+/// Returns true if the quotient of a division that has faulted may have overflowed: the dividend is the minimum integer.
 ///
 /// # Safety
 /// `context` must be the third argument of an SA_SIGINFO handler.
@@ -754,15 +759,15 @@ pub(super) fn action(handler: usize, flags: i32) -> libc::sigaction {
     action
 }
 
-/// Reinstalls `own` for `signal` if a program has replaced it, see [`Handlers::take_back`].
-pub(super) fn take_back(signal: i32, own: &libc::sigaction, is_of_program: &impl Fn(usize) -> bool) {
-    let is_taken = |now: &libc::sigaction| {
+/// Reinstalls the handler of `action` for `signal` if a program has replaced it, see [`Handlers::reinstall`].
+pub(super) fn reinstall(signal: i32, action: &libc::sigaction, is_of_program: &impl Fn(usize) -> bool) {
+    let is_replaced = |now: &libc::sigaction| {
         matches!(now.sa_sigaction, libc::SIG_DFL | libc::SIG_IGN) || is_of_program(now.sa_sigaction)
     };
-    // SAFETY: the first call changes nothing; `own` has been installed before.
+    // SAFETY: the first call changes nothing; `action` has been installed before.
     unsafe {
-        if change_action(signal, None).is_ok_and(|now| now.sa_sigaction != own.sa_sigaction && is_taken(&now)) {
-            let _ = change_action(signal, Some(own));
+        if change_action(signal, None).is_ok_and(|now| now.sa_sigaction != action.sa_sigaction && is_replaced(&now)) {
+            let _ = change_action(signal, Some(action));
         }
     }
 }
@@ -770,7 +775,7 @@ pub(super) fn take_back(signal: i32, own: &libc::sigaction, is_of_program: &impl
 /// Returns the current action of `signal`, and installs `new` if given.
 ///
 /// # Safety
-/// The handler of `new` must have the type that its flags say, and be async-signal-safe.
+/// The handler of `new` must have the type that its flags require, and be async-signal-safe.
 pub(super) unsafe fn change_action(signal: i32, new: Option<&libc::sigaction>) -> io::Result<libc::sigaction> {
     let mut old = action(libc::SIG_DFL, 0);
     // SAFETY: `new` is null or valid, as `old` is; the handler is safe by this function's contract.
@@ -824,31 +829,32 @@ fn set_alternate_stack(address: usize) -> io::Result<usize> {
 mod tests {
     use super::*;
 
-    static HEARD: AtomicI32 = AtomicI32::new(0);
+    static RECEIVED: AtomicI32 = AtomicI32::new(0);
 
-    extern "C" fn hear(signal: i32) {
-        HEARD.store(signal, Ordering::Relaxed);
+    extern "C" fn receive(signal: i32) {
+        RECEIVED.store(signal, Ordering::Relaxed);
     }
 
     #[test]
-    fn who_was_there_before_hears_what_is_no_flows_and_is_back_at_the_end() {
+    fn previous_handler_gets_other_signals_and_is_restored() {
         let handler = || {
             // SAFETY: nothing changes.
             unsafe { change_action(OVERDUE_SIGNAL, None) }.unwrap().sa_sigaction
         };
         // SAFETY: a handler without SA_SIGINFO gets a number, and stores it.
-        let before = unsafe { change_action(OVERDUE_SIGNAL, Some(&action(hear as *const () as usize, 0))) }.unwrap();
+        let previous =
+            unsafe { change_action(OVERDUE_SIGNAL, Some(&action(receive as *const () as usize, 0))) }.unwrap();
         let held = [Handlers::hold().unwrap(), Handlers::hold().unwrap()];
         assert_eq!(handler(), on_fault as *const () as usize);
         // SAFETY: raise takes no pointer.
         unsafe { libc::raise(OVERDUE_SIGNAL) };
-        assert_eq!(HEARD.load(Ordering::Relaxed), OVERDUE_SIGNAL);
+        assert_eq!(RECEIVED.load(Ordering::Relaxed), OVERDUE_SIGNAL);
         let [first, second] = held;
         drop(first);
         assert!(Handlers::are_held());
         drop(second);
-        assert_eq!(handler(), hear as *const () as usize);
-        // SAFETY: what was there before.
-        unsafe { change_action(OVERDUE_SIGNAL, Some(&before)) }.unwrap();
+        assert_eq!(handler(), receive as *const () as usize);
+        // SAFETY: the previous action came from the kernel.
+        unsafe { change_action(OVERDUE_SIGNAL, Some(&previous)) }.unwrap();
     }
 }

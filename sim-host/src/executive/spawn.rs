@@ -46,13 +46,13 @@ pub struct RobotOptions {
     pub output_limit: u64,
     /// Standard input of the programs.
     pub stdin: Source,
-    /// Every call is recorded.
+    /// Records every call.
     pub is_verbose: bool,
     /// Scenery for the cameras.
     pub scenery: Arc<LazyScenery>,
-    /// Sink of the images that programs take, if the user wants them.
+    /// Sink of the images that programs take, if the user has requested it.
     pub frames: Option<Arc<Frames>>,
-    /// Place in which the programs run.
+    /// Kind of execution of the programs.
     pub exec: Exec,
     /// Restrictions of programs in processes of their own.
     pub sandbox: Option<Sandbox>,
@@ -70,9 +70,9 @@ pub struct Spawner {
     /// The programs of the robots, in the order of their ids.
     programs: Vec<Option<Arc<Prepared>>>,
     entity_numbers: Arc<EntityNumbers>,
-    /// Tables of devices, keyed by the files of the robot types; robots of a type share one.
+    /// Tables of devices, keyed by the files of the robot types; robots of one type share a table.
     tables: BTreeMap<String, Arc<Table>>,
-    /// Loader of the programs of spawned robots; created for the first of them.
+    /// Loader of the programs of spawned robots; created for the first spawned robot.
     loader: Option<Loader>,
 }
 
@@ -136,10 +136,10 @@ impl Spawner {
     pub fn start(&mut self) -> Result<(World, Vec<Robot>), FactoryError> {
         let scene = Arc::clone(&self.scene);
         let programs = self.programs.clone();
-        let made =
-            scene.robots.iter().zip(&programs).map(|(spec, program)| self.make(spec, program.as_ref(), Time::ZERO));
+        let robots =
+            scene.robots.iter().zip(&programs).map(|(spec, program)| self.create(spec, program.as_ref(), Time::ZERO));
         let (mut robots, radio_noise): (Vec<Robot>, Vec<RadioNoise>) =
-            made.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+            robots.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         let world = self.factory.world(&scene, robots.iter_mut().map(|robot| &mut robot.state), radio_noise)?;
         Ok((world, robots))
     }
@@ -153,7 +153,7 @@ impl Spawner {
         if let (Some(id), None) = (program_of, &prepared) {
             return Err(SpawnError::NoProgram(id));
         }
-        let (robot, radio_noise) = self.make(&spec, prepared.as_ref(), since)?;
+        let (robot, radio_noise) = self.create(&spec, prepared.as_ref(), since)?;
         let program = prepared.map(|prepared| Ok::<_, SpawnError>((self.load(&spec, &prepared)?, prepared)));
         Ok(NewRobot { spec, robot, radio_noise, program: program.transpose()? })
     }
@@ -170,7 +170,7 @@ impl Spawner {
     }
 
     /// Registers a robot that was added to the run.
-    pub fn keep_robot(&mut self, spec: RobotSpec, program: Option<Arc<Prepared>>) {
+    pub fn register_robot(&mut self, spec: RobotSpec, program: Option<Arc<Prepared>>) {
         self.entity_numbers.spawned.push(Placeable::Robot(spec.id));
         self.options.scenery.add(SpawnedEntity::Robot(spec.id, Arc::clone(&spec.robi)));
         self.roster.keep_robot(spec);
@@ -178,22 +178,22 @@ impl Spawner {
     }
 
     /// Registers a movable object that was added to the run.
-    pub fn keep_object(&mut self, id: ObjectId, spec: ObjectSpec) {
+    pub fn register_object(&mut self, id: ObjectId, spec: ObjectSpec) {
         self.entity_numbers.spawned.push(Placeable::Object(id));
         self.options.scenery.add(SpawnedEntity::Object(id, Arc::clone(&spec.kind)));
         self.roster.keep_object(spec);
     }
 
-    /// Creates a robot that exists from the time `since` on, and the noise model of its radio messages.
-    fn make(
+    /// Creates a robot that exists from the time `since`, and the noise model of its radio messages.
+    fn create(
         &mut self,
         spec: &RobotSpec,
         program: Option<&Arc<Prepared>>,
         since: Time,
     ) -> Result<(Robot, RadioNoise), FactoryError> {
         let (mut state, radio_noise) = self.factory.robot(spec, since)?;
-        let is_meant = |press: &&Press| press.robot.is_none_or(|robot| robot == spec.id) && press.at >= since;
-        let presses = self.options.keys.iter().filter(is_meant);
+        let is_for_robot = |press: &&Press| press.robot.is_none_or(|robot| robot == spec.id) && press.at >= since;
+        let presses = self.options.keys.iter().filter(is_for_robot);
         presses.for_each(|press| state.devices.press(press.at, press.touch));
         let generation = program.and_then(|program| program.generation());
         let new_robios = if generation == Some(7) { Robios::of_robios7 } else { Robios::new };

@@ -1,4 +1,4 @@
-//! Ends the processes that robot programs have started with the run.
+//! Ends the processes that robot programs have started, after the run.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,14 +6,14 @@ use std::io;
 use std::ptr;
 use std::time::{Duration, Instant};
 
-/// Time within which the processes must end.
+/// Maximum time for which processes are killed.
 const TIMEOUT: Duration = Duration::from_secs(1);
 
-/// The subreaper of this process: adopts its descendants whose parents end, such as daemons, and ends them with the run.
+/// The subreaper of this process: adopts descendants whose parents end, such as daemons, and kills them after the run.
 #[derive(Debug)]
 pub struct Subreaper {
-    /// Children of this process that existed before.
-    before: BTreeSet<i32>,
+    /// Children of this process that existed at the start.
+    children_before: BTreeSet<i32>,
 }
 
 impl Subreaper {
@@ -21,7 +21,7 @@ impl Subreaper {
     pub fn start() -> Self {
         // SAFETY: prctl takes no pointer here; if the kernel refuses, daemons of programs outlive the run.
         unsafe { libc::prctl(libc::PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) };
-        Self { before: children() }
+        Self { children_before: children() }
     }
 
     /// Kills all children of this process that did not exist at the start, and their descendants; returns how many
@@ -30,13 +30,13 @@ impl Subreaper {
         let start = Instant::now();
         let mut killed = BTreeSet::new();
         while start.elapsed() < TIMEOUT {
-            let orphans: Vec<i32> = children().difference(&self.before).copied().collect();
+            let orphans: Vec<i32> = children().difference(&self.children_before).copied().collect();
             if orphans.is_empty() {
                 break;
             }
             for pid in orphans {
                 // SAFETY: neither call takes a pointer; no other code waits for a process that a program has started,
-                // so that its number still identifies it.
+                // so that its process id still identifies it.
                 unsafe {
                     libc::kill(pid, libc::SIGKILL);
                     libc::waitpid(pid, ptr::null_mut(), libc::WNOHANG);
@@ -51,8 +51,7 @@ impl Subreaper {
 
 /// The processes whose parent is this process.
 fn children() -> BTreeSet<i32> {
-    // The kernel answers at once whether there are children; listing them means to look at every process of the
-    // machine.
+    // A check whether there are children is fast; a list of them requires a look at every process of the machine.
     if !has_children() {
         return BTreeSet::new();
     }
@@ -63,8 +62,8 @@ fn children() -> BTreeSet<i32> {
 }
 
 fn has_children() -> bool {
-    // SAFETY: a `siginfo_t` is plain data, for which zeros are a value; the call writes only there and, for `WNOWAIT`,
-    // leaves an ended child to be waited for.
+    // SAFETY: a `siginfo_t` is plain data, for which zeros are valid; the call writes only to it and, because of `WNOWAIT`,
+    // does not reap an ended child.
     let result = unsafe {
         let mut info = std::mem::zeroed();
         libc::waitid(libc::P_ALL, 0, &raw mut info, libc::WEXITED | libc::WNOHANG | libc::WNOWAIT | libc::__WALL)
@@ -74,7 +73,7 @@ fn has_children() -> bool {
 
 fn parent_of(pid: i32) -> Option<u32> {
     let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-    // "pid (name) S parent ...": the name may hold blanks and brackets.
+    // "pid (name) S parent ...": the name may contain blanks and brackets.
     stat.rsplit_once(')')?.1.split_whitespace().nth(1)?.parse().ok()
 }
 

@@ -12,10 +12,10 @@ use super::Executor;
 pub struct Job {
     /// First iteration that no thread has taken.
     next: AtomicUsize,
-    turns: usize,
+    iterations: usize,
     /// Number of iterations that a thread takes at a time.
-    share: usize,
-    /// Runs the iterations from the second number up to the third, exclusive.
+    chunk: usize,
+    /// Runs the iterations from the first number up to the second, exclusive, on `data`.
     run: unsafe fn(*const (), usize, usize),
     data: *const (),
 }
@@ -27,12 +27,12 @@ impl Job {
     /// Runs iterations until none is left.
     pub fn work(&self) {
         loop {
-            let first = self.next.fetch_add(self.share, Ordering::Relaxed);
-            if first >= self.turns {
+            let first = self.next.fetch_add(self.chunk, Ordering::Relaxed);
+            if first >= self.iterations {
                 return;
             }
             // SAFETY: the data live as long as the job, and no other thread takes these iterations.
-            unsafe { (self.run)(self.data, first, (first + self.share).min(self.turns)) };
+            unsafe { (self.run)(self.data, first, (first + self.chunk).min(self.iterations)) };
         }
     }
 }
@@ -44,12 +44,12 @@ pub struct Team {
     job: AtomicPtr<Job>,
     /// Number of loops so far.
     loops: AtomicUsize,
-    /// Number of threads that may be looking at the job.
+    /// Number of threads that may be using the job.
     helpers: AtomicUsize,
 }
 
 impl Team {
-    /// Returns true if a loop has begun since the caller helped last, when `seen` had begun.
+    /// Returns true if a loop has begun since loop number `seen`, with which the caller last helped.
     pub fn has_job(&self, seen: usize) -> bool {
         self.loops.load(Ordering::SeqCst) != seen
     }
@@ -62,25 +62,25 @@ impl Team {
         }
         *seen = self.loops.load(Ordering::SeqCst);
         let _helper = Helper::enter(self);
-        // SAFETY: `lead` does not return, so that the job lives, before it has seen that no helper is left.
+        // SAFETY: the job lives, since `lead` does not return before there is no helper.
         if let Some(job) = unsafe { self.job.load(Ordering::SeqCst).as_ref() } {
             job.work();
         }
         true
     }
 
-    /// Runs `job` on the calling thread and on the helping threads, which `call` wakes. Only one thread leads at a
+    /// Runs `job` on the calling thread and on the helping threads, which `wake_helpers` wakes. Only one thread leads at a
     /// time.
-    pub fn lead(&self, job: &Job, call: impl FnOnce()) {
+    pub fn lead(&self, job: &Job, wake_helpers: impl FnOnce()) {
         self.job.store(ptr::from_ref(job).cast_mut(), Ordering::SeqCst);
         self.loops.fetch_add(1, Ordering::SeqCst);
         let _lead = Lead(self);
-        call();
+        wake_helpers();
         job.work();
     }
 }
 
-/// A thread that looks at the job.
+/// A thread that may use the job.
 struct Helper<'a>(&'a Team);
 
 impl<'a> Helper<'a> {
@@ -96,12 +96,12 @@ impl Drop for Helper<'_> {
     }
 }
 
-/// The thread that leads; it ends by waiting for the helpers.
+/// The thread that leads; its drop waits for the helpers.
 struct Lead<'a>(&'a Team);
 
 impl Drop for Lead<'_> {
     fn drop(&mut self) {
-        /// Number of spins before the thread yields its processor, for which a helper may have to wait.
+        /// Number of spins before the thread yields its processor: a helper may be waiting for the processor.
         const SPINS: usize = 500;
         self.0.job.store(ptr::null_mut(), Ordering::SeqCst);
         let mut spins = 0;
@@ -112,14 +112,14 @@ impl Drop for Lead<'_> {
     }
 }
 
-/// The workers of an executor as the simulation uses them.
+/// The workers of an executor, for loops of the simulation.
 pub struct WorkerPool<'a>(pub &'a dyn Executor);
 
 /// Minimum number of iterations of a loop on several threads: with fewer, the hand-over costs more than it saves.
-const MIN_TURNS: usize = 6;
+const MIN_ITERATIONS: usize = 6;
 
 /// Maximum number of iterations that a thread takes at a time.
-const MAX_SHARE: usize = 4;
+const MAX_CHUNK: usize = 4;
 
 impl Pool for WorkerPool<'_> {
     fn for_each_section<T: Send>(&self, items: &mut [T], act: impl Fn(&mut [T]) + Sync) {
@@ -129,7 +129,7 @@ impl Pool for WorkerPool<'_> {
             act: &'d F,
         }
         /// # Safety
-        /// `data` is a [`Data`] whose sections from `first` to `last` are used by no other thread.
+        /// `data` is a [`Data`], and no other thread uses its sections from `first` up to `last`, exclusive.
         unsafe fn run<T, F: Fn(&mut [T])>(data: *const (), first: usize, last: usize) {
             // SAFETY: by this function's contract.
             unsafe {
@@ -144,16 +144,16 @@ impl Pool for WorkerPool<'_> {
             run::<T, F>
         }
         let workers = self.0.helping_workers();
-        let turns = items.len().div_ceil(SECTION);
-        if workers < 2 || turns < MIN_TURNS {
+        let iterations = items.len().div_ceil(SECTION);
+        if workers < 2 || iterations < MIN_ITERATIONS {
             return Serial.for_each_section(items, act);
         }
         let data = Data { items: items.as_mut_ptr(), len: items.len(), act: &act };
         let job = Job {
             next: AtomicUsize::new(0),
-            turns,
-            share: (turns / (8 * workers)).clamp(1, MAX_SHARE),
-            // SAFETY of its calls: the executor is done with the job when `run_loop` returns, so that the data live;
+            iterations,
+            chunk: (iterations / (8 * workers)).clamp(1, MAX_CHUNK),
+            // SAFETY of the calls of `run`: the executor no longer uses the job when `run_loop` returns, so that the data live;
             // the items are borrowed mutably here, may be sent to other threads, and each section belongs to one call;
             // threads may share `act`.
             run: runner::<T, _>(&act),

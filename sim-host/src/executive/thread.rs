@@ -31,7 +31,7 @@ use crate::robios::task::MAIN;
 /// Stack of a task's thread, in bytes of address space; memory is committed on first touch.
 pub(super) const STACK: usize = 8 << 20;
 
-/// Time within which the thread of a program that has ended must end; otherwise it counts as lost.
+/// Time within which the thread of a program that has ended must end; otherwise the thread is lost.
 pub(super) const JOIN_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Executor with one OS thread for each task.
@@ -56,7 +56,7 @@ struct RobotThreads {
     flows: Mutex<Flows>,
 }
 
-/// Code of the embedding process, as the watchdog sees it.
+/// Code of the embedding process, and whether the watchdog has asked it to end.
 struct Embedded {
     code: Arc<dyn EmbeddedCode>,
     is_asked_to_end: AtomicBool,
@@ -122,8 +122,8 @@ impl ThreadExecutor {
     }
 }
 
-/// Joins `thread`, which has the block `block` and is about to end; returns false if it breaks or has not ended after
-/// `timeout`: it is lost.
+/// Joins `thread`, which owns `block` and is about to end. Returns false if the thread breaks or has not ended after
+/// `timeout`; then it is lost.
 pub(super) fn join(thread: JoinHandle<()>, block: &FlowBlock, timeout: Duration) -> bool {
     /// Interval of the checks for a break.
     const POLL_INTERVAL: Duration = Duration::from_millis(20);
@@ -144,7 +144,7 @@ pub(super) fn join(thread: JoinHandle<()>, block: &FlowBlock, timeout: Duration)
 impl ThreadFlow {
     fn new(notifier: Arc<Notifier>) -> io::Result<Self> {
         Ok(Self {
-            block: FlowBlock::notifying(notifier),
+            block: FlowBlock::of_thread(notifier),
             worker: AtomicU32::new(u32::MAX),
             is_resumed: AtomicBool::new(false),
             thread: Mutex::default(),
@@ -169,8 +169,8 @@ impl ThreadFlow {
         flow
     }
 
-    /// Joins the thread, which has adopted this flow and is about to end; returns false if it breaks or has not ended
-    /// after `timeout`: it is lost.
+    /// Joins the thread, which has adopted this flow and is about to end. Returns false if the thread breaks or has not
+    /// ended after `timeout`; then it is lost.
     fn join(self: &Arc<Self>, timeout: Duration) -> bool {
         let Some(thread) = self.thread.lock().take() else { return false };
         let is_joined = join(thread, &self.block, timeout);
@@ -186,8 +186,8 @@ impl ThreadFlow {
         self.block.releases.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Identifies the current release among all releases.
-    fn release(&self) -> Release {
+    /// Identifier of the current release.
+    fn current_release(&self) -> Release {
         Release { thread: self.block.tid.load(Ordering::Relaxed), number: self.block.releases.load(Ordering::Relaxed) }
     }
 }
@@ -239,13 +239,15 @@ impl RobotThreads {
                 thread::park();
             }
         };
-        let last = flows.token_holder.replace(Arc::clone(&next));
+        let previous_holder = flows.token_holder.replace(Arc::clone(&next));
         if is_ending {
             debug_assert!(
-                last.as_ref().is_some_and(|last| ptr::eq(&**last, ThreadFlow::current())),
+                previous_holder
+                    .as_ref()
+                    .is_some_and(|previous_holder| ptr::eq(&**previous_holder, ThreadFlow::current())),
                 "it held the run token"
             );
-            flows.ending = last;
+            flows.ending = previous_holder;
         }
         drop(flows);
         self.wake(&next);
@@ -261,39 +263,39 @@ impl RobotThreads {
 impl Executor for ThreadExecutor {
     fn begin(&self, notifier: &Arc<Notifier>) {
         damage::heap_functions();
-        // A run begins once.
+        // A run begins once, so the cell is still empty.
         let _ = self.notifier.set(Arc::clone(notifier));
     }
 
-    fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool {
-        let mut all_end = true;
+    fn end(&self, has_departed: &dyn Fn(RobotId) -> bool) -> bool {
+        let mut all_ended = true;
         for (index, threads) in &self.robots {
             let Flows { list, .. } = std::mem::take(&mut *threads.flows.lock());
             if list.is_empty() {
                 continue;
             }
             let is_broken = list.iter().any(|(_, flow)| flow.block.fault().is_some());
-            let ends = !is_broken && departed(RobotId::from_index(index));
+            let should_end = !is_broken && has_departed(RobotId::from_index(index));
             for (_, flow) in list {
-                if !(ends && flow.join(JOIN_TIMEOUT)) {
-                    damage::lose_flow();
-                    all_end = false;
+                if !(should_end && flow.join(JOIN_TIMEOUT)) {
+                    damage::count_lost_flow();
+                    all_ended = false;
                 }
             }
         }
-        all_end
+        all_ended
     }
 
     fn must_end(&self) -> bool {
-        let has_native =
+        let has_program_in_host =
             |threads: &RobotThreads| threads.child.get().is_none() && !threads.flows.lock().list.is_empty();
-        damage::is_heap_lost() && self.robots.iter().any(|(_, threads)| has_native(threads))
+        damage::is_heap_lost() && self.robots.iter().any(|(_, threads)| has_program_in_host(threads))
     }
 
     fn admit(&self, robot: RobotId, program: &RobotProgram, _: Option<&Arc<Member>>) {
         self.make_room(robot.index() + 1);
         if let Some(code) = program.embedded() {
-            // A robot has one program, so this is the only time.
+            // A robot has one program, so the cell is still empty.
             let embedded = Embedded { code: Arc::clone(code), is_asked_to_end: AtomicBool::new(false) };
             let _ = self.robot(robot).embedded.set(embedded);
         }
@@ -303,14 +305,14 @@ impl Executor for ThreadExecutor {
         let Some(notifier) = self.notifier.get() else { unreachable!("the run has begun") };
         let threads = Arc::clone(self.robot(robot));
         let thread_flow = Arc::new(ThreadFlow::new(Arc::clone(notifier))?);
-        let (adopted, adoption) = mpsc::sync_channel(1);
+        let (sender, receiver) = mpsc::sync_channel(1);
         let name = if task == MAIN { robot.to_string() } else { format!("{robot}.{task}") };
-        let own = Arc::clone(&thread_flow);
-        let life = move || {
-            let result = own.adopt_current_thread();
+        let adopted_flow = Arc::clone(&thread_flow);
+        let body = move || {
+            let result = adopted_flow.adopt_current_thread();
             let is_adopted = result.is_ok();
             // The receiver below waits for this one message.
-            let _ = adopted.send(result);
+            let _ = sender.send(result);
             if is_adopted {
                 threads.wait(ThreadFlow::current());
                 if let Some(next) = below_guard(flow) {
@@ -318,10 +320,10 @@ impl Executor for ThreadExecutor {
                 }
             }
         };
-        let thread = thread::Builder::new().name(name).stack_size(STACK).spawn(life)?;
+        let thread = thread::Builder::new().name(name).stack_size(STACK).spawn(body)?;
         // The handle must be known before the flow may continue.
         *thread_flow.thread.lock() = Some(thread);
-        let adopted = adoption.recv().map_err(io::Error::other)?;
+        let adopted = receiver.recv().map_err(io::Error::other)?;
         adopted.inspect_err(|_| _ = thread_flow.join(JOIN_TIMEOUT))?;
         let mut flows = self.robot(robot).flows.lock();
         flows.token_holder.get_or_insert_with(|| Arc::clone(&thread_flow));
@@ -330,7 +332,7 @@ impl Executor for ThreadExecutor {
     }
 
     fn serve(&self, robot: RobotId, child: Arc<Child>) {
-        // A robot has one program, so this is the only time.
+        // A robot has one program, so the cell is still empty.
         let _ = self.robot(robot).child.set(child);
     }
 
@@ -362,8 +364,8 @@ impl Executor for ThreadExecutor {
         for (index, threads) in &self.robots {
             let flows = threads.flows.lock();
             for (task, flow) in &flows.list {
-                let is_alone = *task == MAIN && flows.list.len() == 1;
-                let broken = broken(&flow.block, (!is_alone).then_some(*task));
+                let is_only_flow = *task == MAIN && flows.list.len() == 1;
+                let broken = broken(&flow.block, (!is_only_flow).then_some(*task));
                 all.extend(broken.map(|broken| (RobotId::from_index(index), broken)));
             }
         }
@@ -375,9 +377,9 @@ impl Executor for ThreadExecutor {
         let Some(flow) = threads.active_flow() else { return false };
         let sample = match threads.child.get() {
             Some(child) if child.is_debugged() => return false,
-            Some(child) if child.is_asked(flow.release()) || child.is_stopped() => return true,
+            Some(child) if child.is_location_requested(flow.current_release()) || child.is_stopped() => return true,
             Some(child) => {
-                let sample = FlowSample::at_process(child.pid(), &flow.block);
+                let sample = FlowSample::of_process(child.pid(), &flow.block);
                 sample.map(|sample| sample.with_imports(child.imports()))
             }
             None if flow.block.in_host.load(Ordering::Relaxed) => {
@@ -385,9 +387,9 @@ impl Executor for ThreadExecutor {
                 return false;
             }
             None => {
-                let sample = FlowSample::at_thread(&flow.block);
+                let sample = FlowSample::of_thread(&flow.block);
                 let release = flow.block.releases.load(Ordering::Relaxed);
-                if sample.is_none() && flow.timer.lock().is_gone(release) {
+                if sample.is_none() && flow.timer.lock().record_missing(release) {
                     flow.block.set_gone();
                 }
                 sample
@@ -405,7 +407,7 @@ impl Executor for ThreadExecutor {
     fn break_overdue(&self, robot: RobotId) {
         let threads = self.robot(robot);
         match (threads.child.get(), threads.active_flow()) {
-            (Some(child), Some(flow)) => child.stop_overdue(flow.release()),
+            (Some(child), Some(flow)) => child.stop_overdue(flow.current_release()),
             (None, Some(flow)) => match threads.embedded.get() {
                 Some(embedded) if embedded.is_asked_to_end.swap(true, Ordering::Relaxed) => {}
                 Some(embedded) => embedded.code.stop(robot),
@@ -416,10 +418,11 @@ impl Executor for ThreadExecutor {
     }
 }
 
-/// See [`Executor::place`]; a flow that sleeps in the kernel is not asked, since the signal would end its sleep.
+/// Implements [`Executor::backtrace`] for the flow of `block`. Empty if the flow sleeps in the kernel, since the signal of
+/// the request would end its sleep.
 pub(super) fn backtrace(block: &FlowBlock) -> Vec<usize> {
-    let computes = FlowSample::at_thread(block).is_some_and(|sample| !sample.is_asleep);
-    let Some([pc, sp]) = computes.then(|| signal::backtrace(block)).flatten() else { return Vec::new() };
+    let is_computing = FlowSample::of_thread(block).is_some_and(|sample| !sample.is_asleep);
+    let Some([pc, sp]) = is_computing.then(|| signal::backtrace(block)).flatten() else { return Vec::new() };
     std::iter::once(pc).chain(stack_words(sp, block.stack_bounds())).collect()
 }
 
@@ -445,8 +448,8 @@ pub(super) fn broken(block: &FlowBlock, task: Option<u32>) -> Option<Broken> {
 /// Returns a processor for each worker, among those that this process may use, beginning with the calling thread's;
 /// empty if there are fewer processors than workers.
 fn processors(workers: usize) -> Vec<usize> {
-    // SAFETY: an all-zero set is valid and is filled by the call, which gets its size; the others take no pointers.
-    let (allowed, here) = unsafe {
+    // SAFETY: an all-zero set is valid and is filled by the call, which gets its size; the other calls take no pointers.
+    let (allowed, current) = unsafe {
         let mut set: libc::cpu_set_t = std::mem::zeroed();
         if libc::sched_getaffinity(0, size_of::<libc::cpu_set_t>(), &mut set) != 0 {
             return Vec::new();
@@ -457,7 +460,7 @@ fn processors(workers: usize) -> Vec<usize> {
     if allowed.len() < workers {
         return Vec::new();
     }
-    let first = allowed.iter().position(|cpu| i32::try_from(*cpu) == Ok(here)).unwrap_or(0);
+    let first = allowed.iter().position(|cpu| i32::try_from(*cpu) == Ok(current)).unwrap_or(0);
     allowed.iter().cycle().skip(first).take(workers).copied().collect()
 }
 

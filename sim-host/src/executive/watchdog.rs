@@ -1,5 +1,5 @@
-//! Detection of overdue programs, by the processor time of a thread or process since its release: so no program becomes
-//! overdue because the machine is loaded.
+//! Detection of overdue programs by the processor time of a thread or process since its release, so that no program
+//! becomes overdue because the machine is loaded.
 
 use std::fs;
 use std::io;
@@ -17,10 +17,11 @@ pub struct ReleaseTimer {
     gone_in: Option<u64>,
 }
 
+/// State of a flow at the first sample of its release, and its last activity.
 struct Baseline {
     processor_time: Duration,
     imports: Duration,
-    /// Last time at which it was seen running, or ready to run.
+    /// Time of the last sample in which the flow ran or was ready to run.
     last_active: Instant,
     last_processor_time: Duration,
 }
@@ -35,7 +36,8 @@ pub struct FlowSample {
     pub is_asleep: bool,
     /// The flow imports a module, for which the timeout is longer, see `IMPORT_TIMEOUT_FACTOR`.
     pub is_importing: bool,
-    /// Processor time of earlier imports, which does not count. It is reported by the program's process, which may lie.
+    /// Processor time of earlier imports, which is not part of the measured time. The program's process reports it; the report may be
+    /// false.
     pub imports: Duration,
 }
 
@@ -44,7 +46,7 @@ const IMPORT_TIMEOUT_FACTOR: f64 = 12.0;
 
 impl FlowSample {
     /// Samples a thread of this process.
-    pub fn at_thread(block: &FlowBlock) -> Option<Self> {
+    pub fn of_thread(block: &FlowBlock) -> Option<Self> {
         let tid = block.tid.load(Relaxed);
         Some(Self {
             release: block.releases.load(Relaxed),
@@ -56,14 +58,14 @@ impl FlowSample {
     }
 
     /// Samples the process `pid`, which the thread of `block` serves; `None` while a debugger is attached to it.
-    pub fn at_process(pid: i32, block: &FlowBlock) -> Option<Self> {
+    pub fn of_process(pid: i32, block: &FlowBlock) -> Option<Self> {
         if is_traced(&pid.to_string()) {
             return None;
         }
         Some(Self {
             release: block.releases.load(Relaxed),
             processor_time: process_time(pid)?,
-            // Inside a call to the host the program's threads sleep as they should.
+            // Inside a call to the host, the program's threads must sleep.
             is_asleep: !block.in_host.load(Relaxed) && are_asleep(pid),
             is_importing: false,
             imports: Duration::ZERO,
@@ -73,7 +75,7 @@ impl FlowSample {
 
 impl FlowSample {
     /// Samples the process `pid`, which loads its program.
-    pub fn at_loading(pid: i32) -> Option<Self> {
+    pub fn of_loading(pid: i32) -> Option<Self> {
         Some(Self {
             release: 1,
             processor_time: process_time(pid)?,
@@ -83,7 +85,7 @@ impl FlowSample {
         })
     }
 
-    /// Adds what the process reports about its imports.
+    /// Adds the imports that the process reports.
     #[must_use]
     pub fn with_imports(self, (is_importing, imports): (bool, Duration)) -> Self {
         Self { is_importing, imports, ..self }
@@ -91,21 +93,20 @@ impl FlowSample {
 }
 
 impl ReleaseTimer {
-    /// Discards the measurement while the flow is inside a call, such as for an image; the measurement restarts after
-    /// that.
+    /// Discards the measurement while the flow is inside a call, such as for an image; the next sample restarts it.
     pub fn pause(&mut self) {
         self.baseline = None;
     }
 
-    /// Notes that the flow's thread does not exist in this release. Returns true the second time: a thread that ended
-    /// normally is not seen twice, since its robot is no longer running.
-    pub fn is_gone(&mut self, release: u64) -> bool {
+    /// Records that the flow's thread does not exist in this release. Returns true the second time: this is not called twice
+    /// for a thread that has ended normally, since its robot no longer runs.
+    pub fn record_missing(&mut self, release: u64) -> bool {
         self.gone_in.replace(release) == Some(release)
     }
 
     /// Returns true if the flow has used `timeout` seconds of processor time, or slept in the kernel for as long, since
-    /// its last release, not counting imports of modules. Measured from the first sample of a release, so up to one
-    /// sampling interval in the program's favour.
+    /// its last release, not counting imports of modules. The measurement starts at the first sample of a release, so that
+    /// a program may use up to one sampling interval more.
     pub fn is_overdue(&mut self, sample: &FlowSample, timeout: f64) -> bool {
         let processor_time = sample.processor_time;
         let now = Instant::now();
@@ -135,16 +136,18 @@ pub fn is_debugged() -> bool {
     is_traced("self")
 }
 
-/// Returns true while a debugger is attached to the process `pid`: a tracer that is not this process, as after `ptrace(PTRACE_TRACEME)`
-/// of a program, and that no program has started.
+/// Returns true while a debugger is attached to the process `pid`: a tracer that no program has started, and that is not this process, as
+/// it would be after `ptrace(PTRACE_TRACEME)` of a program.
 pub fn is_traced(pid: &str) -> bool {
     number_in_status(pid, "TracerPid:").is_some_and(|tracer| tracer != 0 && !is_descendant(tracer))
 }
 
 /// Returns true if the process `pid` is this one, or one that this one or its descendants have started.
 fn is_descendant(pid: u32) -> bool {
-    let own = std::process::id();
-    std::iter::successors(Some(pid), |pid| number_in_status(&pid.to_string(), "PPid:")).take(64).any(|pid| pid == own)
+    let own_pid = std::process::id();
+    std::iter::successors(Some(pid), |pid| number_in_status(&pid.to_string(), "PPid:"))
+        .take(64)
+        .any(|pid| pid == own_pid)
 }
 
 /// The number after `key` in the kernel's description of the process `pid`.
@@ -216,7 +219,7 @@ pub fn is_stopped(pid: i32) -> bool {
 /// The kernel's state letter of the thread or process with this folder in `/proc`.
 fn state(folder: &str) -> Option<char> {
     let stat = fs::read_to_string(format!("{folder}/stat")).ok()?;
-    // "tid (name) S ...": the name may hold blanks and brackets.
+    // "tid (name) S ...": the name may contain blanks and brackets.
     stat.rsplit_once(')').and_then(|(_, rest)| rest.trim_start().chars().next())
 }
 
@@ -225,7 +228,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_host_does_is_not_the_programs_time() {
+    fn time_in_the_host_is_not_measured() {
         let mut timer = ReleaseTimer::default();
         let sample = |seconds| FlowSample { processor_time: Duration::from_secs(seconds), ..sample_at_start() };
         assert!(!timer.is_overdue(&sample(0), 1.0));
@@ -245,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_process_that_lies_about_its_imports_is_overdue_in_the_end() {
+    fn false_reports_of_imports_do_not_prevent_the_timeout() {
         let sample = |seconds, imports| {
             FlowSample { processor_time: Duration::from_secs(seconds), ..sample_at_start() }.with_imports(imports)
         };
@@ -258,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn a_busy_thread_uses_processor_time_and_a_sleeping_one_does_not() {
+    fn busy_threads_use_processor_time_and_do_not_sleep() {
         // SAFETY: gettid takes no arguments and always succeeds.
         let tid = unsafe { libc::gettid() };
         let before = processor_time(tid).unwrap();

@@ -10,7 +10,7 @@ use super::ready::Ready;
 use super::settings::Settings;
 use super::{Error, Options};
 use crate::check::Tally;
-use crate::executive::load::{ProgramLoadError, load_programs, place_of};
+use crate::executive::load::{ProgramLoadError, execution_of, load_programs};
 use crate::executive::program::ExecutionKind;
 use crate::executive::spawn::{RobotOptions, Spawner};
 use crate::program::find::ProgramSource;
@@ -57,7 +57,7 @@ impl BuiltScene {
     pub fn placement_remarks(&self) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
         for program in self.programs.iter() {
-            let (execution, reason) = place_of(program, self.options.exec);
+            let (execution, reason) = execution_of(program, self.options.exec);
             let execution = if execution == ExecutionKind::Process { "in a process" } else { "on a thread" };
             let line = reason.map(|reason| format!("program `{}` runs {execution}: it {reason}", program.name));
             lines.extend(line.filter(|line| !lines.contains(line)));
@@ -67,7 +67,7 @@ impl BuiltScene {
 
     /// Returns true if all programs run on fibers, where eyesim handles their faults.
     pub fn uses_only_fibers(&self) -> bool {
-        self.programs.iter().all(|program| place_of(program, self.options.exec).0 == ExecutionKind::Fiber)
+        self.programs.iter().all(|program| execution_of(program, self.options.exec).0 == ExecutionKind::Fiber)
     }
 
     /// Returns true if at least one robot has a program.

@@ -252,6 +252,7 @@ struct Judging {
     /// Events for the programs of checks.
     events: Option<Arc<Mutex<EventStore>>>,
     interrupt: Interrupt,
+    /// The programs of checks may run.
     may_run: bool,
 }
 

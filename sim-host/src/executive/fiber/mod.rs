@@ -1,12 +1,12 @@
-//! Executor with one fiber for each task of a robot, and one OS thread, the worker, for many robots: a hand-over is a
-//! stack switch.
+//! Executor with one fiber for each task of a robot; a worker, an OS thread, runs the fibers of many robots. A hand-over
+//! is a stack switch.
 //!
 //! A robot stays on the worker on which it is first resumed, because compilers keep addresses of thread-locals, such as
 //! `errno`, across calls. A switch saves the program's state that is stored per thread: `errno` and the floating-point
 //! environment.
 //!
 //! After a fault the fiber never runs again: the signal handler lets the worker continue as if the fiber had suspended
-//! itself. The fiber, its stack and its program are kept as they are until the process ends. The return path to the
+//! itself. The fiber, its stack and its program are kept unchanged until the process ends. The return path to the
 //! worker does not use the fiber's stack, so this works even if the program has destroyed its stack.
 
 mod stack;
@@ -34,7 +34,7 @@ use super::prefetch::prefetch;
 use super::process::Child;
 use super::program::RobotProgram;
 use super::run::Member;
-use super::signal::{self, FlowBlock, Handlers, Leave};
+use super::signal::{self, FiberExits, FlowBlock, Handlers};
 use super::team::{Job, Team};
 use super::thread::{self as threads, JOIN_TIMEOUT};
 use super::watchdog::{FlowSample, ReleaseTimer};
@@ -49,10 +49,11 @@ pub struct FiberExecutor {
     robots: boxcar::Vec<Arc<RobotFibers>>,
     /// Number of workers, which start with the first fiber.
     worker_count: usize,
-    /// The workers once they have started, and their threads until they are joined.
+    /// The workers, once they have started.
     workers: OnceLock<Vec<Arc<Worker>>>,
+    /// The workers' threads, until they are joined.
     threads: Mutex<Vec<RunningWorker>>,
-    /// The loop in which idle workers help.
+    /// The loop with which idle workers help.
     team: Arc<Team>,
     stacks: Arc<Stacks>,
     /// Notifier that broken flows signal; unset before the run begins.
@@ -72,9 +73,9 @@ struct Worker {
     queue: Mutex<VecDeque<(Arc<RobotFibers>, Arc<Fiber>)>>,
     /// Length of the queue.
     queued: AtomicUsize,
-    /// Number of robots that have their home here.
+    /// Number of robots whose home this worker is.
     residents: AtomicUsize,
-    /// The worker waits in the kernel, which takes microseconds to wake it.
+    /// The worker waits in the kernel, which takes microseconds to wake a thread.
     is_parked: AtomicBool,
     thread: OnceLock<thread::Thread>,
     team: Arc<Team>,
@@ -93,7 +94,7 @@ unsafe impl Sync for Worker {}
 /// The fibers of one robot.
 #[derive(Default)]
 struct RobotFibers {
-    /// Its variables, if it shares a copy of its library with other robots.
+    /// The program's variables, if the robot shares a copy of its library with other robots.
     variables: Option<Arc<Variables>>,
     /// The robot; `None` for a spawned robot, which is not prefetched.
     member: Option<Arc<Member>>,
@@ -131,13 +132,13 @@ unsafe impl Sync for Fiber {}
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 enum Status {
-    /// It has not run yet.
+    /// The fiber has not run yet.
     New,
-    /// It waits for its worker.
+    /// The fiber waits for its worker.
     Suspended,
     Running,
     Ended,
-    /// It has faulted.
+    /// The fiber has faulted.
     Broken,
 }
 
@@ -145,9 +146,9 @@ enum Status {
 struct Context {
     /// Stack pointer.
     sp: usize,
-    /// Body of the fiber; `None` once it has begun.
+    /// Body of the fiber; `None` once the fiber has begun.
     flow: Option<Box<dyn FnOnce() -> Option<u32> + Send>>,
-    /// Once it has ended: the task that gets the run token next.
+    /// Once the fiber has ended: the task that gets the run token next.
     next: Option<u32>,
     environment: Environment,
     errno: i32,
@@ -191,7 +192,7 @@ impl FiberExecutor {
         ptr::eq(running, Arc::as_ptr(&fiber)).then_some(fiber)
     }
 
-    /// Starts the workers if that has not been done.
+    /// Starts the workers unless they have been started.
     fn start_workers(&self) -> io::Result<()> {
         if self.workers.get().is_none() {
             let mut running = self.threads.lock();
@@ -208,7 +209,7 @@ impl FiberExecutor {
 impl RunningWorker {
     fn start(number: usize, notifier: &Arc<Notifier>, team: &Arc<Team>) -> io::Result<Self> {
         let worker = Arc::new(Worker {
-            block: FlowBlock::notifying(Arc::clone(notifier)),
+            block: FlowBlock::of_thread(Arc::clone(notifier)),
             queue: Mutex::default(),
             queued: AtomicUsize::new(0),
             residents: AtomicUsize::new(0),
@@ -220,30 +221,30 @@ impl RunningWorker {
             is_ending: AtomicBool::new(false),
             _handlers: Handlers::hold()?,
         });
-        let own = Arc::clone(&worker);
-        let (adopted, adoption) = mpsc::sync_channel(1);
-        let life = move || {
-            let own: *const Worker = Arc::into_raw(own);
-            WORKER.set(own);
-            // SAFETY: the count that was just taken is released only after this thread has ended; the block has no other thread.
-            let (own, result) = unsafe { (&*own, (*own).block.adopt_current_thread()) };
+        let own_worker = Arc::clone(&worker);
+        let (sender, receiver) = mpsc::sync_channel(1);
+        let body = move || {
+            let own_worker: *const Worker = Arc::into_raw(own_worker);
+            WORKER.set(own_worker);
+            // SAFETY: this thread's reference count is released only after the thread has ended; the block has no other thread.
+            let (own_worker, result) = unsafe { (&*own_worker, (*own_worker).block.adopt_current_thread()) };
             let is_adopted = result.is_ok();
             // SAFETY: no fiber runs.
             unsafe { signal::set_current(ptr::null()) };
             // The receiver below waits for this one message.
-            let _ = adopted.send(result);
+            let _ = sender.send(result);
             if is_adopted {
-                own.run();
+                own_worker.run();
                 // SAFETY: no fiber runs any more. A fault in the C library's work at the end of the thread is
                 // attributed to this thread.
-                unsafe { signal::set_current(&raw const own.block) };
+                unsafe { signal::set_current(&raw const own_worker.block) };
             }
         };
-        let thread = thread::Builder::new().name(format!("worker {number}")).spawn(life)?;
-        // Set once.
+        let thread = thread::Builder::new().name(format!("worker {number}")).spawn(body)?;
+        // The cell is still empty.
         let _ = worker.thread.set(thread.thread().clone());
         let running = Self { worker, thread };
-        match adoption.recv().map_err(io::Error::other)? {
+        match receiver.recv().map_err(io::Error::other)? {
             Ok(()) => Ok(running),
             Err(error) => {
                 running.join();
@@ -252,7 +253,7 @@ impl RunningWorker {
         }
     }
 
-    /// Ends the worker; returns false if it runs a fiber that does not come back: the worker is lost.
+    /// Ends the worker. Returns false if it runs a fiber that does not suspend itself; then the worker is lost.
     fn join(self) -> bool {
         const POLL_INTERVAL: Duration = Duration::from_micros(50);
         let Self { worker, thread } = self;
@@ -273,7 +274,7 @@ impl RunningWorker {
         // A program may have damaged the heap, to which the thread returns memory.
         let is_joined = threads::join(thread, &worker.block, JOIN_TIMEOUT);
         if is_joined {
-            // SAFETY: the thread has ended, and with it the use of the count that it took.
+            // SAFETY: the thread has ended and no longer uses its reference count.
             unsafe { Arc::decrement_strong_count(Arc::as_ptr(&worker)) };
         } else {
             interrupt::disarm_last_resort();
@@ -316,13 +317,13 @@ impl Worker {
     /// Takes the first fiber from the queue. Prefetches the data of the following fiber, unless the robots are so few
     /// that they fit in the caches.
     fn next(&self) -> Option<(Arc<RobotFibers>, Arc<Fiber>)> {
-        /// Number of robots that fit in the second cache: with a hundred, prefetching neither gains nor costs
+        /// Number of robots that fit in the second-level cache: with a hundred, prefetching neither gains nor costs time
         /// (docs/performance.md).
-        const FEW: usize = 100;
+        const MAX_CACHED: usize = 100;
         let mut queue = self.queue.lock();
         let first = queue.pop_front();
         self.queued.store(queue.len(), Ordering::SeqCst);
-        if self.residents.load(Ordering::Relaxed) > FEW
+        if self.residents.load(Ordering::Relaxed) > MAX_CACHED
             && let Some((robot, fiber)) = queue.front()
         {
             // SAFETY: fibers of this queue run only on the calling thread.
@@ -334,23 +335,23 @@ impl Worker {
         first
     }
 
-    /// Waits until a fiber is in the queue or the worker is to end, and helps with loops meanwhile. It spins for a
+    /// Waits until a fiber is in the queue or the worker must end, and helps with loops meanwhile. It spins for a
     /// short time, since the next slot of a few robots begins sooner than the kernel could wake a thread; then it waits
     /// in the kernel.
     fn wait(&self) {
         /// Number of spins before a wait in the kernel, some tens of microseconds.
         const SPINS: usize = 1000;
-        let is_over = || self.queued.load(Ordering::SeqCst) > 0 || self.is_ending.load(Ordering::SeqCst);
+        let must_return = || self.queued.load(Ordering::SeqCst) > 0 || self.is_ending.load(Ordering::SeqCst);
         let (mut spins, mut seen) = (0, 0);
         while spins < SPINS {
-            if is_over() {
+            if must_return() {
                 return;
             }
             spins = if self.team.help(&mut seen) { 0 } else { spins + 1 };
             std::hint::spin_loop();
         }
         self.is_parked.store(true, Ordering::SeqCst);
-        if !is_over() && !self.team.has_job(seen) {
+        if !must_return() && !self.team.has_job(seen) {
             thread::park();
         }
         self.is_parked.store(false, Ordering::SeqCst);
@@ -361,7 +362,7 @@ impl Worker {
         match fiber.status() {
             Status::New => fiber.block.adopt_fiber(&self.block, fiber.stack.bounds()),
             Status::Suspended => {}
-            // It was resumed as it ended, or was given up.
+            // The fiber was resumed while it ended, or its run gave it up.
             Status::Running | Status::Ended | Status::Broken => return,
         }
         fiber.set_status(Status::Running);
@@ -369,9 +370,9 @@ impl Worker {
         let context = fiber.context.get();
         CURRENT.set(Arc::as_ptr(fiber));
         self.running.store(Arc::as_ptr(fiber).cast_mut(), Ordering::Relaxed);
-        // SAFETY: the caller's reference keeps the fiber alive until both are replaced below; it does not run, so that
-        // its context belongs to this thread alone, and has not been continued since it was stored; `errno` is this
-        // thread's variable. This worker is the home of all robots that share the copy of the variables, which belong
+        // SAFETY: the caller's reference keeps the fiber alive until `CURRENT` and `running` are replaced below; the fiber
+        // does not run, so that only this thread uses its context, which has not been continued since it was stored;
+        // `errno` is this thread's variable. This worker is the home of all robots that share the copy of the variables, which belong
         // to a run's programs and are dropped after the run.
         unsafe {
             if let Some(variables) = &robot.variables {
@@ -389,7 +390,7 @@ impl Worker {
         if fiber.block.has_stored_fault() {
             float::reset();
             fiber.set_status(Status::Broken);
-            // Nothing writes to the stack from here on.
+            // From here on, nothing writes to the stack.
             fiber.block.publish_stored();
         } else if fiber.status() == Status::Ended {
             Environment::INITIAL.apply();
@@ -407,8 +408,8 @@ impl Worker {
 }
 
 impl RobotFibers {
-    /// Hands the run token to `task`, whose fiber runs next on the calling worker. Nothing runs if the run is over and its flows have
-    /// been given up.
+    /// Hands the run token to `task`, whose fiber runs next on the calling worker. Does nothing if the run is over and has given up its
+    /// flows.
     fn hand_token_to(self: &Arc<Self>, task: u32) {
         let mut flows = self.flows.lock();
         let next = flows.list.iter().find(|(number, _)| *number == task).map(|(_, fiber)| Arc::clone(fiber));
@@ -447,8 +448,8 @@ impl Fiber {
         // SAFETY: no code uses the new stack.
         let sp = unsafe { switch::prepare(stack.bounds()[1], Self::begin) };
         Self {
-            block: FlowBlock::leaving(
-                Leave { from_signal: Self::leave_from_signal, from_call: Self::leave_from_call },
+            block: FlowBlock::of_fiber(
+                FiberExits { from_signal: Self::leave_from_signal, from_call: Self::leave_from_call },
                 Arc::clone(notifier),
             ),
             stack,
@@ -469,14 +470,14 @@ impl Fiber {
     /// # Safety
     /// Called on the thread of the fiber's worker, and not by the fiber.
     unsafe fn prefetch(&self) {
-        /// Bytes of the stack below and above the frame that has suspended the fiber.
-        const REACH: [usize; 2] = [4096, 2048];
-        let own = ptr::from_ref(self);
-        prefetch(own.cast()..own.wrapping_add(1).cast());
+        /// Bytes of the stack below and above the stack pointer of the suspended fiber.
+        const EXTENT: [usize; 2] = [4096, 2048];
+        let this = ptr::from_ref(self);
+        prefetch(this.cast()..this.wrapping_add(1).cast());
         // SAFETY: no code changes the context meanwhile, by this function's contract.
         let sp = unsafe { (*self.context.get()).sp };
         let [low, high] = self.stack.bounds();
-        prefetch(ptr::without_provenance(low.max(sp - REACH[0]))..ptr::without_provenance(high.min(sp + REACH[1])));
+        prefetch(ptr::without_provenance(low.max(sp - EXTENT[0]))..ptr::without_provenance(high.min(sp + EXTENT[1])));
     }
 
     fn status(&self) -> Status {
@@ -498,7 +499,7 @@ impl Fiber {
     /// Body of a fiber.
     extern "sysv64" fn begin() -> ! {
         let fiber = Self::current();
-        // SAFETY: the fiber runs, so that its context is its own.
+        // SAFETY: the fiber runs, so that no other code uses its context.
         unsafe {
             if let Some(flow) = (*fiber.context.get()).flow.take() {
                 (*fiber.context.get()).next = flow();
@@ -528,7 +529,7 @@ impl Fiber {
         }
     }
 
-    /// See [`Leave::from_signal`].
+    /// See [`FiberExits::from_signal`].
     ///
     /// # Safety
     /// `context` is the kernel's context of a signal on the thread of a worker that runs a fiber.
@@ -537,8 +538,9 @@ impl Fiber {
         unsafe { switch::divert(context, *(*WORKER.get()).sp.get()) };
     }
 
-    /// Returns true once the fiber holds no resources: it has never run, or it ends by this time.
-    fn gives_up(&self, deadline: Option<Instant>) -> bool {
+    /// Waits until the fiber has ended, at most until `deadline`. Returns true if the fiber has ended or has never run, so that
+    /// it holds no resources.
+    fn wait_for_end(&self, deadline: Option<Instant>) -> bool {
         const POLL_INTERVAL: Duration = Duration::from_micros(100);
         while !matches!(self.status(), Status::New | Status::Ended) {
             if deadline.is_none_or(|deadline| Instant::now() >= deadline) {
@@ -553,35 +555,35 @@ impl Fiber {
 impl Executor for FiberExecutor {
     fn begin(&self, notifier: &Arc<Notifier>) {
         damage::heap_functions();
-        // A run begins once.
+        // A run begins once, so the cell is still empty.
         let _ = self.notifier.set(Arc::clone(notifier));
     }
 
-    fn end(&self, departed: &dyn Fn(RobotId) -> bool) -> bool {
-        let mut all_end = true;
+    fn end(&self, has_departed: &dyn Fn(RobotId) -> bool) -> bool {
+        let mut all_ended = true;
         self.stacks.end();
         let deadline = Instant::now() + JOIN_TIMEOUT;
         for (index, robot) in &self.robots {
             let list = std::mem::take(&mut *robot.flows.lock()).list;
             let is_broken = list.iter().any(|(_, fiber)| fiber.block.fault().is_some());
-            let ends = !is_broken && departed(RobotId::from_index(index));
+            let should_end = !is_broken && has_departed(RobotId::from_index(index));
             for (_, fiber) in list {
-                if !fiber.gives_up(ends.then_some(deadline)) {
-                    damage::lose_flow();
+                if !fiber.wait_for_end(should_end.then_some(deadline)) {
+                    damage::count_lost_flow();
                     // The fiber's program may have kept addresses of its stack, and the robot's other flows wait for
                     // it.
                     std::mem::forget(fiber);
-                    all_end = false;
+                    all_ended = false;
                 }
             }
         }
         for worker in self.threads.lock().drain(..) {
             if !worker.join() {
-                damage::lose_flow();
-                all_end = false;
+                damage::count_lost_flow();
+                all_ended = false;
             }
         }
-        all_end
+        all_ended
     }
 
     fn must_end(&self) -> bool {
@@ -641,11 +643,11 @@ impl Executor for FiberExecutor {
     }
 
     fn run_loop(&self, job: &Job) {
-        let call = || {
+        let wake_workers = || {
             let workers = self.workers.get().into_iter().flatten();
             workers.filter(|worker| worker.is_parked.load(Ordering::SeqCst)).for_each(|worker| worker.wake());
         };
-        self.team.lead(job, call);
+        self.team.lead(job, wake_workers);
     }
 
     fn broken(&self) -> Vec<(RobotId, Broken)> {
@@ -653,8 +655,8 @@ impl Executor for FiberExecutor {
         for (index, robot) in &self.robots {
             let flows = robot.flows.lock();
             for (task, fiber) in &flows.list {
-                let is_alone = *task == MAIN && flows.list.len() == 1;
-                let broken = threads::broken(&fiber.block, (!is_alone).then_some(*task));
+                let is_only_flow = *task == MAIN && flows.list.len() == 1;
+                let broken = threads::broken(&fiber.block, (!is_only_flow).then_some(*task));
                 all.extend(broken.map(|broken| (RobotId::from_index(index), broken)));
             }
         }
@@ -667,8 +669,8 @@ impl Executor for FiberExecutor {
             fiber.timer.lock().pause();
             return false;
         }
-        let sample = FlowSample::at_thread(&fiber.block);
-        if sample.is_none() && fiber.timer.lock().is_gone(fiber.block.releases.load(Ordering::Relaxed)) {
+        let sample = FlowSample::of_thread(&fiber.block);
+        if sample.is_none() && fiber.timer.lock().record_missing(fiber.block.releases.load(Ordering::Relaxed)) {
             fiber.block.set_gone();
         }
         sample.is_some_and(|sample| fiber.timer.lock().is_overdue(&sample, timeout))

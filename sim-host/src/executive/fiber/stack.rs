@@ -1,5 +1,5 @@
-//! Stacks of fibers, allocated side by side in large mappings, so that a stack costs one system call and no mapping of
-//! its own.
+//! Stacks of fibers, allocated side by side in large mappings, so that a stack costs one system call and no separate
+//! mapping.
 
 use std::io;
 use std::ptr;
@@ -38,7 +38,7 @@ struct Block {
     len: usize,
     /// Lowest address of the first stack.
     first: usize,
-    /// Number of stacks.
+    /// Number of stacks in the block.
     count: usize,
     /// The mapping has not been split by its guard pages.
     is_joined: bool,
@@ -46,7 +46,7 @@ struct Block {
 
 /// A stack: memory between guard pages, committed on first touch.
 pub struct Stack {
-    /// Lowest address, where the lower guard pages are.
+    /// Lowest address, at which the lower guard pages begin.
     start: usize,
     /// Address above the usable bytes, a multiple of 16.
     top: usize,
@@ -55,17 +55,17 @@ pub struct Stack {
 }
 
 /// Size of a stack in bytes, its lower guard pages included.
-const SIZE: usize = super::super::thread::STACK;
+const STACK_SIZE: usize = super::super::thread::STACK;
 
 /// Number of stacks in the first block; each further block is twice as large, up to [`MAX_BLOCK`].
-const FIRST_BLOCK: usize = 8;
+const MIN_BLOCK: usize = 8;
 
 /// Maximum number of stacks in a block.
 const MAX_BLOCK: usize = 1024;
 
 /// Memory covered by one page of the kernel's page tables. The border of two stacks lies in the middle of such a range,
 /// so that the touched pages of one stack and the guard pages of the next share one table page.
-const TABLE_REACH: usize = 2 << 20;
+const TABLE_SPAN: usize = 2 << 20;
 
 /// Number of offsets of stack tops within their last page (cache colouring): neighbours differ, so that their frames do
 /// not compete for the same sets of the first-level cache.
@@ -81,11 +81,11 @@ pub fn mappings_per_stack() -> usize {
     *COUNT.get_or_init(|| Block::map(1).map_or(2, |block| if block.is_joined { 0 } else { 2 }))
 }
 
-/// Lets accesses to pages fault without splitting their mapping (Linux 6.13).
+/// Makes accesses to pages fault without splitting their mapping (Linux 6.13).
 const MADV_GUARD_INSTALL: i32 = 102;
 
 impl Stacks {
-    /// Takes a further stack.
+    /// Takes a stack.
     ///
     /// # Errors
     /// The system lacks memory for it.
@@ -94,10 +94,10 @@ impl Stacks {
         let number = pool.count;
         let (block, start) = match pool.returned.pop() {
             Some(returned) => returned,
-            None => pool.next()?,
+            None => pool.take_next()?,
         };
         pool.count += 1;
-        let top = start + SIZE - number % COLOURS * COLOUR_STEP;
+        let top = start + STACK_SIZE - number % COLOURS * COLOUR_STEP;
         Ok(Stack { start, top, block, stacks: Arc::clone(self) })
     }
 
@@ -108,18 +108,18 @@ impl Stacks {
 }
 
 impl StackPool {
-    /// Position of an unused stack, in a new block if necessary.
-    fn next(&mut self) -> io::Result<(Arc<Block>, usize)> {
+    /// Takes the next unused stack, in a new block if necessary; returns its block and its lowest address.
+    fn take_next(&mut self) -> io::Result<(Arc<Block>, usize)> {
         if self.block.as_ref().is_none_or(|(block, taken)| *taken == block.count) {
-            let count = self.block.as_ref().map_or(FIRST_BLOCK, |(block, _)| (2 * block.count).min(MAX_BLOCK));
+            let count = self.block.as_ref().map_or(MIN_BLOCK, |(block, _)| (2 * block.count).min(MAX_BLOCK));
             // If there is no memory for many stacks, there may be enough for one.
             let block = Block::map(count).or_else(|_| Block::map(1))?;
             self.block = Some((Arc::new(block), 0));
         }
         let Some((block, taken)) = &mut self.block else { unreachable!("it was just set") };
-        let start = block.first + *taken * SIZE;
-        // The guard pages below are the block's or belong to the previous stack.
-        guard(start + SIZE)?;
+        let start = block.first + *taken * STACK_SIZE;
+        // The guard pages below this stack exist: those of the block or those above the previous stack.
+        guard(start + STACK_SIZE)?;
         *taken += 1;
         Ok((Arc::clone(block), start))
     }
@@ -128,7 +128,7 @@ impl StackPool {
 impl Block {
     /// Maps a block of `count` stacks, with the guard pages below the first one.
     fn map(count: usize) -> io::Result<Self> {
-        let len = count * SIZE + TABLE_REACH + guard_size();
+        let len = count * STACK_SIZE + TABLE_SPAN + guard_size();
         // SAFETY: a fresh anonymous mapping; the advice concerns only its pages.
         let mapping = unsafe {
             let mapping = libc::mmap(
@@ -146,19 +146,19 @@ impl Block {
             libc::madvise(mapping, len, libc::MADV_NOHUGEPAGE);
             mapping.expose_provenance()
         };
-        let first = (mapping + TABLE_REACH / 2).next_multiple_of(TABLE_REACH) - TABLE_REACH / 2;
+        let first = (mapping + TABLE_SPAN / 2).next_multiple_of(TABLE_SPAN) - TABLE_SPAN / 2;
         let mut block = Self { mapping, len, first, count, is_joined: true };
         block.is_joined = guard(first)?;
         Ok(block)
     }
 }
 
-/// Bytes of guard pages between two stacks; a larger frame could skip them.
+/// Size in bytes of the guard pages between two stacks; a stack frame that is larger could skip them.
 fn guard_size() -> usize {
     2 * page_size()
 }
 
-/// Turns unused pages of a block, from `address` on, into guard pages; returns true if the mapping is not split.
+/// Turns the unused pages of a block at `address` into guard pages; returns true if this does not split the mapping.
 fn guard(address: usize) -> io::Result<bool> {
     let (page, len) = (ptr::with_exposed_provenance_mut(address), guard_size());
     // SAFETY: advice and protection concern only these pages, which are unused.
@@ -172,7 +172,7 @@ fn guard(address: usize) -> io::Result<bool> {
 
 impl Drop for Block {
     fn drop(&mut self) {
-        // SAFETY: the whole mapping of `map`; its stacks, which have counts of the block, are gone.
+        // SAFETY: the whole mapping of `map`; its stacks, which own reference counts of the block, are gone.
         unsafe { libc::munmap(ptr::with_exposed_provenance_mut(self.mapping), self.len) };
     }
 }
@@ -191,7 +191,9 @@ impl Drop for Stack {
         }
         let [low, _] = self.bounds();
         // SAFETY: the usable pages of this stack, on which its owner runs no code any more.
-        unsafe { libc::madvise(ptr::with_exposed_provenance_mut(low), self.start + SIZE - low, libc::MADV_DONTNEED) };
+        unsafe {
+            libc::madvise(ptr::with_exposed_provenance_mut(low), self.start + STACK_SIZE - low, libc::MADV_DONTNEED)
+        };
         self.stacks.pool.lock().returned.push((Arc::clone(&self.block), self.start));
     }
 }
@@ -201,7 +203,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn neighbours_have_other_places_in_their_pages_and_room_above_the_guard() {
+    fn stack_tops_are_coloured_and_stacks_do_not_overlap() {
         let source = Arc::new(Stacks::default());
         let stacks: Vec<_> = (0..3 * COLOURS).map(|_| source.take().unwrap()).collect();
         let mut offsets: Vec<_> = stacks.iter().map(|stack| stack.bounds()[1] % page_size()).collect();
@@ -212,7 +214,7 @@ mod tests {
         ranges.sort_unstable();
         assert!(ranges.is_sorted_by(|[_, top], [low, _]| top + guard_size() <= *low));
         for [low, top] in ranges {
-            assert!(top % 16 == 0 && top - low > SIZE - 4 * page_size(), "{low:#x} to {top:#x}");
+            assert!(top % 16 == 0 && top - low > STACK_SIZE - 4 * page_size(), "{low:#x} to {top:#x}");
             // SAFETY: both ends of the stack, which is unused.
             unsafe {
                 ptr::with_exposed_provenance_mut::<u8>(low).write_volatile(1);
@@ -222,9 +224,9 @@ mod tests {
     }
 
     #[test]
-    fn a_returned_stack_is_taken_again_and_empty() {
+    fn a_returned_stack_is_reused_and_zeroed() {
         let source = Arc::new(Stacks::default());
-        let low = || {
+        let use_stack = || {
             let stack = source.take().unwrap();
             let [low, _] = stack.bounds();
             // SAFETY: the lowest byte of the stack, which is unused.
@@ -236,8 +238,8 @@ mod tests {
             };
             (low, before)
         };
-        let (first, again) = (low(), low());
-        assert_eq!(first, again);
+        let (first, second) = (use_stack(), use_stack());
+        assert_eq!(first, second);
         assert_eq!(first.1, 0);
     }
 }

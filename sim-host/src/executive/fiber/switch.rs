@@ -6,7 +6,7 @@
 use std::arch::naked_asm;
 
 /// Number of registers that [`switch`] pushes.
-const SAVED: usize = 6;
+const SAVED_REGISTERS: usize = 6;
 
 /// Saves the calling context, stores its stack pointer in `from`, and continues the context of the stack pointer `to`.
 ///
@@ -29,24 +29,25 @@ pub unsafe extern "sysv64" fn switch(from: *mut usize, to: usize) {
     )
 }
 
-/// Continues the context whose saved registers the stack pointer points to. Never called: [`switch`] and a signal
+/// Continues the context to whose saved registers the stack pointer points. Never called: [`switch`] and a signal
 /// handler jump here.
 #[unsafe(naked)]
 unsafe extern "sysv64" fn land() {
     naked_asm!("pop r15", "pop r14", "pop r13", "pop r12", "pop rbx", "pop rbp", "ret")
 }
 
-/// Writes the context of a fiber that begins with `entry` to its stack, which ends at `top`, a multiple of 16; returns its stack pointer.
+/// Writes the context of a fiber that begins with `entry` to the fiber's stack, which ends at `top`, a multiple of 16. Returns the
+/// stack pointer of the context.
 ///
 /// # Safety
 /// The 64 bytes below `top` are valid for writes and unused.
 pub unsafe fn prepare(top: usize, entry: extern "sysv64" fn() -> !) -> usize {
-    // The registers, the entry, and the address 0 to which it would return: there a debugger's or an unwinder's walk ends.
-    let mut words = [0; SAVED + 2];
-    words[SAVED] = entry as *const () as usize;
+    // The registers, the entry, and 0 as its return address, which ends the stack walk of a debugger or an unwinder.
+    let mut words = [0; SAVED_REGISTERS + 2];
+    words[SAVED_REGISTERS] = entry as *const () as usize;
     let sp = top - size_of_val(&words);
     // SAFETY: by this function's contract.
-    unsafe { std::ptr::with_exposed_provenance_mut::<[usize; SAVED + 2]>(sp).write(words) };
+    unsafe { std::ptr::with_exposed_provenance_mut::<[usize; SAVED_REGISTERS + 2]>(sp).write(words) };
     sp
 }
 
@@ -57,13 +58,13 @@ pub unsafe fn prepare(top: usize, entry: extern "sysv64" fn() -> !) -> usize {
 /// `context` is the kernel's context of a signal on the calling thread; for `to` see [`switch`].
 pub unsafe fn divert(context: *mut libc::ucontext_t, to: usize) {
     /// Flags that the calling convention requires to be clear: trap, direction, alignment check.
-    const CLEAR: i64 = 0x100 | 0x400 | 0x4_0000;
+    const CLEARED_FLAGS: i64 = 0x100 | 0x400 | 0x4_0000;
     // SAFETY: valid by this function's contract, and no other reference to it exists.
     let context = unsafe { &mut *context };
     let registers = &mut context.uc_mcontext.gregs;
     registers[libc::REG_RIP as usize] = land as *const () as i64;
     registers[libc::REG_RSP as usize] = to as i64;
-    registers[libc::REG_EFL as usize] &= !CLEAR;
+    registers[libc::REG_EFL as usize] &= !CLEARED_FLAGS;
     // SAFETY: a valid set.
     unsafe { libc::sigemptyset(&raw mut context.uc_sigmask) };
 }

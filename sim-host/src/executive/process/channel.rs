@@ -1,8 +1,8 @@
-//! Channel between a robot's process and the host: shared memory with one message in flight, and a futex that says
-//! whose turn it is.
+//! Channel between a robot's process and the host: shared memory with one message in flight, and a futex that stores
+//! which side has the turn.
 //!
-//! `docs/protocol.md` describes the layout. The side that has the turn owns the message. Neither side trusts the other's bytes: they
-//! are copied out and checked.
+//! `docs/protocol.md` describes the layout. The side that has the turn owns the message. Neither side trusts the bytes of the other:
+//! it copies and checks them.
 
 use std::fs::File;
 use std::io;
@@ -14,14 +14,14 @@ use std::time::Duration;
 
 use super::debugger;
 
-/// Size of a channel in bytes, enough for a call with two images of the largest camera; only pages that are written take memory.
-pub const CHANNEL: usize = 32 << 20;
+/// Size of a channel in bytes, enough for a call with two images of the largest camera; only written pages take memory.
+pub const CHANNEL_SIZE: usize = 32 << 20;
 
 /// Offset of a message's body.
 const BODY: usize = 64;
 
 /// Maximum length of a body in bytes.
-pub const LONGEST: usize = CHANNEL - BODY;
+pub const MAX_BODY: usize = CHANNEL_SIZE - BODY;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"EYES");
 const VERSION: u32 = 1;
@@ -92,27 +92,27 @@ struct Header {
     host: AtomicU32,
     is_importing: AtomicU32,
     import_ms: AtomicU32,
-    place_state: AtomicU32,
-    place_line: AtomicU32,
+    location_state: AtomicU32,
+    location_line: AtomicU32,
     location_words: [AtomicU32; LOCATION_BYTES / size_of::<u32>()],
 }
 
-/// Bytes for the location of a program that computes: two addresses, or the beginning of a file's name.
+/// Bytes of a reported location: two addresses, or the beginning of a file's name.
 const LOCATION_BYTES: usize = 16;
 
-/// States of the request for the location at which a program computes; 0 if the child cannot be asked.
-mod place_state {
+/// States of the request for the location at which a program computes; 0 if the child does not report it.
+mod location_state {
     pub const READY: u32 = 1;
-    pub const ASKED: u32 = 2;
-    pub const TOLD: u32 = 3;
+    pub const REQUESTED: u32 = 2;
+    pub const REPORTED: u32 = 3;
 }
 
 /// Location at which a program in a process computes, as the process reports it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ComputingLocation {
+pub enum CodeLocation {
     /// Addresses in its library, the innermost first; 0 for none.
     Addresses([u64; 2]),
-    /// A line of a source file; of the file's name only the first bytes are reported.
+    /// A line of a source file; only the first bytes of the file's name are reported.
     Line {
         /// The beginning of the file's name.
         file: String,
@@ -153,7 +153,7 @@ impl Channels {
         };
         let channels = Self { file };
         channels.grow_to(1)?;
-        // A child that truncated the file would make the host fault.
+        // Otherwise a child could make the host fault by truncating the file.
         // SAFETY: the descriptor is open; the call takes no pointer.
         if unsafe { libc::fcntl(channels.file.as_raw_fd(), libc::F_ADD_SEALS, libc::F_SEAL_SHRINK) } < 0 {
             return Err(io::Error::last_os_error());
@@ -193,7 +193,7 @@ impl Channels {
     /// The length of the file is not a positive multiple of a channel's.
     pub fn of_file(file: File) -> io::Result<Self> {
         let length = file.metadata()?.len();
-        if length < CHANNEL as u64 || length % CHANNEL as u64 != 0 {
+        if length < CHANNEL_SIZE as u64 || length % CHANNEL_SIZE as u64 != 0 {
             return Err(io::Error::other("the standard input is not a channel of eyesim"));
         }
         Ok(Self { file })
@@ -209,7 +209,7 @@ impl Channels {
     /// # Errors
     /// The kernel refuses.
     pub fn grow_to(&self, count: u32) -> io::Result<()> {
-        self.file.set_len(u64::from(count) * CHANNEL as u64)
+        self.file.set_len(u64::from(count) * CHANNEL_SIZE as u64)
     }
 
     /// Maps the channel `number`, which the file must contain.
@@ -217,12 +217,12 @@ impl Channels {
     /// # Errors
     /// The kernel lacks memory.
     pub fn map(&self, number: u32) -> io::Result<Channel> {
-        let offset = libc::off_t::from(number) * CHANNEL as libc::off_t;
+        let offset = libc::off_t::from(number) * CHANNEL_SIZE as libc::off_t;
         // SAFETY: a new mapping at an address that the kernel chooses; the file contains the channel and never shrinks.
         let memory = unsafe {
             libc::mmap(
                 ptr::null_mut(),
-                CHANNEL,
+                CHANNEL_SIZE,
                 libc::PROT_READ | libc::PROT_WRITE,
                 libc::MAP_SHARED | libc::MAP_NORESERVE,
                 self.file.as_raw_fd(),
@@ -281,16 +281,16 @@ impl Channel {
     /// false, and sends nothing, if the message is too long. Async-signal-safe.
     pub fn send(&self, kind: u32, parts: &[&[u8]]) -> bool {
         let length: usize = parts.iter().map(|part| part.len()).sum();
-        if length > LONGEST {
+        if length > MAX_BODY {
             return false;
         }
         let header = self.header();
-        let mut at = BODY;
+        let mut offset = BODY;
         for part in parts {
-            // SAFETY: the check above proves that the body has room for all parts; the other side does not touch it out of turn, and
-            // a part is not in the channel's memory.
-            unsafe { ptr::copy_nonoverlapping(part.as_ptr(), self.memory.add(at), part.len()) };
-            at += part.len();
+            // SAFETY: by the check above, all parts fit in the body; the other side does not touch the body out of turn, and no
+            // part is in the channel's memory.
+            unsafe { ptr::copy_nonoverlapping(part.as_ptr(), self.memory.add(offset), part.len()) };
+            offset += part.len();
         }
         header.kind.store(kind, Ordering::Relaxed);
         header.length.store(length as u32, Ordering::Relaxed);
@@ -305,12 +305,12 @@ impl Channel {
         wake(turn);
     }
 
-    /// Copies the message out; the caller must have the turn. `None` if its length is impossible.
+    /// Copies the message out of the channel; the caller must have the turn. `None` if the message's length is impossible.
     pub fn message(&self) -> Option<Message> {
         fence(Ordering::Acquire);
         let header = self.header();
         let (kind, length) = (header.kind.load(Ordering::Relaxed), header.length.load(Ordering::Relaxed) as usize);
-        if length > LONGEST {
+        if length > MAX_BODY {
             return None;
         }
         let mut body = Vec::with_capacity(length);
@@ -323,13 +323,13 @@ impl Channel {
         Some(Message { kind, body })
     }
 
-    /// Waits until `whose` has the turn, or `timeout` has passed. Returns true if it has the turn.
-    pub fn wait_for(&self, whose: Turn, timeout: Option<Duration>) -> bool {
-        let other = if whose == Turn::Host { Turn::Child } else { Turn::Host };
-        if self.turn() != whose {
+    /// Waits until `side` has the turn or `timeout` has passed, but may return earlier. Returns true if `side` has the turn.
+    pub fn wait_for(&self, side: Turn, timeout: Option<Duration>) -> bool {
+        let other = if side == Turn::Host { Turn::Child } else { Turn::Host };
+        if self.turn() != side {
             wait(&self.header().turn, other as u32, timeout);
         }
-        self.turn() == whose
+        self.turn() == side
     }
 
     /// Process id of the host (channel 0 only).
@@ -337,63 +337,63 @@ impl Channel {
         self.header().host.load(Ordering::Relaxed)
     }
 
-    /// True if the child imports a module now, and the processor time that earlier imports have taken (channel 0 only).
+    /// True if the child is importing a module, and the processor time that earlier imports have taken (channel 0 only).
     pub fn imports(&self) -> (bool, Duration) {
         let header = self.header();
         let spent_ms = header.import_ms.load(Ordering::Relaxed);
         (header.is_importing.load(Ordering::Relaxed) != 0, Duration::from_millis(spent_ms.into()))
     }
 
-    /// Tells the host that the child can be asked for the location at which it computes.
-    pub fn offer_place(&self) {
-        self.header().place_state.store(place_state::READY, Ordering::Release);
+    /// Declares that the child can report the location at which it computes.
+    pub fn offer_location(&self) {
+        self.header().location_state.store(location_state::READY, Ordering::Release);
     }
 
-    /// Asks the child for the location at which the thread of this channel computes; the child checks for the request
-    /// when it receives a signal. Returns false if it cannot be asked.
-    pub fn ask_place(&self) -> bool {
-        let (ready, asked) = (place_state::READY, place_state::ASKED);
-        let state = &self.header().place_state;
-        state.compare_exchange(ready, asked, Ordering::AcqRel, Ordering::Relaxed).is_ok()
+    /// Requests the location at which the child's thread of this channel computes; the child checks for the request when it
+    /// receives a signal. Returns false if the child does not report its location.
+    pub fn request_location(&self) -> bool {
+        let (ready, requested) = (location_state::READY, location_state::REQUESTED);
+        let state = &self.header().location_state;
+        state.compare_exchange(ready, requested, Ordering::AcqRel, Ordering::Relaxed).is_ok()
     }
 
-    /// Returns true if the host asks for the location; the request ends with [`Channel::report_place`].
+    /// Returns true if the host has requested the location; the request ends with [`Channel::report_location`].
     /// Async-signal-safe.
-    pub fn is_place_asked(&self) -> bool {
-        self.header().place_state.load(Ordering::Acquire) == place_state::ASKED
+    pub fn is_location_requested(&self) -> bool {
+        self.header().location_state.load(Ordering::Acquire) == location_state::REQUESTED
     }
 
     /// Reports the addresses of the location at which the calling thread computes. Async-signal-safe.
-    pub fn report_place(&self, addresses: [u64; 2]) {
+    pub fn report_location(&self, addresses: [u64; 2]) {
         let header = self.header();
-        header.place_line.store(0, Ordering::Relaxed);
+        header.location_line.store(0, Ordering::Relaxed);
         for (word, value) in
             header.location_words.iter().zip(addresses.iter().flat_map(|address| [*address, address >> 32]))
         {
             word.store(value as u32, Ordering::Relaxed);
         }
-        header.place_state.store(place_state::TOLD, Ordering::Release);
+        header.location_state.store(location_state::REPORTED, Ordering::Release);
     }
 
     /// Returns true once the child has reported its location.
-    pub fn is_place_reported(&self) -> bool {
-        self.header().place_state.load(Ordering::Acquire) == place_state::TOLD
+    pub fn is_location_reported(&self) -> bool {
+        self.header().location_state.load(Ordering::Acquire) == location_state::REPORTED
     }
 
-    /// Takes the location that the child has reported since it was asked; withdraws the request if there is none.
-    pub fn take_computing_location(&self) -> Option<ComputingLocation> {
+    /// Takes the location that the child has reported since the request; withdraws the request if there is no report.
+    pub fn take_location(&self) -> Option<CodeLocation> {
         let header = self.header();
-        if header.place_state.swap(place_state::READY, Ordering::AcqRel) != place_state::TOLD {
+        if header.location_state.swap(location_state::READY, Ordering::AcqRel) != location_state::REPORTED {
             return None;
         }
         let words: Vec<u32> = header.location_words.iter().map(|word| word.load(Ordering::Relaxed)).collect();
-        let line = header.place_line.load(Ordering::Relaxed);
+        let line = header.location_line.load(Ordering::Relaxed);
         if line == 0 {
             let address = |low: usize| u64::from(words[low]) | u64::from(words[low + 1]) << 32;
-            return Some(ComputingLocation::Addresses([address(0), address(2)]));
+            return Some(CodeLocation::Addresses([address(0), address(2)]));
         }
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0).collect();
-        Some(ComputingLocation::Line { file: String::from_utf8_lossy(&bytes).into_owned(), line })
+        Some(CodeLocation::Line { file: String::from_utf8_lossy(&bytes).into_owned(), line })
     }
 
     /// Number of channels (channel 0 only).
@@ -401,7 +401,7 @@ impl Channel {
         self.header().channels.load(Ordering::Acquire)
     }
 
-    /// Tells the child the new number of channels (channel 0 only).
+    /// Sets the number of channels and wakes the child (channel 0 only).
     pub fn set_count(&self, count: u32) {
         self.header().channels.store(count, Ordering::Release);
         wake(&self.header().channels);
@@ -418,7 +418,7 @@ impl Channel {
 impl Drop for Channel {
     fn drop(&mut self) {
         // SAFETY: the mapping was made with this size, and nothing borrowed from it outlives `self`.
-        unsafe { libc::munmap(self.memory.cast(), CHANNEL) };
+        unsafe { libc::munmap(self.memory.cast(), CHANNEL_SIZE) };
     }
 }
 
@@ -444,7 +444,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_goes_there_and_back() {
+    fn a_call_gets_a_reply() {
         let channels = Channels::new().unwrap();
         let (host, child) = (channels.map(0).unwrap(), channels.map(0).unwrap());
         assert!(child.is_known());
@@ -454,13 +454,13 @@ mod tests {
                 assert!(child.send(kind::CALL, &[b"ab", b"", b"c"]));
                 while !child.wait_for(Turn::Child, None) {}
                 let reply = child.message().unwrap();
-                assert_eq!((reply.kind, reply.body.len()), (kind::OK, LONGEST));
-                assert_eq!(reply.body[LONGEST - 1], 7);
+                assert_eq!((reply.kind, reply.body.len()), (kind::OK, MAX_BODY));
+                assert_eq!(reply.body[MAX_BODY - 1], 7);
             });
             while !host.wait_for(Turn::Host, Some(Duration::from_secs(60))) {}
             let message = host.message().unwrap();
             assert_eq!((message.kind, &*message.body), (kind::CALL, &b"abc"[..]));
-            let long = vec![7; LONGEST + 1];
+            let long = vec![7; MAX_BODY + 1];
             assert!(!host.send(kind::OK, &[&long]), "too long");
             assert_eq!(host.turn(), Turn::Host, "nothing was sent");
             assert!(host.send(kind::OK, &[&long[1..]]));
@@ -468,7 +468,7 @@ mod tests {
     }
 
     #[test]
-    fn further_channels_are_apart() {
+    fn channels_are_independent() {
         let channels = Channels::new().unwrap();
         let first = channels.map(0).unwrap();
         channels.grow_to(2).unwrap();
@@ -482,7 +482,7 @@ mod tests {
     }
 
     #[test]
-    fn an_impossible_length_is_no_message() {
+    fn an_impossible_length_gives_no_message() {
         let channel = Channels::new().unwrap().map(0).unwrap();
         channel.header().length.store(u32::MAX, Ordering::Relaxed);
         assert!(channel.message().is_none());

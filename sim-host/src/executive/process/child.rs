@@ -13,12 +13,12 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 use robios_sys::wire::{Malformed, Reader};
 
-use super::channel::{Channel, Channels, ComputingLocation, Message, Turn, kind};
+use super::channel::{Channel, Channels, CodeLocation, Message, Turn, kind};
 use super::client::NO_ROOM_FOR_TASK;
 use super::debugger::Debugger;
 use super::output;
 use crate::executive::confine::protect_host;
-use crate::executive::fault::{Broken, SEARCH};
+use crate::executive::fault::{Broken, MAX_SEARCH_WORDS};
 use crate::executive::signal::{Fault, GONE, OVERDUE_SIGNAL};
 use crate::executive::watchdog::{self, FlowSample, ReleaseTimer};
 use crate::host;
@@ -35,7 +35,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 const LOAD_TIMEOUT: f64 = 10.0;
 
 /// Time within which an overdue child must report its location before it is killed.
-const GRACE: Duration = Duration::from_millis(300);
+const REPORT_TIMEOUT: Duration = Duration::from_millis(300);
 
 /// A robot's process.
 pub struct Child {
@@ -45,16 +45,17 @@ pub struct Child {
     channels: Channels,
     first: Channel,
     /// Channels of tasks, in addition to the first channel.
-    tasks: Mutex<Tasks>,
+    task_channels: Mutex<TaskChannels>,
     /// Last request of the watchdog for the program's location.
-    place_request: Mutex<Option<PlaceRequest>>,
+    location_request: Mutex<Option<LocationRequest>>,
     is_ending: AtomicBool,
-    /// The process was found stopped by a signal, from which it would never continue by itself.
+    /// The process was found stopped by a signal; it would never continue by itself.
     was_stopped: AtomicBool,
     /// The process is a debugger that the user operates: it has no time limits.
     is_debugged: bool,
     /// `main` has returned.
     has_exited: AtomicBool,
+    /// The break by which the child was lost.
     lost: OnceLock<Broken>,
     /// Number of the last RoBIOS call, `u16::MAX` before the first.
     pub(super) last_call: AtomicU16,
@@ -79,16 +80,16 @@ pub struct Release {
     pub number: u64,
 }
 
-struct PlaceRequest {
-    asked_at: Instant,
+struct LocationRequest {
+    requested_at: Instant,
     /// Release in which the location was requested.
     release: Release,
-    /// The child was killed because it did not answer.
+    /// The child was killed because it did not report its location.
     is_killed: bool,
 }
 
 #[derive(Default)]
-struct Tasks {
+struct TaskChannels {
     count: u32,
     idle: Vec<Channel>,
 }
@@ -96,10 +97,10 @@ struct Tasks {
 impl Child {
     /// Starts `command` with a file of channels as its standard input. The process ends with this process at the latest.
     ///
+    /// A restricted process has a folder `scratch` and prints to a pipe; its output is truncated and shown without control characters.
+    ///
     /// # Errors
     /// The system lacks the resources for another process, or the command does not exist.
-    ///
-    /// A restricted process has a folder `scratch`, and prints to a pipe: its output is cut, and shown without control characters.
     pub fn start(mut command: Command, scratch: Option<Scratch>) -> io::Result<Self> {
         let channels = Channels::new()?;
         command.stdin(Stdio::from(channels.file()?)).process_group(0);
@@ -148,8 +149,8 @@ impl Child {
             process: Mutex::new(Process { handle, status: None }),
             channels,
             first,
-            tasks: Mutex::default(),
-            place_request: Mutex::new(None),
+            task_channels: Mutex::default(),
+            location_request: Mutex::new(None),
             is_ending: AtomicBool::new(false),
             was_stopped: AtomicBool::new(false),
             has_exited: AtomicBool::new(false),
@@ -176,7 +177,7 @@ impl Child {
         /// Number of open files that do not belong to children.
         const OTHERS: usize = 256;
         let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
-        // SAFETY: both calls get one valid limit; where they fail, starting a child fails later and says so.
+        // SAFETY: both calls get one valid limit; if they fail, starting a child fails later with a message.
         unsafe {
             if libc::getrlimit(libc::RLIMIT_NOFILE, &mut limit) == 0 && limit.rlim_cur < (children + OTHERS) as u64 {
                 limit.rlim_cur = limit.rlim_max.min((children + OTHERS) as u64);
@@ -190,7 +191,7 @@ impl Child {
         &self.first
     }
 
-    /// True if the child imports a module now, and the processor time that earlier imports have taken.
+    /// True if the child is importing a module, and the processor time that earlier imports have taken.
     pub fn imports(&self) -> (bool, Duration) {
         self.first.imports()
     }
@@ -207,10 +208,10 @@ impl Child {
     /// sending the message.
     pub fn receive_first(&self) -> Result<Message, Broken> {
         let mut timer = ReleaseTimer::default();
-        // A debugger has no limit, and an interpreter says when it imports modules, which may take long.
+        // A debugger has no time limit, and an interpreter reports when it imports modules, which may take long.
         while !self.is_debugged && !self.first.wait_for(Turn::Host, Some(POLL_INTERVAL)) && self.exit_status().is_none()
         {
-            let sample = FlowSample::at_loading(self.pid).map(|sample| sample.with_imports(self.imports()));
+            let sample = FlowSample::of_loading(self.pid).map(|sample| sample.with_imports(self.imports()));
             if sample.is_some_and(|sample| timer.is_overdue(&sample, LOAD_TIMEOUT)) {
                 return Err(self.lose(self.broken(&format!(
                     "its library was not loaded within {LOAD_TIMEOUT} s: a function that runs while it is being loaded does not return"
@@ -228,7 +229,7 @@ impl Child {
         if let Some(lost) = self.lost.get() {
             return Err(lost.clone());
         }
-        let mut gone = None;
+        let mut missing_before = None;
         loop {
             if let Some(excess) = self.scratch.as_ref().and_then(|scratch| scratch.excess(self.pid)) {
                 return Err(self.lose(self.broken(&excess)));
@@ -236,20 +237,20 @@ impl Child {
             if channel.wait_for(Turn::Host, Some(POLL_INTERVAL)) {
                 break;
             }
-            // A message sent before the child ended still counts.
+            // A message that the child sent before it ended is still received.
             if let Some(status) = self.exit_status()
                 && !channel.wait_for(Turn::Host, Some(Duration::ZERO))
             {
-                return Err(self.lose(self.end_in_words(status)));
+                return Err(self.lose(self.broken_by_end(status)));
             }
-            // A task's thread is replaced by the next one; a thread that is missing in two checks has ended itself.
-            let thread = Some(channel.thread()).filter(|thread| *thread != 0 && self.has_lost(*thread));
-            if thread.is_some() && gone == thread {
+            // The next thread of a task replaces the previous one; a thread that is missing in two checks has ended by itself.
+            let missing = Some(channel.thread()).filter(|thread| *thread != 0 && self.has_lost_thread(*thread));
+            if missing.is_some() && missing == missing_before {
                 let fault = Fault { signal: GONE, ..Fault::default() };
                 let last_call = self.last_call.load(Ordering::Relaxed);
                 return Err(self.lose(Broken::new(fault, [0; 2], last_call, Vec::new())));
             }
-            gone = thread;
+            missing_before = missing;
         }
         match channel.message() {
             Some(message) if message.kind == kind::FAULT => Err(self.lose(self.fault(&message.body))),
@@ -261,8 +262,8 @@ impl Child {
         }
     }
 
-    /// Returns true if the process is alive but this thread of it is not.
-    fn has_lost(&self, thread: u32) -> bool {
+    /// Returns true if the process is alive but its thread `thread` is not.
+    fn has_lost_thread(&self, thread: u32) -> bool {
         !self.is_debugged && watchdog::is_gone(self.pid, thread.cast_signed())
     }
 
@@ -271,12 +272,12 @@ impl Child {
         self.lose(self.broken("its process sent a message that makes no sense: the program wrote where it may not"))
     }
 
-    /// A channel for a task, with a thread of the child that waits to be called back.
+    /// Takes a channel for a task, on which a thread of the child waits to be called back.
     ///
     /// # Errors
     /// [`Broken`] if the child was lost; also if the kernel lacks memory for another channel.
-    pub fn task(&self) -> Result<Channel, Broken> {
-        let mut tasks = self.tasks.lock();
+    pub fn take_task_channel(&self) -> Result<Channel, Broken> {
+        let mut tasks = self.task_channels.lock();
         if let Some(channel) = tasks.idle.pop() {
             return Ok(channel);
         }
@@ -294,8 +295,8 @@ impl Child {
     }
 
     /// Returns the channel of a task, whose thread waits to be called back again.
-    pub fn give_back(&self, channel: Channel) {
-        self.tasks.lock().idle.push(channel);
+    pub fn return_task_channel(&self, channel: Channel) {
+        self.task_channels.lock().idle.push(channel);
     }
 
     /// Returns true if the process runs under a debugger.
@@ -311,28 +312,28 @@ impl Child {
         self.was_stopped.load(Ordering::Acquire)
     }
 
-    /// Ends a child that is overdue in this release, or stopped: asks it for its location, and kills it if it does not
-    /// answer in time.
+    /// Ends a child that is overdue in this release, or stopped: requests its location, and kills it if it does not report
+    /// the location in time.
     pub fn stop_overdue(&self, release: Release) {
         if self.is_debugged {
             return;
         }
-        let mut place_request = self.place_request.lock();
-        match &mut *place_request {
-            Some(place_request) if place_request.release == release => {
-                if place_request.asked_at.elapsed() > GRACE {
-                    place_request.is_killed = true;
+        let mut location_request = self.location_request.lock();
+        match &mut *location_request {
+            Some(location_request) if location_request.release == release => {
+                if location_request.requested_at.elapsed() > REPORT_TIMEOUT {
+                    location_request.is_killed = true;
                     self.kill();
                 }
             }
-            place_request => {
-                *place_request = Some(PlaceRequest { asked_at: Instant::now(), release, is_killed: false });
+            location_request => {
+                *location_request = Some(LocationRequest { requested_at: Instant::now(), release, is_killed: false });
                 // Threads that are inside a call to the host, and threads that are not the robot's, ignore the signal.
                 for thread in watchdog::threads(self.pid) {
                     // SAFETY: tgkill takes no pointer; a thread that has ended is an error.
                     unsafe { libc::syscall(libc::SYS_tgkill, self.pid, thread, OVERDUE_SIGNAL) };
                 }
-                // A stopped process answers once it continues.
+                // A stopped process reports once it continues.
                 let process = self.process.lock();
                 if process.status.is_none() {
                     // SAFETY: kill takes no pointer; the process has not been waited for, so the number still identifies it.
@@ -342,30 +343,30 @@ impl Child {
         }
     }
 
-    /// Asks the thread of `main` for the location at which it computes, and lets it continue. `None` if it does not
-    /// compute, or does not answer in time; a thread that sleeps in the kernel is not asked, since the signal would end
+    /// Location at which the thread of `main` computes; the thread then continues. `None` if it does not compute, or does
+    /// not report its location in time. A thread that sleeps in the kernel gets no request, since the signal would end
     /// its sleep.
-    pub fn computing_location(&self) -> Option<ComputingLocation> {
+    pub fn current_location(&self) -> Option<CodeLocation> {
         /// Time within which a running thread receives the signal, even on a loaded machine.
         const TIMEOUT: Duration = Duration::from_millis(200);
         let thread = self.first.thread().cast_signed();
-        let computes = self.first.turn() == Turn::Child && !watchdog::is_thread_asleep(self.pid, thread);
-        if self.is_debugged || self.is_ending() || !computes || !self.first.ask_place() {
+        let is_computing = self.first.turn() == Turn::Child && !watchdog::is_thread_asleep(self.pid, thread);
+        if self.is_debugged || self.is_ending() || !is_computing || !self.first.request_location() {
             return None;
         }
         // SAFETY: tgkill takes no pointer; a thread that has ended is an error.
         unsafe { libc::syscall(libc::SYS_tgkill, self.pid, thread, OVERDUE_SIGNAL) };
         let start = Instant::now();
-        while !self.first.is_place_reported() && start.elapsed() < TIMEOUT {
+        while !self.first.is_location_reported() && start.elapsed() < TIMEOUT {
             std::thread::sleep(Duration::from_millis(1));
         }
-        self.first.take_computing_location()
+        self.first.take_location()
     }
 
-    /// Returns true if the child was found overdue in this release and asked for its location; answering takes
-    /// processor time, too.
-    pub fn is_asked(&self, release: Release) -> bool {
-        self.place_request.lock().as_ref().is_some_and(|request| request.release == release)
+    /// Returns true if the child was found overdue in this release, so that its location was requested; the report also
+    /// takes processor time.
+    pub fn is_location_requested(&self, release: Release) -> bool {
+        self.location_request.lock().as_ref().is_some_and(|request| request.release == release)
     }
 
     /// Ends the child. If its `main` has returned, the child may end by itself until `deadline`, as it has files to
@@ -407,20 +408,22 @@ impl Child {
         }
     }
 
+    /// Marks the child as lost, kills it, and returns its first break.
     fn lose(&self, mut broken: Broken) -> Broken {
         if broken.is_overdue && self.was_stopped.load(Ordering::Acquire) {
             broken.is_overdue = false;
-            broken.what = "the program stopped its own process by a signal (SIGSTOP)".to_owned();
+            broken.description = "the program stopped its own process by a signal (SIGSTOP)".to_owned();
         }
         let broken = self.lost.get_or_init(|| broken).clone();
         self.kill();
         broken
     }
 
-    fn broken(&self, what: &str) -> Broken {
+    /// A break of the child with this description, after its last call.
+    fn broken(&self, description: &str) -> Broken {
         let last_call = self.last_call.load(Ordering::Relaxed);
         Broken {
-            what: what.to_owned(),
+            description: description.to_owned(),
             is_overdue: false,
             last_call,
             task: None,
@@ -430,11 +433,12 @@ impl Child {
         }
     }
 
-    fn end_in_words(&self, status: ExitStatus) -> Broken {
+    /// Describes the unexpected end of the process as a break.
+    fn broken_by_end(&self, status: ExitStatus) -> Broken {
         if self.is_debugged {
             return self.broken("the debugger was left before the program had ended");
         }
-        if self.place_request.lock().as_ref().is_some_and(|request| request.is_killed) {
+        if self.location_request.lock().as_ref().is_some_and(|request| request.is_killed) {
             let fault = Fault { signal: OVERDUE_SIGNAL, ..Fault::default() };
             return Broken::new(fault, [0; 2], self.last_call.load(Ordering::Relaxed), Vec::new());
         }
@@ -458,7 +462,7 @@ impl Child {
             let text = body.get::<u32>()? as usize;
             let [address, pc, low, high]: [u64; 4] = body.get()?;
             let text = String::from_utf8_lossy(body.take(text)?).into_owned();
-            let words = body.rest().chunks_exact(8).take(SEARCH);
+            let words = body.rest().chunks_exact(8).take(MAX_SEARCH_WORDS);
             let words = words.map(|word| word.iter().rev().fold(0, |value, byte| value << 8 | usize::from(*byte)));
             if signal == 0 {
                 return if text.trim().is_empty() { Err(Malformed) } else { Ok(self.broken(&text)) };

@@ -16,20 +16,20 @@ use robios_sys::{
 
 use super::channel::{Channel, Channels, Message, Turn, kind, refusal};
 use crate::executive::confine::protect_host;
-use crate::executive::fault::SEARCH;
+use crate::executive::fault::MAX_SEARCH_WORDS;
 use crate::executive::guard::below_guard;
 use crate::executive::signal::{self, Fault, FlowBlock, OVERDUE_SIGNAL};
 use crate::executive::thread::STACK;
 use crate::program::load::{OpenError, open};
 
 /// A thread's end of its channel to the host.
-struct ProgramLine {
+struct Connection {
     channel: Channel,
 }
 
 thread_local! {
     /// The connection of this thread; null for a thread that does not belong to the robot.
-    static LINE: Cell<*const ProgramLine> = const { Cell::new(ptr::null()) };
+    static CONNECTION: Cell<*const Connection> = const { Cell::new(ptr::null()) };
 }
 
 /// The program's variable with its call site; null until the program is loaded, and if the program has none.
@@ -41,9 +41,9 @@ static CONSOLES: AtomicUsize = AtomicUsize::new(0);
 /// Lowest and highest address of the program's library; 0 until it is loaded.
 static LIBRARY: [AtomicUsize; 2] = [const { AtomicUsize::new(0) }; 2];
 
-static SUPPORT: SupportTable = SupportTable::remote::<ProgramLine>();
-static ROBIOS6: Robios6Table = Robios6Table::remote::<ProgramLine>();
-static ROBIOS7: Robios7Table = Robios7Table::remote::<ProgramLine>();
+static SUPPORT: SupportTable = SupportTable::remote::<Connection>();
+static ROBIOS6: Robios6Table = Robios6Table::remote::<Connection>();
+static ROBIOS7: Robios7Table = Robios7Table::remote::<Connection>();
 static HOST6: Host = Host::of_robios6(&SUPPORT, &ROBIOS6);
 static HOST7: Host = Host::of_robios7(&SUPPORT, &ROBIOS7);
 
@@ -67,18 +67,18 @@ pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
         return Err(io::Error::other("the standard input is not a channel of this eyesim"));
     }
     if !is_debugged {
-        die_with(first.host())?;
+        die_with_host(first.host())?;
         protect_host(first.host().cast_signed());
     }
     signal::install_in_child()?;
     let library = library.to_owned();
-    let own = channels.map(0)?;
-    start("program", move || ProgramLine::adopt(own).run_program(&library))?;
+    let channel = channels.map(0)?;
+    start("program", move || Connection::adopt(channel).run_program(&library))?;
     // The main thread only waits: it starts a thread for each channel that the host adds.
     for number in 1.. {
         first.wait_for_more_than(number);
         let started =
-            channels.map(number).and_then(|channel| start("tasks", move || ProgramLine::leaked(channel).run_tasks()));
+            channels.map(number).and_then(|channel| start("tasks", move || Connection::leaked(channel).run_tasks()));
         if started.is_err() {
             // The program waits for the task, and has the turn on no channel, so that only the exit code can be
             // reported. SAFETY: _exit takes no pointer.
@@ -91,8 +91,8 @@ pub fn run(library: &Path, is_debugged: bool) -> io::Result<ExitCode> {
 /// Exit code of a process that lacks the resources for another task.
 pub const NO_ROOM_FOR_TASK: i32 = 173;
 
-/// Makes the kernel kill this process when the thread that started it, in process `host`, ends.
-fn die_with(host: u32) -> io::Result<()> {
+/// Makes the kernel kill this process when the thread in process `host` that started it ends.
+fn die_with_host(host: u32) -> io::Result<()> {
     // SAFETY: neither call takes a pointer.
     let parent = unsafe {
         libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL);
@@ -106,12 +106,12 @@ fn start(name: &str, body: impl FnOnce() + Send + 'static) -> io::Result<()> {
     thread::Builder::new().name(name.to_owned()).stack_size(STACK).spawn(body).map(drop)
 }
 
-impl ProgramLine {
+impl Connection {
     /// Binds the calling thread to `channel`, on which its faults are reported.
     fn adopt(channel: Channel) -> &'static Self {
-        let line = Self::leaked(channel);
-        line.adopt_thread(Self::leaked_block());
-        line
+        let connection = Self::leaked(channel);
+        connection.adopt_thread(Self::leaked_block());
+        connection
     }
 
     fn leaked(channel: Channel) -> &'static Self {
@@ -122,11 +122,10 @@ impl ProgramLine {
         Box::leak(Box::new(FlowBlock::reporting(report_fault)))
     }
 
-    /// Binds the calling thread to this connection; a thread that had the connection and `block` before must have
-    /// ended.
+    /// Binds the calling thread to this connection and to `block`; a thread that was bound to them before must have ended.
     fn adopt_thread(&'static self, block: &'static FlowBlock) {
         self.channel.attach();
-        LINE.set(self);
+        CONNECTION.set(self);
         // SAFETY: the block is never freed, and its threads run one after the other.
         if let Err(error) = unsafe { block.adopt_current_thread() } {
             self.refuse(refusal::OTHER, &format!("no stack for signals: {error}"));
@@ -137,13 +136,13 @@ impl ProgramLine {
     fn run_program(&self, library: &Path) {
         let library = match open(library) {
             Ok(opened) => opened.kept(),
-            Err(OpenError::Linker(what)) => self.refuse(refusal::LINKER, &what),
-            Err(OpenError::Incompatible(what)) => self.refuse(refusal::INCOMPATIBLE, &what),
+            Err(OpenError::Linker(message)) => self.refuse(refusal::LINKER, &message),
+            Err(OpenError::Incompatible(reason)) => self.refuse(refusal::INCOMPATIBLE, &reason),
         };
         CALL_SITE.store(library.description().call_site.cast_mut(), Ordering::Relaxed);
         CONSOLES.store(library.description().consoles(), Ordering::Relaxed);
         store_span(library.base);
-        self.channel.offer_place();
+        self.channel.offer_location();
         let run_message = self.converse(kind::READY, &(library.base as u64).to_le_bytes());
         let code = match arguments(&run_message) {
             Ok(arguments) => below_guard(|| {
@@ -172,7 +171,7 @@ impl ProgramLine {
         });
     }
 
-    /// Sends a message, and calls the functions that the host asks for until it answers.
+    /// Sends a message, and calls functions of the program at the host's request until the host answers.
     fn converse(&self, kind: u32, body: &[u8]) -> Message {
         self.converse_with(kind, body, |body| call_back(&body))
     }
@@ -201,23 +200,23 @@ impl ProgramLine {
         }
     }
 
-    /// Tells the host that the program cannot be run, and ends the process.
-    fn refuse(&self, what: u32, text: &str) -> ! {
-        self.channel.send(kind::REFUSED, &[&what.to_le_bytes(), text.as_bytes()]);
+    /// Reports to the host that the program cannot be run, and ends the process.
+    fn refuse(&self, reason: u32, text: &str) -> ! {
+        self.channel.send(kind::REFUSED, &[&reason.to_le_bytes(), text.as_bytes()]);
         std::process::exit(1)
     }
 
-    /// Tells the host why the program cannot go on, and ends the process.
-    fn break_off(&self, what: &str) -> ! {
-        self.channel.send(kind::FAULT, &[&fault_header(&Fault::default(), what.len(), [0; 2]), what.as_bytes()]);
+    /// Reports to the host why the program cannot continue, and ends the process.
+    fn break_off(&self, reason: &str) -> ! {
+        self.channel.send(kind::FAULT, &[&fault_header(&Fault::default(), reason.len(), [0; 2]), reason.as_bytes()]);
         std::process::exit(1)
     }
 }
 
-impl HostConnection for ProgramLine {
+impl HostConnection for Connection {
     unsafe fn from_context<'a>(_: *mut c_void) -> Option<&'a Self> {
         // SAFETY: null, or leaked by `adopt`.
-        unsafe { LINE.get().as_ref() }
+        unsafe { CONNECTION.get().as_ref() }
     }
 
     fn exchange(&self, table: u32, function: u32, arguments: impl FnOnce(&mut Vec<u8>)) -> Result<Vec<u8>, Stop> {
@@ -271,9 +270,9 @@ fn arguments(run_message: &Message) -> Result<Vec<CString>, Malformed> {
 fn run_main(description: &Program, arguments: &[CString]) -> i32 {
     let mut argv: Vec<*const c_char> = arguments.iter().map(|argument| argument.as_ptr()).collect();
     argv.push(ptr::null());
-    let robot = LINE.get().cast_mut().cast::<c_void>();
+    let robot = CONNECTION.get().cast_mut().cast::<c_void>();
     let host: &'static Host = if description.generation == 7 { &HOST7 } else { &HOST6 };
-    // SAFETY: the tables are `ProgramLine`'s, whose entries find the connection of their thread; argv has argc strings
+    // SAFETY: the tables are `Connection`'s, whose entries find the connection of their thread; argv has argc strings
     // that end in 0, then a null pointer, alive until `run` returns; the description was checked when it was loaded.
     unsafe { (description.run)(host, robot, arguments.len() as c_int, argv.as_ptr()) }
 }
@@ -342,12 +341,12 @@ fn without_stale(words: &[u8], pc: usize) -> &[u8] {
 
 /// The bytes of words.
 fn bytes_of(words: &[usize]) -> &[u8] {
-    // SAFETY: as many bytes as the words have, all of them initialised.
+    // SAFETY: the words have this many bytes, all of them initialised.
     unsafe { std::slice::from_raw_parts(words.as_ptr().cast::<u8>(), size_of_val(words)) }
 }
 
 /// Passes on the unfinished lines that the program has printed. Async-signal-safe.
-fn print_unfinished(line: &ProgramLine, block: &FlowBlock) {
+fn print_unfinished(connection: &Connection, block: &FlowBlock) {
     block.set_consoles(CONSOLES.load(Ordering::Relaxed));
     block.store_unfinished();
     for (console, stream) in [stream::OUT, stream::ERR].into_iter().enumerate() {
@@ -359,18 +358,18 @@ fn print_unfinished(line: &ProgramLine, block: &FlowBlock) {
         // The call, without a location.
         let head = [SupportCall::TABLE, SupportCall::unfinished as u32, 0, 0, 0, 0, stream.cast_unsigned(), len as u32];
         let head = head.map(u32::to_le_bytes);
-        line.channel.send(kind::CALL, &[head.as_flattened(), &bytes_of(&words)[..len]]);
+        connection.channel.send(kind::CALL, &[head.as_flattened(), &bytes_of(&words)[..len]]);
         // The answer no longer matters.
-        while !line.channel.wait_for(Turn::Child, None) {}
+        while !connection.channel.wait_for(Turn::Child, None) {}
     }
 }
 
 /// Reports a fault of this thread to the host and ends the process; returns if the program is inside a call, or if the
-/// host only asks for the location at which the program computes. Async-signal-safe.
+/// host only requests the location at which the program computes. Async-signal-safe.
 fn report_fault(block: &FlowBlock, fault: Fault) {
     // SAFETY: null, or leaked by `adopt`.
-    let line = unsafe { LINE.get().as_ref() };
-    let Some(line) = line.filter(|line| line.channel.turn() == Turn::Child) else {
+    let connection = unsafe { CONNECTION.get().as_ref() };
+    let Some(connection) = connection.filter(|connection| connection.channel.turn() == Turn::Child) else {
         if fault.signal != OVERDUE_SIGNAL {
             signal::default_action(fault.signal);
         }
@@ -378,18 +377,18 @@ fn report_fault(block: &FlowBlock, fault: Fault) {
     };
     let [low, high] = block.stack_bounds();
     let sp = fault.sp.next_multiple_of(align_of::<usize>());
-    let mut words = [0_usize; SEARCH];
-    let count = if (low..high).contains(&sp) { ((high - sp) / size_of::<usize>()).min(SEARCH) } else { 0 };
+    let mut words = [0_usize; MAX_SEARCH_WORDS];
+    let count = if (low..high).contains(&sp) { ((high - sp) / size_of::<usize>()).min(MAX_SEARCH_WORDS) } else { 0 };
     // The program may have unmapped its stack, or a part of it.
     let count = signal::copy_own_memory(sp, &mut words[..count]);
-    if fault.signal == OVERDUE_SIGNAL && line.channel.is_place_asked() {
+    if fault.signal == OVERDUE_SIGNAL && connection.channel.is_location_requested() {
         let library = LIBRARY[0].load(Ordering::Relaxed)..LIBRARY[1].load(Ordering::Relaxed);
         let caller = words[..count].iter().find(|word| library.contains(*word));
-        return line.channel.report_place([fault.pc as u64, caller.map_or(0, |word| *word as u64)]);
+        return connection.channel.report_location([fault.pc as u64, caller.map_or(0, |word| *word as u64)]);
     }
-    print_unfinished(line, block);
+    print_unfinished(connection, block);
     let words = bytes_of(&words[..count]);
-    line.channel.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), without_stale(words, fault.pc)]);
+    connection.channel.send(kind::FAULT, &[&fault_header(&fault, 0, [low, high]), without_stale(words, fault.pc)]);
     // SAFETY: _exit is async-signal-safe.
     unsafe { libc::_exit(128 + fault.signal) }
 }

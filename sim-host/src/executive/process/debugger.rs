@@ -29,7 +29,8 @@ impl Debugger {
 
     /// The command that runs `eyesim child` under gdb for the program in `library`, with the file `channels` as its standard input.
     ///
-    /// gdb gets the terminal and asks no questions: breakpoints are set before the program's library is loaded.
+    /// gdb gets the terminal. Breakpoints are set before the program's library is loaded; gdb does not ask whether to make
+    /// them pending.
     ///
     /// # Errors
     /// The path of this executable cannot be determined.
@@ -37,8 +38,8 @@ impl Debugger {
         let mut command = Command::new(GDB);
         command.arg("-q");
         let words = host::words()?;
-        let before: String = words[1..].iter().map(|word| format!("{} ", quoted(Path::new(word)))).collect();
-        let child = format!("set args {before}child --debugged {} <> {}", quoted(library), quoted(channels));
+        let arguments_before: String = words[1..].iter().map(|word| format!("{} ", quoted(Path::new(word)))).collect();
+        let child = format!("set args {arguments_before}child --debugged {} <> {}", quoted(library), quoted(channels));
         let settings = ["set breakpoint pending on", "set debuginfod enabled off", "set startup-with-shell on", &child];
         let breakpoints = self.breakpoints.iter().map(|location| format!("break {location}"));
         for line in settings.map(str::to_owned).into_iter().chain(breakpoints).chain(["run".to_owned()]) {
@@ -65,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn gdb_is_told_everything_in_order() {
+    fn gdb_gets_its_commands_in_order() {
         let debugger = Debugger { breakpoints: vec!["maze.c:12".into()], arguments: vec!["-batch".into()] };
         let command = debugger.command(Path::new("/tmp/it's.so"), Path::new("/proc/1/fd/5")).expect("a command");
         let arguments: Vec<String> =

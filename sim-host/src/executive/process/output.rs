@@ -3,7 +3,7 @@
 use std::io::{self, PipeReader, Read as _, Write as _};
 use std::thread;
 
-/// Maximum number of bytes of such output that are shown per process; our choice.
+/// Maximum number of bytes of this output that are shown per process; our choice.
 const MAX_BYTES: usize = 1 << 20;
 
 /// Forwards the output in `pipe` to this process's standard error on a new thread: at most [`MAX_BYTES`] bytes, and without
@@ -25,7 +25,7 @@ pub fn forward(mut pipe: PipeReader) -> io::Result<()> {
             };
             let printed = count.min(remaining);
             remaining -= printed;
-            // That standard error is closed is not the program's concern.
+            // If standard error is closed, the output is dropped.
             let _ = io::stderr().write_all(printable(&mut buffer[..printed]));
             if printed < count && printed > 0 {
                 let _ = writeln!(
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_terminal_gets_no_escapes() {
+    fn escape_sequences_are_removed() {
         let mut bytes = *b"a\x1b[2J\tb\r\n";
         assert_eq!(printable(&mut bytes), b"a?[2J\tb?\n");
     }

@@ -23,6 +23,7 @@ pub struct RemoteProgram {
     child: Arc<Child>,
     prepared: Arc<Prepared>,
     arguments: Vec<String>,
+    /// Address of the library in the child.
     base: u64,
     /// Location of the program's current call, as the child reported it with the call.
     site: Mutex<RemoteSite>,
@@ -31,9 +32,9 @@ pub struct RemoteProgram {
 /// Reasons why a child has no program to run.
 #[derive(Debug)]
 pub enum LoadRefusal {
-    /// The dynamic linker refuses the library; with its message.
+    /// The dynamic linker refuses the library; contains the linker's message.
     Linker(String),
-    /// The library is incompatible with this eyesim; with the reason.
+    /// The library is incompatible with this eyesim; contains the reason.
     Incompatible(String),
     /// The child ended or broke while it loaded the library.
     Broken(String),
@@ -45,9 +46,9 @@ impl RemoteProgram {
     /// # Errors
     /// [`LoadRefusal`] if the child cannot load the program.
     pub fn new(child: Child, prepared: Arc<Prepared>, arguments: &[String]) -> Result<Self, LoadRefusal> {
-        let message = child.receive_first().map_err(|broken| LoadRefusal::Broken(broken.what))?;
+        let message = child.receive_first().map_err(|broken| LoadRefusal::Broken(broken.description))?;
         let mut body = Reader::new(&message.body);
-        let malformed = |Malformed| LoadRefusal::Broken(child.malformed().what);
+        let malformed = |Malformed| LoadRefusal::Broken(child.malformed().description);
         match message.kind {
             kind::READY => {
                 let base = body.get().map_err(malformed)?;
@@ -55,12 +56,12 @@ impl RemoteProgram {
                 Ok(Self { child: Arc::new(child), prepared, arguments, base, site: Mutex::default() })
             }
             kind::REFUSED => {
-                let what: u32 = body.get().map_err(malformed)?;
+                let reason: u32 = body.get().map_err(malformed)?;
                 let text = String::from_utf8_lossy(body.rest()).into_owned();
-                Err(match what {
+                Err(match reason {
                     refusal::LINKER => LoadRefusal::Linker(text),
                     refusal::INCOMPATIBLE => LoadRefusal::Incompatible(text),
-                    _ if text.trim().is_empty() => LoadRefusal::Broken(child.malformed().what),
+                    _ if text.trim().is_empty() => LoadRefusal::Broken(child.malformed().description),
                     _ => LoadRefusal::Broken(text),
                 })
             }
@@ -111,15 +112,16 @@ impl RemoteProgram {
     }
 
     /// A location in this program as text, such as `maze.c:88`.
-    pub fn place_of(&self, site: &RemoteSite) -> Option<String> {
-        let of_address = || {
+    pub fn location_of(&self, site: &RemoteSite) -> Option<String> {
+        let location_of_address = || {
             // A return address lies after the call instruction.
             let offset = self.offset(usize::try_from(site.address).ok()?.checked_sub(1)?)?;
             self.prepared.image()?.call_line(offset).map(|line| line.to_string())
         };
-        site.line().or_else(of_address)
+        site.line().or_else(location_of_address)
     }
 
+    /// Offset of `address` in the library; `None` if it is elsewhere.
     fn offset(&self, address: usize) -> Option<usize> {
         let offset = address.checked_sub(usize::try_from(self.base).ok()?)?;
         self.prepared.image()?.span().contains(&offset).then_some(offset)
@@ -132,7 +134,7 @@ enum ServiceEnd {
     Exited(i32),
 }
 
-/// A thread of the host that serves one channel.
+/// Service of one channel by a thread of the host.
 struct Service<'a, H> {
     program: &'a RemoteProgram,
     channel: &'a Channel,
@@ -145,13 +147,13 @@ thread_local! {
 }
 
 impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
-    /// Answers calls until the program, or the function that the host called in it, returns.
+    /// Answers calls until the program returns, or the program's function that the host has called.
     fn serve(&self) -> Result<ServiceEnd, Broken> {
         let child = &self.program.child;
         let outer = SERVED.replace((Arc::as_ptr(child), self.channel));
-        let back = self.answer_all();
+        let result = self.answer_all();
         SERVED.set(outer);
-        back
+        result
     }
 
     fn answer_all(&self) -> Result<ServiceEnd, Broken> {
@@ -160,12 +162,12 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
         loop {
             let message = child.receive(self.channel)?;
             let code = || Reader::new(&message.body).get::<i32>();
-            let back = match message.kind {
+            let end = match message.kind {
                 kind::CALL => {
                     reply.clear();
                     self.call(&message.body, &mut reply).and_then(|status| {
                         let kind = if status == Status::OK { kind::OK } else { kind::STOP };
-                        // Too long only if the child has asked for more bytes than a message can hold.
+                        // The reply is too long only if the child has requested more bytes than a message can contain.
                         if self.channel.send(kind, &[&reply]) { Ok(None) } else { Err(Malformed) }
                     })
                 }
@@ -173,9 +175,9 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
                 kind::EXITED => code().map(|code| Some(ServiceEnd::Exited(code))),
                 _ => Err(Malformed),
             };
-            match back {
+            match end {
                 Ok(None) => {}
-                Ok(Some(back)) => return Ok(back),
+                Ok(Some(end)) => return Ok(end),
                 Err(Malformed) => return Err(child.malformed()),
             }
         }
@@ -183,12 +185,12 @@ impl<H: Support + Robios6 + Robios7 + Sync + 'static> Service<'_, H> {
 
     /// Carries out a call.
     fn call(&self, body: &[u8], reply: &mut Vec<u8>) -> Result<Status, Malformed> {
-        // The number of the last call is for the report of a fault.
-        let note = |number| self.program.child.last_call.store(number, Ordering::Relaxed);
-        answer(self.host, body, &self.program.site, note, &|code, data| self.callback(code, data), reply)
+        // The report of a fault contains the number of the last call.
+        let store_number = |number| self.program.child.last_call.store(number, Ordering::Relaxed);
+        answer(self.host, body, &self.program.site, store_number, &|code, data| self.callback(code, data), reply)
     }
 
-    /// A function of the host that calls the child's function identified by `code` and `data`.
+    /// A callback through which the host calls the child's function identified by `code` and `data`.
     fn callback(&self, code: u64, data: u64) -> Callback {
         let mut callbacks = self.program.child.callbacks.lock();
         let remote = callbacks.entry((code, data)).or_insert_with(|| {
@@ -232,24 +234,24 @@ unsafe extern "C" fn call_remote<H: Support + Robios6 + Robios7 + Sync + 'static
     let call = |channel: &Channel| {
         let outer_site = program.site.lock().clone();
         channel.send(kind::CALL_BACK, &[&function.code.to_le_bytes(), &function.data.to_le_bytes()]);
-        let back = Service { program, channel, host }.serve();
+        let end = Service { program, channel, host }.serve();
         *program.site.lock() = outer_site;
-        back
+        end
     };
     let (child, channel) = SERVED.get();
-    let back = if child == Arc::as_ptr(&program.child) {
+    let end = if child == Arc::as_ptr(&program.child) {
         // SAFETY: a service of this thread, further up its stack, has set the channel and resets it before it returns.
         call(unsafe { &*channel })
     } else {
-        program.child.task().and_then(|channel| {
-            let back = call(&channel)?;
-            program.child.give_back(channel);
-            Ok(back)
+        program.child.take_task_channel().and_then(|channel| {
+            let end = call(&channel)?;
+            program.child.return_task_channel(channel);
+            Ok(end)
         })
     };
-    match back {
+    match end {
         Ok(ServiceEnd::Returned(status)) => status,
-        // The process is lost, or exited within a function: the thread that serves its first channel learns of it, too.
+        // The process is lost, or exited within a function: the thread that serves the first channel finds this, too.
         Ok(ServiceEnd::Exited(_)) | Err(_) => Status::STOP,
     }
 }
