@@ -16,7 +16,7 @@ use super::constructors::defer_constructors;
 use super::generation::{Generation, is_of_robios};
 use super::hint;
 use super::language::Language;
-use super::plain::{in_plain_words, without_intended};
+use super::plain::{in_plain_words, without_harmless_warnings};
 use super::sandbox::scratch::Quota;
 use super::sandbox::{Grant, Role, Sandbox};
 
@@ -194,7 +194,7 @@ impl<'a> Compilation<'a> {
         let program = self.sources.first().cloned().unwrap_or_default();
         result.map_err(|failure| match failure {
             Failure::Refused { source_file, output } => {
-                let output = without_intended(&output);
+                let output = without_harmless_warnings(&output);
                 let hints = hint::of_compile(&output, &source_file, self.generation);
                 let folder = self.source_folder().to_owned();
                 CompileError::Refused { source_file, folder, output, hints }
@@ -276,7 +276,7 @@ impl<'a> Compilation<'a> {
             void_main |= returns_nothing_from_main(&output);
             let text = fs::read(source)?;
             compiled.output.push_str(&remark_on_encoding(source, &text));
-            let output = without_intended(&output);
+            let output = without_harmless_warnings(&output);
             let name = self.seen_from_folder(source).display().to_string();
             compiled.output.push_str(&in_plain_words(&output, (&name, &String::from_utf8_lossy(&text))));
             compiled.output.push_str(&output);

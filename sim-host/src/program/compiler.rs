@@ -43,7 +43,7 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-fno-omit-frame-pointer",
     "-Wall",
     "-Wmain",
-    // Only some of these warnings are shown, see `plain::without_intended`.
+    // Only some of these warnings are shown, see `plain::without_harmless_warnings`.
     "-Wfloat-conversion",
     "-Wno-error=float-conversion",
     "-Wformat-security",
