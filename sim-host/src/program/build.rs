@@ -206,7 +206,7 @@ impl Builder {
                 let (library, source) = (source.path().to_owned(), source.clone());
                 Ok(BuiltProgram { library, source, output: String::new(), compiled: false, choice: None })
             }
-            ProgramSource::Sources { files, wanted } => self.build_sources(source, files, *wanted),
+            ProgramSource::Sources { files, hint } => self.build_sources(source, files, *hint),
             ProgramSource::Cargo(folder) if self.sandbox.is_some() => {
                 Err(BuildError::Package { folder: folder.clone() })
             }
@@ -264,11 +264,11 @@ impl Builder {
     pub fn build_to(
         &self,
         sources: &[PathBuf],
-        wanted: GenerationHint,
+        hint: GenerationHint,
         out: &Path,
         flags: &[String],
     ) -> Result<(GenerationChoice, String, String), BuildError> {
-        let choice = choose(sources, wanted, None)?;
+        let choice = choose(sources, hint, None)?;
         let mut extra_flags = self.extra_flags()?;
         extra_flags.extend_from_slice(flags);
         let sources = absolute(sources)?;
@@ -285,14 +285,14 @@ impl Builder {
         &self,
         source: &ProgramSource,
         files: &[PathBuf],
-        wanted: GenerationHint,
+        hint: GenerationHint,
     ) -> Result<BuiltProgram, BuildError> {
         let folders = self.sandbox.as_ref().map(|sandbox| sandbox.source_folders(files));
         if let Some(folders) = &folders {
             check_own(files, folders)?;
         }
         let build = |choice: &GenerationChoice| self.build_for(source, files, choice);
-        try_both_generations(choose(files, wanted, folders.as_deref())?, build, |built| &built.output)
+        try_both_generations(choose(files, hint, folders.as_deref())?, build, |built| &built.output)
     }
 
     fn build_for(

@@ -13,7 +13,7 @@ use super::cache::Cache;
 use super::command::{COMMAND_TIMEOUT, CommandLimits, TIMEOUT_VARIABLE, build_timeout, output_within};
 use super::compiler::Compiler;
 use super::constructors::defer_constructors;
-use super::generation::{Generation, is_of_robios};
+use super::generation::{Generation, is_robios_header};
 use super::hint;
 use super::language::Language;
 use super::plain::{in_plain_words, without_harmless_warnings};
@@ -228,7 +228,7 @@ impl<'a> Compilation<'a> {
     /// RoBIOS headers of any version beside the first source, which would take precedence over ours.
     fn hidden_headers(&self) -> Vec<PathBuf> {
         let beside = self.kit.headers.iter().map(|(name, _)| self.source_folder().join(name));
-        beside.filter(|path| is_of_robios(path)).collect()
+        beside.filter(|path| is_robios_header(path)).collect()
     }
 
     /// A folder with links to all files of the source folder except the hidden headers.
@@ -329,7 +329,7 @@ impl<'a> Compilation<'a> {
         }
         // Calls of undeclared functions pass arguments of wrong types, so the missing headers are included.
         let with_headers = self.folder.join(format!("{index}-with-headers.o"));
-        let is_ours = undeclared.iter().any(|name| self.generation.has(name));
+        let is_ours = undeclared.iter().any(|name| self.generation.has_function(name));
         let is_truth = undeclared.iter().any(|name| c::TRUTH.contains(&name.as_str()));
         let headers = [Some(c::C_LIBRARY_HEADER), is_truth.then_some(c::TRUTH_HEADER), is_ours.then_some("eyebot.h")];
         let headers: Vec<&str> = headers.into_iter().flatten().collect();
@@ -342,7 +342,7 @@ impl<'a> Compilation<'a> {
                 }
                 let name = source.file_name().unwrap_or_default().display();
                 let (ours, others): (Vec<&String>, Vec<&String>) =
-                    declared.into_iter().partition(|name| self.generation.has(name));
+                    declared.into_iter().partition(|name| self.generation.has_function(name));
                 let mut remark = String::new();
                 if !ours.is_empty() {
                     remark += &format!(

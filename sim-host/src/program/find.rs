@@ -35,8 +35,8 @@ pub enum ProgramSource {
     Sources {
         /// The sources.
         files: Vec<PathBuf>,
-        /// The generation stated by the user or the scene.
-        wanted: GenerationHint,
+        /// The generation that the user or the scene states.
+        hint: GenerationHint,
     },
     /// The folder of a Cargo package with a `cdylib` target.
     Cargo(PathBuf),
@@ -49,7 +49,7 @@ pub enum ProgramSource {
 impl ProgramSource {
     /// C and C++ sources whose generation is not stated.
     pub fn of_files(files: Vec<PathBuf>) -> Self {
-        Self::Sources { files, wanted: GenerationHint::default() }
+        Self::Sources { files, hint: GenerationHint::default() }
     }
 
     /// The path that stands for the program in messages: the library, the first source, or the package's folder.
@@ -75,9 +75,9 @@ pub struct Found {
 
 impl Found {
     /// Sets the stated generation, if the program is made from sources.
-    pub fn wanted(mut self, said: GenerationHint) -> Self {
-        if let ProgramSource::Sources { wanted, .. } = &mut self.source {
-            *wanted = said;
+    pub fn with_hint(mut self, new_hint: GenerationHint) -> Self {
+        if let ProgramSource::Sources { hint, .. } = &mut self.source {
+            *hint = new_hint;
         }
         self
     }

@@ -75,7 +75,7 @@ fn of_undeclared(output: &str, text: &str, generation: Generation) -> Option<Str
     };
     let mut names = output.lines().filter(is_unknown).filter_map(|line| line.split(['\'', '`']).nth(1));
     let is_included = text.lines().any(|line| line.trim_start().starts_with('#') && line.contains("eyebot"));
-    (!is_included && names.any(|name| generation.has(name)))
+    (!is_included && names.any(|name| generation.has_function(name)))
         .then(|| format!(": {MISSING_HEADER}: write it as the first line"))
 }
 
@@ -257,7 +257,7 @@ struct Undefined {
 fn undefined_hint(undefined: &[Undefined], own: &[&str], generation: Generation) -> String {
     let other = generation.other();
     let (of_other, rest): (Vec<&Undefined>, Vec<&Undefined>) =
-        undefined.iter().partition(|it| other.has(&it.name) && !generation.has(&it.name));
+        undefined.iter().partition(|it| other.has_function(&it.name) && !generation.has_function(&it.name));
     let mut hints = String::new();
     if !of_other.is_empty() {
         let (name, own, number) = (other.name(), generation.name(), other.number());
@@ -270,7 +270,7 @@ fn undefined_hint(undefined: &[Undefined], own: &[&str], generation: Generation)
     for Undefined { name, place } in rest.into_iter().filter(|it| it.name != "main") {
         let place = place.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();
         let foreign = FOREIGN.iter().find(|(names, _)| names.contains(&name.as_str()));
-        let what = if generation.has(name) {
+        let what = if generation.has_function(name) {
             format!("is a function of {}, and is declared otherwise: include `eyebot.h`", generation.name())
         } else if let Some(near) = nearest(own.iter().copied(), name).or_else(|| near_function(name, generation)) {
             format!("is not defined; did you mean `{near}`?")

@@ -15,7 +15,7 @@ use super::generation::{Generation, GenerationHint};
 use super::prepare::{Prepared, prepare};
 
 /// The generation that the scene states for a robot's program.
-pub fn wanted_of(robot: &RobotSpec) -> GenerationHint {
+pub fn generation_hint(robot: &RobotSpec) -> GenerationHint {
     let generation = |number: Option<u32>| number.and_then(Generation::of_number);
     GenerationHint { api: generation(robot.api), dialect: generation(robot.dialect) }
 }
@@ -59,7 +59,7 @@ impl Programs {
             found.push(robot.program.as_ref().and_then(|program| {
                 let key = (&*program.text, is_of_command_line(program));
                 match searched.entry(key).or_insert_with(|| find(program)) {
-                    Ok(found) => Some(found.clone().wanted(wanted_of(robot))),
+                    Ok(found) => Some(found.clone().with_hint(generation_hint(robot))),
                     Err(error) => {
                         push_new(&mut mistakes, format!("{}: {error}", place_of(scene, program)));
                         None
