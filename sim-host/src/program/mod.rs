@@ -1,7 +1,7 @@
-//! Robot programs: finds the program that a sim file names, builds it if it is a source, and loads a private copy for each robot.
+//! Robot programs: finds the program that a sim file names, builds it if it is a source, and loads a copy for each robot.
 //!
-//! Programs are run by the executive, and the effects of RoBIOS calls are defined elsewhere. `docs/programs.md` describes what a
-//! program may be, the search order, the flags and the cache.
+//! The executive runs programs, and the module `robios` defines the effects of RoBIOS calls. `docs/programs.md` describes the kinds
+//! of programs, the search order, the flags and the cache.
 
 pub(crate) mod access;
 mod brace;
