@@ -437,8 +437,9 @@ impl<'a> Compilation<'a> {
             command.arg("-Xlinker").arg(format!("--version-script={}", exports.display()));
         }
         command.args(objects).args(c::LIBRARIES).arg("-o").arg(&compiled.library);
-        let output =
-            self.execute(compiled, compiler, &mut command, self.folder)?.map_err(|output| Failure::Unlinked { output })?;
+        let output = self
+            .execute(compiled, compiler, &mut command, self.folder)?
+            .map_err(|output| Failure::Unlinked { output })?;
         compiled.output.push_str(&output);
         Ok(())
     }
@@ -461,7 +462,7 @@ impl<'a> Compilation<'a> {
             reads.extend(command.get_args().map(PathBuf::from).filter(|path| path.starts_with(self.cache.root())));
             sandbox.apply(command, &Grant { role: Role::Build, reads, scratch })?;
         }
-        let quota = self.sandbox.map(|sandbox| Quota::new(scratch.to_owned(), sandbox.of_builds.scratch));
+        let quota = self.sandbox.map(|sandbox| Quota::new(scratch.to_owned(), sandbox.build_limits.scratch));
         compiled.execute(command, quota.as_ref())
     }
 

@@ -341,7 +341,7 @@ impl Loader {
         mut reads: Vec<PathBuf>,
     ) -> io::Result<Option<Scratch>> {
         let Some(sandbox) = &self.sandbox else { return Ok(None) };
-        let scratch = Scratch::new(sandbox.of_programs)?;
+        let scratch = Scratch::new(sandbox.program_limits)?;
         reads.extend(prepared.own_folder());
         command.current_dir(scratch.folder());
         sandbox.apply(command, &Grant { role: Role::Program, reads, scratch: scratch.folder() })?;

@@ -196,7 +196,7 @@ fn build_with_files_beyond_the_quota_fails() {
         .build(&test_folder.sources(&["big.c"]))
         .expect("within the quota");
     test_folder.write("big.c", "char big[8 << 20] = { 2 };\nint main(void) { return 0; }\n");
-    sandbox.of_builds.scratch = 4 << 20;
+    sandbox.build_limits.scratch = 4 << 20;
     let error = test_folder
         .builder()
         .with_sandbox(Some(sandbox))

@@ -20,12 +20,12 @@ pub struct Limits {
     pub open_files: u64,
 }
 
-/// Limits of the kernel and their values.
+/// Resource limits of the kernel (`RLIMIT_...`) and their values.
 pub(super) type Values = [(u32, u64); 8];
 
 impl Limits {
     /// Default limits of a robot's program; our choice.
-    pub const OF_PROGRAM: Self = Self {
+    pub const PROGRAM_DEFAULT: Self = Self {
         processor: Duration::from_secs(600),
         memory: 4 << 30,
         processes: 128,
@@ -35,7 +35,7 @@ impl Limits {
     };
 
     /// Default limits of a compiler; our choice.
-    pub const OF_BUILD: Self = Self {
+    pub const BUILD_DEFAULT: Self = Self {
         processor: Duration::from_secs(600),
         memory: 8 << 30,
         processes: 512,
@@ -64,12 +64,12 @@ impl Limits {
 /// # Errors
 /// The kernel refuses.
 pub(super) fn set(limit: u32, value: u64) -> io::Result<()> {
-    let mut present = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
+    let mut current = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
     // SAFETY: both calls get one valid limit.
     let result = unsafe {
-        match libc::getrlimit(limit as _, &mut present) {
+        match libc::getrlimit(limit as _, &mut current) {
             0 => {
-                let value = value.min(present.rlim_max);
+                let value = value.min(current.rlim_max);
                 libc::setrlimit(limit as _, &libc::rlimit { rlim_cur: value, rlim_max: value })
             }
             failed => failed,
