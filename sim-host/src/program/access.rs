@@ -37,12 +37,12 @@ pub struct IndexedArray {
     pub is_inside: bool,
 }
 
-/// The accesses of line `line`, from 1, of `source`. `None` if the line may have accesses that are not found: through members of unknown types,
-/// references, results of functions, names that are not declared above the line, macros, or functions of the C library that a compiler replaces
-/// by its own code.
+/// The accesses of line `line`, from 1, of `source`. `None` if the line may have accesses that are not found: through members of unknown
+/// types, references, results of functions, names that are not declared above the line, macros, or functions of the C library that a
+/// compiler replaces by its own code.
 ///
-/// Pointers are included from lines above that assign to variables of this line, since a compiler may delay such a read until the variable is
-/// used.
+/// Pointers are included from lines above that assign to variables of this line, since a compiler may delay such a read until the
+/// variable is used.
 pub fn accesses_of(source: &str, line: usize) -> Option<Accesses> {
     let mut found = accesses_in(source, line)?;
     let code = code_only(source);
@@ -80,16 +80,16 @@ fn assigns(code: &str, name: &str) -> bool {
     })
 }
 
-/// Returns true if one of `names` is a parameter, but not a pointer, of the function that begins with `head`, and an argument in a call of the
-/// function may be read through a pointer or an array.
+/// Returns true if one of `names` is a parameter, but not a pointer, of the function that begins with `head`, and an argument in a call
+/// of the function may be read through a pointer or an array.
 fn receives_accessed_value(head: &str, names: &BTreeSet<&str>, lines: &[&str]) -> bool {
-    let Some((before, parameters)) = head.split_once('(') else { return false };
+    let Some((declaration, parameters)) = head.split_once('(') else { return false };
     let is_used_value = |parameter: &&str| {
         !parameter.contains(['*', '[']) && words(parameter).last().is_some_and(|name| names.contains(name))
     };
     let has_used_value = parameters.split(',').any(|parameter| is_used_value(&parameter));
     let is_head = |line: &str| line == head || begins_function(line.trim_end().trim_end_matches(';'));
-    let call = format!("{}(", words(before).last().unwrap_or_default());
+    let call = format!("{}(", words(declaration).last().unwrap_or_default());
     let has_access = |line: &&str| {
         line.split(&call).skip(1).any(|arguments| arguments.contains(['*', '[']) || arguments.contains("->"))
     };
@@ -443,22 +443,23 @@ impl<'a> Scan<'a> {
 
     /// Adds the accesses of the token at `index`; `None` if they are not known.
     fn visit(&self, index: usize, found: &mut Accesses) -> Option<()> {
-        let (token, before) = (self.tokens[index], index.checked_sub(1).map(|before| self.tokens[before]));
+        let (token, previous) = (self.tokens[index], index.checked_sub(1).map(|previous| self.tokens[previous]));
         if self.declared_tokens.contains(&index) {
             return Some(());
         }
         match token.text {
             // After a name, they belong to its expression.
-            "[" | "->" => before.filter(Token::ends_value).map(|_| ()),
+            "[" | "->" => previous.filter(Token::ends_value).map(|_| ()),
             "*" => {
                 let next = (index..).map(|at| self.text_at(at)).find(|text| *text != "*").unwrap_or_default();
-                let is_unknown = matches!(next, "(" | "+" | "-") && before.is_none_or(|before| !before.ends_value());
+                let is_unknown =
+                    matches!(next, "(" | "+" | "-") && previous.is_none_or(|previous| !previous.ends_value());
                 (!is_unknown).then_some(())
             }
             _ if !token.is_word() => Some(()),
             name if self.macros.hiding.contains(name) => None,
             name if self.text_at(index + 1) == "(" => (!is_replaced_by_compilers(name)).then_some(()),
-            _ if before.is_some_and(|before| ["->", ".", "::"].contains(&before.text)) => Some(()),
+            _ if previous.is_some_and(|previous| ["->", ".", "::"].contains(&previous.text)) => Some(()),
             _ => self.visit_name(index, found),
         }
     }
@@ -521,15 +522,15 @@ impl<'a> Scan<'a> {
     /// Number of `*` in front of the name at `index` that dereference. The first `*` multiplies if a value precedes it; after a `)` it
     /// dereferences only if a pointer follows.
     fn unary_stars(&self, index: usize, is_pointer: bool) -> usize {
-        let (count, before) = self.stars_before(index);
-        let multiplies = before.is_some_and(|before| before.ends_value() || before.text == ")" && !is_pointer);
+        let (count, previous) = self.stars_before(index);
+        let multiplies = previous.is_some_and(|previous| previous.ends_value() || previous.text == ")" && !is_pointer);
         count - usize::from(multiplies && count > 0)
     }
 
     /// Number of `*` in front of the name at `index`, and the token before them.
     fn stars_before(&self, index: usize) -> (usize, Option<Token<'a>>) {
         let count = self.tokens[..index].iter().rev().take_while(|token| token.text == "*").count();
-        (count, (index - count).checked_sub(1).map(|before| self.tokens[before]))
+        (count, (index - count).checked_sub(1).map(|previous| self.tokens[previous]))
     }
 }
 
@@ -555,8 +556,8 @@ enum Step {
 }
 
 impl Accesses {
-    /// Adds the access by a step into `part`, whose text is `text`. Returns the resulting part; `None` if it is not known whether `part` is
-    /// a pointer.
+    /// Adds the access by a step into `part`, whose text is `text`. Returns the resulting part; `None` if it is not known whether `part`
+    /// is a pointer.
     fn step<'a>(&mut self, part: Part<'a>, text: &str, step: Step) -> Option<Part<'a>> {
         match (part, step) {
             (Part::Known { variable: Variable { dimensions, .. }, indexed, .. }, _) if indexed < dimensions.len() => {

@@ -48,10 +48,10 @@ pub fn calls_of(text: &str) -> Calls {
     let mut methods: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for (index, token) in tokens.iter().enumerate() {
         let back = |count: usize| index.checked_sub(count).map(|at| tokens[at]);
-        let before = back(1);
+        let previous = back(1);
         match *token {
             // The block of `extern "C"` does not nest: its names are at the outermost level (the literal "C" is skipped).
-            Token::Mark('{') if before == Some(Token::Name("extern")) => {}
+            Token::Mark('{') if previous == Some(Token::Name("extern")) => {}
             Token::Mark('{') => depth += 1,
             Token::Mark('}') => {
                 depth = depth.saturating_sub(1);
@@ -65,7 +65,7 @@ pub fn calls_of(text: &str) -> Calls {
             Token::Name("enum") => is_enum = true,
             Token::Name("include_next") => calls.is_wrapper = true,
             Token::Name(name)
-                if matches!(before, Some(Token::Name("class" | "struct"))) && begins_class(&tokens[index + 1..]) =>
+                if matches!(previous, Some(Token::Name("class" | "struct"))) && begins_class(&tokens[index + 1..]) =>
             {
                 classes.push(Class { name, depth, ..Class::default() });
             }
@@ -74,16 +74,16 @@ pub fn calls_of(text: &str) -> Calls {
                 let is_in_class = !class.name.is_empty() && depth == class.depth + 1;
                 let after_call = after_parentheses(&tokens[index + 1..]);
                 let is_scoped =
-                    [before, back(2)] == [Some(Token::Mark(':')); 2] && matches!(back(3), Some(Token::Name(_)));
+                    [previous, back(2)] == [Some(Token::Mark(':')); 2] && matches!(back(3), Some(Token::Name(_)));
                 // Functions inside classes do not define the unqualified name.
                 let is_definition = depth == 0 && after_call == Some(Token::Mark('{'));
                 // Behind a name on another line a `;` may be missing; the value of a macro follows the macro's name.
-                let is_typed = (depth == 0 || is_in_class) && before == Some(Token::Mark('*'))
-                    || is_type(before) && lines[index - 1] == lines[index] && back(2) != Some(Token::Name("define"));
+                let is_typed = (depth == 0 || is_in_class) && previous == Some(Token::Mark('*'))
+                    || is_type(previous) && lines[index - 1] == lines[index] && back(2) != Some(Token::Name("define"));
                 if depth == 0 && is_typed && after_call == Some(Token::Mark(';')) {
                     calls.declared.insert(name.to_owned());
                 }
-                if before == Some(Token::Name("define")) {
+                if previous == Some(Token::Name("define")) {
                     calls.other_definitions.insert(name.to_owned());
                 } else if is_in_class && is_typed {
                     class.methods.insert(name);
@@ -94,15 +94,15 @@ pub fn calls_of(text: &str) -> Calls {
                     }
                 } else if is_definition {
                     calls.defined.insert(name.to_owned());
-                } else if !is_typed && !is_scoped && !is_of_object(before, back(2)) {
+                } else if !is_typed && !is_scoped && !is_of_object(previous, back(2)) {
                     class.called.push((name, lines[index]));
                 }
             }
             Token::Name(name) => {
-                let is_enumerator = is_enum && matches!(before, Some(Token::Mark('{' | ',')));
+                let is_enumerator = is_enum && matches!(previous, Some(Token::Mark('{' | ',')));
                 let is_value = index.checked_sub(2).is_some_and(|at| tokens[at] == Token::Name("define"));
                 let is_definition =
-                    is_enumerator || before == Some(Token::Name("define")) || is_type(before) && !is_value;
+                    is_enumerator || previous == Some(Token::Name("define")) || is_type(previous) && !is_value;
                 let names = if is_definition { &mut calls.other_definitions } else { &mut calls.used };
                 names.insert(name.to_owned());
             }
@@ -118,8 +118,9 @@ pub fn calls_of(text: &str) -> Calls {
 }
 
 /// Returns true if a name after these two tokens is a method of an object: `robot.` or `robot->`.
-fn is_of_object(before: Option<Token<'_>>, second: Option<Token<'_>>) -> bool {
-    before == Some(Token::Mark('.')) || [second, before] == [Some(Token::Mark('-')), Some(Token::Mark('>'))]
+fn is_of_object(previous: Option<Token<'_>>, second_previous: Option<Token<'_>>) -> bool {
+    previous == Some(Token::Mark('.'))
+        || [second_previous, previous] == [Some(Token::Mark('-')), Some(Token::Mark('>'))]
 }
 
 /// Returns true if `tokens`, which follow the name of a class, begin its block.

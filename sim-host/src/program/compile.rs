@@ -108,7 +108,8 @@ pub struct Compilation<'a> {
     pub folder: &'a Path,
     /// Cache with the shims' object files.
     pub cache: &'a Cache,
-    /// Restrictions of the compilers, which may read the folder of the first source and the kit, and write to the folder of the compilation.
+    /// Restrictions of the compilers, which may read the folder of the first source and the kit, and write to the folder of the
+    /// compilation.
     pub sandbox: Option<&'a Sandbox>,
 }
 

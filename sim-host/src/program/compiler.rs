@@ -32,7 +32,7 @@ const fn standards(language: Language) -> &'static [&'static str] {
 /// |---|---|
 /// | `-O2` | image and map code in loops; `-O0` gives the same results: add it to step through a program |
 /// | `-fsigned-char` | `char` is signed as on the robot's processor, also on ARM |
-/// | `-fwrapv`, `-fno-delete-null-pointer-checks` | old C behaves as with old compilers: overflow wraps, and a null pointer crashes where it is used |
+/// | `-fwrapv`, `-fno-delete-null-pointer-checks` | as with old compilers, overflow wraps, and a null pointer crashes where it is used |
 /// | `-fno-omit-frame-pointer` | the call stack can be walked after a crash |
 /// | `-Wall`, `-Wmain` | warnings for beginners; `-Wmain` also shows that `main` returns nothing |
 pub const COMPILE_FLAGS: &[&str] = &[
@@ -309,7 +309,8 @@ impl Compiler {
             && build_output(&mut command, COMMAND_TIMEOUT).is_ok_and(|output| output.status.success())
     }
 
-    /// The flags of `candidates` that the compiler accepts in a call with the flags `base`: all are tried at once; if that fails, one by one.
+    /// The flags of `candidates` that the compiler accepts in a call with the flags `base`: all are tried at once; if that fails, one by
+    /// one.
     fn accepted_flags(&self, folder: &Path, base: &[&str], candidates: &[&str]) -> Result<Vec<String>, CompilerError> {
         let run = |flags: &[&str]| -> io::Result<Result<(), String>> {
             let output = build_output(self.command().current_dir(folder).args(flags).args(base), COMMAND_TIMEOUT)?;
@@ -452,13 +453,13 @@ mod tests {
         }
         assert_eq!(file_state(&["sh".to_owned()]), None, "no compiler");
         assert_eq!(file_state(&["no-such-command".to_owned()]), None);
-        let own = std::env::current_exe().expect("this program");
+        let executable = std::env::current_exe().expect("this program");
         let binary = folder.path().join("clang-99");
-        std::fs::copy(own, &binary).expect("a binary");
+        std::fs::copy(executable, &binary).expect("a binary");
         let command = [binary.display().to_string()];
-        let before = file_state(&command).expect("its own file");
-        assert_eq!(file_state(&command).as_ref(), Some(&before));
+        let initial_state = file_state(&command).expect("its own file");
+        assert_eq!(file_state(&command).as_ref(), Some(&initial_state));
         std::fs::write(&binary, b"\x7fELF and something else").expect("another binary");
-        assert_ne!(file_state(&command), Some(before));
+        assert_ne!(file_state(&command), Some(initial_state));
     }
 }

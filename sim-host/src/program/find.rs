@@ -52,7 +52,7 @@ impl ProgramSource {
         Self::Sources { files, hint: GenerationHint::default() }
     }
 
-    /// The path that stands for the program in messages: the library, the first source, or the package's folder.
+    /// The path that represents the program in messages: the library, the first source, or the package's folder.
     pub fn path(&self) -> &Path {
         match self {
             Self::Library(path) | Self::Cargo(path) | Self::Python(path) => path,

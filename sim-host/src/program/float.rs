@@ -120,14 +120,14 @@ mod tests {
 
     #[test]
     fn environment_is_saved_and_restored_with_its_flags() {
-        let before = Environment::current();
+        let initial = Environment::current();
         // The x87 rounds up in single precision, SSE rounds down; flags of division by zero and of inexact results are set.
         let strange = Environment { sse: MXCSR_DEFAULT | 0x2000 | 0x04, control: 0x087f, flags: 0x24 };
         strange.apply();
         assert_eq!(Environment::current(), strange);
         Environment::INITIAL.apply();
         assert_eq!(Environment::current(), Environment::INITIAL);
-        before.apply();
+        initial.apply();
     }
 
     #[test]

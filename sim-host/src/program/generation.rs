@@ -264,8 +264,8 @@ pub enum GenerationError {
     Include(PathBuf),
 }
 
-/// Chooses the generation for a program with these C or C++ sources, by the first rule that applies: the generation that `hint` states; the
-/// only generation that has the functions called; the only one that has the constants and types used; the generation of the dialect;
+/// Chooses the generation for a program with these C or C++ sources, by the first rule that applies: the generation that `hint` states;
+/// the only generation that has the functions called; the only one that has the constants and types used; the generation of the dialect;
 /// RoBIOS 6. Headers of the program are scanned, too.
 ///
 /// The functions called take precedence over the dialect: in the dialect of one generation, sim files also name programs of the other
@@ -416,8 +416,8 @@ fn code_of(source: &Path) -> Option<String> {
     Some(code_only(&String::from_utf8_lossy(&read_regular(source).ok()?)))
 }
 
-/// The variable with the handle from the only call of `init` in the only source, if it is in scope in the whole source: it is global, or the
-/// source has a single function.
+/// The variable with the handle from the only call of `init` in the only source, if it is in scope in the whole source: it is global, or
+/// the source has a single function.
 fn handle_of<'a>(init: &str, codes: &'a [String]) -> Option<&'a str> {
     let [code] = codes else { return None };
     let [at] = calls_in(code, init)[..] else { return None };
@@ -429,8 +429,8 @@ fn handle_of<'a>(init: &str, codes: &'a [String]) -> Option<&'a str> {
         .then_some(name)
 }
 
-/// Advice that converts `calls` to `generation`; `None` if one of them has no replacement there, if the changes are many, or if they need a
-/// handle that the program does not have.
+/// Advice that converts `calls` to `generation`; `None` if one of them has no replacement there, if the changes are many, or if they need
+/// a handle that the program does not have.
 fn conversion_advice(calls: &[CallSite<'_>], generation: Generation, codes: &[String]) -> Option<String> {
     let replacements = REPLACEMENTS[usize::from(generation == Generation::Robios6)];
     let mut replaced: Vec<(&str, String, Vec<&str>)> = Vec::new();
@@ -487,8 +487,8 @@ fn lines_in_words(places: &[&str]) -> String {
     }
 }
 
-/// All calls of the functions `names` in `sources`, in the order of the text; `None` if a function has no call there, or if a source declares
-/// it or has a method of its name.
+/// All calls of the functions `names` in `sources`, in the order of the text; `None` if a function has no call there, or if a source
+/// declares it or has a method of its name.
 fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSite<'a>>> {
     let mut sites = Vec::new();
     for source in sources {
@@ -501,10 +501,10 @@ fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSi
         }
         found.sort_unstable();
         for (at, name) in found {
-            let before = code[..at].trim_end();
-            let word = before.rsplit(|c| !is_name(c)).next().unwrap_or_default();
+            let code_before = code[..at].trim_end();
+            let word = code_before.rsplit(|c| !is_name(c)).next().unwrap_or_default();
             let is_declared = !word.is_empty() && !["return", "else", "do"].contains(&word);
-            if is_declared || before.ends_with(['.', '*', '&', '>']) || before.ends_with("::") {
+            if is_declared || code_before.ends_with(['.', '*', '&', '>']) || code_before.ends_with("::") {
                 return None;
             }
             let line = code[..at].matches('\n').count() + 1;
@@ -706,10 +706,10 @@ mod tests {
         let sources = ["own/a.c", "own/source.c"].map(|name| folder.join(name));
         let reason_in = |folders| choose(&sources, GenerationHint::default(), folders).expect("one generation").reason;
         assert_eq!(reason_in(None), ChoiceReason::Calls(vec!["VWStraight".to_owned()]));
-        let own = [folder.join("own")];
-        assert_eq!(reason_in(Some(&own)), ChoiceReason::NoCalls);
-        let all = [folder.clone()];
-        assert_eq!(reason_in(Some(&all)), reason_in(None));
+        let own_folder = [folder.join("own")];
+        assert_eq!(reason_in(Some(&own_folder)), ChoiceReason::NoCalls);
+        let whole_folder = [folder.clone()];
+        assert_eq!(reason_in(Some(&whole_folder)), reason_in(None));
     }
 
     #[test]
@@ -717,8 +717,8 @@ mod tests {
         let text = "int main() { BYTE img[QQVGA_SIZE]; CAMInit(QQVGA); LCDClear(); }";
         assert_eq!(choice_for(text), "RoBIOS-7 (QQVGA, QQVGA_SIZE)");
         assert_eq!(choice_for("int main() { image img; int i = imagerows; LCDClear(); }"), "RoBIOS 6 (imagerows)");
-        let own = "enum { RED, QVGA };\n#define VGA 3\nint main() { int i = QVGA + VGA + RED; LCDClear(); }";
-        assert!(choice_for(own).starts_with("RoBIOS 6; its calls are in RoBIOS-7 as well"));
+        let definitions = "enum { RED, QVGA };\n#define VGA 3\nint main() { int i = QVGA + VGA + RED; LCDClear(); }";
+        assert!(choice_for(definitions).starts_with("RoBIOS 6; its calls are in RoBIOS-7 as well"));
         assert_eq!(choice_for("int main() { VWInit(VW_DRIVE, 1); CAMInit(QVGA); }"), "RoBIOS 6 (VWInit)");
         assert!(choice_for("#include \"eyebot++.h\"\nint main() { LCDClear(); }").starts_with("RoBIOS-7"));
     }
@@ -823,7 +823,7 @@ mod tests {
             "x = 1;\n int ok = PSDStart(1, 1);",
             "x = 1;\n VWHandle vw = VWInit(1, 1);\n VWGetPosition(vw, &pos);",
         ] {
-            // LCDPixel has nothing like it in RoBIOS 6.
+            // LCDPixel has no replacement in RoBIOS 6.
             let advice = advice_for(&format!("f()\n{{\n {line}\n LCDPixel(1, 2, 3);\n}}"));
             assert!(advice.starts_with(GENERAL_ADVICE), "{line}: {advice}");
         }
@@ -840,8 +840,8 @@ mod tests {
 
     #[test]
     fn functions_and_headers_of_the_program_are_recognised() {
-        let own = "int VWWait(int ms)\n{\n return ms; }\nint main() { VWInit(1, 1); VWWait(3); }";
-        assert_eq!(choice_for(own), "RoBIOS 6 (VWInit)");
+        let definition = "int VWWait(int ms)\n{\n return ms; }\nint main() { VWInit(1, 1); VWWait(3); }";
+        assert_eq!(choice_for(definition), "RoBIOS 6 (VWInit)");
         let header = [
             ("maze.c", "#include \"eyebot.h\"\n#include \"go.h\"\nint main() { GO(3); }"),
             ("go.h", "#include \"maze.c\"\n#define GO(x) VWStraight(x, 100)\n"),
@@ -876,14 +876,14 @@ mod tests {
         let missing: Vec<_> = names
             .iter()
             .filter(is_function)
-            .filter(|name| !Generation::Robios7.has_function(name) && !is_own_name(name))
+            .filter(|name| !Generation::Robios7.has_function(name) && !is_internal_name(name))
             .collect();
         assert!(missing.is_empty(), "{missing:?}");
         assert!(VARIANTS_OF_7.iter().all(|name| names.contains(*name)));
     }
 
     /// Names that occur only in the header itself.
-    fn is_own_name(name: &str) -> bool {
+    fn is_internal_name(name: &str) -> bool {
         name.to_lowercase().starts_with("eyesim_") || name == "fct"
     }
 }

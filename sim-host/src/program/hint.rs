@@ -252,16 +252,16 @@ struct Undefined {
     place: Option<String>,
 }
 
-/// Hints on undefined symbols except `main`: a line for each, and a single line for all of the other generation. `defined` are the functions
-/// of the program.
+/// Hints on undefined symbols except `main`: a line for each, and a single line for all of the other generation. `defined` are the
+/// functions of the program.
 fn undefined_hint(undefined: &[Undefined], defined: &[&str], generation: Generation) -> String {
     let other = generation.other();
-    let (of_other, rest): (Vec<&Undefined>, Vec<&Undefined>) =
+    let (other_symbols, rest): (Vec<&Undefined>, Vec<&Undefined>) =
         undefined.iter().partition(|symbol| other.has_function(&symbol.name) && !generation.has_function(&symbol.name));
     let mut hints = String::new();
-    if !of_other.is_empty() {
+    if !other_symbols.is_empty() {
         let (name, built_for, number) = (other.name(), generation.name(), other.number());
-        let functions = quoted(&of_other.iter().map(|symbol| &symbol.name).collect::<Vec<_>>());
+        let functions = quoted(&other_symbols.iter().map(|symbol| &symbol.name).collect::<Vec<_>>());
         push_line(
             &mut hints,
             &format!("{name} has {functions}; this program is built for {built_for} (`--api {number}` changes that)"),
@@ -270,19 +270,19 @@ fn undefined_hint(undefined: &[Undefined], defined: &[&str], generation: Generat
     for Undefined { name, place } in rest.into_iter().filter(|symbol| symbol.name != "main") {
         let place = place.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();
         let foreign = FOREIGN_FUNCTIONS.iter().find(|(names, _)| names.contains(&name.as_str()));
-        let what = if generation.has_function(name) {
+        let explanation = if generation.has_function(name) {
             format!("is a function of {}, and is declared otherwise: include `eyebot.h`", generation.name())
         } else if let Some(near) = nearest(defined.iter().copied(), name).or_else(|| similar_function(name, generation))
         {
             format!("is not defined; did you mean `{near}`?")
-        } else if let Some((_, what)) = foreign {
-            (*what).to_owned()
+        } else if let Some((_, explanation)) = foreign {
+            (*explanation).to_owned()
         } else {
             "is used and nowhere defined: write it; a program of several files is named with all of them \
              (`main.c,map.c`) or by its folder"
                 .to_owned()
         };
-        push_line(&mut hints, &format!("{place}`{name}` {what}"));
+        push_line(&mut hints, &format!("{place}`{name}` {explanation}"));
     }
     hints
 }
@@ -311,19 +311,19 @@ fn undefined_symbols(output: &str) -> Vec<Undefined> {
     let mut found: Vec<Undefined> = Vec::new();
     for line in output.lines() {
         let parts = ["undefined reference to ", "undefined symbol: "].iter().find_map(|phrase| line.split_once(phrase));
-        let Some((before, name)) = parts else { continue };
+        let Some((prefix, name)) = parts else { continue };
         let name = name.trim_matches(['`', '\'', ' ']);
         let name = name.split('(').next().unwrap_or(name);
         if !found.iter().any(|known| known.name == name) {
-            found.push(Undefined { name: name.to_owned(), place: place_of(before) });
+            found.push(Undefined { name: name.to_owned(), place: place_of(prefix) });
         }
     }
     found
 }
 
 /// Parses the place before a linker's message: `maze.c:3` from `/p/maze.c:3: ` or `/p/maze.c:3:(.text+0x1f): `.
-fn place_of(before: &str) -> Option<String> {
-    let (path, rest) = before.rsplit_once('/').map_or(("", before), |(folder, rest)| (folder, rest));
+fn place_of(prefix: &str) -> Option<String> {
+    let (path, rest) = prefix.rsplit_once('/').map_or(("", prefix), |(folder, rest)| (folder, rest));
     let (file, rest) = rest.split_once(':')?;
     let number = rest.split(':').next()?.trim();
     let is_place = !path.contains(": ") && !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());

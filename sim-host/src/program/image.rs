@@ -85,20 +85,20 @@ pub enum ImageError {
         error: io::Error,
     },
     /// A file of another kind or system.
-    #[error("`{}` is {what}", path.display())]
+    #[error("`{}` is {description}", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
         /// Description of the file.
-        what: String,
+        description: String,
     },
     /// A library that is truncated or otherwise broken.
-    #[error("`{}` is a broken library: {what}", path.display())]
+    #[error("`{}` is a broken library: {reason}", path.display())]
     Broken {
         /// The file.
         path: PathBuf,
-        /// Description of the error.
-        what: String,
+        /// Reason why it cannot be read.
+        reason: String,
     },
 }
 
@@ -109,13 +109,13 @@ impl ProgramImage {
     /// [`ImageError`] if the file cannot be read or is not a library for this system.
     pub fn read(path: &Path, source_folder: Option<&Path>) -> Result<Self, ImageError> {
         let mut bytes = read_regular(path).map_err(|error| ImageError::Read { path: path.to_owned(), error })?;
-        if let FileKind::Foreign(what) = file_kind(&bytes[..bytes.len().min(HEAD_BYTES)]) {
-            return Err(ImageError::Foreign { path: path.to_owned(), what });
+        if let FileKind::Foreign(description) = file_kind(&bytes[..bytes.len().min(HEAD_BYTES)]) {
+            return Err(ImageError::Foreign { path: path.to_owned(), description });
         }
-        let parts = read_parts(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
+        let parts = read_parts(&bytes).map_err(|reason| ImageError::Broken { path: path.to_owned(), reason })?;
         // C libraries are already built with hidden constructors.
         if parts.description.is_some_and(|description| description.language == language::RUST) {
-            let broken = |what: object::Error| ImageError::Broken { path: path.to_owned(), what: what.to_string() };
+            let broken = |error: object::Error| ImageError::Broken { path: path.to_owned(), reason: error.to_string() };
             constructors::hide(&mut bytes).map_err(broken)?;
         }
         let source_folder = source_folder.map(|folder| {

@@ -295,7 +295,7 @@ pub struct Loader {
 }
 
 /// Number of consecutive robots in the list of `robots` that are assigned to each of the `workers` in turn. Neighbours
-/// in the list are often neighbours in the world, and see each other; each worker gets four parts of the list, since
+/// in the list are often neighbours in the world, and detect each other; each worker gets four parts of the list, since
 /// robots in one part may have more to do than robots in another.
 pub fn deal(robots: usize, workers: usize) -> usize {
     (robots / (4 * workers.max(1))).max(1)

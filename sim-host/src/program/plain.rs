@@ -51,8 +51,8 @@ pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
     translated.concat()
 }
 
-/// Removes from the compiler's `output` two kinds of warnings that mostly concern intended code: fractions that are cut off, unless the number
-/// becomes 0, and texts that are printed without a format, unless `+` joins the text.
+/// Removes from the compiler's `output` two kinds of warnings that mostly concern intended code: fractions that are cut off, unless the
+/// number becomes 0, and texts that are printed without a format, unless `+` joins the text.
 pub fn without_harmless_warnings(output: &str) -> String {
     let mut kept = String::new();
     // Lines before a message that belong to it: `a.c: In function 'main':`.
@@ -640,8 +640,8 @@ impl Message<'_> {
         self.details.first()?.split_once(" | ").map(|(_, code)| code.trim_end())
     }
 
-    /// Splits the program's line at the message's column. The caret and the column of gcc count the width of letters (1 or 2), the column of
-    /// clang counts bytes; the excerpt contains blanks in place of tabs.
+    /// Splits the program's line at the message's column. The caret and the column of gcc count the width of letters (1 or 2), the column
+    /// of clang counts bytes; the excerpt contains blanks in place of tabs.
     fn split_code(&self) -> Option<(&str, &str)> {
         let code = self.code()?;
         let caret = self.details.get(1).and_then(|line| line.split_once(" | ")?.1.find('^'));
@@ -854,7 +854,8 @@ impl Message<'_> {
         }
     }
 
-    /// Words for a missing `;` after the first line of a function, directly above another function; the message is at the `{` of the latter.
+    /// Words for a missing `;` after the first line of a function, directly above another function; the message is at the `{` of the
+    /// latter.
     fn missing_after_head(&self) -> Option<String> {
         let code = code_only(self.source);
         let place = self.line.parse::<usize>().ok()?.checked_sub(1)?;
@@ -1026,8 +1027,8 @@ impl Message<'_> {
         })
     }
 
-    /// A call that writes a text or bytes to its first argument: the function and that argument. The call is at the column of the message, or
-    /// else the only such call in the line.
+    /// A call that writes a text or bytes to its first argument: the function and that argument. The call is at the column of the
+    /// message, or else the only such call in the line.
     fn writing_call(&self) -> Option<(&'static str, &str)> {
         let (code, right) = (self.code()?, self.split_code()?.1);
         let at_place = WRITING_FUNCTIONS
@@ -1095,8 +1096,8 @@ impl Message<'_> {
         })
     }
 
-    /// Words for a loop whose index leaves an array, with the array's name if the line has only one. `None` if the loop may instead have a number
-    /// that becomes too large.
+    /// Words for a loop whose index leaves an array, with the array's name if the line has only one. `None` if the loop may instead have
+    /// a number that becomes too large.
     fn overrun_by_loop(&self) -> Option<String> {
         let blanked = code_only(self.code().unwrap_or_default());
         let accesses = self.accesses().unwrap_or_default();

@@ -97,9 +97,9 @@ impl Variables {
     /// Called on the thread of the copy's worker, while no code of the library runs on it. Variables of the copy are dropped only when
     /// none of their robots runs any more.
     pub unsafe fn swap_in(&self) {
-        let own = ptr::from_ref(self).cast_mut();
+        let this = ptr::from_ref(self).cast_mut();
         let current = self.copy.current.load(Ordering::Relaxed);
-        if current == own {
+        if current == this {
             return;
         }
         let mut offset = 0;
@@ -116,14 +116,14 @@ impl Variables {
             }
             offset += range.len();
         }
-        self.copy.current.store(own, Ordering::Relaxed);
+        self.copy.current.store(this, Ordering::Relaxed);
     }
 }
 
 impl Drop for Variables {
     fn drop(&mut self) {
-        let own = ptr::from_mut(self);
+        let this = ptr::from_mut(self);
         // The exchange fails if another robot's values are in the copy.
-        let _ = self.copy.current.compare_exchange(own, ptr::null_mut(), Ordering::Relaxed, Ordering::Relaxed);
+        let _ = self.copy.current.compare_exchange(this, ptr::null_mut(), Ordering::Relaxed, Ordering::Relaxed);
     }
 }

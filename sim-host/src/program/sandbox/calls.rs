@@ -158,7 +158,7 @@ const ALLOWED: &[c_long] = &[
     libc::SYS_exit_group,
     libc::SYS_wait4,
     libc::SYS_waitid,
-    // Replaces only the program of the own process; all restrictions remain.
+    // Replaces only the program of the calling process; all restrictions remain.
     libc::SYS_execve,
 ];
 
