@@ -74,7 +74,7 @@ pub struct CommandLimits<'a> {
     /// Wall-clock time after which the command is killed.
     pub timeout: Duration,
     /// Number of bytes of each output stream after which the command is killed.
-    pub output: usize,
+    pub max_output: usize,
     /// Returns true if the command must be killed.
     pub is_cancelled: &'a dyn Fn() -> bool,
 }
@@ -82,7 +82,7 @@ pub struct CommandLimits<'a> {
 impl CommandLimits<'static> {
     /// Limits only the time.
     pub fn of_time(timeout: Duration) -> Self {
-        Self { timeout, output: usize::MAX, is_cancelled: &|| false }
+        Self { timeout, max_output: usize::MAX, is_cancelled: &|| false }
     }
 }
 
@@ -138,13 +138,13 @@ fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
     let kill = || unsafe { libc::kill(-group, libc::SIGKILL) };
     let (timeout, is_flooded) = (limits.timeout, Arc::new(AtomicBool::new(false)));
     let readers = [
-        start_reader(child.stdout.take(), limits.output, &is_flooded)?,
-        start_reader(child.stderr.take(), limits.output, &is_flooded)?,
+        start_reader(child.stdout.take(), limits.max_output, &is_flooded)?,
+        start_reader(child.stderr.take(), limits.max_output, &is_flooded)?,
     ];
     let start = Instant::now();
     let excess = || match () {
         () if is_flooded.load(Ordering::Relaxed) => {
-            let message = format!("it printed more than {} kB and was killed", limits.output / 1000);
+            let message = format!("it printed more than {} kB and was killed", limits.max_output / 1000);
             Some((io::ErrorKind::FileTooLarge, message))
         }
         () if start.elapsed() > timeout => {

@@ -456,12 +456,12 @@ impl<'a> Compilation<'a> {
     ) -> io::Result<Result<String, String>> {
         compiled.log_command(command);
         if let Some(sandbox) = self.sandbox {
-            let mut reads = compiler.folders();
-            reads.extend([self.source_folder(), self.kit_folder, self.folder].map(Path::to_owned));
-            reads.extend(sandbox.root.clone());
+            let mut readable = compiler.folders();
+            readable.extend([self.source_folder(), self.kit_folder, self.folder].map(Path::to_owned));
+            readable.extend(sandbox.root.clone());
             // The shims' object files are entries of the cache.
-            reads.extend(command.get_args().map(PathBuf::from).filter(|path| path.starts_with(self.cache.root())));
-            sandbox.apply(command, &Grant { role: Role::Build, reads, scratch })?;
+            readable.extend(command.get_args().map(PathBuf::from).filter(|path| path.starts_with(self.cache.root())));
+            sandbox.apply(command, &Grant { role: Role::Build, readable, scratch })?;
         }
         let quota = self.sandbox.map(|sandbox| Quota::new(scratch.to_owned(), sandbox.build_limits.scratch));
         compiled.execute(command, quota.as_ref())

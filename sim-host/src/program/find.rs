@@ -100,7 +100,7 @@ pub struct FindError {
     /// Every path tried, in order.
     pub attempts: Vec<Attempt>,
     /// Programs in the searched folders that have a similar name.
-    pub near: Vec<String>,
+    pub similar: Vec<String>,
 }
 
 impl std::error::Error for FindError {}
@@ -127,9 +127,9 @@ impl std::fmt::Display for FindError {
                 "\n  put its source beside it: a `.c` or `.cpp` file, or a folder with a Cargo package, of the same name",
             )?;
         }
-        match self.near.as_slice() {
+        match self.similar.as_slice() {
             [] => Ok(()),
-            near => write!(f, "\n  did you mean {}?", quoted(near)),
+            names => write!(f, "\n  did you mean {}?", quoted(names)),
         }
     }
 }
@@ -170,8 +170,8 @@ pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindE
             return Ok(finder.found(source));
         }
     }
-    let near = finder.similar_names(reference);
-    Err(FindError { reference: reference.to_owned(), attempts: finder.attempts, near })
+    let similar = finder.similar_names(reference);
+    Err(FindError { reference: reference.to_owned(), attempts: finder.attempts, similar })
 }
 
 /// The name of the file or folder `path`; of a file without its extension.

@@ -330,7 +330,7 @@ impl Loader {
     }
 
     /// Restricts `command`, which runs `prepared`, and makes a scratch folder its working folder, which is returned. The command may
-    /// read the files and folders `reads` in addition to the program's own. `None` if programs are not restricted.
+    /// read the files and folders `readable` in addition to the program's own. `None` if programs are not restricted.
     ///
     /// # Errors
     /// The folder cannot be created, or the kernel refuses.
@@ -338,13 +338,13 @@ impl Loader {
         &self,
         command: &mut Command,
         prepared: &Prepared,
-        mut reads: Vec<PathBuf>,
+        mut readable: Vec<PathBuf>,
     ) -> io::Result<Option<Scratch>> {
         let Some(sandbox) = &self.sandbox else { return Ok(None) };
         let scratch = Scratch::new(sandbox.program_limits)?;
-        reads.extend(prepared.own_folder());
+        readable.extend(prepared.own_folder());
         command.current_dir(scratch.folder());
-        sandbox.apply(command, &Grant { role: Role::Program, reads, scratch: scratch.folder() })?;
+        sandbox.apply(command, &Grant { role: Role::Program, readable, scratch: scratch.folder() })?;
         Ok(Some(scratch))
     }
 

@@ -89,13 +89,13 @@ pub fn without_harmless_warnings(output: &str) -> String {
 /// The messages about the program among the compiler's `lines`.
 fn messages<'a>(lines: &'a [&'a str], source: (&str, &'a str)) -> Vec<Message<'a>> {
     let mut messages: Vec<Message<'a>> = Vec::new();
-    let (mut begin, mut scope) = (0, None);
+    let (mut details_start, mut scope) = (0, None);
     for (index, line) in lines.iter().copied().enumerate() {
         if let Some(message) = parse(line, scope, source) {
             if let Some(last) = messages.last_mut() {
-                last.details = &lines[begin..index];
+                last.details = &lines[details_start..index];
             }
-            begin = index + 1;
+            details_start = index + 1;
             messages.push(message);
         }
         if line.contains(": In ") || line.ends_with(": At top level:") || line.ends_with(": At global scope:") {
@@ -103,7 +103,7 @@ fn messages<'a>(lines: &'a [&'a str], source: (&str, &'a str)) -> Vec<Message<'a
         }
     }
     if let Some(last) = messages.last_mut() {
-        last.details = &lines[begin..];
+        last.details = &lines[details_start..];
     }
     messages
 }
@@ -222,8 +222,9 @@ impl Message<'_> {
             return Some(OUTSIDE_FUNCTIONS.to_owned());
         }
         if self.text.contains("of unary '*'") {
-            let is_operand =
-                |left: &str| left.trim_end().ends_with(|it: char| it.is_alphanumeric() || "_)]".contains(it));
+            let is_operand = |left: &str| {
+                left.trim_end().ends_with(|letter: char| letter.is_alphanumeric() || "_)]".contains(letter))
+            };
             if !code.split_once("**").is_some_and(|(left, _)| is_operand(left)) {
                 return Some("`*` stands before a value that is not a pointer: leave it out".to_owned());
             }
@@ -518,11 +519,11 @@ impl Message<'_> {
 
     /// Returns true if a missing quote in `line` may be the cause of the message.
     fn may_lack_quote(&self, line: &str) -> bool {
-        let is_lexical = ["missing terminating", "expected ", "stray ", "unterminated "];
+        let lexical_errors = ["missing terminating", "expected ", "stray ", "unterminated "];
         let touches = |name: &str| line.contains(&format!("{name}\"")) || line.contains(&format!("\"{name}"));
         let is_unknown = self.text.contains("undeclared") || self.text.contains("not declared");
         !line.contains("/*")
-            && (is_lexical.iter().any(|begin| self.text.starts_with(begin))
+            && (lexical_errors.iter().any(|beginning| self.text.starts_with(beginning))
                 || is_unknown && (print_arguments(line).is_some() || self.quoted(0).is_some_and(touches)))
     }
 
@@ -550,8 +551,8 @@ impl Message<'_> {
     /// Returns true if the name is declared with a `*`, and not as an array.
     fn is_declared_as_pointer(&self) -> bool {
         let Some((name, code)) = self.quoted(0).zip(self.variable_declaration()) else { return false };
-        let ends = |rest: &str| !rest.starts_with(|letter| is_name(letter) || letter == '[');
-        code.split('*').skip(1).any(|rest| rest.trim_start().strip_prefix(name).is_some_and(ends))
+        let is_name_end = |rest: &str| !rest.starts_with(|letter| is_name(letter) || letter == '[');
+        code.split('*').skip(1).any(|rest| rest.trim_start().strip_prefix(name).is_some_and(is_name_end))
     }
 
     /// Words for the pointer `name`, which is used before it has a value.
@@ -562,8 +563,8 @@ impl Message<'_> {
             );
         }
         let code = code_only(self.code().unwrap_or_default());
-        let is_argument = code.match_indices(name).any(|(place, _)| {
-            let (left, right) = (code[..place].trim_end(), code[place + name.len()..].trim_start());
+        let is_argument = code.match_indices(name).any(|(offset, _)| {
+            let (left, right) = (code[..offset].trim_end(), code[offset + name.len()..].trim_start());
             left.ends_with(['(', ',']) && right.starts_with([',', ')'])
         });
         match self.variable_declaration() {
@@ -585,10 +586,12 @@ impl Message<'_> {
         let is_declared = |word: &&&str| starts_with_word(right, word);
         let word = TYPES.iter().chain(&["static", "const", "struct"]).find(is_declared)?;
         let code = code_only(self.source);
-        let above = code.lines().take(self.line.parse::<usize>().ok()?.checked_sub(1)?);
-        let above = above.filter(|line| !line.trim().is_empty()).last().map(without_closing_braces)?.trim_end();
-        let clause = ["if", "else", "while", "for", "do"].into_iter().find(|word| starts_with_word(above, word))?;
-        let is_whole = above.ends_with(')') || above == clause;
+        let lines_above = code.lines().take(self.line.parse::<usize>().ok()?.checked_sub(1)?);
+        let line_above =
+            lines_above.filter(|line| !line.trim().is_empty()).last().map(without_closing_braces)?.trim_end();
+        let clause =
+            ["if", "else", "while", "for", "do"].into_iter().find(|word| starts_with_word(line_above, word))?;
+        let is_whole = line_above.ends_with(')') || line_above == clause;
         if !left.trim().is_empty() || !is_whole {
             return None;
         }
@@ -646,13 +649,13 @@ impl Message<'_> {
         let code = self.code()?;
         let caret = self.details.get(1).and_then(|line| line.split_once(" | ")?.1.find('^'));
         let column = caret.or(self.column.checked_sub(1))?;
-        let ends = code.char_indices().scan(0, |columns, (place, letter)| {
+        let positions = code.char_indices().scan(0, |columns, (offset, letter)| {
             let width_before = *columns;
             *columns += measure_text_width(letter.encode_utf8(&mut [0; 4]));
-            Some((width_before, place))
+            Some((width_before, offset))
         });
-        let place = ends.skip_while(|(width_before, _)| *width_before < column).map(|(_, place)| place).next();
-        Some(code.split_at(place.unwrap_or(code.len())))
+        let offset = positions.skip_while(|(width_before, _)| *width_before < column).map(|(_, offset)| offset).next();
+        Some(code.split_at(offset.unwrap_or(code.len())))
     }
 
     /// The mark or word that the compiler found where it expected something else.
@@ -699,11 +702,11 @@ impl Message<'_> {
         // g++ prints the whole signature: `int home(int)`.
         let name = self.quoted(0)?.split('(').next()?.rsplit([' ', '*', '&']).next()?;
         let is_note = |line: &&&str| line.contains("note: ") && (line.contains("previous") || line.contains(name));
-        let is_here = |line: &&&str| !line.starts_with('/');
-        let first = self.details.iter().find(is_note).filter(is_here).and_then(|line| line.split(':').nth(1));
-        let is_defined =
+        let is_in_program = |line: &&&str| !line.starts_with('/');
+        let first = self.details.iter().find(is_note).filter(is_in_program).and_then(|line| line.split(':').nth(1));
+        let definitions =
             first.map_or_else(|| "defined twice".to_owned(), |line| format!("already defined in line {line}"));
-        Some(format!("`{name}` is {is_defined}: delete one of them, or give it another name"))
+        Some(format!("`{name}` is {definitions}: delete one of them, or give it another name"))
     }
 
     /// Words for a name where a type belongs.
@@ -724,12 +727,12 @@ impl Message<'_> {
             }
             let suggestion =
                 self.suggestion().map_or_else(String::new, |suggestion| format!("; did you mean `{suggestion}`?"));
-            let outside = if suggestion.is_empty() {
+            let cause = if suggestion.is_empty() {
                 ", or this line is outside of every function: is there a `}` too many above?"
             } else {
                 ""
             };
-            Some(format!("`{name}` is not a type{suggestion}{outside}"))
+            Some(format!("`{name}` is not a type{suggestion}{cause}"))
         })
     }
 
@@ -837,14 +840,14 @@ impl Message<'_> {
     /// Words for a `{` or a `;` that is missing above the line, whichever is likelier.
     fn missing_above(&self) -> String {
         let code = code_only(self.source);
-        let place = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
-        let above = code.lines().take(place).enumerate().filter(|(_, line)| !line.trim().is_empty()).last();
-        match above {
+        let line_index = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
+        let line_above = code.lines().take(line_index).enumerate().filter(|(_, line)| !line.trim().is_empty()).last();
+        match line_above {
             Some((index, head)) if !head.contains(['(', '#']) && head.trim_end().ends_with(is_name) => {
                 format!("a `;` is missing at the end of line {}", index + 1)
             }
             // An unfinished declaration, with another one below it.
-            Some((index, _)) if code.lines().nth(place).is_some_and(begins_function) => {
+            Some((index, _)) if code.lines().nth(line_index).is_some_and(begins_function) => {
                 format!("a `;` is missing at the end of line {}, or a block between `{{ }}` after it", index + 1)
             }
             Some((index, head)) if begins_function(head) => {
@@ -858,24 +861,24 @@ impl Message<'_> {
     /// latter.
     fn missing_after_head(&self) -> Option<String> {
         let code = code_only(self.source);
-        let place = self.line.parse::<usize>().ok()?.checked_sub(1)?;
-        let above = code.lines().take(place).enumerate().filter(|(_, line)| !line.trim().is_empty());
-        let above: Vec<(usize, &str)> = above.collect();
-        let [.., (first, head), (_, second)] = above.as_slice() else { return None };
+        let line_index = self.line.parse::<usize>().ok()?.checked_sub(1)?;
+        let lines_above = code.lines().take(line_index).enumerate().filter(|(_, line)| !line.trim().is_empty());
+        let lines_above: Vec<(usize, &str)> = lines_above.collect();
+        let [.., (first, head), (_, second)] = lines_above.as_slice() else { return None };
         (begins_function(head) && begins_function(second) && head.trim_end().ends_with(')'))
             .then(|| format!("a `;` is missing at the end of line {}", first + 1))
     }
 
     /// Words for a function that is called and not declared.
     fn unknown_function(&self, name: &str) -> String {
-        let place = self.line.parse().unwrap_or(usize::MAX);
+        let first_line_below = self.line.parse().unwrap_or(usize::MAX);
         let code = code_only(self.source);
-        let below = code.lines().enumerate().skip(place).find_map(|(index, line)| {
+        let definition = code.lines().enumerate().skip(first_line_below).find_map(|(index, line)| {
             let (head, _) = line.split_once('(')?;
             let is_defined = head.trim_end().rsplit([' ', '*', '&']).next() == Some(name) && begins_function(line);
             is_defined.then(|| (index + 1, line.trim_end().trim_end_matches('{').trim_end()))
         });
-        match below {
+        match definition {
             Some((line, head)) if head.ends_with(')') => format!(
                 "`{name}` is defined below, in line {line}: move it above the function that calls it, or write `{head};` at the top, below `#include`"
             ),
@@ -892,8 +895,8 @@ impl Message<'_> {
     fn nested_function(&self) -> String {
         let name = |head: &str| head.split('(').next()?.rsplit([' ', '*', '&']).next().map(str::to_owned);
         let code = code_only(self.source);
-        let place = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
-        let head = code.lines().take(place + 1).filter(|line| line.contains('(')).last().and_then(name);
+        let line_index = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
+        let head = code.lines().take(line_index + 1).filter(|line| line.contains('(')).last().and_then(name);
         let (Some(inner), Some(outer)) = (head, name(self.function).filter(|name| !name.is_empty())) else {
             return "a function cannot be written within another one: is a `}` missing above?".to_owned();
         };
@@ -1031,20 +1034,20 @@ impl Message<'_> {
     /// message, or else the only such call in the line.
     fn writing_call(&self) -> Option<(&'static str, &str)> {
         let (code, right) = (self.code()?, self.split_code()?.1);
-        let at_place = WRITING_FUNCTIONS
+        let at_column = WRITING_FUNCTIONS
             .iter()
             .find(|function| starts_with_word(right, function))
             .map(|function| (*function, right));
         let calls: Vec<(&'static str, &str)> = WRITING_FUNCTIONS
             .iter()
-            .flat_map(|function| code.match_indices(function).map(|(place, _)| (*function, place)))
-            .filter(|(function, place)| {
-                !code[..*place].ends_with(is_name) && starts_with_word(&code[*place..], function)
+            .flat_map(|function| code.match_indices(function).map(|(offset, _)| (*function, offset)))
+            .filter(|(function, offset)| {
+                !code[..*offset].ends_with(is_name) && starts_with_word(&code[*offset..], function)
             })
-            .map(|(function, place)| (function, &code[place..]))
+            .map(|(function, offset)| (function, &code[offset..]))
             .collect();
         let single_call = || <[_; 1]>::try_from(calls).ok().map(|[call]| call);
-        let (function, call) = at_place.or_else(single_call)?;
+        let (function, call) = at_column.or_else(single_call)?;
         let values = call[function.len()..].trim_start().strip_prefix('(')?;
         let destination = values.split([',', ')']).next()?.trim();
         (!destination.is_empty()).then_some((function, destination))
@@ -1090,8 +1093,8 @@ impl Message<'_> {
     fn has_rows(&self, name: &str) -> bool {
         let note = self.details.iter().position(|line| line.contains("note: while referencing"));
         let code = note.and_then(|note| self.details.get(note + 1)?.split_once(" | ")).map_or("", |(_, code)| code);
-        code.match_indices(name).any(|(place, _)| {
-            let dimension = code[place + name.len()..].split_once(']');
+        code.match_indices(name).any(|(offset, _)| {
+            let dimension = code[offset + name.len()..].split_once(']');
             dimension.is_some_and(|(length, rest)| length.starts_with('[') && rest.starts_with('['))
         })
     }
@@ -1240,6 +1243,7 @@ fn similar_keyword(word: &str) -> Option<&'static str> {
         .filter(|keyword| *keyword != word && (word.len() > 2 || is_other_case(keyword)))
 }
 
+/// Words for a misspelt keyword; `None` for other words.
 fn misspelt_keyword(word: &str) -> Option<String> {
     if ["elseif", "elsif", "elif"].contains(&word) {
         return Some(format!("`{word}` is not defined: write `else if`"));
@@ -1247,6 +1251,7 @@ fn misspelt_keyword(word: &str) -> Option<String> {
     similar_keyword(word).map(|keyword| format!("`{word}` is not defined; did you mean `{keyword}`?"))
 }
 
+/// Words for a value of the type `given` in place of one of the type `expected`.
 fn type_mismatch(expected: &str, given: &str) -> String {
     if expected == "char" && ["char *", "char*", "const char *", "const char*"].contains(&given) {
         return "a single letter is written between `'`, as in `'a'`; a text between `\"` is a `const char *`"
@@ -1258,6 +1263,7 @@ fn type_mismatch(expected: &str, given: &str) -> String {
     format!("a value of type `{given}` stands where one of type `{expected}` belongs")
 }
 
+/// Words for a name of the C++ library without its header and `std::`.
 fn belongs_to_cpp(name: &str) -> String {
     let header = match name {
         "cin" | "cout" | "endl" => "iostream",
@@ -1267,6 +1273,7 @@ fn belongs_to_cpp(name: &str) -> String {
     format!("`{name}` belongs to the C++ library: write `#include <{header}>` at the top, and `std::{name}`")
 }
 
+/// Words for a name of the C++ library in a C program.
 fn not_a_c_type(name: &str) -> String {
     match name {
         "string" => "C has no type `string`: a text is a `const char *`".to_owned(),

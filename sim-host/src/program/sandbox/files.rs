@@ -77,7 +77,7 @@ pub(super) fn rules(grant: &Grant<'_>) -> io::Result<OwnedFd> {
         .map_err(io::Error::other)?;
     let exists = |path: &&Path| path.exists();
     let system = SYSTEM.iter().chain(&SYSTEM_FILES).map(Path::new).filter(exists);
-    let granted = grant.reads.iter().map(|path| path.as_path()).filter(exists);
+    let granted = grant.readable.iter().map(|path| path.as_path()).filter(exists);
     let mut rules = created;
     for path in system.chain(granted) {
         rules = add(rules, path, read)?;

@@ -128,7 +128,7 @@ pub struct Grant<'a> {
     /// Kind of process.
     pub role: Role,
     /// Files and folders that it may read in addition to the system's; those that do not exist are skipped.
-    pub reads: Vec<PathBuf>,
+    pub readable: Vec<PathBuf>,
     /// Folder that it may write to, which must exist. It becomes `HOME` and `TMPDIR`.
     pub scratch: &'a Path,
 }
