@@ -10,14 +10,14 @@ const MAX_POINTERS: usize = 3;
 /// Number of lines above a line that are searched for assignments to its variables.
 const MAX_LINES_ABOVE: usize = 30;
 
-/// Words, besides [`STATEMENTS`], that begin no declaration which this scan parses.
+/// Words, besides [`STATEMENTS`], that do not begin a declaration of a variable.
 const NOT_TYPES: [&str; 10] =
     ["break", "catch", "continue", "for", "if", "operator", "sizeof", "switch", "template", "while"];
 
 /// Variables by their names.
 type Variables<'a> = BTreeMap<&'a str, Variable>;
 
-/// What a line reads and writes through pointers and arrays.
+/// Pointers and arrays through which a line reads and writes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Accesses {
     /// The pointers, in the line's order, each once: `p`, `p->next`, `argv[1]`.
@@ -29,7 +29,7 @@ pub struct Accesses {
 /// An array that a line indexes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IndexedArray {
-    /// Its name, as `d` or `robot.marks`.
+    /// Its name, such as `d` or `robot.marks`.
     pub name: String,
     /// Its length, if it has one dimension and the source shows it.
     pub len: Option<u64>,
@@ -48,16 +48,16 @@ pub fn accesses_of(source: &str, line: usize) -> Option<Accesses> {
     let code = code_only(source);
     let lines: Vec<&str> = code.lines().collect();
     let mut names: BTreeSet<&str> = words(lines.get(line.checked_sub(1)?)?).collect();
-    for earlier in (1..line).rev().take(MAX_LINES_ABOVE) {
+    for line_above in (1..line).rev().take(MAX_LINES_ABOVE) {
         if found.pointers.is_empty() || found.pointers.len() >= MAX_POINTERS {
             break;
         }
-        let text = lines[earlier - 1];
+        let text = lines[line_above - 1];
         if begins_function(text) {
             return (!receives_accessed_value(text, &names, &lines)).then_some(found);
         }
         if names.iter().any(|name| assigns(text, name)) {
-            for pointer in accesses_in(source, earlier)?.pointers {
+            for pointer in accesses_in(source, line_above)?.pointers {
                 found.add_pointer(&pointer)?;
             }
             names.extend(words(text));
@@ -73,9 +73,9 @@ fn words(code: &str) -> impl Iterator<Item = &str> {
 
 /// Returns true if a line of code contains `name =`.
 fn assigns(code: &str, name: &str) -> bool {
-    code.match_indices(name).any(|(at, _)| {
-        let value = code[at + name.len()..].trim_start().strip_prefix('=');
-        !code[..at].ends_with(|c| is_name(c) || c == '.' || c == '>')
+    code.match_indices(name).any(|(offset, _)| {
+        let value = code[offset + name.len()..].trim_start().strip_prefix('=');
+        !code[..offset].ends_with(|c| is_name(c) || c == '.' || c == '>')
             && value.is_some_and(|value| !value.starts_with('='))
     })
 }
@@ -192,9 +192,9 @@ impl Token<'_> {
 
 fn tokens_of(code: &str) -> Vec<Token<'_>> {
     let mut tokens = Vec::new();
-    let (mut at, mut line) = (0, 1);
-    while let Some(first) = code[at..].chars().next() {
-        let rest = &code[at..];
+    let (mut offset, mut line) = (0, 1);
+    while let Some(first) = code[offset..].chars().next() {
+        let rest = &code[offset..];
         let len = match first {
             _ if is_name(first) => rest.find(|c| !is_name(c)).unwrap_or(rest.len()),
             '-' if rest.starts_with("->") => 2,
@@ -203,9 +203,9 @@ fn tokens_of(code: &str) -> Vec<Token<'_>> {
         };
         line += usize::from(first == '\n');
         if !first.is_whitespace() {
-            tokens.push(Token { text: &rest[..len], start: at, line });
+            tokens.push(Token { text: &rest[..len], start: offset, line });
         }
-        at += len;
+        offset += len;
     }
     tokens
 }
@@ -335,8 +335,8 @@ impl<'a> Scan<'a> {
 
     /// The index after the words with which a declaration at `index` begins, and their number: `static Node`, `std::vector<int> list`.
     fn leading_words(&self, index: usize) -> Option<(usize, usize)> {
-        let (mut at, mut words) = (index, 0);
-        while let Some(token) = self.tokens.get(at) {
+        let (mut cursor, mut words) = (index, 0);
+        while let Some(token) = self.tokens.get(cursor) {
             match token.text {
                 word if NOT_TYPES.contains(&word) || STATEMENTS.contains(&word) => return None,
                 "::" => words -= usize::from(words > 0),
@@ -344,15 +344,15 @@ impl<'a> Scan<'a> {
                     let is_of_type = |token: &&Token<'_>| {
                         token.text.starts_with(is_name) || [",", "*", "::", "<", ">"].contains(&token.text)
                     };
-                    let len = self.tokens[at..].iter().take_while(is_of_type).count();
-                    at += self.tokens[at..at + len].iter().rposition(|token| token.text == ">")?;
+                    let len = self.tokens[cursor..].iter().take_while(is_of_type).count();
+                    cursor += self.tokens[cursor..cursor + len].iter().rposition(|token| token.text == ">")?;
                 }
                 _ if token.is_word() => words += 1,
                 _ => break,
             }
-            at += 1;
+            cursor += 1;
         }
-        (words > 0).then_some((at, words))
+        (words > 0).then_some((cursor, words))
     }
 
     /// The index of the first declarator after leading words, which end at `end`: it begins with a `*` or `&`, or is the last word.
@@ -369,47 +369,47 @@ impl<'a> Scan<'a> {
 
     /// Notes the variables of the declarators that begin at `index`: `*head, *tail;`.
     fn declarators(&mut self, index: usize) {
-        let mut at = index;
-        while let Some((name, variable, end)) = self.declarator(at, false) {
+        let mut cursor = index;
+        while let Some((name, variable, end)) = self.declarator(cursor, false) {
             if let Some(scope) = self.scopes.last_mut() {
                 scope.variables.insert(name, variable);
             }
             if self.text_at(end) == "(" {
                 self.pending_parameters = self.parameters(end);
             }
-            at = end;
-            while !matches!(self.text_at(at), "," | ";" | ")" | "}" | "") {
-                at = self.index_after(at);
+            cursor = end;
+            while !matches!(self.text_at(cursor), "," | ";" | ")" | "}" | "") {
+                cursor = self.index_after(cursor);
             }
-            if self.text_at(at) != "," {
+            if self.text_at(cursor) != "," {
                 break;
             }
-            at += 1;
+            cursor += 1;
         }
     }
 
     /// Parses the declarator at `index`, such as `*head` or `d[4]`; returns the name, the variable and the index after it.
     fn declarator(&mut self, index: usize, is_parameter: bool) -> Option<(&'a str, Variable, usize)> {
-        let (mut at, mut variable) = (index, Variable::default());
-        while let mark @ ("*" | "&" | "const" | "restrict" | "volatile") = self.text_at(at) {
+        let (mut cursor, mut variable) = (index, Variable::default());
+        while let mark @ ("*" | "&" | "const" | "restrict" | "volatile") = self.text_at(cursor) {
             variable.stars += usize::from(mark == "*");
             variable.is_reference |= mark == "&";
-            at += 1;
+            cursor += 1;
         }
-        let name = self.tokens.get(at).filter(|token| token.is_word())?.text;
-        self.declared_tokens.insert(at);
-        at += 1;
-        while self.text_at(at) == "[" {
-            self.declared_tokens.insert(at);
-            let end = self.closing[at];
-            variable.dimensions.push(self.number(at + 1, end));
-            at = end + 1;
+        let name = self.tokens.get(cursor).filter(|token| token.is_word())?.text;
+        self.declared_tokens.insert(cursor);
+        cursor += 1;
+        while self.text_at(cursor) == "[" {
+            self.declared_tokens.insert(cursor);
+            let end = self.closing[cursor];
+            variable.dimensions.push(self.number(cursor + 1, end));
+            cursor = end + 1;
         }
         if is_parameter && !variable.dimensions.is_empty() {
             variable.dimensions.remove(0);
             variable.stars += 1;
         }
-        Some((name, variable, at))
+        Some((name, variable, cursor))
     }
 
     /// The number at `begin`, if `end` is the next token.
@@ -421,17 +421,17 @@ impl<'a> Scan<'a> {
 
     /// The parameters between the `(` at `open` and its `)`.
     fn parameters(&mut self, open: usize) -> Variables<'a> {
-        let (mut at, close) = (open + 1, self.closing[open]);
+        let (mut cursor, close) = (open + 1, self.closing[open]);
         let mut variables = Variables::new();
-        while at < close {
-            let begin = self.leading_words(at).and_then(|(end, words)| self.declarator_begin(end, words));
+        while cursor < close {
+            let begin = self.leading_words(cursor).and_then(|(end, words)| self.declarator_begin(end, words));
             if let Some((name, variable, _)) = begin.and_then(|begin| self.declarator(begin, true)) {
                 variables.insert(name, variable);
             }
-            while at < close && self.text_at(at) != "," {
-                at = self.index_after(at);
+            while cursor < close && self.text_at(cursor) != "," {
+                cursor = self.index_after(cursor);
             }
-            at += 1;
+            cursor += 1;
         }
         variables
     }
@@ -451,7 +451,8 @@ impl<'a> Scan<'a> {
             // After a name, they belong to its expression.
             "[" | "->" => previous.filter(Token::ends_value).map(|_| ()),
             "*" => {
-                let next = (index..).map(|at| self.text_at(at)).find(|text| *text != "*").unwrap_or_default();
+                let next =
+                    (index..).map(|position| self.text_at(position)).find(|text| *text != "*").unwrap_or_default();
                 let is_unknown =
                     matches!(next, "(" | "+" | "-") && previous.is_none_or(|previous| !previous.ends_value());
                 (!is_unknown).then_some(())
@@ -466,9 +467,9 @@ impl<'a> Scan<'a> {
 
     /// Adds the accesses of the expression that begins with the name at `index`, and of the `*` in front of it.
     fn visit_name(&self, index: usize, found: &mut Accesses) -> Option<()> {
-        let mut at = index + 1;
+        let mut cursor = index + 1;
         let Some(variable) = self.variable(self.text_at(index)) else {
-            let is_plain = !["[", "->", "."].contains(&self.text_at(at)) && self.unary_stars(index, false) == 0;
+            let is_plain = !["[", "->", "."].contains(&self.text_at(cursor)) && self.unary_stars(index, false) == 0;
             return is_plain.then_some(());
         };
         if variable.is_reference {
@@ -477,19 +478,19 @@ impl<'a> Scan<'a> {
         let begin = self.tokens[index].start;
         let mut part = Part::Known { variable, indexed: 0, stars: variable.stars };
         loop {
-            let text = self.text.get(begin..self.tokens.get(at - 1)?.end())?;
-            match self.text_at(at) {
+            let text = self.text.get(begin..self.tokens.get(cursor - 1)?.end())?;
+            match self.text_at(cursor) {
                 "[" => {
-                    let end = self.closing[at];
-                    part = found.step(part, text, Step::Index(self.number(at + 1, end)))?;
-                    at = end + 1;
+                    let end = self.closing[cursor];
+                    part = found.step(part, text, Step::Index(self.number(cursor + 1, end)))?;
+                    cursor = end + 1;
                 }
                 mark @ ("->" | ".") => {
                     if mark == "->" {
                         found.step(part, text, Step::Target)?;
                     }
-                    part = self.member(self.text_at(at + 1));
-                    at += 2;
+                    part = self.member(self.text_at(cursor + 1));
+                    cursor += 2;
                 }
                 _ => break,
             }
@@ -500,11 +501,12 @@ impl<'a> Scan<'a> {
         };
         let stars = self.unary_stars(index, is_pointer);
         // A `*` after a cast looks like a product, and the result of a method is not known.
-        let is_unknown = self.text_at(at) == "(" || self.stars_before(index).1.is_some_and(|token| token.text == ")");
+        let is_unknown =
+            self.text_at(cursor) == "(" || self.stars_before(index).1.is_some_and(|token| token.text == ")");
         if matches!(part, Part::UnknownMember) && is_unknown && self.text_before(index) == "*" {
             return None;
         }
-        let expression = self.text.get(begin..self.tokens.get(at - 1)?.end())?;
+        let expression = self.text.get(begin..self.tokens.get(cursor - 1)?.end())?;
         for number in 0..stars {
             part = found.step(part, &format!("{}{expression}", "*".repeat(number)), Step::Target)?;
         }

@@ -47,7 +47,7 @@ pub fn calls_of(text: &str) -> Calls {
     let mut classes = vec![Class::default()];
     let mut methods: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for (index, token) in tokens.iter().enumerate() {
-        let back = |count: usize| index.checked_sub(count).map(|at| tokens[at]);
+        let back = |count: usize| index.checked_sub(count).map(|position| tokens[position]);
         let previous = back(1);
         match *token {
             // The block of `extern "C"` does not nest: its names are at the outermost level (the literal "C" is skipped).
@@ -100,7 +100,7 @@ pub fn calls_of(text: &str) -> Calls {
             }
             Token::Name(name) => {
                 let is_enumerator = is_enum && matches!(previous, Some(Token::Mark('{' | ',')));
-                let is_value = index.checked_sub(2).is_some_and(|at| tokens[at] == Token::Name("define"));
+                let is_value = index.checked_sub(2).is_some_and(|position| tokens[position] == Token::Name("define"));
                 let is_definition =
                     is_enumerator || previous == Some(Token::Name("define")) || is_type(previous) && !is_value;
                 let names = if is_definition { &mut calls.other_definitions } else { &mut calls.used };

@@ -52,13 +52,13 @@ pub fn is_name(letter: char) -> bool {
 
 /// End of a `//` comment, as a byte offset; a back-slash at the end of a line continues the comment on the next line.
 fn line_end(text: &str) -> usize {
-    let mut at = 0;
-    while let Some(end) = text[at..].find('\n') {
-        at += end;
-        if !text[..at].trim_end_matches('\r').ends_with('\\') {
-            return at;
+    let mut offset = 0;
+    while let Some(end) = text[offset..].find('\n') {
+        offset += end;
+        if !text[..offset].trim_end_matches('\r').ends_with('\\') {
+            return offset;
         }
-        at += 1;
+        offset += 1;
     }
     text.len()
 }
@@ -66,12 +66,12 @@ fn line_end(text: &str) -> usize {
 /// End of a literal that begins with `quote`, as a byte offset: after its closing quote, or at the end of the line.
 fn literal_end(text: &str, quote: char) -> usize {
     let mut is_escaped = false;
-    for (at, c) in text.char_indices().skip(1) {
+    for (offset, c) in text.char_indices().skip(1) {
         match c {
             _ if is_escaped => is_escaped = false,
             '\\' => is_escaped = true,
-            '\n' => return at,
-            c if c == quote => return at + 1,
+            '\n' => return offset,
+            c if c == quote => return offset + 1,
             _ => {}
         }
     }

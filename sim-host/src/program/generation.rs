@@ -420,8 +420,8 @@ fn code_of(source: &Path) -> Option<String> {
 /// the source has a single function.
 fn handle_of<'a>(init: &str, codes: &'a [String]) -> Option<&'a str> {
     let [code] = codes else { return None };
-    let [at] = calls_in(code, init)[..] else { return None };
-    let left = code[..at].trim_end().strip_suffix('=')?.trim_end();
+    let [offset] = calls_in(code, init)[..] else { return None };
+    let left = code[..offset].trim_end().strip_suffix('=')?.trim_end();
     let name = left.rsplit(|c| !is_name(c)).next().filter(|name| !name.is_empty())?;
     let is_plain = !left[..left.len() - name.len()].trim_end().ends_with(['.', '>', '*', ']']);
     let is_global = |line: &str| line.starts_with("VWHandle ") && line.trim_end().ends_with(&format!(" {name};"));
@@ -497,18 +497,18 @@ fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSi
         let place = |line: usize| if sources.len() == 1 { line.to_string() } else { format!("{file}:{line}") };
         let mut found: Vec<(usize, &str)> = Vec::new();
         for name in names {
-            found.extend(calls_in(&code, name).into_iter().map(|at| (at, name.as_str())));
+            found.extend(calls_in(&code, name).into_iter().map(|offset| (offset, name.as_str())));
         }
         found.sort_unstable();
-        for (at, name) in found {
-            let code_before = code[..at].trim_end();
+        for (offset, name) in found {
+            let code_before = code[..offset].trim_end();
             let word = code_before.rsplit(|c| !is_name(c)).next().unwrap_or_default();
             let is_declared = !word.is_empty() && !["return", "else", "do"].contains(&word);
             if is_declared || code_before.ends_with(['.', '*', '&', '>']) || code_before.ends_with("::") {
                 return None;
             }
-            let line = code[..at].matches('\n').count() + 1;
-            sites.push(CallSite { name, place: place(line), statement: statement(&code, at, name, place) });
+            let line = code[..offset].matches('\n').count() + 1;
+            sites.push(CallSite { name, place: place(line), statement: statement(&code, offset, name, place) });
         }
     }
     names.iter().all(|name| sites.iter().any(|site| site.name == name)).then_some(sites)
@@ -516,20 +516,21 @@ fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSi
 
 /// Positions of `name` before a `(` in `code`.
 fn calls_in(code: &str, name: &str) -> Vec<usize> {
-    let is_call =
-        |at: &usize| !code[..*at].ends_with(is_name) && code[*at + name.len()..].trim_start().starts_with('(');
-    code.match_indices(name).map(|(at, _)| at).filter(is_call).collect()
+    let is_call = |offset: &usize| {
+        !code[..*offset].ends_with(is_name) && code[*offset + name.len()..].trim_start().starts_with('(')
+    };
+    code.match_indices(name).map(|(offset, _)| offset).filter(is_call).collect()
 }
 
 fn has_call(code: &str, name: &str) -> bool {
     !calls_in(code, name).is_empty()
 }
 
-/// The statement of the call of `name` at `at`, if its line is `CALL;`, `handle = CALL;` or `Type handle = CALL;` and follows a whole
+/// The statement of the call of `name` at `offset`, if its line is `CALL;`, `handle = CALL;` or `Type handle = CALL;` and follows a whole
 /// statement or a brace. `place` converts a line into the text of a place.
-fn statement(code: &str, at: usize, name: &str, place: impl Fn(usize) -> String) -> Option<Statement> {
-    let start = code[..at].rfind('\n').map_or(0, |end| end + 1);
-    let call = code[at + name.len()..].lines().next()?.trim().strip_suffix(';')?;
+fn statement(code: &str, offset: usize, name: &str, place: impl Fn(usize) -> String) -> Option<Statement> {
+    let start = code[..offset].rfind('\n').map_or(0, |end| end + 1);
+    let call = code[offset + name.len()..].lines().next()?.trim().strip_suffix(';')?;
     let depths = call.char_indices().scan(0_i32, |depth, (index, letter)| {
         *depth += i32::from(letter == '(') - i32::from(letter == ')');
         Some((index, *depth))
@@ -539,7 +540,7 @@ fn statement(code: &str, at: usize, name: &str, place: impl Fn(usize) -> String)
     if !is_alone || !code[..start].trim_end().ends_with([';', '{', '}']) {
         return None;
     }
-    let left = code[start..at].trim();
+    let left = code[start..offset].trim();
     if left.is_empty() {
         return Some(Statement { handle: None, declaration: None });
     }
