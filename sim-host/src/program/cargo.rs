@@ -288,8 +288,8 @@ mod tests {
 
     #[test]
     fn progress_is_removed_from_the_output() {
-        let said = "   Compiling maze v0.1.0 (/p/maze)\nwarning: unused variable: `x`\n --> src/lib.rs:3:9\n    Finished `release`\n";
-        assert_eq!(without_progress(said), "warning: unused variable: `x`\n --> src/lib.rs:3:9\n");
+        let cargo_output = "   Compiling maze v0.1.0 (/p/maze)\nwarning: unused variable: `x`\n --> src/lib.rs:3:9\n    Finished `release`\n";
+        assert_eq!(without_progress(cargo_output), "warning: unused variable: `x`\n --> src/lib.rs:3:9\n");
         assert_eq!(without_progress("    Finished `release`\n"), "");
     }
 }

@@ -272,9 +272,10 @@ fn undefined_hint(undefined: &[Undefined], defined: &[&str], generation: Generat
         let foreign = FOREIGN_FUNCTIONS.iter().find(|(names, _)| names.contains(&name.as_str()));
         let explanation = if generation.has_function(name) {
             format!("is a function of {}, and is declared otherwise: include `eyebot.h`", generation.name())
-        } else if let Some(near) = nearest(defined.iter().copied(), name).or_else(|| similar_function(name, generation))
+        } else if let Some(similar) =
+            nearest(defined.iter().copied(), name).or_else(|| similar_function(name, generation))
         {
-            format!("is not defined; did you mean `{near}`?")
+            format!("is not defined; did you mean `{similar}`?")
         } else if let Some((_, explanation)) = foreign {
             (*explanation).to_owned()
         } else {

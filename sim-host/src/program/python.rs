@@ -100,12 +100,12 @@ pub enum PythonError {
         error: io::Error,
     },
     /// The interpreter is too old, or is not Python.
-    #[error("`{}` is no Python 3.{OLDEST_MINOR} or newer: it says `{said}`", interpreter.display())]
+    #[error("`{}` is no Python 3.{OLDEST_MINOR} or newer: it says `{answer}`", interpreter.display())]
     Unfit {
         /// The interpreter.
         interpreter: PathBuf,
         /// Its output when asked for its version.
-        said: String,
+        answer: String,
     },
     /// The module `eye` cannot be written into the cache.
     #[error("cannot write `eye.py` into the cache: {0}")]
@@ -140,10 +140,10 @@ impl Python {
             Ok(output) => output,
             Err(error) => return Err(PythonError::Missing { interpreter, error }),
         };
-        let said = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-        let mut version = said.split(' ').map(str::parse);
+        let answer = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+        let mut version = answer.split(' ').map(str::parse);
         let fits = matches!((version.next(), version.next()), (Some(Ok(3)), Some(Ok(minor))) if minor >= OLDEST_MINOR);
-        if output.status.success() && fits { Ok(()) } else { Err(PythonError::Unfit { interpreter, said }) }
+        if output.status.success() && fits { Ok(()) } else { Err(PythonError::Unfit { interpreter, answer }) }
     }
 
     /// Like [`Self::command`], for a process without the user's environment; also returns the folders that the
