@@ -1,23 +1,23 @@
-//! Pointers and arrays through which a line of C or C++ reads and writes, as the declarations above the line show them.
+//! Finds the pointers and arrays through which a line of C or C++ reads and writes, from the declarations above the line.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::code::{STATEMENTS, begins_function, code_only, is_name};
 
-/// Number of pointers of a line after which its scan ends.
+/// Maximum number of pointers that are collected for a line.
 const MAX_POINTERS: usize = 3;
 
-/// Number of lines above a line that are looked at for the values of its variables.
+/// Number of lines above a line that are searched for assignments to its variables.
 const MAX_LINES_ABOVE: usize = 30;
 
-/// Words, besides [`STATEMENTS`], with which no declaration begins that this scan reads.
-const NO_TYPES: [&str; 10] =
+/// Words, besides [`STATEMENTS`], that do not begin a declaration of a variable.
+const NOT_TYPES: [&str; 10] =
     ["break", "catch", "continue", "for", "if", "operator", "sizeof", "switch", "template", "while"];
 
 /// Variables by their names.
 type Variables<'a> = BTreeMap<&'a str, Variable>;
 
-/// What a line reads and writes through pointers and arrays.
+/// Pointers and arrays through which a line reads and writes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Accesses {
     /// The pointers, in the line's order, each once: `p`, `p->next`, `argv[1]`.
@@ -29,7 +29,7 @@ pub struct Accesses {
 /// An array that a line indexes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IndexedArray {
-    /// Its name, as `d` or `robot.marks`.
+    /// Its name, such as `d` or `robot.marks`.
     pub name: String,
     /// Its length, if it has one dimension and the source shows it.
     pub len: Option<u64>,
@@ -37,26 +37,27 @@ pub struct IndexedArray {
     pub is_inside: bool,
 }
 
-/// The accesses of line `line`, from 1, of `source`. `None` if it may have others: through members of types that it does not show, references,
-/// results of functions, names that are not declared above it, what a macro hides, or functions of the C library that a compiler replaces by
-/// its own code.
+/// The accesses of line `line`, from 1, of `source`. `None` if the line may have accesses that are not found: through members of unknown
+/// types, references, results of functions, names that are not declared above the line, macros, or functions of the C library that a
+/// compiler replaces by its own code.
 ///
-/// A compiler may read a variable's value only where the variable is used: the pointers of the lines count that set variables of the line.
+/// Pointers are included from lines above that assign to variables of this line, since a compiler may delay such a read until the
+/// variable is used.
 pub fn accesses_of(source: &str, line: usize) -> Option<Accesses> {
     let mut found = accesses_in(source, line)?;
     let code = code_only(source);
     let lines: Vec<&str> = code.lines().collect();
     let mut names: BTreeSet<&str> = words(lines.get(line.checked_sub(1)?)?).collect();
-    for earlier in (1..line).rev().take(MAX_LINES_ABOVE) {
+    for line_above in (1..line).rev().take(MAX_LINES_ABOVE) {
         if found.pointers.is_empty() || found.pointers.len() >= MAX_POINTERS {
             break;
         }
-        let text = lines[earlier - 1];
+        let text = lines[line_above - 1];
         if begins_function(text) {
-            return (!is_given_a_value(text, &names, &lines)).then_some(found);
+            return (!receives_accessed_value(text, &names, &lines)).then_some(found);
         }
-        if names.iter().any(|name| sets(text, name)) {
-            for pointer in accesses_in(source, earlier)?.pointers {
+        if names.iter().any(|name| assigns(text, name)) {
+            for pointer in accesses_in(source, line_above)?.pointers {
                 found.add_pointer(&pointer)?;
             }
             names.extend(words(text));
@@ -71,30 +72,31 @@ fn words(code: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Returns true if a line of code contains `name =`.
-fn sets(code: &str, name: &str) -> bool {
-    code.match_indices(name).any(|(at, _)| {
-        let value = code[at + name.len()..].trim_start().strip_prefix('=');
-        !code[..at].ends_with(|c| is_name(c) || c == '.' || c == '>')
+fn assigns(code: &str, name: &str) -> bool {
+    code.match_indices(name).any(|(offset, _)| {
+        let value = code[offset + name.len()..].trim_start().strip_prefix('=');
+        !code[..offset].ends_with(|c| is_name(c) || c == '.' || c == '>')
             && value.is_some_and(|value| !value.starts_with('='))
     })
 }
 
-/// Returns true if one of `names` is a parameter, no pointer, of the function that begins with `head`, and a call of the function gives it
-/// what a pointer or an array holds.
-fn is_given_a_value(head: &str, names: &BTreeSet<&str>, lines: &[&str]) -> bool {
-    let Some((before, parameters)) = head.split_once('(') else { return false };
-    let is_number = |parameter: &&str| {
+/// Returns true if one of `names` is a parameter, but not a pointer, of the function that begins with `head`, and an argument in a call
+/// of the function may be read through a pointer or an array.
+fn receives_accessed_value(head: &str, names: &BTreeSet<&str>, lines: &[&str]) -> bool {
+    let Some((declaration, parameters)) = head.split_once('(') else { return false };
+    let is_used_value = |parameter: &&str| {
         !parameter.contains(['*', '[']) && words(parameter).last().is_some_and(|name| names.contains(name))
     };
-    let has_number = parameters.split(',').any(|parameter| is_number(&parameter));
+    let has_used_value = parameters.split(',').any(|parameter| is_used_value(&parameter));
     let is_head = |line: &str| line == head || begins_function(line.trim_end().trim_end_matches(';'));
-    let call = format!("{}(", words(before).last().unwrap_or_default());
-    let reads =
-        |line: &&str| line.split(&call).skip(1).any(|values| values.contains(['*', '[']) || values.contains("->"));
-    has_number && lines.iter().filter(|line| !is_head(line)).any(reads)
+    let call = format!("{}(", words(declaration).last().unwrap_or_default());
+    let has_access = |line: &&str| {
+        line.split(&call).skip(1).any(|arguments| arguments.contains(['*', '[']) || arguments.contains("->"))
+    };
+    has_used_value && lines.iter().filter(|line| !is_head(line)).any(has_access)
 }
 
-/// The accesses of a line itself, see [`accesses_of`].
+/// The accesses of a single line, without those of lines above, see [`accesses_of`].
 fn accesses_in(source: &str, line: usize) -> Option<Accesses> {
     let end = source.split_inclusive('\n').take(line).map(str::len).sum();
     let text = source.get(..end)?;
@@ -109,14 +111,14 @@ fn accesses_in(source: &str, line: usize) -> Option<Accesses> {
         macros,
         scopes,
         members: BTreeMap::new(),
-        pending: Variables::new(),
-        declared: BTreeSet::new(),
+        pending_parameters: Variables::new(),
+        declared_tokens: BTreeSet::new(),
         statement: 0,
     };
     scan.run(line)
 }
 
-/// What a program may write to in a name's place.
+/// Declaration of a variable or a member, as far as accesses depend on it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Variable {
     /// Lengths of its dimensions, the outer one first.
@@ -129,13 +131,13 @@ struct Variable {
 /// Macros of a source.
 #[derive(Default)]
 struct Macros {
-    /// Those that may hide an access.
+    /// Names of macros that may hide an access.
     hiding: BTreeSet<String>,
-    /// Those that are numbers.
+    /// Values of macros that are numbers.
     numbers: BTreeMap<String, u64>,
 }
 
-/// `code` with blank lines for directives, and the macros that it defines.
+/// Replaces directives in `code` by blank lines; also returns the macros that they define.
 fn without_directives(code: String) -> (String, Macros) {
     let (mut rest, mut macros) = (String::with_capacity(code.len()), Macros::default());
     let mut directive: Option<String> = None;
@@ -167,22 +169,22 @@ fn without_directives(code: String) -> (String, Macros) {
 #[derive(Clone, Copy)]
 struct Token<'a> {
     text: &'a str,
-    /// Its place in the source.
-    at: usize,
+    /// Its offset in the source, in bytes.
+    start: usize,
     line: usize,
 }
 
 impl Token<'_> {
-    /// The place behind it.
+    /// The offset of its end.
     fn end(&self) -> usize {
-        self.at + self.text.len()
+        self.start + self.text.len()
     }
 
     fn is_word(&self) -> bool {
         self.text.starts_with(|c: char| is_name(c) && !c.is_ascii_digit())
     }
 
-    /// Returns true if a value may end here, so that a `*` behind it multiplies, or declares.
+    /// Returns true if a value or a type may end here, so that a `*` after it multiplies, or declares a pointer.
     fn ends_value(&self) -> bool {
         self.text == "]" || self.text.starts_with(is_name) && !STATEMENTS.contains(&self.text)
     }
@@ -190,9 +192,9 @@ impl Token<'_> {
 
 fn tokens_of(code: &str) -> Vec<Token<'_>> {
     let mut tokens = Vec::new();
-    let (mut at, mut line) = (0, 1);
-    while let Some(first) = code[at..].chars().next() {
-        let rest = &code[at..];
+    let (mut offset, mut line) = (0, 1);
+    while let Some(first) = code[offset..].chars().next() {
+        let rest = &code[offset..];
         let len = match first {
             _ if is_name(first) => rest.find(|c| !is_name(c)).unwrap_or(rest.len()),
             '-' if rest.starts_with("->") => 2,
@@ -201,15 +203,14 @@ fn tokens_of(code: &str) -> Vec<Token<'_>> {
         };
         line += usize::from(first == '\n');
         if !first.is_whitespace() {
-            tokens.push(Token { text: &rest[..len], at, line });
+            tokens.push(Token { text: &rest[..len], start: offset, line });
         }
-        at += len;
+        offset += len;
     }
     tokens
 }
 
-/// For each token that opens a bracket the index of the one that closes it; for other tokens, and for brackets that are not closed, the
-/// number of tokens.
+/// For each opening bracket, the index of its closing bracket; for other tokens and for unclosed brackets, the number of tokens.
 fn closing_of(tokens: &[Token<'_>]) -> Vec<usize> {
     let mut closing = vec![tokens.len(); tokens.len()];
     let mut open = Vec::new();
@@ -227,15 +228,15 @@ fn closing_of(tokens: &[Token<'_>]) -> Vec<usize> {
     closing
 }
 
-/// The names that a block declares so far.
+/// The names that a block has declared so far.
 #[derive(Default)]
 struct Scope<'a> {
     variables: Variables<'a>,
-    /// It is that of a `struct`, whose variables are members.
+    /// The block belongs to a `struct`: its variables are members.
     is_type: bool,
 }
 
-/// A scan of a source from its begin to the end of a line.
+/// A scan of a source from its start to the end of a line.
 struct Scan<'a> {
     text: &'a str,
     tokens: Vec<Token<'a>>,
@@ -246,9 +247,9 @@ struct Scan<'a> {
     /// Members of all types by their names; `None` for names that differ between types.
     members: BTreeMap<&'a str, Option<Variable>>,
     /// Parameters of the function whose block may begin next.
-    pending: Variables<'a>,
+    pending_parameters: Variables<'a>,
     /// Tokens of declarations that look like accesses: names and their `[`.
-    declared: BTreeSet<usize>,
+    declared_tokens: BTreeSet<usize>,
     /// First token of the current statement.
     statement: usize,
 }
@@ -263,20 +264,20 @@ impl<'a> Scan<'a> {
             }
             match self.text_at(index) {
                 "{" => {
-                    let variables = std::mem::take(&mut self.pending);
+                    let variables = std::mem::take(&mut self.pending_parameters);
                     self.scopes.push(Scope { variables, is_type: self.begins_type(index) });
                 }
                 "}" => {
                     let scope = self.scopes.pop().filter(|_| !self.scopes.is_empty())?;
                     if scope.is_type {
                         self.note_members(scope.variables);
-                        // Behind a type follow variables, or behind `typedef` its name.
+                        // Variables follow a type, and the type's name follows a `typedef`.
                         self.declarators(index + 1);
                     }
                 }
-                ";" => self.pending.clear(),
+                ";" => self.pending_parameters.clear(),
                 // A lambda.
-                "(" if index > 0 && self.text_at(index - 1) == "]" => self.pending = self.parameters(index),
+                "(" if index > 0 && self.text_at(index - 1) == "]" => self.pending_parameters = self.parameters(index),
                 _ => {}
             }
             if self.tokens[index].line == line && found.pointers.len() < MAX_POINTERS {
@@ -286,18 +287,18 @@ impl<'a> Scan<'a> {
         Some(found)
     }
 
-    /// The text of a token; empty behind the last one.
+    /// The text of a token; empty after the last one.
     fn text_at(&self, index: usize) -> &'a str {
         self.tokens.get(index).map_or("", |token| token.text)
     }
 
-    fn before(&self, index: usize) -> &'a str {
+    fn text_before(&self, index: usize) -> &'a str {
         index.checked_sub(1).map_or("", |before| self.text_at(before))
     }
 
     fn begins_statement(&self, index: usize) -> bool {
         let second = index.checked_sub(2).map_or("", |second| self.text_at(second));
-        match self.before(index) {
+        match self.text_before(index) {
             "" | ";" | "{" | "}" => true,
             "(" => second == "for",
             ":" => ["public", "private", "protected"].contains(&second),
@@ -305,7 +306,7 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// Returns true if the `{` at `index` is that of a `struct` with which a declaration begins.
+    /// Returns true if the `{` at `index` begins the block of a `struct`, `class`, `union` or `enum`.
     fn begins_type(&self, index: usize) -> bool {
         let head = &self.tokens[self.statement..index];
         let has = |words: &[&str]| head.iter().any(|token| words.contains(&token.text));
@@ -321,97 +322,97 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// Notes the variables, or the parameters of a function, that a statement at `index` declares; none if it declares nothing.
+    /// Notes the variables, or the parameters of a function, that a statement at `index` declares.
     fn declare(&mut self, index: usize) {
-        let Some((end, words)) = self.kind_at(index) else { return };
+        let Some((end, words)) = self.leading_words(index) else { return };
         if let Some(begin) = self.declarator_begin(end, words) {
             self.declarators(begin);
-        } else if self.text_at(end) == "(" && matches!(self.text_at(self.behind(end)), "{" | ":") {
+        } else if self.text_at(end) == "(" && matches!(self.text_at(self.index_after(end)), "{" | ":") {
             // A constructor.
-            self.pending = self.parameters(end);
+            self.pending_parameters = self.parameters(end);
         }
     }
 
-    /// The end of the words with which a declaration at `index` begins, and their number: `static Node`, `std::vector<int> list`.
-    fn kind_at(&self, index: usize) -> Option<(usize, usize)> {
-        let (mut at, mut words) = (index, 0);
-        while let Some(token) = self.tokens.get(at) {
+    /// The index after the words with which a declaration at `index` begins, and their number: `static Node`, `std::vector<int> list`.
+    fn leading_words(&self, index: usize) -> Option<(usize, usize)> {
+        let (mut cursor, mut words) = (index, 0);
+        while let Some(token) = self.tokens.get(cursor) {
             match token.text {
-                word if NO_TYPES.contains(&word) || STATEMENTS.contains(&word) => return None,
+                word if NOT_TYPES.contains(&word) || STATEMENTS.contains(&word) => return None,
                 "::" => words -= usize::from(words > 0),
                 "<" if words > 0 => {
                     let is_of_type = |token: &&Token<'_>| {
                         token.text.starts_with(is_name) || [",", "*", "::", "<", ">"].contains(&token.text)
                     };
-                    let len = self.tokens[at..].iter().take_while(is_of_type).count();
-                    at += self.tokens[at..at + len].iter().rposition(|token| token.text == ">")?;
+                    let len = self.tokens[cursor..].iter().take_while(is_of_type).count();
+                    cursor += self.tokens[cursor..cursor + len].iter().rposition(|token| token.text == ">")?;
                 }
                 _ if token.is_word() => words += 1,
                 _ => break,
             }
-            at += 1;
+            cursor += 1;
         }
-        (words > 0).then_some((at, words))
+        (words > 0).then_some((cursor, words))
     }
 
-    /// The begin of the declarator behind words that end at `end`: its name is the last of them, or it begins with a `*`.
+    /// The index of the first declarator after leading words, which end at `end`: it begins with a `*` or `&`, or is the last word.
     fn declarator_begin(&self, end: usize, words: usize) -> Option<usize> {
         let has_mark = matches!(self.text_at(end), "*" | "&");
         (has_mark || words > 1).then_some(if has_mark { end } else { end - 1 })
     }
 
-    /// The token behind the one at `index`, or behind the bracket that it opens.
-    fn behind(&self, index: usize) -> usize {
+    /// The index after the token at `index`, or after the closing bracket if the token is an opening one.
+    fn index_after(&self, index: usize) -> usize {
         let is_open = matches!(self.text_at(index), "(" | "[" | "{");
         if is_open { self.closing[index] + 1 } else { index + 1 }
     }
 
     /// Notes the variables of the declarators that begin at `index`: `*head, *tail;`.
     fn declarators(&mut self, index: usize) {
-        let mut at = index;
-        while let Some((name, variable, end)) = self.declarator(at, false) {
+        let mut cursor = index;
+        while let Some((name, variable, end)) = self.declarator(cursor, false) {
             if let Some(scope) = self.scopes.last_mut() {
                 scope.variables.insert(name, variable);
             }
             if self.text_at(end) == "(" {
-                self.pending = self.parameters(end);
+                self.pending_parameters = self.parameters(end);
             }
-            at = end;
-            while !matches!(self.text_at(at), "," | ";" | ")" | "}" | "") {
-                at = self.behind(at);
+            cursor = end;
+            while !matches!(self.text_at(cursor), "," | ";" | ")" | "}" | "") {
+                cursor = self.index_after(cursor);
             }
-            if self.text_at(at) != "," {
+            if self.text_at(cursor) != "," {
                 break;
             }
-            at += 1;
+            cursor += 1;
         }
     }
 
-    /// The declarator at `index`, and its end: `*head`, `d[4]`.
+    /// Parses the declarator at `index`, such as `*head` or `d[4]`; returns the name, the variable and the index after it.
     fn declarator(&mut self, index: usize, is_parameter: bool) -> Option<(&'a str, Variable, usize)> {
-        let (mut at, mut variable) = (index, Variable::default());
-        while let mark @ ("*" | "&" | "const" | "restrict" | "volatile") = self.text_at(at) {
+        let (mut cursor, mut variable) = (index, Variable::default());
+        while let mark @ ("*" | "&" | "const" | "restrict" | "volatile") = self.text_at(cursor) {
             variable.stars += usize::from(mark == "*");
             variable.is_reference |= mark == "&";
-            at += 1;
+            cursor += 1;
         }
-        let name = self.tokens.get(at).filter(|token| token.is_word())?.text;
-        self.declared.insert(at);
-        at += 1;
-        while self.text_at(at) == "[" {
-            self.declared.insert(at);
-            let end = self.closing[at];
-            variable.dimensions.push(self.number(at + 1, end));
-            at = end + 1;
+        let name = self.tokens.get(cursor).filter(|token| token.is_word())?.text;
+        self.declared_tokens.insert(cursor);
+        cursor += 1;
+        while self.text_at(cursor) == "[" {
+            self.declared_tokens.insert(cursor);
+            let end = self.closing[cursor];
+            variable.dimensions.push(self.number(cursor + 1, end));
+            cursor = end + 1;
         }
         if is_parameter && !variable.dimensions.is_empty() {
             variable.dimensions.remove(0);
             variable.stars += 1;
         }
-        Some((name, variable, at))
+        Some((name, variable, cursor))
     }
 
-    /// The number between two tokens, if nothing else is there.
+    /// The number at `begin`, if `end` is the next token.
     fn number(&self, begin: usize, end: usize) -> Option<u64> {
         let text = self.text_at(begin);
         let number = text.parse().ok().or_else(|| self.macros.numbers.get(text).copied());
@@ -420,150 +421,153 @@ impl<'a> Scan<'a> {
 
     /// The parameters between the `(` at `open` and its `)`.
     fn parameters(&mut self, open: usize) -> Variables<'a> {
-        let (mut at, close) = (open + 1, self.closing[open]);
+        let (mut cursor, close) = (open + 1, self.closing[open]);
         let mut variables = Variables::new();
-        while at < close {
-            let begin = self.kind_at(at).and_then(|(end, words)| self.declarator_begin(end, words));
+        while cursor < close {
+            let begin = self.leading_words(cursor).and_then(|(end, words)| self.declarator_begin(end, words));
             if let Some((name, variable, _)) = begin.and_then(|begin| self.declarator(begin, true)) {
                 variables.insert(name, variable);
             }
-            while at < close && self.text_at(at) != "," {
-                at = self.behind(at);
+            while cursor < close && self.text_at(cursor) != "," {
+                cursor = self.index_after(cursor);
             }
-            at += 1;
+            cursor += 1;
         }
         variables
     }
 
-    /// The variable that `name` means at the current token.
+    /// The variable to which `name` refers at the current token.
     fn variable(&self, name: &str) -> Option<&Variable> {
         self.scopes.iter().rev().find_map(|scope| scope.variables.get(name))
     }
 
-    /// Adds what the token at `index` reads or writes; `None` if that is not known.
+    /// Adds the accesses of the token at `index`; `None` if they are not known.
     fn visit(&self, index: usize, found: &mut Accesses) -> Option<()> {
-        let (token, before) = (self.tokens[index], index.checked_sub(1).map(|before| self.tokens[before]));
-        if self.declared.contains(&index) {
+        let (token, previous) = (self.tokens[index], index.checked_sub(1).map(|previous| self.tokens[previous]));
+        if self.declared_tokens.contains(&index) {
             return Some(());
         }
         match token.text {
-            // Behind a name they are read with it.
-            "[" | "->" => before.filter(Token::ends_value).map(|_| ()),
+            // After a name, they belong to its expression.
+            "[" | "->" => previous.filter(Token::ends_value).map(|_| ()),
             "*" => {
-                let next = (index..).map(|at| self.text_at(at)).find(|text| *text != "*").unwrap_or_default();
-                let is_unknown = matches!(next, "(" | "+" | "-") && before.is_none_or(|before| !before.ends_value());
+                let next =
+                    (index..).map(|position| self.text_at(position)).find(|text| *text != "*").unwrap_or_default();
+                let is_unknown =
+                    matches!(next, "(" | "+" | "-") && previous.is_none_or(|previous| !previous.ends_value());
                 (!is_unknown).then_some(())
             }
             _ if !token.is_word() => Some(()),
             name if self.macros.hiding.contains(name) => None,
-            name if self.text_at(index + 1) == "(" => (!is_replaced(name)).then_some(()),
-            _ if before.is_some_and(|before| ["->", ".", "::"].contains(&before.text)) => Some(()),
+            name if self.text_at(index + 1) == "(" => (!is_replaced_by_compilers(name)).then_some(()),
+            _ if previous.is_some_and(|previous| ["->", ".", "::"].contains(&previous.text)) => Some(()),
             _ => self.visit_name(index, found),
         }
     }
 
-    /// Adds what an expression that begins with the name at `index` reads or writes, with the `*` in front of it.
+    /// Adds the accesses of the expression that begins with the name at `index`, and of the `*` in front of it.
     fn visit_name(&self, index: usize, found: &mut Accesses) -> Option<()> {
-        let mut at = index + 1;
+        let mut cursor = index + 1;
         let Some(variable) = self.variable(self.text_at(index)) else {
-            let is_plain = !["[", "->", "."].contains(&self.text_at(at)) && self.unary_stars(index, false) == 0;
+            let is_plain = !["[", "->", "."].contains(&self.text_at(cursor)) && self.unary_stars(index, false) == 0;
             return is_plain.then_some(());
         };
         if variable.is_reference {
             return None;
         }
-        let begin = self.tokens[index].at;
-        let mut kind = Kind::Known { variable, used: 0, stars: variable.stars };
+        let begin = self.tokens[index].start;
+        let mut part = Part::Known { variable, indexed: 0, stars: variable.stars };
         loop {
-            let text = self.text.get(begin..self.tokens.get(at - 1)?.end())?;
-            match self.text_at(at) {
+            let text = self.text.get(begin..self.tokens.get(cursor - 1)?.end())?;
+            match self.text_at(cursor) {
                 "[" => {
-                    let end = self.closing[at];
-                    kind = found.step(kind, text, Step::Index(self.number(at + 1, end)))?;
-                    at = end + 1;
+                    let end = self.closing[cursor];
+                    part = found.step(part, text, Step::Index(self.number(cursor + 1, end)))?;
+                    cursor = end + 1;
                 }
                 mark @ ("->" | ".") => {
                     if mark == "->" {
-                        found.step(kind, text, Step::Target)?;
+                        found.step(part, text, Step::Target)?;
                     }
-                    kind = self.member(self.text_at(at + 1));
-                    at += 2;
+                    part = self.member(self.text_at(cursor + 1));
+                    cursor += 2;
                 }
                 _ => break,
             }
         }
-        let is_pointer = match kind {
-            Kind::Known { variable, used, stars } => stars > 0 || used < variable.dimensions.len(),
-            Kind::Member => false,
+        let is_pointer = match part {
+            Part::Known { variable, indexed, stars } => stars > 0 || indexed < variable.dimensions.len(),
+            Part::UnknownMember => false,
         };
         let stars = self.unary_stars(index, is_pointer);
-        // A `*` behind a cast looks like a product, and what a method returns is not known.
-        let is_unknown = self.text_at(at) == "(" || self.stars_before(index).1.is_some_and(|token| token.text == ")");
-        if matches!(kind, Kind::Member) && is_unknown && self.before(index) == "*" {
+        // A `*` after a cast looks like a product, and the result of a method is not known.
+        let is_unknown =
+            self.text_at(cursor) == "(" || self.stars_before(index).1.is_some_and(|token| token.text == ")");
+        if matches!(part, Part::UnknownMember) && is_unknown && self.text_before(index) == "*" {
             return None;
         }
-        let expression = self.text.get(begin..self.tokens.get(at - 1)?.end())?;
+        let expression = self.text.get(begin..self.tokens.get(cursor - 1)?.end())?;
         for number in 0..stars {
-            kind = found.step(kind, &format!("{}{expression}", "*".repeat(number)), Step::Target)?;
+            part = found.step(part, &format!("{}{expression}", "*".repeat(number)), Step::Target)?;
         }
         Some(())
     }
 
-    /// What the member `name` of any type is.
-    fn member(&self, name: &str) -> Kind<'_> {
+    /// The member `name`, of whichever type.
+    fn member(&self, name: &str) -> Part<'_> {
         match self.members.get(name) {
-            Some(Some(variable)) => Kind::Known { variable, used: 0, stars: variable.stars },
-            _ => Kind::Member,
+            Some(Some(variable)) => Part::Known { variable, indexed: 0, stars: variable.stars },
+            _ => Part::UnknownMember,
         }
     }
 
-    /// Number of `*` in front of the name at `index` that follow a pointer; a first one behind a value multiplies. Behind a `)` this
-    /// depends on whether a pointer follows.
+    /// Number of `*` in front of the name at `index` that dereference. The first `*` multiplies if a value precedes it; after a `)` it
+    /// dereferences only if a pointer follows.
     fn unary_stars(&self, index: usize, is_pointer: bool) -> usize {
-        let (count, before) = self.stars_before(index);
-        let multiplies = before.is_some_and(|before| before.ends_value() || before.text == ")" && !is_pointer);
+        let (count, previous) = self.stars_before(index);
+        let multiplies = previous.is_some_and(|previous| previous.ends_value() || previous.text == ")" && !is_pointer);
         count - usize::from(multiplies && count > 0)
     }
 
     /// Number of `*` in front of the name at `index`, and the token before them.
     fn stars_before(&self, index: usize) -> (usize, Option<Token<'a>>) {
         let count = self.tokens[..index].iter().rev().take_while(|token| token.text == "*").count();
-        (count, (index - count).checked_sub(1).map(|before| self.tokens[before]))
+        (count, (index - count).checked_sub(1).map(|previous| self.tokens[previous]))
     }
 }
 
-/// What a part of an expression is: a variable or a member after some steps into it, or a member of which nothing is known.
+/// A part of an expression: a variable or a member after some steps into it, or a member of an unknown type.
 #[derive(Clone, Copy)]
-enum Kind<'a> {
+enum Part<'a> {
     Known {
         variable: &'a Variable,
-        /// Number of its dimensions that are indexed already.
-        used: usize,
+        /// Number of its dimensions that are already indexed.
+        indexed: usize,
         stars: usize,
     },
-    Member,
+    UnknownMember,
 }
 
 /// A step from a pointer or an array to what it points to or contains.
 #[derive(Clone, Copy)]
 enum Step {
-    /// By an index, if it is a number this one.
+    /// By an index, with its value if that is a number.
     Index(Option<u64>),
     /// By `*` or `->`.
     Target,
 }
 
 impl Accesses {
-    /// Adds the access by a step into what is called `text` and is of this kind. Returns what the result is; `None` if it is not known
-    /// whether `text` is a pointer.
-    fn step<'a>(&mut self, kind: Kind<'a>, text: &str, step: Step) -> Option<Kind<'a>> {
-        match (kind, step) {
-            (Kind::Known { variable: Variable { dimensions, .. }, used, .. }, _) if used < dimensions.len() => {
+    /// Adds the access by a step into `part`, whose text is `text`. Returns the resulting part; `None` if it is not known whether `part`
+    /// is a pointer.
+    fn step<'a>(&mut self, part: Part<'a>, text: &str, step: Step) -> Option<Part<'a>> {
+        match (part, step) {
+            (Part::Known { variable: Variable { dimensions, .. }, indexed, .. }, _) if indexed < dimensions.len() => {
                 let number = if let Step::Index(number) = step { number } else { Some(0) };
-                let is_inside = number.zip(dimensions[used]).is_some_and(|(number, len)| number < len);
+                let is_inside = number.zip(dimensions[indexed]).is_some_and(|(number, len)| number < len);
                 let is_array = |name: &str| {
                     let rest = text.strip_prefix(name);
-                    rest.is_some_and(|rest| if used == 0 { rest.is_empty() } else { rest.starts_with('[') })
+                    rest.is_some_and(|rest| if indexed == 0 { rest.is_empty() } else { rest.starts_with('[') })
                 };
                 let known = self.arrays.iter_mut().filter(|array| is_array(&array.name));
                 match known.max_by_key(|array| array.name.len()) {
@@ -574,19 +578,19 @@ impl Accesses {
                     }
                 }
             }
-            (Kind::Known { stars: 1.., .. }, _) | (Kind::Member, Step::Target) => self.add_pointer(text)?,
+            (Part::Known { stars: 1.., .. }, _) | (Part::UnknownMember, Step::Target) => self.add_pointer(text)?,
             _ => return None,
         }
-        Some(match kind {
-            Kind::Known { variable, used, stars } if used < variable.dimensions.len() => {
-                Kind::Known { variable, used: used + 1, stars }
+        Some(match part {
+            Part::Known { variable, indexed, stars } if indexed < variable.dimensions.len() => {
+                Part::Known { variable, indexed: indexed + 1, stars }
             }
-            Kind::Known { variable, used, stars } => Kind::Known { variable, used, stars: stars - 1 },
-            Kind::Member => Kind::Member,
+            Part::Known { variable, indexed, stars } => Part::Known { variable, indexed, stars: stars - 1 },
+            Part::UnknownMember => Part::UnknownMember,
         })
     }
 
-    /// Adds a pointer; `None` if its text is not on one line.
+    /// Adds a pointer; `None` if its text has several lines.
     fn add_pointer(&mut self, text: &str) -> Option<()> {
         if text.contains('\n') {
             return None;
@@ -598,8 +602,8 @@ impl Accesses {
     }
 }
 
-/// Returns true for functions of the C library that compilers replace by reads and writes of their own: `strcpy`.
-fn is_replaced(function: &str) -> bool {
+/// Returns true for functions of the C library that compilers replace by their own reads and writes: `strcpy`.
+fn is_replaced_by_compilers(function: &str) -> bool {
     ["str", "mem", "sprintf", "snprintf", "vsprintf"].iter().any(|begin| function.starts_with(begin))
 }
 
@@ -607,7 +611,7 @@ fn is_replaced(function: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// The pointers of the last line of a function behind `declarations`.
+    /// The pointers of `line` after `declarations`.
     fn pointers(declarations: &str, line: &str) -> Option<Vec<String>> {
         let source = format!("{declarations}\n{line}\n");
         accesses_of(&source, source.lines().count()).map(|found| found.pointers)
@@ -669,7 +673,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_those_of_the_blocks_around_the_line() {
+    fn names_refer_to_the_enclosing_blocks() {
         let other = "int *best;\nvoid show(int *d, int *best) { *best = d[0]; }\nstruct node { int *d, **x; } *root;\nint main(void)\n{\n  int d[4];\n";
         let check = |line: &str, expected: &[&str]| {
             assert_eq!(pointers(other, line).expect("known accesses"), expected, "{line}");
@@ -691,7 +695,7 @@ mod tests {
     }
 
     #[test]
-    fn values_are_read_where_they_are_used() {
+    fn pointers_of_assigned_values_are_included() {
         let above = "int other(int *p)\n{\n  v = *p;\n}\nint sum(int *p, int *q, int n)\n{\n  int v = *p;\n  int w = v, x = 3;\n  x = n;";
         assert_eq!(pointers(above, "  return w + *q;"), Some(vec!["q".to_owned(), "p".to_owned()]));
         assert_eq!(pointers(above, "  return n + *q;"), Some(vec!["q".to_owned()]));
@@ -703,7 +707,7 @@ mod tests {
     }
 
     #[test]
-    fn arrays_have_lengths_where_they_are_declared() {
+    fn array_lengths_come_from_declarations() {
         let array = |declarations: &str, line: &str| {
             let source = format!("{declarations}\n{line}\n");
             let found = accesses_of(&source, source.lines().count()).expect("known accesses");
@@ -725,7 +729,7 @@ mod tests {
     }
 
     #[test]
-    fn unfinished_and_long_lines_are_read() {
+    fn unfinished_and_long_lines_are_scanned() {
         for line in
             ["p->", "p[", "d[1", "*", "p[3]->", "int x[", "f(p * ", "struct", "for (", "a.", "* *p", "{ int *", "}}"]
         {

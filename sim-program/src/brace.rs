@@ -1,32 +1,32 @@
-//! Search for the `{` without `}` of a C or C++ source by its indentation.
+//! Finds the `{` without `}` in a C or C++ source by its indentation.
 
 use super::code::{begins_function, code_only};
 
-/// A `{` whose `}` is not met yet.
-struct Open<'a> {
+/// A `{` whose `}` has not been found yet.
+struct OpenBrace<'a> {
     line: usize,
-    /// Blanks before the statement that it belongs to.
+    /// Blanks before its statement.
     indent: &'a str,
-    /// It is that of a namespace, a class or `extern "C"`, in which functions may begin at the margin.
-    holds_functions: bool,
+    /// The brace belongs to a namespace, a class or `extern "C"`, in which functions may begin in the first column.
+    may_contain_functions: bool,
 }
 
-/// The line, from 1, of the `{` that has no `}`, where the indentation tells it: a `}` at the begin of a line belongs to a `{` that is
-/// further to the right, or a function begins at the margin within another one. `None` if it does not tell.
+/// The line, from 1, of the `{` that has no `}`, according to the indentation: a `}` at the start of a line would close a `{` that is
+/// indented further, or a function begins in the first column inside another one. `None` if the indentation does not show the line.
 pub fn unclosed_brace(text: &str) -> Option<usize> {
     if text.contains("#else") || text.contains("#elif") {
         return None;
     }
-    let mut open: Vec<Open<'_>> = Vec::new();
+    let mut open: Vec<OpenBrace<'_>> = Vec::new();
     let (mut parentheses, mut indent) = (0_i32, "");
-    let (code, mut before) = (code_only(text), "");
+    let (code, mut previous_line) = (code_only(text), "");
     for (index, line) in code.lines().enumerate() {
-        let own_indent = &line[..line.len() - line.trim_start().len()];
+        let line_indent = &line[..line.len() - line.trim_start().len()];
         if parentheses == 0 && !line.trim().is_empty() {
-            indent = own_indent;
+            indent = line_indent;
         }
         let is_function = begins_function(line);
-        if let Some(last) = open.last().filter(|last| is_function && !last.holds_functions) {
+        if let Some(last) = open.last().filter(|last| is_function && !last.may_contain_functions) {
             return Some(last.line);
         }
         for (place, mark) in line.char_indices() {
@@ -34,14 +34,16 @@ pub fn unclosed_brace(text: &str) -> Option<usize> {
                 '(' => parentheses += 1,
                 ')' => parentheses -= 1,
                 '{' => {
-                    let head = if line.trim() == "{" { before } else { line.trim_start() };
-                    let holds_functions =
+                    let head = if line.trim() == "{" { previous_line } else { line.trim_start() };
+                    let may_contain_functions =
                         ["namespace", "extern", "class", "struct", "union"].iter().any(|word| head.starts_with(word));
-                    open.push(Open { line: index + 1, indent, holds_functions });
+                    open.push(OpenBrace { line: index + 1, indent, may_contain_functions });
                 }
                 '}' => {
                     let closed = open.pop()?;
-                    if place == own_indent.len() && closed.indent != own_indent && closed.indent.starts_with(own_indent)
+                    if place == line_indent.len()
+                        && closed.indent != line_indent
+                        && closed.indent.starts_with(line_indent)
                     {
                         return Some(closed.line);
                     }
@@ -50,7 +52,7 @@ pub fn unclosed_brace(text: &str) -> Option<usize> {
             }
         }
         if !line.trim().is_empty() {
-            before = line.trim_start();
+            previous_line = line.trim_start();
         }
     }
     let last = open.pop()?;
@@ -64,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_brace_that_is_not_closed_is_told_by_the_indentation() {
+    fn unclosed_brace_is_found_by_the_indentation() {
         let line = |text: &str| unclosed_brace(text);
         assert_eq!(line("int main()\n{\n  while (1) {\n    f();\n  return 0;\n}\n"), Some(3));
         assert_eq!(line("int main()\n{\n  if (1) {\n    f();\n  }\n  return 0;\n"), Some(2));
@@ -73,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn functions_of_any_type_begin_at_the_margin() {
+    fn functions_of_any_type_begin_in_the_first_column() {
         for head in ["static int g()", "Place g(int a, int b)", "std::string g()", "int *g()", "main()"] {
             assert_eq!(unclosed_brace(&format!("void f()\n{{\nh();\n\n{head}\n{{\n}}\n")), Some(2), "{head}");
         }
@@ -83,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn functions_of_a_namespace_or_a_class_begin_at_the_margin() {
+    fn namespaces_and_classes_may_contain_functions() {
         let inner = "void go() {\n  if (1) {\n    f();\n}\n";
         for (head, line) in [("namespace robot\n{\n", 4), ("extern \"C\" {\n", 3), ("class Robot {\npublic:\n", 4)] {
             assert_eq!(unclosed_brace(&format!("{head}{inner}void halt() {{\n}}\n}}\n")), Some(line), "{head}");
@@ -91,12 +93,12 @@ mod tests {
     }
 
     #[test]
-    fn a_line_left_of_the_brace_tells_nothing() {
+    fn line_left_of_the_brace_shows_nothing() {
         assert_eq!(unclosed_brace("int main(void)\n{\n          if (1) {\n  ;\n"), None);
     }
 
     #[test]
-    fn without_indentation_nothing_is_told() {
+    fn without_indentation_nothing_is_found() {
         assert_eq!(unclosed_brace("int main()\n{\nwhile (1) {\nf();\nreturn 0;\n}\n"), None);
         assert_eq!(unclosed_brace("int main()\n{\n#if A\n  if (a) {\n#else\n  if (b) {\n#endif\n  }\n"), None);
         assert_eq!(unclosed_brace("int main()\n{\n  if (a &&\n      b) {\n  }\n  return 0;\n}\n"), None);

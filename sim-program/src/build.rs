@@ -20,8 +20,8 @@ use crate::files::read_regular;
 /// Version of the cache's layout; part of every key.
 const CACHE_VERSION: u32 = 2;
 
-/// Code that puts the compiler's words into plain ones: part of every key, as the cache keeps what it makes of warnings.
-const MESSAGES: [&str; 3] = [include_str!("plain.rs"), include_str!("compile.rs"), include_str!("code.rs")];
+/// Sources of the code that translates compiler messages: part of every key, since the cache stores translated warnings.
+const TRANSLATORS: [&str; 3] = [include_str!("plain.rs"), include_str!("compile.rs"), include_str!("code.rs")];
 
 /// Environment variables that change the output of a compiler.
 const ENVIRONMENT: [&str; 7] = [
@@ -41,7 +41,7 @@ pub struct Tools {
     pub cc: Option<String>,
     /// `$CXX`: the C++ compiler, with arguments if any.
     pub cxx: Option<String>,
-    /// `$EYESIM_CFLAGS`: flags of the compilation, after all other flags.
+    /// `$EYESIM_CFLAGS`: compiler flags that follow all other flags.
     pub cflags: Option<String>,
     /// `$CARGO`: the cargo command; if unset, `cargo` on the search path.
     pub cargo: Option<PathBuf>,
@@ -69,14 +69,13 @@ impl Tools {
 /// A program that is ready to be loaded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltProgram {
-    /// The shared library; for programs that are not built, the file of a Python program or the name of an embedded
-    /// one.
+    /// The shared library; the file of a Python program; the name of an embedded program.
     pub library: PathBuf,
     /// Source of the program.
     pub source: ProgramSource,
     /// Warnings of the compiler, also if the program was built earlier.
     pub output: String,
-    /// A compiler ran now; false if the existing library was up to date.
+    /// A compiler has run for this build; false if the existing library was up to date.
     pub compiled: bool,
     /// The generation of RoBIOS for which sources were compiled, with the reason.
     pub choice: Option<GenerationChoice>,
@@ -142,11 +141,11 @@ pub trait BuildObserver: std::fmt::Debug + Send + Sync {
     /// A compiler, or cargo, starts to work on `source`.
     fn begin(&self, source: &ProgramSource);
 
-    /// The compiler has ended, successfully or not.
+    /// The compiler has ended, with or without success.
     fn end(&self, source: &ProgramSource);
 }
 
-/// Builds the programs of a run; each compiler is searched only once.
+/// Builds the programs of a run; searches for each compiler only once.
 #[derive(Debug)]
 pub struct Builder {
     cache: Cache,
@@ -154,7 +153,7 @@ pub struct Builder {
     tools: Tools,
     /// The compilers of [`Language::ALL`].
     compilers: [OnceLock<Compiler>; 2],
-    /// Locked while a compiler is searched, so that only one thread does so.
+    /// Locked while a thread searches for a compiler, so that only one thread does.
     search_lock: Mutex<()>,
     observer: Option<Box<dyn BuildObserver>>,
     /// Restrictions of the compilers.
@@ -191,7 +190,7 @@ impl Builder {
         Self { observer: Some(observer), ..self }
     }
 
-    /// Removes the observer, with the threads that it may have.
+    /// Removes the observer and the threads that it may have.
     pub fn remove_observer(&mut self) {
         self.observer = None;
     }
@@ -206,13 +205,13 @@ impl Builder {
                 let (library, source) = (source.path().to_owned(), source.clone());
                 Ok(BuiltProgram { library, source, output: String::new(), compiled: false, choice: None })
             }
-            ProgramSource::Sources { files, wanted } => self.build_sources(source, files, *wanted),
+            ProgramSource::Sources { files, hint } => self.build_sources(source, files, *hint),
             ProgramSource::Cargo(folder) if self.sandbox.is_some() => {
                 Err(BuildError::Package { folder: folder.clone() })
             }
             ProgramSource::Cargo(folder) => {
                 let cargo = self.tools.cargo.as_deref();
-                let package = self.observed(source, || build_package(folder, cargo, &self.cache))?;
+                let package = self.run_observed(source, || build_package(folder, cargo, &self.cache))?;
                 Ok(BuiltProgram {
                     library: package.library,
                     source: source.clone(),
@@ -264,11 +263,11 @@ impl Builder {
     pub fn build_to(
         &self,
         sources: &[PathBuf],
-        wanted: GenerationHint,
+        hint: GenerationHint,
         out: &Path,
         flags: &[String],
     ) -> Result<(GenerationChoice, String, String), BuildError> {
-        let choice = choose(sources, wanted, None)?;
+        let choice = choose(sources, hint, None)?;
         let mut extra_flags = self.extra_flags()?;
         extra_flags.extend_from_slice(flags);
         let sources = absolute(sources)?;
@@ -285,14 +284,14 @@ impl Builder {
         &self,
         source: &ProgramSource,
         files: &[PathBuf],
-        wanted: GenerationHint,
+        hint: GenerationHint,
     ) -> Result<BuiltProgram, BuildError> {
         let folders = self.sandbox.as_ref().map(|sandbox| sandbox.source_folders(files));
         if let Some(folders) = &folders {
-            check_own(files, folders)?;
+            check_inside(files, folders)?;
         }
         let build = |choice: &GenerationChoice| self.build_for(source, files, choice);
-        try_both_generations(choose(files, wanted, folders.as_deref())?, build, |built| &built.output)
+        try_both_generations(choose(files, hint, folders.as_deref())?, build, |built| &built.output)
     }
 
     fn build_for(
@@ -325,17 +324,17 @@ impl Builder {
             let folder = self.cache.build_folder().map_err(|error| self.cache_error(error))?;
             let started = std::time::SystemTime::now();
             let compile = || self.compile(&sources, generation, &extra_flags, folder.path());
-            let compiled = self.observed(source, compile)?;
-            let note: String = compiled.read.iter().map(|path| format!("{}\n", path.display())).collect();
+            let compiled = self.run_observed(source, compile)?;
+            let note: String = compiled.read_files.iter().map(|path| format!("{}\n", path.display())).collect();
             let changed = attempts < 3
-                && compiled.read.iter().any(|path| {
+                && compiled.read_files.iter().any(|path| {
                     fs::metadata(path).and_then(|metadata| metadata.modified()).is_ok_and(|modified| modified > started)
                 });
             if changed {
                 continue;
             }
-            let gone = || io::Error::new(io::ErrorKind::NotFound, "a source is gone since it was compiled");
-            let key = program_key(&sources_key, &note).ok_or_else(gone).map_err(|error| self.cache_error(error))?;
+            let missing = || io::Error::new(io::ErrorKind::NotFound, "a source is gone since it was compiled");
+            let key = program_key(&sources_key, &note).ok_or_else(missing).map_err(|error| self.cache_error(error))?;
             let entry = self
                 .cache
                 .insert(&key, folder, &compiled.library, &compiled.output)
@@ -371,8 +370,8 @@ impl Builder {
         Ok(compiled)
     }
 
-    /// Runs `work` on `source`, reported to the observer.
-    fn observed<T>(&self, source: &ProgramSource, work: impl FnOnce() -> T) -> T {
+    /// Runs `work` on `source` and reports its begin and end to the observer.
+    fn run_observed<T>(&self, source: &ProgramSource, work: impl FnOnce() -> T) -> T {
         self.observer.iter().for_each(|observer| observer.begin(source));
         let result = work();
         self.observer.iter().for_each(|observer| observer.end(source));
@@ -388,13 +387,13 @@ impl Builder {
     }
 
     fn compiler(&self, language: Language) -> Result<&Compiler, BuildError> {
-        let _looking = self.search_lock.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let known = &self.compilers[language as usize];
-        if let Some(compiler) = known.get() {
+        let _guard = self.search_lock.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let found = &self.compilers[language as usize];
+        if let Some(compiler) = found.get() {
             return Ok(compiler);
         }
         let compiler = Compiler::find(language, self.tools.compiler(language), &self.cache)?;
-        Ok(known.get_or_init(|| compiler))
+        Ok(found.get_or_init(|| compiler))
     }
 
     fn extra_flags(&self) -> Result<Vec<String>, BuildError> {
@@ -407,7 +406,7 @@ impl Builder {
         let headers = kit.headers.iter().map(|(name, text)| (folder.join("include").join(name), text));
         let shim = kit.shim.iter().map(|(name, text)| (folder.join("shim").join(name), text));
         for (path, text) in headers.chain(shim) {
-            if fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
+            if fs::read(&path).is_ok_and(|existing| existing == text.as_bytes()) {
                 continue;
             }
             self.cache.write_atomically(&path, text.as_bytes())?;
@@ -428,7 +427,7 @@ impl Builder {
             hasher.update(bytes);
         };
         add(format!("eyesim {CACHE_VERSION}").as_bytes());
-        MESSAGES.iter().for_each(|text| add(text.as_bytes()));
+        TRANSLATORS.iter().for_each(|text| add(text.as_bytes()));
         // A program built without restrictions may contain data that a restricted program must not read.
         add(self.sandbox.as_ref().map_or("", |sandbox| sandbox.level().word()).as_bytes());
         add(self.kits.of(generation).digest().as_bytes());
@@ -461,14 +460,14 @@ impl Builder {
 }
 
 /// Returns the result of `build` for the choice. If the choice is a guess and the sources do not compile, the other
-/// generation is tried; according to the compiler's `output`, its functions must accept the arguments of the program.
+/// generation is tried; its result is used unless the compiler's `output` has warnings about types of arguments.
 fn try_both_generations<T>(
     choice: GenerationChoice,
     build: impl Fn(&GenerationChoice) -> Result<T, BuildError>,
     output: impl Fn(&T) -> &str,
 ) -> Result<T, BuildError> {
     let fits = |built: &T| {
-        !["[-Wint-conversion]", "[-Wincompatible-pointer-types]"].iter().any(|it| output(built).contains(it))
+        !["[-Wint-conversion]", "[-Wincompatible-pointer-types]"].iter().any(|flag| output(built).contains(flag))
     };
     match build(&choice) {
         Err(BuildError::Compile(error)) if choice.is_guess() => {
@@ -493,9 +492,9 @@ fn absolute(sources: &[PathBuf]) -> Result<Vec<PathBuf>, BuildError> {
 }
 
 /// Checks that no source is a link that leads out of `folders`.
-fn check_own(sources: &[PathBuf], folders: &[PathBuf]) -> Result<(), BuildError> {
-    let is_own = |source: &Path| folders.iter().any(|folder| source.starts_with(folder));
-    match sources.iter().zip(absolute(sources)?).find(|(_, source)| !is_own(source)) {
+fn check_inside(sources: &[PathBuf], folders: &[PathBuf]) -> Result<(), BuildError> {
+    let is_inside = |source: &Path| folders.iter().any(|folder| source.starts_with(folder));
+    match sources.iter().zip(absolute(sources)?).find(|(_, source)| !is_inside(source)) {
         Some((path, _)) => Err(BuildError::Outside { path: path.clone() }),
         None => Ok(()),
     }
@@ -513,7 +512,7 @@ fn is_header(path: &Path) -> bool {
     ["h", "hh", "hpp", "hxx", "inc"].contains(&extension)
 }
 
-/// Digest of the sources' key and of the contents of every file that `note` lists, one per line; `None` if a file no
+/// Digest of the sources' key and of the contents of the files that `note` lists, one per line; `None` if a file no
 /// longer exists.
 fn program_key(sources_key: &str, note: &str) -> Option<String> {
     let mut hasher = blake3::Hasher::new();

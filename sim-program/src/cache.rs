@@ -1,7 +1,7 @@
 //! Cache folder of built programs, shared by concurrent runs.
 //!
-//! An entry is a folder that is put in place by one atomic rename, and is checked against its own digest when it is used: a broken
-//! entry is built again. Entries that were not used for [`KEEP`] are removed.
+//! An entry is a folder that one atomic rename puts in place. It is checked against its digest when it is used, and built again if
+//! it is broken. Entries that were not used for [`KEEP`] are removed.
 
 use std::fs;
 use std::io;
@@ -57,16 +57,17 @@ impl Cache {
     /// # Errors
     /// `$EYESIM_CACHE` is set and cannot be written to, or none of the other folders can.
     pub fn of_user() -> io::Result<Self> {
-        let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-        if let Some(root) = set("EYESIM_CACHE") {
+        let path_of = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+        if let Some(root) = path_of("EYESIM_CACHE") {
             return Self::open(&root).map_err(|error| {
                 io::Error::new(error.kind(), format!("$EYESIM_CACHE `{}` cannot be used: {error}", root.display()))
             });
         }
         // A relative $XDG_CACHE_HOME must be ignored: XDG Base Directory Specification, 0.8.
-        let user =
-            set("XDG_CACHE_HOME").filter(|root| root.is_absolute()).or_else(|| Some(set("HOME")?.join(".cache")));
-        if let Some(cache) = user.and_then(|user| Self::open(&user.join("eyesim")).ok()) {
+        let user_folder = path_of("XDG_CACHE_HOME")
+            .filter(|root| root.is_absolute())
+            .or_else(|| Some(path_of("HOME")?.join(".cache")));
+        if let Some(cache) = user_folder.and_then(|user_folder| Self::open(&user_folder.join("eyesim")).ok()) {
             return Ok(cache);
         }
         Self::open(&private_temporary_folder()?)
@@ -110,26 +111,26 @@ impl Cache {
 
     /// Stores the file `library`, built in the folder `build`, as the entry of `key`.
     ///
-    /// If another run has stored that entry meanwhile, its entry is kept and returned.
+    /// If another run has stored an entry of this key meanwhile, that entry is kept and returned.
     ///
     /// # Errors
     /// A file cannot be written or renamed.
     pub fn insert(&self, key: &str, build: tempfile::TempDir, library: &Path, output: &str) -> io::Result<CacheEntry> {
         let bytes = fs::read(library)?;
         let digest = blake3::hash(&bytes).to_hex().to_string();
-        let whole = self.build_folder()?;
+        let entry_build = self.build_folder()?;
         // The copy belongs to this user, even if the compiler ran as another user in a sandbox.
-        fs::write(whole.path().join(LIBRARY), bytes)?;
+        fs::write(entry_build.path().join(LIBRARY), bytes)?;
         let record = EntryRecord { library_blake3: digest, output: output.to_owned() };
-        fs::write(whole.path().join(RECORD), serde_json::to_vec(&record)?)?;
+        fs::write(entry_build.path().join(RECORD), serde_json::to_vec(&record)?)?;
         build.close()?;
         let folder = self.entry_folder(key);
         fs::create_dir_all(folder.parent().unwrap_or(&self.root))?;
-        // At each attempt another run may have stored its entry first, or removed a broken one.
+        // Before each attempt another run may have stored its entry, or removed a broken one.
         for _ in 0..8 {
-            match fs::rename(whole.path(), &folder) {
+            match fs::rename(entry_build.path(), &folder) {
                 Ok(()) => {
-                    let _ = whole.keep();
+                    let _ = entry_build.keep();
                     self.sweep();
                     break;
                 }
@@ -140,8 +141,8 @@ impl Cache {
                 return Ok(entry);
             }
             // The stored entry is broken.
-            let aside = self.build_folder()?;
-            let _ = fs::rename(&folder, aside.path().join("broken"));
+            let discarded = self.build_folder()?;
+            let _ = fs::rename(&folder, discarded.path().join("broken"));
         }
         self.entry(key).ok_or_else(|| io::Error::other(format!("the entry `{}` stays broken", folder.display())))
     }
@@ -181,27 +182,27 @@ impl Cache {
         self.root.join("notes").join(key)
     }
 
-    /// Removes files that were not used for a long time. Files that cannot be removed are kept: another run may use
-    /// them.
+    /// Removes entries, notes and unfinished builds that were not used for a long time. Files that cannot be removed are
+    /// skipped: another run may use them.
     fn sweep(&self) {
-        let old = |path: &Path, keep: Duration| {
+        let is_older = |path: &Path, max_age: Duration| {
             let used = fs::metadata(path).and_then(|metadata| metadata.modified());
-            used.is_ok_and(|used| SystemTime::now().duration_since(used).is_ok_and(|age| age > keep))
+            used.is_ok_and(|used| SystemTime::now().duration_since(used).is_ok_and(|age| age > max_age))
         };
         for folder in paths_in(&self.root.join("programs")) {
             let record = folder.join(RECORD);
-            if old(if record.exists() { &record } else { &folder }, KEEP) {
+            if is_older(if record.exists() { &record } else { &folder }, KEEP) {
                 let _ = fs::remove_dir_all(&folder);
             }
         }
-        for note in paths_in(&self.root.join("notes")).filter(|note| old(note, KEEP)) {
+        for note in paths_in(&self.root.join("notes")).filter(|note| is_older(note, KEEP)) {
             let _ = fs::remove_file(note);
         }
-        let unfinished = |path: &PathBuf| {
+        let is_unfinished = |path: &PathBuf| {
             let name = path.file_name().and_then(|name| name.to_str());
-            name.is_some_and(|name| name.starts_with("tmp-")) && old(path, KEEP_UNFINISHED)
+            name.is_some_and(|name| name.starts_with("tmp-")) && is_older(path, KEEP_UNFINISHED)
         };
-        for path in paths_in(&self.root).filter(unfinished) {
+        for path in paths_in(&self.root).filter(is_unfinished) {
             let _ = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
         }
     }
@@ -252,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn an_entry_is_found_again_and_the_first_one_stays() {
+    fn first_stored_entry_is_kept() {
         let (_folder, cache) = cache();
         assert_eq!(cache.entry("k"), None);
         let first = put(&cache, "k", b"one");
@@ -265,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_entry_is_replaced() {
+    fn broken_entries_are_replaced() {
         let (_folder, cache) = cache();
         let entry = put(&cache, "k", b"whole");
         fs::write(&entry.library, b"wh").expect("cut short");
@@ -279,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_used_for_long_is_swept() {
+    fn unused_entries_are_removed() {
         let (_folder, cache) = cache();
         let long_ago = SystemTime::now() - KEEP - Duration::from_secs(60);
         put(&cache, "old", b"old");
@@ -295,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_that_store_the_same_entry_at_once_all_get_a_whole_one() {
+    fn concurrent_inserts_return_complete_entries() {
         let (_folder, cache) = cache();
         std::thread::scope(|scope| {
             for _ in 0..8 {

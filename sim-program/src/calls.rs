@@ -1,5 +1,5 @@
-//! Scan of a C or C++ source for the functions and constants that it uses: enough to choose the header that it needs
-//! before it is compiled.
+//! Scans a C or C++ source for the functions and constants that it uses, to choose the header that it needs before it is
+//! compiled.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,26 +16,26 @@ pub struct Calls {
     pub declared: BTreeSet<String>,
     /// Other names that the source uses and does not define, such as constants.
     pub used: BTreeSet<String>,
-    /// Names that the source defines as macros, enumerators, variables or types.
-    pub own: BTreeSet<String>,
+    /// Names that the source defines otherwise: macros, enumerators, variables and types.
+    pub other_definitions: BTreeSet<String>,
     /// Files that the source includes with `"..."`.
     pub includes: Vec<String>,
-    /// The source contains `#include_next`, as a header that wraps another one does.
+    /// The source contains `#include_next`: it is a header that wraps another one.
     pub is_wrapper: bool,
 }
 
-/// A class, or the block of one of its methods, whose calls without an object are those of its methods.
+/// A class, or a method that is defined outside of it: calls without an object may be calls of the class's methods.
 #[derive(Default)]
 struct Class<'a> {
     name: &'a str,
-    /// Number of blocks around its own.
+    /// Number of blocks around it.
     depth: usize,
     methods: BTreeSet<&'a str>,
     /// Names before `(`, with their lines.
     called: Vec<(&'a str, usize)>,
 }
 
-/// Scans `text`. Comments and literals are skipped. Macros are not expanded, but calls in their definitions count.
+/// Scans `text`. Comments and literals are skipped. Macros are not expanded, but calls in their definitions are included.
 pub fn calls_of(text: &str) -> Calls {
     let includes = text.lines().filter_map(included_file).map(str::to_owned).collect();
     let code = code_only(text);
@@ -43,15 +43,15 @@ pub fn calls_of(text: &str) -> Calls {
     let mut calls = Calls { includes, ..Calls::default() };
     let mut depth = 0_usize;
     let mut is_enum = false;
-    // The outermost one stands for the program itself.
+    // The first one is the program itself.
     let mut classes = vec![Class::default()];
     let mut methods: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for (index, token) in tokens.iter().enumerate() {
-        let at = |back: usize| index.checked_sub(back).map(|at| tokens[at]);
-        let before = at(1);
+        let back = |count: usize| index.checked_sub(count).map(|position| tokens[position]);
+        let previous = back(1);
         match *token {
             // The block of `extern "C"` does not nest: its names are at the outermost level (the literal "C" is skipped).
-            Token::Mark('{') if before == Some(Token::Name("extern")) => {}
+            Token::Mark('{') if previous == Some(Token::Name("extern")) => {}
             Token::Mark('{') => depth += 1,
             Token::Mark('}') => {
                 depth = depth.saturating_sub(1);
@@ -65,43 +65,45 @@ pub fn calls_of(text: &str) -> Calls {
             Token::Name("enum") => is_enum = true,
             Token::Name("include_next") => calls.is_wrapper = true,
             Token::Name(name)
-                if matches!(before, Some(Token::Name("class" | "struct"))) && begins_class(&tokens[index + 1..]) =>
+                if matches!(previous, Some(Token::Name("class" | "struct"))) && begins_class(&tokens[index + 1..]) =>
             {
                 classes.push(Class { name, depth, ..Class::default() });
             }
             Token::Name(name) if tokens.get(index + 1) == Some(&Token::Mark('(')) => {
                 let class = classes.last_mut().expect("the program");
                 let is_in_class = !class.name.is_empty() && depth == class.depth + 1;
-                let behind = after_parentheses(&tokens[index + 1..]);
-                let is_scoped = [before, at(2)] == [Some(Token::Mark(':')); 2] && matches!(at(3), Some(Token::Name(_)));
+                let after_call = after_parentheses(&tokens[index + 1..]);
+                let is_scoped =
+                    [previous, back(2)] == [Some(Token::Mark(':')); 2] && matches!(back(3), Some(Token::Name(_)));
                 // Functions inside classes do not define the unqualified name.
-                let is_definition = depth == 0 && behind == Some(Token::Mark('{'));
+                let is_definition = depth == 0 && after_call == Some(Token::Mark('{'));
                 // Behind a name on another line a `;` may be missing; the value of a macro follows the macro's name.
-                let is_typed = (depth == 0 || is_in_class) && before == Some(Token::Mark('*'))
-                    || is_type(before) && lines[index - 1] == lines[index] && at(2) != Some(Token::Name("define"));
-                if depth == 0 && is_typed && behind == Some(Token::Mark(';')) {
+                let is_typed = (depth == 0 || is_in_class) && previous == Some(Token::Mark('*'))
+                    || is_type(previous) && lines[index - 1] == lines[index] && back(2) != Some(Token::Name("define"));
+                if depth == 0 && is_typed && after_call == Some(Token::Mark(';')) {
                     calls.declared.insert(name.to_owned());
                 }
-                if before == Some(Token::Name("define")) {
-                    calls.own.insert(name.to_owned());
+                if previous == Some(Token::Name("define")) {
+                    calls.other_definitions.insert(name.to_owned());
                 } else if is_in_class && is_typed {
                     class.methods.insert(name);
                 } else if is_definition && is_scoped {
-                    if let Some(Token::Name(of)) = at(3) {
-                        let methods = methods.get(of).cloned().unwrap_or_default();
-                        classes.push(Class { name: of, depth, methods, ..Class::default() });
+                    if let Some(Token::Name(class)) = back(3) {
+                        let methods = methods.get(class).cloned().unwrap_or_default();
+                        classes.push(Class { name: class, depth, methods, ..Class::default() });
                     }
                 } else if is_definition {
                     calls.defined.insert(name.to_owned());
-                } else if !is_typed && !is_scoped && !is_of_object(before, at(2)) {
+                } else if !is_typed && !is_scoped && !is_of_object(previous, back(2)) {
                     class.called.push((name, lines[index]));
                 }
             }
             Token::Name(name) => {
-                let is_enumerator = is_enum && matches!(before, Some(Token::Mark('{' | ',')));
-                let is_value = index.checked_sub(2).is_some_and(|at| tokens[at] == Token::Name("define"));
-                let is_own = is_enumerator || before == Some(Token::Name("define")) || is_type(before) && !is_value;
-                let names = if is_own { &mut calls.own } else { &mut calls.used };
+                let is_enumerator = is_enum && matches!(previous, Some(Token::Mark('{' | ',')));
+                let is_value = index.checked_sub(2).is_some_and(|position| tokens[position] == Token::Name("define"));
+                let is_definition =
+                    is_enumerator || previous == Some(Token::Name("define")) || is_type(previous) && !is_value;
+                let names = if is_definition { &mut calls.other_definitions } else { &mut calls.used };
                 names.insert(name.to_owned());
             }
             Token::Mark(_) => {}
@@ -111,16 +113,17 @@ pub fn calls_of(text: &str) -> Calls {
         let first = calls.called.entry(name.to_owned()).or_insert(line);
         *first = line.min(*first);
     }
-    calls.used.retain(|name| !calls.own.contains(name));
+    calls.used.retain(|name| !calls.other_definitions.contains(name));
     calls
 }
 
-/// Returns true if the tokens before a name make it that of a method: `robot.` or `robot->`.
-fn is_of_object(before: Option<Token<'_>>, second: Option<Token<'_>>) -> bool {
-    before == Some(Token::Mark('.')) || [second, before] == [Some(Token::Mark('-')), Some(Token::Mark('>'))]
+/// Returns true if a name after these two tokens is a method of an object: `robot.` or `robot->`.
+fn is_of_object(previous: Option<Token<'_>>, second_previous: Option<Token<'_>>) -> bool {
+    previous == Some(Token::Mark('.'))
+        || [second_previous, previous] == [Some(Token::Mark('-')), Some(Token::Mark('>'))]
 }
 
-/// Returns true if the block of a class begins in `tokens`, which follow its name.
+/// Returns true if `tokens`, which follow the name of a class, begin its block.
 fn begins_class(tokens: &[Token<'_>]) -> bool {
     let first_mark = tokens.iter().find(|token| !matches!(token, Token::Name(_) | Token::Mark(':' | ',')));
     first_mark == Some(&Token::Mark('{'))
@@ -197,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn comments_and_literals_are_passed_over() {
+    fn comments_and_literals_are_skipped() {
         assert_eq!(called("/* a() */ b(); // c() \\\n d()\ne(\"f()\", '(', \"\\\"g()\");"), ["b", "e"]);
         assert_eq!(called("a(R\"x(b() )\" c())x\", d()); /* never closed e()"), ["a", "d"]);
         assert_eq!(called("a(\"not closed b()\nc();"), ["a", "c"]);
@@ -205,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn definitions_are_told_from_calls() {
+    fn definitions_are_distinguished_from_calls() {
         let calls = calls_of("int own(int a) { if (test()) { go(); } while (x) { } return own(1); }");
         assert_eq!(calls.defined.into_iter().collect::<Vec<_>>(), ["own"]);
         assert_eq!(calls.called.into_keys().collect::<Vec<_>>(), ["go", "if", "own", "test", "while"]);
@@ -219,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn declarations_and_methods_are_no_calls() {
+    fn declarations_and_methods_are_not_calls() {
         assert_eq!(called("int a(void); int main() { int b(int); return c(1) * d(2); }"), ["c", "d"]);
         assert_eq!(
             called("#define A a(1)\n#endif\nb(1);\nint main() {\n  x = speed\n  c(1); if (x or d()) else e(); }"),
@@ -237,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn constants_are_told_from_names_of_the_programs_own() {
+    fn constants_are_distinguished_from_defined_names() {
         let text = "#define SIZE QVGA_SIZE\nenum { RED, BLUE = 3 };\nint f(int mode) { int VGA; VGA = RED + KEY_LIST1; \
                     switch (mode) { case IRTV_OK: return LCD_MODE; } }";
         let calls = calls_of(text);
@@ -245,12 +248,12 @@ mod tests {
             assert!(calls.used.contains(name), "{name}");
         }
         for name in ["SIZE", "RED", "BLUE", "VGA", "mode"] {
-            assert!(calls.own.contains(name) && !calls.used.contains(name), "{name}");
+            assert!(calls.other_definitions.contains(name) && !calls.used.contains(name), "{name}");
         }
     }
 
     #[test]
-    fn declarations_are_told_from_calls() {
+    fn declarations_are_distinguished_from_calls() {
         let header = "extern \"C\" {\nint VWWait(void); char *OSName(char *buf);\nstatic inline void go() { VWTurn(1, 2); }\n}\n\
                       VWDone();";
         let calls = calls_of(header);
@@ -259,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn own_headers_are_listed() {
+    fn included_files_are_listed() {
         let text = "#include <stdio.h>\n  # include \"map.h\"\n#include \"a/b.h\" // c\n#include MACRO\n";
         assert_eq!(calls_of(text).includes, ["map.h", "a/b.h"]);
     }

@@ -12,7 +12,7 @@ use super::plain_rust::in_plain_words;
 /// A package that was built.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Package {
-    /// Its shared library.
+    /// Shared library of the package.
     pub library: PathBuf,
     /// Warnings of cargo and the compiler.
     pub output: String,
@@ -71,15 +71,15 @@ pub enum CargoError {
     },
 }
 
-/// Variables of a cargo that runs this process (its job server and its data about the package), which would disturb the cargo
-/// started here.
+/// Environment variables of a cargo that runs this process (its job server and data about its package), which would disturb the
+/// cargo that is started here.
 const FOREIGN_VARIABLES: &[&str] =
     &["MAKEFLAGS", "MFLAGS", "CARGO_MAKEFLAGS", "CARGO_MANIFEST_DIR", "CARGO_MANIFEST_PATH"];
 
 /// Builds the package in `folder` in release mode, always with line tables and unwinding, regardless of its profile.
 ///
-/// The target folder is in `cache`, one for each workspace, and one for all packages outside of workspaces, which thus
-/// share their dependencies. It is never a folder that a `cargo run` or `cargo test` around this process may have
+/// The target folder is in `cache`: one for each workspace, and one for all packages outside of workspaces, which thus
+/// share their dependencies. So it is never a folder that a `cargo run` or `cargo test` around this process may have
 /// locked.
 ///
 /// # Errors
@@ -95,9 +95,9 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
     })?;
     let targets = cache.folder("cargo").map_err(io_error)?;
     let name = &blake3::hash(workspace.as_os_str().as_encoded_bytes()).to_hex()[..16];
-    let build = |target: &Path| build_in(target, folder, &manifest, cargo);
+    let build = |target: &Path| build_in_folder(target, folder, &manifest, cargo);
     if workspace == manifest {
-        build_alone(&targets.join("shared"), name, cache, &io_error, |shared| match shared {
+        build_in_shared_folder(&targets.join("shared"), name, cache, &io_error, |shared| match shared {
             Some(shared) => build(shared),
             None => build(&targets.join(name)),
         })
@@ -109,10 +109,10 @@ pub fn build_package(folder: &Path, cargo: Option<&Path>, cache: &Cache) -> Resu
 /// Builds a package in the target folder `shared` and keeps its library there under the package's own `key`.
 ///
 /// Packages of the same name have the same library path in a target folder: cargo overwrites one library with the other
-/// and reports both as up to date. So the library of a package is the copy that was made when cargo last built it, and
-/// a lock covers build and copy. Without a copy, a library that cargo reports as up to date may be another package's:
-/// then `build(None)` builds it in a folder of its own.
-fn build_alone(
+/// and reports both as up to date. So the library of a package is the copy that was made when cargo last built it; a lock
+/// is held during build and copy. Without a copy, a library that cargo reports as up to date may belong to another
+/// package: then `build(None)` builds the package in its own target folder.
+fn build_in_shared_folder(
     shared: &Path,
     key: &str,
     cache: &Cache,
@@ -123,7 +123,7 @@ fn build_alone(
     fs::create_dir_all(&copies).map_err(io_error)?;
     let lock = fs::File::create(shared.join("eyesim.lock")).map_err(io_error)?;
     lock.lock().map_err(io_error)?;
-    // The name of the copy; absent while it may be out of date.
+    // The file with the copy's name; absent while the copy may be out of date.
     let note = copies.join("name");
     let copy = fs::read_to_string(&note).ok().map(|name| copies.join(name)).filter(|copy| copy.exists());
     if copy.is_some() {
@@ -148,7 +148,7 @@ fn build_alone(
 }
 
 /// Runs `cargo build` with the target folder `target`.
-fn build_in(target: &Path, folder: &Path, manifest: &Path, cargo: &Path) -> Result<Package, CargoError> {
+fn build_in_folder(target: &Path, folder: &Path, manifest: &Path, cargo: &Path) -> Result<Package, CargoError> {
     let mut command = cargo_command(cargo, manifest);
     command.args(["build", "--lib", "--release", "--message-format=json-render-diagnostics"]);
     command.arg("--manifest-path").arg(manifest).arg("--target-dir").arg(target);
@@ -163,19 +163,19 @@ fn build_in(target: &Path, folder: &Path, manifest: &Path, cargo: &Path) -> Resu
             output.map_err(|error| CargoError::Missing { cargo: cargo.to_owned(), folder: folder.to_owned(), error })?
         }
     };
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let cargo_output = String::from_utf8_lossy(&output.stderr).into_owned();
     let messages = String::from_utf8_lossy(&output.stdout);
     if !output.status.success() {
         let folder = folder.to_owned();
-        return Err(if said.contains("no library targets found") {
+        return Err(if cargo_output.contains("no library targets found") {
             CargoError::NoLibrary { folder }
         } else {
-            CargoError::Refused { folder, output: without_progress(&said) }
+            CargoError::Refused { folder, output: without_progress(&cargo_output) }
         });
     }
     let (library, fresh) =
         library_of(&messages, manifest).ok_or_else(|| CargoError::NoLibrary { folder: folder.to_owned() })?;
-    let output = without_progress(&said);
+    let output = without_progress(&cargo_output);
     Ok(Package { library, output: in_plain_words(&output) + &output, fresh })
 }
 
@@ -194,26 +194,26 @@ fn workspace_manifest(cargo: &Path, manifest: &Path) -> io::Result<PathBuf> {
     let mut command = cargo_command(cargo, manifest);
     command.args(["locate-project", "--workspace", "--message-format=plain", "--manifest-path"]).arg(manifest);
     let output = build_output(&mut command, build_timeout(CARGO_TIMEOUT))?;
-    let said = String::from_utf8_lossy(&output.stdout);
-    Ok(if output.status.success() { PathBuf::from(said.trim()) } else { manifest.to_owned() })
+    let cargo_output = String::from_utf8_lossy(&output.stdout);
+    Ok(if output.status.success() { PathBuf::from(cargo_output.trim()) } else { manifest.to_owned() })
 }
 
 /// The shared library of the package, and true if it was up to date, from cargo's messages (one JSON value per line).
 fn library_of(messages: &str, manifest: &Path) -> Option<(PathBuf, bool)> {
     messages.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok()).find_map(|message| {
-        let is_ours = message["reason"] == "compiler-artifact"
+        let is_package_library = message["reason"] == "compiler-artifact"
             && message["manifest_path"].as_str().is_some_and(|path| Path::new(path) == manifest)
             && message["target"]["crate_types"]
                 .as_array()
                 .is_some_and(|types| types.iter().any(|kind| kind == "cdylib"));
-        let files = message["filenames"].as_array().filter(|_| is_ours)?;
+        let files = message["filenames"].as_array().filter(|_| is_package_library)?;
         let library = files.iter().filter_map(|file| file.as_str()).find(|file| file.ends_with(".so"))?;
         Some((PathBuf::from(library), message["fresh"] == true))
     })
 }
 
 /// The output of cargo without its progress messages.
-fn without_progress(said: &str) -> String {
+fn without_progress(cargo_output: &str) -> String {
     const PROGRESS: &[&str] = &[
         "Compiling ",
         "Finished ",
@@ -225,8 +225,14 @@ fn without_progress(said: &str) -> String {
         "Downloading ",
         "Downloaded ",
     ];
-    let progress = |line: &str| PROGRESS.iter().any(|word| line.trim_start().starts_with(word));
-    said.lines().filter(|line| !progress(line)).map(|line| format!("{line}\n")).collect::<String>().trim_start().into()
+    let is_progress = |line: &str| PROGRESS.iter().any(|word| line.trim_start().starts_with(word));
+    cargo_output
+        .lines()
+        .filter(|line| !is_progress(line))
+        .map(|line| format!("{line}\n"))
+        .collect::<String>()
+        .trim_start()
+        .into()
 }
 
 #[cfg(test)]
@@ -234,7 +240,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_library_is_taken_from_the_messages_of_the_right_package() {
+    fn library_is_found_in_messages_about_its_package() {
         let manifest = Path::new("/p/maze/Cargo.toml");
         let other = r#"{"reason":"compiler-artifact","manifest_path":"/p/dep/Cargo.toml","target":{"crate_types":["cdylib"]},"filenames":["/t/libdep.so"],"fresh":true}"#;
         let ours = r#"{"reason":"compiler-artifact","manifest_path":"/p/maze/Cargo.toml","target":{"crate_types":["cdylib","rlib"]},"filenames":["/t/libmaze.rlib","/t/libmaze.so"],"fresh":false}"#;
@@ -244,7 +250,7 @@ mod tests {
         assert_eq!(library_of(other, manifest), None);
     }
 
-    /// Writes a package named `robot` whose library holds `text`.
+    /// Writes a package named `robot` whose library contains `text`.
     fn write_package(folder: &Path, text: &str) {
         fs::create_dir_all(folder.join("src")).expect("a folder");
         let manifest = "[package]\nname = \"robot\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\"]\n[workspace]\n";
@@ -254,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn packages_with_one_name_share_a_target_folder_and_keep_their_own_libraries() {
+    fn packages_of_the_same_name_keep_their_own_libraries() {
         let folder = tempfile::tempdir().expect("a folder");
         let cache = Cache::open(&folder.path().join("cache")).expect("a cache");
         let [one, two] = ["one", "two"].map(|name| folder.path().join(name));
@@ -274,16 +280,16 @@ mod tests {
         write_package(&one, "the first after a change");
         build(&one, "the first after a change", false);
         build(&two, "the other of two robots", true);
-        // As after a build that was killed before its library was copied.
+        // The state after a build that was killed before its library was copied.
         fs::remove_file(library.with_file_name("name")).expect("a note");
         build(&one, "the first after a change", false);
         build(&one, "the first after a change", true);
     }
 
     #[test]
-    fn progress_is_left_out_of_the_warnings() {
-        let said = "   Compiling maze v0.1.0 (/p/maze)\nwarning: unused variable: `x`\n --> src/lib.rs:3:9\n    Finished `release`\n";
-        assert_eq!(without_progress(said), "warning: unused variable: `x`\n --> src/lib.rs:3:9\n");
+    fn progress_is_removed_from_the_output() {
+        let cargo_output = "   Compiling maze v0.1.0 (/p/maze)\nwarning: unused variable: `x`\n --> src/lib.rs:3:9\n    Finished `release`\n";
+        assert_eq!(without_progress(cargo_output), "warning: unused variable: `x`\n --> src/lib.rs:3:9\n");
         assert_eq!(without_progress("    Finished `release`\n"), "");
     }
 }

@@ -1,16 +1,16 @@
-//! C and C++ source without comments and literals, for scans of what is code.
+//! Reduces C and C++ sources to their code, without comments and literals, for scans.
 
-/// Types of C that a declaration begins with.
+/// Types of C with which declarations begin.
 pub const TYPES: [&str; 8] = ["void", "int", "double", "float", "char", "long", "unsigned", "bool"];
 
-/// `text` with a blank for each byte of a comment or a literal, quotes included; lines and places stay.
+/// Replaces each byte of comments and literals in `text` by a blank, quotes included; line numbers and byte offsets are preserved.
 ///
 /// A literal ends at the end of its line at the latest. Back-slashes at the ends of lines continue comments.
 pub fn code_only(text: &str) -> String {
     let mut code = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(first) = rest.chars().next() {
-        let (taken, is_code) = match first {
+        let (len, is_code) = match first {
             '/' if rest.starts_with("//") => (line_end(rest), false),
             '/' if rest.starts_with("/*") => (rest[2..].find("*/").map_or(rest.len(), |end| end + 4), false),
             '"' | '\'' => (literal_end(rest, first), false),
@@ -20,17 +20,17 @@ pub fn code_only(text: &str) -> String {
             _ if is_name(first) => (rest.find(|c| !is_name(c)).unwrap_or(rest.len()), true),
             _ => (first.len_utf8(), true),
         };
-        let (piece, behind) = rest.split_at(taken);
+        let (token, remainder) = rest.split_at(len);
         match is_code {
-            true => code.push_str(piece),
-            false => code.extend(piece.bytes().map(|byte| if byte == b'\n' { '\n' } else { ' ' })),
+            true => code.push_str(token),
+            false => code.extend(token.bytes().map(|byte| if byte == b'\n' { '\n' } else { ' ' })),
         }
-        rest = behind;
+        rest = remainder;
     }
     code
 }
 
-/// Returns true if a function begins at the margin in this line of [code](code_only), without a `;` behind it.
+/// Returns true if a function definition begins in the first column of this line of [code](code_only).
 pub fn begins_function(line: &str) -> bool {
     let Some((head, _)) = line.split_once('(').filter(|_| !line.contains([';', '='])) else { return false };
     let mut words = head.split([' ', '*', '&']).filter(|word| !word.is_empty());
@@ -41,24 +41,24 @@ pub fn begins_function(line: &str) -> bool {
         && !head.replace("::", "").contains(':')
 }
 
-/// Words that may stand before a statement or an expression, unlike a type.
+/// Words that may precede a statement or an expression, and are not types.
 pub const STATEMENTS: [&str; 10] =
     ["case", "delete", "do", "else", "goto", "new", "return", "throw", "typedef", "using"];
 
-/// Returns true for a letter of a name.
+/// Returns true for a character that names may contain.
 pub fn is_name(letter: char) -> bool {
     letter.is_alphanumeric() || letter == '_'
 }
 
 /// End of a `//` comment, as a byte offset; a back-slash at the end of a line continues the comment on the next line.
 fn line_end(text: &str) -> usize {
-    let mut at = 0;
-    while let Some(end) = text[at..].find('\n') {
-        at += end;
-        if !text[..at].trim_end_matches('\r').ends_with('\\') {
-            return at;
+    let mut offset = 0;
+    while let Some(end) = text[offset..].find('\n') {
+        offset += end;
+        if !text[..offset].trim_end_matches('\r').ends_with('\\') {
+            return offset;
         }
-        at += 1;
+        offset += 1;
     }
     text.len()
 }
@@ -66,12 +66,12 @@ fn line_end(text: &str) -> usize {
 /// End of a literal that begins with `quote`, as a byte offset: after its closing quote, or at the end of the line.
 fn literal_end(text: &str, quote: char) -> usize {
     let mut is_escaped = false;
-    for (at, c) in text.char_indices().skip(1) {
+    for (offset, c) in text.char_indices().skip(1) {
         match c {
             _ if is_escaped => is_escaped = false,
             '\\' => is_escaped = true,
-            '\n' => return at,
-            c if c == quote => return at + 1,
+            '\n' => return offset,
+            c if c == quote => return offset + 1,
             _ => {}
         }
     }

@@ -1,4 +1,4 @@
-//! External commands (compilers, interpreters), run with a time limit, and the thread that starts processes.
+//! Runs external commands (compilers, interpreters) with a time limit, and has the thread that starts processes.
 
 use std::io::{self, Read};
 use std::os::unix::process::CommandExt as _;
@@ -35,7 +35,7 @@ struct SpawnRequest {
 /// Sender to the thread that starts processes; `None` before its start.
 static SPAWNER: Mutex<Option<mpsc::Sender<SpawnRequest>>> = Mutex::new(None);
 
-/// Starts the thread of [`spawn`] unless it runs. Call it on a thread without restrictions: the processes inherit the
+/// Starts the thread of [`spawn`] unless it is running. Call it on a thread without restrictions: the processes inherit the
 /// restrictions of the first caller.
 ///
 /// # Errors
@@ -57,15 +57,15 @@ pub fn start_spawner() -> io::Result<()> {
 }
 
 /// Starts a process on a dedicated thread. This thread lives as long as this process, since the kernel may kill a child
-/// when the thread that started it ends; and it is not a program's thread, whose restrictions a child would inherit.
+/// when the thread that started it ends; and it is not a robot program's thread, since a child would inherit its restrictions.
 ///
 /// # Errors
 /// The command cannot be started.
 pub fn spawn(command: Command) -> io::Result<Child> {
     start_spawner()?;
-    let (answer, answered) = mpsc::sync_channel(1);
+    let (answer, receiver) = mpsc::sync_channel(1);
     let sent = SPAWNER.lock().as_ref().is_some_and(|requests| requests.send(SpawnRequest { command, answer }).is_ok());
-    let started = if sent { answered.recv().ok() } else { None };
+    let started = if sent { receiver.recv().ok() } else { None };
     started.unwrap_or_else(|| Err(io::Error::other("the thread that starts processes has gone")))
 }
 
@@ -74,15 +74,15 @@ pub struct CommandLimits<'a> {
     /// Wall-clock time after which the command is killed.
     pub timeout: Duration,
     /// Number of bytes of each output stream after which the command is killed.
-    pub output: usize,
-    /// Returns true to kill the command.
+    pub max_output: usize,
+    /// Returns true if the command must be killed.
     pub is_cancelled: &'a dyn Fn() -> bool,
 }
 
 impl CommandLimits<'static> {
     /// Limits only the time.
     pub fn of_time(timeout: Duration) -> Self {
-        Self { timeout, output: usize::MAX, is_cancelled: &|| false }
+        Self { timeout, max_output: usize::MAX, is_cancelled: &|| false }
     }
 }
 
@@ -105,7 +105,7 @@ pub fn build_output(command: &mut Command, timeout: Duration) -> io::Result<Outp
 /// The command cannot be started; [`io::ErrorKind::TimedOut`], [`io::ErrorKind::FileTooLarge`] or [`io::ErrorKind::Interrupted`] if it was
 /// killed.
 pub fn output_within(command: &mut Command, limits: &CommandLimits<'_>) -> io::Result<Output> {
-    collect(prepared(command).spawn()?, limits)
+    collect(with_pipes(command).spawn()?, limits)
 }
 
 /// Like [`output_within`], for callers on a program's thread, whose restrictions the command does not inherit.
@@ -113,12 +113,12 @@ pub fn output_within(command: &mut Command, limits: &CommandLimits<'_>) -> io::R
 /// # Errors
 /// See [`output_within`].
 pub fn output_apart(mut command: Command, timeout: Duration) -> io::Result<Output> {
-    prepared(&mut command);
+    with_pipes(&mut command);
     collect(spawn(command)?, &CommandLimits::of_time(timeout))
 }
 
-/// Gives `command` pipes for its output and a process group, and lets it end with the thread that starts it.
-fn prepared(command: &mut Command) -> &mut Command {
+/// Sets up `command` with pipes for its output and its own process group, and lets the kernel kill it when the thread that starts it ends.
+fn with_pipes(command: &mut Command) -> &mut Command {
     // SAFETY: prctl is async-signal-safe and takes no pointer; the thread that starts the command outlives it.
     unsafe {
         command.pre_exec(|| {
@@ -131,25 +131,25 @@ fn prepared(command: &mut Command) -> &mut Command {
 
 /// Collects the output of a process until it ends.
 fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
-    /// Interval of the checks for its end.
+    /// Interval at which the end of the process is checked.
     const POLL_INTERVAL: Duration = Duration::from_millis(2);
     let group = child.id() as i32;
     // SAFETY: kill takes no pointer; the number identifies the group as long as the group has a member.
     let kill = || unsafe { libc::kill(-group, libc::SIGKILL) };
     let (timeout, is_flooded) = (limits.timeout, Arc::new(AtomicBool::new(false)));
     let readers = [
-        read_all(child.stdout.take(), limits.output, &is_flooded)?,
-        read_all(child.stderr.take(), limits.output, &is_flooded)?,
+        start_reader(child.stdout.take(), limits.max_output, &is_flooded)?,
+        start_reader(child.stderr.take(), limits.max_output, &is_flooded)?,
     ];
     let start = Instant::now();
     let excess = || match () {
         () if is_flooded.load(Ordering::Relaxed) => {
-            let what = format!("it printed more than {} kB and was killed", limits.output / 1000);
-            Some((io::ErrorKind::FileTooLarge, what))
+            let message = format!("it printed more than {} kB and was killed", limits.max_output / 1000);
+            Some((io::ErrorKind::FileTooLarge, message))
         }
         () if start.elapsed() > timeout => {
-            let what = format!("it had not ended after {} s and was killed", timeout.as_secs_f64());
-            Some((io::ErrorKind::TimedOut, what))
+            let message = format!("it had not ended after {} s and was killed", timeout.as_secs_f64());
+            Some((io::ErrorKind::TimedOut, message))
         }
         () if (limits.is_cancelled)() => Some((io::ErrorKind::Interrupted, "it was interrupted".to_owned())),
         () => None,
@@ -158,10 +158,10 @@ fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
         if let Some(status) = child.try_wait()? {
             break status;
         }
-        if let Some((kind, what)) = excess() {
+        if let Some((kind, message)) = excess() {
             kill();
             child.wait()?;
-            return Err(io::Error::new(kind, what));
+            return Err(io::Error::new(kind, message));
         }
         thread::sleep(POLL_INTERVAL);
     };
@@ -176,14 +176,14 @@ fn collect(mut child: Child, limits: &CommandLimits<'_>) -> io::Result<Output> {
         reader.join().unwrap_or_default()
     });
     match excess() {
-        Some((kind @ io::ErrorKind::FileTooLarge, what)) => Err(io::Error::new(kind, what)),
+        Some((kind @ io::ErrorKind::FileTooLarge, message)) => Err(io::Error::new(kind, message)),
         _ => Ok(Output { status, stdout, stderr }),
     }
 }
 
-/// Reads a stream to its end on a new thread, so that the other stream cannot block, or until it has more than `most`
-/// bytes.
-fn read_all(
+/// Starts a thread that reads a stream to its end, so that the other stream cannot block, or until it has more than
+/// `max_bytes` bytes.
+fn start_reader(
     stream: Option<impl Read + Send + 'static>,
     max_bytes: usize,
     is_flooded: &Arc<AtomicBool>,
@@ -191,7 +191,7 @@ fn read_all(
     let is_flooded = Arc::clone(is_flooded);
     thread::Builder::new().name("output".to_owned()).spawn(move || {
         let mut bytes = Vec::new();
-        // Bytes read before an error count.
+        // Bytes that were read before an error are kept.
         let _ = stream.map(|stream| stream.take((max_bytes as u64).saturating_add(1)).read_to_end(&mut bytes));
         if bytes.len() > max_bytes {
             is_flooded.store(true, Ordering::Relaxed);
@@ -205,7 +205,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_command_that_hangs_is_killed_with_what_it_has_started() {
+    fn hanging_command_is_killed_with_its_children() {
         let start = Instant::now();
         let error = build_output(Command::new("sh").args(["-c", "sleep 1000 & sleep 1000"]), Duration::from_millis(50));
         assert_eq!(error.expect_err("it hangs").kind(), io::ErrorKind::TimedOut);
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn what_both_streams_say_is_collected() {
+    fn output_of_both_streams_is_collected() {
         let command = "i=0; while [ $i -lt 5000 ]; do echo out$i; echo err$i >&2; i=$((i+1)); done; exit 3";
         let output = build_output(Command::new("sh").args(["-c", command]), COMMAND_TIMEOUT).expect("a shell");
         assert_eq!(output.status.code(), Some(3));

@@ -13,14 +13,14 @@ use super::cache::Cache;
 use super::command::{COMMAND_TIMEOUT, CommandLimits, TIMEOUT_VARIABLE, build_timeout, output_within};
 use super::compiler::Compiler;
 use super::constructors::defer_constructors;
-use super::generation::{Generation, is_of_robios};
+use super::generation::{Generation, is_robios_header};
 use super::hint;
 use super::language::Language;
-use super::plain::{in_plain_words, without_intended};
+use super::plain::{in_plain_words, without_harmless_warnings};
 use super::sandbox::scratch::Quota;
 use super::sandbox::{Grant, Role, Sandbox};
 
-/// Source texts that are part of every C program: the headers that it may include, and the shim that is linked to it.
+/// Source texts for every C or C++ program: the headers that it may include, and the shim that is linked to it.
 #[derive(Clone, Debug)]
 pub struct ShimKit {
     /// Headers: file name and text.
@@ -100,15 +100,16 @@ pub struct Compilation<'a> {
     pub kit: &'a ShimKit,
     /// Folder of the kit's files: headers in `include/`, the shim in `shim/`.
     pub kit_folder: &'a Path,
-    /// The sources, absolute, each in a language of its extension.
+    /// Absolute paths of the sources; the extension of each determines its language.
     pub sources: &'a [PathBuf],
-    /// The user's further flags of the compilation, after all other flags.
+    /// Further compiler flags of the user; they follow all other flags.
     pub extra_flags: &'a [String],
     /// Folder for object files and the library.
     pub folder: &'a Path,
-    /// Cache of the shims' object files.
+    /// Cache with the shims' object files.
     pub cache: &'a Cache,
-    /// Restrictions of the compilers, which may read the folder of the first source and the kit, and write the folder of the compilation.
+    /// Restrictions of the compilers, which may read the folder of the first source and the kit, and write to the folder of the
+    /// compilation.
     pub sandbox: Option<&'a Sandbox>,
 }
 
@@ -119,8 +120,8 @@ pub struct Compiled {
     pub library: PathBuf,
     /// The compiler's warnings.
     pub output: String,
-    /// Every file that was read for the program: its sources and their headers, absolute.
-    pub read: Vec<PathBuf>,
+    /// Absolute paths of all files that the compiler has read: the sources and their headers.
+    pub read_files: Vec<PathBuf>,
     /// The executed commands, one per line.
     pub commands: String,
 }
@@ -160,13 +161,13 @@ pub enum CompileError {
     },
 }
 
-/// Message about a program that does not link: the hints first, the linker's messages only where they add something.
+/// Message about a program that does not link: the hints, then the linker's messages unless the hints explain them.
 fn unlinked(program: &Path, output: &str, hints: &str) -> String {
-    let own_words = format!("`{}` does not link:\n{output}", program.display());
+    let linker_message = format!("`{}` does not link:\n{output}", program.display());
     match hints.trim_end() {
-        "" => own_words,
+        "" => linker_message,
         hints if hint::is_explained(output) => hints.to_owned(),
-        hints => format!("{hints}\n{own_words}"),
+        hints => format!("{hints}\n{linker_message}"),
     }
 }
 
@@ -181,8 +182,8 @@ impl<'a> Compilation<'a> {
     /// [`CompileError`] of the first attempt.
     pub fn run(&self) -> Result<Compiled, CompileError> {
         let hidden = self.hidden_headers();
-        let first = self.try_run(&CompileVariant { hidden: &hidden, ..CompileVariant::default() });
-        let result = match first {
+        let first_attempt = self.try_run(&CompileVariant { hidden: &hidden, ..CompileVariant::default() });
+        let result = match first_attempt {
             Err(Failure::Refused { source_file, output }) => self
                 .other_variants(&hidden, &output)
                 .iter()
@@ -194,13 +195,13 @@ impl<'a> Compilation<'a> {
         let program = self.sources.first().cloned().unwrap_or_default();
         result.map_err(|failure| match failure {
             Failure::Refused { source_file, output } => {
-                let output = without_intended(&output);
-                let hints = hint::of_compile(&output, &source_file, self.generation);
+                let output = without_harmless_warnings(&output);
+                let hints = hint::compile_hints(&output, &source_file, self.generation);
                 let folder = self.source_folder().to_owned();
                 CompileError::Refused { source_file, folder, output, hints }
             }
             Failure::Unlinked { output } => {
-                let hints = hint::of_link(&output, &self.objects(), self.generation);
+                let hints = hint::link_hints(&output, &self.objects(), self.generation);
                 CompileError::Unlinked { program, output, hints }
             }
             Failure::Io(error) => CompileError::Io { program, error },
@@ -228,7 +229,7 @@ impl<'a> Compilation<'a> {
     /// RoBIOS headers of any version beside the first source, which would take precedence over ours.
     fn hidden_headers(&self) -> Vec<PathBuf> {
         let beside = self.kit.headers.iter().map(|(name, _)| self.source_folder().join(name));
-        beside.filter(|path| is_of_robios(path)).collect()
+        beside.filter(|path| is_robios_header(path)).collect()
     }
 
     /// A folder with links to all files of the source folder except the hidden headers.
@@ -246,7 +247,7 @@ impl<'a> Compilation<'a> {
         Ok(folder)
     }
 
-    /// The sources with their object files.
+    /// The sources, each with its object file.
     fn objects(&self) -> Vec<(&'a Path, PathBuf)> {
         let object = |(index, source): (usize, &'a PathBuf)| (source.as_path(), self.object(index));
         self.sources.iter().enumerate().map(object).collect()
@@ -266,7 +267,7 @@ impl<'a> Compilation<'a> {
         let mut compiled = Compiled {
             library: self.folder.join("program.so"),
             output: variant.remark(),
-            read: variant.hidden.to_vec(),
+            read_files: variant.hidden.to_vec(),
             commands: String::new(),
         };
         let mut objects = Vec::new();
@@ -276,8 +277,8 @@ impl<'a> Compilation<'a> {
             void_main |= returns_nothing_from_main(&output);
             let text = fs::read(source)?;
             compiled.output.push_str(&remark_on_encoding(source, &text));
-            let output = without_intended(&output);
-            let name = self.seen_from_folder(source).display().to_string();
+            let output = without_harmless_warnings(&output);
+            let name = self.name_in_source_folder(source).display().to_string();
             compiled.output.push_str(&in_plain_words(&output, (&name, &String::from_utf8_lossy(&text))));
             compiled.output.push_str(&output);
             objects.push(object);
@@ -293,8 +294,8 @@ impl<'a> Compilation<'a> {
         objects.push(self.compile_shim(Language::C, name, &flags, &mut compiled)?);
         self.link(language, &objects, &mut compiled)?;
         defer_constructors(&compiled.library)?;
-        compiled.read.sort();
-        compiled.read.dedup();
+        compiled.read_files.sort();
+        compiled.read_files.dedup();
         Ok(compiled)
     }
 
@@ -317,53 +318,58 @@ impl<'a> Compilation<'a> {
         compiled: &mut Compiled,
     ) -> Result<(PathBuf, String), Failure> {
         let object = self.object(index);
-        let first = self.compile_to(&object, source, variant, &[], compiled);
-        let undeclared = match &first {
+        let first_result = self.compile_to(&object, source, variant, &[], compiled);
+        let undeclared = match &first_result {
             Ok(output) => hint::undeclared_functions(output),
             Err(Failure::Refused { output, .. }) => hint::undeclared_constants(output),
             Err(_) => Vec::new(),
         };
-        let first = first.map(|output| (object, output));
+        let first_result = first_result.map(|output| (object, output));
         if undeclared.is_empty() {
-            return first;
+            return first_result;
         }
-        // Calls of undeclared functions pass arguments of wrong types, so the missing headers are included.
+        // Calls of undeclared functions may pass arguments of wrong types, so the missing headers are included.
         let with_headers = self.folder.join(format!("{index}-with-headers.o"));
-        let is_ours = undeclared.iter().any(|name| self.generation.has(name));
-        let is_truth = undeclared.iter().any(|name| c::TRUTH.contains(&name.as_str()));
-        let headers = [Some(c::C_LIBRARY_HEADER), is_truth.then_some(c::TRUTH_HEADER), is_ours.then_some("eyebot.h")];
+        let needs_robios_header = undeclared.iter().any(|name| self.generation.has_function(name));
+        let needs_truth_header = undeclared.iter().any(|name| c::TRUTH.contains(&name.as_str()));
+        let headers = [
+            Some(c::C_LIBRARY_HEADER),
+            needs_truth_header.then_some(c::TRUTH_HEADER),
+            needs_robios_header.then_some("eyebot.h"),
+        ];
         let headers: Vec<&str> = headers.into_iter().flatten().collect();
         match self.compile_to(&with_headers, source, variant, &headers, compiled) {
-            Ok(again) => {
-                let left = hint::undeclared_functions(&again);
-                let declared: Vec<&String> = undeclared.iter().filter(|name| !left.contains(name)).collect();
+            Ok(second_output) => {
+                let still_undeclared = hint::undeclared_functions(&second_output);
+                let declared: Vec<&String> =
+                    undeclared.iter().filter(|name| !still_undeclared.contains(name)).collect();
                 if declared.is_empty() {
-                    return first;
+                    return first_result;
                 }
                 let name = source.file_name().unwrap_or_default().display();
-                let (ours, others): (Vec<&String>, Vec<&String>) =
-                    declared.into_iter().partition(|name| self.generation.has(name));
+                let (robios_names, other_names): (Vec<&String>, Vec<&String>) =
+                    declared.into_iter().partition(|name| self.generation.has_function(name));
                 let mut remark = String::new();
-                if !ours.is_empty() {
+                if !robios_names.is_empty() {
                     remark += &format!(
                         "{name}: {}; it was added for this run: write it as the first line\n",
                         hint::MISSING_HEADER
                     );
                 }
-                if !others.is_empty() {
-                    let others = hint::quoted(&others);
+                if !other_names.is_empty() {
+                    let other_names = hint::quoted(&other_names);
                     remark += &format!(
-                        "{name}: the headers that declare {others} are included, as it does not include them\n"
+                        "{name}: the headers that declare {other_names} are included, as it does not include them\n"
                     );
                 }
-                Ok((with_headers, remark + &again))
+                Ok((with_headers, remark + &second_output))
             }
-            Err(Failure::Refused { .. }) => first,
+            Err(Failure::Refused { .. }) => first_result,
             Err(failure) => Err(failure),
         }
     }
 
-    /// Compiles a source with some of the kit's headers included first; returns the output of the compiler.
+    /// Compiles a source to the file `object`, with these headers of the kit included first; returns the output of the compiler.
     fn compile_to(
         &self,
         object: &Path,
@@ -386,12 +392,12 @@ impl<'a> Compilation<'a> {
             command.arg("-include").arg(self.kit_folder.join("include").join(header));
         }
         command.arg("-MD").arg("-MF").arg(&dependencies).args(["-MT", "o"]);
-        command.arg("-c").arg(self.seen_from_folder(source)).arg("-o").arg(object);
+        command.arg("-c").arg(self.name_in_source_folder(source)).arg("-o").arg(object);
         let output = self
-            .call(compiled, compiler, &mut command, self.folder)?
+            .execute(compiled, compiler, &mut command, self.folder)?
             .map_err(|output| Failure::Refused { source_file: source.to_owned(), output })?;
         let listed = parse_dependencies(&fs::read_to_string(&dependencies)?);
-        compiled.read.extend(listed.iter().map(|path| self.source_folder().join(path)));
+        compiled.read_files.extend(listed.iter().map(|path| self.source_folder().join(path)));
         Ok(output)
     }
 
@@ -408,18 +414,18 @@ impl<'a> Compilation<'a> {
         let key = format!("shim {} {} {name} {flags:?}", self.kit.digest(), compiler.identity());
         let key = &blake3::hash(key.as_bytes()).to_hex()[..32];
         let mut command = compiler.command();
-        // The folder, which debug information names, is the same for all programs.
+        // Debug information contains this folder, so that it must not depend on the program.
         command.current_dir(&folder).arg("-I").arg(self.kit_folder.join("include")).args(flags);
         command.arg("-c").arg(folder.join(name)).arg("-o");
         if let Some(entry) = self.cache.entry(key) {
-            compiled.note(command.arg(&entry.library));
+            compiled.log_command(command.arg(&entry.library));
             return Ok(entry.library);
         }
         let build = self.cache.build_folder()?;
         let object = build.path().join("shim.o");
         command.arg(&object);
         let refused = |output| Failure::Refused { source_file: folder.join(name), output };
-        self.call(compiled, compiler, &mut command, build.path())?.map_err(refused)?;
+        self.execute(compiled, compiler, &mut command, build.path())?.map_err(refused)?;
         Ok(self.cache.insert(key, build, &object, "")?.library)
     }
 
@@ -432,42 +438,44 @@ impl<'a> Compilation<'a> {
             command.arg("-Xlinker").arg(format!("--version-script={}", exports.display()));
         }
         command.args(objects).args(c::LIBRARIES).arg("-o").arg(&compiled.library);
-        let output =
-            self.call(compiled, compiler, &mut command, self.folder)?.map_err(|output| Failure::Unlinked { output })?;
+        let output = self
+            .execute(compiled, compiler, &mut command, self.folder)?
+            .map_err(|output| Failure::Unlinked { output })?;
         compiled.output.push_str(&output);
         Ok(())
     }
 
     /// Runs a command of `compiler` that writes to the folder `scratch`; returns its output, or the output as an error
     /// if it failed.
-    fn call(
+    fn execute(
         &self,
         compiled: &mut Compiled,
         compiler: &Compiler,
         command: &mut Command,
         scratch: &Path,
     ) -> io::Result<Result<String, String>> {
-        compiled.note(command);
+        compiled.log_command(command);
         if let Some(sandbox) = self.sandbox {
-            let mut reads = compiler.folders();
-            reads.extend([self.source_folder(), self.kit_folder, self.folder].map(Path::to_owned));
-            reads.extend(sandbox.root.clone());
+            let mut readable = compiler.folders();
+            readable.extend([self.source_folder(), self.kit_folder, self.folder].map(Path::to_owned));
+            readable.extend(sandbox.root.clone());
             // The shims' object files are entries of the cache.
-            reads.extend(command.get_args().map(PathBuf::from).filter(|path| path.starts_with(self.cache.root())));
-            sandbox.apply(command, &Grant { role: Role::Build, reads, scratch })?;
+            readable.extend(command.get_args().map(PathBuf::from).filter(|path| path.starts_with(self.cache.root())));
+            sandbox.apply(command, &Grant { role: Role::Build, readable, scratch })?;
         }
-        let quota = self.sandbox.map(|sandbox| Quota::new(scratch.to_owned(), sandbox.of_builds.scratch));
-        compiled.call(command, quota.as_ref())
+        let quota = self.sandbox.map(|sandbox| Quota::new(scratch.to_owned(), sandbox.build_limits.scratch));
+        compiled.execute(command, quota.as_ref())
     }
 
-    /// A call of `compiler` with the path of the headers.
+    /// A command of `compiler` with the path of the headers.
     fn compile_command(&self, compiler: &Compiler) -> Command {
         let mut command = compiler.command();
         command.current_dir(self.source_folder()).arg("-I").arg(self.kit_folder.join("include"));
         command
     }
 
-    fn seen_from_folder<'p>(&self, source: &'p Path) -> &'p Path {
+    /// The path of `source` relative to the source folder, if possible.
+    fn name_in_source_folder<'p>(&self, source: &'p Path) -> &'p Path {
         match source.strip_prefix(self.source_folder()) {
             // A name that starts with `-` would be an option.
             Ok(name) if !name.as_os_str().as_encoded_bytes().starts_with(b"-") => name,
@@ -512,14 +520,14 @@ impl From<io::Error> for Failure {
 
 impl Compiled {
     /// Logs a command whose result is used.
-    fn note(&mut self, command: &Command) {
-        self.commands.push_str(&shown(command));
+    fn log_command(&mut self, command: &Command) {
+        self.commands.push_str(&shell_text(command));
         self.commands.push('\n');
     }
 
     /// Runs `command`, whose files may take as much space as `quota` allows; returns its output, or the output as an
     /// error if it failed.
-    fn call(&mut self, command: &mut Command, quota: Option<&Quota>) -> io::Result<Result<String, String>> {
+    fn execute(&mut self, command: &mut Command, quota: Option<&Quota>) -> io::Result<Result<String, String>> {
         let is_over = || quota.is_some_and(|quota| quota.is_due() && quota.excess().is_some());
         let limits = CommandLimits { is_cancelled: &is_over, ..CommandLimits::of_time(build_timeout(COMMAND_TIMEOUT)) };
         let output = output_within(command, &limits);
@@ -533,17 +541,17 @@ impl Compiled {
             }
             output => output?,
         };
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let messages = String::from_utf8_lossy(&output.stderr).into_owned();
         Ok(match output.status.success() {
-            true => Ok(said),
-            false if said.trim().is_empty() => Err(format!("the compiler ended with {}", output.status)),
-            false => Err(said),
+            true => Ok(messages),
+            false if messages.trim().is_empty() => Err(format!("the compiler ended with {}", output.status)),
+            false => Err(messages),
         })
     }
 }
 
 /// A command in the syntax of a shell.
-fn shown(command: &Command) -> String {
+fn shell_text(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
     let words: Vec<String> = words
         .map(|word| {
@@ -568,7 +576,7 @@ fn remark_on_encoding(source: &Path, text: &[u8]) -> String {
     let (before, rest) = text.split_at(error.valid_up_to());
     let line = 1 + before.iter().filter(|byte| **byte == b'\n').count();
     let (name, byte) = (source.file_name().unwrap_or_default().display(), rest.first().copied().unwrap_or_default());
-    // Latin-1 has each of these bytes as the character of the same number; below 0xA0 it has none that are printed.
+    // In Latin-1 a byte is the character with the same number; those below 0xA0 are not printable.
     let letter = if byte >= 0xA0 { format!(" (`{}` in Latin-1)", char::from(byte)) } else { String::new() };
     format!(
         "{name}:{line}: the byte 0x{byte:X}{letter} is not UTF-8, and is lost where it is printed: save the file as UTF-8\n"
@@ -605,14 +613,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dependency_lists_are_read_with_their_escapes() {
+    fn escapes_in_dependency_lists_are_decoded() {
         let text = "o: maze.c \\\n /usr/include/stdio.h my\\ map.h \\\n  a\\#b.h cost$$.h\n";
         let expected = ["maze.c", "/usr/include/stdio.h", "my map.h", "a#b.h", "cost$.h"].map(PathBuf::from);
         assert_eq!(parse_dependencies(text), expected);
     }
 
     #[test]
-    fn a_source_in_latin_1_is_told() {
+    fn latin_1_sources_are_reported() {
         let remark = |text: &[u8]| remark_on_encoding(Path::new("/p/maze.c"), text);
         assert_eq!(remark("int main(void) { return 0; } // größer".as_bytes()), "");
         assert_eq!(
@@ -623,16 +631,16 @@ mod tests {
     }
 
     #[test]
-    fn a_void_main_is_told_from_other_warnings_about_main() {
+    fn void_main_is_distinguished_from_other_warnings_about_main() {
         assert!(returns_nothing_from_main("a.c:1:6: warning: return type of 'main' is not 'int' [-Wmain]"));
         assert!(returns_nothing_from_main("a.c:1:1: warning: return type of 'main' is not 'int' [-Wmain-return-type]"));
         assert!(!returns_nothing_from_main("a.c:1:5: warning: 'main' takes only zero or two arguments [-Wmain]"));
     }
 
     #[test]
-    fn commands_are_shown_as_one_may_type_them() {
+    fn commands_are_shown_in_shell_syntax() {
         let mut command = Command::new("cc");
         command.args(["-Dx='y z'", "a b.c", "-O2"]);
-        assert_eq!(shown(&command), r"cc '-Dx='\''y z'\''' 'a b.c' -O2");
+        assert_eq!(shell_text(&command), r"cc '-Dx='\''y z'\''' 'a b.c' -O2");
     }
 }

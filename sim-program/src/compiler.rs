@@ -1,4 +1,4 @@
-//! The system's compilers of C and C++: search, command line, and the flags that they support.
+//! Finds the system's compilers of C and C++, their command lines, and the flags that they support.
 
 use std::ffi::OsString;
 use std::io;
@@ -16,7 +16,7 @@ use crate::host;
 
 /// Standards for the compilation of sources, newest first. The newest one that the compiler supports is tried first,
 /// then the last of the list: in C it still accepts K&R functions and `bool` as a name, which newer standards refuse;
-/// in C++ it is the standard of course programs that the newest one refuses.
+/// in C++ it is the standard of many course programs that the newest one refuses.
 const fn standards(language: Language) -> &'static [&'static str] {
     match language {
         Language::C => &["-std=gnu17"],
@@ -30,11 +30,11 @@ const fn standards(language: Language) -> &'static [&'static str] {
 ///
 /// | flag | why |
 /// |---|---|
-/// | `-O2` | image and map code in loops; `-O0` gives the same results, add it to step through a program |
+/// | `-O2` | image and map code in loops; `-O0` gives the same results: add it to step through a program |
 /// | `-fsigned-char` | `char` is signed as on the robot's processor, also on ARM |
-/// | `-fwrapv`, `-fno-delete-null-pointer-checks` | old C does what it did: overflow wraps, and a null pointer faults where it is used |
-/// | `-fno-omit-frame-pointer` | the call stack can be walked after a fault |
-/// | `-Wall`, `-Wmain` | a student wants to know; `-Wmain` also tells that `main` returns nothing |
+/// | `-fwrapv`, `-fno-delete-null-pointer-checks` | as with old compilers, overflow wraps, and a null pointer crashes where it is used |
+/// | `-fno-omit-frame-pointer` | the call stack can be walked after a crash |
+/// | `-Wall`, `-Wmain` | warnings for beginners; `-Wmain` also shows that `main` returns nothing |
 pub const COMPILE_FLAGS: &[&str] = &[
     "-O2",
     "-fsigned-char",
@@ -43,16 +43,16 @@ pub const COMPILE_FLAGS: &[&str] = &[
     "-fno-omit-frame-pointer",
     "-Wall",
     "-Wmain",
-    // Only some of these warnings are shown, see `plain::without_intended`.
+    // Only some of these warnings are shown, see `plain::without_harmless_warnings`.
     "-Wfloat-conversion",
     "-Wno-error=float-conversion",
     "-Wformat-security",
     "-Wno-error=format-security",
 ];
 
-/// Flags that are used if the compiler supports them: flags that let old sources compile although their constructs have
-/// become errors (gcc 14, clang 16, C++11), then index checks of `vector` and similar classes, and stack probes (a big
-/// local array hits the guard page and not the memory beyond it).
+/// Flags that are used if the compiler supports them: flags for old sources whose constructs have become errors (gcc 14,
+/// clang 16, C++11), index checks of `vector` and similar classes, and stack probes (a big local array hits the guard
+/// page and not the memory beyond it).
 const fn optional_compile_flags(language: Language) -> &'static [&'static str] {
     match language {
         Language::C => &[
@@ -101,7 +101,7 @@ pub enum CompilerError {
     /// The language's variable is not set and none of the usual names is on the search path.
     #[error(
         "no {} compiler is found (tried {}): install one (Debian and Ubuntu: `apt install {}`{}), or set ${} to its name",
-        language.name(), hint::quoted(language.commands()), language.packages(), of_host(), language.variable()
+        language.name(), hint::quoted(language.commands()), language.packages(), host_install_hint(), language.variable()
     )]
     Missing {
         /// The language.
@@ -127,7 +127,7 @@ pub enum CompilerError {
         /// The error with the time limit.
         error: io::Error,
     },
-    /// The compiler starts, but cannot compile an empty file, or link for lack of the library's development files.
+    /// The compiler starts, but cannot compile a small file, or cannot link because the library's development files are missing.
     #[error(
         "the {} compiler `{command}` cannot build a library (on Debian and Ubuntu `apt install {}` gives what it \
          needs):\n{output}",
@@ -157,8 +157,8 @@ pub enum CompilerError {
     Io(#[from] io::Error),
 }
 
-/// The command that installs the compiler of the [host].
-fn of_host() -> String {
+/// Hint on the command that installs the compiler of the [host]; empty if there is none.
+fn host_install_hint() -> String {
     let installer = host::current().map(|host| &host.zig_installer).filter(|installer| !installer.is_empty());
     installer.map_or_else(String::new, |installer| format!("; without the system's packages: `{installer}`"))
 }
@@ -180,7 +180,7 @@ impl Compiler {
                 let version = version_of(&command, cache).map_err(|error| broken(error.to_string()))?;
                 (command, version)
             }
-            None => first_of(language, zig.as_ref(), cache)?,
+            None => first_working(language, zig.as_ref(), cache)?,
         };
         let (optional_compile_flags, optional_link_flags) = (Vec::new(), Vec::new());
         let newest_standard = String::new();
@@ -191,7 +191,7 @@ impl Compiler {
         Ok(compiler)
     }
 
-    /// The language that it compiles.
+    /// The language that the compiler compiles.
     pub fn language(&self) -> Language {
         self.language
     }
@@ -202,7 +202,7 @@ impl Compiler {
         format!("{} ({})", self.command.join(" "), version.trim())
     }
 
-    /// Line for the user if this is the compiler of the [host], which is used only if there is no other.
+    /// Note for the user if this is the compiler of the [host], which is used only if there is no other.
     pub fn note(&self) -> Option<String> {
         let language = self.language.name();
         self.is_zig
@@ -220,13 +220,13 @@ impl Compiler {
         command
     }
 
-    /// Identifies this compiler by its command, the path to which that resolves, and its version text.
+    /// Text that identifies this compiler: its command, the resolved path of the command, and its version text.
     pub fn identity(&self) -> String {
         let program = which(&self.command[0]).unwrap_or_else(|| self.command[0].clone().into());
         format!("{:?}\n{}\n{}", self.command, program.display(), self.version)
     }
 
-    /// Folders that it needs in addition to the system's: the folders of its own installation.
+    /// Folders of the compiler's installation, which it needs in addition to the system's folders.
     pub fn folders(&self) -> Vec<PathBuf> {
         self.command.first().and_then(|name| which(name)).map_or_else(Vec::new, |program| tool_folders(&program))
     }
@@ -243,7 +243,7 @@ impl Compiler {
         [&self.newest_standard, standards(self.language).last().unwrap_or(&"")]
     }
 
-    /// Flags of the link, before the object files; [`robios_sys::c::LIBRARIES`] follow after these.
+    /// Flags of the link that precede the object files; [`robios_sys::c::LIBRARIES`] follow these files.
     pub fn link_flags(&self) -> impl Iterator<Item = &str> {
         c::LINK_FLAGS
             .iter()
@@ -264,12 +264,12 @@ impl Compiler {
         let base: (Vec<&str>, Vec<&str>) = (self.compile_flags().collect(), self.link_flags().collect());
         let optional = optional_compile_flags(self.language);
         let standards = standards(self.language);
-        let wanted = format!("{base:?}{optional:?}{standards:?}{OPTIONAL_LINK_FLAGS:?}");
-        let digest = blake3::hash(format!("{}\n{wanted}", self.identity()).as_bytes());
+        let flags_text = format!("{base:?}{optional:?}{standards:?}{OPTIONAL_LINK_FLAGS:?}");
+        let digest = blake3::hash(format!("{}\n{flags_text}", self.identity()).as_bytes());
         let key = format!("compiler-{}", &digest.to_hex()[..32]);
-        let kept: Option<(Vec<String>, Vec<String>, String)> =
+        let cached: Option<(Vec<String>, Vec<String>, String)> =
             cache.note(&key).and_then(|note| serde_json::from_str(&note).ok());
-        if let Some((compile, link, standard)) = kept {
+        if let Some((compile, link, standard)) = cached {
             (self.optional_compile_flags, self.optional_link_flags, self.newest_standard) = (compile, link, standard);
             return Ok(());
         }
@@ -283,15 +283,15 @@ impl Compiler {
         let compile: Vec<&str> = compile.into_iter().chain(["-Werror", "-c", name, "-o", "probe.o"]).collect();
         let mut newest = String::new();
         for &standard in standards {
-            newest = self.accepted(folder.path(), &compile, &[standard])?.pop().unwrap_or_default();
+            newest = self.accepted_flags(folder.path(), &compile, &[standard])?.pop().unwrap_or_default();
             if !newest.is_empty() {
                 break;
             }
         }
-        let compile = self.accepted(folder.path(), &compile, optional)?;
+        let compile = self.accepted_flags(folder.path(), &compile, optional)?;
         let link: Vec<&str> = link.into_iter().chain(["probe.o", "-o", "probe.so", "-lm"]).collect();
-        let link = self.accepted(folder.path(), &link, OPTIONAL_LINK_FLAGS).map_err(|error| match error {
-            CompilerError::Unusable { command, output, .. } if self.links_shared(folder.path()) => {
+        let link = self.accepted_flags(folder.path(), &link, OPTIONAL_LINK_FLAGS).map_err(|error| match error {
+            CompilerError::Unusable { command, output, .. } if self.links_with_shared_library(folder.path()) => {
                 CompilerError::NoStaticLibrary { command, output }
             }
             error => error,
@@ -301,32 +301,33 @@ impl Compiler {
         Ok(cache.set_note(&key, &note)?)
     }
 
-    /// Returns true if the probe links with the shared library of C++.
-    fn links_shared(&self, folder: &Path) -> bool {
+    /// Returns true if the probe file links with the shared C++ library.
+    fn links_with_shared_library(&self, folder: &Path) -> bool {
         let mut command = self.command();
         command.current_dir(folder).args(c::LINK_FLAGS).args(["probe.o", "-o", "probe.so"]);
         self.language == Language::Cpp
             && build_output(&mut command, COMMAND_TIMEOUT).is_ok_and(|output| output.status.success())
     }
 
-    /// The flags of `wanted` that the compiler accepts in a call with `base`: tried all at once, then one by one.
-    fn accepted(&self, folder: &Path, base: &[&str], wanted: &[&str]) -> Result<Vec<String>, CompilerError> {
+    /// The flags of `candidates` that the compiler accepts in a call with the flags `base`: all are tried at once; if that fails, one by
+    /// one.
+    fn accepted_flags(&self, folder: &Path, base: &[&str], candidates: &[&str]) -> Result<Vec<String>, CompilerError> {
         let run = |flags: &[&str]| -> io::Result<Result<(), String>> {
             let output = build_output(self.command().current_dir(folder).args(flags).args(base), COMMAND_TIMEOUT)?;
             // GNU ld only warns about an unknown `-z` keyword.
-            let said = String::from_utf8_lossy(&output.stderr).into_owned();
-            let accepted = output.status.success() && (flags.is_empty() || !said.contains("warning"));
-            Ok(if accepted { Ok(()) } else { Err(said) })
+            let messages = String::from_utf8_lossy(&output.stderr).into_owned();
+            let is_accepted = output.status.success() && (flags.is_empty() || !messages.contains("warning"));
+            Ok(if is_accepted { Ok(()) } else { Err(messages) })
         };
-        if run(wanted)?.is_ok() {
-            return Ok(wanted.iter().map(|&flag| flag.to_owned()).collect());
+        if run(candidates)?.is_ok() {
+            return Ok(candidates.iter().map(|&flag| flag.to_owned()).collect());
         }
         if let Err(output) = run(&[])? {
             let (language, command) = (self.language, self.command.join(" "));
             return Err(CompilerError::Unusable { language, command, output });
         }
         let mut accepted = Vec::new();
-        for &flag in wanted {
+        for &flag in candidates {
             if run(&[flag])?.is_ok() {
                 accepted.push(flag.to_owned());
             }
@@ -335,8 +336,8 @@ impl Compiler {
     }
 }
 
-/// The first of the usual commands of `language`, or `zig`, that prints its version, with that version.
-fn first_of(
+/// The first command that prints its version, of the usual commands of `language` and `zig`, with that version.
+fn first_working(
     language: Language,
     zig: Option<&Vec<String>>,
     cache: &Cache,
@@ -354,8 +355,8 @@ fn first_of(
     Err(missing)
 }
 
-/// The command of the zig that the [host] brings, for systems without another compiler. It is clang; its default check
-/// for undefined behaviour, which is turned off, would stop programs that run with other compilers.
+/// The command of the [host]'s zig, for systems without another compiler. It runs clang; its default check for undefined
+/// behaviour is turned off, since it would stop programs that run with other compilers.
 fn zig(language: Language) -> Option<Vec<String>> {
     let zig = host::current().map(|host| &host.zig).filter(|zig| !zig.is_empty())?;
     let subcommand = match language {
@@ -366,22 +367,22 @@ fn zig(language: Language) -> Option<Vec<String>> {
     Some(words.map(str::to_owned).collect())
 }
 
-/// The version text of a compiler: from `cache` if the compiler's own file has not changed since it was asked.
+/// The version text of a compiler: from `cache` if the compiler's file has not changed since the last query.
 fn version_of(command: &[String], cache: &Cache) -> io::Result<String> {
-    let key = state_of(command).map(|state| format!("version-{}", &blake3::hash(state.as_bytes()).to_hex()[..32]));
+    let key = file_state(command).map(|state| format!("version-{}", &blake3::hash(state.as_bytes()).to_hex()[..32]));
     if let Some(known) = key.as_ref().and_then(|key| cache.note(key)) {
         return Ok(known);
     }
-    let version = ask_version(command)?;
+    let version = query_version(command)?;
     if let Some(key) = key {
         cache.set_note(&key, &version)?;
     }
     Ok(version)
 }
 
-/// The command with path, size, times and inode of its file; `None` unless the file is gcc, clang or zig itself: a
-/// script or a launcher such as ccache starts a compiler that may change without it.
-fn state_of(command: &[String]) -> Option<String> {
+/// The command with path, size, times and inode of its file; `None` unless the file is gcc, clang or zig itself: the
+/// compiler that a script or a launcher such as ccache starts may change while the file does not.
+fn file_state(command: &[String]) -> Option<String> {
     use std::os::unix::fs::MetadataExt as _;
     let path = which(command.first()?)?;
     let name = path.file_name()?.to_str()?;
@@ -396,14 +397,14 @@ fn state_of(command: &[String]) -> Option<String> {
     Some(format!("{command:?} {} {} {} {times:?}", path.display(), file.len(), file.ino()))
 }
 
-fn ask_version(command: &[String]) -> io::Result<String> {
+fn query_version(command: &[String]) -> io::Result<String> {
     let (program, arguments) =
         command.split_first().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "no command"))?;
     let mut command = Command::new(program);
     let output = build_output(command.args(arguments).arg("--version").env("LC_ALL", "C"), COMMAND_TIMEOUT)?;
     if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        return Err(io::Error::other(format!("`--version` gives {}: {}", output.status, said.trim())));
+        let messages = String::from_utf8_lossy(&output.stderr);
+        return Err(io::Error::other(format!("`--version` gives {}: {}", output.status, messages.trim())));
     }
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
@@ -436,7 +437,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_version_is_remembered_for_the_compilers_own_file_only() {
+    fn versions_are_cached_only_for_files_of_compilers() {
         use std::os::unix::fs::PermissionsExt as _;
         let folder = tempfile::tempdir().expect("a folder");
         let cache = Cache::open(&folder.path().join("cache")).expect("a cache");
@@ -450,15 +451,15 @@ mod tests {
             write(version);
             assert_eq!(version_of(&command, &cache).expect("a version").trim(), version);
         }
-        assert_eq!(state_of(&["sh".to_owned()]), None, "no compiler");
-        assert_eq!(state_of(&["no-such-command".to_owned()]), None);
-        let own = std::env::current_exe().expect("this program");
+        assert_eq!(file_state(&["sh".to_owned()]), None, "no compiler");
+        assert_eq!(file_state(&["no-such-command".to_owned()]), None);
+        let executable = std::env::current_exe().expect("this program");
         let binary = folder.path().join("clang-99");
-        std::fs::copy(own, &binary).expect("a binary");
+        std::fs::copy(executable, &binary).expect("a binary");
         let command = [binary.display().to_string()];
-        let before = state_of(&command).expect("its own file");
-        assert_eq!(state_of(&command).as_ref(), Some(&before));
+        let initial_state = file_state(&command).expect("its own file");
+        assert_eq!(file_state(&command).as_ref(), Some(&initial_state));
         std::fs::write(&binary, b"\x7fELF and something else").expect("another binary");
-        assert_ne!(state_of(&command), Some(before));
+        assert_ne!(file_state(&command), Some(initial_state));
     }
 }

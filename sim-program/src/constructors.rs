@@ -1,7 +1,7 @@
 //! Hides a library's constructors from the dynamic linker, so that they run as a part of the program.
 //!
-//! Constructors of static C++ objects may call RoBIOS, print and throw, but while the library is loaded there is
-//! neither a robot nor a thread that may loop or fault. The shim therefore calls them when the robot's program starts;
+//! Constructors of static C++ objects may call RoBIOS, print and throw, but while the library is being loaded there is
+//! neither a robot nor a thread that may loop or crash. The shim therefore calls them when the robot's program starts;
 //! for Rust programs the host calls them.
 
 use std::ffi::{c_char, c_int};
@@ -29,8 +29,8 @@ pub fn defer_constructors(path: &Path) -> io::Result<()> {
 /// # Errors
 /// The bytes are not a library of this system.
 pub fn hide(bytes: &mut [u8]) -> Result<(), object::Error> {
-    for (at, tag) in constructor_tags(bytes)? {
-        bytes[at..at + 8].copy_from_slice(&u64::from(tag).to_ne_bytes());
+    for (offset, tag) in constructor_tags(bytes)? {
+        bytes[offset..offset + 8].copy_from_slice(&u64::from(tag).to_ne_bytes());
     }
     Ok(())
 }
@@ -45,16 +45,17 @@ pub unsafe fn run_hidden(base: usize) {
     type Constructor = unsafe extern "C" fn(c_int, *const *const c_char, *const *const c_char);
     type Word = elf::Dyn64<object::Endianness>;
     let endian = object::Endianness::default();
-    let at = ptr::with_exposed_provenance::<u8>;
+    let pointer_to = ptr::with_exposed_provenance::<u8>;
     // SAFETY: the file's header begins the first mapping, and the program headers follow it there; the dynamic section
     // is mapped where they say and ends with a null tag. These addresses, laid out for the kernel, satisfy the
     // alignment of the types.
     unsafe {
-        let header = &*at(base).cast::<elf::FileHeader64<object::Endianness>>();
-        let headers = at(base + header.e_phoff(endian) as usize).cast::<elf::ProgramHeader64<object::Endianness>>();
+        let header = &*pointer_to(base).cast::<elf::FileHeader64<object::Endianness>>();
+        let headers =
+            pointer_to(base + header.e_phoff(endian) as usize).cast::<elf::ProgramHeader64<object::Endianness>>();
         let headers = std::slice::from_raw_parts(headers, header.e_phnum(endian).into());
         let Some(dynamic) = headers.iter().find(|header| header.p_type(endian) == elf::PT_DYNAMIC) else { return };
-        let mut entry = at(base + dynamic.p_vaddr(endian) as usize).cast::<Word>();
+        let mut entry = pointer_to(base + dynamic.p_vaddr(endian) as usize).cast::<Word>();
         let (mut start, mut size) = (0, 0);
         while (*entry).d_tag.get(endian) != elf::DT_NULL {
             let value = (*entry).d_val.get(endian) as usize;
@@ -65,17 +66,17 @@ pub unsafe fn run_hidden(base: usize) {
             }
             entry = entry.add(1);
         }
-        let constructors = at(base + start).cast::<Option<Constructor>>();
-        let none = [ptr::null()];
-        for place in 0..size / size_of::<Constructor>() {
-            if let Some(constructor) = *constructors.add(place) {
-                constructor(0, none.as_ptr(), none.as_ptr());
+        let constructors = pointer_to(base + start).cast::<Option<Constructor>>();
+        let empty_list = [ptr::null()];
+        for index in 0..size / size_of::<Constructor>() {
+            if let Some(constructor) = *constructors.add(index) {
+                constructor(0, empty_list.as_ptr(), empty_list.as_ptr());
             }
         }
     }
 }
 
-/// Offsets in the file of the constructors' tags, and their replacements.
+/// Offsets of the constructors' tags in the file, and their replacements.
 fn constructor_tags(bytes: &[u8]) -> Result<Vec<(usize, u32)>, object::Error> {
     let header = elf::FileHeader64::<object::Endianness>::parse(bytes)?;
     let endian = header.endian()?;

@@ -1,4 +1,4 @@
-//! Data files that lie beside a program, while programs open files in the working folder.
+//! Remarks on data files beside a program: programs open files in the working folder instead.
 
 use std::path::{Path, PathBuf};
 
@@ -21,13 +21,15 @@ pub fn remarks(source: &ProgramSource, working_folder: &Path) -> Vec<String> {
 }
 
 fn remarks_on(file: &PathBuf, working_folder: &Path) -> Vec<String> {
-    let Some(folder) = file.parent().map(|folder| working_folder.join(folder)).filter(|it| it != working_folder) else {
+    let Some(folder) =
+        file.parent().map(|folder| working_folder.join(folder)).filter(|folder| folder != working_folder)
+    else {
         return Vec::new();
     };
-    let is_small = std::fs::metadata(file).is_ok_and(|it| it.is_file() && it.len() <= MAX_SOURCE);
+    let is_small = std::fs::metadata(file).is_ok_and(|metadata| metadata.is_file() && metadata.len() <= MAX_SOURCE);
     let text = if is_small { std::fs::read(file).unwrap_or_default() } else { Vec::new() };
     let text = String::from_utf8_lossy(&text);
-    let is_elsewhere = |name: &&str| folder.join(name).is_file() && !working_folder.join(name).exists();
+    let is_only_beside = |name: &&str| folder.join(name).is_file() && !working_folder.join(name).exists();
     let remark = |name: &str| {
         format!(
             "`{}` opens `{name}`, which lies beside it: programs open files in the folder in which eyesim runs, so run it in `{}`",
@@ -35,10 +37,10 @@ fn remarks_on(file: &PathBuf, working_folder: &Path) -> Vec<String> {
             folder.canonicalize().unwrap_or_else(|_| folder.clone()).display()
         )
     };
-    opened_names(&text).filter(is_elsewhere).map(remark).collect()
+    opened_names(&text).filter(is_only_beside).map(remark).collect()
 }
 
-/// String literals that follow a function that opens files on their line.
+/// String literals in lines that call a function that opens files: the first one after the function, if any.
 fn opened_names(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter_map(|line| {
         let opener = OPENERS.iter().filter_map(|opener| line.find(opener)).min()?;
@@ -62,15 +64,18 @@ mod tests {
     }
 
     #[test]
-    fn a_file_beside_the_program_is_told_when_eyesim_runs_elsewhere() {
+    fn file_beside_the_program_is_reported_if_the_working_folder_is_another() {
         let folder = tempfile::tempdir().expect("a folder");
         let (lab, elsewhere) = (folder.path().join("lab"), folder.path().join("x"));
-        [&lab, &elsewhere].into_iter().for_each(|it| std::fs::create_dir(it).expect("a folder"));
+        [&lab, &elsewhere].into_iter().for_each(|created| std::fs::create_dir(created).expect("a folder"));
         std::fs::write(lab.join("a.txt"), "1").expect("a file");
         let source = ProgramSource::of_files(vec![lab.join("read.c")]);
         std::fs::write(lab.join("read.c"), "fopen(\"a.txt\", \"r\"); \nfopen(\"b.txt\", \"w\");").expect("a file");
-        let told = remarks(&source, &elsewhere);
-        assert!(told.len() == 1 && told[0].starts_with("`read.c` opens `a.txt`, which lies beside it"), "{told:?}");
+        let messages = remarks(&source, &elsewhere);
+        assert!(
+            messages.len() == 1 && messages[0].starts_with("`read.c` opens `a.txt`, which lies beside it"),
+            "{messages:?}"
+        );
         assert_eq!(remarks(&source, &lab), Vec::<String>::new());
         std::fs::write(elsewhere.join("a.txt"), "1").expect("a file");
         assert_eq!(remarks(&source, &elsewhere), Vec::<String>::new());

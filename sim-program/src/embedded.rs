@@ -14,11 +14,11 @@ pub trait EmbeddedCode: Send + Sync {
     /// Runs the program of `robot`, which makes its calls through `calls`, to its end.
     fn run(&self, robot: RobotId, arguments: &[String], calls: Arc<dyn Calls>) -> EmbeddedEnd;
 
-    /// Calls the function that the program of `robot` knows by `number`, on its thread and within one of its calls.
-    /// Returns [`Status::STOP`] if that call must not continue.
+    /// Calls the function that the program of `robot` has registered under `number`, on its thread and within one of its
+    /// calls. Returns [`Status::STOP`] if that call must not continue.
     fn call_back(&self, robot: RobotId, number: u64) -> Status;
 
-    /// Asks the program of `robot`, which computes or sleeps on its thread, to end with [`EmbeddedEnd::Overdue`]. A
+    /// Requests that the program of `robot`, which computes or sleeps on its thread, end with [`EmbeddedEnd::Overdue`]. A
     /// program that does not end soon is abandoned.
     fn stop(&self, robot: RobotId);
 }
@@ -37,18 +37,18 @@ pub trait Calls: Send + Sync {
 /// End of an embedded program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum EmbeddedEnd {
-    /// It has returned, with this exit code.
+    /// The program has returned, with this exit code.
     Exited(i32),
-    /// It was [stopped](EmbeddedCode::stop) at this location, such as `notebook.py:12`, or empty.
+    /// The program was [stopped](EmbeddedCode::stop) at this location, such as `notebook.py:12`; empty if unknown.
     Overdue(String),
 }
 
 /// A program as scenes and options refer to it. Programs with the same reference are equal.
 #[derive(Clone)]
 pub struct EmbeddedProgram {
-    /// Reference to it instead of a file name, unique in a run: `drive()`.
+    /// Reference that scenes use instead of a file name, unique in a run: `drive()`.
     pub reference: String,
-    /// Its name, the `argv[0]` of its robots: `drive`.
+    /// Name of the program, the `argv[0]` of its robots: `drive`.
     pub name: String,
     /// The code that runs.
     pub code: Arc<dyn EmbeddedCode>,

@@ -18,9 +18,9 @@ pub struct SearchPath {
     pub sim_folder: Option<PathBuf>,
     /// The working folder of this process.
     pub working_folder: PathBuf,
-    /// Further folders, as given with `--programs` or the like.
+    /// Further folders, such as those of `--programs`.
     pub folders: Vec<PathBuf>,
-    /// The folder of the installation, for `%sim%` and as the root of absolute names that do not exist.
+    /// The folder of the installation: the value of `%sim%`, and the root for absolute names that do not exist.
     pub installation: Option<PathBuf>,
     /// Programs of the process that embeds the simulator, found by their references before any file.
     pub embedded: Vec<EmbeddedProgram>,
@@ -35,8 +35,8 @@ pub enum ProgramSource {
     Sources {
         /// The sources.
         files: Vec<PathBuf>,
-        /// The generation stated by the user or the scene.
-        wanted: GenerationHint,
+        /// The generation that the user or the scene states.
+        hint: GenerationHint,
     },
     /// The folder of a Cargo package with a `cdylib` target.
     Cargo(PathBuf),
@@ -49,10 +49,10 @@ pub enum ProgramSource {
 impl ProgramSource {
     /// C and C++ sources whose generation is not stated.
     pub fn of_files(files: Vec<PathBuf>) -> Self {
-        Self::Sources { files, wanted: GenerationHint::default() }
+        Self::Sources { files, hint: GenerationHint::default() }
     }
 
-    /// The path that stands for the program in messages: the library, the first source, or the package's folder.
+    /// The path that represents the program in messages: the library, the first source, or the package's folder.
     pub fn path(&self) -> &Path {
         match self {
             Self::Library(path) | Self::Cargo(path) | Self::Python(path) => path,
@@ -74,10 +74,10 @@ pub struct Found {
 }
 
 impl Found {
-    /// Sets the stated generation, if the program is made from sources.
-    pub fn wanted(mut self, said: GenerationHint) -> Self {
-        if let ProgramSource::Sources { wanted, .. } = &mut self.source {
-            *wanted = said;
+    /// Sets the stated generation, if the program is built from sources.
+    pub fn with_hint(mut self, new_hint: GenerationHint) -> Self {
+        if let ProgramSource::Sources { hint, .. } = &mut self.source {
+            *hint = new_hint;
         }
         self
     }
@@ -92,7 +92,7 @@ pub struct Attempt {
     pub problem: Option<String>,
 }
 
-/// Search without a usable result: every attempt, and similar names.
+/// A search without a usable result: all attempts, and similar names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FindError {
     /// The reference, as the user wrote it.
@@ -100,7 +100,7 @@ pub struct FindError {
     /// Every path tried, in order.
     pub attempts: Vec<Attempt>,
     /// Programs in the searched folders that have a similar name.
-    pub near: Vec<String>,
+    pub similar: Vec<String>,
 }
 
 impl std::error::Error for FindError {}
@@ -121,15 +121,15 @@ impl std::fmt::Display for FindError {
             }
             folder = problem.is_none().then(|| path.parent());
         }
-        // For a source of another language the attempt itself contains the advice.
-        if foreign.iter().any(|attempt| source_language(&attempt.path).is_none() && !attempt.path.is_dir()) {
+        // For a source of another language, the attempt's description contains the advice.
+        if foreign.iter().any(|attempt| other_language(&attempt.path).is_none() && !attempt.path.is_dir()) {
             f.write_str(
                 "\n  put its source beside it: a `.c` or `.cpp` file, or a folder with a Cargo package, of the same name",
             )?;
         }
-        match self.near.as_slice() {
+        match self.similar.as_slice() {
             [] => Ok(()),
-            near => write!(f, "\n  did you mean {}?", quoted(near)),
+            names => write!(f, "\n  did you mean {}?", quoted(names)),
         }
     }
 }
@@ -148,8 +148,8 @@ fn quoted(names: &[String]) -> String {
 ///
 /// `reference` is a path to a shared library, a C or C++ file, several of them separated by commas (`main.cpp,map.c`),
 /// a folder of such files, or the folder of a Cargo package (or its `Cargo.toml`). Back-slashes separate folders too,
-/// and `%sim%` is the installation. In each folder of the [`SearchPath`] the name itself is tried first; then, if
-/// nothing usable has that name, the sources and libraries of the same name beside it.
+/// and `%sim%` is the installation. In each folder of the [`SearchPath`], the name itself is tried first, then the
+/// sources and libraries of the same name beside it.
 ///
 /// # Errors
 /// [`FindError`] with every path tried if nothing usable is found.
@@ -170,12 +170,12 @@ pub fn find_program(reference: &str, search: &SearchPath) -> Result<Found, FindE
             return Ok(finder.found(source));
         }
     }
-    let near = finder.near_names(reference);
-    Err(FindError { reference: reference.to_owned(), attempts: finder.attempts, near })
+    let similar = finder.similar_names(reference);
+    Err(FindError { reference: reference.to_owned(), attempts: finder.attempts, similar })
 }
 
-/// The name of the file or folder `path`: without the extension if it is a file.
-fn name_of(path: &Path) -> String {
+/// The name of the file or folder `path`; of a file without its extension.
+fn program_name(path: &Path) -> String {
     // Resolves `.` and `..`, so that they get a name too.
     let absolute = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let name = if absolute.is_dir() { absolute.file_name() } else { absolute.file_stem() };
@@ -192,12 +192,12 @@ struct Finder<'a> {
 
 impl Finder<'_> {
     fn found(self, source: ProgramSource) -> Found {
-        let name = self.folder_name.unwrap_or_else(|| name_of(source.path()));
+        let name = self.folder_name.unwrap_or_else(|| program_name(source.path()));
         Found { name, source, notes: self.notes }
     }
 
     fn find(&mut self, reference: &str) -> Option<ProgramSource> {
-        self.candidates(reference).into_iter().find_map(|path| self.look_at(&path))
+        self.candidates(reference).into_iter().find_map(|path| self.search_at(&path))
     }
 
     fn find_source_file(&mut self, part: &str) -> Option<PathBuf> {
@@ -207,7 +207,7 @@ impl Finder<'_> {
         }
     }
 
-    /// The paths at which `reference` may be, in order and each once.
+    /// The possible paths of `reference`, in the order of the search and each once.
     fn candidates(&self, reference: &str) -> Vec<PathBuf> {
         let search = self.search;
         let mut name = reference.trim().replace('\\', "/");
@@ -222,14 +222,14 @@ impl Finder<'_> {
         bases.push(&search.working_folder);
         bases.extend(search.folders.iter().map(PathBuf::as_path));
         let mut paths = Vec::new();
-        let drive = matches!(name.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic());
-        if drive {
+        let has_drive = matches!(name.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic());
+        if has_drive {
             // `C:\eyesim\maze.dll`: there is no such drive here, but the file may exist in the folders.
             name = name.rsplit(['/', ':']).next().unwrap_or_default().to_owned();
         }
         if Path::new(&name).is_absolute() {
             paths.push(PathBuf::from(&name));
-            // `/programs/maze.so` in old sim files means below the installation.
+            // `/programs/maze.so` in old sim files is a path below the installation.
             bases.clear();
             bases.extend(search.installation.as_deref());
             bases.extend(search.sim_folder.as_deref());
@@ -248,35 +248,36 @@ impl Finder<'_> {
         paths
     }
 
-    /// The program at `path` or beside it; unusable files are noted as attempts.
-    fn look_at(&mut self, path: &Path) -> Option<ProgramSource> {
-        let obstacle = match self.usable(path) {
+    /// The program at `path`, or its replacement beside it; unusable files are added to the attempts.
+    fn search_at(&mut self, path: &Path) -> Option<ProgramSource> {
+        let first_problem = match self.program_at(path) {
             Ok(source) => return Some(source),
-            Err(obstacle) => obstacle,
+            Err(first_problem) => first_problem,
         };
-        self.attempts.push(Attempt { path: path.to_owned(), problem: obstacle.clone() });
-        for beside in paths_beside(path) {
-            match self.usable(&beside) {
+        self.attempts.push(Attempt { path: path.to_owned(), problem: first_problem.clone() });
+        for replacement in replacement_paths(path) {
+            match self.program_at(&replacement) {
                 Ok(source) => {
-                    if let Some(what) = obstacle {
-                        let (path, beside) = (path.display(), beside.display());
-                        let what = what.split(':').next().unwrap_or_default();
-                        self.notes.push(format!("`{path}` is {what}: `{beside}` beside it is used instead"));
+                    if let Some(description) = first_problem {
+                        let (path, replacement) = (path.display(), replacement.display());
+                        let description = description.split(':').next().unwrap_or_default();
+                        self.notes
+                            .push(format!("`{path}` is {description}: `{replacement}` beside it is used instead"));
                     }
                     return Some(source);
                 }
-                Err(problem) => self.attempts.push(Attempt { path: beside, problem }),
+                Err(problem) => self.attempts.push(Attempt { path: replacement, problem }),
             }
         }
         None
     }
 
     /// The program at `path`; the error describes an unusable file or folder there (`None` if nothing is there).
-    fn usable(&mut self, path: &Path) -> Result<ProgramSource, Option<String>> {
+    fn program_at(&mut self, path: &Path) -> Result<ProgramSource, Option<String>> {
         let Ok(metadata) = fs::metadata(path) else { return Err(None) };
         if metadata.is_dir() {
-            let source = usable_folder(path)?;
-            self.folder_name = Some(name_of(path));
+            let source = program_in_folder(path)?;
+            self.folder_name = Some(program_name(path));
             return Ok(source);
         }
         if path.file_name().is_some_and(|name| name == "Cargo.toml") {
@@ -289,7 +290,7 @@ impl Finder<'_> {
         if has_extension(path, "py") {
             return Ok(ProgramSource::Python(path.to_owned()));
         }
-        if let Some(language) = source_language(path) {
+        if let Some(language) = other_language(path) {
             return Err(Some(language.to_owned()));
         }
         match file_kind(&head) {
@@ -311,29 +312,30 @@ impl Finder<'_> {
     }
 
     /// Up to three programs in the searched folders whose names are similar to the requested one.
-    fn near_names(&self, reference: &str) -> Vec<String> {
-        let mut near: Vec<(usize, String)> = Vec::new();
+    fn similar_names(&self, reference: &str) -> Vec<String> {
+        let mut similar: Vec<(usize, String)> = Vec::new();
         for path in self.candidates(reference) {
-            let (Some(folder), Some(wanted)) = (path.parent(), path.file_stem().and_then(|stem| stem.to_str())) else {
+            let (Some(folder), Some(requested)) = (path.parent(), path.file_stem().and_then(|stem| stem.to_str()))
+            else {
                 continue;
             };
             for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
                 let path = entry.path();
                 let Some(stem) = path.file_stem().and_then(|stem| stem.to_str()) else { continue };
-                let distance = strsim::osa_distance(&stem.to_lowercase(), &wanted.to_lowercase());
+                let distance = strsim::osa_distance(&stem.to_lowercase(), &requested.to_lowercase());
                 let is_tried = self.attempts.iter().any(|attempt| attempt.path == path);
-                if distance <= (wanted.chars().count() / 3).max(1) && !is_tried && looks_like_program(&path) {
-                    near.push((distance, path.display().to_string()));
+                if distance <= (requested.chars().count() / 3).max(1) && !is_tried && looks_like_program(&path) {
+                    similar.push((distance, path.display().to_string()));
                 }
             }
         }
-        near.sort();
-        near.dedup();
-        near.into_iter().map(|(_, name)| name).take(3).collect()
+        similar.sort();
+        similar.dedup();
+        similar.into_iter().map(|(_, name)| name).take(3).collect()
     }
 }
 
-fn usable_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
+fn program_in_folder(folder: &Path) -> Result<ProgramSource, Option<String>> {
     if folder.join("Cargo.toml").is_file() {
         return Ok(ProgramSource::Cargo(folder.to_owned()));
     }
@@ -354,30 +356,30 @@ fn sources_of_name(stem: &Path) -> Vec<PathBuf> {
     extensions.map(|extension| stem.with_added_extension(extension)).collect()
 }
 
-/// Paths of a source or library that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`,
+/// Paths of sources and libraries that may replace the file `path`: `maze.c`, `maze.cpp`, `maze.cc`, `maze.cxx`,
 /// `maze.c++`, the folder or package `maze`, `maze.so`. Empty if the extension of `path` is not one that programs have
 /// on other systems.
-fn paths_beside(path: &Path) -> Vec<PathBuf> {
+fn replacement_paths(path: &Path) -> Vec<PathBuf> {
     const REPLACED: [&str; 6] = ["dll", "exe", "x", "so", "hex", "o"];
-    let is_replaced = path.extension().is_none() || REPLACED.iter().any(|wanted| has_extension(path, wanted));
+    let is_replaced = path.extension().is_none() || REPLACED.iter().any(|extension| has_extension(path, extension));
     if !is_replaced || path.file_name().is_none() {
         return Vec::new();
     }
     let stem = path.with_extension("");
-    let mut places = sources_of_name(&stem);
+    let mut paths = sources_of_name(&stem);
     if stem != path {
-        places.push(stem.clone());
+        paths.push(stem.clone());
     }
     // Last, since it may be older than its source, or built for another simulator.
     if stem != path && !has_extension(path, "so") {
-        places.push(stem.with_added_extension("so"));
+        paths.push(stem.with_added_extension("so"));
     }
     // A Rust library is `libmaze.so`, its package `maze`.
-    places
+    paths
 }
 
-/// Description of a source that is neither C nor C++, by its extension; completes "it is ...".
-fn source_language(path: &Path) -> Option<&'static str> {
+/// Description of a source in another language than C and C++, by its extension; completes "it is ...".
+fn other_language(path: &Path) -> Option<&'static str> {
     let extension = path.extension()?.to_str()?.to_ascii_lowercase();
     match extension.as_str() {
         "rs" => Some("a Rust source: name the folder of its Cargo package"),
@@ -387,8 +389,8 @@ fn source_language(path: &Path) -> Option<&'static str> {
 }
 
 fn looks_like_program(path: &Path) -> bool {
-    let by_name = ["so", "py"].iter().any(|wanted| has_extension(path, wanted));
-    by_name || Language::of(path).is_some() || path.is_dir() && path.join("Cargo.toml").is_file()
+    let has_program_extension = ["so", "py"].iter().any(|extension| has_extension(path, extension));
+    has_program_extension || Language::of(path).is_some() || path.is_dir() && path.join("Cargo.toml").is_file()
 }
 
 fn read_head(path: &Path) -> std::io::Result<Vec<u8>> {
@@ -416,13 +418,13 @@ fn tidy(path: &Path) -> PathBuf {
 mod tests {
     use super::*;
 
-    struct Place {
+    struct TestFolder {
         folder: tempfile::TempDir,
         search: SearchPath,
     }
 
-    impl Place {
-        /// A folder with `files` (empty text where a path ends in `/`: a folder), searched as `sims/` then `.`.
+    impl TestFolder {
+        /// A folder with `files`, searched in `sims/`, then `.`, then `more/`.
         fn with(files: &[(&str, &[u8])]) -> Self {
             let folder = tempfile::tempdir().expect("a temporary folder");
             for (path, bytes) in files {
@@ -466,48 +468,50 @@ mod tests {
     }
 
     #[test]
-    fn the_sim_folder_comes_first_then_the_working_folder_then_the_others() {
-        let place = Place::with(&[("sims/a.c", b""), ("a.c", b""), ("b.c", b""), ("more/b.c", b""), ("more/c.c", b"")]);
-        place.check("a.c", &["sims/a.c"]);
-        place.check("b.c", &["b.c"]);
-        place.check("c.c", &["more/c.c"]);
-        place.check("../b.c", &["sims/../b.c"]);
-        place.check(r"..\b.c", &["sims/../b.c"]);
-        place.check(r".\a.c", &["sims/a.c"]);
+    fn sim_folder_precedes_working_folder_and_further_folders() {
+        let test_folder =
+            TestFolder::with(&[("sims/a.c", b""), ("a.c", b""), ("b.c", b""), ("more/b.c", b""), ("more/c.c", b"")]);
+        test_folder.check("a.c", &["sims/a.c"]);
+        test_folder.check("b.c", &["b.c"]);
+        test_folder.check("c.c", &["more/c.c"]);
+        test_folder.check("../b.c", &["sims/../b.c"]);
+        test_folder.check(r"..\b.c", &["sims/../b.c"]);
+        test_folder.check(r".\a.c", &["sims/a.c"]);
     }
 
     #[test]
-    fn a_library_that_is_not_there_is_its_source_beside() {
-        let place = Place::with(&[("sims/maze.c", b""), ("sims/wall/Cargo.toml", b""), ("sims/wall/src/lib.rs", b"")]);
+    fn missing_library_is_replaced_by_its_source() {
+        let test_folder =
+            TestFolder::with(&[("sims/maze.c", b""), ("sims/wall/Cargo.toml", b""), ("sims/wall/src/lib.rs", b"")]);
         for name in ["maze.dll", "maze.so", "maze.x", "maze.hex", "maze.o", "maze", "MAZE/../maze.dll"] {
             if name.starts_with("MAZE") {
                 continue;
             }
-            place.check(name, &["sims/maze.c"]);
+            test_folder.check(name, &["sims/maze.c"]);
         }
         for name in ["wall.so", "wall.dll", "wall", "wall/", "wall/Cargo.toml"] {
-            let found = place.check(name, &["sims/wall"]);
+            let found = test_folder.check(name, &["sims/wall"]);
             assert!(matches!(found.source, ProgramSource::Cargo(_)), "{name}");
             assert_eq!(found.name, "wall", "{name}");
         }
     }
 
     #[test]
-    fn a_file_of_another_system_gives_way_to_its_source() {
-        let place =
-            Place::with(&[("sims/maze.dll", b"MZ\x90\0"), ("sims/maze.c", b""), ("sims/alone.dll", b"MZ\x90\0")]);
-        let found = place.check("maze.dll", &["sims/maze.c"]);
+    fn file_of_another_system_is_replaced_by_its_source() {
+        let test_folder =
+            TestFolder::with(&[("sims/maze.dll", b"MZ\x90\0"), ("sims/maze.c", b""), ("sims/alone.dll", b"MZ\x90\0")]);
+        let found = test_folder.check("maze.dll", &["sims/maze.c"]);
         assert!(found.notes[0].contains("maze.dll` is a Windows library or program: `"), "{:?}", found.notes);
-        let message = place.check_missing("alone.dll");
+        let message = test_folder.check_missing("alone.dll");
         assert!(message.starts_with("program `alone.dll` cannot be run here"), "{message}");
         assert!(message.contains("alone.dll` is a Windows library or program"), "{message}");
         assert!(message.contains("put its source beside it"), "{message}");
     }
 
     #[test]
-    fn programs_of_eyesim_vr_give_way_to_what_lies_beside() {
+    fn programs_of_eyesim_vr_are_replaced() {
         let executable = read_head(&std::env::current_exe().expect("this program")).expect("its bytes");
-        let place = Place::with(&[
+        let test_folder = TestFolder::with(&[
             ("sims/a.x", &executable),
             ("sims/a.c", b""),
             ("sims/b.x", b"\xcf\xfa\xed\xfe\x07\0\0\x01"),
@@ -524,34 +528,35 @@ mod tests {
             ("b.x", "sims/b", "b.x` is a macOS library or program: "),
             ("c.exe", "sims/c.so", "c.exe` is a Windows library or program: "),
         ] {
-            let found = place.check(name, &[expected]);
+            let found = test_folder.check(name, &[expected]);
             assert!(found.notes[0].contains(note), "{:?}", found.notes);
         }
         // A missing file does not cause a note.
-        assert_eq!(place.check("e.exe", &["sims/e.so"]).notes, <[String; 0]>::default());
-        let message = place.check_missing("alone.x");
+        assert_eq!(test_folder.check("e.exe", &["sims/e.so"]).notes, <[String; 0]>::default());
+        let message = test_folder.check_missing("alone.x");
         assert!(message.contains("alone.x` is an executable for ") && message.contains("put its source"), "{message}");
     }
 
     #[test]
-    fn a_library_of_this_system_is_taken_as_it_is() {
-        let place = Place::with(&[("sims/maze.c", b""), ("sims/maze.so", &library())]);
-        let found = place.check("maze.so", &["sims/maze.so"]);
+    fn library_of_this_system_is_found() {
+        let test_folder = TestFolder::with(&[("sims/maze.c", b""), ("sims/maze.so", &library())]);
+        let found = test_folder.check("maze.so", &["sims/maze.so"]);
         assert!(matches!(found.source, ProgramSource::Library(_)));
     }
 
     #[test]
-    fn several_sources_are_named_with_commas_or_by_their_folder() {
-        let place = Place::with(&[("sims/main.c", b""), ("map.c", b""), ("sims/bug/b.c", b""), ("sims/bug/a.c", b"")]);
-        assert_eq!(place.check("main.c,map.c", &["sims/main.c", "map.c"]).name, "main");
-        place.check("main.c, map.c", &["sims/main.c", "map.c"]);
-        assert_eq!(place.check("bug", &["sims/bug/a.c", "sims/bug/b.c"]).name, "bug");
-        assert!(place.check_missing("main.c,mop.c").contains("mop.c"));
+    fn several_sources_are_named_by_commas_or_by_their_folder() {
+        let test_folder =
+            TestFolder::with(&[("sims/main.c", b""), ("map.c", b""), ("sims/bug/b.c", b""), ("sims/bug/a.c", b"")]);
+        assert_eq!(test_folder.check("main.c,map.c", &["sims/main.c", "map.c"]).name, "main");
+        test_folder.check("main.c, map.c", &["sims/main.c", "map.c"]);
+        assert_eq!(test_folder.check("bug", &["sims/bug/a.c", "sims/bug/b.c"]).name, "bug");
+        assert!(test_folder.check_missing("main.c,mop.c").contains("mop.c"));
     }
 
     #[test]
-    fn sources_of_c_and_cpp_are_found_in_one_order() {
-        let place = Place::with(&[
+    fn c_sources_precede_cpp_sources() {
+        let test_folder = TestFolder::with(&[
             ("sims/a.cpp", b""),
             ("sims/a.cc", b""),
             ("sims/b.cc", b""),
@@ -563,29 +568,29 @@ mod tests {
             ("sims/mix/map.h", b""),
         ]);
         for name in ["a.x", "a.exe", "a.dll", "a.so", "a", "a.cpp"] {
-            place.check(name, &["sims/a.cpp"]);
+            test_folder.check(name, &["sims/a.cpp"]);
         }
-        place.check("b.x", &["sims/b.cc"]);
-        place.check("b", &["sims/b/x.c"]);
-        place.check("c.dll", &["sims/c.c"]);
-        place.check("mix", &["sims/mix/main.cpp", "sims/mix/map.c"]);
-        assert_eq!(place.check("mix/main.cpp,mix/map.c", &["sims/mix/main.cpp", "sims/mix/map.c"]).name, "main");
+        test_folder.check("b.x", &["sims/b.cc"]);
+        test_folder.check("b", &["sims/b/x.c"]);
+        test_folder.check("c.dll", &["sims/c.c"]);
+        test_folder.check("mix", &["sims/mix/main.cpp", "sims/mix/map.c"]);
+        assert_eq!(test_folder.check("mix/main.cpp,mix/map.c", &["sims/mix/main.cpp", "sims/mix/map.c"]).name, "main");
     }
 
     #[test]
-    fn old_spellings_of_the_installation_are_understood() {
-        let place = Place::with(&[("home/programs/a.c", b""), ("sims/b.c", b"")]);
-        place.check(r"%sim%\programs\a.dll", &["home/programs/a.c"]);
-        place.check("%SIM%/programs/a.c", &["home/programs/a.c"]);
-        place.check("/programs/a.so", &["home/programs/a.c"]);
-        place.check(r"C:\eyesim\b.dll", &["sims/b.c"]);
+    fn old_references_to_the_installation_are_resolved() {
+        let test_folder = TestFolder::with(&[("home/programs/a.c", b""), ("sims/b.c", b"")]);
+        test_folder.check(r"%sim%\programs\a.dll", &["home/programs/a.c"]);
+        test_folder.check("%SIM%/programs/a.c", &["home/programs/a.c"]);
+        test_folder.check("/programs/a.so", &["home/programs/a.c"]);
+        test_folder.check(r"C:\eyesim\b.dll", &["sims/b.c"]);
     }
 
     #[test]
-    fn every_attempt_and_near_names_are_listed() {
-        let place = Place::with(&[("sims/maze.c", b""), ("sims/mace.txt", b""), ("sims/other.c", b"")]);
-        let message = place.check_missing("mzae.dll");
-        let root = place.folder.path().display();
+    fn attempts_and_similar_names_are_listed() {
+        let test_folder = TestFolder::with(&[("sims/maze.c", b""), ("sims/mace.txt", b""), ("sims/other.c", b"")]);
+        let message = test_folder.check_missing("mzae.dll");
+        let root = test_folder.folder.path().display();
         let beside = "`mzae.c`, `mzae.cpp`, `mzae.cc`, `mzae.cxx`, `mzae.c++`, `mzae`, `mzae.so`";
         let expected = format!(
             "program `mzae.dll` is not found\n  tried `{root}/sims/mzae.dll`, {beside}\n  \
@@ -596,21 +601,23 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_no_program_is_not_replaced_by_its_neighbour() {
-        let place = Place::with(&[("sims/good.c", b""), ("sims/good.txt", b"text"), ("sims/mine.c/x.txt", b"")]);
-        assert!(place.check_missing("good.txt").contains("`good.txt` cannot be run here"));
-        assert!(place.check_missing("good.md").contains("did you mean"));
-        let folder = place.check_missing("mine.c");
+    fn file_that_is_no_program_is_not_replaced() {
+        let test_folder =
+            TestFolder::with(&[("sims/good.c", b""), ("sims/good.txt", b"text"), ("sims/mine.c/x.txt", b"")]);
+        assert!(test_folder.check_missing("good.txt").contains("`good.txt` cannot be run here"));
+        assert!(test_folder.check_missing("good.md").contains("did you mean"));
+        let folder = test_folder.check_missing("mine.c");
         assert!(folder.contains("mine.c` is a folder without `Cargo.toml`, `.c` or `.cpp` files"), "{folder}");
         assert!(!folder.contains("put its source") && !folder.contains("did you mean"), "{folder}");
     }
 
     #[test]
-    fn sources_of_other_languages_are_named() {
-        let place = Place::with(&[("sims/a.py", b""), ("sims/b.rs", b""), ("sims/c.hpp", b""), ("sims/d/x.txt", b"")]);
-        assert!(matches!(place.check("a.py", &["sims/a.py"]).source, ProgramSource::Python(_)));
-        assert!(place.check_missing("b.rs").contains("name the folder of its Cargo package"));
-        assert!(place.check_missing("c.hpp").contains("a header: name the `.c` or `.cpp` file"));
-        assert!(place.check_missing("d").contains("a folder without `Cargo.toml`, `.c` or `.cpp` files"));
+    fn sources_of_other_languages_are_described() {
+        let test_folder =
+            TestFolder::with(&[("sims/a.py", b""), ("sims/b.rs", b""), ("sims/c.hpp", b""), ("sims/d/x.txt", b"")]);
+        assert!(matches!(test_folder.check("a.py", &["sims/a.py"]).source, ProgramSource::Python(_)));
+        assert!(test_folder.check_missing("b.rs").contains("name the folder of its Cargo package"));
+        assert!(test_folder.check_missing("c.hpp").contains("a header: name the `.c` or `.cpp` file"));
+        assert!(test_folder.check_missing("d").contains("a folder without `Cargo.toml`, `.c` or `.cpp` files"));
     }
 }

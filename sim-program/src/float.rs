@@ -1,4 +1,4 @@
-//! The floating-point environment of a thread: the host always computes in the default environment, whatever the
+//! Sets the floating-point environment of a thread: the host always computes in the default environment, whatever the
 //! program has set.
 //!
 //! Otherwise a changed rounding mode or flush-to-zero (set when a library built with `-ffast-math` is loaded) would
@@ -45,8 +45,8 @@ pub fn set_default() -> Option<u32> {
 #[cfg(not(target_arch = "x86_64"))]
 pub fn restore(_: u32) {}
 
-/// The floating-point environment of a flow that shares its thread with others: control bits and sticky exception flags
-/// of SSE and of the x87.
+/// The floating-point environment of a flow that shares its thread with other flows: control bits and sticky exception
+/// flags of SSE and of the x87.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Environment {
@@ -93,9 +93,9 @@ impl Environment {
         if (control, flags) == (self.control, self.flags) {
             return;
         }
-        // Control, status and tag word, each in the lower half of its entry; then addresses of the last instruction and operand.
+        // Control, status and tag word, each in the lower half of its element; then addresses of the last instruction and operand.
         let mut image = [0_u32; 7];
-        // SAFETY: stores the x87's environment in the 28 bytes that it takes.
+        // SAFETY: stores the x87's environment in `image`, which has its size of 28 bytes.
         unsafe { std::arch::asm!("fnstenv [{}]", in(reg) image.as_mut_ptr(), options(nostack, preserves_flags)) };
         image[0] = image[0] & !0xffff | u32::from(self.control);
         image[1] = image[1] & !u32::from(Self::X87_FLAGS) | u32::from(self.flags);
@@ -122,30 +122,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_environment_is_taken_and_brought_back_with_its_flags() {
-        let before = Environment::current();
-        // The x87 in single precision and rounding up, SSE rounding down; division by zero and inexact results seen.
+    fn environment_is_saved_and_restored_with_its_flags() {
+        let initial = Environment::current();
+        // The x87 rounds up in single precision, SSE rounds down; flags of division by zero and of inexact results are set.
         let strange = Environment { sse: MXCSR_DEFAULT | 0x2000 | 0x04, control: 0x087f, flags: 0x24 };
         strange.apply();
         assert_eq!(Environment::current(), strange);
         Environment::INITIAL.apply();
         assert_eq!(Environment::current(), Environment::INITIAL);
-        before.apply();
+        initial.apply();
     }
 
     #[test]
-    fn what_a_program_has_set_is_held_and_comes_back() {
+    fn environment_of_a_program_is_replaced_and_restored() {
         assert_eq!(set_default(), None);
-        // Upwards, subnormals flushed, all traps on but that of inexact results.
-        let of_program = 0xd000;
-        restore(of_program);
-        let held = set_default();
+        // Rounds upwards, flushes subnormals, and traps on all exceptions except inexact results.
+        let program_environment = 0xd000;
+        restore(program_environment);
+        let previous = set_default();
         let third = std::hint::black_box(1.0_f64) / std::hint::black_box(3.0);
-        restore(held.unwrap_or(MXCSR_DEFAULT));
-        assert_eq!(set_default().map(|environment| environment & MXCSR_CONTROL), Some(of_program & MXCSR_CONTROL));
+        restore(previous.unwrap_or(MXCSR_DEFAULT));
         assert_eq!(
-            (held.map(|environment| environment & MXCSR_CONTROL), third.to_bits()),
-            (Some(of_program), 0x3fd5_5555_5555_5555)
+            set_default().map(|environment| environment & MXCSR_CONTROL),
+            Some(program_environment & MXCSR_CONTROL)
+        );
+        assert_eq!(
+            (previous.map(|environment| environment & MXCSR_CONTROL), third.to_bits()),
+            (Some(program_environment), 0x3fd5_5555_5555_5555)
         );
     }
 }

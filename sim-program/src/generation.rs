@@ -1,5 +1,5 @@
-//! Choice of the generation of RoBIOS for which a program is compiled. Both headers are called `eyebot.h`, so the choice precedes the
-//! compilation: it is stated by the user, or derived from the functions that the sources call.
+//! Chooses the generation of RoBIOS for which a program is compiled. The headers of both generations are called `eyebot.h`, so the choice
+//! precedes the compilation: the user states it, or it follows from the functions that the sources call.
 
 use std::collections::BTreeSet;
 
@@ -46,7 +46,7 @@ impl Generation {
         }
     }
 
-    /// The other one.
+    /// The other generation.
     pub fn other(self) -> Self {
         match self {
             Self::Robios6 => Self::Robios7,
@@ -54,8 +54,8 @@ impl Generation {
         }
     }
 
-    /// Returns true if the generation has a function called `name`, those of its older headers included.
-    pub fn has(self, name: &str) -> bool {
+    /// Returns true if the generation has a function called `name`; functions of its older headers are included.
+    pub fn has_function(self, name: &str) -> bool {
         match self {
             Self::Robios6 => Robios6Call::from_name(name).is_some() || VARIANTS_OF_6.contains(&name),
             Self::Robios7 => Robios7Call::from_name(name).is_some() || VARIANTS_OF_7.contains(&name),
@@ -74,18 +74,19 @@ impl Generation {
         }
     }
 
-    /// Returns true if `name` is a constant or type of its header that a program hardly defines itself: `QVGA_SIZE`, but not `RED`.
+    /// Returns true if `name` is a constant or type of its header that a program is unlikely to define itself: `QVGA_SIZE`, but not `RED`.
     pub fn has_constant(self, name: &str) -> bool {
-        let is_telling = |constant: &Constant| constant.name == name && name.contains('_');
+        let is_distinctive = |constant: &Constant| constant.name == name && name.contains('_');
         match self {
             Self::Robios6 => {
                 let constants = robios6::CONSTANTS.iter().chain(robios6::semantics::SEMANTICS);
-                constants.chain(robios6::hdt_type::HDT_TYPES).any(is_telling) || TYPES_OF_6.contains(&name)
+                constants.chain(robios6::hdt_type::HDT_TYPES).any(is_distinctive) || TYPES_OF_6.contains(&name)
             }
             Self::Robios7 => {
-                let of_size = |size: &&str| name.strip_prefix(*size).is_some_and(|rest| OF_SIZES_OF_7.contains(&rest));
-                robios7::CONSTANTS.iter().any(is_telling)
-                    || SIZES_OF_7.iter().any(of_size)
+                let is_size_name =
+                    |size: &&str| name.strip_prefix(*size).is_some_and(|rest| SIZE_SUFFIXES_OF_7.contains(&rest));
+                robios7::CONSTANTS.iter().any(is_distinctive)
+                    || SIZES_OF_7.iter().any(is_size_name)
                     || TYPES_OF_7.contains(&name)
             }
         }
@@ -110,7 +111,7 @@ const TYPES_OF_6: &[&str] = &[
     "radPerSec",
 ];
 
-/// Variables of the header of RoBIOS-7, some of its constants, and its name in C++.
+/// Variables and some constants of the header of RoBIOS-7, and the header's name for C++.
 const TYPES_OF_7: &[&str] = &[
     CPP_HEADER,
     "CAMHEIGHT",
@@ -125,11 +126,11 @@ const TYPES_OF_7: &[&str] = &[
     "ITALICS",
 ];
 
-/// Sizes of images in RoBIOS-7, and suffixes that follow them in names of constants and types.
+/// Sizes of images in RoBIOS-7, and suffixes that form names of constants and types with them.
 const SIZES_OF_7: &[&str] = &["QQVGA", "QVGA", "VGA", "CAM1MP", "CAMHD", "CAM5MP"];
-const OF_SIZES_OF_7: &[&str] = &["", "_X", "_Y", "_PIXELS", "_SIZE", "col", "gray"];
+const SIZE_SUFFIXES_OF_7: &[&str] = &["", "_X", "_Y", "_PIXELS", "_SIZE", "col", "gray"];
 
-/// Functions of RoBIOS 6 by other names. Source: `include/robios6/variants.h`.
+/// Alternative names of functions of RoBIOS 6. Source: `include/robios6/variants.h`.
 const VARIANTS_OF_6: &[&str] = &["VWDriveReady"];
 
 /// Functions of older headers of RoBIOS-7, which call other functions of the list. Source: `include/robios7/variants.h`.
@@ -165,7 +166,7 @@ const VARIANTS_OF_7: &[&str] = &[
 pub struct GenerationHint {
     /// Set by `--api` or the scene: overrides everything else.
     pub api: Option<Generation>,
-    /// Generation of the simulator in whose dialect the sim file names the robot; used if the sources do not tell.
+    /// Generation of the simulator in whose dialect the sim file names the robot; used if the sources do not determine it.
     pub dialect: Option<Generation>,
 }
 
@@ -174,15 +175,15 @@ pub struct GenerationHint {
 pub struct GenerationChoice {
     /// The generation.
     pub generation: Generation,
-    /// The reason.
-    pub why: ChoiceReason,
+    /// Reason for the choice.
+    pub reason: ChoiceReason,
 }
 
 /// Reasons for the choice of a generation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ChoiceReason {
     /// `--api` or the scene states it.
-    Said,
+    Stated,
     /// The program calls these functions, which only this generation has.
     Calls(Vec<String>),
     /// Both generations have the functions called, but only this one has these constants or types.
@@ -194,15 +195,15 @@ pub enum ChoiceReason {
     /// Both generations have the functions called, and nothing else decides.
     Default,
     /// The program calls no RoBIOS function.
-    None,
+    NoCalls,
 }
 
 impl std::fmt::Display for GenerationChoice {
-    /// `RoBIOS-7 (VWStraight, VWWait)`.
+    /// For example `RoBIOS-7 (VWStraight, VWWait)`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let (name, other) = (self.generation.name(), self.generation.other());
-        match &self.why {
-            ChoiceReason::Said | ChoiceReason::None => f.write_str(name),
+        match &self.reason {
+            ChoiceReason::Stated | ChoiceReason::NoCalls => f.write_str(name),
             ChoiceReason::Compiles => write!(f, "{name}, as it does not compile for {}", other.name()),
             ChoiceReason::Calls(calls) | ChoiceReason::Constants(calls) => {
                 let more = if calls.len() > MAX_SHOWN { ", ..." } else { "" };
@@ -217,10 +218,10 @@ impl std::fmt::Display for GenerationChoice {
 }
 
 impl GenerationChoice {
-    /// Message to the user when the program of `source` is compiled: `maze.c: RoBIOS-7 (VWStraight, VWWait)`. `None` if the choice
-    /// makes no difference.
+    /// Message for the compilation of the program of `source`: `maze.c: RoBIOS-7 (VWStraight, VWWait)`. `None` if the choice makes no
+    /// difference.
     pub fn remark(&self, source: &Path) -> Option<String> {
-        (self.why != ChoiceReason::None)
+        (self.reason != ChoiceReason::NoCalls)
             .then(|| format!("{}: {self}", source.file_name().unwrap_or_default().display()))
     }
 }
@@ -228,22 +229,22 @@ impl GenerationChoice {
 impl GenerationChoice {
     /// Returns true if the choice is a guess, which is dropped if the program compiles only for the other generation.
     pub fn is_guess(&self) -> bool {
-        matches!(self.why, ChoiceReason::Constants(_) | ChoiceReason::Dialect | ChoiceReason::Default)
+        matches!(self.reason, ChoiceReason::Constants(_) | ChoiceReason::Dialect | ChoiceReason::Default)
     }
 
     /// The other generation, chosen because the program compiles only for it.
     pub fn switched(&self) -> Self {
-        Self { generation: self.generation.other(), why: ChoiceReason::Compiles }
+        Self { generation: self.generation.other(), reason: ChoiceReason::Compiles }
     }
 }
 
-/// Names of functions shown in one line.
+/// Maximum number of functions in a message.
 const MAX_SHOWN: usize = 3;
 
 /// Reasons why no generation can be chosen.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GenerationError {
-    /// The sources call functions of both.
+    /// The sources call functions of both generations.
     #[error(
         "`{}` mixes two generations: {} of RoBIOS 6, whose devices have handles, and {} of RoBIOS-7, whose devices have none; {advice}",
         source_file.display(), of_6.join(", "), of_7.join(", ")
@@ -253,7 +254,7 @@ pub enum GenerationError {
         source_file: PathBuf,
         /// Functions called that only RoBIOS 6 has, with the places of their first calls.
         of_6: Vec<String>,
-        /// Functions called that only RoBIOS-7 has, as above.
+        /// Functions called that only RoBIOS-7 has, with the places of their first calls.
         of_7: Vec<String>,
         /// What to change.
         advice: String,
@@ -263,30 +264,30 @@ pub enum GenerationError {
     Include(PathBuf),
 }
 
-/// Chooses the generation for a program with these C or C++ sources: the stated one, else that of the functions called that only
-/// one generation has, else that of such constants and types, else that of the dialect, else RoBIOS 6. Headers of the program
-/// are scanned, too.
+/// Chooses the generation for a program with these C or C++ sources, by the first rule that applies: the generation that `hint` states;
+/// the only generation that has the functions called; the only one that has the constants and types used; the generation of the dialect;
+/// RoBIOS 6. Headers of the program are scanned, too.
 ///
-/// The functions called take precedence over the dialect: robots of EyeSim VR run programs written for RoBIOS 6 and the reverse,
-/// and with the wrong header such a program does not compile. Source: our choice.
+/// The functions called take precedence over the dialect: in the dialect of one generation, sim files also name programs of the other
+/// one, which do not compile with the wrong header. Source: our choice.
 ///
-/// With `folders`, only files in these folders, which have no links in their paths, are looked at.
+/// If `folders` are given, whose paths must not contain links, only files in them are scanned.
 ///
 /// # Errors
 /// [`GenerationError`] if the program calls functions of both generations, or includes something that is no file. A source that
 /// cannot be read is reported by the compilation.
 pub fn choose(
     sources: &[PathBuf],
-    wanted: GenerationHint,
+    hint: GenerationHint,
     folders: Option<&[PathBuf]>,
 ) -> Result<GenerationChoice, GenerationError> {
-    let choice = |generation, why| Ok(GenerationChoice { generation, why });
+    let choice = |generation, reason| Ok(GenerationChoice { generation, reason });
     let Names { calls, constants } = names_in_files(sources, folders)?;
-    if let Some(generation) = wanted.api {
-        return choice(generation, ChoiceReason::Said);
+    if let Some(generation) = hint.api {
+        return choice(generation, ChoiceReason::Stated);
     }
     let only = |generation: Generation| -> Vec<String> {
-        let is_only = |name: &&String| generation.has(name) && !generation.other().has(name);
+        let is_only = |name: &&String| generation.has_function(name) && !generation.other().has_function(name);
         calls.iter().filter(is_only).cloned().collect()
     };
     let (of_6, of_7) = (only(Generation::Robios6), only(Generation::Robios7));
@@ -294,15 +295,16 @@ pub fn choose(
         (false, false) => {
             let source_file = sources.first().cloned().unwrap_or_default();
             let advice = advice(&of_6, &of_7, sources);
-            let [of_6, of_7] = [of_6, of_7].map(|names| names.iter().map(|name| with_line(name, sources)).collect());
+            let [of_6, of_7] =
+                [of_6, of_7].map(|names| names.iter().map(|name| name_with_line(name, sources)).collect());
             Err(GenerationError::Both { source_file, of_6, of_7, advice })
         }
         (false, true) => choice(Generation::Robios6, ChoiceReason::Calls(of_6)),
         (true, false) => choice(Generation::Robios7, ChoiceReason::Calls(of_7)),
-        (true, true) => match (of_constants(&constants), wanted.dialect) {
+        (true, true) => match (generation_of_constants(&constants), hint.dialect) {
             (Some((generation, constants)), _) => choice(generation, ChoiceReason::Constants(constants)),
-            (None, dialect) if !calls.iter().any(|name| Generation::Robios6.has(name)) => {
-                choice(dialect.unwrap_or(Generation::Robios6), ChoiceReason::None)
+            (None, dialect) if !calls.iter().any(|name| Generation::Robios6.has_function(name)) => {
+                choice(dialect.unwrap_or(Generation::Robios6), ChoiceReason::NoCalls)
             }
             (None, Some(dialect)) => choice(dialect, ChoiceReason::Dialect),
             (None, None) => choice(Generation::Robios6, ChoiceReason::Default),
@@ -310,11 +312,11 @@ pub fn choose(
     }
 }
 
-/// Stands for the name of a handle.
+/// Placeholder for the name of a handle.
 const HANDLE: &str = "HANDLE";
 
-/// What to write in place of functions that only the other generation has, for RoBIOS-7 and for RoBIOS 6.
-const INSTEAD: [&[(&str, &str)]; 2] = [
+/// Replacements of functions that only the other generation has: for RoBIOS-7, then for RoBIOS 6.
+const REPLACEMENTS: [&[(&str, &str)]; 2] = [
     &[
         ("VWDriveStraight", "VWStraight(mm, mm/s)"),
         ("VWDriveTurn", "VWTurn(degrees, degrees/s)"),
@@ -337,7 +339,7 @@ const INSTEAD: [&[(&str, &str)]; 2] = [
     ],
 ];
 
-/// Functions of RoBIOS 6 that RoBIOS-7 does without.
+/// Functions of RoBIOS 6 without a counterpart in RoBIOS-7, whose calls can be deleted.
 const NEEDLESS_IN_7: &[&str] = &[
     "VWInit",
     "VWRelease",
@@ -355,8 +357,8 @@ const NEEDLESS_IN_7: &[&str] = &[
     "QUADRelease",
 ];
 
-/// Functions of both generations that differ in more than the handle, as RoBIOS 6 and as RoBIOS-7 call them.
-const DIFFERENT: &[(&str, &str, &str)] = &[
+/// Functions of both generations that differ in more than the handle: name, call in RoBIOS 6, call in RoBIOS-7.
+const CHANGED_FUNCTIONS: &[(&str, &str, &str)] = &[
     ("VWSetSpeed", "VWSetSpeed(handle, m/s, radians/s)", "VWSetSpeed(mm/s, degrees/s)"),
     ("VWGetSpeed", "VWGetSpeed(handle, &speed)", "VWGetSpeed(&mm_per_s, &degrees_per_s)"),
     ("VWSetPosition", "VWSetPosition(handle, metres, metres, radians)", "VWSetPosition(mm, mm, degrees)"),
@@ -364,62 +366,62 @@ const DIFFERENT: &[(&str, &str, &str)] = &[
     ("VWDriveRemain", "VWDriveRemain(handle)", "VWDriveRemain()"),
 ];
 
-/// Most clauses of an advice.
+/// Maximum number of clauses of an advice.
 const MAX_CLAUSES: usize = 4;
 
 /// A call of a function in a source.
 struct CallSite<'a> {
     name: &'a str,
-    /// `4`, or `map.c:4` in a program of several sources.
+    /// Its line, as `4`, or as `map.c:4` in a program of several sources.
     place: String,
-    /// How to leave it out; `None` if it is not a statement on lines of its own.
+    /// The statement to delete; `None` if the call is not a statement on lines of its own.
     statement: Option<Statement>,
 }
 
 /// A statement that can be deleted.
 struct Statement {
-    /// The variable for its handle.
+    /// The variable to which it assigns a handle.
     handle: Option<String>,
-    /// Where that is declared, if on another line.
+    /// Place of the variable's declaration, if on another line.
     declaration: Option<String>,
 }
 
-/// What to change in a program that calls functions of both generations: the calls of the generation that has fewer of them, among
-/// those for which the other one has a replacement.
+/// Advice for a program that calls functions of both generations: how to convert it to one of them, preferably by changing fewer calls.
 fn advice(of_6: &[String], of_7: &[String], sources: &[PathBuf]) -> String {
     let codes: Vec<String> = sources.iter().filter_map(|source| code_of(source)).collect();
-    let different: Vec<_> =
-        DIFFERENT.iter().filter(|(name, ..)| codes.iter().any(|code| has_call(code, name))).collect();
-    if !different.is_empty() {
-        let words = different.iter().map(|(name, of_6, of_7)| {
+    let changed: Vec<_> =
+        CHANGED_FUNCTIONS.iter().filter(|(name, ..)| codes.iter().any(|code| has_call(code, name))).collect();
+    if !changed.is_empty() {
+        let notes = changed.iter().map(|(name, of_6, of_7)| {
             format!(
                 "; `{name}` is `{of_6}` in {} and `{of_7}` in {}",
                 Generation::Robios6.name(),
                 Generation::Robios7.name()
             )
         });
-        return format!("{ONE_OF_THEM}{}", words.collect::<String>());
+        return format!("{ONE_OF_THEM}{}", notes.collect::<String>());
     }
     let [of_6, of_7] = [of_6, of_7].map(|names| call_sites(names, sources));
-    let (lines_6, lines_7) = (of_6.as_ref().map_or(0, Vec::len), of_7.as_ref().map_or(0, Vec::len));
-    let to_7 = of_6.and_then(|calls| changes(&calls, Generation::Robios7, &codes));
-    let to_6 = of_7.and_then(|calls| changes(&calls, Generation::Robios6, &codes));
-    let (first, second) = if lines_6 <= lines_7 { (to_7, to_6) } else { (to_6, to_7) };
-    first.or(second).unwrap_or_else(|| ONE_OF_THEM.to_owned())
+    let (count_6, count_7) = (of_6.as_ref().map_or(0, Vec::len), of_7.as_ref().map_or(0, Vec::len));
+    let to_7 = of_6.and_then(|calls| conversion_advice(&calls, Generation::Robios7, &codes));
+    let to_6 = of_7.and_then(|calls| conversion_advice(&calls, Generation::Robios6, &codes));
+    let (first, second) = if count_6 <= count_7 { (to_7, to_6) } else { (to_6, to_7) };
+    first.or(second).unwrap_or_else(|| GENERAL_ADVICE.to_owned())
 }
 
-const ONE_OF_THEM: &str =
+const GENERAL_ADVICE: &str =
     "write all of it for one of them: RoBIOS 6 has metres, m/s and radians, RoBIOS-7 mm, mm/s and degrees";
 
 fn code_of(source: &Path) -> Option<String> {
     Some(code_only(&String::from_utf8_lossy(&read_regular(source).ok()?)))
 }
 
-/// The variable that holds the result of `init` wherever `codes` use it: the only one, and outside of functions or in the only function.
+/// The variable with the handle from the only call of `init` in the only source, if it is in scope in the whole source: it is global, or
+/// the source has a single function.
 fn handle_of<'a>(init: &str, codes: &'a [String]) -> Option<&'a str> {
     let [code] = codes else { return None };
-    let [at] = calls_in(code, init)[..] else { return None };
-    let left = code[..at].trim_end().strip_suffix('=')?.trim_end();
+    let [offset] = calls_in(code, init)[..] else { return None };
+    let left = code[..offset].trim_end().strip_suffix('=')?.trim_end();
     let name = left.rsplit(|c| !is_name(c)).next().filter(|name| !name.is_empty())?;
     let is_plain = !left[..left.len() - name.len()].trim_end().ends_with(['.', '>', '*', ']']);
     let is_global = |line: &str| line.starts_with("VWHandle ") && line.trim_end().ends_with(&format!(" {name};"));
@@ -427,26 +429,26 @@ fn handle_of<'a>(init: &str, codes: &'a [String]) -> Option<&'a str> {
         .then_some(name)
 }
 
-/// The changes that bring `calls` to `generation`; `None` if it has nothing like one of them, if they are many, or if they need a handle
-/// that the program does not have.
-fn changes(calls: &[CallSite<'_>], generation: Generation, codes: &[String]) -> Option<String> {
-    let instead = INSTEAD[usize::from(generation == Generation::Robios6)];
+/// Advice that converts `calls` to `generation`; `None` if one of them has no replacement there, if the changes are many, or if they need
+/// a handle that the program does not have.
+fn conversion_advice(calls: &[CallSite<'_>], generation: Generation, codes: &[String]) -> Option<String> {
+    let replacements = REPLACEMENTS[usize::from(generation == Generation::Robios6)];
     let mut replaced: Vec<(&str, String, Vec<&str>)> = Vec::new();
     let mut deleted: Vec<&str> = Vec::new();
     let mut handles: Vec<String> = Vec::new();
     for &CallSite { name, ref place, ref statement } in calls {
-        if let Some(&(_, instead)) = instead.iter().find(|(other, _)| *other == name) {
-            let init = if instead.starts_with("QUAD") { "QUADInit" } else { "VWInit" };
-            let instead = match generation {
-                Generation::Robios6 => instead.replace(HANDLE, handle_of(init, codes)?),
-                Generation::Robios7 => instead.to_owned(),
+        if let Some(&(_, replacement)) = replacements.iter().find(|(other, _)| *other == name) {
+            let init = if replacement.starts_with("QUAD") { "QUADInit" } else { "VWInit" };
+            let replacement = match generation {
+                Generation::Robios6 => replacement.replace(HANDLE, handle_of(init, codes)?),
+                Generation::Robios7 => replacement.to_owned(),
             };
             match replaced.iter_mut().find(|(other, _, _)| *other == name) {
                 Some((_, _, places)) => {
                     places.push(place);
                     places.dedup();
                 }
-                None => replaced.push((name, instead, vec![place.as_str()])),
+                None => replaced.push((name, replacement, vec![place.as_str()])),
             }
             continue;
         }
@@ -464,18 +466,16 @@ fn changes(calls: &[CallSite<'_>], generation: Generation, codes: &[String]) -> 
     }
     let mut clauses: Vec<String> = Vec::new();
     if !deleted.is_empty() {
-        clauses.push(format!("delete {}{}", lines_text(&deleted), handles.concat()));
+        clauses.push(format!("delete {}{}", lines_in_words(&deleted), handles.concat()));
     }
-    clauses.extend(
-        replaced
-            .iter()
-            .map(|(name, instead, places)| format!("in {} write `{instead}` for `{name}`", lines_text(places))),
-    );
+    clauses.extend(replaced.iter().map(|(name, replacement, places)| {
+        format!("in {} write `{replacement}` for `{name}`", lines_in_words(places))
+    }));
     Some(format!("to write it for {}, {}", generation.name(), clauses.join("; ")))
 }
 
-/// `line 4`, `lines 4, 5 and 7`, `map.c:4 and map.c:5`.
-fn lines_text(places: &[&str]) -> String {
+/// Lists places: `line 4`, `lines 4, 5 and 7`, `map.c:4 and map.c:5`.
+fn lines_in_words(places: &[&str]) -> String {
     let word = match places {
         [place, ..] if place.contains(':') => "",
         [_] => "line ",
@@ -487,8 +487,8 @@ fn lines_text(places: &[&str]) -> String {
     }
 }
 
-/// All calls of `names` in `sources`, line by line; `None` if one of them is called nowhere there, or if a source declares one or has
-/// a method of that name.
+/// All calls of the functions `names` in `sources`, in the order of the text; `None` if a function has no call there, or if a source
+/// declares it or has a method of its name.
 fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSite<'a>>> {
     let mut sites = Vec::new();
     for source in sources {
@@ -497,49 +497,50 @@ fn call_sites<'a>(names: &'a [String], sources: &[PathBuf]) -> Option<Vec<CallSi
         let place = |line: usize| if sources.len() == 1 { line.to_string() } else { format!("{file}:{line}") };
         let mut found: Vec<(usize, &str)> = Vec::new();
         for name in names {
-            found.extend(calls_in(&code, name).into_iter().map(|at| (at, name.as_str())));
+            found.extend(calls_in(&code, name).into_iter().map(|offset| (offset, name.as_str())));
         }
         found.sort_unstable();
-        for (at, name) in found {
-            let before = code[..at].trim_end();
-            let word = before.rsplit(|c| !is_name(c)).next().unwrap_or_default();
+        for (offset, name) in found {
+            let code_before = code[..offset].trim_end();
+            let word = code_before.rsplit(|c| !is_name(c)).next().unwrap_or_default();
             let is_declared = !word.is_empty() && !["return", "else", "do"].contains(&word);
-            if is_declared || before.ends_with(['.', '*', '&', '>']) || before.ends_with("::") {
+            if is_declared || code_before.ends_with(['.', '*', '&', '>']) || code_before.ends_with("::") {
                 return None;
             }
-            let line = code[..at].matches('\n').count() + 1;
-            sites.push(CallSite { name, place: place(line), statement: statement(&code, at, name, place) });
+            let line = code[..offset].matches('\n').count() + 1;
+            sites.push(CallSite { name, place: place(line), statement: statement(&code, offset, name, place) });
         }
     }
     names.iter().all(|name| sites.iter().any(|site| site.name == name)).then_some(sites)
 }
 
-/// Where `code` has `name` before a `(`.
+/// Positions of `name` before a `(` in `code`.
 fn calls_in(code: &str, name: &str) -> Vec<usize> {
-    let is_call =
-        |at: &usize| !code[..*at].ends_with(is_name) && code[*at + name.len()..].trim_start().starts_with('(');
-    code.match_indices(name).map(|(at, _)| at).filter(is_call).collect()
+    let is_call = |offset: &usize| {
+        !code[..*offset].ends_with(is_name) && code[*offset + name.len()..].trim_start().starts_with('(')
+    };
+    code.match_indices(name).map(|(offset, _)| offset).filter(is_call).collect()
 }
 
 fn has_call(code: &str, name: &str) -> bool {
     !calls_in(code, name).is_empty()
 }
 
-/// The statement of the call of `name` at `at`, if its line is `CALL;`, `handle = CALL;` or `Type handle = CALL;` and follows a whole
-/// statement or a brace. `place` tells the place of a line.
-fn statement(code: &str, at: usize, name: &str, place: impl Fn(usize) -> String) -> Option<Statement> {
-    let start = code[..at].rfind('\n').map_or(0, |end| end + 1);
-    let call = code[at + name.len()..].lines().next()?.trim().strip_suffix(';')?;
-    let closes = call.char_indices().scan(0_i32, |depth, (place, letter)| {
+/// The statement of the call of `name` at `offset`, if its line is `CALL;`, `handle = CALL;` or `Type handle = CALL;` and follows a whole
+/// statement or a brace. `place` converts a line into the text of a place.
+fn statement(code: &str, offset: usize, name: &str, place: impl Fn(usize) -> String) -> Option<Statement> {
+    let start = code[..offset].rfind('\n').map_or(0, |end| end + 1);
+    let call = code[offset + name.len()..].lines().next()?.trim().strip_suffix(';')?;
+    let depths = call.char_indices().scan(0_i32, |depth, (index, letter)| {
         *depth += i32::from(letter == '(') - i32::from(letter == ')');
-        Some((place, *depth))
+        Some((index, *depth))
     });
-    let end = closes.skip_while(|(_, depth)| *depth > 0).map(|(place, _)| place).next()?;
+    let end = depths.skip_while(|(_, depth)| *depth > 0).map(|(index, _)| index).next()?;
     let is_alone = end + 1 == call.len() && !call.contains(['{', '}', ':', ';']);
     if !is_alone || !code[..start].trim_end().ends_with([';', '{', '}']) {
         return None;
     }
-    let left = code[start..at].trim();
+    let left = code[start..offset].trim();
     if left.is_empty() {
         return Some(Statement { handle: None, declaration: None });
     }
@@ -561,8 +562,8 @@ fn statement(code: &str, at: usize, name: &str, place: impl Fn(usize) -> String)
     }
 }
 
-/// A function with the line of its first call, if it is in `sources`: `` `VWInit` (maze.c:4)``.
-fn with_line(name: &str, sources: &[PathBuf]) -> String {
+/// The name of a function with the place of its first call in `sources`, if there is one: `` `VWInit` (maze.c:4)``.
+fn name_with_line(name: &str, sources: &[PathBuf]) -> String {
     let place = sources.iter().find_map(|source| {
         let bytes = read_regular(source).ok()?;
         let text = String::from_utf8_lossy(&bytes);
@@ -572,8 +573,8 @@ fn with_line(name: &str, sources: &[PathBuf]) -> String {
     format!("`{name}`{}", place.unwrap_or_default())
 }
 
-/// The only generation that has some of these constants, with those constants; `None` if both have some, or neither.
-fn of_constants(names: &BTreeSet<String>) -> Option<(Generation, Vec<String>)> {
+/// The only generation that has some of these constants, with those that it has; `None` if both generations have some, or neither has.
+fn generation_of_constants(names: &BTreeSet<String>) -> Option<(Generation, Vec<String>)> {
     let only = |generation: Generation| -> Vec<String> {
         let is_only = |name: &&String| generation.has_constant(name) && !generation.other().has_constant(name);
         names.iter().filter(is_only).cloned().collect()
@@ -591,7 +592,7 @@ struct Names {
     constants: BTreeSet<String>,
 }
 
-/// The names in `sources` and the headers beside them, of which those outside of `folders` are left out.
+/// The names in `sources` and in the program's headers that they include, except in files outside of `folders`.
 ///
 /// # Errors
 /// [`GenerationError::Include`].
@@ -604,7 +605,8 @@ fn names_in_files(sources: &[PathBuf], folders: Option<&[PathBuf]>) -> Result<Na
     };
     let mut waiting: Vec<PathBuf> = sources.to_vec();
     let mut seen = BTreeSet::new();
-    let (mut names, mut own) = (Names { calls: BTreeSet::new(), constants: BTreeSet::new() }, BTreeSet::new());
+    let (mut names, mut defined_names) =
+        (Names { calls: BTreeSet::new(), constants: BTreeSet::new() }, BTreeSet::new());
     while let Some(path) = waiting.pop() {
         if !seen.insert(path.clone()) || is_outside(&path) {
             continue;
@@ -613,7 +615,7 @@ fn names_in_files(sources: &[PathBuf], folders: Option<&[PathBuf]>) -> Result<Na
         let found = calls_of(&String::from_utf8_lossy(&bytes));
         names.calls.extend(found.called.into_keys());
         names.constants.extend(found.used);
-        own.extend(found.defined.into_iter().chain(found.own));
+        defined_names.extend(found.defined.into_iter().chain(found.other_definitions));
         let folder = path.parent().unwrap_or(Path::new(""));
         // A copy of RoBIOS's own header seems to call every function; the one for C++ belongs to RoBIOS-7.
         let (of_robios, includes): (Vec<_>, Vec<_>) =
@@ -623,15 +625,15 @@ fn names_in_files(sources: &[PathBuf], folders: Option<&[PathBuf]>) -> Result<Na
         }
         for path in includes.into_iter().map(|name| folder.join(name)).filter(|path| !is_outside(path)) {
             match path.metadata() {
-                Ok(metadata) if metadata.is_file() => waiting.extend(Some(path).filter(|path| !is_of_robios(path))),
+                Ok(metadata) if metadata.is_file() => waiting.extend(Some(path).filter(|path| !is_robios_header(path))),
                 Ok(metadata) if !metadata.is_dir() => return Err(GenerationError::Include(path)),
-                // Found in another folder, or reported by the compiler.
+                // The compiler finds it in another folder, or reports it.
                 _ => {}
             }
         }
     }
-    names.calls.retain(|name| !own.contains(name));
-    names.constants.retain(|name| !own.contains(name));
+    names.calls.retain(|name| !defined_names.contains(name));
+    names.constants.retain(|name| !defined_names.contains(name));
     Ok(names)
 }
 
@@ -644,14 +646,15 @@ fn file_name(path: &str) -> &str {
 
 /// Returns true if the file is a header of RoBIOS itself, of any year: it declares RoBIOS functions or defines many of the
 /// constants, and does not wrap another header.
-pub fn is_of_robios(path: &Path) -> bool {
-    const MANY: usize = 8;
+pub fn is_robios_header(path: &Path) -> bool {
+    const MIN_CONSTANTS: usize = 8;
     let Ok(bytes) = read_regular(path) else { return false };
     let found = calls_of(&String::from_utf8_lossy(&bytes));
-    let is_function = |name: &String| Generation::ALL.into_iter().any(|generation| generation.has(name));
+    let is_function = |name: &String| Generation::ALL.into_iter().any(|generation| generation.has_function(name));
     let is_constant = |name: &&String| Generation::ALL.into_iter().any(|generation| generation.has_constant(name));
     !found.is_wrapper
-        && (found.declared.iter().any(is_function) || found.own.iter().filter(is_constant).count() >= MANY)
+        && (found.declared.iter().any(is_function)
+            || found.other_definitions.iter().filter(is_constant).count() >= MIN_CONSTANTS)
 }
 
 #[cfg(test)]
@@ -659,7 +662,7 @@ mod tests {
     use super::*;
 
     /// The choice for a program of these files, as displayed.
-    fn choice(files: &[(&str, &str)], wanted: GenerationHint) -> Result<String, String> {
+    fn choice(files: &[(&str, &str)], hint: GenerationHint) -> Result<String, String> {
         let folder = tempfile::tempdir().expect("a temporary folder");
         files.iter().for_each(|(name, text)| std::fs::write(folder.path().join(name), text).expect("a file"));
         let sources: Vec<PathBuf> = files
@@ -667,29 +670,29 @@ mod tests {
             .map(|(name, _)| folder.path().join(name))
             .filter(|path| path.extension() != Some("h".as_ref()))
             .collect();
-        let choice = choose(&sources, wanted, None).map_err(|error| error.to_string())?;
+        let choice = choose(&sources, hint, None).map_err(|error| error.to_string())?;
         Ok(choice.to_string())
     }
 
-    fn of_text(text: &str) -> String {
+    fn choice_for(text: &str) -> String {
         choice(&[("maze.c", text)], GenerationHint::default()).expect("one generation")
     }
 
     const DIALECT_7: GenerationHint = GenerationHint { api: None, dialect: Some(Generation::Robios7) };
 
     #[test]
-    fn functions_of_one_generation_tell_it() {
-        assert_eq!(of_text("int main() { VWStraight(500, 200); VWWait(); }"), "RoBIOS-7 (VWStraight, VWWait)");
-        assert_eq!(of_text("void f() { vw = VWInit(VW_DRIVE, 1); LCDClear(); }"), "RoBIOS 6 (VWInit)");
+    fn functions_of_one_generation_determine_it() {
+        assert_eq!(choice_for("int main() { VWStraight(500, 200); VWWait(); }"), "RoBIOS-7 (VWStraight, VWWait)");
+        assert_eq!(choice_for("void f() { vw = VWInit(VW_DRIVE, 1); LCDClear(); }"), "RoBIOS 6 (VWInit)");
         assert_eq!(
-            of_text("f(){ VWDone(); VWTurn(1,2); VWWait(); VWCurve(1,2,3); }"),
+            choice_for("f(){ VWDone(); VWTurn(1,2); VWWait(); VWCurve(1,2,3); }"),
             "RoBIOS-7 (VWCurve, VWDone, VWTurn, ...)"
         );
-        assert_eq!(of_text("f(){ SIMGetPose(&x, &y, &p); }"), "RoBIOS-7 (SIMGetPose)");
+        assert_eq!(choice_for("f(){ SIMGetPose(&x, &y, &p); }"), "RoBIOS-7 (SIMGetPose)");
     }
 
     #[test]
-    fn files_outside_of_the_folders_are_not_looked_at() {
+    fn files_outside_of_the_folders_are_not_scanned() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let folder = folder.path().canonicalize().expect("its path");
         std::fs::create_dir(folder.join("own")).expect("a folder");
@@ -702,27 +705,27 @@ mod tests {
         );
         std::fs::write(folder.join("own/a.c"), text).expect("a file");
         let sources = ["own/a.c", "own/source.c"].map(|name| folder.join(name));
-        let why = |folders| choose(&sources, GenerationHint::default(), folders).expect("one generation").why;
-        assert_eq!(why(None), ChoiceReason::Calls(vec!["VWStraight".to_owned()]));
-        let own = [folder.join("own")];
-        assert_eq!(why(Some(&own)), ChoiceReason::None);
-        let all = [folder.clone()];
-        assert_eq!(why(Some(&all)), why(None));
+        let reason_in = |folders| choose(&sources, GenerationHint::default(), folders).expect("one generation").reason;
+        assert_eq!(reason_in(None), ChoiceReason::Calls(vec!["VWStraight".to_owned()]));
+        let own_folder = [folder.join("own")];
+        assert_eq!(reason_in(Some(&own_folder)), ChoiceReason::NoCalls);
+        let whole_folder = [folder.clone()];
+        assert_eq!(reason_in(Some(&whole_folder)), reason_in(None));
     }
 
     #[test]
-    fn constants_tell_it_where_functions_do_not() {
+    fn constants_decide_if_functions_do_not() {
         let text = "int main() { BYTE img[QQVGA_SIZE]; CAMInit(QQVGA); LCDClear(); }";
-        assert_eq!(of_text(text), "RoBIOS-7 (QQVGA, QQVGA_SIZE)");
-        assert_eq!(of_text("int main() { image img; int i = imagerows; LCDClear(); }"), "RoBIOS 6 (imagerows)");
-        let own = "enum { RED, QVGA };\n#define VGA 3\nint main() { int i = QVGA + VGA + RED; LCDClear(); }";
-        assert!(of_text(own).starts_with("RoBIOS 6; its calls are in RoBIOS-7 as well"));
-        assert_eq!(of_text("int main() { VWInit(VW_DRIVE, 1); CAMInit(QVGA); }"), "RoBIOS 6 (VWInit)");
-        assert!(of_text("#include \"eyebot++.h\"\nint main() { LCDClear(); }").starts_with("RoBIOS-7"));
+        assert_eq!(choice_for(text), "RoBIOS-7 (QQVGA, QQVGA_SIZE)");
+        assert_eq!(choice_for("int main() { image img; int i = imagerows; LCDClear(); }"), "RoBIOS 6 (imagerows)");
+        let definitions = "enum { RED, QVGA };\n#define VGA 3\nint main() { int i = QVGA + VGA + RED; LCDClear(); }";
+        assert!(choice_for(definitions).starts_with("RoBIOS 6; its calls are in RoBIOS-7 as well"));
+        assert_eq!(choice_for("int main() { VWInit(VW_DRIVE, 1); CAMInit(QVGA); }"), "RoBIOS 6 (VWInit)");
+        assert!(choice_for("#include \"eyebot++.h\"\nint main() { LCDClear(); }").starts_with("RoBIOS-7"));
     }
 
     #[test]
-    fn what_is_called_goes_before_the_dialect_and_api_before_all() {
+    fn calls_precede_the_dialect_and_api_precedes_both() {
         let six = [("maze.c", "f() { VWInit(1, 1); }")];
         assert_eq!(choice(&six, DIALECT_7).expect("6"), "RoBIOS 6 (VWInit)");
         let api = GenerationHint { api: Some(Generation::Robios7), dialect: Some(Generation::Robios6) };
@@ -732,8 +735,8 @@ mod tests {
             choice(&both, DIALECT_7).expect("7"),
             "RoBIOS-7, as the sim file is; its calls are in RoBIOS 6 as well"
         );
-        let told = choice(&both, GenerationHint::default()).expect("6");
-        assert_eq!(told, "RoBIOS 6; its calls are in RoBIOS-7 as well, which `--api 7` chooses");
+        let displayed = choice(&both, GenerationHint::default()).expect("6");
+        assert_eq!(displayed, "RoBIOS 6; its calls are in RoBIOS-7 as well, which `--api 7` chooses");
         assert_eq!(choice(&[("a.c", "int main(void) { return 0; }")], DIALECT_7).expect("7"), "RoBIOS-7");
     }
 
@@ -778,7 +781,7 @@ mod tests {
             ),
             "to write it for RoBIOS 6, in lines 3, 5 and 6 write `VWDriveWait(drive)` for `VWWait`"
         );
-        assert_eq!(advice("f() {\n  BUMPCheck(1);\n  LCDPixel(1, 2);\n}"), ONE_OF_THEM);
+        assert_eq!(advice("f() {\n  BUMPCheck(1);\n  LCDPixel(1, 2);\n}"), GENERAL_ADVICE);
         assert_eq!(
             advice(
                 "VWHandle vw;\nvoid f() {\n  BUMPCheck(1); vw = VWInit(1, 2);\n}\nvoid g() {\n  VWTurn(1, 2);\n  VWWait();\n}"
@@ -792,7 +795,7 @@ mod tests {
             "void f() {\n  BUMPCheck(1); robot.vw = VWInit(1, 2);\n  VWTurn(1, 2);\n}",
             "void f() {\n  BUMPCheck(1);\n  ENCODERRead(1);\n}",
         ] {
-            assert_eq!(advice(without_handle), ONE_OF_THEM, "{without_handle}");
+            assert_eq!(advice(without_handle), GENERAL_ADVICE, "{without_handle}");
         }
         assert_eq!(
             advice("void f() {\n  VWHandle vw = VWInit(1, 1);\n  VWSetSpeed(vw, 100, 0);\n  VWWait();\n}"),
@@ -803,7 +806,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_statement_on_its_own_line_is_not_deleted() {
+    fn only_statements_on_their_own_lines_are_deleted() {
         for line in [
             "if (KEYRead() == KEY1)\n VWStopControl(0);",
             "for (i = 0; i < 3; i++)\n psd[i] = PSDInit(i);",
@@ -821,25 +824,25 @@ mod tests {
             "x = 1;\n int ok = PSDStart(1, 1);",
             "x = 1;\n VWHandle vw = VWInit(1, 1);\n VWGetPosition(vw, &pos);",
         ] {
-            // LCDPixel has nothing like it in RoBIOS 6.
+            // LCDPixel has no replacement in RoBIOS 6.
             let advice = advice_for(&format!("f()\n{{\n {line}\n LCDPixel(1, 2, 3);\n}}"));
-            assert!(advice.starts_with(ONE_OF_THEM), "{line}: {advice}");
+            assert!(advice.starts_with(GENERAL_ADVICE), "{line}: {advice}");
         }
     }
 
     #[test]
-    fn methods_of_the_program_and_many_changes_get_no_advice_in_detail() {
+    fn methods_and_many_changes_get_general_advice() {
         let class = "class Robot {\n int VWStraight(int mm) { return VWDriveStraight(vw, mm, 1); }\n};";
-        let of_6 = of_text(&format!("{class}\nf() {{ BUMPCheck(1); robot.VWStraight(3); }}"));
+        let of_6 = choice_for(&format!("{class}\nf() {{ BUMPCheck(1); robot.VWStraight(3); }}"));
         assert_eq!(of_6, "RoBIOS 6 (BUMPCheck, VWDriveStraight)");
         let five = "VWStraight(1, 2); VWTurn(1, 2); VWCurve(1, 2, 3); VWWait(); VWDone();";
-        assert_eq!(advice_for(&format!("f() {{ BUMPCheck(1); {five} }}")), ONE_OF_THEM);
+        assert_eq!(advice_for(&format!("f() {{ BUMPCheck(1); {five} }}")), GENERAL_ADVICE);
     }
 
     #[test]
-    fn own_functions_and_own_headers_count_as_what_they_are() {
-        let own = "int VWWait(int ms)\n{\n return ms; }\nint main() { VWInit(1, 1); VWWait(3); }";
-        assert_eq!(of_text(own), "RoBIOS 6 (VWInit)");
+    fn functions_and_headers_of_the_program_are_recognised() {
+        let definition = "int VWWait(int ms)\n{\n return ms; }\nint main() { VWInit(1, 1); VWWait(3); }";
+        assert_eq!(choice_for(definition), "RoBIOS 6 (VWInit)");
         let header = [
             ("maze.c", "#include \"eyebot.h\"\n#include \"go.h\"\nint main() { GO(3); }"),
             ("go.h", "#include \"maze.c\"\n#define GO(x) VWStraight(x, 100)\n"),
@@ -849,34 +852,39 @@ mod tests {
     }
 
     #[test]
-    fn every_function_that_only_one_generation_has_is_known_to_it() {
+    fn every_generation_has_its_functions() {
         for generation in Generation::ALL {
-            assert!(generation.functions().iter().all(|name| generation.has(name)));
+            assert!(generation.functions().iter().all(|name| generation.has_function(name)));
             assert_eq!(Generation::of_number(generation.number()), Some(generation));
         }
-        assert!(Generation::Robios6.has("VWInit") && !Generation::Robios7.has("VWInit"));
-        assert!(Generation::Robios7.has("VWStraight") && !Generation::Robios6.has("VWStraight"));
+        assert!(Generation::Robios6.has_function("VWInit") && !Generation::Robios7.has_function("VWInit"));
+        assert!(Generation::Robios7.has_function("VWStraight") && !Generation::Robios6.has_function("VWStraight"));
     }
 
     #[test]
-    fn the_variants_are_those_of_the_header() {
+    fn variants_are_those_of_the_header() {
         let header = robios_sys::c::HEADERS7.iter().find(|file| file.name == "variants.h").expect("a header").text;
         let calls = calls_of(header);
-        let names: BTreeSet<String> =
-            calls.called.into_keys().chain(calls.declared).chain(calls.defined).chain(calls.own).collect();
+        let names: BTreeSet<String> = calls
+            .called
+            .into_keys()
+            .chain(calls.declared)
+            .chain(calls.defined)
+            .chain(calls.other_definitions)
+            .collect();
         let is_function =
             |name: &&String| name.chars().take(2).all(char::is_uppercase) && name.contains(char::is_lowercase);
         let missing: Vec<_> = names
             .iter()
             .filter(is_function)
-            .filter(|name| !Generation::Robios7.has(name) && !is_own_name(name))
+            .filter(|name| !Generation::Robios7.has_function(name) && !is_internal_name(name))
             .collect();
         assert!(missing.is_empty(), "{missing:?}");
         assert!(VARIANTS_OF_7.iter().all(|name| names.contains(*name)));
     }
 
     /// Names that occur only in the header itself.
-    fn is_own_name(name: &str) -> bool {
+    fn is_internal_name(name: &str) -> bool {
         name.to_lowercase().starts_with("eyesim_") || name == "fct"
     }
 }

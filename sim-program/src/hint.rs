@@ -1,5 +1,5 @@
-//! Hints on programs that do not compile or link: headers of other systems, misspelled functions, functions of the other generation,
-//! missing `extern "C"` between C and C++.
+//! Gives hints on programs that do not compile or link: headers of other systems, misspelled functions, functions of the other
+//! generation, missing `extern "C"` between C and C++.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,8 +11,8 @@ use super::generation::Generation;
 use super::language::Language;
 use super::plain::in_plain_words;
 
-/// Headers of other systems and of terminals, and what programs of a robot use instead.
-const ABSENT: &[(&[&str], &str)] = &[
+/// Headers of other systems and of terminals, with their replacements in robot programs.
+const ABSENT_HEADERS: &[(&[&str], &str)] = &[
     (
         &["conio.h", "curses.h", "ncurses.h", "ncurses/ncurses.h"],
         "a robot has no terminal: `KEYRead` and `KEYGet` read its keys, `getchar` reads the text of `--stdin`, `LCDPrintf` writes to its \
@@ -25,38 +25,38 @@ const ABSENT: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// Functions of curses that almost every program of it calls.
-const OF_CURSES: [&str; 4] = ["initscr", "endwin", "wgetch", "stdscr"];
+/// Symbols of the library curses, of which almost every program for it uses one.
+const CURSES_FUNCTIONS: [&str; 4] = ["initscr", "endwin", "wgetch", "stdscr"];
 
-/// Functions of other systems, and what programs of a robot call instead.
-const FOREIGN: &[(&[&str], &str)] = &[
+/// Functions of other systems, with their replacements in robot programs.
+const FOREIGN_FUNCTIONS: &[(&[&str], &str)] = &[
     (&["Sleep"], "is a function of Windows: `OSWait(ms)` waits"),
     (&["delay"], "is a function of Arduino: `OSWait(ms)` waits"),
     (&["GetTickCount"], "is a function of Windows: `OSGetCount` tells the time in ms"),
 ];
 
-/// Hints on the compiler's message `output` about `source`, a line each: headers that are missing, text in another encoding. Empty
-/// for other messages.
-pub fn of_compile(output: &str, source: &Path, generation: Generation) -> String {
+/// Hints on the compiler's message `output` about `source`, one per line: missing headers, another encoding, typographic quotes; otherwise
+/// the message in plain words, or an empty text.
+pub fn compile_hints(output: &str, source: &Path, generation: Generation) -> String {
     let text = fs::read(source).unwrap_or_default();
     let name = source.file_name().unwrap_or_default().display().to_string();
     if text.starts_with(b"\xFF\xFE") || text.starts_with(b"\xFE\xFF") {
         return format!("{name} is UTF-16: save it as UTF-8\n");
     }
-    let header = output.lines().find_map(missing_header).and_then(|missing| of_missing(missing, source));
+    let header = output.lines().find_map(missing_header).and_then(|missing| missing_header_hint(missing, source));
     let text = String::from_utf8_lossy(&text);
-    let hints = [header, of_undeclared(output, &text, generation), of_quotes(output, &text)];
+    let hints = [header, undeclared_hint(output, &text, generation), quote_hint(output, &text)];
     let hints: String = hints.into_iter().flatten().map(|hint| format!("{name}{hint}\n")).collect();
     if hints.is_empty() { in_plain_words(output, (&name, &text)) } else { hints }
 }
 
-/// Hint on the header `missing` that `source` includes, beginning after the source's name.
-fn of_missing(missing: &str, source: &Path) -> Option<String> {
+/// Hint on the missing header `missing` that `source` includes, as the text after the source's name.
+fn missing_header_hint(missing: &str, source: &Path) -> Option<String> {
     let name = missing.rsplit(['/', '\\']).next().unwrap_or(missing);
-    if let Some((_, instead)) = ABSENT.iter().find(|(headers, _)| headers.contains(&missing)) {
+    if let Some((_, instead)) = ABSENT_HEADERS.iter().find(|(headers, _)| headers.contains(&missing)) {
         Some(format!(": `{missing}`: {instead}"))
-    } else if let Some(own) = own_header(name) {
-        Some(format!(": there is no `{missing}`: write `#include \"{own}\"`"))
+    } else if let Some(similar) = similar_header(name) {
+        Some(format!(": there is no `{missing}`: write `#include \"{similar}\"`"))
     } else if Language::of(source) == Some(Language::C) && !missing.contains(['.', '/']) {
         // Headers of the C++ library have no extension.
         let cpp = source.with_extension("cpp");
@@ -67,23 +67,23 @@ fn of_missing(missing: &str, source: &Path) -> Option<String> {
     }
 }
 
-/// Hint on functions of RoBIOS that the compiler does not know, as the program's `text` does not include their header.
-fn of_undeclared(output: &str, text: &str, generation: Generation) -> Option<String> {
+/// Hint on functions of RoBIOS that are undeclared because the program's `text` does not include their header.
+fn undeclared_hint(output: &str, text: &str, generation: Generation) -> Option<String> {
     let is_unknown = |line: &&str| {
         line.contains("error: ")
-            && ["not declared in this scope", "undeclared identifier"].iter().any(|it| line.contains(it))
+            && ["not declared in this scope", "undeclared identifier"].iter().any(|phrase| line.contains(phrase))
     };
     let mut names = output.lines().filter(is_unknown).filter_map(|line| line.split(['\'', '`']).nth(1));
     let is_included = text.lines().any(|line| line.trim_start().starts_with('#') && line.contains("eyebot"));
-    (!is_included && names.any(|name| generation.has(name)))
+    (!is_included && names.any(|name| generation.has_function(name)))
         .then(|| format!(": {MISSING_HEADER}: write it as the first line"))
 }
 
-/// Message about a program that does not include the header of RoBIOS, without its end.
+/// Beginning of the message about a program that does not include the header of RoBIOS.
 pub const MISSING_HEADER: &str = "`#include \"eyebot.h\"` is missing";
 
-/// Hint on typographic quotes at which the compiler stumbles, with their line.
-fn of_quotes(output: &str, text: &str) -> Option<String> {
+/// Hint on typographic quotes that the compiler reports, with their line.
+fn quote_hint(output: &str, text: &str) -> Option<String> {
     const QUOTES: [char; 6] = ['\u{201C}', '\u{201D}', '\u{201E}', '\u{2018}', '\u{2019}', '\u{201A}'];
     let is_stray = |line: &str| {
         line.contains("error: stray ")
@@ -97,39 +97,39 @@ fn of_quotes(output: &str, text: &str) -> Option<String> {
     Some(format!(":{}: `{quote}` is a typographic quote: write `{plain}`", index + 1))
 }
 
-/// The header of ours whose name is `name` but for capitals and two letters.
-fn own_header(name: &str) -> Option<&'static str> {
-    let distance = |own: &&str| strsim::osa_distance(own, &name.to_lowercase());
+/// The header of eyesim with a name similar to `name`: capitals are ignored, and a quarter of the letters may differ.
+fn similar_header(name: &str) -> Option<&'static str> {
+    let distance = |header: &&str| strsim::osa_distance(header, &name.to_lowercase());
     let nearest = ["eyebot.h", "eyebot++.h", "types.h"].into_iter().min_by_key(distance)?;
     (distance(&nearest) <= name.len() / 4 || name.eq_ignore_ascii_case("eyebot")).then_some(nearest)
 }
 
-/// The header that the compiler does not find, as the program names it (gcc and clang, `LC_ALL=C`).
+/// The header that the compiler does not find, as written in the program (gcc and clang, `LC_ALL=C`).
 fn missing_header(line: &str) -> Option<&str> {
     let (_, rest) = line.split_once("fatal error: ")?;
     let missing = rest.strip_suffix(": No such file or directory").or_else(|| rest.strip_suffix(" file not found"))?;
     Some(missing.trim_matches('\''))
 }
 
-/// Hints on the linker's message `output`, a line each; `objects` are the sources with their object files.
-pub fn of_link(output: &str, objects: &[(&Path, PathBuf)], generation: Generation) -> String {
+/// Hints on the linker's message `output`, one per line; `objects` are the sources with their object files.
+pub fn link_hints(output: &str, objects: &[(&Path, PathBuf)], generation: Generation) -> String {
     let symbols = symbols_of(objects);
     let linkage = linkage_hints(&symbols);
     let mut undefined = undefined_symbols(output);
-    undefined.retain(|it| !linkage.contains_key(&it.name));
-    let own: Vec<&str> =
+    undefined.retain(|symbol| !linkage.contains_key(&symbol.name));
+    let defined: Vec<&str> =
         symbols.iter().flat_map(|file| &file.defined).map(|name| function_of_mangled(name).unwrap_or(name)).collect();
-    let mut hints = undefined_hint(&undefined, &own, generation);
-    if undefined.iter().any(|it| it.name == "main") {
-        line(&mut hints, &of_missing_main(&symbols, objects));
+    let mut hints = undefined_hint(&undefined, &defined, generation);
+    if undefined.iter().any(|symbol| symbol.name == "main") {
+        push_line(&mut hints, &missing_main_hint(&symbols, objects));
     }
-    if undefined.iter().any(|it| OF_CURSES.contains(&it.name.as_str())) {
-        line(&mut hints, &format!("`curses.h`: {}", ABSENT[0].1));
+    if undefined.iter().any(|symbol| CURSES_FUNCTIONS.contains(&symbol.name.as_str())) {
+        push_line(&mut hints, &format!("`curses.h`: {}", ABSENT_HEADERS[0].1));
     }
-    linkage.values().for_each(|hint| line(&mut hints, hint));
+    linkage.values().for_each(|hint| push_line(&mut hints, hint));
     if DOUBLE_MAIN.iter().any(|phrase| output.contains(phrase)) {
         let example = objects.first().and_then(|(source, _)| source.file_name()).unwrap_or_default();
-        line(
+        push_line(
             &mut hints,
             &format!(
                 "these files are several programs, each with a `main`: name one of them (`{}`) and not their folder",
@@ -142,8 +142,8 @@ pub fn of_link(output: &str, objects: &[(&Path, PathBuf)], generation: Generatio
 
 const DOUBLE_MAIN: [&str; 2] = ["multiple definition of `main'", "duplicate symbol: main"];
 
-/// Returns true if the linker's message `output` (GNU ld) says nothing besides undefined symbols and a second `main`, for which
-/// [`of_link`] has hints.
+/// Returns true if the linker's message `output` (GNU ld) is only about undefined symbols and a second `main`, for which [`link_hints`]
+/// has hints.
 pub fn is_explained(output: &str) -> bool {
     const KNOWN: [&str; 6] = [
         "undefined reference",
@@ -157,7 +157,7 @@ pub fn is_explained(output: &str) -> bool {
 }
 
 /// Hint on a program without `main`.
-fn of_missing_main(files: &[Symbols], objects: &[(&Path, PathBuf)]) -> String {
+fn missing_main_hint(files: &[Symbols], objects: &[(&Path, PathBuf)]) -> String {
     let is_blank = |(source, _): &&(&Path, PathBuf)| fs::read(source).is_ok_and(|text| text.trim_ascii().is_empty());
     let names = |(source, _): &(&Path, PathBuf)| source.file_name().unwrap_or_default().display().to_string();
     if let [source] = objects
@@ -183,7 +183,7 @@ fn of_missing_main(files: &[Symbols], objects: &[(&Path, PathBuf)]) -> String {
     }
 }
 
-/// Names in back-quotes with commas between them.
+/// The names in back-quotes, separated by commas.
 pub fn quoted(names: &[impl AsRef<str>]) -> String {
     names.iter().map(|name| format!("`{}`", name.as_ref())).collect::<Vec<_>>().join(", ")
 }
@@ -205,7 +205,7 @@ pub fn undeclared_functions(output: &str) -> Vec<String> {
     names
 }
 
-/// Names of constants and types, in capitals, that the compiler does not know, each once (gcc and clang, `LC_ALL=C`).
+/// Undeclared names of constants and types, in capitals, according to the compiler, each once (gcc and clang, `LC_ALL=C`).
 pub fn undeclared_constants(output: &str) -> Vec<String> {
     let is_constant = |name: &&str| name.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit() || b == b'_');
     let mut names: Vec<String> = Vec::new();
@@ -239,7 +239,7 @@ pub fn is_collision(output: &str) -> bool {
     phrases.iter().any(|phrase| output.contains(phrase))
 }
 
-fn line(text: &mut String, hint: &str) {
+fn push_line(text: &mut String, hint: &str) {
     text.push_str(hint);
     text.push('\n');
 }
@@ -248,54 +248,56 @@ fn line(text: &mut String, hint: &str) {
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Undefined {
     name: String,
-    /// File and line of the first use, if the linker tells them.
+    /// File and line of the first use, if the linker reports them.
     place: Option<String>,
 }
 
-/// Hints on symbols that are not defined, `main` left out: a line for each, and one for all of the other generation. `own` are the functions
-/// that the program defines.
-fn undefined_hint(undefined: &[Undefined], own: &[&str], generation: Generation) -> String {
+/// Hints on undefined symbols except `main`: a line for each, and a single line for all of the other generation. `defined` are the
+/// functions of the program.
+fn undefined_hint(undefined: &[Undefined], defined: &[&str], generation: Generation) -> String {
     let other = generation.other();
-    let (of_other, rest): (Vec<&Undefined>, Vec<&Undefined>) =
-        undefined.iter().partition(|it| other.has(&it.name) && !generation.has(&it.name));
+    let (other_symbols, rest): (Vec<&Undefined>, Vec<&Undefined>) =
+        undefined.iter().partition(|symbol| other.has_function(&symbol.name) && !generation.has_function(&symbol.name));
     let mut hints = String::new();
-    if !of_other.is_empty() {
-        let (name, own, number) = (other.name(), generation.name(), other.number());
-        let functions = quoted(&of_other.iter().map(|it| &it.name).collect::<Vec<_>>());
-        line(
+    if !other_symbols.is_empty() {
+        let (name, built_for, number) = (other.name(), generation.name(), other.number());
+        let functions = quoted(&other_symbols.iter().map(|symbol| &symbol.name).collect::<Vec<_>>());
+        push_line(
             &mut hints,
-            &format!("{name} has {functions}; this program is built for {own} (`--api {number}` changes that)"),
+            &format!("{name} has {functions}; this program is built for {built_for} (`--api {number}` changes that)"),
         );
     }
-    for Undefined { name, place } in rest.into_iter().filter(|it| it.name != "main") {
+    for Undefined { name, place } in rest.into_iter().filter(|symbol| symbol.name != "main") {
         let place = place.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();
-        let foreign = FOREIGN.iter().find(|(names, _)| names.contains(&name.as_str()));
-        let what = if generation.has(name) {
+        let foreign = FOREIGN_FUNCTIONS.iter().find(|(names, _)| names.contains(&name.as_str()));
+        let explanation = if generation.has_function(name) {
             format!("is a function of {}, and is declared otherwise: include `eyebot.h`", generation.name())
-        } else if let Some(near) = nearest(own.iter().copied(), name).or_else(|| near_function(name, generation)) {
-            format!("is not defined; did you mean `{near}`?")
-        } else if let Some((_, what)) = foreign {
-            (*what).to_owned()
+        } else if let Some(similar) =
+            nearest(defined.iter().copied(), name).or_else(|| similar_function(name, generation))
+        {
+            format!("is not defined; did you mean `{similar}`?")
+        } else if let Some((_, explanation)) = foreign {
+            (*explanation).to_owned()
         } else {
             "is used and nowhere defined: write it; a program of several files is named with all of them \
              (`main.c,map.c`) or by its folder"
                 .to_owned()
         };
-        line(&mut hints, &format!("{place}`{name}` {what}"));
+        push_line(&mut hints, &format!("{place}`{name}` {explanation}"));
     }
     hints
 }
 
 /// Functions of the C library that beginners use.
-const OF_C: [&str; 14] = [
+const C_FUNCTIONS: [&str; 14] = [
     "printf", "scanf", "puts", "getchar", "malloc", "free", "strlen", "strcmp", "strcpy", "atoi", "abs", "rand",
     "sqrt", "exit",
 ];
 
-/// The function of RoBIOS, first of `generation`, or of C whose name is most similar to `name`, within an edit distance of a quarter of
-/// its length.
-fn near_function(name: &str, generation: Generation) -> Option<&'static str> {
-    nearest(generation.functions().into_iter().chain(generation.other().functions()).chain(OF_C), name)
+/// The function whose name is most similar to `name`, within an edit distance of a quarter of its length. At equal distance, functions of
+/// `generation` precede those of the other generation, and these precede those of C.
+fn similar_function(name: &str, generation: Generation) -> Option<&'static str> {
+    nearest(generation.functions().into_iter().chain(generation.other().functions()).chain(C_FUNCTIONS), name)
 }
 
 fn nearest<'a>(functions: impl Iterator<Item = &'a str>, name: &str) -> Option<&'a str> {
@@ -304,25 +306,25 @@ fn nearest<'a>(functions: impl Iterator<Item = &'a str>, name: &str) -> Option<&
     (distance(&nearest) <= name.len() / 4).then_some(nearest)
 }
 
-/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters. GNU ld tells
-/// their places.
+/// Functions that GNU ld, gold, lld or mold report as undefined, each once; C++ functions without their parameters. Only
+/// GNU ld reports their places.
 fn undefined_symbols(output: &str) -> Vec<Undefined> {
     let mut found: Vec<Undefined> = Vec::new();
     for line in output.lines() {
         let parts = ["undefined reference to ", "undefined symbol: "].iter().find_map(|phrase| line.split_once(phrase));
-        let Some((before, name)) = parts else { continue };
+        let Some((prefix, name)) = parts else { continue };
         let name = name.trim_matches(['`', '\'', ' ']);
         let name = name.split('(').next().unwrap_or(name);
         if !found.iter().any(|known| known.name == name) {
-            found.push(Undefined { name: name.to_owned(), place: place_of(before) });
+            found.push(Undefined { name: name.to_owned(), place: place_of(prefix) });
         }
     }
     found
 }
 
-/// `maze.c:3` from `/p/maze.c:3: ` or `/p/maze.c:3:(.text+0x1f): `.
-fn place_of(before: &str) -> Option<String> {
-    let (path, rest) = before.rsplit_once('/').map_or(("", before), |(folder, rest)| (folder, rest));
+/// Parses the place before a linker's message: `maze.c:3` from `/p/maze.c:3: ` or `/p/maze.c:3:(.text+0x1f): `.
+fn place_of(prefix: &str) -> Option<String> {
+    let (path, rest) = prefix.rsplit_once('/').map_or(("", prefix), |(folder, rest)| (folder, rest));
     let (file, rest) = rest.split_once(':')?;
     let number = rest.split(':').next()?.trim();
     let is_place = !path.contains(": ") && !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
@@ -358,16 +360,16 @@ fn symbols_of(objects: &[(&Path, PathBuf)]) -> Vec<Symbols> {
         .collect()
 }
 
-/// Advice for each function that one file defines in C and another file uses in C++, or the reverse.
+/// Hints on functions that one file defines in C and another file uses in C++, or vice versa, by their names.
 fn linkage_hints(files: &[Symbols]) -> BTreeMap<String, String> {
     let mut hints = BTreeMap::new();
     for user in files {
         for name in &user.undefined {
-            let (function, as_what) = match function_of_mangled(name) {
+            let (function, used_as) = match function_of_mangled(name) {
                 Some(function) => (function, "C++"),
                 None => (name.as_str(), "C"),
             };
-            let defines = |file: &&Symbols| match as_what {
+            let defines = |file: &&Symbols| match used_as {
                 "C++" => file.defined.iter().any(|defined| defined == function),
                 _ => file.defined.iter().any(|defined| function_of_mangled(defined) == Some(function)),
             };
@@ -375,9 +377,9 @@ fn linkage_hints(files: &[Symbols]) -> BTreeMap<String, String> {
                 continue;
             }
             let Some(definer) = files.iter().find(defines) else { continue };
-            let own = if as_what == "C" { "C++" } else { "C" };
+            let defined_as = if used_as == "C" { "C++" } else { "C" };
             let hint = format!(
-                "`{function}` is defined in {} as {own} and used from {} as {as_what}: declare it `extern \"C\"` for C++",
+                "`{function}` is defined in {} as {defined_as} and used from {} as {used_as}: declare it `extern \"C\"` for C++",
                 definer.file, user.file
             );
             hints.insert(function.to_owned(), hint);
@@ -398,57 +400,57 @@ fn function_of_mangled(symbol: &str) -> Option<&str> {
 mod tests {
     use super::*;
 
-    fn of_source(output: &str, name: &str, text: &[u8]) -> String {
+    fn source_hints(output: &str, name: &str, text: &[u8]) -> String {
         let folder = tempfile::tempdir().expect("a folder");
         let source = folder.path().join(name);
         fs::write(&source, text).expect("a source");
-        of_compile(output, &source, Generation::Robios7)
+        compile_hints(output, &source, Generation::Robios7)
     }
 
     #[test]
-    fn headers_of_other_systems_name_what_to_use_instead() {
-        let gcc = of_source("a.c:2:10: fatal error: conio.h: No such file or directory\n", "a.c", b"");
+    fn headers_of_other_systems_have_replacements() {
+        let gcc = source_hints("a.c:2:10: fatal error: conio.h: No such file or directory\n", "a.c", b"");
         assert!(gcc.starts_with("a.c: `conio.h`: a robot has no terminal: `KEYRead`"), "{gcc}");
-        let clang = of_source("a.c:1:10: fatal error: 'windows.h' file not found\n", "a.c", b"");
+        let clang = source_hints("a.c:1:10: fatal error: 'windows.h' file not found\n", "a.c", b"");
         assert!(clang.starts_with("a.c: `windows.h`: it belongs to Windows: `OSWait(ms)`"), "{clang}");
         for missing in ["../include/EyeBot.h", "eyebott.h", "eyebot"] {
             let output = format!("a.c:1:10: fatal error: {missing}: No such file or directory\n");
             let expected = format!("a.c: there is no `{missing}`: write `#include \"eyebot.h\"`\n");
-            assert_eq!(of_source(&output, "a.c", b""), expected);
+            assert_eq!(source_hints(&output, "a.c", b""), expected);
         }
-        assert_eq!(of_source("a.c:1:10: fatal error: map.h: No such file or directory\n", "a.c", b""), "");
-        let unlinked = of_link("undefined reference to `initscr'", &[], Generation::Robios7);
+        assert_eq!(source_hints("a.c:1:10: fatal error: map.h: No such file or directory\n", "a.c", b""), "");
+        let unlinked = link_hints("undefined reference to `initscr'", &[], Generation::Robios7);
         assert!(unlinked.contains("`curses.h`: a robot has no terminal"), "{unlinked}");
     }
 
     #[test]
-    fn cpp_in_a_file_of_c_is_told() {
+    fn cpp_in_a_c_file_is_reported() {
         let output = "a.c:1:10: fatal error: iostream: No such file or directory\n";
         let hint = "a.c includes `iostream`, so this is C++: name the file `a.cpp`, and in the scene too\n";
-        assert_eq!(of_source(output, "a.c", b""), hint);
-        assert_eq!(of_source(output, "a.cpp", b""), "");
+        assert_eq!(source_hints(output, "a.c", b""), hint);
+        assert_eq!(source_hints(output, "a.cpp", b""), "");
     }
 
     #[test]
-    fn a_missing_include_is_told_in_one_line() {
+    fn missing_include_is_reported_in_one_line() {
         let output = "a.cpp:3:3: error: 'VWStraight' was not declared in this scope\n";
         let hint = "a.cpp: `#include \"eyebot.h\"` is missing: write it as the first line\n";
-        assert_eq!(of_source(output, "a.cpp", b"int main() {}"), hint);
-        assert!(!of_source(output, "a.cpp", b"# include \"eyebot.h\"\n").contains("eyebot.h"));
+        assert_eq!(source_hints(output, "a.cpp", b"int main() {}"), hint);
+        assert!(!source_hints(output, "a.cpp", b"# include \"eyebot.h\"\n").contains("eyebot.h"));
         let other = "a.cpp:3:3: error: 'Plan' was not declared in this scope\n";
-        assert!(!of_source(other, "a.cpp", b"").contains("eyebot.h"));
+        assert!(!source_hints(other, "a.cpp", b"").contains("eyebot.h"));
     }
 
     #[test]
-    fn other_encodings_and_typographic_quotes_are_told() {
+    fn other_encodings_and_typographic_quotes_are_reported() {
         assert_eq!(
-            of_source("error: stray '\\377' in program", "a.c", b"\xFF\xFEi\0"),
+            source_hints("error: stray '\\377' in program", "a.c", b"\xFF\xFEi\0"),
             "a.c is UTF-16: save it as UTF-8\n"
         );
         let text = "int i;\nf(\u{201C}a\u{201D});\n".as_bytes();
         let hint = "a.c:2: `\u{201C}` is a typographic quote: write `\"`\n";
-        assert_eq!(of_source("a.c:2:3: error: stray '\\342' in program", "a.c", text), hint);
-        assert!(!of_source("a.c:1:3: error: expected ';'", "a.c", text).contains("quote"));
+        assert_eq!(source_hints("a.c:2:3: error: stray '\\342' in program", "a.c", text), hint);
+        assert!(!source_hints("a.c:1:3: error: expected ';'", "a.c", text).contains("quote"));
     }
 
     fn undefined(name: &str, place: Option<&str>) -> Undefined {
@@ -456,7 +458,7 @@ mod tests {
     }
 
     #[test]
-    fn undefined_symbols_are_read_from_each_linker() {
+    fn undefined_symbols_of_each_linker_are_parsed() {
         let gnu = "ld: 0.o: in function `main':\n/p/maze.c:3: undefined reference to `Plan'\n/p/maze.c:4: undefined reference to `Plan'";
         let lld = "ld.lld: error: undefined symbol: Plan\n>>> referenced by maze.c:3";
         assert_eq!(undefined_symbols(gnu), [undefined("Plan", Some("maze.c:3"))]);
@@ -471,10 +473,10 @@ mod tests {
     }
 
     #[test]
-    fn a_program_without_main_is_told_what_it_has_instead() {
+    fn hint_on_a_missing_main_names_similar_functions() {
         let hint = |functions: &[&str]| {
             let defined = functions.iter().map(|&name| name.to_owned()).collect();
-            of_missing_main(&[Symbols { file: "a.c".into(), defined, undefined: Vec::new() }], &[])
+            missing_main_hint(&[Symbols { file: "a.c".into(), defined, undefined: Vec::new() }], &[])
         };
         assert_eq!(hint(&["Main"]), "a.c: the program has no function `main`; did you mean `main` by `Main`?");
         assert_eq!(hint(&["_Z4mianv"]), "a.c: the program has no function `main`; did you mean `main` by `mian`?");
@@ -483,11 +485,11 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let source = folder.path().join("a.c");
         fs::write(&source, " \n").expect("a source");
-        assert_eq!(of_missing_main(&[], &[(&source, PathBuf::new())]), "`a.c` is empty");
+        assert_eq!(missing_main_hint(&[], &[(&source, PathBuf::new())]), "`a.c` is empty");
     }
 
     #[test]
-    fn undeclared_functions_are_read_from_each_compiler() {
+    fn undeclared_functions_of_each_compiler_are_parsed() {
         let gcc = "a.c:1:3: warning: implicit declaration of function 'sleep' [-Wimplicit-function-declaration]\n\
                    a.c:9:3: warning: implicit declaration of function 'sleep'; did you mean 'strsep'?";
         assert_eq!(undeclared_functions(gcc), ["sleep"]);
@@ -496,7 +498,7 @@ mod tests {
     }
 
     #[test]
-    fn undeclared_constants_are_read_from_each_compiler() {
+    fn undeclared_constants_of_each_compiler_are_parsed() {
         let gcc = "a.c:1:3: error: 'M_PI' undeclared (first use in this function); did you mean 'MIN_PRI'?\n\
                    a.c:2:3: error: 'index' undeclared (first use in this function)\n\
                    a.cpp:3:3: error: 'M_PI' was not declared in this scope";
@@ -505,7 +507,7 @@ mod tests {
     }
 
     #[test]
-    fn misspelled_functions_and_those_of_another_generation_are_told() {
+    fn misspelled_functions_and_those_of_another_generation_are_reported() {
         let hint = |names: &[&str], generation| {
             let undefined: Vec<_> = names.iter().map(|name| undefined(name, None)).collect();
             undefined_hint(&undefined, &["driveHome", "main"], generation)
@@ -528,7 +530,7 @@ mod tests {
     }
 
     #[test]
-    fn c_and_cpp_that_do_not_meet_are_told() {
+    fn linkage_mismatch_of_c_and_cpp_is_reported() {
         let file = |file: &str, defined: &[&str], undefined: &[&str]| Symbols {
             file: file.to_owned(),
             defined: defined.iter().map(|&name| name.to_owned()).collect(),

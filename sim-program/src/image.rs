@@ -1,4 +1,4 @@
-//! Contents of the file of a program's library: loaded segments, symbols, source lines.
+//! Reads the file of a program's library: loaded segments, symbols, source lines.
 
 use std::fs;
 use std::io;
@@ -25,7 +25,7 @@ pub struct ProgramImage {
     source_folder: Option<PathBuf>,
     bytes: Vec<u8>,
     parts: ImageParts,
-    /// Debug information, read when a line is first requested; the inner `None` means that there is none.
+    /// Debug information, read when a line is first requested; the inner `None` if the file has none.
     lines: OnceLock<Option<Mutex<addr2line::Loader>>>,
 }
 
@@ -85,20 +85,20 @@ pub enum ImageError {
         error: io::Error,
     },
     /// A file of another kind or system.
-    #[error("`{}` is {what}", path.display())]
+    #[error("`{}` is {description}", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
         /// Description of the file.
-        what: String,
+        description: String,
     },
     /// A library that is truncated or otherwise broken.
-    #[error("`{}` is a broken library: {what}", path.display())]
+    #[error("`{}` is a broken library: {reason}", path.display())]
     Broken {
         /// The file.
         path: PathBuf,
-        /// Description of the error.
-        what: String,
+        /// Reason why it cannot be read.
+        reason: String,
     },
 }
 
@@ -109,13 +109,13 @@ impl ProgramImage {
     /// [`ImageError`] if the file cannot be read or is not a library for this system.
     pub fn read(path: &Path, source_folder: Option<&Path>) -> Result<Self, ImageError> {
         let mut bytes = read_regular(path).map_err(|error| ImageError::Read { path: path.to_owned(), error })?;
-        if let FileKind::Foreign(what) = file_kind(&bytes[..bytes.len().min(HEAD_BYTES)]) {
-            return Err(ImageError::Foreign { path: path.to_owned(), what });
+        if let FileKind::Foreign(description) = file_kind(&bytes[..bytes.len().min(HEAD_BYTES)]) {
+            return Err(ImageError::Foreign { path: path.to_owned(), description });
         }
-        let parts = read_parts(&bytes).map_err(|what| ImageError::Broken { path: path.to_owned(), what })?;
+        let parts = read_parts(&bytes).map_err(|reason| ImageError::Broken { path: path.to_owned(), reason })?;
         // C libraries are already built with hidden constructors.
         if parts.description.is_some_and(|description| description.language == language::RUST) {
-            let broken = |what: object::Error| ImageError::Broken { path: path.to_owned(), what: what.to_string() };
+            let broken = |error: object::Error| ImageError::Broken { path: path.to_owned(), reason: error.to_string() };
             constructors::hide(&mut bytes).map_err(broken)?;
         }
         let source_folder = source_folder.map(|folder| {
@@ -189,7 +189,7 @@ impl ProgramImage {
         // Rust's standard library imports these for executables only, or to look up newer functions.
         let is_unused = |name: &str| is_rust && matches!(name, "sigaction" | "pthread_key_create" | "dlsym");
         let keeps = |name: &String| RETAINING_FUNCTIONS.contains(&name.as_str()) && !is_unused(name);
-        self.parts.destructors <= OWN_DESTRUCTORS && !self.parts.undefined.iter().any(keeps)
+        self.parts.destructors <= STANDARD_DESTRUCTORS && !self.parts.undefined.iter().any(keeps)
     }
 
     /// Address ranges of the variables, relative to the base, if robots on one worker can share a copy: their flows can
@@ -201,10 +201,10 @@ impl ProgramImage {
             .then_some(&self.parts.variables)
     }
 
-    /// Reason why several flows of this program cannot share a thread, without its subject, ``calls `gettid`, ...``;
-    /// `None` if they can. They can if no flow has state that is stored per thread, apart from `errno` and the
-    /// floating-point environment, which a switch saves: the program is in C, has no thread-local variables, uses no
-    /// libraries except the C library's, and calls no function that acts on its thread.
+    /// Reason why several flows of this program cannot share a thread, as a text without its subject: ``calls `gettid`, ...``.
+    /// `None` if they can: no flow has state that is stored per thread, apart from `errno` and the floating-point environment,
+    /// which are saved when flows are switched. This is so if the program is in C, has no thread-local variables, uses no
+    /// libraries except the C library, and calls no function that acts on its thread.
     pub fn why_thread_bound(&self) -> Option<&str> {
         self.parts.thread_bound.as_deref()
     }
@@ -212,7 +212,7 @@ impl ProgramImage {
     /// The line of the source at `offset` from the base, if the debug information contains it.
     ///
     /// For a return address pass the address minus one, which lies in the call instruction. Among inlined functions the result is
-    /// the innermost one in the program's own folder. Allocates; safe to call after a program has faulted, as the host does not
+    /// the innermost one in the program's own folder. Allocates; safe to call after a crash of a program, since the host does not
     /// use the C library's heap.
     pub fn source_line(&self, offset: usize) -> Option<SourceLine> {
         if !self.parts.span.contains(&offset) {
@@ -225,10 +225,10 @@ impl ProgramImage {
             let Some(location) = frame.location else { continue };
             let (Some(file), line) = (location.file, location.line.unwrap_or(0)) else { continue };
             let function = frame.function.and_then(|name| name.demangle().ok().map(|name| name.into_owned()));
-            let within = self.within_source_folder(Path::new(file));
-            let is_own = within.is_some();
-            let place = SourceLine { file: within.unwrap_or_else(|| file.into()), line, function };
-            if is_own {
+            let relative = self.within_source_folder(Path::new(file));
+            let is_in_source_folder = relative.is_some();
+            let place = SourceLine { file: relative.unwrap_or_else(|| file.into()), line, function };
+            if is_in_source_folder {
                 return Some(place);
             }
             innermost.get_or_insert(place);
@@ -248,19 +248,19 @@ impl ProgramImage {
     /// `offsets` are a program counter, then return addresses, from the innermost to the outermost. Other numbers among
     /// them are ignored unless they point into code.
     pub fn own_source_line(&self, offsets: impl IntoIterator<Item = usize>) -> Option<SourceLine> {
-        let mut first = None;
+        let mut innermost = None;
         for (depth, offset) in offsets.into_iter().enumerate() {
             // A return address is after its call, which may be the last instruction of its line.
             let Some(line) = self.source_line(offset.saturating_sub(usize::from(depth > 0))) else { continue };
             if self.source_folder.is_none() || line.file.is_relative() {
                 return Some(line);
             }
-            first = first.or(Some(line).filter(|line| !is_of_shim(&line.file)));
+            innermost = innermost.or(Some(line).filter(|line| !is_of_shim(&line.file)));
         }
-        first
+        innermost
     }
 
-    /// The text of the own source that contains `line`; `None` if it cannot be read.
+    /// The text of the program's source that contains `line`; `None` if it cannot be read.
     pub fn source_of(&self, line: &SourceLine) -> Option<String> {
         let file = self.source_folder.as_ref().filter(|_| line.file.is_relative())?.join(&line.file);
         Some(String::from_utf8_lossy(&read_regular(&file).ok()?).into_owned())
@@ -318,7 +318,7 @@ const RETAINING_FUNCTIONS: &[&str] = &[
 const MAX_SHARED_VARIABLES: usize = 16 << 10;
 
 /// Prefixes of the names of the C library's files.
-const OWN_LIBRARIES: &[&str] = &["libc.so.", "libm.so.", "ld-linux"];
+const C_LIBRARY_FILES: &[&str] = &["libc.so.", "libm.so.", "ld-linux"];
 
 /// Functions of the C library that change or return a property of the calling thread, in addition to
 /// [`RETAINING_FUNCTIONS`].
@@ -364,7 +364,7 @@ const THREAD_BOUND_FUNCTIONS: &[&str] = &[
 ];
 
 /// Number of destructors in the compiler's start files and in the shim, which closes the console.
-const OWN_DESTRUCTORS: usize = 2;
+const STANDARD_DESTRUCTORS: usize = 2;
 
 /// Data from the headers and tables of a library.
 struct ImageParts {
@@ -378,11 +378,11 @@ struct ImageParts {
     undefined: Vec<String>,
     /// Number of functions that the dynamic linker calls when the library is unloaded.
     destructors: usize,
-    /// The dynamic linker calls functions of the library that choose functions (IFUNC) while it loads the library.
+    /// While the dynamic linker loads the library, it calls functions of the library that select functions (IFUNC).
     has_resolvers: bool,
     /// See [`ProgramImage::why_thread_bound`].
     thread_bound: Option<String>,
-    /// Address ranges of its variables, relative to the base.
+    /// Address ranges of the variables, relative to the base.
     variables: Vec<Range<usize>>,
 }
 
@@ -394,17 +394,18 @@ struct Segment {
 }
 
 fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
-    let text = |error: object::Error| error.to_string().to_lowercase();
-    let file = ElfFile64::<object::Endianness>::parse(bytes).map_err(text)?;
+    let message = |error: object::Error| error.to_string().to_lowercase();
+    let file = ElfFile64::<object::Endianness>::parse(bytes).map_err(message)?;
     let endian = file.endian();
-    let headers = file.elf_header().program_headers(endian, bytes).map_err(text)?;
-    let number = |value: u64| usize::try_from(value).map_err(|_ignored| "its addresses are too large".to_owned());
-    let (mut segments, mut is_relocated, mut has_relro, mut destructors) = (Vec::new(), false, false, 0);
-    let (mut has_thread_locals, mut names, mut strings) = (false, Vec::new(), 0);
+    let headers = file.elf_header().program_headers(endian, bytes).map_err(message)?;
+    let to_usize = |value: u64| usize::try_from(value).map_err(|_ignored| "its addresses are too large".to_owned());
+    let (mut segments, mut has_text_relocations, mut has_relro, mut destructors) = (Vec::new(), false, false, 0);
+    let (mut has_thread_locals, mut library_name_offsets, mut string_table) = (false, Vec::new(), 0);
     for header in headers {
         match header.p_type(endian) {
             elf::PT_LOAD => {
-                let range = |start: u64, len: u64| Ok::<_, String>(number(start)?..number(start.saturating_add(len))?);
+                let range =
+                    |start: u64, len: u64| Ok::<_, String>(to_usize(start)?..to_usize(start.saturating_add(len))?);
                 segments.push(Segment {
                     file: range(header.p_offset(endian), header.p_filesz(endian))?,
                     memory: range(header.p_vaddr(endian), header.p_memsz(endian))?,
@@ -415,15 +416,15 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
             elf::PT_GNU_RELRO => has_relro = true,
             elf::PT_TLS => has_thread_locals = true,
             elf::PT_DYNAMIC => {
-                for entry in header.dynamic(endian, bytes).map_err(text)?.unwrap_or_default() {
+                for entry in header.dynamic(endian, bytes).map_err(message)?.unwrap_or_default() {
                     let value = entry.d_val.get(endian);
                     match entry.d_tag.get(endian) {
-                        elf::DT_FINI_ARRAYSZ => destructors = number(value)? / size_of::<usize>(),
-                        elf::DT_NEEDED => names.push(value),
-                        elf::DT_STRTAB => strings = value,
+                        elf::DT_FINI_ARRAYSZ => destructors = to_usize(value)? / size_of::<usize>(),
+                        elf::DT_NEEDED => library_name_offsets.push(value),
+                        elf::DT_STRTAB => string_table = value,
                         _ => {}
                     }
-                    is_relocated |= match entry.d_tag.get(endian) {
+                    has_text_relocations |= match entry.d_tag.get(endian) {
                         elf::DT_TEXTREL => true,
                         elf::DT_FLAGS => value & u64::from(elf::DF_TEXTREL) != 0,
                         _ => false,
@@ -446,7 +447,9 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
     let is_resolver = |flags| matches!(flags, SymbolFlags::Elf { st_info, .. } if st_info & 0xf == elf::STT_GNU_IFUNC);
     let is_resolved = |flags| matches!(flags, RelocationFlags::Elf { r_type } if r_type == IRELATIVE);
     let has_resolvers = file.dynamic_symbols().any(|symbol| !symbol.is_undefined() && is_resolver(symbol.flags()))
-        || file.dynamic_relocations().is_some_and(|mut all| all.any(|(_, one)| is_resolved(one.flags())));
+        || file
+            .dynamic_relocations()
+            .is_some_and(|mut list| list.any(|(_, relocation)| is_resolved(relocation.flags())));
     for symbol in file.dynamic_symbols() {
         match symbol.name() {
             Ok(name) if symbol.is_undefined() && !name.is_empty() => undefined.push(name.to_owned()),
@@ -456,18 +459,20 @@ fn read_parts(bytes: &[u8]) -> Result<ImageParts, String> {
     }
     undefined.sort();
     undefined.dedup();
-    let needed: Vec<String> =
-        names.iter().filter_map(|offset| text_at(&file, strings.saturating_add(*offset))).collect();
+    let libraries: Vec<String> = library_name_offsets
+        .iter()
+        .filter_map(|offset| string_at(&file, string_table.saturating_add(*offset)))
+        .collect();
     let thread_bound = match description.map(|description| description.language) {
         Some(language::C) if has_thread_locals => Some("has thread-local variables".to_owned()),
-        Some(language::C) => why_thread_bound(&needed, &undefined),
+        Some(language::C) => why_thread_bound(&libraries, &undefined),
         _ => Some("is not in C alone".to_owned()),
     };
     Ok(ImageParts {
         loaded_len,
         span: start..end,
         mappings: mappings_of(&segments) + usize::from(has_relro),
-        read_only: if is_relocated { Vec::new() } else { read_only_segments(&segments) },
+        read_only: if has_text_relocations { Vec::new() } else { read_only_segments(&segments) },
         description,
         undefined,
         destructors,
@@ -482,7 +487,8 @@ const IRELATIVE: u32 = if cfg!(target_arch = "aarch64") { elf::R_AARCH64_IRELATI
 
 /// The smallest page size: with larger pages there are never more mappings.
 const SMALL_PAGE: usize = 4096;
-/// Number of mappings: one for each segment, one for variables that start as zero beyond the file, one for each gap
+
+/// Number of mappings: one for each segment, one for each segment with zeroed memory beyond the file, one for each gap
 /// between segments.
 fn mappings_of(segments: &[Segment]) -> usize {
     let zeroed = |segment: &&Segment| {
@@ -496,10 +502,10 @@ fn mappings_of(segments: &[Segment]) -> usize {
 fn read_only_segments(segments: &[Segment]) -> Vec<ReadOnlySegment> {
     let page = page_size();
     let pages = |segment: &Segment| segment.memory.start / page..segment.memory.end.div_ceil(page);
-    let is_alone = |one: &Segment| {
-        let own = pages(one);
-        let mut others = segments.iter().filter(|other| other.memory != one.memory).map(pages);
-        others.all(|other| other.end <= own.start || own.end <= other.start)
+    let is_alone = |segment: &Segment| {
+        let own_pages = pages(segment);
+        let mut others = segments.iter().filter(|other| other.memory != segment.memory).map(pages);
+        others.all(|other| other.end <= own_pages.start || own_pages.end <= other.start)
     };
     segments
         .iter()
@@ -513,13 +519,13 @@ fn read_only_segments(segments: &[Segment]) -> Vec<ReadOnlySegment> {
         .collect()
 }
 
-/// See [`ProgramImage::why_thread_bound`]: judged by the libraries on which it depends and the functions that it
+/// See [`ProgramImage::why_thread_bound`]: the reason from the libraries on which a C program depends and the functions that it
 /// imports.
 fn why_thread_bound(libraries: &[String], functions: &[String]) -> Option<String> {
     if cfg!(not(target_arch = "x86_64")) {
         return Some("runs on a processor for which eyesim has no fibers".to_owned());
     }
-    if let Some(library) = libraries.iter().find(|name| !OWN_LIBRARIES.iter().any(|own| name.starts_with(own))) {
+    if let Some(library) = libraries.iter().find(|name| !C_LIBRARY_FILES.iter().any(|own| name.starts_with(own))) {
         return Some(format!("uses the library `{library}`"));
     }
     let is_bound =
@@ -534,40 +540,36 @@ fn why_thread_bound(libraries: &[String], functions: &[String]) -> Option<String
 /// addresses, which are equal for all robots of a copy. Empty if there is no section table.
 fn variables_of(file: &ElfFile64<'_>) -> Vec<Range<usize>> {
     /// Prefixes of the names of sections that are not written to once the library is loaded.
-    const CONSTANT: [&str; 6] = [".dynamic", ".got", ".init_array", ".fini_array", ".data.rel.ro", ".eh_frame"];
+    const CONSTANT_SECTIONS: [&str; 6] =
+        [".dynamic", ".got", ".init_array", ".fini_array", ".data.rel.ro", ".eh_frame"];
     let is_variable = |section: &ElfSection64<'_, '_>| {
         let SectionFlags::Elf { sh_flags } = section.flags() else { return false };
         let name = section.name().unwrap_or_default();
-        sh_flags & u64::from(elf::SHF_WRITE) != 0 && !CONSTANT.iter().any(|constant| name.starts_with(constant))
+        sh_flags & u64::from(elf::SHF_WRITE) != 0
+            && !CONSTANT_SECTIONS.iter().any(|constant| name.starts_with(constant))
     };
-    let place = |section: ElfSection64<'_, '_>| {
+    let range = |section: ElfSection64<'_, '_>| {
         let start = usize::try_from(section.address()).ok()?;
         Some(start..start.checked_add(usize::try_from(section.size()).ok()?)?)
     };
-    let mut places: Vec<Range<usize>> = file.sections().filter(is_variable).filter_map(place).collect();
-    places.retain(|place| !place.is_empty());
-    places.sort_by_key(|place| place.start);
-    places
+    let mut ranges: Vec<Range<usize>> = file.sections().filter(is_variable).filter_map(range).collect();
+    ranges.retain(|range| !range.is_empty());
+    ranges.sort_by_key(|range| range.start);
+    ranges
 }
 
-/// The text at this address of the loaded image, up to its NUL.
-fn text_at(file: &ElfFile64<'_>, address: u64) -> Option<String> {
+/// The string at this address of the loaded image, up to its NUL.
+fn string_at(file: &ElfFile64<'_>, address: u64) -> Option<String> {
     file.segments().find_map(|segment| {
         let start = usize::try_from(address.checked_sub(segment.address())?).ok()?;
-        let text = segment.data().ok()?.get(start..)?.split(|byte| *byte == 0).next()?;
-        Some(String::from_utf8_lossy(text).into_owned())
+        let string = segment.data().ok()?.get(start..)?.split(|byte| *byte == 0).next()?;
+        Some(String::from_utf8_lossy(string).into_owned())
     })
 }
 
 fn description_at(file: &ElfFile64<'_>, address: u64) -> Option<Description> {
     const BYTES: u64 = 20;
     let data = file.segments().find_map(|segment| segment.data_range(address, BYTES).ok().flatten())?;
-    let number = |at: usize| Some(u32::from_ne_bytes(data.get(4 * at..4 * at + 4)?.try_into().ok()?));
-    Some(Description {
-        size: number(0)?,
-        abi: number(1)?,
-        generation: number(2)?,
-        flags: number(3)?,
-        language: number(4)?,
-    })
+    let field = |index: usize| Some(u32::from_ne_bytes(data.get(4 * index..4 * index + 4)?.try_into().ok()?));
+    Some(Description { size: field(0)?, abi: field(1)?, generation: field(2)?, flags: field(3)?, language: field(4)? })
 }

@@ -1,4 +1,4 @@
-//! Kind of a file, from its bytes: a program for this system, for another one, or neither.
+//! Determines the kind of a file from its bytes: a library for this system, a program for another one, or another file.
 
 use object::elf;
 use object::read::elf::ProgramHeader as _;
@@ -12,7 +12,7 @@ pub enum FileKind {
     Foreign(String),
 }
 
-/// Number of first bytes of a file that [`file_kind`] needs.
+/// Number of bytes at the start of a file that [`file_kind`] needs.
 pub const HEAD_BYTES: usize = 64 * 1024;
 
 /// The kind of a file, from its first bytes ([`HEAD_BYTES`] of them are enough).
@@ -70,26 +70,26 @@ fn contains(bytes: &[u8], part: &[u8]) -> bool {
 }
 
 fn elf_kind(head: &[u8]) -> FileKind {
-    let (wide, little) = match head.get(4..6) {
+    let (is_64_bit, is_little_endian) = match head.get(4..6) {
         Some([elf::ELFCLASS32, elf::ELFDATA2LSB]) => (false, true),
         Some([elf::ELFCLASS32, elf::ELFDATA2MSB]) => (false, false),
         Some([elf::ELFCLASS64, elf::ELFDATA2LSB]) => (true, true),
         Some([elf::ELFCLASS64, elf::ELFDATA2MSB]) => (true, false),
         _ => return FileKind::Foreign("a broken ELF file".into()),
     };
-    let half = |at: usize| {
-        let bytes = [*head.get(at)?, *head.get(at + 1)?];
-        Some(if little { u16::from_le_bytes(bytes) } else { u16::from_be_bytes(bytes) })
+    let half = |offset: usize| {
+        let bytes = [*head.get(offset)?, *head.get(offset + 1)?];
+        Some(if is_little_endian { u16::from_le_bytes(bytes) } else { u16::from_be_bytes(bytes) })
     };
     let (Some(kind), Some(machine)) = (half(16), half(18)) else {
         return FileKind::Foreign("a broken ELF file".into());
     };
-    let native = wide == cfg!(target_pointer_width = "64")
-        && little == cfg!(target_endian = "little")
+    let is_native = is_64_bit == cfg!(target_pointer_width = "64")
+        && is_little_endian == cfg!(target_endian = "little")
         && machine == native_machine();
-    let machine = machine_name(machine, wide);
+    let machine = machine_name(machine, is_64_bit);
     match kind {
-        elf::ET_DYN if native && !has_interpreter(head) => FileKind::Library,
+        elf::ET_DYN if is_native && !has_interpreter(head) => FileKind::Library,
         elf::ET_REL => FileKind::Foreign(format!("an object file (`.o`) for {machine}, not linked to a library")),
         elf::ET_EXEC => {
             FileKind::Foreign(format!("an executable for {machine}, as EyeSim VR runs them, and no library"))
@@ -106,9 +106,9 @@ fn elf_kind(head: &[u8]) -> FileKind {
 
 /// Returns true if an ELF file names an interpreter, as executables do, position-independent ones included.
 fn has_interpreter(head: &[u8]) -> bool {
-    let asks = |headers: Option<Vec<u32>>| headers.is_some_and(|types| types.contains(&elf::PT_INTERP));
-    asks(segment_types::<elf::FileHeader64<object::Endianness>>(head))
-        || asks(segment_types::<elf::FileHeader32<object::Endianness>>(head))
+    let has_interp_segment = |headers: Option<Vec<u32>>| headers.is_some_and(|types| types.contains(&elf::PT_INTERP));
+    has_interp_segment(segment_types::<elf::FileHeader64<object::Endianness>>(head))
+        || has_interp_segment(segment_types::<elf::FileHeader32<object::Endianness>>(head))
 }
 
 fn segment_types<Header: object::read::elf::FileHeader>(head: &[u8]) -> Option<Vec<u32>> {
@@ -135,14 +135,14 @@ const fn native_machine() -> u16 {
     }
 }
 
-fn machine_name(machine: u16, wide: bool) -> String {
+fn machine_name(machine: u16, is_64_bit: bool) -> String {
     match machine {
         elf::EM_X86_64 => "x86-64".into(),
         elf::EM_AARCH64 => "64-bit ARM".into(),
         elf::EM_ARM => "32-bit ARM (as in EyeBot 7)".into(),
         elf::EM_386 => "32-bit x86".into(),
         elf::EM_68K => "the 68k (as in EyeBot 1 to 5)".into(),
-        elf::EM_RISCV => format!("{}-bit RISC-V", if wide { 64 } else { 32 }),
+        elf::EM_RISCV => format!("{}-bit RISC-V", if is_64_bit { 64 } else { 32 }),
         other => format!("the processor with ELF number {other}"),
     }
 }
@@ -158,16 +158,16 @@ mod tests {
         }
     }
 
-    fn elf(wide: u8, data: u8, kind: u16, machine: u16) -> Vec<u8> {
+    fn elf(class: u8, data: u8, kind: u16, machine: u16) -> Vec<u8> {
         let half = |value: u16| if data == elf::ELFDATA2LSB { value.to_le_bytes() } else { value.to_be_bytes() };
-        let mut head = vec![0x7f, b'E', b'L', b'F', wide, data, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+        let mut head = vec![0x7f, b'E', b'L', b'F', class, data, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0];
         head.extend(half(kind));
         head.extend(half(machine));
         head
     }
 
     #[test]
-    fn files_of_other_systems_are_named() {
+    fn files_of_other_systems_are_described() {
         check(b"", "empty");
         check(b"MZ\x90\0\x03", "a Windows library");
         check(b"MZ\x90\0\x03 .... cygwin1.dll", "Cygwin");
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn elf_files_are_told_by_machine_and_kind() {
+    fn elf_files_are_described_by_machine_and_kind() {
         check(&elf(1, elf::ELFDATA2MSB, elf::ET_EXEC, elf::EM_68K), "executable for the 68k");
         check(&elf(1, elf::ELFDATA2LSB, elf::ET_DYN, elf::EM_ARM), "32-bit ARM");
         check(&elf(2, elf::ELFDATA2LSB, elf::ET_REL, native_machine()), "object file");
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn an_executable_that_the_kernel_puts_anywhere_is_no_library() {
+    fn position_independent_executable_is_no_library() {
         let path = std::env::current_exe().expect("this program");
         let head = std::fs::read(path).expect("its bytes");
         check(&head[..HEAD_BYTES], "an executable for");

@@ -1,4 +1,4 @@
-//! Languages of sources that are compiled into robot programs.
+//! Languages of compiled robot programs: extensions, compilers, packages.
 
 use std::path::Path;
 
@@ -67,10 +67,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sources_are_told_by_their_extension() {
-        let of = |name: &str| Language::of(Path::new(name));
-        assert_eq!([of("maze.c"), of("MAZE.C")], [Some(Language::C); 2]);
-        assert_eq!([of("a/maze.cpp"), of("b.cc"), of("c.cxx"), of("D.CPP"), of("e.c++")], [Some(Language::Cpp); 5]);
-        assert_eq!([of("maze"), of("maze.h"), of("maze.py"), of(".c")], [None; 4]);
+    fn language_follows_from_the_extension() {
+        let language_of = |name: &str| Language::of(Path::new(name));
+        assert_eq!([language_of("maze.c"), language_of("MAZE.C")], [Some(Language::C); 2]);
+        assert_eq!(
+            [
+                language_of("a/maze.cpp"),
+                language_of("b.cc"),
+                language_of("c.cxx"),
+                language_of("D.CPP"),
+                language_of("e.c++")
+            ],
+            [Some(Language::Cpp); 5]
+        );
+        assert_eq!([language_of("maze"), language_of("maze.h"), language_of("maze.py"), language_of(".c")], [None; 4]);
     }
 }

@@ -1,4 +1,4 @@
-//! Loads private copies of a library, so that each robot has its own global variables of the program.
+//! Loads copies of a program's library, so that each robot has its own global variables of the program.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -64,7 +64,7 @@ pub enum LoadError {
         /// Description of the mismatch.
         what: String,
     },
-    /// A function is used, but defined neither in the library nor in the libraries on which it depends.
+    /// The library uses a function or variable that neither it nor a library on which it depends defines.
     #[error("`{}` needs `{symbol}`, which neither it nor any library that it names defines", path.display())]
     Undefined {
         /// The library.
@@ -98,7 +98,7 @@ pub enum LoadError {
         /// Reason for the error.
         error: io::Error,
     },
-    /// The process ended or broke before the program could begin.
+    /// The process ended or crashed before the program could begin.
     #[error("cannot load `{}` in a process of its own: {what}", path.display())]
     Process {
         /// The library.
@@ -139,15 +139,15 @@ fn robios_hint(robios: &[String]) -> String {
     }
 }
 
-/// A robot's own copy of a program with its arguments, ready to run. Its library is unmapped with the last clone, if that is safe:
-/// see [`ProgramImage::can_unmap`].
+/// A robot's copy of a program with its arguments, ready to run. When the last clone is dropped, the library is unmapped if that is
+/// safe: see [`ProgramImage::can_unmap`].
 #[derive(Clone)]
 pub struct LoadedProgram {
     prepared: Arc<Prepared>,
     image: Arc<ProgramImage>,
     arguments: Vec<CString>,
     library: Arc<Opened>,
-    /// Its own variables in a copy that it shares with other robots; `None` for a private copy.
+    /// The robot's variables in a copy that it shares with other robots; `None` for a private copy.
     variables: Option<Arc<Variables>>,
 }
 
@@ -192,10 +192,10 @@ impl LoadedProgram {
         self.variables.as_ref()
     }
 
-    /// Runs the program's `main` on this thread, with its calls answered by `host`; returns its exit code.
+    /// Runs the program's `main` on this thread; `host` answers its calls. Returns the exit code.
     ///
     /// The program is native code of the user and can do anything that this process can; the executive handles its
-    /// faults. Only one run at a time, since the copy has a single set of globals.
+    /// crashes. Only one run at a time is allowed, since the copy has a single set of globals.
     pub fn run<H: Support + Robios6 + Robios7>(&self, host: &H) -> i32 {
         let mut argv: Vec<*const c_char> = self.arguments.iter().map(|argument| argument.as_ptr()).collect();
         argv.push(std::ptr::null());
@@ -208,7 +208,7 @@ impl LoadedProgram {
         // then a null pointer, alive as long; the description was checked when it was loaded, and the library stays
         // mapped as long as `self`.
         let code = unsafe { (description.run)(Tables::<H>::of(description.generation), robot, argc, argv.as_ptr()) };
-        // `main` has ended: from here on the thread runs the host.
+        // `main` has ended: the thread now runs the host.
         float::set_default();
         code
     }
@@ -286,16 +286,16 @@ pub struct Loader {
     libraries: BTreeMap<usize, (Arc<Prepared>, PathBuf)>,
     /// Like `first_copies`, for each worker: the copy that its robots share.
     shared_copies: BTreeMap<(usize, u32), (Arc<Prepared>, Arc<SharedCopy>)>,
-    /// Number of robots so far that share copies.
+    /// Number of robots that share copies so far.
     sharing_robots: usize,
-    /// Number of consecutive robots that are assigned to a worker before the next worker's turn.
+    /// Number of consecutive robots that are assigned to a worker before the next worker's turn, see [`deal`].
     deal: usize,
-    /// Restrictions of programs in processes of their own.
+    /// Restrictions of programs that run in their own processes.
     sandbox: Option<Sandbox>,
 }
 
 /// Number of consecutive robots in the list of `robots` that are assigned to each of the `workers` in turn. Neighbours
-/// in the list are often neighbours in the world, and see each other; each worker gets four parts of the list, since
+/// in the list are often neighbours in the world, and detect each other; each worker gets four parts of the list, since
 /// robots in one part may have more to do than robots in another.
 pub fn deal(robots: usize, workers: usize) -> usize {
     (robots / (4 * workers.max(1))).max(1)
@@ -319,18 +319,18 @@ impl Loader {
         })
     }
 
-    /// Restricts the programs that run in processes of their own.
+    /// Restricts the programs that run in their own processes.
     pub fn set_sandbox(&mut self, sandbox: Option<Sandbox>) {
         self.sandbox = sandbox;
     }
 
-    /// Returns true if programs in processes of their own are restricted.
+    /// Returns true if programs in their own processes are restricted.
     pub fn is_restricting(&self) -> bool {
         self.sandbox.is_some()
     }
 
-    /// Restricts `command`, which runs `prepared` and may read the files and folders `reads` in addition to the
-    /// program's own, and sets a scratch folder as its working folder; `None` if programs are not restricted.
+    /// Restricts `command`, which runs `prepared`, and makes a scratch folder its working folder, which is returned. The command may
+    /// read the files and folders `readable` in addition to the program's own. `None` if programs are not restricted.
     ///
     /// # Errors
     /// The folder cannot be created, or the kernel refuses.
@@ -338,13 +338,13 @@ impl Loader {
         &self,
         command: &mut Command,
         prepared: &Prepared,
-        mut reads: Vec<PathBuf>,
+        mut readable: Vec<PathBuf>,
     ) -> io::Result<Option<Scratch>> {
         let Some(sandbox) = &self.sandbox else { return Ok(None) };
-        let scratch = Scratch::new(sandbox.of_programs)?;
-        reads.extend(prepared.own_folder());
+        let scratch = Scratch::new(sandbox.program_limits)?;
+        readable.extend(prepared.own_folder());
         command.current_dir(scratch.folder());
-        sandbox.apply(command, &Grant { role: Role::Program, reads, scratch: scratch.folder() })?;
+        sandbox.apply(command, &Grant { role: Role::Program, readable, scratch: scratch.folder() })?;
         Ok(Some(scratch))
     }
 
@@ -377,14 +377,14 @@ impl Loader {
                 (Arc::clone(copy.opened()), Some(Arc::new(Variables::new(copy))))
             }
             _ => {
-                let opened = self.map_own(prepared, image)?;
+                let opened = self.map_sharing_pages(prepared, image)?;
                 (Arc::new(if image.can_unmap() { opened } else { opened.kept() }), None)
             }
         };
         Ok(LoadedProgram { prepared: Arc::clone(prepared), image: Arc::clone(image), arguments, library, variables })
     }
 
-    /// The copy that the next robot shares with other robots.
+    /// The shared copy for the next robot.
     fn shared_copy(
         &mut self,
         prepared: &Arc<Prepared>,
@@ -398,22 +398,22 @@ impl Loader {
         if let Some((_, copy)) = self.shared_copies.get(&key) {
             return Ok(Arc::clone(copy));
         }
-        let opened = self.map_own(prepared, image)?;
+        let opened = self.map_sharing_pages(prepared, image)?;
         // SAFETY: the ranges are writable parts of the opened image.
         let copy = Arc::new(unsafe { SharedCopy::new(opened, worker, places) });
         self.shared_copies.insert(key, (Arc::clone(prepared), Arc::clone(&copy)));
         Ok(copy)
     }
 
-    /// Maps a further copy of `image`, with the pages of code and constants of the first one.
-    fn map_own(&mut self, prepared: &Arc<Prepared>, image: &ProgramImage) -> Result<Opened, LoadError> {
+    /// Maps a further copy of `image`, which shares the pages of code and constants of the first copy.
+    fn map_sharing_pages(&mut self, prepared: &Arc<Prepared>, image: &ProgramImage) -> Result<Opened, LoadError> {
         let (opened, copy) = self.map_copy(image)?;
         self.share(prepared, image, opened.base, copy);
         Ok(opened)
     }
 
-    /// The file from which robots' own processes load `prepared`: one copy for all of them, whose pages they share. It exists as long
-    /// as the loader. `arguments` are only checked.
+    /// The file from which robots' own processes load `prepared`: a copy whose pages all of them share. It exists as long as the
+    /// loader. `arguments` are only checked.
     ///
     /// # Errors
     /// [`LoadError`] if according to the file it is not a program for this eyesim.
@@ -458,7 +458,7 @@ impl Loader {
         Ok((opened.map_err(|error| error.of(image.path(), &path))?, copy))
     }
 
-    /// Maps code and constants of the program's first copy into the copy at `base`, which was loaded from the file `copy`.
+    /// Maps the code and constants of the program's first copy into the copy at `base`, which was loaded from the file `copy`.
     fn share(&mut self, prepared: &Arc<Prepared>, image: &ProgramImage, base: usize, copy: File) {
         match self.first_copies.entry(Arc::as_ptr(prepared).addr()) {
             Entry::Vacant(first) => {
@@ -517,9 +517,9 @@ impl Opened {
 /// Reasons why a library cannot be opened.
 #[derive(Debug)]
 pub enum OpenError {
-    /// The dynamic linker refuses it; with its message.
+    /// The dynamic linker refuses the library; contains its message.
     Linker(String),
-    /// It is incompatible with this eyesim; with the reason.
+    /// The library is incompatible with this eyesim; contains the reason.
     Incompatible(String),
 }
 
@@ -557,7 +557,7 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
     let description = description.ok_or_else(|| incompatible("its description is not where it should be"))?;
     // SAFETY: not null, aligned, and `check_description` has found in the file a description of this version and of at least
     // this size; it is a constant in an image that is mapped as long as `library`.
-    unsafe { description.as_ref() }.check().map_err(|why| incompatible(&why.to_string()))?;
+    unsafe { description.as_ref() }.check().map_err(|error| incompatible(&error.to_string()))?;
     let base = base_of(description.as_ptr().addr()).ok_or_else(|| incompatible("its address is unknown"))?;
     Ok(Opened { base, description, is_constructed: Once::new(), library: Some(library) })
 }
@@ -565,11 +565,11 @@ pub fn open(path: &Path) -> Result<Opened, OpenError> {
 /// The library of `prepared`; an error for a Python program.
 fn library_of(prepared: &Prepared) -> Result<&Arc<ProgramImage>, LoadError> {
     let path = || prepared.source.path().to_owned();
-    let none = || LoadError::Incompatible {
+    let no_library = || LoadError::Incompatible {
         path: path(),
         what: "it is no library and runs in a process of its own only".into(),
     };
-    prepared.image().ok_or_else(none)
+    prepared.image().ok_or_else(no_library)
 }
 
 /// Checks the description in the file, before any of the library's code runs.
@@ -620,8 +620,8 @@ fn refused(path: &Path, copy: &Path, what: &str) -> LoadError {
     }
 }
 
-/// Checks that the kernel lets this process map the copies of a run's programs and the stacks of its `robots`, which take this
-/// many `mappings`.
+/// Checks that the kernel lets this process make the `mappings` for the copies of a run's programs and for the stacks of its
+/// `robots`.
 ///
 /// # Errors
 /// [`LoadError::TooManyMappings`] if they do not fit. If the kernel's limit is unknown, nothing is checked.
@@ -630,8 +630,8 @@ pub fn check_mappings(robots: usize, mappings: usize) -> Result<(), LoadError> {
     const RESERVE: usize = 1000;
     let limit = fs::read_to_string("/proc/sys/vm/max_map_count").ok();
     let Some(allowed) = limit.and_then(|text| text.trim().parse().ok()) else { return Ok(()) };
-    let there = fs::read_to_string("/proc/self/maps").map_or(0, |maps| maps.lines().count());
-    let needed = there + RESERVE + mappings;
+    let existing = fs::read_to_string("/proc/self/maps").map_or(0, |maps| maps.lines().count());
+    let needed = existing + RESERVE + mappings;
     if needed <= allowed {
         return Ok(());
     }
@@ -640,6 +640,6 @@ pub fn check_mappings(robots: usize, mappings: usize) -> Result<(), LoadError> {
 
 /// The arguments of a program as C strings, `argv[0]` first; the error describes an argument that contains a NUL.
 fn c_arguments(name: &str, arguments: &[String]) -> Result<Vec<CString>, String> {
-    let words = std::iter::once(name).chain(arguments.iter().map(String::as_str));
-    words.map(|word| CString::new(word).map_err(|error| error.to_string())).collect()
+    let strings = std::iter::once(name).chain(arguments.iter().map(String::as_str));
+    strings.map(|string| CString::new(string).map_err(|error| error.to_string())).collect()
 }

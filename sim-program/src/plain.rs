@@ -1,5 +1,5 @@
-//! Messages of C and C++ compilers in plain words: what is wrong and what to write, one line each, for people who do not know the
-//! compiler's own words yet. Those follow after them.
+//! Translates messages of C and C++ compilers into plain words: one line for each, with the mistake and what to write instead. The
+//! compiler's own messages follow after these lines.
 
 use console::measure_text_width;
 
@@ -7,10 +7,10 @@ use super::access::{Accesses, IndexedArray, accesses_of};
 use super::brace::unclosed_brace;
 use super::code::{TYPES, begins_function, code_only, is_name};
 
-/// Most lines that are put before the compiler's own words.
+/// Maximum number of translated lines.
 const MAX_LINES: usize = 5;
 
-/// Most messages that are looked at.
+/// Maximum number of messages that are examined.
 const MAX_MESSAGES: usize = 50;
 
 /// A message of the compiler about a line of the program (gcc and clang, `LC_ALL=C`).
@@ -20,59 +20,60 @@ struct Message<'a> {
     column: usize,
     is_error: bool,
     text: &'a str,
-    /// Lines from this message to the next: excerpts and notes.
-    more: &'a [&'a str],
-    /// True if gcc tells a function or a lambda within which the line is.
+    /// Lines between this message and the next: excerpts and notes.
+    details: &'a [&'a str],
+    /// According to gcc, the line is inside a function or a lambda.
     is_in_function: bool,
-    /// The function within which the line is, as gcc tells it: `int home(int)`; empty if it tells none, as within a lambda.
+    /// Signature of the function that contains the line, according to gcc: `int home(int)`; empty for a lambda and if unknown.
     function: &'a str,
-    /// The source that is compiled; empty for a message about another file.
+    /// Text of the compiled source; empty for a message about another file.
     source: &'a str,
 }
 
-/// The known messages among the compiler's `output`, in plain words: one line each, that of the first error if there is an error.
+/// Translates the known messages in the compiler's `output`, one line each; if there are errors, only the first error.
 ///
-/// `source` is the name and the text of the source, in which braces and declarations are looked for.
+/// `source` is the name and the text of the source, which is searched for braces and declarations.
 pub fn in_plain_words(output: &str, source: (&str, &str)) -> String {
     let lines: Vec<&str> = output.lines().collect();
     let messages = messages(&lines, source);
     let first_error = messages.iter().find(|message| message.is_error);
-    let mut told: Vec<String> = Vec::new();
-    // An error is often the cause of all that follows.
+    let mut translated: Vec<String> = Vec::new();
+    // The first error often causes all later messages.
     let chosen = messages.iter().filter(|message| first_error.is_none_or(|error| std::ptr::eq(error, *message)));
-    for line in chosen.take(MAX_MESSAGES).filter_map(Message::in_plain_words) {
-        if !told.contains(&line) {
-            told.push(line);
+    for line in chosen.take(MAX_MESSAGES).filter_map(Message::translated_line) {
+        if !translated.contains(&line) {
+            translated.push(line);
         }
-        if told.len() == MAX_LINES {
+        if translated.len() == MAX_LINES {
             break;
         }
     }
-    told.concat()
+    translated.concat()
 }
 
-/// The compiler's `output` without warnings about what is mostly meant: fractions that are cut off, except those of numbers that become 0,
-/// and texts that are printed without a format, except where a text is joined by `+`.
-pub fn without_intended(output: &str) -> String {
+/// Removes from the compiler's `output` two kinds of warnings that mostly concern intended code: fractions that are cut off, unless the
+/// number becomes 0, and texts that are printed without a format, unless `+` joins the text.
+pub fn without_harmless_warnings(output: &str) -> String {
     let mut kept = String::new();
-    // Lines that introduce the messages after them: `a.c: In function 'main':`.
+    // Lines before a message that belong to it: `a.c: In function 'main':`.
     let mut introduction = String::new();
     let (mut is_dropped, mut is_any_dropped) = (false, false);
     let lines: Vec<&str> = output.split_inclusive('\n').collect();
     for (index, line) in lines.iter().copied().enumerate() {
         let text = line.trim_end();
-        let introduces =
+        let is_introduction =
             !line.starts_with(' ') && text.ends_with([':', ',']) || text.starts_with("    ") && text.contains(" from ");
-        let is_count = text.ends_with(" warning generated.") || text.ends_with(" warnings generated.");
+        let is_summary = text.ends_with(" warning generated.") || text.ends_with(" warnings generated.");
         if text.contains(": warning: ") {
-            let joins = lines.get(index + 1).is_some_and(|code| code.contains("\" + ") && !code.contains("c_str()"));
+            let is_joined_text =
+                lines.get(index + 1).is_some_and(|code| code.contains("\" + ") && !code.contains("c_str()"));
             is_dropped = text.ends_with("[-Wfloat-conversion]") && !text.contains(" to '0' ")
-                || text.ends_with("[-Wformat-security]") && !joins;
+                || text.ends_with("[-Wformat-security]") && !is_joined_text;
             is_any_dropped |= is_dropped;
         } else if !line.starts_with(' ') && !text.contains(": note: ") {
-            is_dropped = is_count && is_any_dropped;
+            is_dropped = is_summary && is_any_dropped;
         }
-        if introduces {
+        if is_introduction {
             if is_dropped || !line.starts_with(' ') && !text.ends_with(',') {
                 introduction.clear();
             }
@@ -88,13 +89,13 @@ pub fn without_intended(output: &str) -> String {
 /// The messages about the program among the compiler's `lines`.
 fn messages<'a>(lines: &'a [&'a str], source: (&str, &'a str)) -> Vec<Message<'a>> {
     let mut messages: Vec<Message<'a>> = Vec::new();
-    let (mut begin, mut scope) = (0, None);
+    let (mut details_start, mut scope) = (0, None);
     for (index, line) in lines.iter().copied().enumerate() {
         if let Some(message) = parse(line, scope, source) {
             if let Some(last) = messages.last_mut() {
-                last.more = &lines[begin..index];
+                last.details = &lines[details_start..index];
             }
-            begin = index + 1;
+            details_start = index + 1;
             messages.push(message);
         }
         if line.contains(": In ") || line.ends_with(": At top level:") || line.ends_with(": At global scope:") {
@@ -102,60 +103,61 @@ fn messages<'a>(lines: &'a [&'a str], source: (&str, &'a str)) -> Vec<Message<'a
         }
     }
     if let Some(last) = messages.last_mut() {
-        last.more = &lines[begin..];
+        last.details = &lines[details_start..];
     }
     messages
 }
 
-/// The message that begins with `line`, without the lines behind it; `None` if none about the program begins there. `scope` is the last line
-/// that tells a function.
+/// Parses the first line of a message about the program, without its details; `None` for other lines. `scope` is the last line that
+/// names a function.
 fn parse<'a>(line: &'a str, scope: Option<&'a str>, (name, source): (&str, &'a str)) -> Option<Message<'a>> {
     let mut parts = line.splitn(4, ':');
     let (file, line, column, rest) = (parts.next()?, parts.next()?, parts.next()?, parts.next()?.trim_start());
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
-    let errors = ["error: ", "fatal error: "].iter().find_map(|kind| rest.strip_prefix(kind));
-    let text = errors.or_else(|| rest.strip_prefix("warning: "))?;
+    let error_text = ["error: ", "fatal error: "].iter().find_map(|kind| rest.strip_prefix(kind));
+    let text = error_text.or_else(|| rest.strip_prefix("warning: "))?;
     // Headers of the system and of the kit have absolute paths.
-    let is_own = is_number(line) && is_number(column) && !file.starts_with('/') && !file.starts_with(' ');
-    is_own.then(|| Message {
+    let is_of_program = is_number(line) && is_number(column) && !file.starts_with('/') && !file.starts_with(' ');
+    is_of_program.then(|| Message {
         is_in_function: scope.is_some_and(|line| line.contains(": In ")),
         function: scope.and_then(|line| quoted(line, 0)).unwrap_or_default(),
         source: if file == name { source } else { "" },
         file,
         line,
         column: column.parse().unwrap_or(0),
-        is_error: errors.is_some(),
+        is_error: error_text.is_some(),
         text,
-        more: &[],
+        details: &[],
     })
 }
 
 impl Message<'_> {
-    fn in_plain_words(&self) -> Option<String> {
-        let is_open = ["at end of input", "function-definition is not allowed", "invalid storage class for function"];
-        if (self.text == "expected '}'" || is_open.iter().any(|phrase| self.text.contains(phrase)))
+    fn translated_line(&self) -> Option<String> {
+        let unclosed_phrases =
+            ["at end of input", "function-definition is not allowed", "invalid storage class for function"];
+        if (self.text == "expected '}'" || unclosed_phrases.iter().any(|phrase| self.text.contains(phrase)))
             && let Some(line) = unclosed_brace(self.source)
         {
             return Some(format!("{}:{line}: this `{{` has no `}}`: write it where the block ends\n", self.file));
         }
-        let words = self.words()?;
+        let words = self.plain_words()?;
         Some(format!("{}:{}: {words}\n", self.file, self.line))
     }
 
-    /// The `number`th text between quotes, from 0.
-    fn quoted(&self, number: usize) -> Option<&str> {
-        quoted(self.text, number)
+    /// The text between quotes with this index, from 0.
+    fn quoted(&self, index: usize) -> Option<&str> {
+        quoted(self.text, index)
     }
 
-    fn words(&self) -> Option<String> {
-        self.by_its_line().or_else(|| self.by_its_text())
+    fn plain_words(&self) -> Option<String> {
+        self.plain_words_from_code().or_else(|| self.plain_words_from_text())
     }
 
-    /// Mistakes that the line shows better than what the compiler expects in their place.
-    fn by_its_line(&self) -> Option<String> {
+    /// Words for mistakes that the program's line shows better than the compiler's text.
+    fn plain_words_from_code(&self) -> Option<String> {
         let line = self.code()?;
         let is_continued = self.is_continued(line);
-        if let Some(words) = quote_missing(line).filter(|_| self.is_error && !is_continued && self.may_lack_quote(line))
+        if let Some(words) = missing_quote(line).filter(|_| self.is_error && !is_continued && self.may_lack_quote(line))
         {
             return Some(words.to_owned());
         }
@@ -164,15 +166,15 @@ impl Message<'_> {
         let is_syntax = self.text.starts_with("expected ");
         let lacks_name =
             self.text.starts_with("expected identifier or") || self.text.starts_with("expected unqualified-id");
-        let digits = |text: &str, from_end: bool| {
+        let has_digit = |text: &str, at_end: bool| {
             let mut letters = text.trim().chars();
-            (if from_end { letters.next_back() } else { letters.next() }).is_some_and(|letter| letter.is_ascii_digit())
+            (if at_end { letters.next_back() } else { letters.next() }).is_some_and(|letter| letter.is_ascii_digit())
         };
         let comma = code.split_once('=').and_then(|(_, value)| value.split_once(','));
         if code == "include" || code.starts_with("include<") || code.starts_with("include <") {
             return Some("write `#include`, with `#`".to_owned());
         }
-        if lacks_name && comma.is_some_and(|(left, right)| digits(left, true) && digits(right, false)) {
+        if lacks_name && comma.is_some_and(|(left, right)| has_digit(left, true) && has_digit(right, false)) {
             return Some("a number has a decimal point, not a comma: `0.5`".to_owned());
         }
         if lacks_name
@@ -183,19 +185,19 @@ impl Message<'_> {
             let name = name.trim().split([';', '=', ' ']).next().unwrap_or_default();
             return Some(format!("write `[ ]` after the name: `{} {name}[{size}]`", kind.trim()));
         }
-        if is_syntax && self.before() == Some("-") && self.text.contains("'='") {
+        if is_syntax && self.found_token() == Some("-") && self.text.contains("'='") {
             return Some("a name cannot contain `-`: write `_`".to_owned());
         }
-        if is_syntax && (is_wrong_define(code) || self.definition().is_some_and(is_wrong_define)) {
+        if is_syntax && (is_wrong_define(code) || self.macro_definition().is_some_and(is_wrong_define)) {
             return Some("a `#define` has no `=` and no `;`: `#define SPEED 100`".to_owned());
         }
-        let start = statement(code);
+        let start = without_closing_braces(code);
         let is_clause = ["if", "while", "for", "else", "switch", "do"].iter().any(|word| starts_with_word(start, word));
         let is_declared = TYPES.iter().any(|kind| starts_with_word(start, kind));
         if is_syntax && starts_with_word(start, "else") && start[4..].trim_start().starts_with('(') {
             return Some("an `else` has no condition: write `else if (...)`".to_owned());
         }
-        if is_syntax && self.before() == Some(":") && code.ends_with(':') {
+        if is_syntax && self.found_token() == Some(":") && code.ends_with(':') {
             return Some(if starts_with_word(start, "case") {
                 "a value is missing after `case`".to_owned()
             } else if is_clause || is_declared && code.contains('(') {
@@ -205,7 +207,7 @@ impl Message<'_> {
             });
         }
         let is_list = |values: &str| {
-            values.split(',').map(str::trim).all(|value| !value.contains(' ') && !OF_CPP.contains(&value))
+            values.split(',').map(str::trim).all(|value| !value.contains(' ') && !CPP_LIBRARY_NAMES.contains(&value))
         };
         let call = start.strip_suffix(");").and_then(|call| call.split_once('('));
         let values = line.get(blanked.find('(').map_or(0, |open| open + 1)..blanked.rfind(')').unwrap_or(0));
@@ -217,11 +219,12 @@ impl Message<'_> {
             return Some(format!("a call has no type in front of it: write `{name}({values});`"));
         }
         if !is_declared && !self.is_in_function && self.text.starts_with("expected declaration specifiers or '...'") {
-            return Some(OUTSIDE.to_owned());
+            return Some(OUTSIDE_FUNCTIONS.to_owned());
         }
         if self.text.contains("of unary '*'") {
-            let is_operand =
-                |left: &str| left.trim_end().ends_with(|it: char| it.is_alphanumeric() || "_)]".contains(it));
+            let is_operand = |left: &str| {
+                left.trim_end().ends_with(|letter: char| letter.is_alphanumeric() || "_)]".contains(letter))
+            };
             if !code.split_once("**").is_some_and(|(left, _)| is_operand(left)) {
                 return Some("`*` stands before a value that is not a pointer: leave it out".to_owned());
             }
@@ -230,8 +233,10 @@ impl Message<'_> {
         if self.text.contains("[-Wformat-security]") {
             return Some("`+` does not join a text and a number: write `\"distance %d\", d`".to_owned());
         }
-        let is_word_of_cpp = |word: Option<&str>| word.is_some_and(|word| ["and", "or", "not"].contains(&word));
-        if self.file.ends_with(".c") && (is_syntax && is_word_of_cpp(self.before()) || is_word_of_cpp(self.quoted(0))) {
+        let is_cpp_operator = |word: Option<&str>| word.is_some_and(|word| ["and", "or", "not"].contains(&word));
+        if self.file.ends_with(".c")
+            && (is_syntax && is_cpp_operator(self.found_token()) || is_cpp_operator(self.quoted(0)))
+        {
             return Some("C writes `&&` for `and`, `||` for `or` and `!` for `not`".to_owned());
         }
         if is_syntax && code.contains(if self.file.ends_with(".c") { "<>" } else { " <> " }) {
@@ -240,7 +245,7 @@ impl Message<'_> {
         None
     }
 
-    fn by_its_text(&self) -> Option<String> {
+    fn plain_words_from_text(&self) -> Option<String> {
         let has = |phrase: &str| self.text.contains(phrase);
         let fixed = [
             ("[-Wparentheses]", "assignment", "`=` assigns a value; write `==` to compare"),
@@ -273,7 +278,7 @@ impl Message<'_> {
             ("expected '}' at end of input", "", "the program ends too early: a `}` is missing above"),
             ("", "at end of input", "the file ends here, and its last line is not complete"),
             ("comparisons like", "mathematical meaning", "two comparisons are joined by `&&`: `100 < d && d < 200`"),
-            ("expected constructor, destructor", "before", OUTSIDE),
+            ("expected constructor, destructor", "before", OUTSIDE_FUNCTIONS),
             (
                 "initializer element is not",
                 "constant",
@@ -291,7 +296,7 @@ impl Message<'_> {
             ("return type of 'main'", "is not 'int'", "write `int main(void)`, and `return 0;` at its end"),
             ("no match for 'operator>>'", "ostream", "`cout` is followed by `<<`, not by `>>`, as in `std::cout << d`"),
             ("no match for 'operator<<'", "istream", "`cin` is followed by `>>`: `cin >> d`"),
-            ("", "from an initializer list", LIST_IS_SET),
+            ("", "from an initializer list", LIST_ASSIGNED),
             ("", "lvalue required as left operand", "the left side of `=` must be a variable"),
             ("", "lvalue required as unary '&'", "`&` takes the address of a variable, not of a value"),
             ("lvalue required as", "crement operand", "`++` and `--` change a variable, not a value"),
@@ -313,10 +318,10 @@ impl Message<'_> {
                 "`break` belongs in a loop or a `switch`: is there a `}` too many above?",
             ),
             ("", "continue statement not within", "`continue` belongs in a loop: is there a `}` too many above?"),
-            ("", "subscripted value is neither", IS_CALLED),
-            ("", "for array subscript", IS_CALLED),
-            ("", "expression with array type", ARRAY_IS_SET),
-            ("incompatible types in assignment", "[", ARRAY_IS_SET),
+            ("", "subscripted value is neither", FUNCTION_INDEXED),
+            ("", "for array subscript", FUNCTION_INDEXED),
+            ("", "expression with array type", ARRAY_ASSIGNED),
+            ("incompatible types in assignment", "[", ARRAY_ASSIGNED),
             ("", "with a value, in function returning", VOID_RETURNS),
             (
                 "",
@@ -325,7 +330,7 @@ impl Message<'_> {
             ),
             ("", "#include expects", "write the name between quotes: `#include \"eyebot.h\"`"),
             ("", "extra tokens at end of #include", "no `;` belongs after `#include`"),
-            ("", "cannot declare '::main' to be a global variable", NO_FUNCTION),
+            ("", "cannot declare '::main' to be a global variable", BRACE_WITHOUT_FUNCTION),
         ];
         if let Some((.., words)) = fixed.iter().find(|(first, second, _)| has(first) && has(second)) {
             return Some((*words).to_owned());
@@ -365,51 +370,51 @@ impl Message<'_> {
             }
             text if text.contains("uninitialized") && self.is_declared_as_pointer() => Some(self.pointer_without_value(self.quoted(0)?)),
             text if text.contains("uninitialized") => {
-                let name = own_name(self.quoted(0)?);
+                let name = source_name(self.quoted(0)?);
                 Some(format!("`{name}` has no value yet: {}", self.first_value(name)))
             }
-            text if text.contains("address of") && text.contains("local variable") => Some(self.local_returned()),
+            text if text.contains("address of") && text.contains("local variable") => Some(self.returned_local()),
             text if text.starts_with("expected '}' before") && self.code().is_some_and(|code| code.contains('{')) => {
-                Some(format!("a `,` is missing before `{}`, or a `}}`", self.before()?))
+                Some(format!("a `,` is missing before `{}`, or a `}}`", self.found_token()?))
             }
             text if text.starts_with("expected '}'") => Some("the program ends too early: a `}` is missing above".to_owned()),
-            text if text.starts_with("format '") || text.starts_with("format specifies") => self.format(),
+            text if text.starts_with("format '") || text.starts_with("format specifies") => self.wrong_format(),
             text if text.contains("expected ';'") || text.contains("expected ',' or ';'") => {
-                Some(self.misspelt_start().unwrap_or_else(|| self.missing(";")))
+                Some(self.misspelt_first_word().unwrap_or_else(|| self.missing_mark(";")))
             }
-            text if text.starts_with("expected '=', ',', ';'") => Some(match self.before() {
-                Some("{") => self.missing_between_heads().unwrap_or_else(|| NO_FUNCTION.to_owned()),
-                Some(word) if is_word(word) => self.two_words(word),
+            text if text.starts_with("expected '=', ',', ';'") => Some(match self.found_token() {
+                Some("{") => self.missing_after_head().unwrap_or_else(|| BRACE_WITHOUT_FUNCTION.to_owned()),
+                Some(word) if is_word(word) => self.separated_words(word),
                 _ => "a `;` is missing; a `for` has two, as in `for (int i = 0; i < 4; i++)`".to_owned(),
             }),
             text if text.starts_with("expected identifier or '(' before '{'") || text.starts_with("expected unqualified-id before '{'") => {
                 Some("no function starts at this `{`: is there an extra `;` at the end of the line above it?".to_owned())
             }
             text if text.starts_with("expected '(' before") => {
-                let word = self.before()?;
+                let word = self.found_token()?;
                 Some(format!("a `(` is missing before `{word}`: a condition is written between `( )`"))
             }
             text if text.starts_with("expected expression before") || text.starts_with("expected primary-expression before") => {
                 let code = code_only(self.code().unwrap_or_default());
                 let reversed = [("=>", ">="), ("=<", "<=")].into_iter().find(|(wrong, _)| code.contains(wrong));
                 let is_list = code.split_once('{').is_some_and(|(left, _)| left.trim_end().ends_with('='));
-                if let Some(words) = self.declaration_in_clause().or_else(|| self.word_of_cpp_as_name()) {
+                if let Some(words) = self.declaration_in_clause().or_else(|| self.cpp_keyword_as_name()) {
                     return Some(words);
                 }
                 Some(match reversed {
-                    None if self.before() == Some("{") && is_list => LIST_IS_SET.to_owned(),
-                    None if self.before().is_some_and(|word| TYPES.contains(&word)) => format!(
+                    None if self.found_token() == Some("{") && is_list => LIST_ASSIGNED.to_owned(),
+                    None if self.found_token().is_some_and(|word| TYPES.contains(&word)) => format!(
                         "`{}` does not belong here: a type is written where a name is declared, not where it is used",
-                        self.before()?
+                        self.found_token()?
                     ),
                     Some((wrong, right)) => format!("`{wrong}` is not a comparison: write `{right}`"),
-                    None => format!("a value is missing before `{}`, or there is something too many", self.before()?),
+                    None => format!("a value is missing before `{}`, or there is something too many", self.found_token()?),
                 })
             }
             text if text.starts_with("redefinition of") || text.starts_with("redeclaration of") => self.defined_twice(),
             text if text.starts_with("conflicting types for") => {
                 let name = self.quoted(0)?;
-                if self.more.iter().any(|line| line.starts_with('/') && line.contains("note: previous")) {
+                if self.details.iter().any(|line| line.starts_with('/') && line.contains("note: previous")) {
                     return Some(format!("`{name}` is the name of another function already: give yours another one"));
                 }
                 Some(format!(
@@ -424,8 +429,8 @@ impl Message<'_> {
             }
             text if text.contains("has no member named") => {
                 let (whole, part) = (self.quoted(0)?, self.quoted(1)?);
-                Some(match self.near() {
-                    Some(near) => format!("`{whole}` has no `{part}`; did you mean `{near}`?"),
+                Some(match self.suggestion() {
+                    Some(suggestion) => format!("`{whole}` has no `{part}`; did you mean `{suggestion}`?"),
                     None => format!("`{whole}` has no `{part}`: check the spelling"),
                 })
             }
@@ -438,21 +443,21 @@ impl Message<'_> {
             }),
             text if text.starts_with("initialization of '") || text.starts_with("assignment to '") => {
                 let (variable, value) = (self.quoted(0)?, self.quoted(1)?);
-                Some(mismatch(variable, value))
+                Some(type_mismatch(variable, value))
             }
             text if text.starts_with("incompatible types when ") => {
                 let (variable, value) = (self.quoted(0)?, self.quoted(1)?);
-                Some(mismatch(variable, value))
+                Some(type_mismatch(variable, value))
             }
-            text if text.starts_with("expected ':'") => Some(self.missing(":")),
+            text if text.starts_with("expected ':'") => Some(self.missing_mark(":")),
             text if text.starts_with("expected declaration specifiers before") || text.starts_with("parameter '") => {
                 Some(self.missing_above())
             }
-            text if text.starts_with("expected initializer before") && self.before().is_some_and(is_word) => {
-                Some(self.two_words(self.before()?))
+            text if text.starts_with("expected initializer before") && self.found_token().is_some_and(is_word) => {
+                Some(self.separated_words(self.found_token()?))
             }
             text if text.contains("function-definition is not allowed here") || text.contains("function definition is not allowed here") || text.starts_with("invalid storage class for function") => {
-                Some(self.nested())
+                Some(self.nested_function())
             }
             text if text.starts_with("expected identifier or '(' before numeric constant")
                 || text.starts_with("expected unqualified-id before numeric constant") =>
@@ -463,7 +468,7 @@ impl Message<'_> {
                 .iter()
                 .any(|it| text.starts_with(it)) =>
             {
-                Some(if self.is_in_function { self.missing_name()? } else { OUTSIDE.to_owned() })
+                Some(if self.is_in_function { self.missing_name()? } else { OUTSIDE_FUNCTIONS.to_owned() })
             }
             text if text.contains("not call, to function") => {
                 let name = self.quoted(0)?;
@@ -486,44 +491,45 @@ impl Message<'_> {
                 Some("`+` does not join texts in quotes: make the first one a `std::string(\"...\")`".to_owned())
             }
             text if text.contains("is not a member of 'std'") => self.undeclared(),
-            text if text.starts_with("expected ')'") => Some(self.missing(")")),
+            text if text.starts_with("expected ')'") => Some(self.missing_mark(")")),
             text if text.contains("undeclared") || text.contains("not declared in this scope") => self.undeclared(),
             text if text.contains("few arguments to function") || text.contains("many arguments to function") => {
                 let name = self.quoted(0)?;
                 let name = name.split('(').next()?.rsplit(' ').next()?;
-                let extent = if text.contains("few") { "few" } else { "many" };
-                Some(format!("`{name}` is called with too {extent} values{}", self.declared(name)))
+                let amount = if text.contains("few") { "few" } else { "many" };
+                Some(format!("`{name}` is called with too {amount} values{}", self.function_declaration(name)))
             }
             text if ["passing argument ", "invalid conversion from", "cannot convert '"]
                 .iter()
                 .any(|it| text.starts_with(it)) =>
             {
-                self.argument()
+                self.wrong_argument()
             }
-            text if text.starts_with("expected ") => self.misspelt_start(),
+            text if text.starts_with("expected ") => self.misspelt_first_word(),
             _ => None,
         }
     }
 
-    /// Returns true if a `\\` joins the line with the one before or after it.
+    /// Returns true if a back-slash joins the line with the line before or after it.
     fn is_continued(&self, line: &str) -> bool {
-        let before = self.line.parse::<usize>().ok().and_then(|number| self.source.lines().nth(number.checked_sub(2)?));
-        [Some(line), before].into_iter().flatten().any(|line| line.trim_end().ends_with('\\'))
+        let line_before =
+            self.line.parse::<usize>().ok().and_then(|number| self.source.lines().nth(number.checked_sub(2)?));
+        [Some(line), line_before].into_iter().flatten().any(|line| line.trim_end().ends_with('\\'))
     }
 
-    /// Returns true if what the compiler says may come from a quote that is missing in `line`.
+    /// Returns true if a missing quote in `line` may be the cause of the message.
     fn may_lack_quote(&self, line: &str) -> bool {
-        let is_lexical = ["missing terminating", "expected ", "stray ", "unterminated "];
+        let lexical_errors = ["missing terminating", "expected ", "stray ", "unterminated "];
         let touches = |name: &str| line.contains(&format!("{name}\"")) || line.contains(&format!("\"{name}"));
         let is_unknown = self.text.contains("undeclared") || self.text.contains("not declared");
         !line.contains("/*")
-            && (is_lexical.iter().any(|begin| self.text.starts_with(begin))
-                || is_unknown && (printed(line).is_some() || self.quoted(0).is_some_and(touches)))
+            && (lexical_errors.iter().any(|beginning| self.text.starts_with(beginning))
+                || is_unknown && (print_arguments(line).is_some() || self.quoted(0).is_some_and(touches)))
     }
 
-    /// A name that is missing within a function.
+    /// Words for a missing name in a function.
     fn missing_name(&self) -> Option<String> {
-        Some(match self.before()? {
+        Some(match self.found_token()? {
             word if is_word(word) => format!("`{word}` is a word of the language: give the variable another name"),
             "&" if self.file.ends_with(".c") => "C has no `&` variables: write a pointer, with `*`".to_owned(),
             mark => format!("a name is missing before `{mark}`"),
@@ -531,25 +537,25 @@ impl Message<'_> {
     }
 
     /// The line that defines the macro that the message is about.
-    fn definition(&self) -> Option<&str> {
-        let note = self.more.iter().position(|line| line.contains("note: in definition of macro"))?;
-        self.more.get(note + 1)?.split_once(" | ").map(|(_, code)| code.trim())
+    fn macro_definition(&self) -> Option<&str> {
+        let note = self.details.iter().position(|line| line.contains("note: in definition of macro"))?;
+        self.details.get(note + 1)?.split_once(" | ").map(|(_, code)| code.trim())
     }
 
-    /// The line that declares the variable of the message, as its note shows it.
-    fn declaration(&self) -> Option<&str> {
-        let note = self.more.iter().position(|line| line.contains(" declared here"))?;
-        self.more.get(note + 1)?.split_once(" | ").map(|(_, code)| code.trim())
+    /// The line that declares the variable of the message, as a note shows it.
+    fn variable_declaration(&self) -> Option<&str> {
+        let note = self.details.iter().position(|line| line.contains(" declared here"))?;
+        self.details.get(note + 1)?.split_once(" | ").map(|(_, code)| code.trim())
     }
 
     /// Returns true if the name is declared with a `*`, and not as an array.
     fn is_declared_as_pointer(&self) -> bool {
-        let Some((name, code)) = self.quoted(0).zip(self.declaration()) else { return false };
-        let ends = |rest: &str| !rest.starts_with(|letter| is_name(letter) || letter == '[');
-        code.split('*').skip(1).any(|rest| rest.trim_start().strip_prefix(name).is_some_and(ends))
+        let Some((name, code)) = self.quoted(0).zip(self.variable_declaration()) else { return false };
+        let is_name_end = |rest: &str| !rest.starts_with(|letter| is_name(letter) || letter == '[');
+        code.split('*').skip(1).any(|rest| rest.trim_start().strip_prefix(name).is_some_and(is_name_end))
     }
 
-    /// What to do about the pointer `name`, which is used before it has a value.
+    /// Words for the pointer `name`, which is used before it has a value.
     fn pointer_without_value(&self, name: &str) -> String {
         if self.text.contains("may be used") {
             return format!(
@@ -557,11 +563,11 @@ impl Message<'_> {
             );
         }
         let code = code_only(self.code().unwrap_or_default());
-        let is_argument = code.match_indices(name).any(|(place, _)| {
-            let (left, right) = (code[..place].trim_end(), code[place + name.len()..].trim_start());
+        let is_argument = code.match_indices(name).any(|(offset, _)| {
+            let (left, right) = (code[..offset].trim_end(), code[offset + name.len()..].trim_start());
             left.ends_with(['(', ',']) && right.starts_with([',', ')'])
         });
-        match self.declaration() {
+        match self.variable_declaration() {
             Some(code) if is_argument && starts_with_word(code, "char") => {
                 format!("`{name}` points nowhere: declare an array in its place, such as `char {name}[20]`")
             }
@@ -574,21 +580,23 @@ impl Message<'_> {
         }
     }
 
-    /// A declaration that is the only statement of an `if` or a loop.
+    /// Words for a declaration that is the only statement of an `if` or a loop.
     fn declaration_in_clause(&self) -> Option<String> {
-        let (left, right) = self.sides()?;
+        let (left, right) = self.split_code()?;
         let is_declared = |word: &&&str| starts_with_word(right, word);
         let word = TYPES.iter().chain(&["static", "const", "struct"]).find(is_declared)?;
         let code = code_only(self.source);
-        let above = code.lines().take(self.line.parse::<usize>().ok()?.checked_sub(1)?);
-        let above = above.filter(|line| !line.trim().is_empty()).last().map(statement)?.trim_end();
-        let clause = ["if", "else", "while", "for", "do"].into_iter().find(|word| starts_with_word(above, word))?;
-        let is_whole = above.ends_with(')') || above == clause;
+        let lines_above = code.lines().take(self.line.parse::<usize>().ok()?.checked_sub(1)?);
+        let line_above =
+            lines_above.filter(|line| !line.trim().is_empty()).last().map(without_closing_braces)?.trim_end();
+        let clause =
+            ["if", "else", "while", "for", "do"].into_iter().find(|word| starts_with_word(line_above, word))?;
+        let is_whole = line_above.ends_with(')') || line_above == clause;
         if !left.trim().is_empty() || !is_whole {
             return None;
         }
         Some(if begins_function(right) {
-            self.nested()
+            self.nested_function()
         } else {
             format!(
                 "`{word}` does not belong here: a variable is declared before the `{clause}`, or within its `{{ }}`"
@@ -596,21 +604,21 @@ impl Message<'_> {
         })
     }
 
-    /// A word of C++ that the line declares as the name of a variable: `int class`.
-    fn word_of_cpp_as_name(&self) -> Option<String> {
-        let right = self.sides()?.1;
+    /// Words for a keyword of C++ that the line declares as a variable: `int class`.
+    fn cpp_keyword_as_name(&self) -> Option<String> {
+        let right = self.split_code()?.1;
         let kind = TYPES.iter().find(|kind| starts_with_word(right, kind))?;
         let word = right[kind.len()..].trim_start().split(|c| !is_name(c)).next()?;
-        let is_of_cpp = !self.file.ends_with(".c") && WORDS_OF_CPP.contains(&word);
-        is_of_cpp.then(|| format!("`{word}` is a word of C++: give the variable another name"))
+        let is_cpp_keyword = !self.file.ends_with(".c") && CPP_KEYWORDS.contains(&word);
+        is_cpp_keyword.then(|| format!("`{word}` is a word of C++: give the variable another name"))
     }
 
-    /// How the variable `name` gets its first value, as far as its declaration shows it.
+    /// Advice on a first value for the variable `name`, as far as its declaration shows one.
     fn first_value(&self, name: &str) -> String {
         if !is_word(name) {
             return "give it one before it is used".to_owned();
         }
-        let code = self.declaration().unwrap_or_default();
+        let code = self.variable_declaration().unwrap_or_default();
         // The length of an array must be a number here.
         let length = |word: &str| word.strip_prefix(name)?.strip_prefix('[')?.chars().next();
         let is_array = code
@@ -618,8 +626,8 @@ impl Message<'_> {
             .filter_map(length)
             .any(|letter| letter.is_ascii_digit());
         let is_struct = self.file.ends_with(".c") && starts_with_word(code, "struct") && !code.contains(['[', '*']);
-        // Only numbers and pointers "were" declared.
-        let is_number = self.more.iter().any(|line| line.contains(" was declared here"));
+        // gcc writes "was declared here" for numbers and pointers only.
+        let is_number = self.details.iter().any(|line| line.contains(" was declared here"));
         let value = if is_number {
             format!(", such as `{name} = 0`")
         } else if is_array || is_struct {
@@ -632,45 +640,45 @@ impl Message<'_> {
 
     /// The line of the program, as the message shows it.
     fn code(&self) -> Option<&str> {
-        self.more.first()?.split_once(" | ").map(|(_, code)| code.trim_end())
+        self.details.first()?.split_once(" | ").map(|(_, code)| code.trim_end())
     }
 
-    /// The line of the program before and from the place of the message. gcc and its caret count the columns of letters, of which some
-    /// have two, clang counts bytes; the line has no tabs any more.
-    fn sides(&self) -> Option<(&str, &str)> {
+    /// Splits the program's line at the message's column. The caret and the column of gcc count the width of letters (1 or 2), the column
+    /// of clang counts bytes; the excerpt contains blanks in place of tabs.
+    fn split_code(&self) -> Option<(&str, &str)> {
         let code = self.code()?;
-        let caret = self.more.get(1).and_then(|line| line.split_once(" | ")?.1.find('^'));
+        let caret = self.details.get(1).and_then(|line| line.split_once(" | ")?.1.find('^'));
         let column = caret.or(self.column.checked_sub(1))?;
-        let ends = code.char_indices().scan(0, |columns, (place, letter)| {
-            let before = *columns;
+        let positions = code.char_indices().scan(0, |columns, (offset, letter)| {
+            let width_before = *columns;
             *columns += measure_text_width(letter.encode_utf8(&mut [0; 4]));
-            Some((before, place))
+            Some((width_before, offset))
         });
-        let place = ends.skip_while(|(before, _)| *before < column).map(|(_, place)| place).next();
-        Some(code.split_at(place.unwrap_or(code.len())))
+        let offset = positions.skip_while(|(width_before, _)| *width_before < column).map(|(_, offset)| offset).next();
+        Some(code.split_at(offset.unwrap_or(code.len())))
     }
 
-    /// The mark or word before which something is expected.
-    fn before(&self) -> Option<&str> {
+    /// The mark or word that the compiler found where it expected something else.
+    fn found_token(&self) -> Option<&str> {
         let quoted = self.text.split_once("before '").and_then(|(_, rest)| rest.split('\'').next());
         quoted.or_else(|| {
-            let rest = self.sides()?.1.trim_start();
+            let rest = self.split_code()?.1.trim_start();
             let word = rest.split(|c| !is_name(c) && c != '"').next()?;
             Some(word).filter(|word| !word.is_empty())
         })
     }
 
-    /// The name that the compiler proposes.
-    fn near(&self) -> Option<&str> {
+    /// The name that the compiler suggests.
+    fn suggestion(&self) -> Option<&str> {
         self.text.split_once("did you mean '").and_then(|(_, rest)| rest.split('\'').next())
     }
 
-    /// The address of a variable that is gone when its function ends.
-    fn local_returned(&self) -> String {
-        let note = self.more.iter().position(|line| line.contains("note: declared here"));
+    /// Words for a returned address of a variable that is gone when its function ends.
+    fn returned_local(&self) -> String {
+        let note = self.details.iter().position(|line| line.contains("note: declared here"));
         let declared = note.and_then(|note| {
-            let code = self.more.get(note + 1)?.split_once(" | ")?.1.trim();
-            Some((self.more[note].split(':').nth(1)?, code))
+            let code = self.details.get(note + 1)?.split_once(" | ")?.1.trim();
+            Some((self.details[note].split(':').nth(1)?, code))
         });
         match declared {
             Some((line, code)) => {
@@ -689,76 +697,77 @@ impl Message<'_> {
         }
     }
 
-    /// A function or variable with two definitions.
+    /// Words for a function or variable with two definitions.
     fn defined_twice(&self) -> Option<String> {
-        // g++ tells the whole type: `int home(int)`.
+        // g++ prints the whole signature: `int home(int)`.
         let name = self.quoted(0)?.split('(').next()?.rsplit([' ', '*', '&']).next()?;
         let is_note = |line: &&&str| line.contains("note: ") && (line.contains("previous") || line.contains(name));
-        let is_here = |line: &&&str| !line.starts_with('/');
-        let first = self.more.iter().find(is_note).filter(is_here).and_then(|line| line.split(':').nth(1));
-        let is_defined =
+        let is_in_program = |line: &&&str| !line.starts_with('/');
+        let first = self.details.iter().find(is_note).filter(is_in_program).and_then(|line| line.split(':').nth(1));
+        let definitions =
             first.map_or_else(|| "defined twice".to_owned(), |line| format!("already defined in line {line}"));
-        Some(format!("`{name}` is {is_defined}: delete one of them, or give it another name"))
+        Some(format!("`{name}` is {definitions}: delete one of them, or give it another name"))
     }
 
-    /// A name where a type belongs.
+    /// Words for a name where a type belongs.
     fn unknown_type(&self) -> Option<String> {
         let name = self.quoted(0)?;
         let kinds = ["struct", "enum", "union"];
         if let Some(kind) = kinds.iter().find(|kind| self.text.contains(&format!("use '{kind}' keyword"))) {
             return Some(format!("C wants the `{kind}` again: write `{kind} {name}`"));
         }
-        if OF_CPP.contains(&name) {
-            return Some(if self.file.ends_with(".c") { no_type_of_c(name) } else { of_cpp(name) });
+        if CPP_LIBRARY_NAMES.contains(&name) {
+            return Some(if self.file.ends_with(".c") { not_a_c_type(name) } else { belongs_to_cpp(name) });
         }
-        misspelt(name).or_else(|| {
-            if self.near().is_none()
-                && let Some(words) = self.one_name(name)
+        misspelt_keyword(name).or_else(|| {
+            if self.suggestion().is_none()
+                && let Some(words) = self.split_name(name)
             {
                 return Some(words);
             }
-            let near = self.near().map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-            let outside = if near.is_empty() {
+            let suggestion =
+                self.suggestion().map_or_else(String::new, |suggestion| format!("; did you mean `{suggestion}`?"));
+            let cause = if suggestion.is_empty() {
                 ", or this line is outside of every function: is there a `}` too many above?"
             } else {
                 ""
             };
-            Some(format!("`{name}` is not a type{near}{outside}"))
+            Some(format!("`{name}` is not a type{suggestion}{cause}"))
         })
     }
 
-    /// A line that begins with nearly a word of C: `whlie (x)`.
-    fn misspelt_start(&self) -> Option<String> {
+    /// Words for a line that begins with a misspelt keyword: `whlie (x)`.
+    fn misspelt_first_word(&self) -> Option<String> {
         let code = self.code()?.trim_start();
         let word = code.split(|c| !is_name(c)).next()?;
-        // A word that the program has elsewhere is a name of its own.
+        // A word that occurs more than once is a name of the program.
         let count = self.source.split(|c| !is_name(c)).filter(|other| *other == word).count();
-        misspelt(word).filter(|_| count <= 1)
+        misspelt_keyword(word).filter(|_| count <= 1)
     }
 
-    /// A missing `mark`: the compiler points behind the last word before it.
-    fn missing(&self, mark: &str) -> String {
-        let (code, before) = (self.code(), self.before());
+    /// Words for a missing `mark`; the message's column is after the last word before the mark.
+    fn missing_mark(&self, mark: &str) -> String {
+        let (code, found) = (self.code(), self.found_token());
         let is_open = |code: &str| code.matches('(').count() > code.matches(')').count();
-        let mark = if before == Some("{") && code.is_some_and(is_open) { ")" } else { mark };
-        match (before, self.sides()) {
+        let mark = if found == Some("{") && code.is_some_and(is_open) { ")" } else { mark };
+        match (found, self.split_code()) {
             (_, Some((left, _))) if left.trim().is_empty() => {
                 format!("a `{mark}` is missing at the end of the line before this one")
             }
-            (Some(before), Some((_, right))) if !right.is_empty() => {
-                let marks = if mark == ")" && (is_word(before) || before.starts_with('"')) {
+            (Some(found), Some((_, right))) if !right.is_empty() => {
+                let marks = if mark == ")" && (is_word(found) || found.starts_with('"')) {
                     "`,` or a `)`"
                 } else {
                     &format!("`{mark}`")
                 };
-                format!("a {marks} is missing before `{before}`")
+                format!("a {marks} is missing before `{found}`")
             }
             _ => format!("a `{mark}` is missing at the end of this line"),
         }
     }
 
-    /// `%d` for a value of another type.
-    fn format(&self) -> Option<String> {
+    /// Words for a format such as `%d` with a value of another type.
+    fn wrong_format(&self) -> Option<String> {
         let (format, expected, given) = (self.quoted(0)?, self.quoted(1)?, self.quoted(2)?);
         let is_address = expected.ends_with('*');
         let fits = match given {
@@ -779,10 +788,10 @@ impl Message<'_> {
         })
     }
 
-    /// A name that is not known.
+    /// Words for an unknown name.
     fn undeclared(&self) -> Option<String> {
         let name = self.quoted(0)?;
-        let header = self.more.iter().find_map(|line| line.split_once("defined in header '")?.1.split('\'').next());
+        let header = self.details.iter().find_map(|line| line.split_once("defined in header '")?.1.split('\'').next());
         if let Some(header) = header {
             if header.ends_with(".h>") {
                 return Some(format!("`{name}` is not defined: write `#include {header}` as the first line"));
@@ -791,22 +800,22 @@ impl Message<'_> {
                 "`{name}` belongs to the C++ library: write `#include {header}` as the first line, and `std::{name}`"
             ));
         }
-        if !self.file.ends_with(".c") && OF_CPP.contains(&name) {
-            return Some(of_cpp(name));
+        if !self.file.ends_with(".c") && CPP_LIBRARY_NAMES.contains(&name) {
+            return Some(belongs_to_cpp(name));
         }
-        if let Some(given) = self.code().and_then(printed).filter(|given| given.starts_with(name)) {
+        if let Some(given) = self.code().and_then(print_arguments).filter(|given| given.starts_with(name)) {
             let text = given.split([',', ')']).next()?;
             return Some(format!(
                 "`{name}` is not defined: a text is written between quotes, as in `LCDPrintf(\"{text}\")`"
             ));
         }
-        if let Some(words) = self.one_name(name) {
+        if let Some(words) = self.split_name(name) {
             return Some(words);
         }
-        Some(match self.near() {
+        Some(match self.suggestion() {
             _ if name == "then" => "C has no `then`: leave it out".to_owned(),
-            Some(near) => format!("`{name}` is not defined; did you mean `{near}`?"),
-            None if misspelt(name).is_some() => misspelt(name)?,
+            Some(suggestion) => format!("`{name}` is not defined; did you mean `{suggestion}`?"),
+            None if misspelt_keyword(name).is_some() => misspelt_keyword(name)?,
             None if self.code().is_some_and(|code| code.contains(&format!("{name}("))) => self.unknown_function(name),
             None => format!(
                 "`{name}` is not defined: declare it before this line, such as `int {name} = 0;`, or check the spelling"
@@ -814,31 +823,31 @@ impl Message<'_> {
         })
     }
 
-    /// Two words where one name, or a mark between them, belongs; the message is at the second one.
-    fn two_words(&self, second: &str) -> String {
-        let left = self.sides().unwrap_or_default().0.trim_end();
+    /// Words for two words without a mark between them; the message is at the second word.
+    fn separated_words(&self, second: &str) -> String {
+        let left = self.split_code().unwrap_or_default().0.trim_end();
         if left.is_empty() {
             return self.missing_above();
         }
         let first = left.rsplit(|c| !is_name(c)).next().unwrap_or_default();
         let missing = format!("a `,` or a `;` is missing before `{second}`");
-        if first.is_empty() || near_keyword(first).is_some() || TYPES.contains(&second) {
+        if first.is_empty() || similar_keyword(first).is_some() || TYPES.contains(&second) {
             return missing;
         }
         format!("{missing}, or `{first} {second}` is one name: write `{first}_{second}`")
     }
 
-    /// A `{` or a `;` that is missing above the line, the likelier one first.
+    /// Words for a `{` or a `;` that is missing above the line, whichever is likelier.
     fn missing_above(&self) -> String {
         let code = code_only(self.source);
-        let place = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
-        let above = code.lines().take(place).enumerate().filter(|(_, line)| !line.trim().is_empty()).last();
-        match above {
+        let line_index = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
+        let line_above = code.lines().take(line_index).enumerate().filter(|(_, line)| !line.trim().is_empty()).last();
+        match line_above {
             Some((index, head)) if !head.contains(['(', '#']) && head.trim_end().ends_with(is_name) => {
                 format!("a `;` is missing at the end of line {}", index + 1)
             }
             // An unfinished declaration, with another one below it.
-            Some((index, _)) if code.lines().nth(place).is_some_and(begins_function) => {
+            Some((index, _)) if code.lines().nth(line_index).is_some_and(begins_function) => {
                 format!("a `;` is missing at the end of line {}, or a block between `{{ }}` after it", index + 1)
             }
             Some((index, head)) if begins_function(head) => {
@@ -848,27 +857,28 @@ impl Message<'_> {
         }
     }
 
-    /// A `;` that is missing after the first line of a function, with another function below it, at whose `{` the message is.
-    fn missing_between_heads(&self) -> Option<String> {
+    /// Words for a missing `;` after the first line of a function, directly above another function; the message is at the `{` of the
+    /// latter.
+    fn missing_after_head(&self) -> Option<String> {
         let code = code_only(self.source);
-        let place = self.line.parse::<usize>().ok()?.checked_sub(1)?;
-        let above = code.lines().take(place).enumerate().filter(|(_, line)| !line.trim().is_empty());
-        let above: Vec<(usize, &str)> = above.collect();
-        let [.., (first, head), (_, second)] = above.as_slice() else { return None };
+        let line_index = self.line.parse::<usize>().ok()?.checked_sub(1)?;
+        let lines_above = code.lines().take(line_index).enumerate().filter(|(_, line)| !line.trim().is_empty());
+        let lines_above: Vec<(usize, &str)> = lines_above.collect();
+        let [.., (first, head), (_, second)] = lines_above.as_slice() else { return None };
         (begins_function(head) && begins_function(second) && head.trim_end().ends_with(')'))
             .then(|| format!("a `;` is missing at the end of line {}", first + 1))
     }
 
-    /// A function that is called and not declared.
+    /// Words for a function that is called and not declared.
     fn unknown_function(&self, name: &str) -> String {
-        let place = self.line.parse().unwrap_or(usize::MAX);
+        let first_line_below = self.line.parse().unwrap_or(usize::MAX);
         let code = code_only(self.source);
-        let below = code.lines().enumerate().skip(place).find_map(|(index, line)| {
+        let definition = code.lines().enumerate().skip(first_line_below).find_map(|(index, line)| {
             let (head, _) = line.split_once('(')?;
             let is_defined = head.trim_end().rsplit([' ', '*', '&']).next() == Some(name) && begins_function(line);
             is_defined.then(|| (index + 1, line.trim_end().trim_end_matches('{').trim_end()))
         });
-        match below {
+        match definition {
             Some((line, head)) if head.ends_with(')') => format!(
                 "`{name}` is defined below, in line {line}: move it above the function that calls it, or write `{head};` at the top, below `#include`"
             ),
@@ -881,91 +891,94 @@ impl Message<'_> {
         }
     }
 
-    /// A function within another one.
-    fn nested(&self) -> String {
+    /// Words for a function inside another one.
+    fn nested_function(&self) -> String {
         let name = |head: &str| head.split('(').next()?.rsplit([' ', '*', '&']).next().map(str::to_owned);
         let code = code_only(self.source);
-        let place = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
-        let head = code.lines().take(place + 1).filter(|line| line.contains('(')).last().and_then(name);
+        let line_index = self.line.parse().map_or(0, |line: usize| line.saturating_sub(1));
+        let head = code.lines().take(line_index + 1).filter(|line| line.contains('(')).last().and_then(name);
         let (Some(inner), Some(outer)) = (head, name(self.function).filter(|name| !name.is_empty())) else {
             return "a function cannot be written within another one: is a `}` missing above?".to_owned();
         };
         format!("`{inner}` cannot be written within `{outer}`: move it out of `{outer}`, above its first line")
     }
 
-    /// An unknown `name` with a word behind it, `my speed`, where it stands for no type.
-    fn one_name(&self, name: &str) -> Option<String> {
-        let (left, code) = self.sides()?;
+    /// Words for an unknown `name` that is followed by another word, as in `my speed`, and cannot be a type.
+    fn split_name(&self, name: &str) -> Option<String> {
+        let (left, code) = self.split_code()?;
         let rest = code.strip_prefix(name)?.strip_prefix(' ')?;
         let second = rest.split(|c| !is_name(c)).next()?;
         let is_call = rest[second.len()..].starts_with('(');
         let may_be_type = self.text.contains("type") || left.trim().is_empty() || name.starts_with(char::is_uppercase);
-        let is_name = second.starts_with(char::is_alphabetic);
-        let is_other = misspelt(name).is_some() || ["and", "or", "not"].contains(&second);
-        (is_name && !is_other && (is_call || !may_be_type)).then(|| {
+        let is_word = second.starts_with(char::is_alphabetic);
+        let is_keyword = misspelt_keyword(name).is_some() || ["and", "or", "not"].contains(&second);
+        (is_word && !is_keyword && (is_call || !may_be_type)).then(|| {
             format!(
                 "`{name}` is not defined; if `{name} {second}` is one name, write it as one word, such as `{name}_{second}`"
             )
         })
     }
 
-    /// The declaration of `function` among the compiler's notes: ``: `int VWStraight(int dist, int lin_speed)```.
-    fn declared(&self, function: &str) -> String {
-        let begins = format!(" {function}(");
-        let of_excerpt = |line: &&str| line.split_once(" | ").map(|(_, code)| code.trim().to_owned());
-        // The first excerpt is that of the call.
-        let is_call = |code: &str| self.more.first().is_some_and(|call| call.contains(code));
-        let is_declaration = |code: &String| code.ends_with(");") && code.contains(&begins) && !is_call(code);
-        let declared = self.more.iter().filter_map(of_excerpt).find(is_declaration);
+    /// The declaration of `function` in the compiler's notes, after a colon: ``: `int VWStraight(int dist, int lin_speed)```.
+    fn function_declaration(&self, function: &str) -> String {
+        let beginning = format!(" {function}(");
+        let excerpt_code = |line: &&str| line.split_once(" | ").map(|(_, code)| code.trim().to_owned());
+        // The first excerpt shows the call.
+        let is_call = |code: &str| self.details.first().is_some_and(|call| call.contains(code));
+        let is_declaration = |code: &String| code.ends_with(");") && code.contains(&beginning) && !is_call(code);
+        let declared = self.details.iter().filter_map(excerpt_code).find(is_declaration);
         declared.map_or_else(String::new, |code| format!(": `{}`", code.trim_end_matches(';')))
     }
 
-    /// A text or an index beyond its array; gcc tells sizes in bytes, and in its notes the array.
+    /// Words for a text or an index beyond its array. The messages of gcc contain sizes in bytes, its notes the array.
     fn overflow(&self) -> Option<String> {
         let code = self.code().unwrap_or_default();
-        let texts = || std::iter::once(self.text).chain(self.more.iter().copied());
-        let behind = |words: &str| texts().find_map(|text| text.split_once(words)?.1.split('\'').next());
-        let object = behind("object '").or_else(|| behind("referencing '")).map(own_name);
+        let texts = || std::iter::once(self.text).chain(self.details.iter().copied());
+        let text_after = |words: &str| texts().find_map(|text| text.split_once(words)?.1.split('\'').next());
+        let object = text_after("object '").or_else(|| text_after("referencing '")).map(source_name);
         let is_allocated = texts().any(|text| text.contains(" allocated by '"));
         let call = self.writing_call();
-        // Where a function that writes a text to its end writes it.
-        let written = call.filter(|(function, _)| WRITERS_OF_TEXTS.contains(function)).map(|(_, to)| to);
+        // Destination of a function that writes a text to its end.
+        let text_destination =
+            call.filter(|(function, _)| TEXT_WRITING_FUNCTIONS.contains(function)).map(|(_, destination)| destination);
         let subscript = ["array subscript ", "array index "].iter().find_map(|words| self.text.split_once(words));
         if let Some((_, rest)) = subscript {
-            // A text that is copied is told as an index, too.
+            // gcc reports a copied text as an index, too.
             let is_copied = call.is_some_and(|(function, _)| ["strcpy", "strcat"].contains(&function))
                 && self.text.contains(" is outside ");
             if !is_copied {
-                return self.subscript(rest, object, is_allocated);
+                return self.wrong_index(rest, object, is_allocated);
             }
             if code_only(code).contains(['[', '*']) {
                 return None;
             }
         }
-        // `sprintf` is told with its whole destination, other functions with the object that they write to.
-        let number = |words: &str| texts().find_map(|text| number_behind(text, words));
-        let of_print = number("into a destination of size ");
+        // gcc reports the whole destination of `sprintf`, and the object to which other functions write.
+        let number = |words: &str| texts().find_map(|text| number_after(text, words));
+        let print_size = number("into a destination of size ");
         let is_member = |name: &&str| (name.contains('.') || name.contains("->")) && !name.contains('(');
-        let member = written.filter(is_member).filter(|_| !is_allocated);
-        let printed = written.filter(|name| of_print.is_some() && is_word(name));
-        let name = member.or(object).or(printed);
-        let is_part = member.is_some_and(|member| object != member.rsplit(['.', '>']).next());
-        // A text may begin anywhere in an array to which the line does not write by its name.
-        let is_elsewhere = member.is_none() && !is_allocated && written.is_some_and(|to| Some(to) != name);
-        let of_type = behind("with type '").and_then(|kind| kind.strip_prefix("char")?.trim_start().strip_prefix('['));
-        let of_notes =
-            texts().filter(|text| text.contains(" object ")).find_map(|text| number_behind(text, "' of size "));
+        let member = text_destination.filter(is_member).filter(|_| !is_allocated);
+        let printed_name = text_destination.filter(|name| print_size.is_some() && is_word(name));
+        let name = member.or(object).or(printed_name);
+        let is_part_of_object = member.is_some_and(|member| object != member.rsplit(['.', '>']).next());
+        // The line writes through a pointer: the text may begin anywhere in the array.
+        let is_indirect =
+            member.is_none() && !is_allocated && text_destination.is_some_and(|destination| Some(destination) != name);
+        let type_size =
+            text_after("with type '").and_then(|kind| kind.strip_prefix("char")?.trim_start().strip_prefix('['));
+        let note_size =
+            texts().filter(|text| text.contains(" object ")).find_map(|text| number_after(text, "' of size "));
         let region = ["region of size ", "destination of size ", "has size "];
-        let region = region.iter().find_map(|words| number_behind(self.text, words));
-        let room = of_type
+        let region = region.iter().find_map(|words| number_after(self.text, words));
+        let capacity = type_size
             .and_then(|size| size.trim_end_matches(']').parse().ok())
-            .or(of_notes)
+            .or(note_size)
             .or_else(|| number("object of size "))
-            .or(of_print)
+            .or(print_size)
             .or(region)
-            .filter(|_| !is_part);
+            .filter(|_| !is_part_of_object);
         let place = match name {
-            Some(name) if is_elsewhere => format!("its place in `{name}`"),
+            Some(name) if is_indirect => format!("its place in `{name}`"),
             Some(name) => format!("`{name}`"),
             None if is_allocated => "memory".to_owned(),
             None => "an array".to_owned(),
@@ -977,75 +990,79 @@ impl Message<'_> {
             None => "give it more room",
         };
         let is_print = self.text.contains("directive");
-        Some(match (number_behind(self.text, "writing "), room) {
-            (_, Some(room)) if call.is_some_and(|(function, _)| function == "strcat") && !is_elsewhere => format!(
-                "`strcat` appends to the text in {place}, and both together are too long for its {room} bytes: {advice}"
+        Some(match (number_after(self.text, "writing "), capacity) {
+            (_, Some(capacity)) if call.is_some_and(|(function, _)| function == "strcat") && !is_indirect => format!(
+                "`strcat` appends to the text in {place}, and both together are too long for its {capacity} bytes: {advice}"
             ),
-            (Some(count), Some(room)) if region == Some(room) && !is_print => {
-                let is_end = is_allocated && written.is_some() && count == room + 1;
+            (Some(count), Some(capacity)) if region == Some(capacity) && !is_print => {
+                let is_end = is_allocated && text_destination.is_some() && count == capacity + 1;
                 let advice = if is_end { "allocate one byte more, for the end of the text" } else { advice };
-                format!("{count} bytes are written to {place}{which} has room for {room}: {advice}")
+                format!("{count} bytes are written to {place}{which} has room for {capacity}: {advice}")
             }
-            (_, Some(room)) if is_elsewhere => {
-                format!("the text is too long for {place}{which} has room for {room} bytes in all: {advice}")
+            (_, Some(capacity)) if is_indirect => {
+                format!("the text is too long for {place}{which} has room for {capacity} bytes in all: {advice}")
             }
-            (_, Some(room)) if written.is_some() || is_print => {
-                format!("the text is too long for {place}{which} has room for {room} bytes: {advice}")
+            (_, Some(capacity)) if text_destination.is_some() || is_print => {
+                format!("the text is too long for {place}{which} has room for {capacity} bytes: {advice}")
             }
-            _ if is_part && object.is_some() => format!("the text is too long for {place}"),
+            _ if is_part_of_object && object.is_some() => format!("the text is too long for {place}"),
             (None, None) if member.is_some() && self.text.contains("forming offset") => {
                 format!("the text is too long for `{}`", member?)
             }
             _ if ["writing ", "forming offset"].iter().any(|words| self.text.contains(words)) => {
-                let counted = call.filter(|(function, to)| !WRITERS_OF_TEXTS.contains(function) && Some(*to) == object);
-                let end = number_behind(self.text.split_once("forming offset")?.1.split(" is ").next()?, ", ");
+                let bounded_call = call.filter(|(function, destination)| {
+                    !TEXT_WRITING_FUNCTIONS.contains(function) && Some(*destination) == object
+                });
+                let end = number_after(self.text.split_once("forming offset")?.1.split(" is ").next()?, ", ");
                 let size =
-                    behind("out of the bounds [0, ").and_then(|rest| rest.split(']').next()?.parse::<u64>().ok());
-                if let (Some((function, to)), Some(end), Some(size)) = (counted, end, size) {
+                    text_after("out of the bounds [0, ").and_then(|rest| rest.split(']').next()?.parse::<u64>().ok());
+                if let (Some((function, destination)), Some(end), Some(size)) = (bounded_call, end, size) {
                     return Some(format!(
-                        "`{function}` writes {} bytes to `{to}`, which has room for {size}: write fewer, or {advice}",
+                        "`{function}` writes {} bytes to `{destination}`, which has room for {size}: write fewer, or {advice}",
                         end + 1
                     ));
                 }
-                let len = behind("with type '").and_then(array_length);
-                let extent = len.map_or_else(String::new, |len| extent(Some(len)));
-                format!("this line reads or writes outside of `{}`{extent}", object?)
+                let len = text_after("with type '").and_then(array_length);
+                let indices = len.map_or_else(String::new, |len| valid_indices(Some(len)));
+                format!("this line reads or writes outside of `{}`{indices}", object?)
             }
             _ => return None,
         })
     }
 
-    /// The function at the place of the message, or else the only one of the line, that writes a text or bytes to its first value, and that
-    /// value.
+    /// A call that writes a text or bytes to its first argument: the function and that argument. The call is at the column of the
+    /// message, or else the only such call in the line.
     fn writing_call(&self) -> Option<(&'static str, &str)> {
-        let (code, right) = (self.code()?, self.sides()?.1);
-        let at_place =
-            WRITERS.iter().find(|function| starts_with_word(right, function)).map(|function| (*function, right));
-        let words: Vec<(&'static str, &str)> = WRITERS
+        let (code, right) = (self.code()?, self.split_code()?.1);
+        let at_column = WRITING_FUNCTIONS
             .iter()
-            .flat_map(|function| code.match_indices(function).map(|(place, _)| (*function, place)))
-            .filter(|(function, place)| {
-                !code[..*place].ends_with(is_name) && starts_with_word(&code[*place..], function)
+            .find(|function| starts_with_word(right, function))
+            .map(|function| (*function, right));
+        let calls: Vec<(&'static str, &str)> = WRITING_FUNCTIONS
+            .iter()
+            .flat_map(|function| code.match_indices(function).map(|(offset, _)| (*function, offset)))
+            .filter(|(function, offset)| {
+                !code[..*offset].ends_with(is_name) && starts_with_word(&code[*offset..], function)
             })
-            .map(|(function, place)| (function, &code[place..]))
+            .map(|(function, offset)| (function, &code[offset..]))
             .collect();
-        let only = || <[_; 1]>::try_from(words).ok().map(|[only]| only);
-        let (function, call) = at_place.or_else(only)?;
+        let single_call = || <[_; 1]>::try_from(calls).ok().map(|[call]| call);
+        let (function, call) = at_column.or_else(single_call)?;
         let values = call[function.len()..].trim_start().strip_prefix('(')?;
-        let to = values.split([',', ')']).next()?.trim();
-        (!to.is_empty()).then_some((function, to))
+        let destination = values.split([',', ')']).next()?.trim();
+        (!destination.is_empty()).then_some((function, destination))
     }
 
-    /// An index outside of an array or of memory; `rest` is what gcc says behind `array subscript `.
-    fn subscript(&self, rest: &str, object: Option<&str>, is_allocated: bool) -> Option<String> {
+    /// Words for an index outside of an array or of memory; `rest` is the text of gcc after `array subscript `.
+    fn wrong_index(&self, rest: &str, object: Option<&str>, is_allocated: bool) -> Option<String> {
         let kind = quoted(rest, 0);
         if rest.starts_with('\'') {
-            // `Robot[0]`: what the pointer points to, in memory of another size.
+            // `Robot[0]`: the type to which the pointer points, in memory of another size.
             let kind = kind?.strip_suffix("[0]").filter(|_| is_allocated)?;
-            let size = self.more.iter().find_map(|line| number_behind(line, "object of size "))?;
+            let size = self.details.iter().find_map(|line| number_after(line, "object of size "))?;
             return Some(format!("memory of {size} bytes is too small for `{kind}`: allocate `sizeof({kind})` bytes"));
         }
-        if kind.is_some_and(|kind| kind.ends_with("[0]")) && !self.more.iter().any(|line| line.contains("note: ")) {
+        if kind.is_some_and(|kind| kind.ends_with("[0]")) && !self.details.iter().any(|line| line.contains("note: ")) {
             return match self.accesses()?.pointers.as_slice() {
                 [] => None,
                 [name] => Some(format!("`{name}` is NULL")),
@@ -1053,7 +1070,7 @@ impl Message<'_> {
             };
         }
         let index = rest.split([' ', ',']).next().unwrap_or_default();
-        // `int[3]`; of memory without a type `void[12]`, which counts bytes.
+        // `int[3]`; for memory without a type `void[12]`, a number of bytes.
         let len = kind.filter(|kind| !kind.starts_with("void")).and_then(array_length);
         // Memory of `malloc` has no name in the notes.
         let name = object.map(str::to_owned).or_else(|| {
@@ -1064,25 +1081,26 @@ impl Message<'_> {
             && kind.is_some_and(|kind| kind.matches('[').count() == 1);
         let name = name.map_or_else(|| "an array".to_owned(), |name| format!("`{name}`"));
         let row = if is_row { "a row of " } else { "" };
-        Some(format!("the index {index} is outside of {row}{name}{}", extent(len)))
+        Some(format!("the index {index} is outside of {row}{name}{}", valid_indices(len)))
     }
 
-    /// What the line reads and writes.
+    /// The line's reads and writes through pointers and arrays.
     fn accesses(&self) -> Option<Accesses> {
         accesses_of(self.source, self.line.parse().ok()?)
     }
 
     /// Returns true if a note shows that the array `name` has two dimensions or more.
     fn has_rows(&self, name: &str) -> bool {
-        let note = self.more.iter().position(|line| line.contains("note: while referencing"));
-        let code = note.and_then(|note| self.more.get(note + 1)?.split_once(" | ")).map_or("", |(_, code)| code);
-        code.match_indices(name).any(|(place, _)| {
-            let behind = code[place + name.len()..].split_once(']');
-            behind.is_some_and(|(length, rest)| length.starts_with('[') && rest.starts_with('['))
+        let note = self.details.iter().position(|line| line.contains("note: while referencing"));
+        let code = note.and_then(|note| self.details.get(note + 1)?.split_once(" | ")).map_or("", |(_, code)| code);
+        code.match_indices(name).any(|(offset, _)| {
+            let dimension = code[offset + name.len()..].split_once(']');
+            dimension.is_some_and(|(length, rest)| length.starts_with('[') && rest.starts_with('['))
         })
     }
 
-    /// A loop whose index leaves an array, which the line names if it has a single one. `None` if a number may become too large instead.
+    /// Words for a loop whose index leaves an array, with the array's name if the line has only one. `None` if the loop may instead have
+    /// a number that becomes too large.
     fn overrun_by_loop(&self) -> Option<String> {
         let blanked = code_only(self.code().unwrap_or_default());
         let accesses = self.accesses().unwrap_or_default();
@@ -1090,30 +1108,30 @@ impl Message<'_> {
             .ok()
             .filter(|_| accesses.pointers.is_empty())
             .map(|[array]| array);
-        let is_last = array
+        let is_length_reached = array
             .as_ref()
-            .is_some_and(|array| array.len.is_some() && array.len == number_behind(self.text, "iteration "));
-        if !blanked.contains('[') || !is_last && (blanked.contains('*') || blanked.contains("<<")) {
+            .is_some_and(|array| array.len.is_some() && array.len == number_after(self.text, "iteration "));
+        if !blanked.contains('[') || !is_length_reached && (blanked.contains('*') || blanked.contains("<<")) {
             return None;
         }
-        let note = self.more.iter().find(|line| line.contains("note: within this loop"));
+        let note = self.details.iter().find(|line| line.contains("note: within this loop"));
         let line =
             note.and_then(|note| note.split(':').nth(1)).map_or_else(String::new, |line| format!(" of line {line}"));
         Some(match array {
             Some(IndexedArray { name, len, .. }) => {
-                format!("the loop{line} uses an index outside of `{name}`{}", extent(len))
+                format!("the loop{line} uses an index outside of `{name}`{}", valid_indices(len))
             }
-            None => format!("the loop{line} uses an index outside of an array{}", extent(None)),
+            None => format!("the loop{line} uses an index outside of an array{}", valid_indices(None)),
         })
     }
 
-    /// A value of a wrong type for a function.
-    fn argument(&self) -> Option<String> {
-        let note = self.more.iter().find(|line| line.contains("note: expected '"));
+    /// Words for an argument of a wrong type.
+    fn wrong_argument(&self) -> Option<String> {
+        let note = self.details.iter().find(|line| line.contains("note: expected '"));
         let (expected, given) = match note {
             Some(note) => (quoted(note, 0)?, quoted(note.split_once("of type ")?.1, 0)?),
             None if self.text.starts_with("passing") => return None,
-            // g++ tells the types at once.
+            // The message of g++ itself contains the types.
             None => (self.quoted(1)?, self.quoted(0)?),
         };
         let (expected, given) = (expected.trim(), given.trim());
@@ -1122,26 +1140,26 @@ impl Message<'_> {
             Some(pointee) if pointee == given => {
                 format!("the function writes to the address of a variable: write `&` before its name (`{expected}`)")
             }
-            // g++ takes an index of a function for the function behind it.
-            _ if given.contains("(*)") && self.sides().is_some_and(|(_, right)| right.starts_with(']')) => {
-                IS_CALLED.to_owned()
+            // g++ reports a function that is indexed as an argument of a wrong type.
+            _ if given.contains("(*)") && self.split_code().is_some_and(|(_, right)| right.starts_with(']')) => {
+                FUNCTION_INDEXED.to_owned()
             }
             _ if given.contains("(*)") => {
                 "the function is named here, but not called: write `( )` after it, as in `PSDGet(1)`".to_owned()
             }
-            _ if NUMBERS.contains(&given) && self.code().is_some_and(|code| printed(code).is_some()) => {
+            _ if NUMBERS.contains(&given) && self.code().is_some_and(|code| print_arguments(code).is_some()) => {
                 let format = if ["double", "float"].contains(&given) { "%f" } else { "%d" };
                 format!("to show a number, write `LCDPrintf(\"{format}\\n\", d)`")
             }
-            _ if note.is_some() || self.more.iter().any(|line| line.contains("initializing argument")) => {
+            _ if note.is_some() || self.details.iter().any(|line| line.contains("initializing argument")) => {
                 format!("the function takes `{expected}`, and is given `{given}`")
             }
-            _ => mismatch(expected, given),
+            _ => type_mismatch(expected, given),
         })
     }
 }
 
-/// Words with which statements begin, and `printf`.
+/// Keywords with which statements begin, and `printf`.
 const KEYWORDS: [&str; 18] = [
     "while", "for", "return", "if", "else", "switch", "case", "break", "continue", "double", "float", "int", "char",
     "void", "unsigned", "static", "struct", "printf",
@@ -1150,8 +1168,8 @@ const KEYWORDS: [&str; 18] = [
 /// Types of numbers.
 const NUMBERS: [&str; 5] = ["int", "double", "float", "long int", "unsigned int"];
 
-/// The line of code without what ends the block before it.
-fn statement(code: &str) -> &str {
+/// The line of code without leading closing braces.
+fn without_closing_braces(code: &str) -> &str {
     code.trim_start().trim_start_matches('}').trim_start()
 }
 
@@ -1168,7 +1186,7 @@ fn is_wrong_define(code: &str) -> bool {
     })
 }
 
-/// Returns true for `while (...);`, `for (...);` and `if (...);`, also with blanks and a comment, and not at the end of a `do`.
+/// Returns true for `while (...);`, `for (...);` and `if (...);`, also with blanks and a comment, but not for the `while` of a `do`.
 pub fn is_empty_clause(code: &str) -> bool {
     let code = code_only(code);
     let code = code.trim();
@@ -1181,8 +1199,8 @@ pub fn is_empty_clause(code: &str) -> bool {
     is_clause && end.is_some_and(|end| code[end + 1..].trim() == ";")
 }
 
-/// What to write in a line with an odd number of quotes.
-fn quote_missing(line: &str) -> Option<&'static str> {
+/// Words for a line with an odd number of quotes.
+fn missing_quote(line: &str) -> Option<&'static str> {
     let mut rest = line;
     let mut open = None;
     while let Some(letter) = rest.chars().next() {
@@ -1204,35 +1222,37 @@ fn quote_missing(line: &str) -> Option<&'static str> {
     })
 }
 
-/// What the line gives to a function that prints a text first.
-fn printed(code: &str) -> Option<&str> {
+/// The arguments in a line that begins with a call of a printing function.
+fn print_arguments(code: &str) -> Option<&str> {
     let code = code.trim_start();
     ["LCDPrintf(", "printf(", "std::printf("].iter().find_map(|call| code.strip_prefix(call))
 }
 
-/// The keyword that `word` nearly is: one letter differs or is in its neighbour's place, in long words two.
-fn near_keyword(word: &str) -> Option<&'static str> {
-    let most = |keyword: &str| {
-        let is_similar = word.len().abs_diff(keyword.len()) <= 1 && word.chars().next() == keyword.chars().next();
-        if keyword.len() > 5 && is_similar { 2 } else { 1 }
+/// The keyword that `word` resembles: their edit distance is at most 1, or 2 for long keywords; swapped neighbouring letters are one edit.
+fn similar_keyword(word: &str) -> Option<&'static str> {
+    let max_distance = |keyword: &str| {
+        let has_same_start = word.len().abs_diff(keyword.len()) <= 1 && word.chars().next() == keyword.chars().next();
+        if keyword.len() > 5 && has_same_start { 2 } else { 1 }
     };
-    let is_near = |keyword: &&&str| strsim::osa_distance(&word.to_lowercase(), keyword) <= most(keyword);
+    let is_similar = |keyword: &&&str| strsim::osa_distance(&word.to_lowercase(), keyword) <= max_distance(keyword);
     let is_other_case = |keyword: &str| keyword.eq_ignore_ascii_case(word);
     KEYWORDS
         .iter()
-        .find(is_near)
+        .find(is_similar)
         .copied()
         .filter(|keyword| *keyword != word && (word.len() > 2 || is_other_case(keyword)))
 }
 
-fn misspelt(word: &str) -> Option<String> {
+/// Words for a misspelt keyword; `None` for other words.
+fn misspelt_keyword(word: &str) -> Option<String> {
     if ["elseif", "elsif", "elif"].contains(&word) {
         return Some(format!("`{word}` is not defined: write `else if`"));
     }
-    near_keyword(word).map(|keyword| format!("`{word}` is not defined; did you mean `{keyword}`?"))
+    similar_keyword(word).map(|keyword| format!("`{word}` is not defined; did you mean `{keyword}`?"))
 }
 
-fn mismatch(expected: &str, given: &str) -> String {
+/// Words for a value of the type `given` in place of one of the type `expected`.
+fn type_mismatch(expected: &str, given: &str) -> String {
     if expected == "char" && ["char *", "char*", "const char *", "const char*"].contains(&given) {
         return "a single letter is written between `'`, as in `'a'`; a text between `\"` is a `const char *`"
             .to_owned();
@@ -1243,7 +1263,8 @@ fn mismatch(expected: &str, given: &str) -> String {
     format!("a value of type `{given}` stands where one of type `{expected}` belongs")
 }
 
-fn of_cpp(name: &str) -> String {
+/// Words for a name of the C++ library without its header and `std::`.
+fn belongs_to_cpp(name: &str) -> String {
     let header = match name {
         "cin" | "cout" | "endl" => "iostream",
         "pair" => "utility",
@@ -1252,22 +1273,23 @@ fn of_cpp(name: &str) -> String {
     format!("`{name}` belongs to the C++ library: write `#include <{header}>` at the top, and `std::{name}`")
 }
 
-fn no_type_of_c(name: &str) -> String {
+/// Words for a name of the C++ library in a C program.
+fn not_a_c_type(name: &str) -> String {
     match name {
         "string" => "C has no type `string`: a text is a `const char *`".to_owned(),
         name => format!("C has no type `{name}`: it belongs to C++"),
     }
 }
 
-/// Functions of the C library that write to their first value.
-const WRITERS: [&str; 9] =
+/// Functions of the C library that write to their first argument.
+const WRITING_FUNCTIONS: [&str; 9] =
     ["memcpy", "memmove", "memset", "snprintf", "sprintf", "strcat", "strcpy", "strncat", "strncpy"];
 
-/// Those that write a text to its end.
-const WRITERS_OF_TEXTS: [&str; 3] = ["sprintf", "strcat", "strcpy"];
+/// Writing functions that copy a text up to its end, without a limit.
+const TEXT_WRITING_FUNCTIONS: [&str; 3] = ["sprintf", "strcat", "strcpy"];
 
-/// Words of C++ that C does not have.
-const WORDS_OF_CPP: [&str; 16] = [
+/// Keywords of C++ that C does not have.
+const CPP_KEYWORDS: [&str; 16] = [
     "catch",
     "class",
     "delete",
@@ -1286,52 +1308,54 @@ const WORDS_OF_CPP: [&str; 16] = [
     "using",
 ];
 
-/// Names of the C++ library that are written without `std::`.
-const OF_CPP: [&str; 10] = ["array", "cin", "cout", "endl", "list", "map", "pair", "set", "string", "vector"];
+/// Names of the C++ library that beginners write without `std::`.
+const CPP_LIBRARY_NAMES: [&str; 10] =
+    ["array", "cin", "cout", "endl", "list", "map", "pair", "set", "string", "vector"];
 
-/// Letters, digits and `_` alone.
+/// Returns true if `text` consists of letters, digits and `_`.
 fn is_word(text: &str) -> bool {
     text.chars().all(is_name)
 }
 
-const ARRAY_IS_SET: &str = "an array cannot be set with `=`: `strcpy(array, \"text\")`, with `#include <string.h>`, copies a text, a loop copies numbers";
+const ARRAY_ASSIGNED: &str = "an array cannot be set with `=`: `strcpy(array, \"text\")`, with `#include <string.h>`, copies a text, a loop copies numbers";
 
-const LIST_IS_SET: &str = "`{ }` sets an array only where it is declared, as in `int d[] = {1, 2, 3};`: set its elements one by one, as in `d[0] = 1;`";
+const LIST_ASSIGNED: &str = "`{ }` sets an array only where it is declared, as in `int d[] = {1, 2, 3};`: set its elements one by one, as in `d[0] = 1;`";
 
-const OUTSIDE: &str = "this line is outside of every function: there is a `}` too many above, or a `{` is missing, or it should be within a \
+const OUTSIDE_FUNCTIONS: &str = "this line is outside of every function: there is a `}` too many above, or a `{` is missing, or it should be within a \
                        function, such as `main`";
 
 const VOID_RETURNS: &str =
     "a `void` function returns no value: write the value's type in place of `void`, such as `int`";
 
-const IS_CALLED: &str = "`[ ]` belongs to an array: a function is called with `( )`, as in `PSDGet(1)`";
+const FUNCTION_INDEXED: &str = "`[ ]` belongs to an array: a function is called with `( )`, as in `PSDGet(1)`";
 
-const NO_FUNCTION: &str = "this `{` belongs to no function: a function has `( )` after its name, as in `int main(void)`, or a `;` is missing further up";
+const BRACE_WITHOUT_FUNCTION: &str = "this `{` belongs to no function: a function has `( )` after its name, as in `int main(void)`, or a `;` is missing further up";
 
 /// Hint for a stack overflow by one function.
 pub const RECURSION: &str = "the function calls itself for ever: it needs an `if` with a `return` before the call";
 
-/// The number behind `words` in `text`.
-fn number_behind(text: &str, words: &str) -> Option<u64> {
+/// The number after `words` in `text`.
+fn number_after(text: &str, words: &str) -> Option<u64> {
     let (_, rest) = text.split_once(words)?;
     rest.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
 }
 
-/// The name of a variable without what the compiler adds to it: `d` of `d.2`.
-fn own_name(name: &str) -> &str {
+/// The name of a variable without the suffix that the compiler adds: `d` for `d.2`.
+fn source_name(name: &str) -> &str {
     match name.rsplit_once('.') {
-        Some((own, number)) if number.bytes().all(|byte| byte.is_ascii_digit()) => own,
+        Some((stem, number)) if number.bytes().all(|byte| byte.is_ascii_digit()) => stem,
         _ => name,
     }
 }
 
-/// The length of an array of the type `kind`, as of `int[3]`.
+/// The length of an array of the type `kind`, such as `int[3]`.
 fn array_length(kind: &str) -> Option<u64> {
     kind.split_once('[')?.1.split(']').next()?.parse().ok()
 }
 
-/// What an array has, with its indices: ``, which has 4 elements with the indices 0 to 3``; empty if its length is not known.
-fn extent(len: Option<u64>) -> String {
+/// Words for the length of an array and its indices: ``, which has 4 elements with the indices 0 to 3``; a general rule if the length is
+/// unknown.
+fn valid_indices(len: Option<u64>) -> String {
     match len.and_then(|len| Some((len, len.checked_sub(1)?))) {
         Some((1, _)) => ", which has 1 element with the index 0".to_owned(),
         Some((len, last)) => format!(", which has {len} elements with the indices 0 to {last}"),
@@ -1339,9 +1363,9 @@ fn extent(len: Option<u64>) -> String {
     }
 }
 
-/// The `number`th text between quotes, from 0.
-fn quoted(text: &str, number: usize) -> Option<&str> {
-    text.split('\'').skip(1).step_by(2).nth(number).filter(|text| !text.is_empty())
+/// The text between quotes with this index, from 0.
+fn quoted(text: &str, index: usize) -> Option<&str> {
+    text.split('\'').skip(1).step_by(2).nth(index).filter(|text| !text.is_empty())
 }
 
 #[cfg(test)]
@@ -1353,7 +1377,7 @@ mod tests {
     }
 
     #[test]
-    fn warnings_of_gcc_are_told_in_plain_words() {
+    fn gcc_warnings_are_translated() {
         let warnings = [
             (
                 "suggest parentheses around assignment used as truth value [-Wparentheses]",
@@ -1406,53 +1430,53 @@ mod tests {
     }
 
     #[test]
-    fn arrays_that_are_overrun_are_named() {
-        let of_text = |output: &str, code: &str| in_plain_words(output, ("a.c", code));
+    fn overrun_arrays_are_named() {
+        let words_of = |output: &str, code: &str| in_plain_words(output, ("a.c", code));
         let appended = "a.c:7:3: warning: '__builtin_memcpy' writing 24 bytes into a region of size 4 [-Wstringop-overflow=]\n    7 |   \
                         strcat(name, \"a name\");\n      |   ^~~\na.c:5:8: note: at offset [0, 3] into destination object 'name' of size 4\n";
         let words = "`strcat` appends to the text in `name`, and both together are too long for its 4 bytes: make the array larger";
-        assert_eq!(of_text(appended, ""), format!("a.c:7: {words}\n"));
+        assert_eq!(words_of(appended, ""), format!("a.c:7: {words}\n"));
         let printed = "a.c:8:24: warning: '%d' directive writing 3 bytes into a region of size 1 [-Wformat-overflow=]\n    8 |   sprintf(t, \
                        \"distance %d\", 100);\na.c:8:3: note: 'sprintf' output 13 bytes into a destination of size 10\n";
         let words = "the text is too long for `t`, which has room for 10 bytes: give it more room";
-        assert_eq!(of_text(printed, ""), format!("a.c:8: {words}\n"));
+        assert_eq!(words_of(printed, ""), format!("a.c:8: {words}\n"));
         let copied = "a.c:9:3: warning: '__builtin_memcpy' forming offset [4, 23] is out of the bounds [0, 4] of object 'name' with type \
                       'char [4]' [-Warray-bounds]\n    9 |   strcpy(name, \"a name\");\n";
         let words = "the text is too long for `name`, which has room for 4 bytes: make the array larger";
-        assert_eq!(of_text(copied, ""), format!("a.c:9: {words}\n"));
+        assert_eq!(words_of(copied, ""), format!("a.c:9: {words}\n"));
         let looped = "a.c:4:10: warning: iteration 4 invokes undefined behavior [-Waggressive-loop-optimizations]\n    4 |     d[i] = f(1);\n\
                       a.c:3:21: note: within this loop\n";
         let words = "the loop of line 3 uses an index outside of `d`";
         let known = format!("a.c:4: {words}, which has 4 elements with the indices 0 to 3\n");
         let words = "the loop of line 3 uses an index outside of an array";
         let unknown = format!("a.c:4: {words}: the first one is 0, the last one is one less than the length\n");
-        let of_source = |output: &str, code: &str| of_text(output, &format!("{code}\nint i;\nd[i] = f(1);\n"));
+        let words_with_source = |output: &str, code: &str| words_of(output, &format!("{code}\nint i;\nd[i] = f(1);\n"));
         for code in [
             "int d[4];\n",
             "#define N 4\nstatic Place d[N];",
             "int a, d[4];\nint b = f(d[3]);",
             "int d[4];\nvoid f() { int d[8]; }",
         ] {
-            assert_eq!(of_source(looped, code), known, "{code}");
+            assert_eq!(words_with_source(looped, code), known, "{code}");
         }
         for code in ["\n", "int *d = a;\nint x = f(1, d[3]);", "\nx = d[3];"] {
-            assert_eq!(of_source(looped, code), unknown, "{code}");
+            assert_eq!(words_with_source(looped, code), unknown, "{code}");
         }
         let words = "the loop of line 3 uses an index outside of `d`";
         let rows = format!("a.c:4: {words}: the first one is 0, the last one is one less than the length\n");
-        assert_eq!(of_source(looped, "\nint d[4][5];"), rows);
+        assert_eq!(words_with_source(looped, "\nint d[4][5];"), rows);
         let too_large = "a.c:4:10: warning: iteration 3 invokes undefined behavior [-Waggressive-loop-optimizations]\n    4 |     d[i] = i * 900000000;\n";
-        assert_eq!(of_text(too_large, ""), "");
-        assert_eq!(of_text(&too_large.replace("d[i]", "x"), ""), "");
+        assert_eq!(words_of(too_large, ""), "");
+        assert_eq!(words_of(&too_large.replace("d[i]", "x"), ""), "");
         let subscript = "a.c:4:10: warning: array subscript 3 is above array bounds of 'int[3]' [-Warray-bounds]\n    4 |   e[3] = 2;\n\
                          a.c:3:7: note: while referencing 'e'\n";
         let words = "the index 3 is outside of `e`, which has 3 elements with the indices 0 to 2";
-        assert_eq!(of_text(subscript, ""), format!("a.c:4: {words}\n"));
+        assert_eq!(words_of(subscript, ""), format!("a.c:4: {words}\n"));
     }
 
     #[test]
-    fn memory_that_is_overrun_is_told_without_its_function() {
-        let told = |warning: &str, code: &str, note: &str| {
+    fn overrun_memory_is_described_without_builtin_functions() {
+        let words_of = |warning: &str, code: &str, note: &str| {
             let note = if note.is_empty() { String::new() } else { format!("a.c:5:16: note: {note}\n") };
             let caret = " ".repeat(code.len() - code.trim_start().len());
             let output = format!("a.c:6:3: warning: {warning}\n    6 | {code}\n      | {caret}^~~\n{note}");
@@ -1589,13 +1613,13 @@ mod tests {
             ),
         ];
         for (warning, code, note, words) in cases {
-            assert_eq!(told(warning, code, note), words, "{warning}");
+            assert_eq!(words_of(warning, code, note), words, "{warning}");
         }
     }
 
     #[test]
-    fn first_values_fit_the_declaration() {
-        let told = |name: &str, note: &str, code: &str| {
+    fn suggested_first_values_fit_the_declaration() {
+        let words_of = |name: &str, note: &str, code: &str| {
             let output = format!(
                 "a.c:7:2: warning: '{name}' is used uninitialized [-Wuninitialized]\n    7 |  f({name});\n      |  ^~~\n\
                  a.c:6:7: note: {note}\n    6 |   {code}\n      |       ^\n"
@@ -1604,20 +1628,20 @@ mod tests {
         };
         let declared = "give it one where it is declared";
         assert_eq!(
-            told("n", "'n' was declared here", "int n, *n2;"),
+            words_of("n", "'n' was declared here", "int n, *n2;"),
             format!("`n` has no value yet: {declared}, such as `n = 0`")
         );
         let list = format!("`d` has no value yet: {declared}, with `= {{0}}`");
-        assert_eq!(told("d", "'d' declared here", "int n, d[4];"), list);
-        assert_eq!(told("d", "'d' declared here", "struct place d;"), list);
-        assert_eq!(told("d", "'d' declared here", "char *d[4];"), list);
+        assert_eq!(words_of("d", "'d' declared here", "int n, d[4];"), list);
+        assert_eq!(words_of("d", "'d' declared here", "struct place d;"), list);
+        assert_eq!(words_of("d", "'d' declared here", "char *d[4];"), list);
         let unknown = format!("`d` has no value yet: {declared}");
         for code in ["Place d;", "int d[N];", "struct place d[N];"] {
-            assert_eq!(told("d", "'d' declared here", code), unknown, "{code}");
+            assert_eq!(words_of("d", "'d' declared here", code), unknown, "{code}");
         }
         let member = "`p.x` has no value yet: give it one before it is used";
-        assert_eq!(told("p.x", "'p' declared here", "Place p;"), member);
-        let pointer = |code: &str| told("z", "'z' was declared here", code);
+        assert_eq!(words_of("p.x", "'p' declared here", "Place p;"), member);
+        let pointer = |code: &str| words_of("z", "'z' was declared here", code);
         assert_eq!(pointer("int* z;"), "`z` points nowhere: declare it without `*`, and write `&z` in this line");
         assert_eq!(pointer("char *z;"), "`z` points nowhere: declare an array in its place, such as `char z[20]`");
         let output = |kind: &str, code: &str| {
@@ -1636,8 +1660,8 @@ mod tests {
     }
 
     #[test]
-    fn declarations_in_a_clause_and_words_of_cpp_are_told() {
-        let told = |line: &str, above: &str, file: &str| {
+    fn misplaced_declarations_and_cpp_keywords_are_explained() {
+        let words_of = |line: &str, above: &str, file: &str| {
             let column = line.len() - line.trim_start().len();
             let word = line.trim().split(' ').next().unwrap_or_default();
             let output = format!(
@@ -1649,37 +1673,37 @@ mod tests {
             in_plain_words(&output, (file, &source)).trim_end().trim_start_matches(&format!("{file}:3: ")).to_owned()
         };
         let inner = "`home` cannot be written within `main`: move it out of `main`, above its first line";
-        assert_eq!(told("    static void home(int a)", "  if (KEYRead() == 0)", "a.c"), inner);
+        assert_eq!(words_of("    static void home(int a)", "  if (KEYRead() == 0)", "a.c"), inner);
         let declared = "`int` does not belong here: a variable is declared before the `if`, or within its `{ }`";
-        assert_eq!(told("    int n = 3;", "  } if (KEYRead() == 0) // none", "a.c"), declared);
-        assert!(told("    int n = 3;", "  n = ", "a.c").contains("a type is written where a name is declared"));
+        assert_eq!(words_of("    int n = 3;", "  } if (KEYRead() == 0) // none", "a.c"), declared);
+        assert!(words_of("    int n = 3;", "  n = ", "a.c").contains("a type is written where a name is declared"));
         let word = "`class` is a word of C++: give the variable another name";
-        assert_eq!(told("    int class = 3;", "  n = 2;", "a.cpp"), word);
-        assert!(!told("    int class = 3;", "  n = 2;", "a.c").contains("C++"));
+        assert_eq!(words_of("    int class = 3;", "  n = 2;", "a.cpp"), word);
+        assert!(!words_of("    int class = 3;", "  n = 2;", "a.c").contains("C++"));
     }
 
     #[test]
-    fn texts_that_a_back_slash_continues_lack_no_quote() {
+    fn continued_texts_lack_no_quote() {
         let source = "int main(void)\n{\n  LCDPrintf(\"a\\\n b\" 3);\n";
         let output = "a.c:4:4: error: expected ')' before numeric constant\n    4 |  b\" 3);\n      |    ^~\n";
         assert_eq!(in_plain_words(output, ("a.c", source)), "a.c:4: a `,` or a `)` is missing before `3`\n");
     }
 
     #[test]
-    fn lines_of_lambdas_are_within_a_function() {
+    fn lambda_lines_are_inside_a_function() {
         let output = "a.cpp: In lambda function:\na.cpp:8:9: error: expected unqualified-id before 'new'\n    8 |     int new = x;\n";
         check(output, "a.cpp:8: `new` is a word of the language: give the variable another name\n");
     }
 
     #[test]
-    fn columns_count_letters() {
+    fn columns_are_counted_in_display_width() {
         let error = "expected ')' before numeric constant";
         let output = |column: usize, code: &str| format!("a.c:3:{column}: error: {error}\n    3 | {code}\n");
         let words = "a.c:3: a `,` or a `)` is missing before `3`\n";
         check(&output(25, "  LCDPrintf(\"gr\u{F6}\u{DF}e %d\\n\" 3);"), words);
-        // gcc shows a tab as blanks, and counts them.
+        // gcc prints a tab as blanks, and counts these.
         check(&output(31, "        LCDPrintf(\"gr\u{F6}\u{DF}e %d\\n\" 3);"), words);
-        // Chinese letters are two columns wide; clang counts bytes, but its caret stands below the place.
+        // Chinese letters are two columns wide; clang counts bytes, but its caret is below the token.
         check(&output(25, "  LCDPrintf(\"\u{4F60}\u{597D}e %d\\n\" 3);"), words);
         let caret = format!("      | {}^\n", " ".repeat(24));
         check(&(output(28, "  LCDPrintf(\"\u{4F60}\u{597D}e %d\\n\" 3);") + &caret), words);
@@ -1688,17 +1712,17 @@ mod tests {
     }
 
     #[test]
-    fn declarations_without_an_end_lack_a_semicolon() {
+    fn unfinished_declarations_lack_a_semicolon() {
         let output =
             "a.cpp:3:1: error: expected initializer before 'double'\n    3 | double factor = 2;\n      | ^~~~~~\n";
-        let told = |source: &str| in_plain_words(output, ("a.cpp", source));
+        let words_of = |source: &str| in_plain_words(output, ("a.cpp", source));
         let words = "a.cpp:3: a `;` is missing at the end of line 2\n";
-        assert_eq!(told("#include \"eyebot.h\"\nint counter\ndouble factor = 2;\n"), words);
-        assert_ne!(told("int home()\n#define N 4\ndouble factor = 2;\n"), words);
+        assert_eq!(words_of("#include \"eyebot.h\"\nint counter\ndouble factor = 2;\n"), words);
+        assert_ne!(words_of("int home()\n#define N 4\ndouble factor = 2;\n"), words);
     }
 
     #[test]
-    fn braces_that_are_missing_between_functions_are_told() {
+    fn missing_braces_between_functions_are_reported() {
         let check = |output: &str, code: &str, words: &str| {
             assert_eq!(in_plain_words(output, ("a.cpp", code)), format!("{words}\n"), "{code}");
         };
@@ -1715,7 +1739,7 @@ mod tests {
     }
 
     #[test]
-    fn fractions_are_told_where_they_become_zero() {
+    fn only_fractions_that_become_zero_are_reported() {
         let output = "a.c: In function 'one':\n\
                       a.c:2:3: warning: conversion from 'double' to 'int' may change value [-Wfloat-conversion]\n    2 |   f(d);\n      |     ^\n\
                       a.c: In function 'main':\n\
@@ -1725,15 +1749,15 @@ mod tests {
         let kept = "a.c: In function 'main':\n\
                     a.c:6:3: warning: conversion from 'double' to 'int' changes value from '5.0e-1' to '0' [-Wfloat-conversion]\n    6 |   f(0.5);\n\
                     a.c:7:3: warning: unused variable 'a' [-Wunused-variable]\n";
-        assert_eq!(without_intended(output), kept);
-        assert_eq!(without_intended(kept), kept);
+        assert_eq!(without_harmless_warnings(output), kept);
+        assert_eq!(without_harmless_warnings(kept), kept);
         let included = "In file included from a.c:1:\nb.h: In function 'two':\n\
                         b.h:2:3: warning: conversion from 'double' to 'int' may change value [-Wfloat-conversion]\n";
-        assert_eq!(without_intended(included), "");
+        assert_eq!(without_harmless_warnings(included), "");
     }
 
     #[test]
-    fn the_first_error_alone_is_told() {
+    fn only_the_first_error_is_translated() {
         let output = "mine.c:2:1: warning: unused variable 'a' [-Wunused-variable]\n\
                       mine.c:4:23: error: expected ';' before 'return'\n    4 |   VWStraight(100, 100)\n\
                       mine.c:9:3: error: 'sped' undeclared (first use in this function); did you mean 'speed'?\n";
@@ -1748,7 +1772,7 @@ mod tests {
     }
 
     #[test]
-    fn usual_errors_are_told_in_plain_words() {
+    fn common_errors_are_translated() {
         let errors = [
             (
                 "4:17",
@@ -1768,7 +1792,7 @@ mod tests {
                 "  int x y;",
                 "a `,` or a `;` is missing before `y`, or `x y` is one name: write `x_y`",
             ),
-            ("4:1", "expected '=', ',', ';', 'asm' or '__attribute__' before '{' token", "{", NO_FUNCTION),
+            ("4:1", "expected '=', ',', ';', 'asm' or '__attribute__' before '{' token", "{", BRACE_WITHOUT_FUNCTION),
             (
                 "4:1",
                 "expected identifier or '(' before '{' token",
@@ -1800,8 +1824,13 @@ mod tests {
                 "`boolean` is not a type; did you mean `bool`?",
             ),
             ("4:4", "'place' has no member named 'y'", "  p.y = 3;", "`place` has no `y`: check the spelling"),
-            ("4:7", "assignment to expression with array type", "  name = \"S4\";", ARRAY_IS_SET),
-            ("4:16", "subscripted value is neither array nor pointer nor vector", "  return PSDGet[1];", IS_CALLED),
+            ("4:7", "assignment to expression with array type", "  name = \"S4\";", ARRAY_ASSIGNED),
+            (
+                "4:16",
+                "subscripted value is neither array nor pointer nor vector",
+                "  return PSDGet[1];",
+                FUNCTION_INDEXED,
+            ),
             (
                 "4:3",
                 "'elseif' was not declared in this scope",
@@ -1828,14 +1857,15 @@ mod tests {
     }
 
     #[test]
-    fn a_name_with_a_blank_is_no_type() {
+    fn name_with_a_blank_is_not_taken_for_a_type() {
         let words = |name: &str, code: &str, column: usize| {
             let output =
                 format!("a.c:4:{column}: error: '{name}' undeclared (first use in this function)\n    4 | {code}\n");
             in_plain_words(&output, ("", ""))
         };
-        let told = "a.c:4: `my` is not defined; if `my speed` is one name, write it as one word, such as `my_speed`\n";
-        assert_eq!(words("my", "  VWSetSpeed(my speed, 0);", 14), told);
+        let joined_name =
+            "a.c:4: `my` is not defined; if `my speed` is one name, write it as one word, such as `my_speed`\n";
+        assert_eq!(words("my", "  VWSetSpeed(my speed, 0);", 14), joined_name);
         assert!(words("drive", "  drive home();", 3).contains("`drive_home`"));
         for (name, code, column) in
             [("Place", "  Place p;", 3), ("place", "  place p;", 3), ("Place", "for (Place p = 0;", 6)]
@@ -1845,7 +1875,7 @@ mod tests {
     }
 
     #[test]
-    fn empty_loops_are_known() {
+    fn empty_loops_are_recognised() {
         assert!(is_empty_clause("  while (d > f(2)) ; // wait"));
         assert!(is_empty_clause("for (;;);"));
         for code in ["} while (d > 2);", "while (d > 2) f();", "while (d > 2) {", "whilst(2);", "f(2);"] {
@@ -1854,29 +1884,29 @@ mod tests {
     }
 
     #[test]
-    fn joined_texts_alone_are_kept_of_printed_ones() {
+    fn format_warnings_remain_only_for_joined_texts() {
         let output = |code: &str| {
             format!(
                 "a.cpp:4:3: warning: format not a string literal and no format arguments [-Wformat-security]\n    4 |   {code}\n"
             )
         };
         for code in ["LCDPrintf(name);", "LCDPrintf((\"a\" + name).c_str());"] {
-            assert_eq!(without_intended(&output(code)), "", "{code}");
+            assert_eq!(without_harmless_warnings(&output(code)), "", "{code}");
         }
-        assert_eq!(without_intended(&output("LCDPrintf(\"a\" + d);")), output("LCDPrintf(\"a\" + d);"));
+        assert_eq!(without_harmless_warnings(&output("LCDPrintf(\"a\" + d);")), output("LCDPrintf(\"a\" + d);"));
     }
 
     #[test]
-    fn quotes_are_counted_as_c_does() {
-        assert!(quote_missing("  LCDPrintf(hello\\n\");").is_some_and(|words| words.contains("opening")));
-        assert!(quote_missing("  LCDPrintf(\"hello\\n);").is_some_and(|words| words.contains("end")));
+    fn quotes_are_counted_by_the_rules_of_c() {
+        assert!(missing_quote("  LCDPrintf(hello\\n\");").is_some_and(|words| words.contains("opening")));
+        assert!(missing_quote("  LCDPrintf(\"hello\\n);").is_some_and(|words| words.contains("end")));
         for line in ["f(\"http://a\")", "f(\"a\\\\\")", "f('\"')", "f(\"say \\\"a\")", "x; // say \"a"] {
-            assert_eq!(quote_missing(line), None, "{line}");
+            assert_eq!(missing_quote(line), None, "{line}");
         }
     }
 
     #[test]
-    fn words_of_c_that_are_misspelt_are_told() {
+    fn misspelt_keywords_are_reported() {
         let start = "mine.c:2:17: error: expected ';' before '{' token\n    2 |   whlie (i < 5) {\n";
         check(start, "mine.c:2: `whlie` is not defined; did you mean `while`?\n");
         let name = "mine.c:2:3: error: 'retrun' undeclared (first use in this function)\n    2 |   retrun 0;\n";
@@ -1888,7 +1918,7 @@ mod tests {
     }
 
     #[test]
-    fn calls_that_do_not_fit_show_the_declaration() {
+    fn wrong_calls_show_the_declaration() {
         let few = "mine.c:2:17: error: too few arguments to function 'VWStraight'\n    2 |   VWStraight(100);\n\
                    In file included from mine.c:1:\n/k/eyebot.h:726:5: note: declared here\n  726 | int VWStraight(int dist, int lin_speed);\n";
         check(few, "mine.c:2: `VWStraight` is called with too few values: `int VWStraight(int dist, int lin_speed)`\n");
@@ -1908,7 +1938,7 @@ mod tests {
     }
 
     #[test]
-    fn messages_about_headers_and_other_text_are_left_alone() {
+    fn messages_about_headers_are_not_translated() {
         check("/usr/include/stdio.h:3:2: warning: division by zero\ncollect2: error: ld returned 1 exit status\n", "");
         check("", "");
     }

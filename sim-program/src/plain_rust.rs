@@ -1,4 +1,4 @@
-//! Messages of the Rust compiler in plain words, for the few that need it: most say by themselves what to write.
+//! Translates some messages of the Rust compiler into plain words; most messages need no translation.
 
 use std::fs;
 use std::path::Path;
@@ -6,11 +6,11 @@ use std::path::Path;
 use super::hint::quoted;
 use super::plain::RECURSION;
 
-/// Most names that are proposed for one that does not exist.
+/// Maximum number of names that are suggested for an unknown name.
 const MAX_NAMES: usize = 5;
 
-/// Parts of messages, each with what it means.
-const WORDS: &[(&str, &str)] = &[
+/// Parts of messages, each with its translation.
+const TRANSLATIONS: &[(&str, &str)] = &[
     ("cannot return without recursing", RECURSION),
     ("did not contain valid UTF-8", "the file is not saved as UTF-8: save it as UTF-8 in the editor"),
     ("attempt to divide `", "this divides by 0"),
@@ -21,10 +21,11 @@ const WORDS: &[(&str, &str)] = &[
     ("isn't initialized", "the variable has no value yet: give it one where it is declared"),
 ];
 
-/// The first known message among cargo's `output`, in one line: `src/lib.rs:7: this divides by 0`; empty if there is none.
+/// Translates the first known message in cargo's `output` into one line: `src/lib.rs:7: this divides by 0`; empty if there is none.
 pub fn in_plain_words(output: &str) -> String {
     let words = output.split("\n\n").find_map(|message| {
-        let known = WORDS.iter().find(|(phrase, _)| message.contains(phrase)).map(|(_, words)| (*words).to_owned());
+        let known =
+            TRANSLATIONS.iter().find(|(phrase, _)| message.contains(phrase)).map(|(_, words)| (*words).to_owned());
         let words = known.or_else(|| unknown_name(message))?;
         let place = message.lines().find_map(|line| line.trim_start().strip_prefix("--> "));
         // The column is left out.
@@ -34,14 +35,14 @@ pub fn in_plain_words(output: &str) -> String {
     words.unwrap_or_default()
 }
 
-/// A method, a variant or a function that does not exist: what the compiler proposes in its place, else the nearest methods of a type of
-/// the Rust library.
+/// Words for an unknown method, variant or function: with the name that the compiler suggests, else with the most similar methods if the
+/// type is one of `robios_api`.
 fn unknown_name(message: &str) -> Option<String> {
     let is_head =
         |line: &&str| line.starts_with("error[E0599]: no ") || line.starts_with("error[E0425]: cannot find function ");
     let head = message.lines().find(is_head)?;
-    let quotes = |number: usize| head.split('`').skip(1).step_by(2).nth(number);
-    let (name, owner) = (quotes(0)?, quotes(1).filter(|_| head.contains(" found for ")));
+    let quoted_text = |index: usize| head.split('`').skip(1).step_by(2).nth(index);
+    let (name, owner) = (quoted_text(0)?, quoted_text(1).filter(|_| head.contains(" found for ")));
     let path = owner
         .map(|owner| owner.trim_start_matches('&').trim_start_matches("mut ").split('<').next().unwrap_or_default());
     let kind = path.and_then(|path| path.rsplit("::").next());
@@ -49,8 +50,8 @@ fn unknown_name(message: &str) -> Option<String> {
         Some(kind) => format!("`{kind}` has no `{name}`"),
         None => format!("`{name}` is not defined"),
     };
-    if let Some(near) = proposed(message, name) {
-        return Some(format!("{subject}; did you mean `{near}`?"));
+    if let Some(suggestion) = suggested(message, name) {
+        return Some(format!("{subject}; did you mean `{suggestion}`?"));
     }
     let path = path.filter(|_| head.contains("no method"))?.strip_prefix("robios_api::")?;
     let mut methods = methods_of(path);
@@ -59,18 +60,19 @@ fn unknown_name(message: &str) -> Option<String> {
     (!methods.is_empty()).then(|| format!("{subject}; among its methods are {}", quoted(&methods)))
 }
 
-/// What the compiler proposes for `name`, if that is similar: the name that it quotes, else the one that it writes in its place.
-fn proposed<'m>(message: &'m str, name: &str) -> Option<&'m str> {
+/// The name that the compiler suggests for `name`, if it is similar: the quoted name, else the name in the changed line.
+fn suggested<'m>(message: &'m str, name: &str) -> Option<&'m str> {
     let help = message.lines().find(|line| line.starts_with("help: ") && line.contains(" similar name"))?;
-    let near = help.split('`').nth(1).or_else(|| replaced(message, name))?;
-    (strsim::osa_distance(&near.to_lowercase(), &name.to_lowercase()) <= name.len().max(3) / 3).then_some(near)
+    let suggestion = help.split('`').nth(1).or_else(|| replacement(message, name))?;
+    (strsim::osa_distance(&suggestion.to_lowercase(), &name.to_lowercase()) <= name.len().max(3) / 3)
+        .then_some(suggestion)
 }
 
-/// The first word in place of `name` where the message shows its line anew.
-fn replaced<'m>(message: &'m str, name: &str) -> Option<&'m str> {
+/// The word that replaces `name` in the changed line that the message shows.
+fn replacement<'m>(message: &'m str, name: &str) -> Option<&'m str> {
     let place = message.lines().find_map(|line| line.trim_start().strip_prefix("--> "))?;
     let number = place.rsplit(':').nth(1)?;
-    // The number may be padded; the line as it was has `|` or `-`, the proposed one `|` or `+`.
+    // The number may be padded; the old line has `|` or `-`, the new one `|` or `+`.
     let code = |line: &'m str| line.trim_start().strip_prefix(number)?.trim_start().strip_prefix(['|', '-', '+']);
     let shown: Vec<&str> = message.lines().filter_map(code).collect();
     let words = |code: &'m str| code.split(|c: char| !c.is_alphanumeric() && c != '_');
@@ -79,21 +81,21 @@ fn replaced<'m>(message: &'m str, name: &str) -> Option<&'m str> {
     changes.find(|(old, _)| *old == name).map(|(_, new)| new)
 }
 
-/// The public methods of a type of the Rust library, from its source; empty if that is not here.
+/// The public methods of a type of the crate `robios-api`, from its source; empty if the source is not available.
 fn methods_of(path: &str) -> Vec<String> {
     let (folder, kind) = path.rsplit_once("::").unwrap_or(("", path));
     let Some(root) = Path::new(env!("CARGO_MANIFEST_DIR")).parent() else { return Vec::new() };
     let files = fs::read_dir(root.join("robios-api/src").join(folder)).into_iter().flatten().flatten();
     let begins = |line: &&str| {
-        let of = line.strip_prefix("impl").and_then(|head| head.split(' ').nth(1));
-        !line.contains(" for ") && of.is_some_and(|of| of.split('<').next() == Some(kind))
+        let type_name = line.strip_prefix("impl").and_then(|head| head.split(' ').nth(1));
+        !line.contains(" for ") && type_name.is_some_and(|type_name| type_name.split('<').next() == Some(kind))
     };
     let mut methods: Vec<String> = Vec::new();
     for text in files.filter_map(|file| fs::read_to_string(file.path()).ok()) {
         let mut lines = text.lines();
         while lines.by_ref().any(|line| begins(&line)) {
-            let own = lines.by_ref().take_while(|line| *line != "}");
-            let names = own.filter_map(|line| line.strip_prefix("    pub fn ")?.split(['(', '<']).next());
+            let impl_lines = lines.by_ref().take_while(|line| *line != "}");
+            let names = impl_lines.filter_map(|line| line.strip_prefix("    pub fn ")?.split(['(', '<']).next());
             methods.extend(names.map(str::to_owned));
         }
     }
@@ -105,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_that_do_not_exist_are_told_with_others() {
+    fn unknown_names_are_reported_with_similar_ones() {
         let added = "error[E0599]: no method named `straigt` found for struct `robios_api::Drive` in the current scope\n --> src/lib.rs:7:11\n  \
                      |\n7 |     drive.straigt(1)?;\n  |           ^^^^^^^\n  |\nhelp: there is a method `straight` with a similar name\n  \
                      |\n7 |     drive.straight(1)?;\n  |                 +\n";
@@ -127,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn proposals_are_whole_names() {
+    fn suggestions_are_whole_names() {
         // rustc 1.95; it prints a tab as four blanks and counts it as one column.
         let tab = r"error[E0599]: no method named `straigt` found for mutable reference `&mut robios_api::Drive` in the current scope
  --> src/lib.rs:3:8
@@ -206,7 +208,7 @@ help: there is a method `straight` with a similar name
     }
 
     #[test]
-    fn known_messages_are_told_with_their_line() {
+    fn known_messages_are_translated_with_their_line() {
         let output = "error: this operation will panic at runtime\n --> src/lib.rs:7:20\n  |\n7 |     100 / 0\n  |     ^^^ attempt to divide \
                       `100_i32` by zero\n\nerror: could not compile `mine` (lib) due to 1 previous error\n";
         assert_eq!(in_plain_words(output), "src/lib.rs:7: this divides by 0\n");

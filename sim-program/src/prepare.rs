@@ -1,4 +1,4 @@
-//! Builds and reads each program that was found, once, into an image that robots can load.
+//! Builds and reads each found program once, so that robots can load it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,15 +16,15 @@ use crate::files::read_regular;
 /// A program that is built and read, shared by all robots that run it.
 #[derive(Debug)]
 pub struct Prepared {
-    /// Its name, the `argv[0]` of its robots.
+    /// Name of the program, the `argv[0]` of its robots.
     pub name: String,
     /// Source of the program.
     pub source: ProgramSource,
     /// Code that robots load.
     pub code: Code,
-    /// Output of the compiler, now or when the library was built.
+    /// Output of the compiler, from this build or from the earlier one whose library is used.
     pub output: String,
-    /// A compiler ran now.
+    /// A compiler has run for this build.
     pub compiled: bool,
     /// The generation of RoBIOS for which its sources are compiled, with the reason; `None` if eyesim did not choose it.
     pub choice: Option<GenerationChoice>,
@@ -70,7 +70,7 @@ impl Prepared {
         }
     }
 
-    /// Message to the user when it is compiled: `maze.c: RoBIOS-7 (VWStraight, VWWait)`.
+    /// Message for its compilation: `maze.c: RoBIOS-7 (VWStraight, VWWait)`.
     pub fn generation_remark(&self) -> Option<String> {
         self.choice.as_ref()?.remark(self.source.path())
     }
@@ -81,7 +81,7 @@ impl Prepared {
             ProgramSource::Cargo(folder) => Some(folder.clone()),
             source => source.path().parent().map(Path::to_owned),
         }
-        // A name without a folder lies in the working folder.
+        // A file named without a folder is in the working folder.
         .map(|folder| if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder })
     }
 
@@ -123,8 +123,8 @@ fn without_entry(folder: &Path) -> String {
     )
 }
 
-/// Builds and reads each program of `found` once, in parallel; the results are in the order of `found`, and programs
-/// from the same source share one.
+/// Builds and reads each program of `found` once, in parallel. The results are in the order of `found`; programs from
+/// the same source share a result.
 ///
 /// # Errors
 /// [`PrepareError`] for each program separately.
@@ -189,7 +189,7 @@ fn warning_about_stdin(folder: &Path, name: &str) -> Option<String> {
     })
 }
 
-/// The folder to which names of source files in messages are relative.
+/// The folder to which the paths of source files in messages are relative.
 fn source_folder(source: &ProgramSource) -> Option<&Path> {
     match source {
         ProgramSource::Sources { files, .. } => files.first()?.parent(),

@@ -1,4 +1,4 @@
-//! Python programs, which an interpreter runs through the module `eye`, each in its own process.
+//! Commands that run Python programs: an interpreter runs each in its own process, through the module `eye`.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,8 +10,8 @@ use super::command::{COMMAND_TIMEOUT, build_output};
 use super::compiler::{tool_folders, which};
 use crate::host;
 
-/// Oldest minor version of Python 3 that `eye.py` is written for.
-const MINOR: u32 = 7;
+/// Oldest minor version of Python 3 that `eye.py` supports.
+const OLDEST_MINOR: u32 = 7;
 
 /// Interpreter and module that run Python programs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,17 +19,17 @@ pub struct Python {
     /// The interpreter: `$PYTHON`, otherwise the interpreter of the [host](host), otherwise `python3` on the search
     /// path.
     interpreter: PathBuf,
-    /// The module `eye`, which runs a program if it is run as a script.
+    /// File of the module `eye`; run as a script, it runs a program.
     eye: PathBuf,
 }
 
 /// Interpreter and folders of an installation of Python.
 #[derive(Clone, Debug)]
 struct PythonHome {
-    /// The interpreter itself, not a launcher of it.
+    /// The interpreter itself, not its launcher.
     executable: PathBuf,
     /// Folder of modules that the user has installed without root.
-    user: PathBuf,
+    user_base: PathBuf,
     /// Folders that the interpreter reads: its installation, and the modules that it finds.
     folders: Vec<PathBuf>,
 }
@@ -39,14 +39,14 @@ impl PythonHome {
     ///
     /// # Errors
     /// It does not start, or does not answer.
-    fn of(interpreter: &Path) -> io::Result<Self> {
-        // The modules are loaded before files of the working folder could shadow them.
-        const QUESTION: &str = "import sys, site; print(sys.executable, sys.prefix, sys.base_prefix, site.USER_BASE or '', *sys.path, sep='\\n')";
+    fn query(interpreter: &Path) -> io::Result<Self> {
+        // The modules are imported before files of the working folder could shadow them.
+        const QUERY: &str = "import sys, site; print(sys.executable, sys.prefix, sys.base_prefix, site.USER_BASE or '', *sys.path, sep='\\n')";
         let mut command = Command::new(interpreter);
-        let answer = build_output(command.args(["-c", QUESTION]), COMMAND_TIMEOUT)?;
-        let said = String::from_utf8_lossy(&answer.stdout);
-        let mut lines = said.lines().map(PathBuf::from);
-        let (Some(executable), Some(prefix), Some(base), Some(user)) =
+        let answer = build_output(command.args(["-c", QUERY]), COMMAND_TIMEOUT)?;
+        let answer_text = String::from_utf8_lossy(&answer.stdout);
+        let mut lines = answer_text.lines().map(PathBuf::from);
+        let (Some(executable), Some(prefix), Some(base_prefix), Some(user_base)) =
             (lines.next(), lines.next(), lines.next(), lines.next())
         else {
             return Err(io::Error::other(format!("`{}` does not tell its folders", interpreter.display())));
@@ -54,20 +54,20 @@ impl PythonHome {
         let mut folders: Vec<PathBuf> = lines.filter(|path| path.is_absolute()).collect();
         let real = std::fs::canonicalize(&executable)?;
         folders.extend(tool_folders(&executable).into_iter().chain(tool_folders(&real)));
-        folders.extend([prefix, base].iter().flat_map(|prefix| tool_folders(&prefix.join("bin/python3"))));
-        Ok(Self { executable, user, folders })
+        folders.extend([prefix, base_prefix].iter().flat_map(|prefix| tool_folders(&prefix.join("bin/python3"))));
+        Ok(Self { executable, user_base, folders })
     }
 
     /// Lets `command` find the user's modules without the user's environment.
     fn keep_modules(&self, command: &mut Command) {
-        if !self.user.as_os_str().is_empty() {
-            command.env("PYTHONUSERBASE", &self.user);
+        if !self.user_base.as_os_str().is_empty() {
+            command.env("PYTHONUSERBASE", &self.user_base);
         }
     }
 }
 
-/// Files and folders that the [host] reads when `command` starts it again without the user's environment, in which the command then finds
-/// its modules.
+/// Prepares `command` to start the [host] again without the user's environment, so that it still finds its modules. Returns the files and
+/// folders that the host reads.
 ///
 /// # Errors
 /// The host is unknown, or is an interpreter that does not answer.
@@ -80,8 +80,8 @@ pub fn restricted_host(command: &mut Command) -> io::Result<Vec<PathBuf>> {
     let home = match HOME.get() {
         Some(home) => home,
         None => {
-            let asked = PythonHome::of(python)?;
-            HOME.get_or_init(|| asked)
+            let queried = PythonHome::query(python)?;
+            HOME.get_or_init(|| queried)
         }
     };
     home.keep_modules(command);
@@ -100,12 +100,12 @@ pub enum PythonError {
         error: io::Error,
     },
     /// The interpreter is too old, or is not Python.
-    #[error("`{}` is no Python 3.{MINOR} or newer: it says `{said}`", interpreter.display())]
+    #[error("`{}` is no Python 3.{OLDEST_MINOR} or newer: it says `{answer}`", interpreter.display())]
     Unfit {
         /// The interpreter.
         interpreter: PathBuf,
         /// Its output when asked for its version.
-        said: String,
+        answer: String,
     },
     /// The module `eye` cannot be written into the cache.
     #[error("cannot write `eye.py` into the cache: {0}")]
@@ -113,14 +113,14 @@ pub enum PythonError {
 }
 
 impl Python {
-    /// Looks for the interpreter and writes `eye.py` into `cache`. The interpreter is not started: [`Self::check`]
+    /// Finds the interpreter and writes `eye.py` into `cache`. The interpreter is not started: [`Self::check`]
     /// explains later why a program did not start.
     ///
     /// # Errors
     /// [`PythonError`].
     pub fn find(interpreter: Option<&Path>, cache: &Cache) -> Result<Self, PythonError> {
-        let of_host = || host::current().and_then(|host| host.python.as_deref());
-        let interpreter = interpreter.or_else(of_host).unwrap_or(Path::new("python3")).to_owned();
+        let host_interpreter = || host::current().and_then(|host| host.python.as_deref());
+        let interpreter = interpreter.or_else(host_interpreter).unwrap_or(Path::new("python3")).to_owned();
         if interpreter.to_str().and_then(which).is_none() {
             let error = io::Error::from_raw_os_error(libc::ENOENT);
             return Err(PythonError::Missing { interpreter, error });
@@ -128,7 +128,7 @@ impl Python {
         Ok(Self { interpreter, eye: write_eye(cache).map_err(PythonError::Cache)? })
     }
 
-    /// Starts the interpreter and asks for its version.
+    /// Checks the version that the interpreter reports.
     ///
     /// # Errors
     /// [`PythonError`] if it does not start, is too old, or is not Python.
@@ -136,14 +136,14 @@ impl Python {
         let interpreter = self.interpreter.clone();
         let mut command = Command::new(&interpreter);
         command.args(["-c", "import sys; print(*sys.version_info[:2])"]);
-        let asked = match build_output(&mut command, COMMAND_TIMEOUT) {
-            Ok(asked) => asked,
+        let output = match build_output(&mut command, COMMAND_TIMEOUT) {
+            Ok(output) => output,
             Err(error) => return Err(PythonError::Missing { interpreter, error }),
         };
-        let said = String::from_utf8_lossy(&asked.stdout).trim().to_owned();
-        let mut version = said.split(' ').map(str::parse);
-        let fits = matches!((version.next(), version.next()), (Some(Ok(3)), Some(Ok(minor))) if minor >= MINOR);
-        if asked.status.success() && fits { Ok(()) } else { Err(PythonError::Unfit { interpreter, said }) }
+        let answer = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+        let mut version = answer.split(' ').map(str::parse);
+        let fits = matches!((version.next(), version.next()), (Some(Ok(3)), Some(Ok(minor))) if minor >= OLDEST_MINOR);
+        if output.status.success() && fits { Ok(()) } else { Err(PythonError::Unfit { interpreter, answer }) }
     }
 
     /// Like [`Self::command`], for a process without the user's environment; also returns the folders that the
@@ -152,7 +152,7 @@ impl Python {
     /// # Errors
     /// The interpreter does not start, or does not answer.
     pub fn restricted_command(&self, program: &Path) -> io::Result<(Command, Vec<PathBuf>)> {
-        let mut home = PythonHome::of(&self.interpreter)?;
+        let mut home = PythonHome::query(&self.interpreter)?;
         let mut command = Self { interpreter: home.executable.clone(), eye: self.eye.clone() }.command(program);
         home.keep_modules(&mut command);
         home.folders.push(self.eye.clone());
@@ -183,7 +183,7 @@ fn write_eye(cache: &Cache) -> io::Result<PathBuf> {
     let text = robios_sys::python::eye();
     let digest = &blake3::hash(text.as_bytes()).to_hex()[..32];
     let path = cache.folder("kits")?.join(digest).join("eye.py");
-    if !std::fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
+    if !std::fs::read(&path).is_ok_and(|existing| existing == text.as_bytes()) {
         cache.write_atomically(&path, text.as_bytes())?;
     }
     Ok(path)

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Prefix of the folders' names.
 const PREFIX: &str = "eyesim-run-";
 
-/// Name of the file in the folder that its process has locked.
+/// Name of the file in each folder that the folder's process has locked.
 const LOCK: &str = "lock";
 
 /// A folder of this process in the temporary folder; removed when dropped.
@@ -51,11 +51,11 @@ impl RunFolder {
     }
 }
 
-/// Removes the folders in `parent` whose lock is not held. Folders of other users cannot be opened and stay.
+/// Removes the folders of runs in `parent` that no process has locked. Folders of other users cannot be opened and remain.
 fn remove_abandoned_in(parent: &Path) {
     let entries = fs::read_dir(parent).into_iter().flatten().flatten();
-    let of_runs = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(PREFIX));
-    for folder in of_runs.map(|entry| entry.path()).filter(is_abandoned) {
+    let run_folders = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(PREFIX));
+    for folder in run_folders.map(|entry| entry.path()).filter(is_abandoned) {
         // Another process may remove it at the same time.
         let _ = fs::remove_dir_all(folder);
     }
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn folders_of_dead_processes_are_removed_and_no_others() {
+    fn only_folders_of_killed_processes_are_removed() {
         let parent = tempfile::tempdir().unwrap();
         let living = RunFolder::new_in(parent.path()).unwrap();
         for (name, has_lock) in [("eyesim-run-dead", true), ("eyesim-run-young", false), ("other-dead", true)] {

@@ -1,4 +1,4 @@
-//! The programs of a scene, each found and built once.
+//! Finds and builds the programs of a scene, each once.
 
 use std::collections::BTreeMap;
 use std::collections::BTreeSet;
@@ -15,7 +15,7 @@ use super::generation::{Generation, GenerationHint};
 use super::prepare::{Prepared, prepare};
 
 /// The generation that the scene states for a robot's program.
-pub fn wanted_of(robot: &RobotSpec) -> GenerationHint {
+pub fn generation_hint(robot: &RobotSpec) -> GenerationHint {
     let generation = |number: Option<u32>| number.and_then(Generation::of_number);
     GenerationHint { api: generation(robot.api), dialect: generation(robot.dialect) }
 }
@@ -43,23 +43,23 @@ impl Programs {
     /// Finds and builds the programs of all robots, each once; `builder` notifies its observer of each compilation.
     ///
     /// # Errors
-    /// All programs that cannot be found or built.
+    /// [`ProgramsError`] with all programs that cannot be found or built.
     pub fn build(scene: &SceneSpec, search: &SearchPath, builder: &Builder) -> Result<Self, ProgramsError> {
-        // A program named on the command line is searched from the working folder, not from the sim file's.
-        let search_from_here = SearchPath { sim_folder: None, ..search.clone() };
+        // A program named on the command line is searched in the working folder, not in the sim file's folder.
+        let command_line_search = SearchPath { sim_folder: None, ..search.clone() };
         let mut found: Vec<Option<Found>> = Vec::with_capacity(scene.robots.len());
-        // The key is the name, and true for a program of the command line.
+        // Keys: the name, and true for a program of the command line.
         let mut searched: BTreeMap<(&str, bool), Result<Found, FindError>> = BTreeMap::new();
         let mut mistakes = Vec::new();
         for robot in &scene.robots {
             let find = |program: &SpannedText| {
-                let search = if is_of_command_line(program) { &search_from_here } else { search };
+                let search = if is_of_command_line(program) { &command_line_search } else { search };
                 find_program(&program.text, search)
             };
             found.push(robot.program.as_ref().and_then(|program| {
                 let key = (&*program.text, is_of_command_line(program));
                 match searched.entry(key).or_insert_with(|| find(program)) {
-                    Ok(found) => Some(found.clone().wanted(wanted_of(robot))),
+                    Ok(found) => Some(found.clone().with_hint(generation_hint(robot))),
                     Err(error) => {
                         push_new(&mut mistakes, format!("{}: {error}", place_of(scene, program)));
                         None
@@ -107,7 +107,7 @@ impl Programs {
     }
 }
 
-/// Reference to a program that is named on the command line, and so has no span in a file.
+/// Reference to a program that is named on the command line, and thus has no span in a file.
 pub fn program_of_command_line(name: &str) -> SpannedText {
     SpannedText { text: name.to_owned(), span: Span::default() }
 }
@@ -116,22 +116,22 @@ fn is_of_command_line(program: &SpannedText) -> bool {
     program.span.line == 0
 }
 
-/// Name of a robot's program for messages and tables: as the scene names it, but by the folder's name if it is the `Cargo.toml`
-/// of a package.
+/// Name of a robot's program for messages and tables: the scene's reference to it, or the name of the folder if the reference is
+/// the `Cargo.toml` of a package.
 pub fn shown_name(robot: &RobotSpec, scene: &SceneSpec) -> String {
     let Some(program) = &robot.program else { return String::new() };
     let text = program.text.replace('\\', "/");
     let folder = if is_of_command_line(program) { "" } else { &scene.folder };
-    let of_package = || {
+    let package_name = || {
         let manifest = Path::new(&text);
         let folder = Path::new(folder).join(manifest.parent().filter(|_| manifest.ends_with("Cargo.toml"))?);
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
         Some(fs::canonicalize(folder).ok()?.file_name()?.to_string_lossy().into_owned())
     };
-    of_package().unwrap_or_else(|| program.text.clone())
+    package_name().unwrap_or_else(|| program.text.clone())
 }
 
-/// Location at which `program` is named: `line.sim:3`, or the command line's option.
+/// Location of the reference `program`: `line.sim:3`, or the option of the command line.
 fn place_of(scene: &SceneSpec, program: &SpannedText) -> String {
     if is_of_command_line(program) { "--program".to_owned() } else { format!("{}:{}", scene.file, program.span.line) }
 }

@@ -1,9 +1,8 @@
-//! Copies of a library that several robots use, one at a time: each robot has its own values of the variables.
+//! Copies of a library that several robots use in turn; each robot has its own values of the variables.
 //!
 //! A private copy of a library costs about six memory mappings, of which a process may have 65,530, and space in the
 //! processor's caches and branch predictors. Robots on one worker run one after the other, so one copy suffices for all
-//! of them: before a robot runs, the values of the robot that used the copy before are copied out, and its own are
-//! copied in.
+//! of them: before a robot runs, the values of the previous robot are copied out, and its own values are copied in.
 
 use std::cell::UnsafeCell;
 use std::ops::Range;
@@ -18,18 +17,18 @@ pub struct SharedCopy {
     opened: Arc<Opened>,
     /// Worker on which all its robots run.
     worker: u32,
-    /// Addresses of the variables.
-    places: Vec<Range<usize>>,
+    /// Address ranges of the variables.
+    ranges: Vec<Range<usize>>,
     /// Values of the variables after loading.
     initial: Box<[u8]>,
-    /// The variables whose values are in the copy; null if they belong to no robot.
-    present: AtomicPtr<Variables>,
+    /// The variables whose values are in the copy; null if the values belong to no robot.
+    current: AtomicPtr<Variables>,
 }
 
 /// The variables of one robot in a shared copy.
 pub struct Variables {
     copy: Arc<SharedCopy>,
-    /// The robot's values while another robot's are in the copy.
+    /// The robot's values while another robot's values are in the copy.
     values: UnsafeCell<Box<[u8]>>,
 }
 
@@ -39,25 +38,25 @@ unsafe impl Send for Variables {}
 unsafe impl Sync for Variables {}
 
 impl SharedCopy {
-    /// Shares the newly opened library among the robots of `worker`; its variables lie at `places`, relative to its
-    /// base.
+    /// Shares the newly opened library among the robots of `worker`; its variables are in the address `ranges`, relative
+    /// to its base.
     ///
     /// # Safety
-    /// The places are writable memory of the library, which only code of the library changes.
-    pub unsafe fn new(opened: Opened, worker: u32, places: &[Range<usize>]) -> Self {
-        let places: Vec<_> = places.iter().map(|place| opened.base + place.start..opened.base + place.end).collect();
-        let mut initial = vec![0; places.iter().map(Range::len).sum()].into_boxed_slice();
-        let mut at = 0;
-        for place in &places {
+    /// The ranges are writable memory of the library, which only code of the library changes.
+    pub unsafe fn new(opened: Opened, worker: u32, ranges: &[Range<usize>]) -> Self {
+        let ranges: Vec<_> = ranges.iter().map(|range| opened.base + range.start..opened.base + range.end).collect();
+        let mut initial = vec![0; ranges.iter().map(Range::len).sum()].into_boxed_slice();
+        let mut offset = 0;
+        for range in &ranges {
             // SAFETY: memory of the library by this function's contract, which no code uses now; the buffer has the
-            // size of all places.
+            // total size of all ranges.
             unsafe {
-                let from = ptr::with_exposed_provenance::<u8>(place.start);
-                ptr::copy_nonoverlapping(from, initial[at..].as_mut_ptr(), place.len());
+                let from = ptr::with_exposed_provenance::<u8>(range.start);
+                ptr::copy_nonoverlapping(from, initial[offset..].as_mut_ptr(), range.len());
             }
-            at += place.len();
+            offset += range.len();
         }
-        Self { opened: Arc::new(opened), worker, places, initial, present: AtomicPtr::default() }
+        Self { opened: Arc::new(opened), worker, ranges, initial, current: AtomicPtr::default() }
     }
 
     /// The library.
@@ -78,13 +77,13 @@ impl Variables {
         Self { values: UnsafeCell::new(copy.initial.clone()), copy }
     }
 
-    /// Worker on which the robot runs.
+    /// The worker on which the robot runs.
     #[inline]
     pub fn worker(&self) -> u32 {
         self.copy.worker
     }
 
-    /// Addresses of the values while another robot's are in the copy.
+    /// Addresses at which the values are stored while another robot's values are in the copy.
     ///
     /// # Safety
     /// See [`Variables::swap_in`].
@@ -101,33 +100,33 @@ impl Variables {
     /// none of their robots runs any more.
     #[inline]
     pub unsafe fn swap_in(&self) {
-        let own = ptr::from_ref(self).cast_mut();
-        let present = self.copy.present.load(Ordering::Relaxed);
-        if present == own {
+        let this = ptr::from_ref(self).cast_mut();
+        let current = self.copy.current.load(Ordering::Relaxed);
+        if current == this {
             return;
         }
-        let mut at = 0;
-        for place in &self.copy.places {
-            let memory = ptr::with_exposed_provenance_mut::<u8>(place.start);
+        let mut offset = 0;
+        for range in &self.copy.ranges {
+            let memory = ptr::with_exposed_provenance_mut::<u8>(range.start);
             // SAFETY: memory of the library, which no other code uses now, by the contracts of this function and of
-            // `SharedCopy::new`; `present` is alive, since it resets the pointer when it is dropped; all buffers have
-            // the length of all places.
+            // `SharedCopy::new`; `current` is alive, since it resets the pointer when it is dropped; all buffers have
+            // the total length of all ranges.
             unsafe {
-                if let Some(present) = present.as_ref() {
-                    ptr::copy_nonoverlapping(memory, (&mut *present.values.get())[at..].as_mut_ptr(), place.len());
+                if let Some(current) = current.as_ref() {
+                    ptr::copy_nonoverlapping(memory, (&mut *current.values.get())[offset..].as_mut_ptr(), range.len());
                 }
-                ptr::copy_nonoverlapping((&*self.values.get())[at..].as_ptr(), memory, place.len());
+                ptr::copy_nonoverlapping((&*self.values.get())[offset..].as_ptr(), memory, range.len());
             }
-            at += place.len();
+            offset += range.len();
         }
-        self.copy.present.store(own, Ordering::Relaxed);
+        self.copy.current.store(this, Ordering::Relaxed);
     }
 }
 
 impl Drop for Variables {
     fn drop(&mut self) {
-        let own = ptr::from_mut(self);
-        // It fails if another robot's values are in the copy.
-        let _ = self.copy.present.compare_exchange(own, ptr::null_mut(), Ordering::Relaxed, Ordering::Relaxed);
+        let this = ptr::from_mut(self);
+        // The exchange fails if another robot's values are in the copy.
+        let _ = self.copy.current.compare_exchange(this, ptr::null_mut(), Ordering::Relaxed, Ordering::Relaxed);
     }
 }

@@ -1,4 +1,4 @@
-//! Warnings about functions of the C library whose effects extend beyond the robot.
+//! Warns about functions of the C library whose effects extend beyond the robot.
 
 use std::collections::BTreeMap;
 
@@ -9,20 +9,20 @@ use super::image::ProgramImage;
 /// Symbols that the static C++ library imports for itself, for locales and streams. They do not show whether the
 /// program reads the environment or changes its locale.
 ///
-/// Found by looking at programs built with GCC 12.
+/// Source: programs built with GCC 12.
 const CPP_LIBRARY: &[&str] = &["syscall", "getenv", "secure_getenv", "uselocale", "setlocale", "ioctl", "readv"];
 
 /// Symbols that the Rust standard library imports for itself, for panics and locks, in every program: they show nothing
 /// about the program itself. Its imports for `Instant` (`clock_gettime`), `sleep` (`clock_nanosleep`), threads
 /// (`pthread_create`) and `exit` exist only if the program uses these.
 ///
-/// Found by looking at programs built with Rust 1.95.
+/// Source: programs built with Rust 1.95.
 const RUST_RUNTIME: &[&str] = &["abort", "close", "getenv", "poll", "read", "sigaction", "syscall", "write", "writev"];
 
 /// Warnings about imports of `image` that make runs nondeterministic: one line for each reason, with the names of the
 /// functions; `name` is the program's. In a C program built by eyesim these are only functions that no shim interposes.
 ///
-/// In Rust programs only those imports count that the standard library does not always have, so `println!` and the
+/// In Rust programs, imports that every program has because of the standard library are ignored, so `println!` and the
 /// order of a `HashMap` are not reported, see `docs/programs.md`.
 pub fn warnings_about(image: &ProgramImage, name: &str) -> Vec<String> {
     uses(image, reason_in_program(image)).into_iter().map(|line| format!("program `{name}` {line}")).collect()
@@ -41,24 +41,24 @@ fn reason_in_program(image: &ProgramImage) -> fn(&str) -> Option<&'static str> {
     }
 }
 
-/// Returns the reason why the program of `image` could end or stop the host on one of its threads, as far as its imports and its symbols
-/// show: `` uses `fork`: starts or waits for processes, which are copies of the host ``.
+/// Returns the reason why the program of `image` could end or stop the host on one of its threads, according to its imports and
+/// symbols: `` uses `fork`: starts or waits for processes, which are copies of the host ``.
 pub fn danger_to_host(image: &ProgramImage) -> Option<String> {
-    let of_symbols =
+    let resolver_danger =
         image.has_resolvers().then(|| "has IFUNC symbols: its code runs while it is being loaded".to_owned());
-    uses(image, c::endangers_host).into_iter().next().or(of_symbols)
+    uses(image, c::endangers_host).into_iter().next().or(resolver_danger)
 }
 
 /// Imports of `image` for which there is a `reason`, except those of its language's own library: one line for each
 /// reason.
 fn uses(image: &ProgramImage, reason: fn(&str) -> Option<&'static str>) -> Vec<String> {
-    let own = match image.description().map(|description| description.language) {
+    let library_imports = match image.description().map(|description| description.language) {
         Some(language::CPP) => CPP_LIBRARY,
         Some(language::RUST) => RUST_RUNTIME,
         _ => &[],
     };
     let mut by_reason: BTreeMap<&str, Vec<String>> = BTreeMap::new();
-    for name in image.undefined().iter().filter(|name| !own.contains(&name.as_str())) {
+    for name in image.undefined().iter().filter(|name| !library_imports.contains(&name.as_str())) {
         if let Some(reason) = reason(name) {
             by_reason.entry(reason).or_default().push(format!("`{name}`"));
         }

@@ -1,4 +1,4 @@
-//! Building and loading with the real compiler. Without a compiler the tests print a message and end.
+//! Tests of building and loading with the real compiler. Without a compiler they print a message and end.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -57,27 +57,27 @@ fn kit() -> ShimKit {
     }
 }
 
-struct Bench {
+struct TestFolder {
     folder: tempfile::TempDir,
     cache: tempfile::TempDir,
     tools: Tools,
 }
 
-impl Bench {
+impl TestFolder {
     /// A folder with `files`, or `None` with a printed reason where no C compiler is installed.
     fn with(files: &[(&str, &str)]) -> Option<Self> {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let cache = tempfile::tempdir().expect("a temporary folder");
-        let bench = Self { folder, cache, tools: Tools::default() };
+        let test_folder = Self { folder, cache, tools: Tools::default() };
         for (name, text) in files {
-            bench.write(name, text);
+            test_folder.write(name, text);
         }
-        match Compiler::find(Language::C, None, &bench.cache()) {
+        match Compiler::find(Language::C, None, &test_folder.cache()) {
             Err(CompilerError::Missing { .. }) => {
                 println!("skipped: no C compiler is installed");
                 None
             }
-            found => found.map(|_| bench).map_err(|error| panic!("{error}")).ok(),
+            found => found.map(|_| test_folder).map_err(|error| panic!("{error}")).ok(),
         }
     }
 
@@ -127,7 +127,7 @@ impl Bench {
         loaded.unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// A script that runs the compiler and counts the calls that do more than print its version.
+    /// Replaces the compiler by a script that logs its calls; returns a function that counts the calls, except queries of the version.
     fn count_compilations(&mut self) -> impl Fn() -> usize + use<> {
         let log = self.path("calls");
         let text = format!("#!/bin/sh\n[ \"$1\" = --version ] || echo \"$@\" >> '{}'\nexec cc \"$@\"\n", log.display());
@@ -147,7 +147,7 @@ impl Robios6 for NoHost {}
 
 impl Robios7 for NoHost {}
 
-fn image_of(prepared: &Prepared) -> &ProgramImage {
+fn library_image(prepared: &Prepared) -> &ProgramImage {
     prepared.image().expect("a library")
 }
 
@@ -171,172 +171,190 @@ fn run(program: &LoadedProgram) -> i32 {
 }
 
 #[test]
-fn a_plain_program_builds_and_runs_with_its_arguments() {
-    let Some(bench) = Bench::with(&[(
+fn program_builds_and_runs_with_its_arguments() {
+    let Some(test_folder) = TestFolder::with(&[(
         "args.c",
         "#include \"eyebot.h\"\n#include <string.h>\nint main(int argc, char **argv)\n{\n  return argc == 3 && !strcmp(argv[2], \"0.5\") && !argv[3] ? TestAnswer() : 1;\n}\n",
     )]) else {
         return;
     };
-    assert_eq!(run(&bench.loaded_with(&["args.c"], &["--kp", "0.5"])), 42);
-    assert_eq!(run(&bench.loaded(&["args.c"])), 1);
+    assert_eq!(run(&test_folder.loaded_with(&["args.c"], &["--kp", "0.5"])), 42);
+    assert_eq!(run(&test_folder.loaded(&["args.c"])), 1);
 }
 
 #[test]
-fn a_build_whose_files_exceed_the_quota_is_told() {
-    let Some(bench) = Bench::with(&[("big.c", "char big[8 << 20] = { 1 };\nint main(void) { return 0; }\n")]) else {
+fn build_with_files_beyond_the_quota_fails() {
+    let Some(test_folder) =
+        TestFolder::with(&[("big.c", "char big[8 << 20] = { 1 };\nint main(void) { return 0; }\n")])
+    else {
         return;
     };
     let Ok(mut sandbox) = Sandbox::new(Level::Limits) else { return };
-    bench.builder().with_sandbox(Some(sandbox.clone())).build(&bench.sources(&["big.c"])).expect("within the quota");
-    bench.write("big.c", "char big[8 << 20] = { 2 };\nint main(void) { return 0; }\n");
-    sandbox.of_builds.scratch = 4 << 20;
-    let error = bench.builder().with_sandbox(Some(sandbox)).build(&bench.sources(&["big.c"])).expect_err("too much");
+    test_folder
+        .builder()
+        .with_sandbox(Some(sandbox.clone()))
+        .build(&test_folder.sources(&["big.c"]))
+        .expect("within the quota");
+    test_folder.write("big.c", "char big[8 << 20] = { 2 };\nint main(void) { return 0; }\n");
+    sandbox.build_limits.scratch = 4 << 20;
+    let error = test_folder
+        .builder()
+        .with_sandbox(Some(sandbox))
+        .build(&test_folder.sources(&["big.c"]))
+        .expect_err("too much");
     assert!(error.to_string().contains("its files exceed the limits of its sandbox: 4 MiB"), "{error}");
 }
 
 #[test]
 fn old_c_compiles_with_warnings() {
     let old = "#include \"eyebot.h\"\n#include \"hdt_sem.h\"\ncount;\nadd(a, b)\nint a, b;\n{\n  return a + b;\n}\nmain()\n{\n  char *text = 7;\n  count = add(40, (int)(long)text);\n  undeclared(count);\n  return count + (PSD_FRONT == -200);\n}\nundeclared(n) { return n; }\n";
-    let Some(bench) = Bench::with(&[("old.c", old)]) else { return };
-    let built = bench.built(&["old.c"]);
+    let Some(test_folder) = TestFolder::with(&[("old.c", old)]) else { return };
+    let built = test_folder.built(&["old.c"]);
     assert!(built.output.contains("old.c:13:3: warning: implicit declaration"), "{}", built.output);
-    assert_eq!(run(&bench.loaded(&["old.c"])), 48);
+    assert_eq!(run(&test_folder.loaded(&["old.c"])), 48);
 }
 
 #[test]
-fn a_void_main_ends_with_zero() {
-    let Some(bench) = Bench::with(&[("void.c", "void main()\n{\n  volatile int i = 3;\n  while (i) i--;\n}\n")]) else {
-        return;
-    };
-    assert!(bench.built(&["void.c"]).output.contains("-Wmain"));
-    assert_eq!(run(&bench.loaded(&["void.c"])), 0);
-}
-
-#[test]
-fn a_main_that_returns_nothing_explicitly_gives_zero() {
-    let Some(bench) = Bench::with(&[("zero.c", "int main(void)\n{\n  volatile int i = 7;\n  i++;\n}\n")]) else {
-        return;
-    };
-    assert_eq!(run(&bench.loaded(&["zero.c"])), 0);
-}
-
-#[test]
-fn several_files_become_one_program() {
-    let main = "extern int plan(int); int shared; int main(void) { shared = 2; return plan(40); }\n";
-    let Some(bench) =
-        Bench::with(&[("main.c", main), ("plan.c", "int shared; int plan(int n) { return n + shared; }\n")])
+fn void_main_returns_zero() {
+    let Some(test_folder) =
+        TestFolder::with(&[("void.c", "void main()\n{\n  volatile int i = 3;\n  while (i) i--;\n}\n")])
     else {
         return;
     };
-    assert_eq!(run(&bench.loaded(&["main.c", "plan.c"])), 42);
+    assert!(test_folder.built(&["void.c"]).output.contains("-Wmain"));
+    assert_eq!(run(&test_folder.loaded(&["void.c"])), 0);
 }
 
 #[test]
-fn a_compile_error_is_shown_with_file_and_line() {
-    let Some(bench) = Bench::with(&[("bad.c", "int main(void)\n{\n  return speed;\n}\n")]) else { return };
-    let message = bench.build(&["bad.c"]).expect_err("an error").to_string();
+fn main_without_return_statement_returns_zero() {
+    let Some(test_folder) = TestFolder::with(&[("zero.c", "int main(void)\n{\n  volatile int i = 7;\n  i++;\n}\n")])
+    else {
+        return;
+    };
+    assert_eq!(run(&test_folder.loaded(&["zero.c"])), 0);
+}
+
+#[test]
+fn several_files_are_linked_to_one_program() {
+    let main = "extern int plan(int); int shared; int main(void) { shared = 2; return plan(40); }\n";
+    let Some(test_folder) =
+        TestFolder::with(&[("main.c", main), ("plan.c", "int shared; int plan(int n) { return n + shared; }\n")])
+    else {
+        return;
+    };
+    assert_eq!(run(&test_folder.loaded(&["main.c", "plan.c"])), 42);
+}
+
+#[test]
+fn compile_errors_are_shown_with_file_and_line() {
+    let Some(test_folder) = TestFolder::with(&[("bad.c", "int main(void)\n{\n  return speed;\n}\n")]) else { return };
+    let message = test_folder.build(&["bad.c"]).expect_err("an error").to_string();
     assert!(message.contains("bad.c` does not compile"), "{message}");
     assert!(message.contains("\nbad.c:3:10: error: 'speed' undeclared"), "{message}");
 }
 
 #[test]
-fn undefined_functions_are_named_when_building() {
-    let Some(bench) =
-        Bench::with(&[("bad.c", "int Plan(void);\nint main(void) { return Plan(); }\n"), ("no.c", "int x;\n")])
+fn undefined_functions_are_named_by_the_build() {
+    let Some(test_folder) =
+        TestFolder::with(&[("bad.c", "int Plan(void);\nint main(void) { return Plan(); }\n"), ("no.c", "int x;\n")])
     else {
         return;
     };
-    match bench.build(&["bad.c"]) {
+    match test_folder.build(&["bad.c"]) {
         Err(BuildError::Compile(CompileError::Unlinked { hints, output, .. })) => {
             assert!(hints.starts_with("bad.c:2: `Plan` is used and nowhere defined: "), "{hints}");
             assert!(output.contains("bad.c:2"), "{output}");
         }
         other => panic!("{other:?}"),
     }
-    let message = bench.build(&["no.c"]).expect_err("no main").to_string();
+    let message = test_folder.build(&["no.c"]).expect_err("no main").to_string();
     assert_eq!(message, "the program has no function `main`");
 }
 
 #[test]
 fn nothing_is_compiled_when_nothing_has_changed() {
-    let Some(mut bench) = Bench::with(&[
+    let Some(mut test_folder) = TestFolder::with(&[
         ("maze.c", "#include \"map.h\"\nint main(void) { return SIZE; }\n"),
         ("map.h", "#define SIZE 3\n"),
     ]) else {
         return;
     };
-    let compilations = bench.count_compilations();
-    let first = bench.built(&["maze.c"]);
+    let compilations = test_folder.count_compilations();
+    let first = test_folder.built(&["maze.c"]);
     let count = compilations();
     assert!(first.compiled && count > 0);
-    let second = bench.built(&["maze.c"]);
+    let second = test_folder.built(&["maze.c"]);
     assert!(!second.compiled);
     assert_eq!((compilations(), second.library), (count, first.library));
-    // A header counts as much as a source.
-    bench.write("map.h", "#define SIZE 4\n");
-    assert!(bench.built(&["maze.c"]).compiled);
-    assert_eq!(run(&bench.loaded(&["maze.c"])), 4);
+    // A changed header causes a build, too.
+    test_folder.write("map.h", "#define SIZE 4\n");
+    assert!(test_folder.built(&["maze.c"]).compiled);
+    assert_eq!(run(&test_folder.loaded(&["maze.c"])), 4);
     let count = compilations();
     // A source or header with its earlier contents is in the cache.
-    bench.write("map.h", "#define SIZE 3\n");
-    bench.built(&["maze.c"]);
-    assert_eq!(run(&bench.loaded(&["maze.c"])), 3);
-    // Flags count too.
-    bench.tools.cflags = Some("-DOTHER='a b'".into());
-    assert!(bench.built(&["maze.c"]).compiled);
+    test_folder.write("map.h", "#define SIZE 3\n");
+    test_folder.built(&["maze.c"]);
+    assert_eq!(run(&test_folder.loaded(&["maze.c"])), 3);
+    // So does a changed flag.
+    test_folder.tools.cflags = Some("-DOTHER='a b'".into());
+    assert!(test_folder.built(&["maze.c"]).compiled);
     assert!(compilations() > count);
 }
 
 #[test]
-fn a_header_that_is_put_beside_the_source_is_seen() {
-    let Some(bench) = Bench::with(&[("a.c", "#include \"hdt_sem.h\"\nint main(void) { return -PSD_FRONT; }\n")]) else {
+fn new_header_beside_the_source_is_used() {
+    let Some(test_folder) =
+        TestFolder::with(&[("a.c", "#include \"hdt_sem.h\"\nint main(void) { return -PSD_FRONT; }\n")])
+    else {
         return;
     };
-    assert_eq!(run(&bench.loaded(&["a.c"])), 200);
-    bench.write("hdt_sem.h", "#define PSD_FRONT -7\n");
-    assert_eq!(run(&bench.loaded(&["a.c"])), 7);
+    assert_eq!(run(&test_folder.loaded(&["a.c"])), 200);
+    test_folder.write("hdt_sem.h", "#define PSD_FRONT -7\n");
+    assert_eq!(run(&test_folder.loaded(&["a.c"])), 7);
 }
 
 #[test]
-fn a_broken_cache_entry_is_built_again() {
-    let Some(bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
-    let library = bench.built(&["a.c"]).library;
+fn broken_cache_entry_is_rebuilt() {
+    let Some(test_folder) = TestFolder::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
+    let library = test_folder.built(&["a.c"]).library;
     fs::write(&library, "half").expect("broken");
-    assert!(bench.built(&["a.c"]).compiled);
-    assert_eq!(run(&bench.loaded(&["a.c"])), 5);
+    assert!(test_folder.built(&["a.c"]).compiled);
+    assert_eq!(run(&test_folder.loaded(&["a.c"])), 5);
 }
 
 #[test]
 fn concurrent_builds_share_the_cache() {
-    let Some(bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
+    let Some(test_folder) = TestFolder::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
     let built: Vec<BuiltProgram> = std::thread::scope(|scope| {
-        let runs: Vec<_> = (0..4).map(|_| scope.spawn(|| bench.built(&["a.c"]))).collect();
+        let runs: Vec<_> = (0..4).map(|_| scope.spawn(|| test_folder.built(&["a.c"]))).collect();
         runs.into_iter().map(|run| run.join().expect("a build")).collect()
     });
     assert!(built.iter().all(|one| one.library == built[0].library && one.library.exists()));
     let left: Vec<_> =
-        fs::read_dir(bench.cache().root()).expect("the cache").flatten().map(|e| e.file_name()).collect();
+        fs::read_dir(test_folder.cache().root()).expect("the cache").flatten().map(|e| e.file_name()).collect();
     assert!(left.iter().all(|name| !name.to_string_lossy().starts_with("tmp-")), "{left:?}");
 }
 
 #[test]
 fn several_programs_are_built_in_order() {
-    let Some(bench) =
-        Bench::with(&[("a.c", "int main(void) { return 5; }\n"), ("b.c", "int main(void) { return x; }\n")])
+    let Some(test_folder) =
+        TestFolder::with(&[("a.c", "int main(void) { return 5; }\n"), ("b.c", "int main(void) { return x; }\n")])
     else {
         return;
     };
-    let results =
-        bench.builder().build_all(&[bench.sources(&["a.c"]), bench.sources(&["b.c"]), bench.sources(&["a.c"])]);
+    let results = test_folder.builder().build_all(&[
+        test_folder.sources(&["a.c"]),
+        test_folder.sources(&["b.c"]),
+        test_folder.sources(&["a.c"]),
+    ]);
     assert_eq!(results.iter().map(Result::is_ok).collect::<Vec<_>>(), [true, false, true]);
 }
 
 #[test]
-fn a_broken_or_missing_compiler_is_told() {
-    let Some(mut bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
-    bench.tools.cc = Some("no-such-compiler -m32".into());
-    let message = bench.build(&["a.c"]).expect_err("no compiler").to_string();
+fn broken_or_missing_compiler_is_reported() {
+    let Some(mut test_folder) = TestFolder::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
+    test_folder.tools.cc = Some("no-such-compiler -m32".into());
+    let message = test_folder.build(&["a.c"]).expect_err("no compiler").to_string();
     assert!(message.starts_with("the C compiler `no-such-compiler -m32` set in $CC does not run"), "{message}");
     let missing = CompilerError::Missing { language: Language::C }.to_string();
     assert!(missing.contains("apt install gcc libc6-dev"), "{missing}");
@@ -345,26 +363,26 @@ fn a_broken_or_missing_compiler_is_told() {
 #[test]
 fn each_copy_has_its_own_globals() {
     let counter = "int count;\nint main(void) { static int calls = 10; return ++count * 100 + ++calls; }\n";
-    let Some(bench) = Bench::with(&[("count.c", counter)]) else { return };
-    let prepared = bench.prepared(&["count.c"]);
+    let Some(test_folder) = TestFolder::with(&[("count.c", counter)]) else { return };
+    let prepared = test_folder.prepared(&["count.c"]);
     let mut loader = Loader::new().expect("a run folder");
-    // More copies than are complete files, so that some contain only the loaded part.
+    // Exceeds the number of complete copies, so that some contain only the loaded part.
     let programs: Vec<LoadedProgram> = (0..20).map(|_| loader.load(&prepared, &[], None).expect("a copy")).collect();
     for program in &programs {
         assert_eq!(run(program), 111);
         assert_eq!(run(program), 212);
     }
-    // Code and constants are those of the first copy, variables are not.
-    assert!(!image_of(&prepared).read_only_segments().is_empty());
+    // All copies share code and constants with the first one, but not variables.
+    assert!(!library_image(&prepared).read_only_segments().is_empty());
     if let Ok(maps) = fs::read_to_string("/proc/self/maps") {
-        let of_copy = |program: &LoadedProgram| {
+        let inode_of = |program: &LoadedProgram| {
             let start = format!("{:x}-", program.addresses().start);
             maps.lines()
                 .find(|line| line.starts_with(&start))
                 .and_then(|line| line.split_whitespace().nth(4))
                 .map(str::to_owned)
         };
-        let inodes: Vec<Option<String>> = programs.iter().map(of_copy).collect();
+        let inodes: Vec<Option<String>> = programs.iter().map(inode_of).collect();
         assert!(inodes[0].is_some() && inodes.iter().all(|inode| *inode == inodes[0]), "{inodes:?}");
     }
     let mut starts: Vec<usize> = programs.iter().map(|program| program.addresses().start).collect();
@@ -374,10 +392,10 @@ fn each_copy_has_its_own_globals() {
 }
 
 #[test]
-fn addresses_lead_to_source_lines() {
+fn source_lines_are_found_by_address() {
     let text = "int depth;\n__attribute__((noinline)) int deeper(int n)\n{\n  depth += n;\n  return depth;\n}\nint main(void)\n{\n  return deeper(3);\n}\n";
-    let Some(bench) = Bench::with(&[("line.c", text)]) else { return };
-    let program = bench.loaded(&["line.c"]);
+    let Some(test_folder) = TestFolder::with(&[("line.c", text)]) else { return };
+    let program = test_folder.loaded(&["line.c"]);
     let address_in = |function: &str| {
         program
             .addresses()
@@ -398,7 +416,7 @@ fn addresses_lead_to_source_lines() {
 }
 
 #[test]
-fn libraries_that_do_not_fit_are_told_why() {
+fn incompatible_libraries_are_refused_with_a_reason() {
     let classic = "extern int VWDriveStraight(void); int main(void) { return VWDriveStraight(); }\n";
     let number = "const struct { unsigned size, abi, rest[8]; } eyesim_program = { 40, 99, { 6 } };\n";
     let short = format!("const struct {{ unsigned size, abi, rest[8]; }} eyesim_program = {{ 8, {ABI_VERSION} }};\n");
@@ -407,11 +425,11 @@ fn libraries_that_do_not_fit_are_told_why() {
          eyesim_program = {{ 96, {ABI_VERSION}, {{ 6, 0, 1 }}, Plan, {{0}} }};\n"
     );
     let files = [("classic.c", classic), ("number.c", number), ("short.c", &short), ("missing.c", &missing)];
-    let Some(bench) = Bench::with(&files) else { return };
+    let Some(test_folder) = TestFolder::with(&files) else { return };
     let message = |name: &str| {
-        let library = bench.path(name).with_extension("so");
+        let library = test_folder.path(name).with_extension("so");
         let mut compiler = std::process::Command::new("cc");
-        compiler.args(["-shared", "-fPIC", "-o"]).arg(&library).arg(bench.path(name));
+        compiler.args(["-shared", "-fPIC", "-o"]).arg(&library).arg(test_folder.path(name));
         assert!(compiler.status().expect("a compiler").success());
         let prepared = prepared(ProgramImage::read(&library, None).expect("an image"));
         Loader::new().expect("a run folder").load(&prepared, &[], None).expect_err("incompatible").to_string()
@@ -428,16 +446,16 @@ fn libraries_that_do_not_fit_are_told_why() {
 }
 
 #[test]
-fn files_that_are_no_library_are_refused() {
-    let Some(bench) = Bench::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
-    let library = bench.built(&["a.c"]).library;
+fn files_other_than_libraries_are_refused() {
+    let Some(test_folder) = TestFolder::with(&[("a.c", "int main(void) { return 5; }\n")]) else { return };
+    let library = test_folder.built(&["a.c"]).library;
     let bytes = fs::read(&library).expect("the library");
-    let cut = bench.path("cut.so");
+    let cut = test_folder.path("cut.so");
     fs::write(&cut, &bytes[..bytes.len() / 8]).expect("a file");
     let refused = |path: &Path| ProgramImage::read(path, None).expect_err("refused");
     assert!(matches!(refused(&cut), ImageError::Broken { .. }));
-    assert!(matches!(refused(&bench.path("a.c")), ImageError::Foreign { .. }));
-    assert!(matches!(refused(&bench.path("none.so")), ImageError::Read { .. }));
+    assert!(matches!(refused(&test_folder.path("a.c")), ImageError::Foreign { .. }));
+    assert!(matches!(refused(&test_folder.path("none.so")), ImageError::Read { .. }));
     let this = std::env::current_exe().expect("this program");
     assert!(refused(&this).to_string().contains("executable"));
 }
@@ -446,8 +464,8 @@ fn files_that_are_no_library_are_refused() {
 fn robots_that_share_a_copy_have_their_own_variables() {
     const COUNT: &str =
         "static int count, steps = 5, zeros[100];\nint main(void) { zeros[9]++; return count += steps + zeros[9]; }\n";
-    let Some(bench) = Bench::with(&[("a.c", COUNT)]) else { return };
-    let prepared = bench.prepared(&["a.c"]);
+    let Some(test_folder) = TestFolder::with(&[("a.c", COUNT)]) else { return };
+    let prepared = test_folder.prepared(&["a.c"]);
     let mut loader = Loader::new().expect("a run folder");
     let programs: Vec<_> = (0..6).map(|_| loader.load(&prepared, &[], Some(2)).expect("a copy")).collect();
     let workers = programs.iter().map(|program| program.variables().map(|variables| variables.worker()));
@@ -466,7 +484,7 @@ fn robots_that_share_a_copy_have_their_own_variables() {
 }
 
 #[test]
-fn too_many_mappings_are_refused_before_the_run() {
+fn too_many_mappings_are_refused() {
     assert!(check_mappings(10, 20).is_ok());
     match check_mappings(100_000_010, 500_000_000) {
         Err(LoadError::TooManyMappings { robots, needed, allowed, advised }) => {
@@ -495,15 +513,15 @@ impl Support for Listener {
 }
 
 #[test]
-fn the_kit_of_robios_6_gives_programs_what_they_include() {
+fn kit_of_robios_6_has_its_headers() {
     let text = "#include <stdio.h>\n#include <stdlib.h>\n#include \"eyebot.h\"\n#include \"hdt_sem.h\"\nint main(int argc, char **argv)\n{\n  VWHandle vw = VWInit(VW_DRIVE, 1);\n  printf(\"%s %d %d\\n\", argv[1], argc, vw);\n  exit(PSD_FRONT == -200 ? 3 : 4);\n}\n";
-    let Some(bench) = Bench::with(&[("a.c", text)]) else { return };
-    let builder = Builder::new(bench.cache(), Kits::of_robios(), Tools::default());
-    let source = bench.sources(&["a.c"]);
+    let Some(test_folder) = TestFolder::with(&[("a.c", text)]) else { return };
+    let builder = Builder::new(test_folder.cache(), Kits::of_robios(), Tools::default());
+    let source = test_folder.sources(&["a.c"]);
     let found = [Found { name: "a".into(), source, notes: Vec::new() }];
     let prepared = prepare(&builder, &found).pop().expect("a result").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!((prepared.output.as_str(), prepared.name.as_str()), ("", "a"));
-    // Nothing that the shim itself uses is outside the guarantee.
+    // No function that the shim itself uses is outside the guarantee.
     assert_eq!(prepared.warnings, Vec::<String>::new());
     let program = Loader::new().expect("a run folder").load(&prepared, &["b c".into()], None).expect("a program");
     let host = Listener::default();
@@ -512,12 +530,12 @@ fn the_kit_of_robios_6_gives_programs_what_they_include() {
 }
 
 #[test]
-fn a_library_built_elsewhere_is_warned_of_by_name() {
+fn nondeterministic_functions_of_a_foreign_library_are_reported() {
     let text = "#include <stdlib.h>\nint Answer(void) { return rand() + system(\"true\"); }\n";
-    let Some(bench) = Bench::with(&[("other.c", text)]) else { return };
-    let library = bench.path("other.so");
+    let Some(test_folder) = TestFolder::with(&[("other.c", text)]) else { return };
+    let library = test_folder.path("other.so");
     let mut compiler = std::process::Command::new("cc");
-    compiler.args(["-shared", "-fPIC", "-o"]).arg(&library).arg(bench.path("other.c"));
+    compiler.args(["-shared", "-fPIC", "-o"]).arg(&library).arg(test_folder.path("other.c"));
     assert!(compiler.status().expect("a compiler").success());
     let warnings = warnings_about(&ProgramImage::read(&library, None).expect("an image"), "other");
     let found =
@@ -526,7 +544,7 @@ fn a_library_built_elsewhere_is_warned_of_by_name() {
 }
 
 #[test]
-fn programs_may_be_loaded_and_told_of_on_any_thread() {
+fn programs_and_builders_may_be_used_on_any_thread() {
     fn check<T: Send + Sync>() {}
     check::<LoadedProgram>();
     check::<Builder>();

@@ -19,7 +19,7 @@ pub enum WordsError {
         /// The whole argument string.
         text: String,
     },
-    /// A NUL character, which no C string can hold.
+    /// A NUL character, which no C string can contain.
     #[error("`{text}` has a NUL character, which no program argument can hold")]
     Nul {
         /// The whole argument string, its NUL characters escaped.
@@ -42,7 +42,7 @@ pub fn split_words(text: &str) -> Result<Vec<String>, WordsError> {
     let mut words = Vec::new();
     let mut word: Option<String> = None;
     let mut characters = text.chars().enumerate();
-    while let Some((at, character)) = characters.next() {
+    while let Some((index, character)) = characters.next() {
         if character.is_ascii_whitespace() {
             words.extend(word.take());
             continue;
@@ -50,7 +50,7 @@ pub fn split_words(text: &str) -> Result<Vec<String>, WordsError> {
         let word = word.get_or_insert_default();
         match character {
             '\'' | '"' => loop {
-                let open = || WordsError::OpenQuote { quote: character, column: at + 1, text: text.to_owned() };
+                let open = || WordsError::OpenQuote { quote: character, column: index + 1, text: text.to_owned() };
                 match characters.next().ok_or_else(open)?.1 {
                     end if end == character => break,
                     '\\' if character == '"' => match characters.next().ok_or_else(open)?.1 {
@@ -73,7 +73,7 @@ pub fn split_words(text: &str) -> Result<Vec<String>, WordsError> {
     Ok(words)
 }
 
-/// A word as a shell reads it.
+/// Quotes a word for a shell, if necessary.
 pub fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "_-./=:,+%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_split_as_a_shell_splits_them() {
+    fn words_are_split_by_the_rules_of_a_shell() {
         check("", &[]);
         check("  \t ", &[]);
         check("--kp 0.5", &["--kp", "0.5"]);
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn an_open_quote_is_named_with_its_column() {
+    fn open_quotes_are_reported_with_their_column() {
         let message = split_words("--kp '0.5").expect_err("open quote").to_string();
         assert_eq!(message, "the ' opened at column 6 of `--kp '0.5` is never closed");
         assert!(matches!(split_words("\"a\\"), Err(WordsError::OpenQuote { quote: '"', column: 1, .. })));

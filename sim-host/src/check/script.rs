@@ -116,7 +116,7 @@ pub(super) fn judge(
     command.args(arguments).args(paths);
     let is_cancelled = || interrupt.is_set();
     let timeout = Duration::from_secs_f64(timeout.seconds());
-    let limits = CommandLimits { timeout, output: MAX_OUTPUT, is_cancelled: &is_cancelled };
+    let limits = CommandLimits { timeout, max_output: MAX_OUTPUT, is_cancelled: &is_cancelled };
     let output = output_within(&mut command, &limits).map_err(|error| match error.kind() {
         io::ErrorKind::TimedOut | io::ErrorKind::FileTooLarge | io::ErrorKind::Interrupted => {
             format!("`{name}` gave no verdict: {error}")

@@ -11,7 +11,7 @@ use crate::files::DiskFiles;
 use crate::program::find::{ProgramSource, SearchPath, find_program};
 use crate::program::generation::{ChoiceReason, choose};
 use crate::program::sandbox::Sandbox;
-use crate::program::scene::wanted_of;
+use crate::program::scene::generation_hint;
 use crate::program::{Generation, GenerationHint};
 use crate::robios::{cost, forbidden};
 
@@ -37,7 +37,7 @@ pub fn finder(search: SearchPath, api: Option<Generation>, sandbox: Option<Sandb
         let found = find_program(&program.text, &search);
         let found = found.map_err(|error| (Code::ProgramMissing, error.to_string()))?;
         let ProgramSource::Sources { files, .. } = found.source else { return Ok(()) };
-        let scene_hint = wanted_of(robot);
+        let scene_hint = generation_hint(robot);
         let hint = GenerationHint { api: api.or(scene_hint.api), ..scene_hint };
         let folders = sandbox.as_ref().map(|sandbox| sandbox.source_folders(&files));
         choose(&files, hint, folders.as_deref()).map(drop).map_err(|error| (Code::ProgramGeneration, error.to_string()))
@@ -50,8 +50,8 @@ pub fn known_generation(search: &SearchPath, scene: &SceneSpec, robot: &RobotSpe
     let search = SearchPath { sim_folder: Some(PathBuf::from(&scene.folder)), ..search.clone() };
     let found = find_program(&robot.program.as_ref()?.text, &search).ok()?;
     let ProgramSource::Sources { files, .. } = found.source else { return None };
-    let choice = choose(&files, wanted_of(robot), None).ok()?;
-    matches!(choice.why, ChoiceReason::Said | ChoiceReason::Calls(_)).then(|| choice.generation.number())
+    let choice = choose(&files, generation_hint(robot), None).ok()?;
+    matches!(choice.reason, ChoiceReason::Stated | ChoiceReason::Calls(_)).then(|| choice.generation.number())
 }
 
 /// Returns true if a scene with these diagnostics must not be run: because of errors or, if `strict`, because of any

@@ -14,7 +14,7 @@ use super::settings::{Settings, assign_noise};
 use super::{Error, OptionError, Options, Rejected, check};
 use crate::files::{DiskFiles, read_regular, slashed};
 use crate::program::find::SearchPath;
-use crate::program::scene::{Programs, wanted_of};
+use crate::program::scene::{Programs, generation_hint};
 use crate::program::{Builder, Cache, GenerationHint, Kits, Tools};
 use crate::record::report::Input;
 use crate::scenery::LazyScenery;
@@ -296,7 +296,7 @@ impl ProgramCache {
     fn key(scene: &SceneSpec) -> CacheKey {
         let robot_key = |robot: &RobotSpec| {
             let is_from_file = robot.program.as_ref().is_some_and(|program| program.span.line > 0);
-            (robot.program_name().to_owned(), is_from_file, wanted_of(robot))
+            (robot.program_name().to_owned(), is_from_file, generation_hint(robot))
         };
         (scene.folder.clone(), scene.robots.iter().map(robot_key).collect())
     }

@@ -86,7 +86,7 @@ const ALLOWED: &[c_long] = &[
     libc::SYS_timerfd_create,
     libc::SYS_timerfd_settime,
     libc::SYS_timerfd_gettime,
-    // Memory of its own.
+    // The process's own memory.
     libc::SYS_mmap,
     libc::SYS_mprotect,
     libc::SYS_munmap,
@@ -100,7 +100,7 @@ const ALLOWED: &[c_long] = &[
     libc::SYS_pkey_mprotect,
     libc::SYS_get_mempolicy,
     libc::SYS_membarrier,
-    // Signals and times of its own.
+    // The process's own signals and times.
     libc::SYS_rt_sigaction,
     libc::SYS_rt_sigprocmask,
     libc::SYS_rt_sigreturn,
@@ -158,13 +158,13 @@ const ALLOWED: &[c_long] = &[
     libc::SYS_exit_group,
     libc::SYS_wait4,
     libc::SYS_waitid,
-    // Its own process only: all restrictions stay.
+    // Replaces only the program of the calling process; all restrictions remain.
     libc::SYS_execve,
 ];
 
-/// Calls of x86-64 that later architectures lack.
+/// Further allowed calls of this architecture: on x86-64, those that later architectures lack.
 #[cfg(target_arch = "x86_64")]
-const ALLOWED_HERE: &[c_long] = &[
+const ALLOWED_ON_ARCHITECTURE: &[c_long] = &[
     libc::SYS_open,
     libc::SYS_creat,
     libc::SYS_stat,
@@ -195,18 +195,18 @@ const ALLOWED_HERE: &[c_long] = &[
     libc::SYS_arch_prctl,
 ];
 #[cfg(target_arch = "aarch64")]
-const ALLOWED_HERE: &[c_long] = &[libc::SYS_getrlimit, libc::SYS_setrlimit];
+const ALLOWED_ON_ARCHITECTURE: &[c_long] = &[libc::SYS_getrlimit, libc::SYS_setrlimit];
 
 /// Calls that start processes.
 #[cfg(target_arch = "x86_64")]
-const STARTING: &[c_long] = &[libc::SYS_fork, libc::SYS_vfork];
+const PROCESS_STARTING: &[c_long] = &[libc::SYS_fork, libc::SYS_vfork];
 #[cfg(target_arch = "aarch64")]
-const STARTING: &[c_long] = &[];
+const PROCESS_STARTING: &[c_long] = &[];
 
 /// Calls that change modes, owners and times of files, which Landlock does not control. For a compiler they do nothing
 /// and report success: it does not need their effect, but would fail on an error.
 #[cfg(target_arch = "x86_64")]
-const OF_MODES: &[c_long] = &[
+const METADATA_CHANGING: &[c_long] = &[
     libc::SYS_fchmod,
     libc::SYS_fchmodat,
     libc::SYS_fchmodat2,
@@ -221,7 +221,7 @@ const OF_MODES: &[c_long] = &[
     libc::SYS_futimesat,
 ];
 #[cfg(target_arch = "aarch64")]
-const OF_MODES: &[c_long] = &[
+const METADATA_CHANGING: &[c_long] = &[
     libc::SYS_fchmod,
     libc::SYS_fchmodat,
     libc::SYS_fchmodat2,
@@ -239,45 +239,50 @@ const NAMESPACES: u64 = (libc::CLONE_NEWNS
     | libc::CLONE_NEWPID
     | libc::CLONE_NEWNET) as u32 as u64;
 
-/// Condition on the argument with this number, of 32 bits.
-fn argument(number: u8, compare: SeccompCmpOp, value: u64) -> Result<SeccompCondition, seccompiler::BackendError> {
-    SeccompCondition::new(number, SeccompCmpArgLen::Dword, compare, value)
+/// Condition on the lower 32 bits of the argument with this index, from 0.
+fn argument(index: u8, compare: SeccompCmpOp, value: u64) -> Result<SeccompCondition, seccompiler::BackendError> {
+    SeccompCondition::new(index, SeccompCmpArgLen::Dword, compare, value)
 }
 
 /// The filters of a process, in the order in which they are installed.
 pub(super) fn filters(role: Role, kernel: &Kernel) -> io::Result<Vec<Vec<sock_filter>>> {
-    let mut compiled = vec![allowed(role, kernel), missing()];
+    let mut compiled = vec![allowlist_filter(role, kernel), missing_calls_filter()];
     if role == Role::Build {
-        compiled.push(without_effect());
+        compiled.push(ineffective_calls_filter());
     }
     let compiled: Result<Vec<BpfProgram>, _> = compiled.into_iter().collect();
     let compiled = compiled.map_err(io::Error::other)?;
     if compiled.iter().any(|filter| filter.len() > LONGEST_FILTER) {
         return Err(io::Error::other("a filter of system calls is too long"));
     }
-    let instruction = |it: &seccompiler::sock_filter| sock_filter { code: it.code, jt: it.jt, jf: it.jf, k: it.k };
-    Ok(compiled.iter().map(|filter| filter.iter().map(instruction).collect()).collect())
+    let convert = |instruction: &seccompiler::sock_filter| sock_filter {
+        code: instruction.code,
+        jt: instruction.jt,
+        jf: instruction.jf,
+        k: instruction.k,
+    };
+    Ok(compiled.iter().map(|filter| filter.iter().map(convert).collect()).collect())
 }
 
 /// The filter that passes only allowed calls.
-fn allowed(role: Role, kernel: &Kernel) -> Result<BpfProgram, seccompiler::BackendError> {
+fn allowlist_filter(role: Role, kernel: &Kernel) -> Result<BpfProgram, seccompiler::BackendError> {
     use SeccompCmpOp::{Eq, MaskedEq, Ne};
-    let own = || Ok(vec![SeccompRule::new(vec![argument(0, Eq, OWN_PROCESS.into())?])?]);
-    let own_or_none = || {
-        let of = |process: u32| SeccompRule::new(vec![argument(0, Eq, process.into())?]);
-        Ok::<_, seccompiler::BackendError>(vec![of(0)?, of(OWN_PROCESS)?])
+    let own_process = || Ok(vec![SeccompRule::new(vec![argument(0, Eq, OWN_PROCESS.into())?])?]);
+    let own_process_or_zero = || {
+        let rule = |process: u32| SeccompRule::new(vec![argument(0, Eq, process.into())?]);
+        Ok::<_, seccompiler::BackendError>(vec![rule(0)?, rule(OWN_PROCESS)?])
     };
     let mut rules: BTreeMap<c_long, Vec<SeccompRule>> =
-        ALLOWED.iter().chain(ALLOWED_HERE).map(|call| (*call, Vec::new())).collect();
-    rules.insert(libc::SYS_prlimit64, own_or_none()?);
-    rules.insert(libc::SYS_sched_setaffinity, own_or_none()?);
-    // Denies typing into the terminal for other processes.
+        ALLOWED.iter().chain(ALLOWED_ON_ARCHITECTURE).map(|call| (*call, Vec::new())).collect();
+    rules.insert(libc::SYS_prlimit64, own_process_or_zero()?);
+    rules.insert(libc::SYS_sched_setaffinity, own_process_or_zero()?);
+    // Denies writing to the terminal's input, which other processes read.
     let terminal = [libc::TIOCSTI, libc::TIOCLINUX].map(|request| argument(1, Ne, request));
     rules.insert(libc::SYS_ioctl, vec![SeccompRule::new(terminal.into_iter().collect::<Result<_, _>>()?)?]);
     // Landlock, or the rule below, denies signals to other processes.
     let is_scoped = role == Role::Build && kernel.has_scoped_signals();
     for call in [libc::SYS_kill, libc::SYS_tgkill] {
-        rules.insert(call, if is_scoped { Vec::new() } else { own()? });
+        rules.insert(call, if is_scoped { Vec::new() } else { own_process()? });
     }
     // Before version 3 Landlock allowed a file to be truncated by its path.
     if kernel.landlock >= 3 {
@@ -288,13 +293,13 @@ fn allowed(role: Role, kernel: &Kernel) -> Result<BpfProgram, seccompiler::Backe
             let thread = libc::CLONE_THREAD as u64;
             let flags = argument(0, MaskedEq(NAMESPACES | thread), thread)?;
             rules.insert(libc::SYS_clone, vec![SeccompRule::new(vec![flags])?]);
-            // The report of a fault copies the process's own stack.
-            rules.insert(libc::SYS_process_vm_readv, own()?);
+            // The report of a crash copies the process's own stack.
+            rules.insert(libc::SYS_process_vm_readv, own_process()?);
         }
         Role::Build => {
             let flags = argument(0, MaskedEq(NAMESPACES), 0)?;
             rules.insert(libc::SYS_clone, vec![SeccompRule::new(vec![flags])?]);
-            rules.extend(STARTING.iter().chain(OF_MODES).map(|call| (*call, Vec::new())));
+            rules.extend(PROCESS_STARTING.iter().chain(METADATA_CHANGING).map(|call| (*call, Vec::new())));
         }
     }
     rules.insert(libc::SYS_clone3, Vec::new());
@@ -304,28 +309,28 @@ fn allowed(role: Role, kernel: &Kernel) -> Result<BpfProgram, seccompiler::Backe
 
 /// New calls that are not allowed, and `clone3`.
 fn new_calls() -> impl Iterator<Item = c_long> {
-    (FIRST_NEW..=LAST_NEW).filter(|call| !ALLOWED.contains(call) && !OF_MODES.contains(call))
+    (FIRST_NEW..=LAST_NEW).filter(|call| !ALLOWED.contains(call) && !METADATA_CHANGING.contains(call))
 }
 
-/// The filter that answers new calls as if the kernel lacked them.
-fn missing() -> Result<BpfProgram, seccompiler::BackendError> {
+/// The filter that lets new calls fail as if the kernel lacked them.
+fn missing_calls_filter() -> Result<BpfProgram, seccompiler::BackendError> {
     let rules = new_calls().map(|call| (call, Vec::new())).collect();
     compile(rules, SeccompAction::Allow, SeccompAction::Errno(libc::ENOSYS as u32))
 }
 
 /// The filter that reports success for changes of modes, owners and times of files without making them.
-fn without_effect() -> Result<BpfProgram, seccompiler::BackendError> {
-    let rules = OF_MODES.iter().map(|call| (*call, Vec::new())).collect();
+fn ineffective_calls_filter() -> Result<BpfProgram, seccompiler::BackendError> {
+    let rules = METADATA_CHANGING.iter().map(|call| (*call, Vec::new())).collect();
     compile(rules, SeccompAction::Allow, SeccompAction::Errno(0))
 }
 
 fn compile(
     rules: BTreeMap<c_long, Vec<SeccompRule>>,
-    other: SeccompAction,
-    listed: SeccompAction,
+    unlisted_action: SeccompAction,
+    listed_action: SeccompAction,
 ) -> Result<BpfProgram, seccompiler::BackendError> {
     let architecture = std::env::consts::ARCH.try_into()?;
-    SeccompFilter::new(rules, other, listed, architecture)?.try_into()
+    SeccompFilter::new(rules, unlisted_action, listed_action, architecture)?.try_into()
 }
 
 #[cfg(test)]
@@ -333,7 +338,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn filters_fit_and_name_no_call_that_reaches_others() {
+    fn filters_fit_and_allow_no_call_that_affects_other_processes() {
         let kernel = Kernel { landlock: 7, has_seccomp: true };
         for role in [Role::Program, Role::Build] {
             let filters = filters(role, &kernel).expect("filters");
@@ -357,6 +362,6 @@ mod tests {
             libc::SYS_memfd_create,
             libc::SYS_pidfd_open,
         ];
-        assert!(closed.iter().all(|call| !ALLOWED.contains(call) && !ALLOWED_HERE.contains(call)));
+        assert!(closed.iter().all(|call| !ALLOWED.contains(call) && !ALLOWED_ON_ARCHITECTURE.contains(call)));
     }
 }

@@ -14,8 +14,8 @@ use landlock::{
 
 use super::Grant;
 
-/// Newest version of Landlock whose rights are requested. Older kernels support fewer; [`Kernel`](super::Kernel) tells
-/// whether these suffice.
+/// Newest version of Landlock whose rights are requested. Older kernels support fewer rights;
+/// [`Kernel`](super::Kernel) determines whether these suffice.
 const VERSION: ABI = ABI::V7;
 
 /// Folders of the system with libraries, headers and tools.
@@ -42,8 +42,8 @@ const SYSTEM_FILES: [&str; 14] = [
 /// Devices that any process may write to.
 const DEVICES: [&str; 3] = ["/dev/null", "/dev/zero", "/dev/full"];
 
-/// Opens the file `name` in `folder` for reading, on behalf of a program that must not leave the folder: be it by `..`,
-/// by an absolute name or by a link. Does not wait for the other end of a pipe.
+/// Opens the file `name` in `folder` for reading, on behalf of a program that must not leave the folder, neither by `..`
+/// nor by an absolute name nor by a link. Does not wait for the other end of a pipe.
 ///
 /// # Errors
 /// Errors of the system, also for a name that leads out of the folder.
@@ -75,26 +75,26 @@ pub(super) fn rules(grant: &Grant<'_>) -> io::Result<OwnedFd> {
         .and_then(|rules| rules.scope(Scope::from_all(VERSION)))
         .and_then(|rules| rules.create())
         .map_err(io::Error::other)?;
-    let is_there = |path: &&Path| path.exists();
-    let system = SYSTEM.iter().chain(&SYSTEM_FILES).map(Path::new).filter(is_there);
-    let own = grant.reads.iter().map(|path| path.as_path()).filter(is_there);
+    let exists = |path: &&Path| path.exists();
+    let system = SYSTEM.iter().chain(&SYSTEM_FILES).map(Path::new).filter(exists);
+    let granted = grant.readable.iter().map(|path| path.as_path()).filter(exists);
     let mut rules = created;
-    for path in system.chain(own) {
+    for path in system.chain(granted) {
         rules = add(rules, path, read)?;
     }
-    for path in DEVICES.iter().map(Path::new).filter(is_there) {
+    for path in DEVICES.iter().map(Path::new).filter(exists) {
         rules = add(rules, path, AccessFs::ReadFile | AccessFs::WriteFile)?;
     }
     // Sockets, pipes and devices are not needed in a folder of files.
-    let special = AccessFs::MakeChar | AccessFs::MakeBlock | AccessFs::MakeSock | AccessFs::MakeFifo;
-    rules = add(rules, grant.scratch, all & !special)?;
+    let unneeded = AccessFs::MakeChar | AccessFs::MakeBlock | AccessFs::MakeSock | AccessFs::MakeFifo;
+    rules = add(rules, grant.scratch, all & !unneeded)?;
     Option::<OwnedFd>::from(rules).ok_or_else(|| io::Error::from_raw_os_error(libc::EOPNOTSUPP))
 }
 
 /// Allows `access` to the file, or to all files in the folder, at `path`.
 fn add(rules: RulesetCreated, path: &Path, access: BitFlags<AccessFs>) -> io::Result<RulesetCreated> {
-    let of_path = |error: &dyn std::fmt::Display| io::Error::other(format!("`{}`: {error}", path.display()));
+    let path_error = |error: &dyn std::fmt::Display| io::Error::other(format!("`{}`: {error}", path.display()));
     let access = if path.is_dir() { access } else { access & AccessFs::from_file(VERSION) };
-    let file = PathFd::new(path).map_err(|error| of_path(&error))?;
-    rules.add_rule(PathBeneath::new(file, access)).map_err(|error| of_path(&error))
+    let file = PathFd::new(path).map_err(|error| path_error(&error))?;
+    rules.add_rule(PathBeneath::new(file, access)).map_err(|error| path_error(&error))
 }

@@ -1,10 +1,10 @@
-//! Detects the kernel's means of closing areas.
+//! Detects by which means the kernel can close areas.
 
 use std::ptr;
 
 use super::{Area, Level, UnsupportedLevel};
 
-/// Version of Landlock from which on it keeps signals within the sandbox.
+/// First version of Landlock that keeps signals within the sandbox.
 const SCOPED_SIGNALS: i32 = 6;
 
 /// Features of the running kernel.
@@ -52,10 +52,10 @@ impl Kernel {
         self.landlock >= SCOPED_SIGNALS
     }
 
-    /// The strongest level that it supports.
+    /// The strongest level that the kernel supports.
     pub fn strongest_level(&self) -> Level {
-        let reaches = |level: &Level| level.areas().all(|area| self.means(area).is_ok());
-        Level::ALL.into_iter().rev().find(reaches).unwrap_or(Level::Limits)
+        let is_supported = |level: &Level| level.areas().all(|area| self.means(area).is_ok());
+        Level::ALL.into_iter().rev().find(is_supported).unwrap_or(Level::Limits)
     }
 
     /// Checks that all areas of `level` can be closed.
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_level_beyond_the_kernel_is_refused_with_the_strongest_one() {
+    fn unsupported_level_is_refused_with_the_strongest_one() {
         let modern = Kernel { landlock: 7, has_seccomp: true };
         let old = Kernel { landlock: 0, ..modern };
         let bare = Kernel { landlock: 0, has_seccomp: false };

@@ -7,39 +7,39 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Processor time, after which the kernel kills the process.
-    pub processor: Duration,
+    pub processor_time: Duration,
     /// Address space that it may map, in bytes.
     pub memory: u64,
     /// Processes and threads.
     pub processes: u64,
-    /// Length of one file, in bytes.
-    pub file: u64,
+    /// Size of one file, in bytes.
+    pub file_size: u64,
     /// Bytes of all files in its scratch folder.
     pub scratch: u64,
     /// Open files.
     pub open_files: u64,
 }
 
-/// Limits of the kernel and their values.
+/// Resource limits of the kernel (`RLIMIT_...`) and their values.
 pub(super) type Values = [(u32, u64); 8];
 
 impl Limits {
     /// Default limits of a robot's program; our choice.
-    pub const OF_PROGRAM: Self = Self {
-        processor: Duration::from_secs(600),
+    pub const PROGRAM_DEFAULT: Self = Self {
+        processor_time: Duration::from_secs(600),
         memory: 4 << 30,
         processes: 128,
-        file: 32 << 20,
+        file_size: 32 << 20,
         scratch: 64 << 20,
         open_files: 256,
     };
 
     /// Default limits of a compiler; our choice.
-    pub const OF_BUILD: Self = Self {
-        processor: Duration::from_secs(600),
+    pub const BUILD_DEFAULT: Self = Self {
+        processor_time: Duration::from_secs(600),
         memory: 8 << 30,
         processes: 512,
-        file: 512 << 20,
+        file_size: 512 << 20,
         scratch: 2 << 30,
         open_files: 1024,
     };
@@ -47,9 +47,9 @@ impl Limits {
     /// The kernel's limits, except the limit on processes, which depends on the user.
     pub(super) fn values(&self) -> Values {
         [
-            (libc::RLIMIT_CPU, self.processor.as_secs().max(1)),
+            (libc::RLIMIT_CPU, self.processor_time.as_secs().max(1)),
             (libc::RLIMIT_AS, self.memory),
-            (libc::RLIMIT_FSIZE, self.file),
+            (libc::RLIMIT_FSIZE, self.file_size),
             (libc::RLIMIT_NOFILE, self.open_files),
             (libc::RLIMIT_CORE, 0),
             (libc::RLIMIT_MEMLOCK, 64 << 10),
@@ -64,12 +64,12 @@ impl Limits {
 /// # Errors
 /// The kernel refuses.
 pub(super) fn set(limit: u32, value: u64) -> io::Result<()> {
-    let mut present = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
+    let mut current = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
     // SAFETY: both calls get one valid limit.
     let result = unsafe {
-        match libc::getrlimit(limit as _, &mut present) {
+        match libc::getrlimit(limit as _, &mut current) {
             0 => {
-                let value = value.min(present.rlim_max);
+                let value = value.min(current.rlim_max);
                 libc::setrlimit(limit as _, &libc::rlimit { rlim_cur: value, rlim_max: value })
             }
             failed => failed,

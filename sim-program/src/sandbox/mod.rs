@@ -1,9 +1,9 @@
 //! Sandbox: kernel-enforced restrictions on the processes that compile and run untrusted programs.
 //!
-//! A [`Level`] says which [areas](Area) are closed to such a process, and [`Kernel`] how this kernel closes each of
-//! them. [`Sandbox::new`] refuses a level that the kernel does not support. [`Sandbox::apply`] restricts a command
+//! A [`Level`] determines which [areas](Area) are closed to such a process, and [`Kernel`] by which means this kernel
+//! closes each of them. [`Sandbox::new`] refuses a level that the kernel does not support. [`Sandbox::apply`] restricts a command
 //! before it is started: [`files`] with Landlock, [`calls`] with seccomp, [`limits`] with resource limits, and
-//! `process` applies them between fork and exec. `docs/sandbox.md` says what is not protected.
+//! `process` applies them between fork and exec. `docs/sandbox.md` lists what is not protected.
 
 pub mod calls;
 pub mod files;
@@ -122,13 +122,13 @@ pub enum Role {
     Build,
 }
 
-/// What one process may use.
+/// Resources that one process may use.
 #[derive(Clone, Debug)]
 pub struct Grant<'a> {
     /// Kind of process.
     pub role: Role,
     /// Files and folders that it may read in addition to the system's; those that do not exist are skipped.
-    pub reads: Vec<PathBuf>,
+    pub readable: Vec<PathBuf>,
     /// Folder that it may write to, which must exist. It becomes `HOME` and `TMPDIR`.
     pub scratch: &'a Path,
 }
@@ -139,9 +139,9 @@ pub struct Sandbox {
     level: Level,
     kernel: Kernel,
     /// Limits of a robot's program.
-    pub of_programs: Limits,
+    pub program_limits: Limits,
     /// Limits of a compiler.
-    pub of_builds: Limits,
+    pub build_limits: Limits,
     /// Folder from which programs are built, if their sources lie in several folders; the folder of a program's first
     /// source is always readable.
     pub root: Option<PathBuf>,
@@ -168,7 +168,13 @@ impl Sandbox {
         if level >= Level::Calls {
             process::hide_own_memory();
         }
-        Ok(Self { level, kernel, of_programs: Limits::OF_PROGRAM, of_builds: Limits::OF_BUILD, root: None })
+        Ok(Self {
+            level,
+            kernel,
+            program_limits: Limits::PROGRAM_DEFAULT,
+            build_limits: Limits::BUILD_DEFAULT,
+            root: None,
+        })
     }
 
     /// Its level.
@@ -204,8 +210,8 @@ impl Sandbox {
         let is_full = self.level == Level::Full;
         let restriction = Restriction {
             limits: match grant.role {
-                Role::Program => self.of_programs.values(),
-                Role::Build => self.of_builds.values(),
+                Role::Program => self.program_limits.values(),
+                Role::Build => self.build_limits.values(),
             },
             user: User::of_process(grant)?,
             files: is_full.then(|| files::rules(grant)).transpose()?,
@@ -221,14 +227,15 @@ impl Sandbox {
 }
 
 /// Environment variables that a restricted process inherits.
-const VARIABLES: [&str; 6] = ["PATH", "LANG", "LC_ALL", "LC_CTYPE", "TZ", "TERM"];
+const INHERITED_VARIABLES: [&str; 6] = ["PATH", "LANG", "LC_ALL", "LC_CTYPE", "TZ", "TERM"];
 
-/// Leaves only the variables that were set on the command, the [common ones](VARIABLES), and the scratch folder as home.
+/// Reduces the environment of `command` to the variables that were set on it, the [inherited ones](INHERITED_VARIABLES), and the
+/// scratch folder as home.
 fn replace_environment(command: &mut Command, scratch: &Path) {
     let set: Vec<(OsString, OsString)> =
         command.get_envs().filter_map(|(name, value)| Some((name.to_owned(), value?.to_owned()))).collect();
     command.env_clear();
-    command.envs(VARIABLES.iter().filter_map(|name| Some((name, std::env::var_os(name)?))));
+    command.envs(INHERITED_VARIABLES.iter().filter_map(|name| Some((name, std::env::var_os(name)?))));
     command.env("HOME", scratch).env("TMPDIR", scratch).envs(set);
 }
 
@@ -237,7 +244,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_level_closes_what_the_weaker_ones_do() {
+    fn each_level_closes_the_areas_of_the_weaker_ones() {
         let closed = |level: Level| level.areas().map(Area::word).collect::<Vec<_>>();
         assert_eq!(closed(Level::Limits), ["resources"]);
         assert_eq!(closed(Level::Calls), ["network", "signals", "memory", "resources"]);

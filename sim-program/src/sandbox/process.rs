@@ -1,4 +1,4 @@
-//! Entry of a process into the sandbox, between fork and exec: only system calls, no allocation.
+//! Restricts a process between fork and exec, with system calls only and without allocation.
 
 use std::ffi::CString;
 use std::io;
@@ -14,10 +14,10 @@ use super::{Grant, Role};
 /// User ids for restricted processes of root begin here: a range without users on Linux systems.
 const FIRST_USER: u32 = 0x4000_0000;
 
-/// Everything that restricts a process, prepared before it is forked.
+/// All restrictions of a process, prepared before the fork.
 pub(super) struct Restriction {
     pub limits: Values,
-    /// User to whom root's process changes.
+    /// User to which a process of root changes.
     pub user: Option<User>,
     /// Landlock's rules.
     pub files: Option<OwnedFd>,
@@ -25,21 +25,21 @@ pub(super) struct Restriction {
     pub calls: Vec<Vec<sock_filter>>,
 }
 
-/// User of a restricted process that root starts: limits on processes, and permissions of files, do not bind root.
+/// User of a restricted process that root starts, since limits on processes and permissions of files do not apply to root.
 ///
 /// The user id is otherwise unused, and unique because it is derived from the id of a living process: the program's
-/// process or, for the compilers of one host, which share a folder, the host's. Programs and their data may lie in
+/// process or, for the compilers of one host, which share a folder, the host's process. Programs and their data may lie in
 /// root's folders: the process may read them by `CAP_DAC_READ_SEARCH`, the only capability that it keeps; Landlock
 /// limits what it reads.
 pub(super) struct User {
-    /// The user id; `None` for the id derived from the process itself.
-    number: Option<u32>,
+    /// The process from whose id the user id is derived; `None` for the restricted process itself.
+    source_process: Option<u32>,
     /// The scratch folder, which the user will own.
     scratch: CString,
 }
 
 impl User {
-    /// The user for a process of this one; `None` if this process is not root's.
+    /// The user for a child of this process; `None` if this process is not root's.
     ///
     /// # Errors
     /// The path of the scratch folder cannot be passed to a system call.
@@ -49,8 +49,8 @@ impl User {
             return Ok(None);
         }
         let scratch = CString::new(grant.scratch.as_os_str().as_bytes())?;
-        let number = (grant.role == Role::Build).then(std::process::id);
-        Ok(Some(Self { number, scratch }))
+        let source_process = (grant.role == Role::Build).then(std::process::id);
+        Ok(Some(Self { source_process, scratch }))
     }
 
     /// Changes the calling process to this user. Async-signal-safe.
@@ -59,21 +59,21 @@ impl User {
         const SECBIT_NO_SETUID_FIXUP: libc::c_ulong = 1 << 2;
         // SAFETY: the calls get numbers and one string that ends in 0.
         unsafe {
-            let id = FIRST_USER + self.number.unwrap_or_else(|| libc::getpid().cast_unsigned());
+            let id = FIRST_USER + self.source_process.unwrap_or_else(|| libc::getpid().cast_unsigned());
             check(libc::chown(self.scratch.as_ptr(), id, id))?;
-            // The change of the user keeps capabilities, and `access`, with which gcc checks its temporary folder,
-            // takes them into account.
+            // With this flag the change of the user keeps capabilities, and `access`, with which gcc checks its temporary
+            // folder, takes them into account.
             check(libc::prctl(libc::PR_SET_SECUREBITS, SECBIT_NO_SETUID_FIXUP, 0, 0, 0))?;
             check(libc::setgroups(0, std::ptr::null()))?;
             check(libc::setresgid(id, id, id))?;
             check(libc::setresuid(id, id, id))?;
         }
-        keep_reading()
+        keep_read_capability()
     }
 }
 
 /// Keeps only `CAP_DAC_READ_SEARCH`, also across exec. Async-signal-safe.
-fn keep_reading() -> io::Result<()> {
+fn keep_read_capability() -> io::Result<()> {
     const CAP_DAC_READ_SEARCH: u32 = 2;
     /// `_LINUX_CAPABILITY_VERSION_3` of <linux/capability.h>.
     const VERSION: u32 = 0x2008_0522;
@@ -108,7 +108,7 @@ impl Restriction {
         }
         // SAFETY: the calls take only numbers.
         unsafe {
-            // A change of the user has reset it.
+            // The change of the user has reset this setting.
             check(libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGKILL as libc::c_ulong, 0, 0, 0))?;
             check(libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0))?;
         }
@@ -154,13 +154,16 @@ pub(super) const LONGEST_FILTER: usize = 2048;
 
 /// Installs a filter of system calls for the calling process, whose id replaces [`OWN_PROCESS`]. Async-signal-safe.
 fn install(filter: &[sock_filter]) -> io::Result<()> {
-    let mut own = [sock_filter { code: 0, jt: 0, jf: 0, k: 0 }; LONGEST_FILTER];
-    let own = own.get_mut(..filter.len()).ok_or_else(|| io::Error::from_raw_os_error(libc::E2BIG))?;
-    own.copy_from_slice(filter);
+    let mut instructions = [sock_filter { code: 0, jt: 0, jf: 0, k: 0 }; LONGEST_FILTER];
+    let instructions = instructions.get_mut(..filter.len()).ok_or_else(|| io::Error::from_raw_os_error(libc::E2BIG))?;
+    instructions.copy_from_slice(filter);
     // SAFETY: getpid takes no arguments and always succeeds.
     let process = unsafe { libc::getpid() }.cast_unsigned();
-    own.iter_mut().filter(|instruction| instruction.k == OWN_PROCESS).for_each(|instruction| instruction.k = process);
-    let program = libc::sock_fprog { len: own.len() as u16, filter: own.as_mut_ptr() };
+    instructions
+        .iter_mut()
+        .filter(|instruction| instruction.k == OWN_PROCESS)
+        .for_each(|instruction| instruction.k = process);
+    let program = libc::sock_fprog { len: instructions.len() as u16, filter: instructions.as_mut_ptr() };
     // Without this flag the kernel slows down all later code of the process.
     let flags = libc::SECCOMP_FILTER_FLAG_SPEC_ALLOW;
     // SAFETY: the program is valid, and copied by the kernel.

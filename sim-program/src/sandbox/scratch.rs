@@ -12,20 +12,20 @@ use parking_lot::Mutex;
 use super::Limits;
 use crate::run_folder::RunFolder;
 
-/// Interval at which a program's limits are checked; within it a program may exceed them.
-const INTERVAL: Duration = Duration::from_millis(100);
+/// Interval at which a program's limits are checked; between two checks a program may exceed them.
+const CHECK_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Bytes that an entry of a folder counts in addition to its contents.
-const ENTRY: u64 = 1 << 10;
+/// Bytes that each entry of a folder adds to the size of its contents.
+const BYTES_PER_ENTRY: u64 = 1 << 10;
 
 /// Maximum nesting depth of folders.
-const DEPTH: usize = 32;
+const MAX_DEPTH: usize = 32;
 
 /// The scratch folder of a restricted program; removed when dropped.
 #[derive(Debug)]
 pub struct Scratch {
     quota: Quota,
-    /// The folder around it, which no program may write to.
+    /// The folder that contains the scratch folder, to which no program may write.
     _outer: RunFolder,
     limits: Limits,
 }
@@ -37,21 +37,21 @@ pub struct Quota {
     /// Maximum total size of all files, in bytes.
     max_bytes: u64,
     /// Time of the last check.
-    checked: Mutex<Instant>,
+    last_check: Mutex<Instant>,
 }
 
 impl Quota {
     /// Allows at most `max_bytes` bytes in `folder`.
     pub fn new(folder: PathBuf, max_bytes: u64) -> Self {
-        Self { folder, max_bytes, checked: Mutex::new(Instant::now()) }
+        Self { folder, max_bytes, last_check: Mutex::new(Instant::now()) }
     }
 
-    /// Returns true if a check is due: the last one was at least `INTERVAL` ago.
+    /// Returns true if a check is due: the last one was at least `CHECK_INTERVAL` ago.
     pub fn is_due(&self) -> bool {
-        let mut checked = self.checked.lock();
-        let is_due = checked.elapsed() >= INTERVAL;
+        let mut last_check = self.last_check.lock();
+        let is_due = last_check.elapsed() >= CHECK_INTERVAL;
         if is_due {
-            *checked = Instant::now();
+            *last_check = Instant::now();
         }
         is_due
     }
@@ -59,8 +59,10 @@ impl Quota {
     /// Description of the limit, if the folder exceeds it.
     pub fn excess(&self) -> Option<String> {
         (!fits(&self.folder, self.max_bytes)).then(|| {
-            let most = self.max_bytes >> 20;
-            format!("its files exceed the limits of its sandbox: {most} MiB, and {DEPTH} folders within each other")
+            let max_mib = self.max_bytes >> 20;
+            format!(
+                "its files exceed the limits of its sandbox: {max_mib} MiB, and {MAX_DEPTH} folders within each other"
+            )
         })
     }
 }
@@ -97,7 +99,7 @@ impl Scratch {
 impl Drop for Scratch {
     fn drop(&mut self) {
         // Remaining files are removed with the run folder, or at the start of a later run.
-        let _ = remove(self.folder());
+        let _ = remove_tree(self.folder());
     }
 }
 
@@ -119,11 +121,11 @@ fn fits(folder: &Path, max_bytes: u64) -> bool {
             // A file may be removed meanwhile.
             let Ok(entry) = entry else { continue };
             let Ok(metadata) = entry.metadata() else { continue };
-            size += ENTRY + metadata.blocks() * 512;
+            size += BYTES_PER_ENTRY + metadata.blocks() * 512;
             if metadata.is_dir() {
                 folders.push((entry.path(), depth + 1));
             }
-            if size > max_bytes || depth > DEPTH {
+            if size > max_bytes || depth > MAX_DEPTH {
                 return false;
             }
         }
@@ -133,7 +135,7 @@ fn fits(folder: &Path, max_bytes: u64) -> bool {
 
 /// Removes `folder` with its contents, which may be nested too deep for any path: folders within it are moved up before
 /// they are emptied.
-fn remove(folder: &Path) -> io::Result<()> {
+fn remove_tree(folder: &Path) -> io::Result<()> {
     let mut moved = 0_u64;
     loop {
         fs::set_permissions(folder, fs::Permissions::from_mode(0o700))?;
@@ -171,7 +173,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_size_counts_files_folders_and_depth() {
+    fn size_and_depth_of_files_and_folders_are_limited() {
         let parent = tempfile::tempdir().unwrap();
         let folder = parent.path().join("scratch");
         fs::create_dir(&folder).unwrap();
@@ -180,20 +182,20 @@ mod tests {
         assert!(fits(&folder, 20_000) && !fits(&folder, 10_000));
         (0..30).for_each(|number| fs::create_dir(folder.join(format!("d{number}"))).unwrap());
         assert!(!fits(&folder, 20_000), "empty folders take room as well");
-        let deep: PathBuf = std::iter::repeat_n("d", DEPTH + 3).collect();
+        let deep: PathBuf = std::iter::repeat_n("d", MAX_DEPTH + 3).collect();
         fs::create_dir_all(folder.join(deep)).unwrap();
         assert!(!fits(&folder, u64::MAX));
     }
 
     #[test]
-    fn a_tree_deeper_than_any_path_is_removed() {
+    fn tree_deeper_than_any_path_is_removed() {
         let parent = tempfile::tempdir().unwrap();
         let folder = parent.path().join("scratch");
         fs::create_dir(&folder).unwrap();
         let script = "i=0; while [ $i -lt 3000 ]; do mkdir ddddd && cd -P ddddd && echo x > f || exit 1; i=$((i+1)); done; chmod 0 .";
         let made = std::process::Command::new("sh").args(["-c", script]).current_dir(&folder).status().unwrap();
         assert!(made.success());
-        remove(&folder).unwrap();
+        remove_tree(&folder).unwrap();
         assert!(!folder.exists());
     }
 }
