@@ -64,7 +64,7 @@ pub fn read_noise(file: &str, text: &str) -> (NoiseSpec, Vec<Diagnostic>) {
     let (mut reader, root) = Reader::parse(file, text);
     if root.is_empty() && reader.sink.is_empty() {
         let span = reader.span(0..0);
-        reader.warn_of_empty(span);
+        reader.warn_empty_profile(span);
     }
     let spec = NoiseSpec { file: file.to_owned(), ..NoiseSpec::default() };
     let spec = reader.form(Section::root(&root), spec).unwrap_or_default();

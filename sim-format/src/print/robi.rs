@@ -8,7 +8,7 @@ use toml::Table;
 use super::number::{degrees, written, written_degrees, written_mm};
 use super::sim::quoted;
 use super::{Printed, text};
-use crate::form::print_beside;
+use crate::form::print_non_defaults;
 use crate::form::robot::companion;
 use crate::form::sensor::psd_keys;
 use crate::robi::DRIVES;
@@ -33,7 +33,7 @@ pub fn print_robi(robi: &RobiSpec) -> Printed {
 /// Text of the companion that belongs to the text of [`print_robi`].
 pub fn print_companion(robi: &RobiSpec) -> String {
     let mut whole =
-        print_beside(|keys| companion(keys, &mut robi.clone()), |keys| companion(keys, &mut RobiSpec::default()));
+        print_non_defaults(|keys| companion(keys, &mut robi.clone()), |keys| companion(keys, &mut RobiSpec::default()));
     // Keep only the keys that the robi itself does not represent.
     if let Some(camera) = whole.get_mut("camera").and_then(toml::Value::as_table_mut) {
         camera.retain(|key, _| matches!(key, "fov_deg" | "samples"));
@@ -46,7 +46,7 @@ pub fn print_companion(robi: &RobiSpec) -> String {
         let ranges = psds.map(|mut psd| {
             (
                 psd.name.clone(),
-                print_beside(|keys| psd_keys(keys, &mut psd), |keys| psd_keys(keys, &mut PsdSpec::default())).into(),
+                print_non_defaults(|keys| psd_keys(keys, &mut psd), |keys| psd_keys(keys, &mut PsdSpec::default())).into(),
             )
         });
         whole.insert("psd".to_owned(), Table::from_iter(ranges).into());

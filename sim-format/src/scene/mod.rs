@@ -94,7 +94,7 @@ impl Reader {
         let (mut count, mut robots) = (0, Vec::new());
         for section in self.sections(root, key) {
             let id_span = self.key_span(&section, "id");
-            let mut line = RobotLine::usual();
+            let mut line = RobotLine::defaults();
             let is_complete = self.table(section, |keys| line.keys(keys));
             count += match line.start {
                 StartRef::Many { count, .. } => u64::from(count),
