@@ -11,7 +11,7 @@ use super::{Definitions, Form, Keys};
 use crate::Diagnostic;
 use crate::code::Code;
 use crate::line::Quantity;
-use crate::robi::{drive_devices, usual_wheelbase};
+use crate::robi::{default_wheelbase, drive_devices};
 use crate::spec::{HullSpec, LinkSpec, MotorSpec, RobiSpec, SpannedText, WheelSpec};
 use crate::table::{Reader, Section};
 use sim_core::drive::DriveKind;
@@ -158,7 +158,7 @@ fn drive_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
 
 /// Default wheelbase of a robot type.
 fn default_wheelbase_of(robi: &RobiSpec) -> f64 {
-    usual_wheelbase(robi.drive.kind, robi.diameter, robi.wheel.track)
+    default_wheelbase(robi.drive.kind, robi.diameter, robi.wheel.track)
 }
 
 /// Declares the keys of a drive other than its kind and its devices.

@@ -1,4 +1,4 @@
-//! Printing of scenes as `.sim`: each line in a form that represents its content.
+//! Printing of scenes as `.sim`.
 
 use std::fmt::Write;
 
@@ -17,8 +17,8 @@ use sim_core::radio::RadioModel;
 /// Text of a sim file. A robot with a program whose type is a file gets a classic line; all other entities get lines of
 /// EyeSim VR.
 ///
-/// `scene` is the loaded form of `sim`: it provides the robots of groups and the names of types. Inline parts of the scene must have
-/// been moved to files before; here they are lost.
+/// `scene` must be loaded from `sim`; it provides the robots of groups and the names of types. Inline parts of `sim` are lost unless the
+/// caller has moved them to files.
 pub fn print_sim(sim: &SimSpec, scene: &SceneSpec) -> Printed {
     let mut printer = Printer { out: Printed::default(), scene };
     printer.sim(sim);
@@ -30,7 +30,7 @@ struct Printer<'a> {
     scene: &'a SceneSpec,
 }
 
-/// Returns true if the scene follows EyeSim VR of 2018.
+/// Returns true if the scene follows the conventions of EyeSim VR of 2018.
 fn is_of_2018(sim: &SimSpec) -> bool {
     sim.run.dialect == Some(Dialect::Vr2018)
 }
@@ -39,7 +39,7 @@ impl Printer<'_> {
     fn sim(&mut self, sim: &SimSpec) {
         if let Some(world) = &sim.world {
             let extension = path::extension(&world.path.text);
-            // A known extension determines the keyword.
+            // The keyword `maze` is only needed if the extension does not identify a maze.
             let keyword = match world.kind {
                 WorldKind::Maze if !matches!(extension.as_str(), "maz" | "maze") => "maze",
                 _ => "world",
@@ -53,7 +53,7 @@ impl Printer<'_> {
             self.line(&[&["settings"][..], &settings].concat());
         }
         let robots = self.robots_of_files(sim);
-        // These keywords determine the dialect of a sim file.
+        // Readers recognise the dialect of a sim file by these keywords.
         let [robot, object] = if is_of_2018(sim) { ["robi", "obj"] } else { ["robot", "object"] };
         for path in sim.robot_types.iter().chain(&robots) {
             let file = self.word(&path.text);
@@ -63,7 +63,7 @@ impl Printer<'_> {
             let file = self.word(&path.text);
             self.line(&[object, &file]);
         }
-        self.run(sim);
+        self.lost_settings(sim);
         self.robots(sim);
         sim.objects.iter().for_each(|line| self.object(line));
         for marker in &sim.markers {
@@ -73,7 +73,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Type files of robots without a program; a classic line cannot represent a robot without a program.
+    /// Files of the robot types that need a line of their own, since no classic line names them.
     fn robots_of_files(&self, sim: &SimSpec) -> Vec<SpannedText> {
         let mut files: Vec<SpannedText> = Vec::new();
         for line in &sim.robots {
@@ -87,11 +87,12 @@ impl Printer<'_> {
         files
     }
 
-    fn run(&mut self, sim: &SimSpec) {
+    /// Lists the settings of the run, and other properties of the scene, that a sim file cannot represent.
+    fn lost_settings(&mut self, sim: &SimSpec) {
         let run = &sim.run;
         let has_types =
             !self.robots_of_files(sim).is_empty() || !sim.robot_types.is_empty() || !sim.object_types.is_empty();
-        let said = [
+        let lost_properties = [
             (sim.world.as_ref().is_some_and(|line| line.looks != LooksSpec::default()), LOOKS),
             (run.seed.is_some(), "the seed"),
             (run.slot.is_some(), "the length of a slot"),
@@ -108,7 +109,9 @@ impl Printer<'_> {
             (!sim.inline.robot_types.is_empty(), "robot types described in place"),
             (!sim.inline.object_types.is_empty(), "object types described in place"),
         ];
-        self.out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what.to_owned()));
+        self.out.lost.extend(
+            lost_properties.into_iter().filter(|(is_lost, _)| *is_lost).map(|(_, property)| property.to_owned()),
+        );
     }
 
     /// Adds the lines of the robots in the order of their numbers: in a sim file the order of the lines determines the
@@ -123,23 +126,23 @@ impl Printer<'_> {
         robots.iter().for_each(|(_, line)| self.line(&[line]));
     }
 
-    /// Lines of the robots of one scene line, with their numbers.
+    /// Lines of the robots that one entry of the scene describes, with their numbers.
     fn robot(&mut self, line: &RobotLine, are_starts_taken: bool) -> Vec<(RobotId, String)> {
         let robots: Vec<&RobotSpec> = self.scene.robots.iter().filter(|robot| robot.span == line.span).collect();
-        let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
+        let name = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
         if let StartRef::Many { count, .. } = line.start {
             self.out
                 .lost
                 .push(format!("that {count} robots of line {} are a group: each has its own line", line.span.line));
         }
         if !line.arguments.is_empty() {
-            self.out.lost.push(format!("the arguments of {who}"));
+            self.out.lost.push(format!("the arguments of {name}"));
         }
         if line.noise.is_some() {
-            self.out.lost.push(format!("the noise profile of {who}"));
+            self.out.lost.push(format!("the noise profile of {name}"));
         }
         if let Some(api) = line.api {
-            self.out.lost.push(format!("that the program of {who} is written for RoBIOS {api}"));
+            self.out.lost.push(format!("that the program of {name} is written for RoBIOS {api}"));
         }
         let program = line.program.as_ref().map(|program| self.word(&program.text));
         let first = match &line.kind {
@@ -147,7 +150,7 @@ impl Printer<'_> {
             TypeRef::Name(name) => vec![self.word(&name.text)],
             TypeRef::File(_) => robots.first().map(|robot| self.word(&robot.robi.name)).into_iter().collect(),
         };
-        let of = |robot: &&RobotSpec| {
+        let robot_line = |robot: &&RobotSpec| {
             let start = match line.start {
                 StartRef::Next if is_classic(line) && !are_starts_taken => Vec::new(),
                 StartRef::Letter { letter, heading } => {
@@ -161,15 +164,15 @@ impl Printer<'_> {
             };
             (robot.id, words.join(" "))
         };
-        robots.iter().map(of).collect()
+        robots.iter().map(robot_line).collect()
     }
 
     fn object(&mut self, line: &ObjectLine) {
         let [x, y, phi] = pose(&line.pose);
         match (&line.kind, line.friction) {
             (TypeRef::File(file), friction) => {
-                let of_scene = self.scene.objects.iter().find(|object| object.span == line.span);
-                let friction = friction.or(of_scene.map(|object| object.friction)).unwrap_or_default();
+                let scene_object = self.scene.objects.iter().find(|object| object.span == line.span);
+                let friction = friction.or(scene_object.map(|object| object.friction)).unwrap_or_default();
                 let file = self.word(&file.text);
                 self.line(&["object", &x, &y, &phi, &written(friction), &file]);
             }
@@ -206,7 +209,7 @@ fn pose(pose: &Pose) -> [String; 3] {
     [written_mm(pose.position.x), written_mm(pose.position.y), written(heading(pose.heading))]
 }
 
-/// Quotes a word for the line formats if necessary; `None` if no quotes can hold it.
+/// Quotes a word for the line formats if necessary; `None` if no kind of quotes can represent it.
 pub(super) fn quoted(text: &str) -> Option<String> {
     if text.contains(['\n', '\r']) {
         return None;
