@@ -39,6 +39,7 @@ pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
     reader.finish()
 }
 
+/// State while the lines of a robi file are read.
 struct Reader {
     sink: Sink,
     dialect: Dialect,

@@ -47,7 +47,7 @@ impl Form for CheckSpec {
         }
         keys.span(&mut self.span);
         let mut name = (!self.name.is_empty()).then(|| self.name.clone());
-        keys.key("name", "Its name in the table and the report; default: the kind.").maybe(TEXT, &mut name);
+        keys.key("name", "Its name in the table and the report; default: the kind.").nullable(TEXT, &mut name);
         self.name = name.unwrap_or_default();
         keys.key("points", "Points for a run that meets the check; default: 1.").optional(SCORE, &mut self.points);
         keys.key("required", "A run that does not meet the check gets no points at all; default: false.")
@@ -120,7 +120,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             keys.key("width_mm", "Width of the tool, a disc around each robot's centre, in mm.")
                 .required(Quantity::size("width"), width);
             keys.key("area_mm", "The area: two opposite corners of a rectangle or the corners of a polygon, [x, y] each, in mm; default: the floor.")
-                .maybe(AREA, area);
+                .nullable(AREA, area);
             keys.key("cell_mm", "Side of the squares by whose centres the area is measured, in mm; default: 50.")
                 .optional(Bounded(Quantity::size("side").within(1.0, 1e6)), cell);
             keys.key("share_percent", "Minimum share of the area in percent; default: 100.").optional(SHARE, share);
@@ -164,7 +164,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
         CheckKind::Message { from, to, text, count } => {
             any_robot_key(keys, "from", "Number of the sender; default: any.", from);
             any_robot_key(keys, "to", "Number of the receiver; default: any.", to);
-            keys.key("text", "Text that the message contains; default: anything.").maybe(TEXT, text);
+            keys.key("text", "Text that the message contains; default: anything.").nullable(TEXT, text);
             count_keys(keys, count);
         }
         CheckKind::Script { program, arguments, timeout, .. } => {
@@ -229,14 +229,14 @@ fn swarm_keys(
     let declares_all = keys.reading().is_none();
     if declares_all || word == SwarmMetricWord::Groups {
         keys.key("within_mm", "Of `groups`: maximum distance between the centres of neighbours, in mm.")
-            .maybe(Bounded(Quantity::size("distance")), &mut reach);
+            .nullable(Bounded(Quantity::size("distance")), &mut reach);
         refuse_missing(keys, "within_mm");
     }
     if declares_all || word == SwarmMetricWord::Coverage {
         keys.key("width_mm", "Of `coverage`: width of the tool, a disc around each robot's centre, in mm.")
-            .maybe(Bounded(Quantity::size("width")), &mut tool_width);
+            .nullable(Bounded(Quantity::size("width")), &mut tool_width);
         keys.key("area_mm", "Of `coverage`: the area, by its corners in mm; default: the floor.")
-            .maybe(AREA, &mut covered_area);
+            .nullable(AREA, &mut covered_area);
         keys.key(
             "cell_mm",
             "Of `coverage`: side of the squares by whose centres the area is measured, in mm; default: 50.",
@@ -246,8 +246,8 @@ fn swarm_keys(
     }
     let is_length = word == SwarmMetricWord::Spread;
     let mut limits = [*min, *max].map(|limit| limit.map(|limit| if is_length { number::mm(limit) } else { limit }));
-    keys.key("min", "Minimum value, of `spread` in mm.").maybe(ANY_NUMBER, &mut limits[0]);
-    keys.key("max", "Maximum value, of `spread` in mm.").maybe(ANY_NUMBER, &mut limits[1]);
+    keys.key("min", "Minimum value, of `spread` in mm.").nullable(ANY_NUMBER, &mut limits[0]);
+    keys.key("max", "Maximum value, of `spread` in mm.").nullable(ANY_NUMBER, &mut limits[1]);
     let mut start = since.seconds();
     keys.key("from_s", "Simulated seconds before which the limits do not count; default: 0.")
         .optional(Bounded(DURATION), &mut start);
@@ -291,6 +291,7 @@ fn refuse(keys: &mut Keys<'_>, key: &'static str, problem: &str, expected: &str)
     keys.refuse();
 }
 
+/// Reports a list with fewer than `min` points.
 fn refuse_few(keys: &mut Keys<'_>, key: &'static str, count: usize, min: usize) {
     if count < min && keys.reading().is_some() {
         refuse(keys, key, "is empty", "at least one point");
@@ -299,7 +300,7 @@ fn refuse_few(keys: &mut Keys<'_>, key: &'static str, count: usize, min: usize) 
 
 fn by_key(keys: &mut Keys<'_>, by: &mut Option<Time>) {
     keys.key("by_s", "Simulated seconds by which the condition must be met; default: the end of the run.")
-        .maybe(UNTIL, by);
+        .nullable(UNTIL, by);
 }
 
 fn robot_key(keys: &mut Keys<'_>, robot: &mut RobotId) {
@@ -307,7 +308,7 @@ fn robot_key(keys: &mut Keys<'_>, robot: &mut RobotId) {
 }
 
 fn any_robot_key(keys: &mut Keys<'_>, name: &'static str, about: &'static str, robot: &mut Option<RobotId>) {
-    keys.key(name, about).maybe(ROBOT_NUMBER, robot);
+    keys.key(name, about).nullable(ROBOT_NUMBER, robot);
 }
 
 fn body_keys(keys: &mut Keys<'_>, body: &mut BodyRef) {
@@ -318,7 +319,7 @@ fn body_keys(keys: &mut Keys<'_>, body: &mut BodyRef) {
     };
     any_robot_key(keys, "robot", "Number of the robot; 1 if neither robot nor object is given.", &mut robot);
     keys.key("object", "Number of a movable object instead of a robot, counted from 1 in the order of the file.")
-        .maybe(OBJECT_NUMBER, &mut object);
+        .nullable(OBJECT_NUMBER, &mut object);
     if let Some((reader, section)) = keys.reading()
         && section.has("object")
         && !reader.exclude(section, "object", &["robot"])
@@ -339,10 +340,10 @@ fn region_keys(keys: &mut Keys<'_>, region: &mut Region) {
     if keys.reading().is_some() {
         (centre, radius) = (None, None);
     }
-    keys.key("at_mm", "The place: its centre, [x, y], in mm.").maybe(POINT, &mut centre);
-    keys.key("within_mm", "Maximum distance of the body's centre from `at_mm`, in mm.").maybe(DISTANCE, &mut radius);
+    keys.key("at_mm", "The place: its centre, [x, y], in mm.").nullable(POINT, &mut centre);
+    keys.key("within_mm", "Maximum distance of the body's centre from `at_mm`, in mm.").nullable(DISTANCE, &mut radius);
     keys.key("area_mm", "The place, instead of `at_mm`: two opposite corners of a rectangle or the corners of a polygon, [x, y] each, in mm.")
-        .maybe(AREA, &mut area);
+        .nullable(AREA, &mut area);
     let Some((reader, section)) = keys.reading() else { return };
     if section.has("area_mm") {
         let is_clean = reader.exclude(section, "area_mm", &["at_mm", "within_mm"]);
@@ -368,8 +369,8 @@ fn region_keys(keys: &mut Keys<'_>, region: &mut Region) {
 fn count_keys(keys: &mut Keys<'_>, count: &mut CountLimits) {
     let default_min = |count: &CountLimits| if count.max.is_some() { 0 } else { 1 };
     let mut min = Some(count.min).filter(|min| keys.reading().is_none() && *min != default_min(count));
-    keys.key("min", "Minimum number; default: 1, or 0 if only `max` is given.").maybe(0..=MAX_COUNT, &mut min);
-    keys.key("max", "Maximum number; default: any.").maybe(0..=MAX_COUNT, &mut count.max);
+    keys.key("min", "Minimum number; default: 1, or 0 if only `max` is given.").nullable(0..=MAX_COUNT, &mut min);
+    keys.key("max", "Maximum number; default: any.").nullable(0..=MAX_COUNT, &mut count.max);
     if keys.reading().is_none() {
         return;
     }
@@ -381,10 +382,10 @@ fn count_keys(keys: &mut Keys<'_>, count: &mut CountLimits) {
 
 fn metric_keys(keys: &mut Keys<'_>, path: &mut String, [min, max, full, zero]: [&mut Option<f64>; 4]) {
     keys.key("path", "Path into the report, as `robots[0].path_m`.").required(TEXT, path);
-    keys.key("min", "Minimum value.").maybe(ANY_NUMBER, min);
-    keys.key("max", "Maximum value.").maybe(ANY_NUMBER, max);
-    keys.key("full", "Value for all points.").maybe(ANY_NUMBER, full);
-    keys.key("zero", "Value for no points; between it and `full`, points are proportional.").maybe(ANY_NUMBER, zero);
+    keys.key("min", "Minimum value.").nullable(ANY_NUMBER, min);
+    keys.key("max", "Maximum value.").nullable(ANY_NUMBER, max);
+    keys.key("full", "Value for all points.").nullable(ANY_NUMBER, full);
+    keys.key("zero", "Value for no points; between it and `full`, points are proportional.").nullable(ANY_NUMBER, zero);
     let Some((reader, section)) = keys.reading() else { return };
     let (has_limits, has_scale) = (min.is_some() || max.is_some(), full.is_some() || zero.is_some());
     let problem = if has_limits && has_scale {
@@ -415,10 +416,10 @@ fn expected_output_keys(keys: &mut Keys<'_>, expected: &mut ExpectedOutput) {
             (rows, tolerance) = (Some(old_rows), old_tolerance);
         }
     }
-    keys.key("text", "Text within a line.").maybe(TEXT, &mut text);
-    keys.key("pattern", "A whole line, in which `*` stands for any text.").maybe(TEXT, &mut pattern);
+    keys.key("text", "Text within a line.").nullable(TEXT, &mut text);
+    keys.key("pattern", "A whole line, in which `*` stands for any text.").nullable(TEXT, &mut pattern);
     keys.key("numbers", "Numbers row by row, as [1, 2, 3] or [[1, 2], [3, 4]]; other words may be between them.")
-        .maybe(ROWS, &mut rows);
+        .nullable(ROWS, &mut rows);
     keys.key("tolerance", "Maximum deviation of a number; default: 0.")
         .optional(Bounded(Quantity::number("tolerance", 0.0, 1e300)), &mut tolerance);
     let Some((reader, section)) = keys.reading() else { return };

@@ -50,7 +50,7 @@ impl Form for InfraredSpec {
         keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; default: 0.")
             .optional(Quantity::angle("angle of the sensor"), &mut self.angle);
         keys.key("range_mm", "Range in mm; default: 100.")
-            .always(Quantity::size("range of the sensor"), &mut self.range);
+            .always_printed(Quantity::size("range of the sensor"), &mut self.range);
     }
 }
 
@@ -114,8 +114,8 @@ impl Form for ServoSpec {
         keys.form("ServoForm", "A servo.");
         keys.span(&mut self.span);
         device_keys(keys, "Its name, such as `SERVO1`.", &mut self.name, &mut self.id);
-        keys.key("from_deg", "Angle at position 0 in degrees; default: -90.").always(SERVO_END, &mut self.from);
-        keys.key("to_deg", "Angle at position 255 in degrees; default: 90.").always(SERVO_END, &mut self.to);
+        keys.key("from_deg", "Angle at position 0 in degrees; default: -90.").always_printed(SERVO_END, &mut self.from);
+        keys.key("to_deg", "Angle at position 255 in degrees; default: 90.").always_printed(SERVO_END, &mut self.to);
     }
 }
 
@@ -127,7 +127,7 @@ impl Form for CompassSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("CompassForm", "The compass.");
         keys.span(&mut self.span);
-        keys.key("name", "Its name; default: `COMPASS`.").always(TEXT, &mut self.name);
+        keys.key("name", "Its name; default: `COMPASS`.").always_printed(TEXT, &mut self.name);
         number_key(keys, &mut self.id);
         keys.key("north_deg", "Direction in the world in which it reads 0, in degrees; default: 0.")
             .optional(Quantity::angle("north"), &mut self.north);
@@ -137,8 +137,10 @@ impl Form for CompassSpec {
 impl Form for LcdSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("LcdForm", "The colour display of RoBIOS-7.");
-        keys.key("width_px", "Pixels in a row; default: 320.").always(MIN_LCD_SIDE..=MAX_LCD_WIDTH, &mut self.width);
-        keys.key("height_px", "Rows of pixels; default: 240.").always(MIN_LCD_SIDE..=MAX_LCD_HEIGHT, &mut self.height);
+        keys.key("width_px", "Pixels in a row; default: 320.")
+            .always_printed(MIN_LCD_SIDE..=MAX_LCD_WIDTH, &mut self.width);
+        keys.key("height_px", "Rows of pixels; default: 240.")
+            .always_printed(MIN_LCD_SIDE..=MAX_LCD_HEIGHT, &mut self.height);
     }
 }
 
@@ -272,7 +274,7 @@ pub(crate) const HDT: Custom<Vec<(String, i32)>> = Custom {
     describe: |_| json!({ "type": "object", "additionalProperties": integer_schema::<i32>() }),
 };
 
-const CAMERA_PLACE: [Quantity; 3] = [
+const CAMERA_POSITION: [Quantity; 3] = [
     Quantity::coordinate("x of the camera"),
     Quantity::coordinate("y of the camera"),
     Quantity::coordinate("z of the camera"),
@@ -284,7 +286,7 @@ impl Form for CameraSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("CameraForm", "The camera.");
         keys.span(&mut self.span);
-        position_keys(keys, CAMERA_PLACE, &mut self.position);
+        position_keys(keys, CAMERA_POSITION, &mut self.position);
         let about = [
             "Turn about the vertical axis in degrees, counter-clockwise; default: 0.",
             "The servo that pans, instead of `pan_deg`.",
@@ -292,7 +294,7 @@ impl Form for CameraSpec {
         joint_keys(keys, ["pan_deg", "pan_servo"], about, &mut self.pan);
         let about = ["Turn upwards in degrees; default: 0.", "The servo that tilts, instead of `tilt_deg`."];
         joint_keys(keys, ["tilt_deg", "tilt_servo"], about, &mut self.tilt);
-        keys.key("image_px", "Maximum image: width and height in pixels.").maybe(PIXELS, &mut self.image);
+        keys.key("image_px", "Maximum image: width and height in pixels.").nullable(PIXELS, &mut self.image);
         lens_keys(keys, &mut self.lens);
         keys.key("samples", "Points per side of a pixel whose colours are averaged; default: 2.")
             .optional(1..=i64::from(MAX_SAMPLES), &mut self.samples);
@@ -306,8 +308,8 @@ fn joint_keys(keys: &mut Keys<'_>, [angle, servo]: [&'static str; 2], about: [&'
         JointSpec::Fixed(angle) => (Some(*angle).filter(|angle| *angle != 0.0), None),
         JointSpec::Servo { .. } => (None, Some(joint.clone())),
     };
-    keys.key(angle, about[0]).maybe(Quantity::angle("angle of the camera"), &mut fixed_angle);
-    keys.key(servo, about[1]).maybe(TABLE, &mut servo_joint);
+    keys.key(angle, about[0]).nullable(Quantity::angle("angle of the camera"), &mut fixed_angle);
+    keys.key(servo, about[1]).nullable(TABLE, &mut servo_joint);
     if let Some((reader, section)) = keys.reading() {
         if section.get(servo).is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
             reader.exclude(section, servo, &[angle]);
@@ -338,9 +340,9 @@ fn lens_keys(keys: &mut Keys<'_>, lens: &mut Lens) {
         Lens::Fisheye { fov } => (None, Some(fov)),
     };
     keys.key("fov_deg", "Horizontal field of view in degrees; default: 60.")
-        .maybe(Bounded(FIELD_OF_VIEW), &mut pinhole);
+        .nullable(Bounded(FIELD_OF_VIEW), &mut pinhole);
     keys.key("fisheye_deg", "Horizontal field of view of a fisheye lens in degrees, instead of `fov_deg`.")
-        .maybe(Bounded(FISHEYE), &mut fisheye);
+        .nullable(Bounded(FISHEYE), &mut fisheye);
     if let Some((reader, section)) = keys.reading() {
         if fisheye.is_some() {
             reader.exclude(section, "fisheye_deg", &["fov_deg"]);

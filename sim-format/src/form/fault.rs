@@ -22,7 +22,7 @@ impl Form for FaultSpec {
         keys.span(&mut self.span);
         let mut name = (!self.name.is_empty()).then(|| self.name.clone());
         keys.key("name", "Its name, which with the seed determines its random times; default: the kind.")
-            .maybe(TEXT, &mut name);
+            .nullable(TEXT, &mut name);
         self.name = name.unwrap_or_default();
         keys.key("robot", "Number of the robot; default: 1.").optional(ROBOT_NUMBER, &mut self.robot);
         match &mut self.kind {
@@ -58,7 +58,7 @@ impl Form for FaultSpec {
         let is_end = matches!(self.kind, FaultKind::Dies);
         if !is_end {
             keys.key("for_s", "Duration in seconds; default: until the end of the run.")
-                .maybe(DURATION, &mut self.duration);
+                .nullable(DURATION, &mut self.duration);
         }
     }
 }
@@ -72,11 +72,11 @@ fn time_keys(keys: &mut Keys<'_>, time: &mut FaultTime) {
     if keys.reading().is_some() {
         at = None;
     }
-    keys.key("at_s", "Simulated seconds at which it begins.").maybe(DURATION, &mut at);
+    keys.key("at_s", "Simulated seconds at which it begins.").nullable(DURATION, &mut at);
     keys.key("probability", "Probability that the fault occurs at all; default: 1.")
         .optional(Bounded(Quantity::number("probability", 0.0, 1.0)), &mut probability);
     keys.key("per_minute", "Mean rate of random beginnings per minute, instead of `at_s`.")
-        .maybe(Bounded(Quantity::number("rate", 1e-6, 1e3)), &mut rate);
+        .nullable(Bounded(Quantity::number("rate", 1e-6, 1e3)), &mut rate);
     let Some((reader, section)) = keys.reading() else { return };
     if section.has("per_minute") {
         let is_clean = reader.exclude(section, "per_minute", &["at_s", "probability"]);

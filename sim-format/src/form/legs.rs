@@ -23,7 +23,7 @@ pub(crate) fn leg_keys(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     let mut legs = robi.legs.take();
     let mut list = legs.as_ref().map_or_else(Vec::new, |legs| legs.legs.clone());
     let mut common = legs.clone().filter(|legs| LegsSpec { legs: Vec::new(), ..legs.clone() } != LegsSpec::default());
-    keys.key("legs", "Gaits and common properties of the legs; for `kind = \"legged\"`.").maybe(TABLE, &mut common);
+    keys.key("legs", "Gaits and common properties of the legs; for `kind = \"legged\"`.").nullable(TABLE, &mut common);
     keys.key("leg", "The legs.").list(TABLES, &mut list);
     if let Some((reader, section)) = keys.reading() {
         let key = ["leg", "legs"].into_iter().find(|key| section.has(key));
@@ -72,7 +72,7 @@ impl Form for GaitSpec {
     }
 }
 
-/// Origin of the motion of the joints in a gait.
+/// How the joints move in a gait.
 #[derive(Clone, Copy, PartialEq)]
 enum Curve {
     Plain,
@@ -117,9 +117,9 @@ impl Form for LegSpec {
             .required(Quantity::size("length of the thigh"), &mut self.thigh);
         keys.key("shank_mm", "Length from knee to ankle or tip in mm.")
             .required(Quantity::size("length of the shank"), &mut self.shank);
-        keys.key("foot", "Its foot.").maybe(TABLE, &mut self.foot);
+        keys.key("foot", "Its foot.").nullable(TABLE, &mut self.foot);
         keys.key("wheel_mm", "Diameter in mm of a wheel instead of a foot; it rolls and is never lifted.")
-            .maybe(Quantity::size("diameter of the wheel"), &mut self.wheel);
+            .nullable(Quantity::size("diameter of the wheel"), &mut self.wheel);
         if let Some((reader, section)) = keys.reading()
             && self.foot.is_some()
             && self.wheel.take().is_some()

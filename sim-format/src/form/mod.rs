@@ -222,12 +222,12 @@ impl Key<'_, '_> {
     }
 
     /// Value that is required unless the table has the single key that replaces all other keys, such as `file`.
-    pub(crate) fn expected<T>(self, kind: impl Kind<T>, value: &mut T) {
+    pub(crate) fn required_or_replaced<T>(self, kind: impl Kind<T>, value: &mut T) {
         self.declare_required(&kind, value, Need::Nullable);
     }
 
     /// Optional value that is always printed.
-    pub(crate) fn always<T>(mut self, kind: impl Kind<T>, value: &mut T) {
+    pub(crate) fn always_printed<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         self.read(&kind, Some(value)).into_iter().for_each(|read| *value = read);
         self.emit(&kind, Some(value), Need::Nullable);
     }
@@ -239,7 +239,7 @@ impl Key<'_, '_> {
     }
 
     /// Optional value, printed unless it is the default; an invalid value makes the whole table unusable.
-    pub(crate) fn strictly<T>(mut self, kind: impl Kind<T>, value: &mut T) {
+    pub(crate) fn strict<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         let name = self.name;
         let is_given = self.keys.reading().is_some_and(|(_, section)| section.has(name));
         match self.read(&kind, None) {
@@ -251,7 +251,7 @@ impl Key<'_, '_> {
     }
 
     /// Optional value without a default.
-    pub(crate) fn maybe<T>(mut self, kind: impl Kind<T>, value: &mut Option<T>) {
+    pub(crate) fn nullable<T>(mut self, kind: impl Kind<T>, value: &mut Option<T>) {
         *value = self.read(&kind, value.as_ref()).or(value.take());
         self.emit(&kind, value.as_ref(), Need::Nullable);
     }
@@ -275,6 +275,7 @@ impl Key<'_, '_> {
         self.emit(&Flag, Some(&*value).filter(|value| **value), Need::OmittedIfEmpty);
     }
 
+    /// Declares a required value; reports a missing or invalid one and makes the table unusable.
     fn declare_required<T>(mut self, kind: &impl Kind<T>, value: &mut T, need: Need) {
         let name = self.name;
         if let Some((reader, section)) = self.keys.reading()
@@ -290,6 +291,7 @@ impl Key<'_, '_> {
         self.emit(kind, Some(value), need);
     }
 
+    /// Reads the value if the pass reads.
     fn read<T>(&mut self, kind: &impl Kind<T>, old: Option<&T>) -> Option<T> {
         let (reader, section) = self.keys.reading()?;
         kind.read(ReadContext { reader, section, key: self.name }, old)

@@ -77,8 +77,8 @@ impl Reader {
 impl Form for NoiseSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("ProfileForm", "An inline noise profile: a preset and the changed numbers.");
-        // Always printed: the key marks a file as a profile.
-        keys.key("base", "Preset to start from; default: `none`.").always(PRESET, &mut self.base);
+        // The key is always printed, since it marks a file as a profile.
+        keys.key("base", "Preset to start from; default: `none`.").always_printed(PRESET, &mut self.base);
         let entries = &mut self.entries;
         let about = [
             "PSD sensors.",

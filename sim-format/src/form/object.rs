@@ -12,26 +12,27 @@ pub(crate) const MESH_UNIT: Quantity = Quantity::coordinate("length of the mesh'
 impl Form for ObjectType {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("ObjectTypeForm", "An object type: a file alone, or all that an `.esObj` can say.");
-        keys.key("file", "An `.esObj`; no other key then.").maybe(TEXT, &mut None::<SpannedText>);
-        keys.key("name", "Name under which objects have it; required without a `file`.").expected(TEXT, &mut self.name);
-        keys.key("model", "Its looks.").maybe(TABLE, &mut self.model);
+        keys.key("file", "An `.esObj`; no other key then.").nullable(TEXT, &mut None::<SpannedText>);
+        keys.key("name", "Name under which objects have it; required without a `file`.")
+            .required_or_replaced(TEXT, &mut self.name);
+        keys.key("model", "Its looks.").nullable(TABLE, &mut self.model);
         keys.key("scale_mm", "Length of the mesh's unit in mm; default: 1000.").optional(MESH_UNIT, &mut self.scale);
         keys.key("collider", "Its shape; default: an upright cylinder, 100 mm wide and 100 mm high.")
             .non_empty_list(TABLES, &mut self.colliders);
-        keys.key("mass_kg", "Mass in kg; default: 1.").always(Bounded(Quantity::mass("mass")), &mut self.mass);
+        keys.key("mass_kg", "Mass in kg; default: 1.").always_printed(Bounded(Quantity::mass("mass")), &mut self.mass);
         keys.key("centre_of_mass_mm", "Centre of mass, x forward, y left, z up, in mm; default: 0.")
             .optional(POINT_3D, &mut self.centre_of_mass);
         keys.key("fixed", "The object cannot be moved; default: false.").flag(&mut self.is_fixed);
         keys.key("friction", "Coefficient of sliding friction on the floor; default: 0.4.")
-            .always(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
+            .always_printed(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
         keys.key(
             "rolling",
             "Coefficient of rolling resistance; default: 0.02 if all colliders are spheres, otherwise none: the object slides.",
         )
-        .maybe(Bounded(Quantity::number("rolling resistance", 0.0, 1e6)), &mut self.rolling);
+        .nullable(Bounded(Quantity::number("rolling resistance", 0.0, 1e6)), &mut self.rolling);
         keys.key("restitution", "Coefficient of restitution; default: 0.3.")
-            .always(Bounded(Quantity::number("restitution", 0.0, 1.0)), &mut self.restitution);
-        keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Channels, &mut self.colour);
+            .always_printed(Bounded(Quantity::number("restitution", 0.0, 1.0)), &mut self.restitution);
+        keys.key("colour", "Red, green and blue, 0 to 255.").nullable(Channels, &mut self.colour);
         keys.key("surface", "How it reflects.").optional(TABLE, &mut self.surface);
         let mut sensor_shape = if matches!(self.sensor_shape, SensorShape::Mesh(_)) {
             SensorShapeWord::Mesh

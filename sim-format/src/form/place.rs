@@ -83,25 +83,25 @@ impl Form for RobotLine {
         keys.form("RobotForm", "A robot, or several that differ only in where they start.");
         keys.span(&mut self.span);
         keys.key("name", "Its name in the paths of drawn values; default: its number in the file.")
-            .maybe(TEXT, &mut self.name);
+            .nullable(TEXT, &mut self.name);
         keys.key("type", "`LabBot`, `S4`, `Mako`, the name of a type of the scene, or a `.robi` file.")
             .required(ROBOT_TYPE, &mut self.kind);
         keys.key(
             "program",
             "Its program: a library, a C or C++ file, several of them with commas, or the folder of a program.",
         )
-        .maybe(TEXT, &mut self.program);
+        .nullable(TEXT, &mut self.program);
         keys.key("arguments", "Arguments of the program, after its name.").list(ARGUMENTS, &mut self.arguments);
         keys.key(
             "api",
             "Generation of the RoBIOS API that the program is written for, 6 or 7; default: from the scene.",
         )
-        .maybe(6..=7, &mut self.api);
+        .nullable(6..=7, &mut self.api);
         keys.key("noise", "Errors of its devices and its drive; default: from the scene.")
-            .maybe(NOISE, &mut self.noise);
+            .nullable(NOISE, &mut self.noise);
         let mut id = self.id.map(|id| id.0);
         keys.key("id", "Its number, from 1 to the number of robots; default: the next free number. Excludes `count`.")
-            .maybe(1..=i64::from(MAX_ROBOTS), &mut id);
+            .nullable(1..=i64::from(MAX_ROBOTS), &mut id);
         let Some((reader, section)) = keys.reading() else { return start_keys(keys, &self.start) };
         let start = reader.start(section);
         if let Some(StartRef::Many { count: 2.., .. }) = start {
@@ -121,7 +121,7 @@ impl Form for RobotLine {
     }
 }
 
-/// Declares the keys of a start, for printing.
+/// Declares the keys of a start for printing and for the schema; `Reader::start` reads them.
 fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
     let pose = match start {
         StartRef::Pose(pose) => Some(*pose),
@@ -137,22 +137,22 @@ fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
     };
     let [mut x, mut y] = [pose.map(|pose| pose.position.x), pose.map(|pose| pose.position.y)];
     let max = i64::from(MAX_ROBOTS);
-    keys.key("x_mm", "Position of its centre along x in mm.").maybe(POINT[0], &mut x);
-    keys.key("y_mm", "Position of its centre along y in mm.").maybe(POINT[1], &mut y);
+    keys.key("x_mm", "Position of its centre along x in mm.").nullable(POINT[0], &mut x);
+    keys.key("y_mm", "Position of its centre along y in mm.").nullable(POINT[1], &mut y);
     let key = keys.key(
         "heading_deg",
         "Heading in degrees, counter-clockwise from x; default: 0 with `x_mm`, the letter's heading with `start`.",
     );
     match pose {
         Some(pose) => {
-            key.maybe(HEADING_WITH_TURNS, &mut Some(pose.heading).filter(|heading| *heading != Heading::default()))
+            key.nullable(HEADING_WITH_TURNS, &mut Some(pose.heading).filter(|heading| *heading != Heading::default()))
         }
-        None => key.maybe(HEADING, &mut heading),
+        None => key.nullable(HEADING, &mut heading),
     }
-    keys.key("start", "Letter of the start of the world.").maybe(Word, &mut letter);
+    keys.key("start", "Letter of the start of the world.").nullable(Word, &mut letter);
     keys.key("count", "Number of robots; default: 1. Without a `layout` they take the next free starts of the world.")
-        .maybe(1..=max, &mut count);
-    keys.key("layout", "Their arrangement.").maybe(LAYOUT, &mut layout);
+        .nullable(1..=max, &mut count);
+    keys.key("layout", "Their arrangement.").nullable(LAYOUT, &mut layout);
 }
 
 impl Reader {
@@ -262,7 +262,7 @@ impl Form for Layout {
                 keys.key("from_mm", "Position of the first, x and y in mm.").required(POINT, from);
                 keys.key("spacing_mm", "Distance of columns and of rows in mm.").required(distances, spacing);
                 keys.key("columns", "Number of robots in a row; default: equal to the number of rows.")
-                    .maybe(1..=i64::from(MAX_ROBOTS), columns);
+                    .nullable(1..=i64::from(MAX_ROBOTS), columns);
                 keys.key("heading_deg", "Heading of all in degrees; default: 0.").optional(HEADING, heading);
             }
             Self::Circle { centre, radius, first, facing } => {
@@ -282,7 +282,7 @@ impl Form for Layout {
                 }
                 keys.key("clearance_mm", "Minimum distance from walls and other bodies in mm; default: 0.")
                     .optional(Bounded(Quantity::length("clearance")), clearance);
-                keys.key("heading_deg", "Heading of all in degrees; default: random.").maybe(HEADING, heading);
+                keys.key("heading_deg", "Heading of all in degrees; default: random.").nullable(HEADING, heading);
             }
         }
     }
@@ -298,8 +298,8 @@ fn area_keys(keys: &mut Keys<'_>, area: &mut Option<[DVec2; 2]>) -> bool {
         missing.for_each(|key| reader.missing(section, key));
     }
     keys.key("from_mm", "A corner of the rectangle that contains the bodies, x and y in mm; default: the floor.")
-        .maybe(POINT, &mut from);
-    keys.key("to_mm", "The opposite corner.").maybe(POINT, &mut to);
+        .nullable(POINT, &mut from);
+    keys.key("to_mm", "The opposite corner.").nullable(POINT, &mut to);
     *area = from.zip(to).map(|(from, to)| [from.min(to), from.max(to)]);
     let is_valid = !is_given || area.is_some();
     if !is_valid {
@@ -339,7 +339,7 @@ impl Form for ObjectLine {
         keys.form("ObjectForm", "A passive object.");
         keys.span(&mut self.span);
         keys.key("name", "Its name in the paths of drawn values; default: its number in the file.")
-            .maybe(TEXT, &mut self.name);
+            .nullable(TEXT, &mut self.name);
         keys.key(
             "type",
             "`Can`, `Soccer`, `Crate`, `Golf`, the name of a type of the scene, an `.esObj` file or a mesh.",
@@ -349,20 +349,21 @@ impl Form for ObjectLine {
         if keys.reading().is_none() {
             // Entries with a `count` are repeated before they are read.
             keys.key("count", "Number of copies; default: 1. Each copy has its own random values.")
-                .maybe(0..=MAX_REPETITIONS, &mut None::<u32>);
+                .nullable(0..=MAX_REPETITIONS, &mut None::<u32>);
         }
         if !scatter_keys(keys, &mut self.scatter, &["x_mm", "y_mm", "heading_deg"]) {
             let position = &mut self.pose.position;
-            keys.key("x_mm", "Place along x in mm.").expected(POINT[0], &mut position.x);
-            keys.key("y_mm", "Place along y in mm.").expected(POINT[1], &mut position.y);
+            keys.key("x_mm", "Place along x in mm.").required_or_replaced(POINT[0], &mut position.x);
+            keys.key("y_mm", "Place along y in mm.").required_or_replaced(POINT[1], &mut position.y);
             keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; default: 0.")
-                .strictly(HEADING_WITH_TURNS, &mut self.pose.heading);
+                .strict(HEADING_WITH_TURNS, &mut self.pose.heading);
         }
         keys.key("friction", "Coefficient of friction on the floor; default: from the type.")
-            .maybe(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
+            .nullable(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
     }
 }
 
+/// Declares a position on the floor.
 fn place_keys(keys: &mut Keys<'_>, point: &mut DVec2) {
     keys.key("x_mm", "Place along x in mm.").required(POINT[0], &mut point.x);
     keys.key("y_mm", "Place along y in mm.").required(POINT[1], &mut point.y);
@@ -374,7 +375,7 @@ pub(crate) const MAX_REPETITIONS: i64 = 100_000;
 /// Declares `layout`, which replaces the keys `others`; returns true if the position is random.
 pub(crate) fn scatter_keys(keys: &mut Keys<'_>, scatter: &mut Option<Scatter>, others: &[&'static str]) -> bool {
     let has_layout = keys.reading().is_some_and(|(_, section)| section.has("layout"));
-    keys.key("layout", "Random position instead of x_mm, y_mm.").maybe(SCATTER, scatter);
+    keys.key("layout", "Random position instead of x_mm, y_mm.").nullable(SCATTER, scatter);
     if has_layout {
         if scatter.is_none() {
             keys.refuse();
@@ -399,7 +400,7 @@ impl Form for ReachableSpec {
         keys.key("to", "End of the way: a robot or object by its path, as `object.1`, or [x, y] in mm.")
             .required(POSITION_REF, &mut self.to);
         keys.key("width_mm", "Width of the path in mm; default: the diameter of the robot `from`.")
-            .maybe(Bounded(Quantity::size("width")), &mut self.width);
+            .nullable(Bounded(Quantity::size("width")), &mut self.width);
     }
 }
 
@@ -428,7 +429,7 @@ impl Form for StartSpec {
         place_keys(keys, &mut self.pose.position);
         keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; default: 0.")
             .optional(HEADING_WITH_TURNS, &mut self.pose.heading);
-        keys.key("letter", "Letter by which robots choose it.").maybe(Word, &mut self.letter);
+        keys.key("letter", "Letter by which robots choose it.").nullable(Word, &mut self.letter);
     }
 }
 

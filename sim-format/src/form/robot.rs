@@ -23,10 +23,11 @@ impl Form for RobiSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("RobotTypeForm", "A robot type: a file alone, or all that a `.robi` and its companion can say.");
         keys.key("file", "A `.robi`, with the companion beside it; no other key then.")
-            .maybe(TEXT, &mut None::<SpannedText>);
-        keys.key("name", "Name under which robots have it; required without a `file`.").expected(TEXT, &mut self.name);
+            .nullable(TEXT, &mut None::<SpannedText>);
+        keys.key("name", "Name under which robots have it; required without a `file`.")
+            .required_or_replaced(TEXT, &mut self.name);
         keys.key("diameter_mm", "Diameter of the body in mm; default: 180.")
-            .always(Quantity::size("diameter"), &mut self.diameter);
+            .always_printed(Quantity::size("diameter"), &mut self.diameter);
         limit_keys(keys, self);
         keys.key(
             "axis_mm",
@@ -35,16 +36,16 @@ impl Form for RobiSpec {
         .optional(Quantity::coordinate("axis offset"), &mut self.axis_offset);
         keys.key("centre_of_mass_mm", "Centre of mass, x forward, y left, z up, in mm; default: 0.")
             .optional(POINT_3D, &mut self.centre_of_mass);
-        keys.key("model", "The body's looks.").maybe(TABLE, &mut self.model);
+        keys.key("model", "The body's looks.").nullable(TABLE, &mut self.model);
         keys.key("collider", "The body's shape in space; contacts are those of the disc.")
             .list(TABLES, &mut self.colliders);
         keys.mention(&["wheel", "drive", "psd"]);
-        keys.key("body", "Mass, traction and friction.").always(PartialTable(body_table), self);
-        keys.key("wheel", "The wheels, all alike.").always(TABLE, &mut self.wheel);
+        keys.key("body", "Mass, traction and friction.").always_printed(PartialTable(body_keys), self);
+        keys.key("wheel", "The wheels, all alike.").always_printed(TABLE, &mut self.wheel);
         if keys.reading().is_some() {
             self.drive.wheelbase = default_wheelbase_of(self);
         }
-        keys.key("drive", "The drive.").always(PartialTable(drive_table), self);
+        keys.key("drive", "The drive.").always_printed(PartialTable(full_drive_keys), self);
         structure_keys(keys, self);
         keys.key("psd", "PSD distance sensors.").list(TABLES, &mut self.psds);
         device_list_keys(keys, self);
@@ -65,9 +66,9 @@ pub(crate) fn read_robot_type(file: &str, text: &str) -> (RobiSpec, Vec<Diagnost
 /// Declares the keys of a companion except for the PSDs.
 pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     limit_keys(keys, robi);
-    keys.key("body", "Mass, traction and friction.").always(PartialTable(body_table), robi);
-    keys.key("wheel", "The wheels, all alike.").always(TABLE, &mut robi.wheel);
-    keys.key("drive", "The drive.").always(PartialTable(drive_keys), robi);
+    keys.key("body", "Mass, traction and friction.").always_printed(PartialTable(body_keys), robi);
+    keys.key("wheel", "The wheels, all alike.").always_printed(TABLE, &mut robi.wheel);
+    keys.key("drive", "The drive.").always_printed(PartialTable(drive_keys), robi);
     structure_keys(keys, robi);
     device_list_keys(keys, robi);
 }
@@ -75,9 +76,9 @@ pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
 /// Declares the maximum speeds.
 fn limit_keys(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     keys.key("max_speed_mm_per_s", "Maximum speed in mm/s; default: 600.")
-        .always(Quantity::speed("largest speed"), &mut robi.max_speed);
+        .always_printed(Quantity::speed("largest speed"), &mut robi.max_speed);
     keys.key("max_turn_deg_per_s", "Maximum turning speed in degrees/s; default: 300.")
-        .always(Quantity::rate("largest turning speed"), &mut robi.max_turn);
+        .always_printed(Quantity::rate("largest turning speed"), &mut robi.max_turn);
 }
 
 /// Declares the surface of the body, the links, the legs and the hull.
@@ -91,23 +92,23 @@ fn structure_keys(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
 /// Declares all devices except for the PSDs.
 fn device_list_keys(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     range_sensor_keys(keys, &mut robi.ranges);
-    keys.key("camera", "The camera.").maybe(TABLE, &mut robi.camera);
-    keys.key("lidar", "The laser scanner.").maybe(TABLE, &mut robi.lidar);
+    keys.key("camera", "The camera.").nullable(TABLE, &mut robi.camera);
+    keys.key("lidar", "The laser scanner.").nullable(TABLE, &mut robi.lidar);
     keys.key("infrared", "Infrared switches.").list(TABLES, &mut robi.infrareds);
     keys.key("bumper", "Bumpers.").list(TABLES, &mut robi.bumpers);
     keys.key("servo", "Servos.").list(TABLES, &mut robi.servos);
-    keys.key("compass", "The compass.").maybe(TABLE, &mut robi.compass);
+    keys.key("compass", "The compass.").nullable(TABLE, &mut robi.compass);
     keys.key("lcd", "The colour display of RoBIOS-7.").optional(TABLE, &mut robi.lcd);
     keys.key("input", "Readings of inputs that no simulated device drives.").optional(TABLE, &mut robi.inputs);
     keys.key("serial", "Devices at the serial interfaces 1 to 16.").list(SERIALS, &mut robi.serials);
     keys.key("hdt", "Numbers under which programs ask for devices.").list(HDT, &mut robi.hdt);
 }
 
-fn body_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
+fn body_keys(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
     keys.form("BodyForm", "Mass, traction and friction of a robot.");
-    keys.key("mass_kg", "Mass in kg; default: 1.").always(Bounded(Quantity::mass("mass")), &mut robi.mass);
+    keys.key("mass_kg", "Mass in kg; default: 1.").always_printed(Bounded(Quantity::mass("mass")), &mut robi.mass);
     keys.key("traction", "Coefficient of friction between wheels and floor; default: 0.6.")
-        .always(Bounded(Quantity::number("traction", 0.0, 100.0)), &mut robi.traction);
+        .always_printed(Bounded(Quantity::number("traction", 0.0, 100.0)), &mut robi.traction);
     keys.key("friction", "Coefficient of friction between body and walls; default: 0.3.")
         .optional(Bounded(Quantity::number("friction", 0.0, 100.0)), &mut robi.friction);
 }
@@ -116,19 +117,20 @@ impl Form for WheelSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("WheelForm", "The wheels.");
         keys.key("diameter_mm", "Diameter in mm; default: 50.")
-            .always(Quantity::size("wheel diameter"), &mut self.diameter);
+            .always_printed(Quantity::size("wheel diameter"), &mut self.diameter);
         keys.key("max_rate_deg_per_s", "Maximum turning rate in degrees/s; default: 3600.")
-            .always(Quantity::rate("largest rate"), &mut self.max_rate);
+            .always_printed(Quantity::rate("largest rate"), &mut self.max_rate);
         keys.key("ticks_per_turn", "Encoder ticks per turn; default: 1000.")
-            .always(Quantity::number("encoder ticks", 1e-3, 1e9), &mut self.ticks_per_turn);
+            .always_printed(Quantity::number("encoder ticks", 1e-3, 1e9), &mut self.ticks_per_turn);
         keys.key("track_mm", "Distance between left and right wheels in mm; default: 90.")
-            .always(Quantity::size("track"), &mut self.track);
+            .always_printed(Quantity::size("track"), &mut self.track);
     }
 }
 
-fn drive_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
+/// Declares all keys of a drive.
+fn full_drive_keys(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
     keys.form("DriveForm", "The drive.");
-    keys.key("kind", "Its kind; default: differential.").always(Word, &mut robi.drive.kind);
+    keys.key("kind", "Its kind; default: differential.").always_printed(Word, &mut robi.drive.kind);
     let wheelbase = default_wheelbase_of(robi);
     let drive = &mut robi.drive;
     let mut steering = drive.steering.take().map(|text| SpannedText { text, ..SpannedText::default() });
@@ -142,7 +144,7 @@ fn drive_table(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
          front, right, back.",
     )
     .non_empty_list(Motors(drive.motors.len()), &mut drive.motors);
-    keys.key("steering", "The servo that steers a car.").maybe(TEXT, &mut steering);
+    keys.key("steering", "The servo that steers a car.").nullable(TEXT, &mut steering);
     if let Some((reader, _)) = keys.reading()
         && let Some(servo) = steering
     {
@@ -170,11 +172,11 @@ fn drive_keys(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
         "wheelbase_mm",
         "Distance between front and rear wheels in mm; default: 0.6 of the diameter for a car, otherwise the track.",
     )
-    .maybe(Quantity::size("wheelbase"), &mut wheelbase);
+    .nullable(Quantity::size("wheelbase"), &mut wheelbase);
     drive.wheelbase = wheelbase.unwrap_or(drive.wheelbase);
     let steer = Quantity::angle("largest steering angle").within(0.1, 85.0);
     keys.key("max_steer_deg", "Steering angle at the servo's ends in degrees; default: 45.")
-        .always(Bounded(steer), &mut drive.max_steer);
+        .always_printed(Bounded(steer), &mut drive.max_steer);
     keys.key("wheel_lag_ms", "Time constant between a wheel's command and its speed in ms; default: 0.")
         .optional(Bounded(Quantity::milliseconds("lag of the wheels")), &mut drive.wheel_lag);
 }
@@ -212,7 +214,7 @@ impl Form for MotorSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("MotorForm", "A motor with its encoder.");
         keys.key("name", "Its name, such as `MOTOR_LEFT`.").required(TEXT, &mut self.motor);
-        keys.key("encoder", "The name of its encoder, such as `QUAD_LEFT`.").maybe(TEXT, &mut self.encoder);
+        keys.key("encoder", "The name of its encoder, such as `QUAD_LEFT`.").nullable(TEXT, &mut self.encoder);
     }
 }
 

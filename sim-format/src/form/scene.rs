@@ -41,7 +41,7 @@ impl Form for SimSpec {
             "A scene of eyesim: a world, robots with their programs, objects, and settings of the run.",
         );
         keys.key("scene", "Settings of the run; the command line overrides them.").optional(TABLE, &mut self.run);
-        let mut world = WorldTable::of(self);
+        let mut world = WorldTable::from_sim(self);
         keys.key("world", "The world: a file, or described in place by its walls or by the drawing of a maze.")
             .required(TABLE, &mut world);
         if keys.reading().is_some() {
@@ -62,13 +62,13 @@ impl Form for SimSpec {
 impl Form for RunSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("RunForm", "Settings of the run of a scene.");
-        keys.key("seed", "Seed of all random numbers; default: 0.").maybe(SEED, &mut self.seed);
+        keys.key("seed", "Seed of all random numbers; default: 0.").nullable(SEED, &mut self.seed);
         let slot = Quantity::milliseconds("length of a slot").within(1e-3, MAX_SLOT_MS);
         keys.key("slot_ms", "Length of a time slot in milliseconds, a multiple of 0.001; default: 50.")
-            .maybe(WholeMicros(slot), &mut self.slot);
-        keys.key("until_s", "Simulated seconds at which the run ends; default: 600.").maybe(UNTIL, &mut self.until);
+            .nullable(WholeMicros(slot), &mut self.slot);
+        keys.key("until_s", "Simulated seconds at which the run ends; default: 600.").nullable(UNTIL, &mut self.until);
         keys.key("costs", "Virtual time that RoBIOS calls take: a file, or a table for each generation of the API.")
-            .maybe(COSTS, &mut self.costs);
+            .nullable(COSTS, &mut self.costs);
         keys.key(
             "forbid",
             "Functions of RoBIOS that fail for all programs: names, in which `*` stands for any letters.",
@@ -78,21 +78,21 @@ impl Form for RunSpec {
             "api",
             "Generation of the RoBIOS API that programs are written for, 6 or 7; default: from the functions that they call.",
         )
-        .maybe(6..=7, &mut self.api);
+        .nullable(6..=7, &mut self.api);
         keys.key(
             "dialect",
             "Version of EyeSim whose conventions the scene and its programs follow; default: `vr2023`.",
         )
-        .maybe(Word, &mut self.dialect);
+        .nullable(Word, &mut self.dialect);
         keys.key(
             "noise",
             "Errors of devices and drives: `none` (default), `mild`, `real`, `harsh`, a file, or an inline profile.",
         )
-        .maybe(NOISE, &mut self.noise);
+        .nullable(NOISE, &mut self.noise);
         keys.key("contact", "Motion of a robot that is pushed against a wall; default: `slide`.")
-            .maybe(Word, &mut self.contact);
+            .nullable(Word, &mut self.contact);
         keys.key("wall_friction", "Coefficient of friction of the walls; a robot slides with the lower of this value and its own; default: the robot's value.")
-            .maybe(Bounded(Quantity::number("friction of the walls", 0.0, 100.0)), &mut self.wall_friction);
+            .nullable(Bounded(Quantity::number("friction of the walls", 0.0, 100.0)), &mut self.wall_friction);
     }
 }
 
@@ -242,7 +242,7 @@ impl Form for RadioModel {
         )
         .optional(WholeMicros(Quantity::milliseconds("latency")), &mut self.latency);
         keys.key("range_mm", "Maximum distance at which a message is received, in mm; default: unlimited.")
-            .maybe(Bounded(Quantity::size("range")), &mut self.range);
+            .nullable(Bounded(Quantity::size("range")), &mut self.range);
         keys.key("line_of_sight", "Walls stop messages; default: false.").flag(&mut self.line_of_sight);
     }
 }

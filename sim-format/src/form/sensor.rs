@@ -36,7 +36,7 @@ pub(crate) fn device_keys(keys: &mut Keys<'_>, about: &'static str, name: &mut S
 /// Declares the number of a device.
 pub(crate) fn number_key(keys: &mut Keys<'_>, id: &mut Option<i32>) {
     let any = HiddenBounds(i64::from(i32::MIN)..=i64::from(i32::MAX));
-    keys.key("id", "Its number for programs; default: from `hdt_sem.h`.").maybe(any, id);
+    keys.key("id", "Its number for programs; default: from `hdt_sem.h`.").nullable(any, id);
 }
 
 /// Declares the position of a device on the body.
@@ -67,7 +67,7 @@ fn mount_keys(keys: &mut Keys<'_>, mount: &mut MountSpec) {
 
 /// Declares the link that a device is mounted on.
 pub(crate) fn link_key(keys: &mut Keys<'_>, link: &mut Option<SpannedText>) {
-    keys.key("on", "The link on which it is mounted; default: `body`.").maybe(TEXT, link);
+    keys.key("on", "The link on which it is mounted; default: `body`.").nullable(TEXT, link);
     link.take_if(|name| name.text == BODY);
 }
 
@@ -100,7 +100,7 @@ impl Form for LinkSpec {
         keys.mention(&["servo"]);
         keys.key("axis", "Axis about which the servo turns the link: x rolls, y pitches (upwards), z (default) yaws.")
             .optional(Word, &mut axis);
-        keys.key("servo", "The servo that turns the link; default: none, a fixed link.").maybe(TEXT, &mut servo);
+        keys.key("servo", "The servo that turns the link; default: none, a fixed link.").nullable(TEXT, &mut servo);
         if let Some((reader, section)) = keys.reading()
             && section.has("axis")
             && !section.has("servo")
@@ -128,7 +128,7 @@ impl Form for PsdSpec {
             .optional(Quantity::angle("angle of the sensor"), &mut self.angle);
         keys.key("pitch_deg", "Angle of the beam upwards in degrees; default: 0.").optional(PITCH, &mut self.pitch);
         keys.key("range_mm", "Range in mm; default: 800.")
-            .always(Quantity::size("range of the sensor"), &mut self.range);
+            .always_printed(Quantity::size("range of the sensor"), &mut self.range);
     }
 }
 
@@ -136,7 +136,7 @@ pub(crate) const RANGE_OF_PSDS: Quantity = Quantity::size("range of the PSDs");
 
 /// Declares the keys of a PSD in a companion.
 pub(crate) fn psd_keys(keys: &mut Keys<'_>, psd: &mut PsdSpec) {
-    keys.key("range_mm", "Range in mm.").always(RANGE_OF_PSDS, &mut psd.range);
+    keys.key("range_mm", "Range in mm.").always_printed(RANGE_OF_PSDS, &mut psd.range);
     keys.key("pitch_deg", "Angle of the beam upwards in degrees.").optional(PITCH, &mut psd.pitch);
     link_key(keys, &mut psd.link);
 }
@@ -150,11 +150,11 @@ impl Form for LidarSpec {
             .optional(Quantity::size("range of the scanner"), &mut self.range);
         keys.mention(&["tilt_deg", "sweep_deg"]);
         keys.key("points", "Points of a scan; default: 360.")
-            .always(HiddenBounds(1..=i64::from(MAX_LIDAR_POINTS)), &mut self.points);
+            .always_printed(HiddenBounds(1..=i64::from(MAX_LIDAR_POINTS)), &mut self.points);
         keys.key("tilt_deg", "Angle of the scanning plane above the floor plane in degrees; default: 0.")
             .optional(LIDAR_TILT, &mut self.tilt);
         keys.key("sweep_deg", "Angle that a scan covers in degrees; default: 360.")
-            .always(LIDAR_SWEEP, &mut self.sweep);
+            .always_printed(LIDAR_SWEEP, &mut self.sweep);
     }
 }
 
@@ -225,7 +225,7 @@ impl Form for RangeSpec {
             keys.mention(&["preset", "min_mm", "max_mm", "half_angle_deg", "threshold", "rays", "side_lobes", "bus"]);
             device_keys(keys, "Its name, such as `SONAR_FRONT`.", &mut self.name, &mut self.id);
             keys.key("preset", "The device whose values are the defaults; default: `SRF08`.")
-                .maybe(Word, &mut None::<SonarPreset>);
+                .nullable(Word, &mut None::<SonarPreset>);
         } else {
             keys.form("EchoForm", "A range sensor with one ray: a laser, an ultrasonic or a reflectance sensor.");
             keys.mention(&["min_mm", "max_mm", "incidence_deg"]);
@@ -270,7 +270,7 @@ fn sonar_keys(keys: &mut Keys<'_>, sonar: &mut Sonar, bus: &mut u32) {
     keys.key("half_angle_deg", "Half of the beam's angle at -6 dB, in degrees; default: from the preset, 27.5.")
         .optional(Bounded(half_angle), &mut sonar.half_angle);
     keys.key("side_lobes", "A ring of sensitivity around the main lobe; default: none.")
-        .maybe(TABLE, &mut sonar.side_lobes);
+        .nullable(TABLE, &mut sonar.side_lobes);
     keys.key(
         "threshold",
         "Minimum energy of a detectable echo; a perfect reflector 1 m ahead returns 1; default: from the preset.",

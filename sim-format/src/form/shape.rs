@@ -51,7 +51,7 @@ impl Form for Collider {
                 radius_key(keys, radius);
                 keys.key("height_mm", "Its full length in mm, with the half spheres.")
                     .required(Quantity::size("height"), height);
-                keys.key("axis", "Direction of its axis; default: z.").always(Word, axis);
+                keys.key("axis", "Direction of its axis; default: z.").always_printed(Word, axis);
                 // A shorter capsule becomes a sphere, as in robi files.
                 *height = height.max(2.0 * *radius);
             }

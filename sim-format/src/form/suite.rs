@@ -38,7 +38,7 @@ impl Form for SuiteSpec {
 fn common_keys(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
     keys.form("CommonForm", "Settings of all cases of a suite.");
     keys.key("scene", "The scene, relative to the suite's folder; optional only if the matrix has scenes.")
-        .maybe(TEXT, &mut suite.scene);
+        .nullable(TEXT, &mut suite.scene);
     keys.key(
         "programs",
         "Programs of robots instead of the scene's: `1=solve.c`, or `solve.c` for robots without one.",
@@ -52,7 +52,7 @@ fn common_keys(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
     )
     .list(SUBMIT, &mut suite.submit);
     keys.key("until_s", "Simulated seconds at which a case ends; default: from the scene.")
-        .maybe(UNTIL, &mut suite.until);
+        .nullable(UNTIL, &mut suite.until);
     let mut linger = suite.linger.seconds();
     keys.key("linger_s", "Simulated seconds for which a case continues after its last program has ended; default: 0.")
         .optional(LINGER_TIME, &mut linger);
@@ -64,7 +64,7 @@ fn common_keys(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
         "Arguments of programs: `--kp {kp}`, for robot 1 `1:--kp {kp}`; `{kp}` is a parameter of the matrix.",
     )
     .list(TEXTS, &mut suite.arguments);
-    keys.key("stdin", "File with the standard input of the programs.").maybe(TEXT, &mut suite.stdin);
+    keys.key("stdin", "File with the standard input of the programs.").nullable(TEXT, &mut suite.stdin);
     keys.key("pass_rate", "Fraction of seeds that must pass, 0 to 1; default: 1.")
         .optional(Bounded(Quantity::number("pass_rate", 0.0, 1.0)), &mut suite.pass_rate);
 }
@@ -80,7 +80,7 @@ impl Form for LimitSpec {
         let megabytes = |name, min| Bounded(Quantity::number(name, min, MAX_MEGABYTES));
         let mut memory = self.memory.map(|bytes| bytes as f64 / 1e6);
         keys.key("memory_mb", "Megabytes of memory of a case; each case then runs in its own process.")
-            .maybe(megabytes("memory", 64.0), &mut memory);
+            .nullable(megabytes("memory", 64.0), &mut memory);
         self.memory = memory.map(|megabytes| (megabytes * 1e6).round() as u64);
         let mut output = self.output as f64 / 1e6;
         keys.key("output_mb", "Megabytes that each program may print; further output is discarded; default: 10.")
@@ -118,7 +118,7 @@ pub(super) const TEXTS: Custom<Vec<String>> = Custom {
         Some(items(value).iter().filter_map(|item| reader.plain_text(key, item)).collect())
     },
     print: |texts| Value::Array(texts.iter().map(|text| text.as_str().into()).collect()),
-    describe: |_| list_of(json!({ "type": "string" })),
+    describe: |_| one_or_array_schema(json!({ "type": "string" })),
 };
 
 /// Array of texts with their locations in the file; a single text is read as an array.
@@ -161,7 +161,7 @@ const SUBMIT: Custom<Vec<SubmitSpec>> = Custom {
             |submit: &SubmitSpec| Value::Array(submit.patterns.iter().map(|text| text.as_str().into()).collect());
         Value::Table(submit.iter().map(|submit| (submit.robots.clone(), patterns(submit))).collect())
     },
-    describe: |_| json!({ "type": "object", "additionalProperties": list_of(json!({ "type": "string" })) }),
+    describe: |_| json!({ "type": "object", "additionalProperties": one_or_array_schema(json!({ "type": "string" })) }),
 };
 
 /// Array of lengths of slots in milliseconds, kept as texts.
@@ -175,7 +175,7 @@ const SLOTS: Custom<Vec<String>> = Custom {
         Some(items(value).iter().filter_map(slot).collect())
     },
     print: |slots| Value::Array(slots.iter().map(|slot| slot.parse::<f64>().unwrap_or_default().into()).collect()),
-    describe: |_| list_of(json!({ "type": "number" })),
+    describe: |_| one_or_array_schema(json!({ "type": "number" })),
 };
 
 /// Array of seeds and of ranges of seeds.
@@ -224,7 +224,7 @@ const SEEDS: Custom<Vec<u64>> = Custom {
             _ => Value::Array(seeds.iter().map(|seed| (*seed as i64).into()).collect()),
         }
     },
-    describe: |_| list_of(json!({ "type": ["integer", "string"] })),
+    describe: |_| one_or_array_schema(json!({ "type": ["integer", "string"] })),
 };
 
 /// First and last seed of a range such as `1..20`.
@@ -340,7 +340,7 @@ fn items<'v, 'i>(value: &'v Spanned<DeValue<'i>>) -> &'v [Spanned<DeValue<'i>>] 
 }
 
 /// Schema of an item, or of an array of such items.
-fn list_of(item: serde_json::Value) -> serde_json::Value {
+fn one_or_array_schema(item: serde_json::Value) -> serde_json::Value {
     json!({ "anyOf": [item, { "type": "array", "items": item }] })
 }
 

@@ -254,7 +254,7 @@ fn steps_keys(keys: &mut Keys<'_>, steps: &mut Steps) {
     extent_keys(keys, about, (origin, base), size);
     // Without blocks this key must be printed, since it selects the source of the terrain.
     let mut flights = Some(std::mem::take(stairs)).filter(|stairs| !stairs.is_empty() || blocks.is_empty());
-    keys.key("stairs", "Flights of stairs; optional if there are blocks.").maybe(TABLES, &mut flights);
+    keys.key("stairs", "Flights of stairs; optional if there are blocks.").nullable(TABLES, &mut flights);
     *stairs = flights.unwrap_or_default();
     keys.key("block", "Single blocks.").list(TABLES, blocks);
 }
@@ -264,7 +264,7 @@ impl Form for Stairs {
         keys.form("StairsForm", "A flight of stairs.");
         keys.key("from_mm", "Middle of the foot of the first step, x and y in mm.").required(POINT, &mut self.from);
         keys.key("direction_deg", "Direction upstairs: 0, 90, 180 or 270 degrees; default: 0.")
-            .strictly(STAIRS_DIRECTION, &mut self.uphill);
+            .strict(STAIRS_DIRECTION, &mut self.uphill);
         keys.key("count", "Number of steps.").required(1..=i64::from(MAX_STEPS), &mut self.count);
         keys.key("step_height_mm", "Height of each in mm.")
             .required(Quantity::size("height of a step"), &mut self.rise);
@@ -272,7 +272,7 @@ impl Form for Stairs {
         keys.key("width_mm", "Width across the way in mm.").required(Quantity::size("width"), &mut self.width);
         let mut landing = Some(self.landing).filter(|landing| *landing != self.depth && keys.reading().is_none());
         keys.key("landing_mm", "Depth of the last step in mm; default: as the other steps.")
-            .maybe(Quantity::size("depth of the landing"), &mut landing);
+            .nullable(Quantity::size("depth of the landing"), &mut landing);
         self.landing = landing.unwrap_or(self.depth);
         keys.key("down", "Stairs go down again with the same number of steps; default: false.")
             .optional(Flag, &mut self.goes_down);

@@ -36,7 +36,7 @@ pub(crate) struct WorldTable {
 
 impl WorldTable {
     /// The world of `sim`. An inline maze becomes a drawing if the drawing reproduces it exactly.
-    pub(crate) fn of(sim: &SimSpec) -> Self {
+    pub(crate) fn from_sim(sim: &SimSpec) -> Self {
         match (&sim.inline.world, &sim.world) {
             (Some(spec), _) => match spec.cell.and_then(|_| print_maze(spec).ok()) {
                 Some(maze) => {
@@ -92,10 +92,10 @@ impl Form for WorldTable {
             keys.mention(&["kind"]);
         }
         keys.key("file", "A `.wld`, a `.maz` or a map of another program; no other key but `kind`, `cell_mm`, `colour`, `light` and `sky` then.")
-            .maybe(TEXT, &mut self.file);
+            .nullable(TEXT, &mut self.file);
         if has_file || !is_reading {
             keys.key("kind", "Kind of a file whose extension does not determine it; default: `world`.")
-                .maybe(Word, &mut self.kind);
+                .nullable(Word, &mut self.kind);
         }
         if has_file {
             if let Some(file) = &self.file {
@@ -145,28 +145,28 @@ impl WorldTable {
         }
         if !has_drawing {
             keys.mention(&["floor_mm", "cell_mm", "maze", "wall"]);
-            keys.key("floor_mm", "Width and height of the floor in mm.").maybe(sides, &mut self.floor);
+            keys.key("floor_mm", "Width and height of the floor in mm.").nullable(sides, &mut self.floor);
         }
         if keys.reading().is_some() && !has_drawing {
             self.spec.floor = self.floor.unwrap_or_default();
         }
         let world = &mut self.spec;
-        keys.key("texture", "Image stretched over the whole floor.").maybe(IMAGE, &mut world.texture);
+        keys.key("texture", "Image stretched over the whole floor.").nullable(IMAGE, &mut world.texture);
         keys.key("texture_turned", "The image is turned by 180 degrees, as in a `.wld`.")
             .flag(&mut world.texture_is_turned);
         keys.key("surface", "How the floor reflects, and walls that do not say.")
-            .maybe(TableWithExample("reflectivity = 1, specular = 0.5"), &mut world.surface);
+            .nullable(TableWithExample("reflectivity = 1, specular = 0.5"), &mut world.surface);
         keys.key(
             "terrain",
             "Ground that is not the plane: sensors and cameras see it, legs walk on it; wheels drive on the plane all the \
              same.",
         )
-        .maybe(TerrainTable(world.floor), &mut world.terrain);
+        .nullable(TerrainTable(world.floor), &mut world.terrain);
         keys.key("water_mm", "Depth of the water over the floor in mm; default: dry land.")
-            .maybe(WATER, &mut world.water);
+            .nullable(WATER, &mut world.water);
         looks_keys(keys, &mut world.looks);
         if keys.reading().is_none() {
-            keys.key("maze", "The drawing of a maze, as in a `.maz`.").maybe(TEXT, &mut self.maze);
+            keys.key("maze", "The drawing of a maze, as in a `.maz`.").nullable(TEXT, &mut self.maze);
         }
         if !has_drawing {
             cell_key(keys, &mut world.cell);
@@ -191,12 +191,13 @@ fn cell_key(keys: &mut Keys<'_>, cell: &mut Option<f64>) {
         "cell_mm",
         "Cell size in mm: of a world that is a maze of walls; of a `.maz`, overriding the file; of a `.map`; or of the pixels of an image.",
     )
-    .maybe(Quantity::size("cell size"), cell);
+    .nullable(Quantity::size("cell size"), cell);
 }
 
 /// Declares the properties of a world that affect only camera images.
 fn looks_keys(keys: &mut Keys<'_>, looks: &mut LooksSpec) {
-    keys.key("colour", "Red, green and blue of a floor without an image, 0 to 255.").maybe(Channels, &mut looks.colour);
+    keys.key("colour", "Red, green and blue of a floor without an image, 0 to 255.")
+        .nullable(Channels, &mut looks.colour);
     keys.key("light", "The light for cameras.")
         .optional(TableWithExample("azimuth_deg = -120, shadows = true"), &mut looks.light);
     keys.key("sky", "Background of camera images.")
@@ -237,15 +238,15 @@ impl Form for WallSpec {
         keys.form("WallForm", "A wall: a straight piece between two points.");
         keys.span(&mut self.span);
         if !random_wall_keys(keys, &mut self.scatter) {
-            keys.key("from_mm", "One end, x and y in mm.").expected(POINT, &mut self.from);
-            keys.key("to_mm", "The other end, x and y in mm.").expected(POINT, &mut self.to);
+            keys.key("from_mm", "One end, x and y in mm.").required_or_replaced(POINT, &mut self.from);
+            keys.key("to_mm", "The other end, x and y in mm.").required_or_replaced(POINT, &mut self.to);
         }
         keys.key("thickness_mm", "Thickness in mm, half of it on either side; default: 0.")
             .optional(Bounded(Quantity::length("thickness")), &mut self.thickness);
         keys.key("height_mm", "Height above the floor in mm; default: 200.")
             .optional(Bounded(Quantity::size("height")), &mut self.height);
-        keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Channels, &mut self.colour);
-        keys.key("surface", "Reflection of sound; default: from the world.").maybe(TABLE, &mut self.surface);
+        keys.key("colour", "Red, green and blue, 0 to 255.").nullable(Channels, &mut self.colour);
+        keys.key("surface", "Reflection of sound; default: from the world.").nullable(TABLE, &mut self.surface);
         let is_point = keys.is_complete() && self.from == self.to && self.scatter.is_none();
         if let Some((reader, section)) = keys.reading()
             && is_point
@@ -266,13 +267,13 @@ fn random_wall_keys(keys: &mut Keys<'_>, random: &mut Option<(f64, Scatter)>) ->
     if keys.reading().is_none() {
         // Entries with a `count` are repeated before they are read.
         keys.key("count", "Number of copies; default: 1. Each copy has its own random values.")
-            .maybe(0..=MAX_REPETITIONS, &mut None::<u32>);
+            .nullable(0..=MAX_REPETITIONS, &mut None::<u32>);
     }
     if has_layout || keys.reading().is_none() {
         keys.key("length_mm", "Length in mm of a wall with a random place.")
-            .maybe(Bounded(Quantity::size("length")), &mut length);
+            .nullable(Bounded(Quantity::size("length")), &mut length);
     }
-    keys.key("layout", "Random position instead of both ends.").maybe(SCATTER, &mut scatter);
+    keys.key("layout", "Random position instead of both ends.").nullable(SCATTER, &mut scatter);
     if !has_layout {
         return random.is_some();
     }

@@ -30,11 +30,11 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
     }
     let mut drawing = MazeCanvas::new(size.x as usize, size.y as usize);
     for wall in &world.walls {
-        drawing.wall((wall.from / cell).round(), (wall.to / cell).round());
+        drawing.add_wall((wall.from / cell).round(), (wall.to / cell).round());
     }
     for start in &world.starts {
         let letter = start.letter.ok_or(NotAMaze("a start has no letter".into()))?;
-        drawing.letter(start.pose.position / cell, letter);
+        drawing.add_letter(start.pose.position / cell, letter);
     }
     for object in &world.objects {
         let letter = match object.kind.written().text.to_lowercase().as_str() {
@@ -42,7 +42,7 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
             "crate" => 'X',
             other => return Err(NotAMaze(format!("no character of a maze stands for `{other}`").into())),
         };
-        drawing.letter(object.pose.position / cell, letter);
+        drawing.add_letter(object.pose.position / cell, letter);
     }
     let text = format!("{}{}\n", drawing.text(), written_mm(cell));
     let mut read_back = read_maze("", &text).0;
@@ -103,7 +103,7 @@ impl MazeCanvas {
     }
 
     /// Adds a wall between two grid points; a wall off the grid is detected when the drawing is read back.
-    fn wall(&mut self, from: DVec2, to: DVec2) {
+    fn add_wall(&mut self, from: DVec2, to: DVec2) {
         let (low, high) = (from.min(to), from.max(to));
         let range = |low: f64, high: f64, end: usize| (low.max(0.0) as usize)..(high.max(0.0) as usize).min(end);
         if from.x == to.x {
@@ -119,7 +119,7 @@ impl MazeCanvas {
         }
     }
 
-    fn letter(&mut self, point: DVec2, letter: char) {
+    fn add_letter(&mut self, point: DVec2, letter: char) {
         let (column, row) = (point.x.max(0.0) as usize, point.y.max(0.0) as usize);
         if let Some(cell) = self.letters.get_mut(row).and_then(|row| row.get_mut(column)) {
             *cell = Some(letter);

@@ -122,7 +122,7 @@ impl Reader {
             let (pan, tilt, image) = match tail {
                 CameraTail::Nothing => (pan, tilt, None),
                 CameraTail::Image(size) => (pan, tilt, Some(size)),
-                CameraTail::Range([max_pan, max_tilt]) => {
+                CameraTail::MaxAngles([max_pan, max_tilt]) => {
                     (with_servo(pan, PAN_SERVO, max_pan), with_servo(tilt, TILT_SERVO, max_tilt), None)
                 }
             };
@@ -141,7 +141,7 @@ impl Reader {
             && !is_classic_image
             && values.iter().all(|value| (0.0..=MAX_JOINT_DEG).contains(value));
         if is_range {
-            return Some(CameraTail::Range(values.map(unit::radians_from_degrees)));
+            return Some(CameraTail::MaxAngles(values.map(unit::radians_from_degrees)));
         }
         line::numbers(&mut self.sink, Severity::Warning, words, &IMAGE)
             .map(|size| CameraTail::Image(size.map(|pixels| pixels as u32)))
@@ -200,7 +200,7 @@ enum CameraTail {
     Nothing,
     Image([u32; 2]),
     /// Maximum pan and tilt in radians.
-    Range([f64; 2]),
+    MaxAngles([f64; 2]),
 }
 
 /// Replaces a fixed angle by a servo that turns by up to `max_angle` to either side of it.

@@ -1,4 +1,4 @@
-//! Draws random values of a scene from the seed and replaces them before the scene is read.
+//! Draws the random values of a scene: replaces each draw by a value before the scene is read.
 //!
 //! A draw is a table such as `{ uniform = [500, 3500] }` in place of a value. Its random numbers come from a separate stream, keyed
 //! by the seed and the path of the value (`robot.2.x_mm`), so they do not depend on the rest of the scene. Before the draws,
@@ -80,22 +80,22 @@ pub(crate) struct DrawnDocument<'i> {
     pub(crate) paths: BTreeMap<String, Vec<String>>,
 }
 
-/// Maximum number of choices of a draw in the document; 0 if nothing is drawn.
-pub(crate) fn choices(root: &DeTable<'_>) -> usize {
-    root.iter().map(|(_, value)| choices_in(value.get_ref())).max().unwrap_or_default()
+/// Maximum number of choices of a draw in the document, where a draw without choices has two, its extremes; 0 if nothing is drawn.
+pub(crate) fn max_choices(root: &DeTable<'_>) -> usize {
+    root.iter().map(|(_, value)| max_choices_in(value.get_ref())).max().unwrap_or_default()
 }
 
-fn choices_in(value: &DeValue<'_>) -> usize {
+fn max_choices_in(value: &DeValue<'_>) -> usize {
     match value {
-        DeValue::Array(items) => items.iter().map(|item| choices_in(item.get_ref())).max().unwrap_or_default(),
+        DeValue::Array(items) => items.iter().map(|item| max_choices_in(item.get_ref())).max().unwrap_or_default(),
         DeValue::Table(table) if is_draw(table) => {
             let count = match get(table, "choice").map(Spanned::get_ref) {
                 Some(DeValue::Array(items)) => items.len().max(1),
                 _ => 2,
             };
-            count.max(choices(table))
+            count.max(max_choices(table))
         }
-        DeValue::Table(table) => choices(table),
+        DeValue::Table(table) => max_choices(table),
         _ => 0,
     }
 }
@@ -126,7 +126,7 @@ impl Reader {
             references: BTreeMap::new(),
             paths: BTreeMap::new(),
         };
-        let mut root = pass.table(root, "");
+        let mut root = pass.draw_table(root, "");
         if !pass.references.is_empty() {
             root = pass.resolve_table(root, "");
         }
@@ -166,16 +166,16 @@ struct DrawPass<'r, 'i> {
 }
 
 impl<'i> DrawPass<'_, 'i> {
-    fn table(&mut self, table: DeTable<'i>, path: &str) -> DeTable<'i> {
+    fn draw_table(&mut self, table: DeTable<'i>, path: &str) -> DeTable<'i> {
         let mut result = DeTable::new();
         for (key, value) in table {
             let path = join(path, key.get_ref());
-            result.insert(key, self.value(value, &path));
+            result.insert(key, self.draw_value(value, &path));
         }
         result
     }
 
-    fn value(&mut self, value: Spanned<DeValue<'i>>, path: &str) -> Spanned<DeValue<'i>> {
+    fn draw_value(&mut self, value: Spanned<DeValue<'i>>, path: &str) -> Spanned<DeValue<'i>> {
         let span = value.span();
         let new = match value.into_inner() {
             DeValue::Table(table) if is_draw(&table) => self.draw(&table, &span, path),
@@ -183,16 +183,16 @@ impl<'i> DrawPass<'_, 'i> {
             DeValue::Table(table) if LISTS.contains(&path) => {
                 let mut items = DeArray::new();
                 items.push(Spanned::new(span.clone(), DeValue::Table(table)));
-                DeValue::Array(self.items(items, path))
+                DeValue::Array(self.draw_items(items, path))
             }
-            DeValue::Table(table) => DeValue::Table(self.table(table, path)),
-            DeValue::Array(items) => DeValue::Array(self.items(items, path)),
+            DeValue::Table(table) => DeValue::Table(self.draw_table(table, path)),
+            DeValue::Array(items) => DeValue::Array(self.draw_items(items, path)),
             plain => plain,
         };
         Spanned::new(span, new)
     }
 
-    fn items(&mut self, items: DeArray<'i>, path: &str) -> DeArray<'i> {
+    fn draw_items(&mut self, items: DeArray<'i>, path: &str) -> DeArray<'i> {
         let mut result = DeArray::new();
         let mut names = BTreeSet::new();
         let is_list = LISTS.contains(&path);
@@ -214,12 +214,12 @@ impl<'i> DrawPass<'_, 'i> {
             match self.repetitions(&item, path, &entry_path) {
                 None => {
                     self.paths.entry(path.to_owned()).or_default().push(entry_path.clone());
-                    result.push(self.value(item, &entry_path));
+                    result.push(self.draw_value(item, &entry_path));
                 }
                 Some((single, count)) => {
                     for number in 1..=count {
                         let copy_path = join(&entry_path, &number.to_string());
-                        result.push(self.value(single.clone(), &copy_path));
+                        result.push(self.draw_value(single.clone(), &copy_path));
                         self.paths.entry(path.to_owned()).or_default().push(copy_path);
                     }
                 }
@@ -239,11 +239,11 @@ impl<'i> DrawPass<'_, 'i> {
         let count = get(table, "count").filter(|_| LISTS.contains(&list))?;
         let rest = || table.iter().filter(|(key, _)| key.get_ref() != "count");
         // A robot entry with a layout or without draws describes a group and is not repeated.
-        let is_drawn = || rest().any(|(_, value)| choices_in(value.get_ref()) > 0);
+        let is_drawn = || rest().any(|(_, value)| max_choices_in(value.get_ref()) > 0);
         if list == "robot" && (get(table, "layout").is_some() || !is_drawn()) {
             return None;
         }
-        let count = self.value(count.clone(), &join(path, "count"));
+        let count = self.draw_value(count.clone(), &join(path, "count"));
         let count = self.reader.as_integer("count", &count, 0, MAX_REPETITIONS).unwrap_or(1);
         let single: DeTable<'i> = rest().map(|(key, value)| (key.clone(), value.clone())).collect();
         Some((Spanned::new(item.span(), DeValue::Table(single)), count as u32))
@@ -258,11 +258,11 @@ impl<'i> DrawPass<'_, 'i> {
         let [key] = ways[..] else {
             let message = format!("a value is drawn in several ways: {}", ways.join(", "));
             self.report(&section, message, "one of uniform, choice, normal, same_as, random_maze");
-            return self.number(1.0);
+            return self.float(1.0);
         };
         if path == "scene.seed" {
             self.report(&section, "the seed cannot be drawn from itself".to_owned(), "an integer, or no seed");
-            return self.whole(0);
+            return self.integer(0);
         }
         let mut stream = Stream::new(self.seed, RobotId(0), Purpose::Scene, self.attempt, name_key(path));
         let value = match key {
@@ -274,22 +274,22 @@ impl<'i> DrawPass<'_, 'i> {
                 if let Some(target) = self.reader.text(&mut section, "same_as") {
                     self.references.insert(path.to_owned(), (target, span.clone()));
                 }
-                Some(self.whole(1))
+                Some(self.integer(1))
             }
         };
         self.reader.unknown_keys(&section);
-        let Some(value) = value else { return self.number(1.0) };
+        let Some(value) = value else { return self.float(1.0) };
         if key != "same_as" {
             self.record(path, &value);
         }
         value
     }
 
-    fn whole(&self, number: i64) -> DeValue<'i> {
+    fn integer(&self, number: i64) -> DeValue<'i> {
         self.texts.number(number.to_string())
     }
 
-    fn number(&self, number: f64) -> DeValue<'i> {
+    fn float(&self, number: f64) -> DeValue<'i> {
         self.texts.number(format!("{number:?}"))
     }
 
@@ -308,7 +308,7 @@ impl<'i> DrawPass<'_, 'i> {
         if low > high {
             let message = format!("`uniform` begins at {low} and ends at {high}");
             self.report(section, message, "the least number first");
-            return Some(self.number(low));
+            return Some(self.float(low));
         }
         let integer_ends = section.get("uniform").and_then(|value| match value.get_ref() {
             DeValue::Array(ends) if ends.iter().all(|end| end.get_ref().is_integer()) => Some([low, high]),
@@ -323,9 +323,9 @@ impl<'i> DrawPass<'_, 'i> {
             Some([low, high]) => {
                 let count = (i128::from(high) - i128::from(low) + 1) as f64;
                 let offset = ((count * fraction).floor() as i128).min(i128::from(high) - i128::from(low));
-                self.whole((i128::from(low) + offset) as i64)
+                self.integer((i128::from(low) + offset) as i64)
             }
-            None => self.number(low + (high - low) * fraction),
+            None => self.float(low + (high - low) * fraction),
         })
     }
 
@@ -353,7 +353,7 @@ impl<'i> DrawPass<'_, 'i> {
             let message = format!("of {MAX_TRIES} numbers of this distribution none lies between its `min` and `max`");
             self.report(section, message, "limits within some standard deviations of the mean");
         }
-        sample.map(|sample| self.number(sample))
+        sample.map(|sample| self.float(sample))
     }
 
     fn choice(&mut self, section: &mut Section<'_, 'i>, stream: &mut Stream, path: &str) -> Option<DeValue<'i>> {
@@ -366,7 +366,7 @@ impl<'i> DrawPass<'_, 'i> {
             Some(number) => number % items.len(),
             None => ((stream.unit() * items.len() as f64) as usize).min(items.len() - 1),
         };
-        Some(self.value(items[index].clone(), path).into_inner())
+        Some(self.draw_value(items[index].clone(), path).into_inner())
     }
 
     fn maze(&mut self, section: &mut Section<'_, '_>, stream: &mut Stream) -> Option<DeValue<'i>> {

@@ -74,7 +74,7 @@ pub(super) fn read_scene_with(file: &str, text: &str, settings: &[Setting], draw
 
 /// Maximum number of choices of one random value of a scene in TOML; 0 if the text has none.
 pub(super) fn choices(text: &str) -> usize {
-    draw::choices(&Reader::parse("", text).1)
+    draw::max_choices(&Reader::parse("", text).1)
 }
 
 /// Reads a cost table without checking the names of the functions.
