@@ -21,14 +21,14 @@ const OFFSET: Quantity = Quantity::number("offset", 0.0, 1.0);
 /// Declares `[legs]` and `[[leg]]` of a robot type.
 pub(crate) fn leg_keys(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     let mut legs = robi.legs.take();
-    let mut list = legs.as_ref().map_or_else(Vec::new, |legs| legs.legs.clone());
+    let mut leg_list = legs.as_ref().map_or_else(Vec::new, |legs| legs.legs.clone());
     let mut common = legs.clone().filter(|legs| LegsSpec { legs: Vec::new(), ..legs.clone() } != LegsSpec::default());
     keys.key("legs", "Gaits and common properties of the legs; for `kind = \"legged\"`.").nullable(TABLE, &mut common);
-    keys.key("leg", "The legs.").list(TABLES, &mut list);
+    keys.key("leg", "The legs.").list(TABLES, &mut leg_list);
     if let Some((reader, section)) = keys.reading() {
         let key = ["leg", "legs"].into_iter().find(|key| section.has(key));
         let span = key.map_or(section.span, |key| reader.key_span(section, key));
-        let read = LegsSpec { legs: list, ..common.unwrap_or_default() };
+        let read = LegsSpec { legs: leg_list, ..common.unwrap_or_default() };
         legs = reader.check_legs(read, robi.drive.kind == DriveKind::Legged, key.is_some(), span);
     }
     robi.legs = legs;

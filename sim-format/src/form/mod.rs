@@ -181,7 +181,7 @@ impl<'k> Keys<'k> {
     }
 
     /// Makes messages list these keys before keys that are declared later.
-    pub(crate) fn mention(&mut self, names: &[&'static str]) {
+    pub(crate) fn mention_first(&mut self, names: &[&'static str]) {
         if let Some((_, section)) = self.reading() {
             names.iter().for_each(|name| _ = section.get(name));
         }

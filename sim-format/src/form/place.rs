@@ -345,7 +345,7 @@ impl Form for ObjectLine {
             "`Can`, `Soccer`, `Crate`, `Golf`, the name of a type of the scene, an `.esObj` file or a mesh.",
         )
         .required(OBJECT_TYPE, &mut self.kind);
-        keys.mention(&["count"]);
+        keys.mention_first(&["count"]);
         if keys.reading().is_none() {
             // Entries with a `count` are repeated before they are read.
             keys.key("count", "Number of copies; default: 1. Each copy has its own random values.")

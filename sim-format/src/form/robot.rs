@@ -39,7 +39,7 @@ impl Form for RobiSpec {
         keys.key("model", "The body's looks.").nullable(TABLE, &mut self.model);
         keys.key("collider", "The body's shape in space; contacts are those of the disc.")
             .list(TABLES, &mut self.colliders);
-        keys.mention(&["wheel", "drive", "psd"]);
+        keys.mention_first(&["wheel", "drive", "psd"]);
         keys.key("body", "Mass, traction and friction.").always_printed(PartialTable(body_keys), self);
         keys.key("wheel", "The wheels, all alike.").always_printed(TABLE, &mut self.wheel);
         if keys.reading().is_some() {

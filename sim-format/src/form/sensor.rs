@@ -97,7 +97,7 @@ impl Form for LinkSpec {
         keys.span(&mut self.span);
         keys.key("name", "Its name, by which sensors and links sit on it.").required(TEXT, &mut self.name);
         mount_keys(keys, &mut self.mount);
-        keys.mention(&["servo"]);
+        keys.mention_first(&["servo"]);
         keys.key("axis", "Axis about which the servo turns the link: x rolls, y pitches (upwards), z (default) yaws.")
             .optional(Word, &mut axis);
         keys.key("servo", "The servo that turns the link; default: none, a fixed link.").nullable(TEXT, &mut servo);
@@ -120,10 +120,10 @@ impl Form for PsdSpec {
         keys.form("PsdForm", "A PSD distance sensor.");
         keys.span(&mut self.span);
         device_keys(keys, "Its name, such as `PSD_FRONT`.", &mut self.name, &mut self.id);
-        keys.mention(&["x_mm", "y_mm", "z_mm"]);
+        keys.mention_first(&["x_mm", "y_mm", "z_mm"]);
         link_key(keys, &mut self.link);
         position_keys(keys, POINT_3D, &mut self.position);
-        keys.mention(&["pitch_deg"]);
+        keys.mention_first(&["pitch_deg"]);
         keys.key("angle_deg", "Direction in degrees, counter-clockwise from forward; default: 0.")
             .optional(Quantity::angle("angle of the sensor"), &mut self.angle);
         keys.key("pitch_deg", "Angle of the beam upwards in degrees; default: 0.").optional(PITCH, &mut self.pitch);
@@ -148,7 +148,7 @@ impl Form for LidarSpec {
         mount_keys(keys, &mut self.mount);
         keys.key("range_mm", "Maximum distance along a ray in mm; default: 9999.")
             .optional(Quantity::size("range of the scanner"), &mut self.range);
-        keys.mention(&["tilt_deg", "sweep_deg"]);
+        keys.mention_first(&["tilt_deg", "sweep_deg"]);
         keys.key("points", "Points of a scan; default: 360.")
             .always_printed(HiddenBounds(1..=i64::from(MAX_LIDAR_POINTS)), &mut self.points);
         keys.key("tilt_deg", "Angle of the scanning plane above the floor plane in degrees; default: 0.")
@@ -222,13 +222,22 @@ impl Form for RangeSpec {
         keys.span(&mut self.span);
         if let RangeModel::Sonar(_) = self.model {
             keys.form("SonarForm", "A sonar: an ultrasonic sensor with a beam.");
-            keys.mention(&["preset", "min_mm", "max_mm", "half_angle_deg", "threshold", "rays", "side_lobes", "bus"]);
+            keys.mention_first(&[
+                "preset",
+                "min_mm",
+                "max_mm",
+                "half_angle_deg",
+                "threshold",
+                "rays",
+                "side_lobes",
+                "bus",
+            ]);
             device_keys(keys, "Its name, such as `SONAR_FRONT`.", &mut self.name, &mut self.id);
             keys.key("preset", "The device whose values are the defaults; default: `SRF08`.")
                 .nullable(Word, &mut None::<SonarPreset>);
         } else {
             keys.form("EchoForm", "A range sensor with one ray: a laser, an ultrasonic or a reflectance sensor.");
-            keys.mention(&["min_mm", "max_mm", "incidence_deg"]);
+            keys.mention_first(&["min_mm", "max_mm", "incidence_deg"]);
             device_keys(keys, "Its name, such as `LASER_FRONT`.", &mut self.name, &mut self.id);
         }
         mount_keys(keys, &mut self.mount);

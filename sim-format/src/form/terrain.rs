@@ -138,7 +138,7 @@ impl Reader {
 
 fn mesh_keys(keys: &mut Keys<'_>, model: &mut ModelSpec, scale: &mut f64) {
     keys.form("PlacedTerrainForm", "A mesh file with its place in the world.");
-    keys.mention(&["scale_mm"]);
+    keys.mention_first(&["scale_mm"]);
     keys.key("file", "The mesh file.").required(TEXT, &mut model.path);
     keys.key("offset_mm", "Position of the mesh's origin in the world in mm; default: 0.")
         .optional(POINT_3D, &mut model.offset);

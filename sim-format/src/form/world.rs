@@ -89,7 +89,7 @@ impl Form for WorldTable {
         let mut is_given = |key: &str| keys.reading().is_some_and(|(_, section)| section.has(key));
         let (has_file, has_drawing) = (is_given("file"), is_given("maze"));
         if has_file {
-            keys.mention(&["kind"]);
+            keys.mention_first(&["kind"]);
         }
         keys.key("file", "A `.wld`, a `.maz` or a map of another program; no other key but `kind`, `cell_mm`, `colour`, `light` and `sky` then.")
             .nullable(TEXT, &mut self.file);
@@ -144,7 +144,7 @@ impl WorldTable {
             reader.sink.file().clone_into(&mut self.spec.file);
         }
         if !has_drawing {
-            keys.mention(&["floor_mm", "cell_mm", "maze", "wall"]);
+            keys.mention_first(&["floor_mm", "cell_mm", "maze", "wall"]);
             keys.key("floor_mm", "Width and height of the floor in mm.").nullable(sides, &mut self.floor);
         }
         if keys.reading().is_some() && !has_drawing {
@@ -263,7 +263,7 @@ impl Form for WallSpec {
 fn random_wall_keys(keys: &mut Keys<'_>, random: &mut Option<(f64, Scatter)>) -> bool {
     let (mut length, mut scatter) = random.unzip();
     let has_layout = keys.reading().is_some_and(|(_, section)| section.has("layout"));
-    keys.mention(&["count"]);
+    keys.mention_first(&["count"]);
     if keys.reading().is_none() {
         // Entries with a `count` are repeated before they are read.
         keys.key("count", "Number of copies; default: 1. Each copy has its own random values.")

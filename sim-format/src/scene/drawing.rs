@@ -32,18 +32,18 @@ impl Reader {
 
     /// Where the characters of a string are in the file.
     fn text_place(&self, value: &Spanned<DeValue<'_>>, text: &str) -> TextPlace {
-        let whole = self.span(value.span());
-        let written = self.text.get(value.span()).unwrap_or_default();
+        let value_span = self.span(value.span());
+        let source = self.text.get(value.span()).unwrap_or_default();
         // The file contains the value literally only if the string has no escapes.
-        let first = written.find(text).filter(|_| !text.is_empty());
-        let first_line = first.map(|first| written[..first].matches('\n').count() as u32);
-        match (first, first_line) {
-            (Some(first), Some(lines)) if lines > 0 => TextPlace::Written {
-                start: whole.start + first,
-                end: whole.start + first + text.len(),
-                line: whole.line + lines,
+        let offset = source.find(text).filter(|_| !text.is_empty());
+        let line_offset = offset.map(|offset| source[..offset].matches('\n').count() as u32);
+        match (offset, line_offset) {
+            (Some(offset), Some(lines)) if lines > 0 => TextPlace::Written {
+                start: value_span.start + offset,
+                end: value_span.start + offset + text.len(),
+                line: value_span.line + lines,
             },
-            _ => TextPlace::Whole(whole),
+            _ => TextPlace::Whole(value_span),
         }
     }
 }

@@ -7,9 +7,9 @@ use sim_core::noise::Stream;
 /// The passages form a random spanning tree, found by depth-first search (recursive backtracker). In addition, each remaining inner wall
 /// is opened with probability `loops`.
 pub(super) fn drawing(columns: usize, rows: usize, loops: f64, cell_size: Option<f64>, stream: &mut Stream) -> String {
-    // Openings to the right of a cell and above it; row 0 is at the bottom.
-    let mut right = vec![false; columns * rows];
-    let mut above = vec![false; columns * rows];
+    // True if the cell is open to the right, and to the top; row 0 is at the bottom.
+    let mut open_right = vec![false; columns * rows];
+    let mut open_above = vec![false; columns * rows];
     let mut is_visited = vec![false; columns * rows];
     let mut path = vec![0];
     is_visited[0] = true;
@@ -21,13 +21,14 @@ pub(super) fn drawing(columns: usize, rows: usize, loops: f64, cell_size: Option
             (column > 0).then(|| current - 1),
             (row > 0).then(|| current - columns),
         ];
-        let open: Vec<usize> = neighbours.into_iter().flatten().filter(|cell| !is_visited[*cell]).collect();
-        if open.is_empty() {
+        let unvisited: Vec<usize> = neighbours.into_iter().flatten().filter(|cell| !is_visited[*cell]).collect();
+        if unvisited.is_empty() {
             path.pop();
             continue;
         }
-        let next = open[(stream.unit() * open.len() as f64) as usize % open.len()];
-        let openings = if next.abs_diff(current) == 1 && next / columns == row { &mut right } else { &mut above };
+        let next = unvisited[(stream.unit() * unvisited.len() as f64) as usize % unvisited.len()];
+        let openings =
+            if next.abs_diff(current) == 1 && next / columns == row { &mut open_right } else { &mut open_above };
         openings[current.min(next)] = true;
         is_visited[next] = true;
         path.push(next);
@@ -35,14 +36,14 @@ pub(super) fn drawing(columns: usize, rows: usize, loops: f64, cell_size: Option
     for index in 0..columns * rows {
         // Two numbers are drawn for every cell: a smaller `loops` opens a subset of the walls that a larger one opens.
         let [opens_right, opens_above] = [stream.unit(), stream.unit()].map(|number| number < loops);
-        right[index] |= opens_right && index % columns + 1 < columns;
-        above[index] |= opens_above && index / columns + 1 < rows;
+        open_right[index] |= opens_right && index % columns + 1 < columns;
+        open_above[index] |= opens_above && index / columns + 1 < rows;
     }
     let mut text = format!(" {}\n", vec!["_"; columns].join(" "));
     for row in (0..rows).rev() {
         for column in 0..columns {
-            let has_left = column == 0 || !right[row * columns + column - 1];
-            let has_below = row == 0 || !above[(row - 1) * columns + column];
+            let has_left = column == 0 || !open_right[row * columns + column - 1];
+            let has_below = row == 0 || !open_above[(row - 1) * columns + column];
             text.push(if has_left { '|' } else { ' ' });
             text.push(match (row + column, has_below) {
                 (0, _) => 'S',

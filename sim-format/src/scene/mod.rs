@@ -72,7 +72,7 @@ pub(super) fn read_scene_with(file: &str, text: &str, settings: &[Setting], draw
     (sim, reader.sink.finish())
 }
 
-/// Maximum number of choices of one random value of a scene in TOML; 0 if the text has none.
+/// Maximum number of choices of a draw in a scene in TOML; 0 if the text has no draws.
 pub(super) fn choices(text: &str) -> usize {
     draw::max_choices(&Reader::parse("", text).1)
 }
