@@ -1,7 +1,7 @@
-//! Built-in types: the robots and objects that EyeSim VR provides without a file.
+//! Built-in types: the robots and objects that EyeSim VR provides without files.
 //!
-//! Their texts are files of the usual formats, compiled in and read once per process. Sizes and devices follow the published robots; values
-//! without a source (masses, friction, colours, the sensor at the back) are our choice, documented in docs/formats.
+//! Each type is a file in one of the usual formats, which is compiled in and read once per process. Sizes and devices are those of the
+//! published robots; values without a source (masses, friction, colours, the sensor at the back) are our choice, documented in docs/formats.
 
 use std::sync::{Arc, OnceLock};
 
@@ -16,22 +16,22 @@ pub use sim_core::spec::BUILT_IN_OBJECTS as OBJECTS;
 
 /// Built-in robot type called `name`, case-insensitive.
 pub fn robot(name: &str) -> Option<Arc<RobiSpec>> {
-    static KNOWN: [OnceLock<Option<Arc<RobiSpec>>>; ROBOTS.len()] = [const { OnceLock::new() }; ROBOTS.len()];
+    static CACHE: [OnceLock<Option<Arc<RobiSpec>>>; ROBOTS.len()] = [const { OnceLock::new() }; ROBOTS.len()];
     let index = index_of(&ROBOTS, name)?;
-    KNOWN[index].get_or_init(|| read_robot(ROBOTS[index]).map(|(robi, _)| Arc::new(robi))).clone()
+    CACHE[index].get_or_init(|| read_robot(ROBOTS[index]).map(|(robi, _)| Arc::new(robi))).clone()
 }
 
 /// Built-in object type called `name`, case-insensitive.
 pub fn object(name: &str) -> Option<Arc<ObjectType>> {
-    static KNOWN: [OnceLock<Option<Arc<ObjectType>>>; OBJECTS.len()] = [const { OnceLock::new() }; OBJECTS.len()];
+    static CACHE: [OnceLock<Option<Arc<ObjectType>>>; OBJECTS.len()] = [const { OnceLock::new() }; OBJECTS.len()];
     let index = index_of(&OBJECTS, name)?;
-    KNOWN[index].get_or_init(|| read_object(OBJECTS[index]).map(|(object, _)| Arc::new(object))).clone()
+    CACHE[index].get_or_init(|| read_object(OBJECTS[index]).map(|(object, _)| Arc::new(object))).clone()
 }
 
 fn read_robot(name: &str) -> Option<(RobiSpec, Vec<Diagnostic>)> {
     let name = ROBOTS[index_of(&ROBOTS, name)?];
     let (robi, companion) = match name {
-        // A robi has neither a hull nor PSDs that look down.
+        // A robi can describe neither a hull nor PSDs that point down.
         "Mako" => return Some(read_robot_type(name, include_str!("builtin/mako.toml"))),
         "LabBot" => (include_str!("builtin/labbot.robi"), include_str!("builtin/labbot.toml")),
         _ => (include_str!("builtin/s4.robi"), include_str!("builtin/s4.toml")),
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_texts_have_no_mistakes() {
+    fn built_in_files_cause_no_diagnostics() {
         for name in ROBOTS {
             let (robi, diagnostics) = read_robot(name).expect("a built-in robot");
             assert_eq!((diagnostics, robi.name.as_str(), robi.file.as_str()), (vec![], name, name));
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_those_of_any_case() {
+    fn names_are_case_insensitive() {
         assert_eq!(robot("labbot").map(|robi| robi.diameter), Some(0.26));
         assert_eq!(object("CRATE").map(|object| object.mass), Some(1.0));
         assert_eq!((robot("Can"), object("S4")), (None, None));

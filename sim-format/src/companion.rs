@@ -24,7 +24,7 @@ const MAX_LISTED: usize = 32;
 pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagnostic> {
     let (mut reader, root) = Reader::parse(file, text);
     reader.table(Section::root(&root), |keys| {
-        keys.mention(&["drive"]);
+        keys.mention_first(&["drive"]);
         if let Some((reader, root)) = keys.reading()
             && let Some(section) = reader.section(root, "psd")
         {

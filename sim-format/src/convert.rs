@@ -301,7 +301,7 @@ impl Conversion<'_> {
         if let Some(world) = inline.world {
             let (extension, kind, printed) = match print::print_maze(&world).ok().filter(|_| world.cell.is_some()) {
                 Some(text) => {
-                    let lost = print::beside_maze(&world);
+                    let lost = print::lost_in_maze(&world);
                     ("maz", WorldKind::Maze, Printed { text, lost })
                 }
                 None => ("wld", WorldKind::World, print::print_world(&world)),
@@ -472,7 +472,7 @@ impl Conversion<'_> {
             FileFormat::Map => return self.write_map(world),
             FileFormat::World => print::print_world(world),
             FileFormat::Maze => match print::print_maze(world) {
-                Ok(text) => Printed { text, lost: print::beside_maze(world) },
+                Ok(text) => Printed { text, lost: print::lost_in_maze(world) },
                 Err(why) => {
                     let expected = "walls along a grid of cells, and the target `.wld` otherwise";
                     self.lost.error(Code::ConvertMaze, Span::default(), why.to_string(), expected);
@@ -540,7 +540,7 @@ impl Conversion<'_> {
         };
         let (mut sim, diagnostics) = read_scene(self.from, &text);
         // A file with only types is not a complete scene, but sufficient here.
-        let is_whole = scene::has_marks(&text);
+        let is_whole = scene::has_scene_key(&text);
         loaded.diagnostics.extend(diagnostics.into_iter().filter(|it| is_whole || it.code != Code::TomlMissing));
         loaded.inputs.push(super::InputFile { path: self.from.to_owned(), bytes: text.into_bytes() });
         self.rewrite(&mut sim);

@@ -14,7 +14,7 @@ use super::used_names::UsedNames;
 use body::values_of;
 pub(super) use device::{LIDAR_SWEEP, LIDAR_TILT, MAX_LIDAR_POINTS};
 use dialect::Dialect;
-pub(super) use whole::usual_wheelbase;
+pub(super) use whole::default_wheelbase;
 
 pub(crate) const KEYWORDS: [&str; 15] = [
     "name", "diameter", "speed", "turn", "model", "axis", "psd", "camera", "wheel", "drive", "mass", "collider",
@@ -25,7 +25,7 @@ const RESERVED: [&str; 2] = ["LabBot", "S4"];
 
 /// Reads a robi file of any dialect, without its companion ([`super::read_companion`]).
 ///
-/// All lines together determine the dialect: a line that only EyeSim VR knows makes the file one of EyeSim VR. Missing values get the
+/// The newest dialect that any line requires applies to the whole file. Missing values get the
 /// defaults of docs/formats/robi.md; a missing `wheel` or `drive` line gives a warning. The wheelbase is the distance between the two
 /// `axel` lines; without them it is estimated from the geometry: 0.6 of the diameter for Ackermann, the track otherwise.
 pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
@@ -39,6 +39,7 @@ pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
     reader.finish()
 }
 
+/// State while the lines of a robi file are read.
 struct Reader {
     sink: Sink,
     dialect: Dialect,
@@ -46,16 +47,16 @@ struct Reader {
     /// Names and numbers of the PSDs.
     psds: UsedNames,
     /// Span of the first keyword of the file.
-    first: Option<Span>,
-    /// Span of the driven wheels' line.
-    wheel: Option<Span>,
+    first_keyword: Option<Span>,
+    /// Span of the line of the driven wheels.
+    wheel_line: Option<Span>,
     is_wheel_read: bool,
     /// Span of the drive line.
-    drive: Option<Span>,
+    drive_line: Option<Span>,
     /// Position of the driven and of the steered axle on the robot's x axis, with their spans.
     axles: [Option<(f64, Span)>; 2],
     has_diameter: bool,
-    /// Field of view in radians, with its span.
+    /// Field of view of the fisheye lens in radians, with its span.
     fisheye: Option<(f64, Span)>,
 }
 
@@ -66,10 +67,10 @@ impl Reader {
             dialect,
             robi: RobiSpec::with_defaults(file),
             psds: UsedNames::default(),
-            first: None,
-            wheel: None,
+            first_keyword: None,
+            wheel_line: None,
             is_wheel_read: false,
-            drive: None,
+            drive_line: None,
             axles: [None; 2],
             has_diameter: false,
             fisheye: None,
@@ -78,18 +79,19 @@ impl Reader {
 
     fn line(&mut self, line: &Line<'_>, first: &Word<'_>, rest: &[Word<'_>]) {
         if KEYWORDS.contains(&first.text) {
-            self.first.get_or_insert(first.span);
+            self.first_keyword.get_or_insert(first.span);
         }
         match first.text {
             "name" => self.name(line, first, rest),
             "diameter" => {
-                self.has_diameter |= self.one(first, rest, Quantity::size("diameter"), |robi| &mut robi.diameter);
+                self.has_diameter |=
+                    self.single_number(first, rest, Quantity::size("diameter"), |robi| &mut robi.diameter);
             }
             "speed" => {
-                self.one(first, rest, Quantity::speed("largest speed"), |robi| &mut robi.max_speed);
+                self.single_number(first, rest, Quantity::speed("largest speed"), |robi| &mut robi.max_speed);
             }
             "turn" => {
-                self.one(first, rest, Quantity::rate("largest turning speed"), |robi| &mut robi.max_turn);
+                self.single_number(first, rest, Quantity::rate("largest turning speed"), |robi| &mut robi.max_turn);
             }
             "model" => self.model(first, rest),
             "axis" => self.axis(first, rest),
@@ -120,20 +122,20 @@ impl Reader {
             self.sink.warn(Code::RobiNameMissing, keyword.span, "`name` gives no name", "`name NAME`");
             return;
         }
-        if self.dialect >= Dialect::Vr && RESERVED.contains(&name) {
+        if self.dialect >= Dialect::Vr2017 && RESERVED.contains(&name) {
             let message = format!("`{name}` is a built-in robot of EyeSim VR, which refuses another one of this name");
             self.sink.warn(Code::RobiNameReserved, span_of(keyword, rest), message, "another name");
         }
         self.robi.name = name.to_owned();
     }
 
-    /// Reads a keyword with one number; returns true if it is valid.
-    fn one(
+    /// Reads a keyword with one number; returns true if the number is valid.
+    fn single_number(
         &mut self,
         keyword: &Word<'_>,
         rest: &[Word<'_>],
         quantity: Quantity,
-        place: fn(&mut RobiSpec) -> &mut f64,
+        field: fn(&mut RobiSpec) -> &mut f64,
     ) -> bool {
         let form = format!("`{} NUMBER`: {}", keyword.text, quantity.expected());
         let Some(word) = rest.first() else {
@@ -141,26 +143,27 @@ impl Reader {
             self.sink.warn(Code::RobiNumberMissing, keyword.span, message, form);
             return false;
         };
-        self.extra(keyword, rest, 1, &form);
+        self.warn_extra(keyword, rest, 1, &form);
         let value = line::number(&mut self.sink, Severity::Warning, word, &quantity);
         if let Some(value) = value {
-            *place(&mut self.robi) = value;
+            *field(&mut self.robi) = value;
         }
         value.is_some()
     }
 
-    fn extra(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, form: &str) {
+    /// Warns about words after the first `count` values of a keyword.
+    fn warn_extra(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, form: &str) {
         if let Some(extra) = rest.get(count) {
             let message = format!("`{}` is left over after the {count} values of `{}`", extra.text, keyword.text);
             self.sink.warn(Code::WordExtra, extra.span, message, form);
         }
     }
 
-    /// Reads `axis FORWARD`, or `axis HEIGHT FORWARD`; the height is ignored, since it follows from the wheels' diameter.
+    /// Reads `axis FORWARD` or `axis HEIGHT FORWARD`. The height is ignored, since the wheels' diameter determines it.
     fn axis(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let forward = Quantity::coordinate("axis offset");
         if rest.len() < 2 {
-            self.one(keyword, rest, forward, |robi| &mut robi.axis_offset);
+            self.single_number(keyword, rest, forward, |robi| &mut robi.axis_offset);
             return;
         }
         let quantities = [Quantity::coordinate("height of the axis"), forward];
@@ -173,18 +176,18 @@ impl Reader {
     /// Reads `axel drive|turn HEIGHT FORWARD`: an axle of a car.
     fn axel(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`axel drive HEIGHT FORWARD` and `axel turn HEIGHT FORWARD` in mm";
-        let Some((which, values)) = self.which_axle(keyword, rest, form) else {
+        let Some((axle, values)) = self.axle_index(keyword, rest, form) else {
             return;
         };
         let quantities = [Quantity::coordinate("height of the axle"), Quantity::coordinate("place of the axle")];
         let span = span_of(keyword, rest);
         if let Some([_, forward]) = values_of(&mut self.sink, "axel", values, span, &quantities, form) {
-            self.axles[which] = Some((forward, span));
+            self.axles[axle] = Some((forward, span));
         }
     }
 
-    /// Returns the index of the axle that a line concerns, driven (0) or steered (1), and the remaining words.
-    fn which_axle<'r, 'a>(
+    /// Index of the axle that a line describes, 0 for the driven and 1 for the steered one, and the remaining words.
+    fn axle_index<'r, 'a>(
         &mut self,
         keyword: &Word<'_>,
         rest: &'r [Word<'a>],
@@ -204,27 +207,27 @@ impl Reader {
 
     fn wheel(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = span_of(keyword, rest);
-        let is_of_axle = rest.first().is_some_and(|word| word.text.starts_with(|c: char| c.is_ascii_alphabetic()));
-        let (which, values) = match is_of_axle {
-            true => match self.which_axle(keyword, rest, VR_WHEEL_FORM) {
+        let names_axle = rest.first().is_some_and(|word| word.text.starts_with(|c: char| c.is_ascii_alphabetic()));
+        let (axle, values) = match names_axle {
+            true => match self.axle_index(keyword, rest, VR_WHEEL_FORM) {
                 Some(found) => found,
                 None => return,
             },
             false => (0, rest),
         };
-        // Steered wheels roll freely: only driven wheels are simulated.
-        if which == 0 {
-            self.wheel = Some(span);
+        // Only driven wheels are simulated; steered wheels roll freely.
+        if axle == 0 {
+            self.wheel_line = Some(span);
         }
-        let form = if is_of_axle { VR_WHEEL_FORM } else { WHEEL_FORM };
+        let form = if names_axle { VR_WHEEL_FORM } else { WHEEL_FORM };
         if values.len() < 4 {
             let message = format!("`wheel` has {} of 4 numbers; defaults are taken", values.len());
             self.sink.warn(Code::RobiWheelArity, span, message, form);
             return;
         }
-        self.extra(keyword, values, 4, form);
+        self.warn_extra(keyword, values, 4, form);
         let values = line::numbers(&mut self.sink, Severity::Warning, &values[..4], &WHEEL);
-        if let Some([diameter, max_rate, ticks_per_turn, track]) = values.filter(|_| which == 0) {
+        if let Some([diameter, max_rate, ticks_per_turn, track]) = values.filter(|_| axle == 0) {
             self.robi.wheel = WheelSpec { diameter, max_rate, ticks_per_turn, track };
             self.is_wheel_read = true;
         }
@@ -232,14 +235,14 @@ impl Reader {
 
     fn drive(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = span_of(keyword, rest);
-        self.drive = Some(span);
+        self.drive_line = Some(span);
         let word = rest.first().unwrap_or(keyword);
-        let named = rest.first().map_or("", |word| word.text);
-        let Some((_, kind, default)) = DRIVES.iter().find(|(word, ..)| *word == named) else {
-            let message = format!("unknown drive `{named}`; a differential drive is taken");
+        let name = rest.first().map_or("", |word| word.text);
+        let Some((_, kind, default)) = DRIVES.iter().find(|(word, ..)| *word == name) else {
+            let message = format!("unknown drive `{name}`; a differential drive is taken");
             let diagnostic = self.sink.error(Code::RobiDriveKind, word.span, message, DRIVE_FORM);
             let words = DRIVES.iter().map(|(word, ..)| *word);
-            diagnostic.suggestion = line::nearest(named, words).map(|kind| format!("write `{kind}`"));
+            diagnostic.suggestion = line::nearest(name, words).map(|kind| format!("write `{kind}`"));
             return;
         };
         let names: Vec<&str> = rest[1..].iter().map(|word| word.text).collect();
@@ -260,9 +263,9 @@ impl Reader {
     }
 
     fn finish(mut self) -> (RobiSpec, Vec<Diagnostic>) {
-        self.check_whole();
+        self.check_file();
         self.mount_fisheye();
-        self.settle();
+        self.derive_values();
         (self.robi, self.sink.finish())
     }
 }
@@ -280,7 +283,7 @@ const DRIVE_FORM: &str = "`drive DIFFERENTIAL_DRIVE MOTOR QUAD MOTOR QUAD`, `dri
                           front right, back left, back right), `drive ACKERMANN_DRIVE MOTOR QUAD SERVO`, \
                           `drive THRUSTER_DRIVE` with four motors (left, front, right, back), or `drive LEGGED_DRIVE` \
                           with legs in the companion";
-/// Drives: the keyword of each, and its default device names.
+/// Drives: keyword, kind, and default names of the devices.
 pub(super) const DRIVES: [(&str, DriveKind, &[&str]); 5] = [
     ("DIFFERENTIAL_DRIVE", DriveKind::Differential, &["MOTOR_LEFT", "QUAD_LEFT", "MOTOR_RIGHT", "QUAD_RIGHT"]),
     ("ACKERMANN_DRIVE", DriveKind::Ackermann, &["MOTOR_DRIVE", "QUAD_DRIVE", "SERVO_STEER"]),

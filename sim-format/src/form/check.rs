@@ -5,7 +5,7 @@ use serde_json::json;
 use toml::Value;
 use toml::de::DeValue;
 
-use super::kind::{At, Bounded, Custom, TEXT, Word, Words, array};
+use super::kind::{Bounded, Custom, ReadContext, TEXT, Word, Words, array_schema};
 use super::place::POINT;
 use super::scene::UNTIL;
 use super::suite::TEXTS;
@@ -27,17 +27,17 @@ use sim_core::{ObjectId, RobotId};
 const MAX_ITEMS: usize = 1000;
 /// Maximum count.
 const MAX_COUNT: i64 = 1_000_000_000;
-const POINTS: Bounded = Bounded(Quantity::number("points", 0.0, 1e6));
-const WITHIN: Quantity = Quantity::length("distance");
+const SCORE: Bounded = Bounded(Quantity::number("points", 0.0, 1e6));
+const DISTANCE: Quantity = Quantity::length("distance");
 const SHARE: Bounded = Bounded(Quantity::percent("share", 0.0, 100.0));
 const ANY_NUMBER: Quantity = Quantity::number("number", -1e300, 1e300);
 const DURATION: Quantity = Quantity::seconds("time");
-/// Default side of the squares by which an area is measured, m.
-const CELL: f64 = 0.05;
+/// Default side of the squares whose centres represent an area, m.
+const DEFAULT_CELL: f64 = 0.05;
 
 impl Form for CheckSpec {
     fn bare(&self) -> Self {
-        Self::KINDS[self.kind_index()].2()
+        Self::VARIANTS[self.variant_index()].2()
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
@@ -47,9 +47,9 @@ impl Form for CheckSpec {
         }
         keys.span(&mut self.span);
         let mut name = (!self.name.is_empty()).then(|| self.name.clone());
-        keys.key("name", "Its name in the table and the report; default: the kind.").maybe(TEXT, &mut name);
+        keys.key("name", "Its name in the table and the report; default: the kind.").nullable(TEXT, &mut name);
         self.name = name.unwrap_or_default();
-        keys.key("points", "Points for a run that meets the check; default: 1.").optional(POINTS, &mut self.points);
+        keys.key("points", "Points for a run that meets the check; default: 1.").optional(SCORE, &mut self.points);
         keys.key("required", "A run that does not meet the check gets no points at all; default: false.")
             .flag(&mut self.is_required);
         kind_keys(&mut self.kind, keys);
@@ -60,7 +60,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
     match kind {
         CheckKind::Reach { body, region, by, stay } => {
             body_keys(keys, body);
-            place_keys(keys, region);
+            region_keys(keys, region);
             by_key(keys, by);
             let mut seconds = stay.seconds();
             keys.key("stay_s", "Seconds for which the body must stay there; default: 0.")
@@ -69,16 +69,16 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
         }
         CheckKind::Visits { body, places, within, by, any_order } => {
             body_keys(keys, body);
-            keys.key("places_mm", "The places, [x, y] each, in mm.").required(CORNERS, places);
+            keys.key("places_mm", "The places, [x, y] each, in mm.").required(FLOOR_POINTS, places);
             keys.key("within_mm", "Maximum distance of the body's centre from a place, in mm.")
-                .required(WITHIN, within);
+                .required(DISTANCE, within);
             by_key(keys, by);
             keys.key("any_order", "The order does not matter; default: false.").flag(any_order);
             refuse_few(keys, "places_mm", places.len(), 1);
         }
         CheckKind::StaysIn { body, region } => {
             body_keys(keys, body);
-            place_keys(keys, region);
+            region_keys(keys, region);
         }
         CheckKind::Laps { body, gate, min, by } => {
             body_keys(keys, body);
@@ -87,7 +87,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
                 "gate_mm",
                 "Both ends of the gate, [x, y] each, in mm. A passage counts from the right side to the left side, looking from the first end to the second; passages in the opposite direction are subtracted.",
             )
-            .required(CORNERS, &mut ends);
+            .required(FLOOR_POINTS, &mut ends);
             if let [from, to] = ends[..] {
                 *gate = [from, to];
             } else {
@@ -101,13 +101,13 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
         }
         CheckKind::Clearance { robot, min, to } => {
             robot_key(keys, robot);
-            keys.key("min_mm", "Minimum gap between the body's disc and the others, in mm.").required(WITHIN, min);
+            keys.key("min_mm", "Minimum gap between the body's disc and the others, in mm.").required(DISTANCE, min);
             keys.key("to", "Bodies to which the gap is measured; default: `all`.").optional(Word, to);
         }
         CheckKind::FollowsWall { robot, gap, share } => {
             robot_key(keys, robot);
             keys.key("gap_mm", "Minimum and maximum gap between the body's disc and the nearest wall, in mm.")
-                .required([WITHIN; 2], gap);
+                .required([DISTANCE; 2], gap);
             keys.key("share_percent", "Minimum fraction of the length of the path in percent; default: 100.")
                 .optional(SHARE, share);
             if gap[0] > gap[1] {
@@ -115,11 +115,12 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             }
         }
         CheckKind::Coverage { robots, width, area, cell, share, by } => {
-            keys.key("robots", "Numbers of the robots; default: all of the scene.").items(ROBOTS, robots);
+            keys.key("robots", "Numbers of the robots; default: all of the scene.")
+                .non_empty_list(ROBOT_NUMBERS, robots);
             keys.key("width_mm", "Width of the tool, a disc around each robot's centre, in mm.")
                 .required(Quantity::size("width"), width);
             keys.key("area_mm", "The area: two opposite corners of a rectangle or the corners of a polygon, [x, y] each, in mm; default: the floor.")
-                .maybe(AREA, area);
+                .nullable(AREA, area);
             keys.key("cell_mm", "Side of the squares by whose centres the area is measured, in mm; default: 50.")
                 .optional(Bounded(Quantity::size("side").within(1.0, 1e6)), cell);
             keys.key("share_percent", "Minimum share of the area in percent; default: 100.").optional(SHARE, share);
@@ -131,7 +132,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
         CheckKind::OdometryError { robot, max, at_end } => {
             robot_key(keys, robot);
             keys.key("max_mm", "Maximum distance between the position by odometry and the true one, in mm.")
-                .required(WITHIN, max);
+                .required(DISTANCE, max);
             keys.key("at_end", "Only the end of the run counts; default: false.").flag(at_end);
         }
         CheckKind::Contacts { robot, with, max } => {
@@ -143,7 +144,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
         CheckKind::Prints { robot, output, expected } => {
             robot_key(keys, robot);
             keys.key("on", "Where the program prints; default: `stdout`.").optional(Word, output);
-            printed_keys(keys, expected);
+            expected_output_keys(keys, expected);
         }
         CheckKind::Outcome { robot, outcome } => {
             any_robot_key(keys, "robot", "Number of the robot; default: each robot with a program.", robot);
@@ -163,7 +164,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
         CheckKind::Message { from, to, text, count } => {
             any_robot_key(keys, "from", "Number of the sender; default: any.", from);
             any_robot_key(keys, "to", "Number of the receiver; default: any.", to);
-            keys.key("text", "Text that the message contains; default: anything.").maybe(TEXT, text);
+            keys.key("text", "Text that the message contains; default: anything.").nullable(TEXT, text);
             count_keys(keys, count);
         }
         CheckKind::Script { program, arguments, timeout, .. } => {
@@ -181,90 +182,96 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
     }
 }
 
-/// Metrics of a swarm of robots.
+/// Words of the swarm metrics.
 #[derive(Clone, Copy, PartialEq)]
-enum SwarmWord {
+enum SwarmMetricWord {
     Spread,
     Order,
     Groups,
     Coverage,
 }
 
-impl Words for SwarmWord {
+impl Words for SwarmMetricWord {
     const NAME: &'static str = "SwarmForm";
     const ABOUT: &'static str = "A number that describes robots together.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
-        (SwarmWord::Spread, "spread", "Mean distance of the robots from their centroid, in mm."),
+        (SwarmMetricWord::Spread, "spread", "Mean distance of the robots from their centroid, in mm."),
         (
-            SwarmWord::Order,
+            SwarmMetricWord::Order,
             "order",
             "Length of the mean of the directions of all moving robots: 1 if all directions are equal.",
         ),
-        (SwarmWord::Groups, "groups", "Number of groups that are connected by distances of at most `within_mm`."),
-        (SwarmWord::Coverage, "coverage", "Fraction of an area over which a tool at each robot has passed, 0 to 1."),
+        (SwarmMetricWord::Groups, "groups", "Number of groups that are connected by distances of at most `within_mm`."),
+        (
+            SwarmMetricWord::Coverage,
+            "coverage",
+            "Fraction of an area over which a tool at each robot has passed, 0 to 1.",
+        ),
     ];
 }
 
 fn swarm_keys(
     keys: &mut Keys<'_>,
     robots: &mut Vec<RobotId>,
-    of: &mut SwarmMetric,
+    metric: &mut SwarmMetric,
     [min, max]: [&mut Option<f64>; 2],
     since: &mut Time,
     at_end: &mut bool,
 ) {
-    keys.key("robots", "Numbers of the robots; default: all of the scene.").items(ROBOTS, robots);
-    let (mut word, mut reach, mut tool, mut ground, mut side) = match of.clone() {
-        SwarmMetric::Spread => (SwarmWord::Spread, None, None, None, CELL),
-        SwarmMetric::Order => (SwarmWord::Order, None, None, None, CELL),
-        SwarmMetric::Groups { reach } => (SwarmWord::Groups, Some(reach), None, None, CELL),
-        SwarmMetric::Coverage { width, area, cell } => (SwarmWord::Coverage, None, Some(width), area, cell),
+    keys.key("robots", "Numbers of the robots; default: all of the scene.").non_empty_list(ROBOT_NUMBERS, robots);
+    let (mut word, mut reach, mut tool_width, mut covered_area, mut cell_size) = match metric.clone() {
+        SwarmMetric::Spread => (SwarmMetricWord::Spread, None, None, None, DEFAULT_CELL),
+        SwarmMetric::Order => (SwarmMetricWord::Order, None, None, None, DEFAULT_CELL),
+        SwarmMetric::Groups { reach } => (SwarmMetricWord::Groups, Some(reach), None, None, DEFAULT_CELL),
+        SwarmMetric::Coverage { width, area, cell } => (SwarmMetricWord::Coverage, None, Some(width), area, cell),
     };
     keys.key("of", "The number, sampled every 100 ms.").required(Word, &mut word);
-    let is_described = keys.reading().is_none();
-    if is_described || word == SwarmWord::Groups {
+    let declares_all = keys.reading().is_none();
+    if declares_all || word == SwarmMetricWord::Groups {
         keys.key("within_mm", "Of `groups`: maximum distance between the centres of neighbours, in mm.")
-            .maybe(Bounded(Quantity::size("distance")), &mut reach);
+            .nullable(Bounded(Quantity::size("distance")), &mut reach);
         refuse_missing(keys, "within_mm");
     }
-    if is_described || word == SwarmWord::Coverage {
+    if declares_all || word == SwarmMetricWord::Coverage {
         keys.key("width_mm", "Of `coverage`: width of the tool, a disc around each robot's centre, in mm.")
-            .maybe(Bounded(Quantity::size("width")), &mut tool);
+            .nullable(Bounded(Quantity::size("width")), &mut tool_width);
         keys.key("area_mm", "Of `coverage`: the area, by its corners in mm; default: the floor.")
-            .maybe(AREA, &mut ground);
+            .nullable(AREA, &mut covered_area);
         keys.key(
             "cell_mm",
             "Of `coverage`: side of the squares by whose centres the area is measured, in mm; default: 50.",
         )
-        .optional(Bounded(Quantity::size("side").within(1.0, 1e6)), &mut side);
+        .optional(Bounded(Quantity::size("side").within(1.0, 1e6)), &mut cell_size);
         refuse_missing(keys, "width_mm");
     }
-    let is_length = word == SwarmWord::Spread;
+    let is_length = word == SwarmMetricWord::Spread;
     let mut limits = [*min, *max].map(|limit| limit.map(|limit| if is_length { number::mm(limit) } else { limit }));
-    keys.key("min", "Minimum value, of `spread` in mm.").maybe(ANY_NUMBER, &mut limits[0]);
-    keys.key("max", "Maximum value, of `spread` in mm.").maybe(ANY_NUMBER, &mut limits[1]);
-    let mut from = since.seconds();
+    keys.key("min", "Minimum value, of `spread` in mm.").nullable(ANY_NUMBER, &mut limits[0]);
+    keys.key("max", "Maximum value, of `spread` in mm.").nullable(ANY_NUMBER, &mut limits[1]);
+    let mut start = since.seconds();
     keys.key("from_s", "Simulated seconds before which the limits do not count; default: 0.")
-        .optional(Bounded(DURATION), &mut from);
+        .optional(Bounded(DURATION), &mut start);
     keys.key("at_end", "Only the end of the run counts; default: false.").flag(at_end);
-    if is_described {
+    if declares_all {
         return;
     }
-    *since = Time::from_seconds_ceil(from);
-    let stored = |limit: Option<f64>| limit.map(|limit| if is_length { metres_from_mm(limit) } else { limit });
-    (*min, *max) = (stored(limits[0]), stored(limits[1]));
-    *of = match word {
-        SwarmWord::Spread => SwarmMetric::Spread,
-        SwarmWord::Order => SwarmMetric::Order,
-        SwarmWord::Groups => SwarmMetric::Groups { reach: reach.unwrap_or_default() },
-        SwarmWord::Coverage => SwarmMetric::Coverage { width: tool.unwrap_or_default(), area: ground, cell: side },
+    *since = Time::from_seconds_ceil(start);
+    let to_si = |limit: Option<f64>| limit.map(|limit| if is_length { metres_from_mm(limit) } else { limit });
+    (*min, *max) = (to_si(limits[0]), to_si(limits[1]));
+    *metric = match word {
+        SwarmMetricWord::Spread => SwarmMetric::Spread,
+        SwarmMetricWord::Order => SwarmMetric::Order,
+        SwarmMetricWord::Groups => SwarmMetric::Groups { reach: reach.unwrap_or_default() },
+        SwarmMetricWord::Coverage => {
+            SwarmMetric::Coverage { width: tool_width.unwrap_or_default(), area: covered_area, cell: cell_size }
+        }
     };
     if limits[0].zip(limits[1]).is_some_and(|(min, max)| min > max) {
         refuse(keys, "max", "is less than `min`", "a number that is not less");
     }
 }
 
-/// Reports that the table that is being read lacks the key.
+/// Reports the key if the table that is being read lacks it.
 fn refuse_missing(keys: &mut Keys<'_>, key: &'static str) {
     if let Some((reader, section)) = keys.reading()
         && !section.has(key)
@@ -275,15 +282,16 @@ fn refuse_missing(keys: &mut Keys<'_>, key: &'static str) {
 }
 
 /// Reports that the value of a key cannot be used.
-fn refuse(keys: &mut Keys<'_>, key: &'static str, what: &str, expected: &str) {
+fn refuse(keys: &mut Keys<'_>, key: &'static str, problem: &str, expected: &str) {
     let Some((reader, section)) = keys.reading() else { return };
     if section.has(key) {
         let span = reader.value_span(section, key);
-        reader.sink.error(Code::TomlType, span, format!("`{key}` {what}"), expected.to_owned());
+        reader.sink.error(Code::TomlType, span, format!("`{key}` {problem}"), expected.to_owned());
     }
     keys.refuse();
 }
 
+/// Reports a list with fewer than `min` points.
 fn refuse_few(keys: &mut Keys<'_>, key: &'static str, count: usize, min: usize) {
     if count < min && keys.reading().is_some() {
         refuse(keys, key, "is empty", "at least one point");
@@ -292,15 +300,15 @@ fn refuse_few(keys: &mut Keys<'_>, key: &'static str, count: usize, min: usize) 
 
 fn by_key(keys: &mut Keys<'_>, by: &mut Option<Time>) {
     keys.key("by_s", "Simulated seconds by which the condition must be met; default: the end of the run.")
-        .maybe(UNTIL, by);
+        .nullable(UNTIL, by);
 }
 
 fn robot_key(keys: &mut Keys<'_>, robot: &mut RobotId) {
-    keys.key("robot", "Number of the robot; default: 1.").optional(NUMBER, robot);
+    keys.key("robot", "Number of the robot; default: 1.").optional(ROBOT_NUMBER, robot);
 }
 
 fn any_robot_key(keys: &mut Keys<'_>, name: &'static str, about: &'static str, robot: &mut Option<RobotId>) {
-    keys.key(name, about).maybe(NUMBER, robot);
+    keys.key(name, about).nullable(ROBOT_NUMBER, robot);
 }
 
 fn body_keys(keys: &mut Keys<'_>, body: &mut BodyRef) {
@@ -311,7 +319,7 @@ fn body_keys(keys: &mut Keys<'_>, body: &mut BodyRef) {
     };
     any_robot_key(keys, "robot", "Number of the robot; 1 if neither robot nor object is given.", &mut robot);
     keys.key("object", "Number of a movable object instead of a robot, counted from 1 in the order of the file.")
-        .maybe(OBJECT, &mut object);
+        .nullable(OBJECT_NUMBER, &mut object);
     if let Some((reader, section)) = keys.reading()
         && section.has("object")
         && !reader.exclude(section, "object", &["robot"])
@@ -324,7 +332,7 @@ fn body_keys(keys: &mut Keys<'_>, body: &mut BodyRef) {
     };
 }
 
-fn place_keys(keys: &mut Keys<'_>, region: &mut Region) {
+fn region_keys(keys: &mut Keys<'_>, region: &mut Region) {
     let (mut centre, mut radius, mut area) = match region.clone() {
         Region::Disc { centre, radius } => (Some(centre), Some(radius), None),
         Region::Polygon(corners) => (None, None, Some(corners)),
@@ -332,10 +340,10 @@ fn place_keys(keys: &mut Keys<'_>, region: &mut Region) {
     if keys.reading().is_some() {
         (centre, radius) = (None, None);
     }
-    keys.key("at_mm", "The place: its centre, [x, y], in mm.").maybe(POINT, &mut centre);
-    keys.key("within_mm", "Maximum distance of the body's centre from `at_mm`, in mm.").maybe(WITHIN, &mut radius);
+    keys.key("at_mm", "The place: its centre, [x, y], in mm.").nullable(POINT, &mut centre);
+    keys.key("within_mm", "Maximum distance of the body's centre from `at_mm`, in mm.").nullable(DISTANCE, &mut radius);
     keys.key("area_mm", "The place, instead of `at_mm`: two opposite corners of a rectangle or the corners of a polygon, [x, y] each, in mm.")
-        .maybe(AREA, &mut area);
+        .nullable(AREA, &mut area);
     let Some((reader, section)) = keys.reading() else { return };
     if section.has("area_mm") {
         let is_clean = reader.exclude(section, "area_mm", &["at_mm", "within_mm"]);
@@ -359,14 +367,14 @@ fn place_keys(keys: &mut Keys<'_>, region: &mut Region) {
 }
 
 fn count_keys(keys: &mut Keys<'_>, count: &mut CountLimits) {
-    let usual = |count: &CountLimits| if count.max.is_some() { 0 } else { 1 };
-    let mut min = Some(count.min).filter(|min| keys.reading().is_none() && *min != usual(count));
-    keys.key("min", "Minimum number; default: 1, or 0 if only `max` is given.").maybe(0..=MAX_COUNT, &mut min);
-    keys.key("max", "Maximum number; default: any.").maybe(0..=MAX_COUNT, &mut count.max);
+    let default_min = |count: &CountLimits| if count.max.is_some() { 0 } else { 1 };
+    let mut min = Some(count.min).filter(|min| keys.reading().is_none() && *min != default_min(count));
+    keys.key("min", "Minimum number; default: 1, or 0 if only `max` is given.").nullable(0..=MAX_COUNT, &mut min);
+    keys.key("max", "Maximum number; default: any.").nullable(0..=MAX_COUNT, &mut count.max);
     if keys.reading().is_none() {
         return;
     }
-    count.min = min.unwrap_or_else(|| usual(count));
+    count.min = min.unwrap_or_else(|| default_min(count));
     if count.max.is_some_and(|max| max < count.min) {
         refuse(keys, "max", "is less than `min`", "a number that is not less");
     }
@@ -374,15 +382,15 @@ fn count_keys(keys: &mut Keys<'_>, count: &mut CountLimits) {
 
 fn metric_keys(keys: &mut Keys<'_>, path: &mut String, [min, max, full, zero]: [&mut Option<f64>; 4]) {
     keys.key("path", "Path into the report, as `robots[0].path_m`.").required(TEXT, path);
-    keys.key("min", "Minimum value.").maybe(ANY_NUMBER, min);
-    keys.key("max", "Maximum value.").maybe(ANY_NUMBER, max);
-    keys.key("full", "Value for all points.").maybe(ANY_NUMBER, full);
-    keys.key("zero", "Value for no points; between it and `full`, points are proportional.").maybe(ANY_NUMBER, zero);
+    keys.key("min", "Minimum value.").nullable(ANY_NUMBER, min);
+    keys.key("max", "Maximum value.").nullable(ANY_NUMBER, max);
+    keys.key("full", "Value for all points.").nullable(ANY_NUMBER, full);
+    keys.key("zero", "Value for no points; between it and `full`, points are proportional.").nullable(ANY_NUMBER, zero);
     let Some((reader, section)) = keys.reading() else { return };
-    let (limits, partial) = (min.is_some() || max.is_some(), full.is_some() || zero.is_some());
-    let problem = if limits && partial {
+    let (has_limits, has_scale) = (min.is_some() || max.is_some(), full.is_some() || zero.is_some());
+    let problem = if has_limits && has_scale {
         Some((Code::TomlConflict, "`min` and `max` exclude `full` and `zero`"))
-    } else if !limits && full.is_none() | zero.is_none() {
+    } else if !has_limits && full.is_none() | zero.is_none() {
         Some((Code::TomlMissing, "a metric has no limit"))
     } else if full.is_some() && full == zero {
         Some((Code::TomlConflict, "`full` and `zero` are equal"))
@@ -398,18 +406,20 @@ fn metric_keys(keys: &mut Keys<'_>, path: &mut String, [min, max, full, zero]: [
     }
 }
 
-fn printed_keys(keys: &mut Keys<'_>, what: &mut ExpectedOutput) {
+fn expected_output_keys(keys: &mut Keys<'_>, expected: &mut ExpectedOutput) {
     let (mut text, mut pattern, mut rows, mut tolerance) = (None, None, None, 0.0);
-    match what.clone() {
+    match expected.clone() {
         _ if keys.reading().is_some() => {}
-        ExpectedOutput::Text(known) => text = Some(known),
-        ExpectedOutput::Pattern(known) => pattern = Some(known),
-        ExpectedOutput::Numbers { rows: known, tolerance: within } => (rows, tolerance) = (Some(known), within),
+        ExpectedOutput::Text(old) => text = Some(old),
+        ExpectedOutput::Pattern(old) => pattern = Some(old),
+        ExpectedOutput::Numbers { rows: old_rows, tolerance: old_tolerance } => {
+            (rows, tolerance) = (Some(old_rows), old_tolerance);
+        }
     }
-    keys.key("text", "Text within a line.").maybe(TEXT, &mut text);
-    keys.key("pattern", "A whole line, in which `*` stands for any text.").maybe(TEXT, &mut pattern);
+    keys.key("text", "Text within a line.").nullable(TEXT, &mut text);
+    keys.key("pattern", "A whole line, in which `*` stands for any text.").nullable(TEXT, &mut pattern);
     keys.key("numbers", "Numbers row by row, as [1, 2, 3] or [[1, 2], [3, 4]]; other words may be between them.")
-        .maybe(ROWS, &mut rows);
+        .nullable(ROWS, &mut rows);
     keys.key("tolerance", "Maximum deviation of a number; default: 0.")
         .optional(Bounded(Quantity::number("tolerance", 0.0, 1e300)), &mut tolerance);
     let Some((reader, section)) = keys.reading() else { return };
@@ -426,28 +436,38 @@ fn printed_keys(keys: &mut Keys<'_>, what: &mut ExpectedOutput) {
         _ => None,
     };
     match printed {
-        Some(printed) if key_count == 1 => *what = printed,
+        Some(printed) if key_count == 1 => *expected = printed,
         _ => keys.refuse(),
     }
 }
 
 /// Number of a robot.
-pub(super) const NUMBER: Custom<RobotId> = Custom {
-    read: |at| at.reader.integer(at.section, at.key, 1, i64::from(u32::MAX)).map(|number| RobotId(number as u32)),
+pub(super) const ROBOT_NUMBER: Custom<RobotId> = Custom {
+    read: |context| {
+        context
+            .reader
+            .integer(context.section, context.key, 1, i64::from(u32::MAX))
+            .map(|number| RobotId(number as u32))
+    },
     print: |robot| i64::from(robot.0).into(),
     describe: |_| json!({ "type": "integer", "format": "uint32", "minimum": 1 }),
 };
 
 /// Number of an object.
-const OBJECT: Custom<ObjectId> = Custom {
-    read: |at| at.reader.integer(at.section, at.key, 1, i64::from(u32::MAX)).map(|number| ObjectId(number as u32)),
+const OBJECT_NUMBER: Custom<ObjectId> = Custom {
+    read: |context| {
+        context
+            .reader
+            .integer(context.section, context.key, 1, i64::from(u32::MAX))
+            .map(|number| ObjectId(number as u32))
+    },
     print: |object| i64::from(object.0).into(),
     describe: |_| json!({ "type": "integer", "format": "uint32", "minimum": 1 }),
 };
 
 /// Numbers of robots.
-const ROBOTS: Custom<Vec<RobotId>> = Custom {
-    read: |At { reader, section, key }| {
+const ROBOT_NUMBERS: Custom<Vec<RobotId>> = Custom {
+    read: |ReadContext { reader, section, key }| {
         let items = reader.array(section, key, "an array of numbers of robots")?;
         let number = |item| reader.as_integer(key, item, 1, i64::from(u32::MAX));
         Some(items.iter().filter_map(number).map(|number| RobotId(number as u32)).collect())
@@ -456,9 +476,9 @@ const ROBOTS: Custom<Vec<RobotId>> = Custom {
     describe: |_| json!({ "type": "array", "items": { "type": "integer", "format": "uint32", "minimum": 1 } }),
 };
 
-/// Points of the floor.
-const CORNERS: Custom<Vec<DVec2>> = Custom {
-    read: |At { reader, section, key }| {
+/// Points on the floor.
+const FLOOR_POINTS: Custom<Vec<DVec2>> = Custom {
+    read: |ReadContext { reader, section, key }| {
         let items = reader.array(section, key, "an array of points [x, y]")?;
         if items.len() > MAX_ITEMS {
             let span = reader.value_span(section, key);
@@ -488,24 +508,28 @@ const CORNERS: Custom<Vec<DVec2>> = Custom {
         Value::Array(points.iter().map(point).collect())
     },
     describe: |_| {
-        let point = array(json!({ "type": "number", "format": "double" }), 2);
+        let point = array_schema(json!({ "type": "number", "format": "double" }), 2);
         json!({ "type": "array", "items": point })
     },
 };
 
 /// Corners of an area; two points are opposite corners of a rectangle.
 const AREA: Custom<Vec<DVec2>> = Custom {
-    read: |at| {
-        let span = at.reader.value_span(at.section, at.key);
-        let corners = (CORNERS.read)(At { reader: &mut *at.reader, section: &mut *at.section, key: at.key })?;
+    read: |context| {
+        let span = context.reader.value_span(context.section, context.key);
+        let corners = (FLOOR_POINTS.read)(ReadContext {
+            reader: &mut *context.reader,
+            section: &mut *context.section,
+            key: context.key,
+        })?;
         let corners = match corners[..] {
             [a, b] => vec![a, DVec2::new(b.x, a.y), b, DVec2::new(a.x, b.y)],
             _ => corners,
         };
         let area: f64 = corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a.perp_dot(*b)).sum();
         if corners.len() < 3 || area == 0.0 {
-            let message = format!("`{}` is no area", at.key);
-            at.reader.sink.error(
+            let message = format!("`{}` is no area", context.key);
+            context.reader.sink.error(
                 Code::TomlType,
                 span,
                 message,
@@ -515,13 +539,13 @@ const AREA: Custom<Vec<DVec2>> = Custom {
         }
         Some(corners)
     },
-    print: CORNERS.print,
-    describe: CORNERS.describe,
+    print: FLOOR_POINTS.print,
+    describe: FLOOR_POINTS.describe,
 };
 
-/// Rows of numbers; a single row needs no outer array.
+/// Rows of numbers; a single row may be written without the outer array.
 const ROWS: Custom<Vec<Vec<f64>>> = Custom {
-    read: |At { reader, section, key }| {
+    read: |ReadContext { reader, section, key }| {
         let span = reader.value_span(section, key);
         let items = reader.array(section, key, "an array of numbers, or of rows of numbers")?;
         let is_nested = items.iter().any(|item| matches!(item.get_ref(), DeValue::Array(_)));
@@ -567,9 +591,9 @@ const ROWS: Custom<Vec<Vec<f64>>> = Custom {
 
 /// Kind of an event of the trace.
 const EVENT: Custom<EventKind> = Custom {
-    read: |at| {
+    read: |context| {
         let names: Vec<&str> = event_kinds().map(EventKind::name).collect();
-        let index = at.reader.choice(at.section, at.key, &names)?;
+        let index = context.reader.choice(context.section, context.key, &names)?;
         event_kinds().nth(index)
     },
     print: |kind| kind.name().into(),
@@ -581,7 +605,7 @@ const EVENT: Custom<EventKind> = Custom {
     },
 };
 
-/// Kinds of events that a check can count; calls have a separate check.
+/// Kinds of events that a check of kind `event` can count; calls have a check of their own.
 fn event_kinds() -> impl Iterator<Item = EventKind> {
     EventKind::ALL.iter().copied().filter(|kind| *kind != EventKind::Call)
 }
@@ -632,23 +656,23 @@ impl Words for Outcome {
     ];
 }
 
-const ROBOT: BodyRef = BodyRef::Robot(RobotId(1));
-const NOWHERE: Region = Region::Disc { centre: DVec2::ZERO, radius: 0.0 };
+const FIRST_ROBOT: BodyRef = BodyRef::Robot(RobotId(1));
+const EMPTY_DISC: Region = Region::Disc { centre: DVec2::ZERO, radius: 0.0 };
 
 impl Variants for CheckSpec {
-    const KINDS: &'static [Variant<Self>] = &[
+    const VARIANTS: &'static [Variant<Self>] = &[
         ("reach", "The centre of a robot or object reaches a place.", || {
-            Self::new(CheckKind::Reach { body: ROBOT, region: NOWHERE, by: None, stay: Time::ZERO })
+            Self::new(CheckKind::Reach { body: FIRST_ROBOT, region: EMPTY_DISC, by: None, stay: Time::ZERO })
         }),
         ("visits", "The centre of a robot or object reaches several places.", || {
             let places = Vec::new();
-            Self::new(CheckKind::Visits { body: ROBOT, places, within: 0.0, by: None, any_order: false })
+            Self::new(CheckKind::Visits { body: FIRST_ROBOT, places, within: 0.0, by: None, any_order: false })
         }),
         ("stays_in", "The centre of a robot or object never leaves a place.", || {
-            Self::new(CheckKind::StaysIn { body: ROBOT, region: NOWHERE })
+            Self::new(CheckKind::StaysIn { body: FIRST_ROBOT, region: EMPTY_DISC })
         }),
         ("laps", "The centre of a robot or object passes a gate at least `min` times.", || {
-            Self::new(CheckKind::Laps { body: ROBOT, gate: [DVec2::ZERO; 2], min: 1, by: None })
+            Self::new(CheckKind::Laps { body: FIRST_ROBOT, gate: [DVec2::ZERO; 2], min: 1, by: None })
         }),
         ("clearance", "The gap between a robot's body and others is never smaller than a limit.", || {
             Self::new(CheckKind::Clearance { robot: RobotId(1), min: 0.0, to: Neighbours::All })
@@ -658,7 +682,7 @@ impl Variants for CheckSpec {
         }),
         ("coverage", "Robots pass over a fraction of an area.", || {
             let robots = Vec::new();
-            Self::new(CheckKind::Coverage { robots, width: 0.0, area: None, cell: CELL, share: 1.0, by: None })
+            Self::new(CheckKind::Coverage { robots, width: 0.0, area: None, cell: DEFAULT_CELL, share: 1.0, by: None })
         }),
         ("swarm", "A number that describes robots together stays within limits.", || {
             let (robots, metric, since) = (Vec::new(), SwarmMetric::Spread, Time::ZERO);
@@ -697,8 +721,8 @@ impl Variants for CheckSpec {
         }),
     ];
 
-    fn kind_index(&self) -> usize {
+    fn variant_index(&self) -> usize {
         let word = self.kind.word();
-        Self::KINDS.iter().position(|(known, ..)| *known == word).unwrap_or_default()
+        Self::VARIANTS.iter().position(|(known, ..)| *known == word).unwrap_or_default()
     }
 }

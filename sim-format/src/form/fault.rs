@@ -1,6 +1,6 @@
 //! Injected faults.
 
-use super::check::NUMBER;
+use super::check::ROBOT_NUMBER;
 use super::kind::{Bounded, TEXT, Word, Words};
 use super::{Form, Keys, Variant, Variants};
 use crate::code::Code;
@@ -11,7 +11,7 @@ const DURATION: Bounded = Bounded(Quantity::seconds("time").within(0.0, 1e9));
 
 impl Form for FaultSpec {
     fn bare(&self) -> Self {
-        Self::KINDS[self.kind_index()].2()
+        Self::VARIANTS[self.variant_index()].2()
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
@@ -22,9 +22,9 @@ impl Form for FaultSpec {
         keys.span(&mut self.span);
         let mut name = (!self.name.is_empty()).then(|| self.name.clone());
         keys.key("name", "Its name, which with the seed determines its random times; default: the kind.")
-            .maybe(TEXT, &mut name);
+            .nullable(TEXT, &mut name);
         self.name = name.unwrap_or_default();
-        keys.key("robot", "Number of the robot; default: 1.").optional(NUMBER, &mut self.robot);
+        keys.key("robot", "Number of the robot; default: 1.").optional(ROBOT_NUMBER, &mut self.robot);
         match &mut self.kind {
             FaultKind::Dies | FaultKind::RadioOff => {}
             FaultKind::SensorOff { sensor } => {
@@ -54,34 +54,34 @@ impl Form for FaultSpec {
                     .required(Quantity::number("value", -1e9, 1e9), value);
             }
         }
-        when_keys(keys, &mut self.time);
+        time_keys(keys, &mut self.time);
         let is_end = matches!(self.kind, FaultKind::Dies);
         if !is_end {
             keys.key("for_s", "Duration in seconds; default: until the end of the run.")
-                .maybe(DURATION, &mut self.duration);
+                .nullable(DURATION, &mut self.duration);
         }
     }
 }
 
-/// Declares the instants of a fault.
-fn when_keys(keys: &mut Keys<'_>, when: &mut FaultTime) {
-    let (mut at, mut probability, mut rate) = match *when {
+/// Declares when a fault begins.
+fn time_keys(keys: &mut Keys<'_>, time: &mut FaultTime) {
+    let (mut at, mut probability, mut rate) = match *time {
         FaultTime::Once { at, probability } => (Some(at), probability, None),
         FaultTime::Random { per_minute } => (None, 1.0, Some(per_minute)),
     };
     if keys.reading().is_some() {
         at = None;
     }
-    keys.key("at_s", "Simulated seconds at which it begins.").maybe(DURATION, &mut at);
+    keys.key("at_s", "Simulated seconds at which it begins.").nullable(DURATION, &mut at);
     keys.key("probability", "Probability that the fault occurs at all; default: 1.")
         .optional(Bounded(Quantity::number("probability", 0.0, 1.0)), &mut probability);
     keys.key("per_minute", "Mean rate of random beginnings per minute, instead of `at_s`.")
-        .maybe(Bounded(Quantity::number("rate", 1e-6, 1e3)), &mut rate);
+        .nullable(Bounded(Quantity::number("rate", 1e-6, 1e3)), &mut rate);
     let Some((reader, section)) = keys.reading() else { return };
     if section.has("per_minute") {
         let is_clean = reader.exclude(section, "per_minute", &["at_s", "probability"]);
         match rate.filter(|_| is_clean) {
-            Some(per_minute) => *when = FaultTime::Random { per_minute },
+            Some(per_minute) => *time = FaultTime::Random { per_minute },
             None => keys.refuse(),
         }
         return;
@@ -92,33 +92,34 @@ fn when_keys(keys: &mut Keys<'_>, when: &mut FaultTime) {
         reader.sink.error(Code::TomlMissing, section.span, message, expected);
     }
     match at {
-        Some(at) => *when = FaultTime::Once { at, probability },
+        Some(at) => *time = FaultTime::Once { at, probability },
         None => keys.refuse(),
     }
 }
 
 impl Variants for FaultSpec {
-    const KINDS: &'static [Variant<Self>] = &[
+    const VARIANTS: &'static [Variant<Self>] = &[
         ("dies", "The robot's program ends, its motors stop, its radio is silent; its body stays.", || {
-            of(FaultKind::Dies)
+            fault(FaultKind::Dies)
         }),
-        ("sensor_off", "A sensor sees nothing.", || of(FaultKind::SensorOff { sensor: String::new() })),
+        ("sensor_off", "A sensor sees nothing.", || fault(FaultKind::SensorOff { sensor: String::new() })),
         ("sensor_stuck", "A distance sensor repeats its last reading.", || {
-            of(FaultKind::SensorStuck { sensor: String::new() })
+            fault(FaultKind::SensorStuck { sensor: String::new() })
         }),
-        ("slip", "Wheels slip.", || of(FaultKind::Slip { wheels: SlippingWheels::All, share: 0.0 })),
-        ("radio_off", "The radio neither is heard nor hears.", || of(FaultKind::RadioOff)),
+        ("slip", "Wheels slip.", || fault(FaultKind::Slip { wheels: SlippingWheels::All, share: 0.0 })),
+        ("radio_off", "The radio neither is heard nor hears.", || fault(FaultKind::RadioOff)),
         ("noise", "A number of the noise models has another value.", || {
-            of(FaultKind::Noise { parameter: String::new(), value: 0.0 })
+            fault(FaultKind::Noise { parameter: String::new(), value: 0.0 })
         }),
     ];
 
-    fn kind_index(&self) -> usize {
-        Self::KINDS.iter().position(|(word, ..)| *word == self.kind.word()).unwrap_or_default()
+    fn variant_index(&self) -> usize {
+        Self::VARIANTS.iter().position(|(word, ..)| *word == self.kind.word()).unwrap_or_default()
     }
 }
 
-fn of(kind: FaultKind) -> FaultSpec {
+/// A fault of this kind with default properties.
+fn fault(kind: FaultKind) -> FaultSpec {
     FaultSpec { kind, ..FaultSpec::default() }
 }
 

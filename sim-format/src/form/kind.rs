@@ -5,14 +5,14 @@ use std::ops::RangeInclusive;
 use serde_json::{Value as Json, json};
 use toml::Value;
 
-use super::{Definitions, Form, Keys, definition, print, print_beside, reference};
+use super::{Definitions, Form, Keys, definition, print, print_non_defaults, reference};
 use crate::line::Quantity;
 use crate::print::number::in_unit;
 use crate::spec::SpannedText;
 use crate::table::{Reader, Section};
 
-/// Context of a value that is being read: reader, table and key.
-pub(crate) struct At<'r, 's> {
+/// Context in which a value is read: reader, table and key.
+pub(crate) struct ReadContext<'r, 's> {
     pub(crate) reader: &'r mut Reader,
     pub(crate) section: &'r mut Section<'s, 's>,
     pub(crate) key: &'static str,
@@ -20,8 +20,8 @@ pub(crate) struct At<'r, 's> {
 
 /// Kind of the value of a key.
 pub(crate) trait Kind<T> {
-    /// Reads the value; `None` if it is missing or invalid. A table is read on top of the `old` value.
-    fn read(&self, at: At<'_, '_>, old: Option<&T>) -> Option<T>;
+    /// Reads the value; `None` if it is missing or invalid. The keys of a table replace those of the `old` value.
+    fn read(&self, context: ReadContext<'_, '_>, old: Option<&T>) -> Option<T>;
 
     /// Prints the value.
     fn print(&self, value: &T) -> Value;
@@ -30,16 +30,16 @@ pub(crate) trait Kind<T> {
     fn describe(&self, definitions: &mut Definitions) -> Json;
 }
 
-/// Kind of value defined by three functions.
+/// Kind that three functions define.
 pub(crate) struct Custom<T> {
-    pub(crate) read: fn(At<'_, '_>) -> Option<T>,
+    pub(crate) read: fn(ReadContext<'_, '_>) -> Option<T>,
     pub(crate) print: fn(&T) -> Value,
     pub(crate) describe: fn(&mut Definitions) -> Json,
 }
 
 impl<T> Kind<T> for Custom<T> {
-    fn read(&self, at: At<'_, '_>, _: Option<&T>) -> Option<T> {
-        (self.read)(at)
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&T>) -> Option<T> {
+        (self.read)(context)
     }
 
     fn print(&self, value: &T) -> Value {
@@ -53,8 +53,8 @@ impl<T> Kind<T> for Custom<T> {
 
 /// A number with a unit.
 impl Kind<f64> for Quantity {
-    fn read(&self, at: At<'_, '_>, _: Option<&f64>) -> Option<f64> {
-        at.reader.number(at.section, at.key, self)
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&f64>) -> Option<f64> {
+        context.reader.number(context.section, context.key, self)
     }
 
     fn print(&self, value: &f64) -> Value {
@@ -70,8 +70,8 @@ impl Kind<f64> for Quantity {
 pub(crate) struct Bounded(pub(crate) Quantity);
 
 impl Kind<f64> for Bounded {
-    fn read(&self, at: At<'_, '_>, _: Option<&f64>) -> Option<f64> {
-        at.reader.number(at.section, at.key, &self.0)
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&f64>) -> Option<f64> {
+        context.reader.number(context.section, context.key, &self.0)
     }
 
     fn print(&self, value: &f64) -> Value {
@@ -84,10 +84,10 @@ impl Kind<f64> for Bounded {
     }
 }
 
-/// A point or another fixed-length tuple of numbers with units.
+/// A point, or another fixed number of quantities.
 impl<P: Copy + From<[f64; N]> + Into<[f64; N]>, const N: usize> Kind<P> for [Quantity; N] {
-    fn read(&self, at: At<'_, '_>, _: Option<&P>) -> Option<P> {
-        at.reader.numbers(at.section, at.key, self).map(P::from)
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&P>) -> Option<P> {
+        context.reader.numbers(context.section, context.key, self).map(P::from)
     }
 
     fn print(&self, point: &P) -> Value {
@@ -96,12 +96,12 @@ impl<P: Copy + From<[f64; N]> + Into<[f64; N]>, const N: usize> Kind<P> for [Qua
     }
 
     fn describe(&self, _: &mut Definitions) -> Json {
-        array(json!({ "type": "number", "format": "double" }), N)
+        array_schema(json!({ "type": "number", "format": "double" }), N)
     }
 }
 
 /// Schema of an array of `length` items.
-pub(crate) fn array(items: Json, length: usize) -> Json {
+pub(crate) fn array_schema(items: Json, length: usize) -> Json {
     json!({ "type": "array", "items": items, "minItems": length, "maxItems": length })
 }
 
@@ -113,8 +113,8 @@ pub(crate) const TEXT: Text = Text("a text that is not empty, between double quo
 pub(crate) const IMAGE: Text = Text("the name of an image file, between double quotes");
 
 impl Kind<String> for Text {
-    fn read(&self, at: At<'_, '_>, _: Option<&String>) -> Option<String> {
-        at.reader.text_of(at.section, at.key, self.0)
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&String>) -> Option<String> {
+        context.reader.text_of(context.section, context.key, self.0)
     }
 
     fn print(&self, value: &String) -> Value {
@@ -126,10 +126,10 @@ impl Kind<String> for Text {
     }
 }
 
-/// Reference to a file, or a name.
+/// Name, or reference to a file, with its location.
 impl Kind<SpannedText> for Text {
-    fn read(&self, at: At<'_, '_>, _: Option<&SpannedText>) -> Option<SpannedText> {
-        at.reader.reference_to(at.section, at.key, self.0)
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&SpannedText>) -> Option<SpannedText> {
+        context.reader.reference_to(context.section, context.key, self.0)
     }
 
     fn print(&self, value: &SpannedText) -> Value {
@@ -145,8 +145,8 @@ impl Kind<SpannedText> for Text {
 pub(crate) struct Flag;
 
 impl Kind<bool> for Flag {
-    fn read(&self, at: At<'_, '_>, _: Option<&bool>) -> Option<bool> {
-        at.reader.flag(at.section, at.key)
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&bool>) -> Option<bool> {
+        context.reader.flag(context.section, context.key)
     }
 
     fn print(&self, value: &bool) -> Value {
@@ -159,18 +159,18 @@ impl Kind<bool> for Flag {
 }
 
 /// Integer type.
-pub(crate) trait Whole: Copy + TryFrom<i64> {
+pub(crate) trait Integer: Copy + TryFrom<i64> {
     /// Name of the type in the schema.
     const FORMAT: &'static str;
-    /// Minimum and maximum of the type that the schema states.
+    /// Minimum and maximum of the type, as far as the schema states them.
     const LIMITS: [Option<i64>; 2];
     /// The value as `i64`.
     fn number(self) -> i64;
 }
 
-macro_rules! whole {
+macro_rules! impl_integer {
     ($($number:ty, $format:literal, $limits:expr;)+) => {
-        $(impl Whole for $number {
+        $(impl Integer for $number {
             const FORMAT: &'static str = $format;
             const LIMITS: [Option<i64>; 2] = $limits;
             fn number(self) -> i64 {
@@ -180,7 +180,7 @@ macro_rules! whole {
     };
 }
 
-whole! {
+impl_integer! {
     u8, "uint8", [Some(0), Some(255)];
     u16, "uint16", [Some(0), Some(65_535)];
     u32, "uint32", [Some(0), None];
@@ -189,7 +189,7 @@ whole! {
 }
 
 /// Schema of all values of an integer type.
-pub(crate) fn whole<T: Whole>() -> Json {
+pub(crate) fn integer_schema<T: Integer>() -> Json {
     let mut schema = json!({ "type": "integer", "format": T::FORMAT });
     for (name, limit) in ["minimum", "maximum"].into_iter().zip(T::LIMITS) {
         limit.into_iter().for_each(|limit| schema[name] = limit.into());
@@ -198,9 +198,12 @@ pub(crate) fn whole<T: Whole>() -> Json {
 }
 
 /// Integer within bounds.
-impl<T: Whole> Kind<T> for RangeInclusive<i64> {
-    fn read(&self, at: At<'_, '_>, _: Option<&T>) -> Option<T> {
-        at.reader.integer(at.section, at.key, *self.start(), *self.end()).and_then(|number| T::try_from(number).ok())
+impl<T: Integer> Kind<T> for RangeInclusive<i64> {
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&T>) -> Option<T> {
+        context
+            .reader
+            .integer(context.section, context.key, *self.start(), *self.end())
+            .and_then(|number| T::try_from(number).ok())
     }
 
     fn print(&self, value: &T) -> Value {
@@ -208,18 +211,18 @@ impl<T: Whole> Kind<T> for RangeInclusive<i64> {
     }
 
     fn describe(&self, _: &mut Definitions) -> Json {
-        let mut schema = whole::<T>();
+        let mut schema = integer_schema::<T>();
         (schema["minimum"], schema["maximum"]) = ((*self.start()).into(), (*self.end()).into());
         schema
     }
 }
 
 /// Integer within bounds that do not appear in the schema.
-pub(crate) struct Loose(pub(crate) RangeInclusive<i64>);
+pub(crate) struct HiddenBounds(pub(crate) RangeInclusive<i64>);
 
-impl<T: Whole> Kind<T> for Loose {
-    fn read(&self, at: At<'_, '_>, old: Option<&T>) -> Option<T> {
-        self.0.read(at, old)
+impl<T: Integer> Kind<T> for HiddenBounds {
+    fn read(&self, context: ReadContext<'_, '_>, old: Option<&T>) -> Option<T> {
+        self.0.read(context, old)
     }
 
     fn print(&self, value: &T) -> Value {
@@ -227,16 +230,16 @@ impl<T: Whole> Kind<T> for Loose {
     }
 
     fn describe(&self, _: &mut Definitions) -> Json {
-        whole::<T>()
+        integer_schema::<T>()
     }
 }
 
 /// Colour channels, 0 to 255.
-pub(crate) struct Shades;
+pub(crate) struct Channels;
 
-impl<const N: usize> Kind<[u8; N]> for Shades {
-    fn read(&self, at: At<'_, '_>, _: Option<&[u8; N]>) -> Option<[u8; N]> {
-        at.reader.shades(at.section, at.key)
+impl<const N: usize> Kind<[u8; N]> for Channels {
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&[u8; N]>) -> Option<[u8; N]> {
+        context.reader.shades(context.section, context.key)
     }
 
     fn print(&self, value: &[u8; N]) -> Value {
@@ -244,7 +247,7 @@ impl<const N: usize> Kind<[u8; N]> for Shades {
     }
 
     fn describe(&self, _: &mut Definitions) -> Json {
-        array(whole::<u8>(), N)
+        array_schema(integer_schema::<u8>(), N)
     }
 }
 
@@ -258,13 +261,13 @@ pub(crate) trait Words: Copy + PartialEq + 'static {
     const WORDS: &'static [(Self, &'static str, &'static str)];
 }
 
-/// One word of an enumeration.
+/// Value of an enumeration, written as its word.
 pub(crate) struct Word;
 
 impl<W: Words> Kind<W> for Word {
-    fn read(&self, at: At<'_, '_>, _: Option<&W>) -> Option<W> {
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&W>) -> Option<W> {
         let words: Vec<&str> = W::WORDS.iter().map(|(_, word, _)| *word).collect();
-        at.reader.choice(at.section, at.key, &words).map(|index| W::WORDS[index].0)
+        context.reader.choice(context.section, context.key, &words).map(|index| W::WORDS[index].0)
     }
 
     fn print(&self, value: &W) -> Value {
@@ -282,14 +285,14 @@ impl<W: Words> Kind<W> for Word {
 }
 
 /// Table; the field is an example of its content for messages, or empty.
-pub(crate) struct Part(pub(crate) &'static str);
+pub(crate) struct TableWithExample(pub(crate) &'static str);
 
-pub(crate) const PART: Part = Part("");
+pub(crate) const TABLE: TableWithExample = TableWithExample("");
 
-impl<F: Form> Kind<F> for Part {
-    fn read(&self, at: At<'_, '_>, old: Option<&F>) -> Option<F> {
-        let part = at.reader.section_like(at.section, at.key, self.0)?;
-        at.reader.form(part, old.cloned().unwrap_or_else(F::usual))
+impl<F: Form> Kind<F> for TableWithExample {
+    fn read(&self, context: ReadContext<'_, '_>, old: Option<&F>) -> Option<F> {
+        let part = context.reader.section_like(context.section, context.key, self.0)?;
+        context.reader.form(part, old.cloned().unwrap_or_else(F::defaults))
     }
 
     fn print(&self, value: &F) -> Value {
@@ -297,22 +300,22 @@ impl<F: Form> Kind<F> for Part {
     }
 
     fn describe(&self, definitions: &mut Definitions) -> Json {
-        reference(definitions, |keys| F::usual().keys(keys))
+        reference(definitions, |keys| F::defaults().keys(keys))
     }
 }
 
-/// Table with some of a spec's properties, whose keys the function declares.
-pub(crate) struct PartOf<T>(pub(crate) fn(&mut T, &mut Keys<'_>));
+/// Table with some properties of a spec; the function declares its keys.
+pub(crate) struct PartialTable<T>(pub(crate) fn(&mut T, &mut Keys<'_>));
 
-impl<T: Clone + Default> Kind<T> for PartOf<T> {
-    fn read(&self, at: At<'_, '_>, old: Option<&T>) -> Option<T> {
-        let part = at.reader.section(at.section, at.key)?;
-        let mut whole = old.cloned().unwrap_or_default();
-        at.reader.table(part, |keys| (self.0)(&mut whole, keys)).then_some(whole)
+impl<T: Clone + Default> Kind<T> for PartialTable<T> {
+    fn read(&self, context: ReadContext<'_, '_>, old: Option<&T>) -> Option<T> {
+        let part = context.reader.section(context.section, context.key)?;
+        let mut spec = old.cloned().unwrap_or_default();
+        context.reader.table(part, |keys| (self.0)(&mut spec, keys)).then_some(spec)
     }
 
-    fn print(&self, whole: &T) -> Value {
-        print_beside(|keys| (self.0)(&mut whole.clone(), keys), |keys| (self.0)(&mut T::default(), keys)).into()
+    fn print(&self, spec: &T) -> Value {
+        print_non_defaults(|keys| (self.0)(&mut spec.clone(), keys), |keys| (self.0)(&mut T::default(), keys)).into()
     }
 
     fn describe(&self, definitions: &mut Definitions) -> Json {
@@ -320,15 +323,15 @@ impl<T: Clone + Default> Kind<T> for PartOf<T> {
     }
 }
 
-/// Array of tables, limited to this many; incomplete tables are dropped.
-pub(crate) struct Parts(pub(crate) usize);
+/// Array of at most this many tables; further and incomplete tables are dropped.
+pub(crate) struct TablesUpTo(pub(crate) usize);
 
-pub(crate) const PARTS: Parts = Parts(usize::MAX);
+pub(crate) const TABLES: TablesUpTo = TablesUpTo(usize::MAX);
 
-impl<F: Form> Kind<Vec<F>> for Parts {
-    fn read(&self, at: At<'_, '_>, _: Option<&Vec<F>>) -> Option<Vec<F>> {
-        let parts = at.reader.sections(at.section, at.key).into_iter().take(self.0);
-        Some(parts.filter_map(|part| at.reader.form(part, F::usual())).collect())
+impl<F: Form> Kind<Vec<F>> for TablesUpTo {
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&Vec<F>>) -> Option<Vec<F>> {
+        let parts = context.reader.sections(context.section, context.key).into_iter().take(self.0);
+        Some(parts.filter_map(|part| context.reader.form(part, F::defaults())).collect())
     }
 
     fn print(&self, values: &Vec<F>) -> Value {
@@ -336,6 +339,6 @@ impl<F: Form> Kind<Vec<F>> for Parts {
     }
 
     fn describe(&self, definitions: &mut Definitions) -> Json {
-        json!({ "type": "array", "items": Kind::<F>::describe(&PART, definitions) })
+        json!({ "type": "array", "items": Kind::<F>::describe(&TABLE, definitions) })
     }
 }

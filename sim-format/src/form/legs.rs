@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::kind::{Bounded, Custom, Kind, PART, PARTS, Parts, TEXT, Word, Words};
+use super::kind::{Bounded, Custom, Kind, TABLE, TABLES, TEXT, TablesUpTo, Word, Words};
 use super::{Form, Keys};
 use crate::Span;
 use crate::code::Code;
@@ -15,21 +15,21 @@ use sim_core::drive::legged::Foot;
 use sim_core::unit;
 
 /// Maximum number of legs of a robot, and of gaits.
-const MAX_PARTS: usize = 16;
+const MAX_COUNT: usize = 16;
 const OFFSET: Quantity = Quantity::number("offset", 0.0, 1.0);
 
 /// Declares `[legs]` and `[[leg]]` of a robot type.
-pub(crate) fn legs(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
+pub(crate) fn leg_keys(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     let mut legs = robi.legs.take();
-    let mut list = legs.as_ref().map_or_else(Vec::new, |legs| legs.legs.clone());
-    let mut gaits = legs.clone().filter(|legs| LegsSpec { legs: Vec::new(), ..legs.clone() } != LegsSpec::default());
-    keys.key("legs", "Gaits and common properties of the legs; for `kind = \"legged\"`.").maybe(PART, &mut gaits);
-    keys.key("leg", "The legs.").list(PARTS, &mut list);
+    let mut leg_list = legs.as_ref().map_or_else(Vec::new, |legs| legs.legs.clone());
+    let mut common = legs.clone().filter(|legs| LegsSpec { legs: Vec::new(), ..legs.clone() } != LegsSpec::default());
+    keys.key("legs", "Gaits and common properties of the legs; for `kind = \"legged\"`.").nullable(TABLE, &mut common);
+    keys.key("leg", "The legs.").list(TABLES, &mut leg_list);
     if let Some((reader, section)) = keys.reading() {
         let key = ["leg", "legs"].into_iter().find(|key| section.has(key));
         let span = key.map_or(section.span, |key| reader.key_span(section, key));
-        let read = LegsSpec { legs: list, ..gaits.unwrap_or_default() };
-        legs = reader.settle_legs(read, robi.drive.kind == DriveKind::Legged, key.is_some(), span);
+        let read = LegsSpec { legs: leg_list, ..common.unwrap_or_default() };
+        legs = reader.check_legs(read, robi.drive.kind == DriveKind::Legged, key.is_some(), span);
     }
     robi.legs = legs;
 }
@@ -42,12 +42,12 @@ impl Form for LegsSpec {
         keys.key("radius_mm", "Radius of thighs and shanks in mm, for contacts; default: 20.")
             .optional(Quantity::length("radius of thighs and shanks"), &mut self.radius);
         keys.key("gait", "Gaits; the robot starts with the first one; default: one foot after the other.")
-            .list(Parts(MAX_PARTS), &mut self.gaits);
+            .list(TablesUpTo(MAX_COUNT), &mut self.gaits);
     }
 }
 
 impl Form for GaitSpec {
-    fn usual() -> Self {
+    fn defaults() -> Self {
         Self { period: DEFAULT_PERIOD, duty: DEFAULT_DUTY, ..Self::default() }
     }
 
@@ -72,7 +72,7 @@ impl Form for GaitSpec {
     }
 }
 
-/// Curve followed by the joints of a gait.
+/// How the joints move in a gait.
 #[derive(Clone, Copy, PartialEq)]
 enum Curve {
     Plain,
@@ -90,9 +90,9 @@ impl Words for Curve {
 
 /// Phase offsets as fractions of a period, one per leg.
 const OFFSETS: Custom<Vec<f64>> = Custom {
-    read: |at| {
-        let items = at.reader.array(at.section, at.key, "an array of numbers, one a leg")?;
-        Some(items.iter().filter_map(|item| at.reader.as_number(at.key, item, &OFFSET)).collect())
+    read: |context| {
+        let items = context.reader.array(context.section, context.key, "an array of numbers, one a leg")?;
+        Some(items.iter().filter_map(|item| context.reader.as_number(context.key, item, &OFFSET)).collect())
     },
     print: |offsets| offsets.clone().into(),
     describe: |definitions| json!({ "type": "array", "items": OFFSET.describe(definitions) }),
@@ -117,9 +117,9 @@ impl Form for LegSpec {
             .required(Quantity::size("length of the thigh"), &mut self.thigh);
         keys.key("shank_mm", "Length from knee to ankle or tip in mm.")
             .required(Quantity::size("length of the shank"), &mut self.shank);
-        keys.key("foot", "Its foot.").maybe(PART, &mut self.foot);
+        keys.key("foot", "Its foot.").nullable(TABLE, &mut self.foot);
         keys.key("wheel_mm", "Diameter in mm of a wheel instead of a foot; it rolls and is never lifted.")
-            .maybe(Quantity::size("diameter of the wheel"), &mut self.wheel);
+            .nullable(Quantity::size("diameter of the wheel"), &mut self.wheel);
         if let Some((reader, section)) = keys.reading()
             && self.foot.is_some()
             && self.wheel.take().is_some()
@@ -143,12 +143,12 @@ impl Form for Foot {
 }
 
 impl Reader {
-    /// Validates the legs of a robot type: reports inconsistencies, and legs on which the robot cannot stand or walk.
-    fn settle_legs(&mut self, mut legs: LegsSpec, is_legged: bool, has_legs: bool, span: Span) -> Option<LegsSpec> {
-        if legs.legs.len() > MAX_PARTS {
+    /// Validates the legs of a robot type: reports inconsistencies, and removes legs on which the robot cannot stand.
+    fn check_legs(&mut self, mut legs: LegsSpec, is_legged: bool, has_legs: bool, span: Span) -> Option<LegsSpec> {
+        if legs.legs.len() > MAX_COUNT {
             let message = format!("the robot has {} legs", legs.legs.len());
-            self.sink.error(Code::NumberRange, span, message, format!("at most {MAX_PARTS} legs"));
-            legs.legs.truncate(MAX_PARTS);
+            self.sink.error(Code::NumberRange, span, message, format!("at most {MAX_COUNT} legs"));
+            legs.legs.truncate(MAX_COUNT);
         }
         if !is_legged {
             if has_legs {
@@ -169,16 +169,16 @@ impl Reader {
         legs.legs.retain(|spec| {
             let leg = build::leg(spec);
             let (min, max) = leg.standing_heights();
-            let is_good = (min..=max).contains(&spec.hip.z);
-            if !is_good {
+            let can_stand = (min..=max).contains(&spec.hip.z);
+            if !can_stand {
                 let [min, max] = [min.max(0.0), max].map(|metres| unit::mm_from_metres(metres).floor());
                 let message = format!("leg `{}` cannot stand with its hip at this height", spec.name.text);
                 self.sink.error(Code::LegReach, spec.span, message, format!("`z_mm` from {min} to {max}"));
             }
-            is_good
+            can_stand
         });
         if legs.legs.len() < count {
-            // The legs that the offsets belong to have been removed.
+            // The offsets belong to the complete list of legs.
             legs.gaits.iter_mut().for_each(|gait| gait.offsets.clear());
         }
         if legs.legs.is_empty() {

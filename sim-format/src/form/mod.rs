@@ -1,7 +1,7 @@
 //! Forms: schemas of the tables in our own TOML files.
 //!
-//! Each key is declared once, with its name, its meaning, the kind of its values and its default. Three passes use the declarations: they
-//! read a table, print it, and describe it in the JSON schema. [`kind`] defines the kinds of values.
+//! Each key is declared once, with its name, its meaning, the kind of its values and its default. Three passes use the declarations: one
+//! reads a table, one prints it, and one describes it in the JSON schema. [`kind`] defines the kinds of values.
 
 pub(crate) mod check;
 pub(crate) mod device;
@@ -26,18 +26,18 @@ use toml::{Table, Value};
 
 use crate::Span;
 use crate::table::{Reader, Section};
-use kind::{At, Flag, Kind};
+use kind::{Flag, Kind, ReadContext};
 
 /// Spec that is written as a TOML table.
 pub(crate) trait Form: Clone + Default {
-    /// Meaning of a table without any key.
-    fn usual() -> Self {
+    /// Value of a table without any key.
+    fn defaults() -> Self {
         Self::default()
     }
 
-    /// Meaning of a table that has only the key of the variant.
+    /// Value of a table whose only key is `kind`.
     fn bare(&self) -> Self {
-        Self::usual()
+        Self::defaults()
     }
 
     /// Declares the form and its keys, in the order in which they are printed.
@@ -47,16 +47,16 @@ pub(crate) trait Form: Clone + Default {
 /// Form with several variants, selected by the key `kind`.
 pub(crate) trait Variants: Form + 'static {
     /// The variants.
-    const KINDS: &'static [Variant<Self>];
+    const VARIANTS: &'static [Variant<Self>];
 
-    /// Index of this variant in `KINDS`.
-    fn kind_index(&self) -> usize {
-        let is_same = |made: Self| discriminant(&made) == discriminant(self);
-        Self::KINDS.iter().position(|(.., make)| is_same(make())).unwrap_or_default()
+    /// Index of this variant in `VARIANTS`.
+    fn variant_index(&self) -> usize {
+        let has_same_variant = |variant: Self| discriminant(&variant) == discriminant(self);
+        Self::VARIANTS.iter().position(|(.., make)| has_same_variant(make())).unwrap_or_default()
     }
 }
 
-/// Variant: its word, its description, and a constructor of its default.
+/// Variant: its word in files, its description, and a constructor of its default.
 pub(crate) type Variant<F> = (&'static str, &'static str, fn() -> F);
 
 /// One pass over the keys of a table.
@@ -64,17 +64,17 @@ pub(crate) struct Keys<'k> {
     pass: Pass<'k>,
     /// True if no required key is missing so far.
     is_complete: bool,
-    /// True if the table cannot be interpreted, so that the validity of its other keys is unknown.
+    /// True if no further keys can be declared, such as those of an unknown variant.
     is_abandoned: bool,
 }
 
-/// Action for each key.
+/// Task of a pass, with its state.
 enum Pass<'k> {
     /// Reads the key from a table.
     Read(&'k mut Reader, Section<'k, 'k>),
-    /// Prints the key into the first table unless it equals the default in the second.
+    /// Adds the key to the first table unless it equals the default in the second.
     Print(Table, Option<Table>),
-    /// Adds the key's description to the form's description.
+    /// Adds the schema of the key to the description of the form.
     Describe(&'k mut Definitions, Description),
 }
 
@@ -89,7 +89,7 @@ struct Description {
     properties: Map<String, Json>,
     /// Required keys.
     required: Vec<&'static str>,
-    /// Description of the variant; `None` for the whole form.
+    /// Description of the variant if this describes a single variant; `None` for the whole form.
     variant: Option<&'static str>,
     /// Schemas of the variants of the whole form.
     variants: Vec<Json>,
@@ -113,22 +113,23 @@ impl Description {
     }
 }
 
-/// Key under declaration. The last method of the chain states the kind of its values and the variable that holds them.
+/// A key that is being declared. The last method of the chain takes the kind of its values and the variable for the value.
 pub(crate) struct Key<'w, 'k> {
     keys: &'w mut Keys<'k>,
     name: &'static str,
     about: &'static str,
 }
 
-/// Rules for omitting a key.
+/// Whether a key may be omitted.
 #[derive(Clone, Copy, PartialEq)]
 enum Need {
     Required,
-    /// Printed if it has a value; may be `null` in JSON, equivalent to an omitted key.
+    /// Printed if it has a value; in JSON, `null` is equivalent to an omitted key.
     Nullable,
-    /// Omitted if it equals the default; may be `null` in JSON.
-    Usual,
-    Optional,
+    /// Not printed if it equals the default; may be `null` in JSON.
+    OmittedIfDefault,
+    /// Not printed if it is an empty list or table.
+    OmittedIfEmpty,
 }
 
 impl<'k> Keys<'k> {
@@ -148,18 +149,17 @@ impl<'k> Keys<'k> {
         Key { keys: self, name, about }
     }
 
-    /// Declares the key `kind`, which sets `form` to its variant. Returns false if the variant is unknown and no further keys can be
-    /// declared.
+    /// Declares the key `kind`, which sets `form` to its variant. Returns false if the caller must not declare further keys.
     pub(crate) fn variant<F: Variants>(&mut self, form: &mut F) -> bool {
-        let word = |form: &F| F::KINDS[form.kind_index()].0;
+        let word = |form: &F| F::VARIANTS[form.variant_index()].0;
         match &mut self.pass {
             Pass::Read(reader, section) => {
-                let words: Vec<&str> = F::KINDS.iter().map(|(word, ..)| *word).collect();
+                let words: Vec<&str> = F::VARIANTS.iter().map(|(word, ..)| *word).collect();
                 if !section.has("kind") {
                     reader.missing(section, "kind");
                 }
                 let index = reader.choice(section, "kind", &words);
-                index.into_iter().for_each(|index| *form = F::KINDS[index].2());
+                index.into_iter().for_each(|index| *form = F::VARIANTS[index].2());
                 self.is_abandoned = index.is_none();
                 self.is_complete &= !self.is_abandoned;
             }
@@ -169,7 +169,7 @@ impl<'k> Keys<'k> {
                 description.required.push("kind");
             }
             Pass::Describe(definitions, description) => {
-                let kinds = F::KINDS.iter().map(|(_, about, make)| {
+                let kinds = F::VARIANTS.iter().map(|(_, about, make)| {
                     let part = Description { variant: Some(about), ..Description::default() };
                     describe(definitions, part, |keys| make().keys(keys)).schema()
                 });
@@ -180,8 +180,8 @@ impl<'k> Keys<'k> {
         !self.is_abandoned
     }
 
-    /// Makes messages list these keys before keys declared later.
-    pub(crate) fn mention(&mut self, names: &[&'static str]) {
+    /// Makes messages list these keys before keys that are declared later.
+    pub(crate) fn mention_first(&mut self, names: &[&'static str]) {
         if let Some((_, section)) = self.reading() {
             names.iter().for_each(|name| _ = section.get(name));
         }
@@ -196,7 +196,7 @@ impl<'k> Keys<'k> {
         }
     }
 
-    /// The reader and the table during a read, for checks that involve several keys.
+    /// Reader and table if the pass reads, for checks that involve several keys.
     pub(crate) fn reading(&mut self) -> Option<(&mut Reader, &mut Section<'k, 'k>)> {
         match &mut self.pass {
             Pass::Read(reader, section) => Some((reader, section)),
@@ -216,31 +216,30 @@ impl<'k> Keys<'k> {
 }
 
 impl Key<'_, '_> {
-    /// Value of a required key.
+    /// Required value.
     pub(crate) fn required<T>(self, kind: impl Kind<T>, value: &mut T) {
-        self.needed(&kind, value, Need::Required);
+        self.declare_required(&kind, value, Need::Required);
     }
 
-    /// Value of a key that is required unless the table has the single key that replaces all other keys, such as
-    /// `file`.
-    pub(crate) fn expected<T>(self, kind: impl Kind<T>, value: &mut T) {
-        self.needed(&kind, value, Need::Nullable);
+    /// Value that is required unless the table has the single key that replaces all other keys, such as `file`.
+    pub(crate) fn required_or_replaced<T>(self, kind: impl Kind<T>, value: &mut T) {
+        self.declare_required(&kind, value, Need::Nullable);
     }
 
     /// Optional value that is always printed.
-    pub(crate) fn always<T>(mut self, kind: impl Kind<T>, value: &mut T) {
+    pub(crate) fn always_printed<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         self.read(&kind, Some(value)).into_iter().for_each(|read| *value = read);
-        self.tell(&kind, Some(value), Need::Nullable);
+        self.emit(&kind, Some(value), Need::Nullable);
     }
 
     /// Optional value, printed unless it is the default.
     pub(crate) fn optional<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         self.read(&kind, Some(value)).into_iter().for_each(|read| *value = read);
-        self.tell(&kind, Some(value), Need::Usual);
+        self.emit(&kind, Some(value), Need::OmittedIfDefault);
     }
 
     /// Optional value, printed unless it is the default; an invalid value makes the whole table unusable.
-    pub(crate) fn strictly<T>(mut self, kind: impl Kind<T>, value: &mut T) {
+    pub(crate) fn strict<T>(mut self, kind: impl Kind<T>, value: &mut T) {
         let name = self.name;
         let is_given = self.keys.reading().is_some_and(|(_, section)| section.has(name));
         match self.read(&kind, None) {
@@ -248,35 +247,36 @@ impl Key<'_, '_> {
             None if is_given => self.keys.refuse(),
             None => {}
         }
-        self.tell(&kind, Some(value), Need::Usual);
+        self.emit(&kind, Some(value), Need::OmittedIfDefault);
     }
 
     /// Optional value without a default.
-    pub(crate) fn maybe<T>(mut self, kind: impl Kind<T>, value: &mut Option<T>) {
+    pub(crate) fn nullable<T>(mut self, kind: impl Kind<T>, value: &mut Option<T>) {
         *value = self.read(&kind, value.as_ref()).or(value.take());
-        self.tell(&kind, value.as_ref(), Need::Nullable);
+        self.emit(&kind, value.as_ref(), Need::Nullable);
     }
 
     /// Values appended to the existing values; not printed if empty.
     pub(crate) fn list<T>(mut self, kind: impl Kind<Vec<T>>, values: &mut Vec<T>) {
         values.extend(self.read(&kind, None).into_iter().flatten());
-        self.tell(&kind, Some(values), Need::Optional);
+        self.emit(&kind, Some(values), Need::OmittedIfEmpty);
     }
 
-    /// Values that replace the existing values; not printed if empty.
-    pub(crate) fn items<T>(mut self, kind: impl Kind<Vec<T>>, values: &mut Vec<T>) {
+    /// Values that replace the existing values unless they are empty; not printed if empty.
+    pub(crate) fn non_empty_list<T>(mut self, kind: impl Kind<Vec<T>>, values: &mut Vec<T>) {
         let read = self.read(&kind, None).filter(|read| !read.is_empty());
         read.into_iter().for_each(|read| *values = read);
-        self.tell(&kind, Some(values), Need::Optional);
+        self.emit(&kind, Some(values), Need::OmittedIfEmpty);
     }
 
     /// Flag, printed only if true.
     pub(crate) fn flag(mut self, value: &mut bool) {
         *value = self.read(&Flag, None).unwrap_or(*value);
-        self.tell(&Flag, Some(&*value).filter(|value| **value), Need::Optional);
+        self.emit(&Flag, Some(&*value).filter(|value| **value), Need::OmittedIfEmpty);
     }
 
-    fn needed<T>(mut self, kind: &impl Kind<T>, value: &mut T, need: Need) {
+    /// Declares a required value; reports a missing or invalid one and makes the table unusable.
+    fn declare_required<T>(mut self, kind: &impl Kind<T>, value: &mut T, need: Need) {
         let name = self.name;
         if let Some((reader, section)) = self.keys.reading()
             && !section.has(name)
@@ -288,41 +288,42 @@ impl Key<'_, '_> {
             None if self.keys.reading().is_some() => self.keys.refuse(),
             None => {}
         }
-        self.tell(kind, Some(value), need);
+        self.emit(kind, Some(value), need);
     }
 
+    /// Reads the value if the pass reads.
     fn read<T>(&mut self, kind: &impl Kind<T>, old: Option<&T>) -> Option<T> {
         let (reader, section) = self.keys.reading()?;
-        kind.read(At { reader, section, key: self.name }, old)
+        kind.read(ReadContext { reader, section, key: self.name }, old)
     }
 
-    /// Prints the value if there is one, or describes it in the schema.
-    fn tell<T>(self, kind: &impl Kind<T>, value: Option<&T>, need: Need) {
+    /// Prints the value if there is one, or adds it to the schema; does nothing while reading.
+    fn emit<T>(self, kind: &impl Kind<T>, value: Option<&T>, need: Need) {
         match &mut self.keys.pass {
             Pass::Read(..) => {}
             Pass::Print(..) => {
                 if let Some(value) = value {
-                    self.put(kind.print(value), need);
+                    self.print_value(kind.print(value), need);
                 }
             }
             Pass::Describe(definitions, _) => {
                 let schema = kind.describe(definitions);
-                self.put_schema(schema, need);
+                self.add_schema(schema, need);
             }
         }
     }
 
     /// Adds a printed value to the table.
-    fn put(self, printed: Value, need: Need) {
+    fn print_value(self, printed: Value, need: Need) {
         match &mut self.keys.pass {
-            Pass::Print(table, usual) => {
-                let is_as_usual = || usual.as_ref().is_some_and(|usual| usual.get(self.name) == Some(&printed));
-                let is_left_out = match need {
+            Pass::Print(table, defaults) => {
+                let is_default = || defaults.as_ref().is_some_and(|defaults| defaults.get(self.name) == Some(&printed));
+                let is_omitted = match need {
                     Need::Required | Need::Nullable => false,
-                    Need::Usual => is_as_usual(),
-                    Need::Optional => is_empty(&printed),
+                    Need::OmittedIfDefault => is_default(),
+                    Need::OmittedIfEmpty => is_empty(&printed),
                 };
-                if !is_left_out {
+                if !is_omitted {
                     table.insert(self.name.to_owned(), printed);
                 }
             }
@@ -331,12 +332,12 @@ impl Key<'_, '_> {
     }
 
     /// Adds the schema of the value to the description of the form.
-    fn put_schema(self, mut schema: Json, need: Need) {
+    fn add_schema(self, mut schema: Json, need: Need) {
         match &mut self.keys.pass {
             Pass::Describe(_, description) => {
                 if need == Need::Required {
                     description.required.push(self.name);
-                } else if need != Need::Optional {
+                } else if need != Need::OmittedIfEmpty {
                     schema = or_null(schema);
                 }
                 schema["description"] = self.about.into();
@@ -368,17 +369,17 @@ pub(crate) fn or_null(mut schema: Json) -> Json {
 
 /// Table of `form`, without default values.
 pub(crate) fn print<F: Form>(form: &F) -> Table {
-    print_beside(|keys| form.clone().keys(keys), |keys| form.bare().keys(keys))
+    print_non_defaults(|keys| form.clone().keys(keys), |keys| form.bare().keys(keys))
 }
 
-/// Table of the keys that `declare` declares, without keys that have the same value in the `bare` form.
-pub(crate) fn print_beside(declare: impl FnOnce(&mut Keys<'_>), bare: impl FnOnce(&mut Keys<'_>)) -> Table {
-    let usual = print_table(None, bare);
-    print_table(Some(usual), declare)
+/// Table of the keys that `declare` declares, without keys for which `bare` prints the same value.
+pub(crate) fn print_non_defaults(declare: impl FnOnce(&mut Keys<'_>), bare: impl FnOnce(&mut Keys<'_>)) -> Table {
+    let defaults = print_table(None, bare);
+    print_table(Some(defaults), declare)
 }
 
-fn print_table(usual: Option<Table>, declare: impl FnOnce(&mut Keys<'_>)) -> Table {
-    let mut keys = Keys::new(Pass::Print(Table::new(), usual));
+fn print_table(defaults: Option<Table>, declare: impl FnOnce(&mut Keys<'_>)) -> Table {
+    let mut keys = Keys::new(Pass::Print(Table::new(), defaults));
     declare(&mut keys);
     keys.into_table()
 }

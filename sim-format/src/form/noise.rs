@@ -1,4 +1,4 @@
-//! Noise profiles: a preset and the differences from it.
+//! Noise profiles: a preset and the parameters that differ from it.
 
 use std::collections::BTreeMap;
 
@@ -6,8 +6,8 @@ use serde_json::{Value as Json, json};
 use toml::de::DeValue;
 use toml::{Table, Value};
 
-use super::device::by_name;
-use super::kind::{At, Custom, Kind, PART, TEXT};
+use super::device::sorted_table;
+use super::kind::{Custom, Kind, ReadContext, TABLE, TEXT};
 use super::{Definitions, Form, Keys, definition, or_null, print};
 use crate::Span;
 use crate::code::Code;
@@ -22,12 +22,12 @@ use sim_core::noise::keys::{CAMERA, COMPASS, DRIVE, Keys as NoiseKeys, ODOMETRY,
 
 /// Noise of a scene or robot: `noise = "mild"`, `noise = "FILE.toml"` or an inline profile.
 pub(crate) const NOISE: Custom<NoiseRef> = Custom {
-    read: |at| {
-        let At { reader, section, key } = at;
+    read: |context| {
+        let ReadContext { reader, section, key } = context;
         if section.get(key).is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
             let part = reader.section(section, key)?;
             if part.table.is_empty() {
-                reader.warn_of_empty(part.span);
+                reader.warn_empty_profile(part.span);
             }
             let spec = NoiseSpec { file: reader.sink.file().to_owned(), ..NoiseSpec::default() };
             return reader.form(part, spec).map(|spec| NoiseRef::Profile(spec.into()));
@@ -47,7 +47,7 @@ pub(crate) const NOISE: Custom<NoiseRef> = Custom {
         definition(definitions, "NoiseForm", |definitions| {
             let name =
                 json!({ "description": "`none`, `mild`, `real`, `harsh`, `course`, or a file.", "type": "string" });
-            let mut profile = Kind::<NoiseSpec>::describe(&PART, definitions);
+            let mut profile = Kind::<NoiseSpec>::describe(&TABLE, definitions);
             profile["description"] = "Inline table.".into();
             json!({ "description": "A noise profile.", "anyOf": [name, profile] })
         })
@@ -55,18 +55,20 @@ pub(crate) const NOISE: Custom<NoiseRef> = Custom {
 };
 
 impl Reader {
-    fn preset(&mut self, name: &str, span: Span, or: &str) -> Option<Preset> {
+    /// Preset named `name`; reports an unknown name.
+    fn preset(&mut self, name: &str, span: Span, alternative: &str) -> Option<Preset> {
         let preset = preset(name);
         if preset.is_none() {
             let message = format!("`{name}` is no noise profile");
-            let expected = format!("one of {}{or}", PRESETS.join(", "));
+            let expected = format!("one of {}{alternative}", PRESETS.join(", "));
             let suggestion = line::nearest(name, PRESETS).map(|name| format!("write `{name}`"));
             self.sink.error(Code::TomlChoice, span, message, expected).suggestion = suggestion;
         }
         preset
     }
 
-    pub(crate) fn warn_of_empty(&mut self, span: Span) {
+    /// Warns that a profile has no content.
+    pub(crate) fn warn_empty_profile(&mut self, span: Span) {
         let expected = "`base = \"none\"` or another preset, or sections such as `[psd]`";
         self.sink.warn(Code::NoiseEmpty, span, "the noise profile is empty: there are no errors", expected);
     }
@@ -75,8 +77,8 @@ impl Reader {
 impl Form for NoiseSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("ProfileForm", "An inline noise profile: a preset and the changed numbers.");
-        // Always printed: the key marks a file as a profile.
-        keys.key("base", "Preset to start from; default: `none`.").always(BASE, &mut self.base);
+        // The key is always printed, since it marks a file as a profile.
+        keys.key("base", "Preset to start from; default: `none`.").always_printed(PRESET, &mut self.base);
         let entries = &mut self.entries;
         let about = [
             "PSD sensors.",
@@ -87,23 +89,24 @@ impl Form for NoiseSpec {
             "The laser scanner; each of its points is a reading.",
         ];
         for (kind, about) in RangeKind::ALL.into_iter().zip(about) {
-            keys.key(kind.name(), about).list(Errors(NoiseSection::Range(kind)), entries);
+            keys.key(kind.name(), about).list(SectionParameters(NoiseSection::Range(kind)), entries);
         }
-        keys.key("compass", "The compass.").list(Errors(NoiseSection::Compass), entries);
-        keys.key("camera", "The camera.").list(Errors(NoiseSection::Camera), entries);
-        keys.key("drive", "Errors between commands and motion.").list(Errors(NoiseSection::Drive), entries);
-        keys.key("odometry", "Errors between motion and odometry.").list(Errors(NoiseSection::Odometry), entries);
-        keys.key("radio", "Errors of received messages.").list(Errors(NoiseSection::Radio), entries);
+        keys.key("compass", "The compass.").list(SectionParameters(NoiseSection::Compass), entries);
+        keys.key("camera", "The camera.").list(SectionParameters(NoiseSection::Camera), entries);
+        keys.key("drive", "Errors between commands and motion.").list(SectionParameters(NoiseSection::Drive), entries);
+        keys.key("odometry", "Errors between motion and odometry.")
+            .list(SectionParameters(NoiseSection::Odometry), entries);
+        keys.key("radio", "Errors of received messages.").list(SectionParameters(NoiseSection::Radio), entries);
         keys.key("sensor", "Changed numbers of individual sensors, by name.").list(SENSORS, entries);
         entries.sort_by(|a, b| a.section.cmp(&b.section));
     }
 }
 
 /// A preset, by its name.
-const BASE: Custom<Preset> = Custom {
-    read: |at| {
-        let base = at.reader.reference(at.section, at.key)?;
-        at.reader.preset(&base.text, base.span, "")
+const PRESET: Custom<Preset> = Custom {
+    read: |context| {
+        let base = context.reader.reference(context.section, context.key)?;
+        context.reader.preset(&base.text, base.span, "")
     },
     print: |preset| preset.name.into(),
     describe: |definitions| {
@@ -115,10 +118,10 @@ const BASE: Custom<Preset> = Custom {
     },
 };
 
-/// Parameters of a section.
-struct Errors(NoiseSection);
+/// Parameters of one section of a profile.
+struct SectionParameters(NoiseSection);
 
-impl Errors {
+impl SectionParameters {
     /// Name and description of the section's definition in the schema.
     fn definition(&self) -> (&'static str, &'static str) {
         match &self.0 {
@@ -136,17 +139,17 @@ impl Errors {
 
     /// The section's keys: name, description, and quantity with unit and bounds.
     fn quantities(&self) -> Vec<(&'static str, &'static str, &'static Quantity)> {
-        fn of<M>(keys: NoiseKeys<M>) -> impl Iterator<Item = (&'static str, &'static str, &'static Quantity)> {
+        fn described<M>(keys: NoiseKeys<M>) -> impl Iterator<Item = (&'static str, &'static str, &'static Quantity)> {
             keys.iter().map(|key| (key.name, key.about, &key.quantity))
         }
         match &self.0 {
-            NoiseSection::Range(kind) if !kind.has_own_noise() => of(RANGE).collect(),
-            NoiseSection::Range(_) | NoiseSection::Sensor(_) => of(RANGE).chain(of(OWN)).collect(),
-            NoiseSection::Compass => of(COMPASS).collect(),
-            NoiseSection::Camera => of(CAMERA).collect(),
-            NoiseSection::Drive => of(DRIVE).collect(),
-            NoiseSection::Odometry => of(ODOMETRY).collect(),
-            NoiseSection::Radio => of(RADIO).collect(),
+            NoiseSection::Range(kind) if !kind.has_own_noise() => described(RANGE).collect(),
+            NoiseSection::Range(_) | NoiseSection::Sensor(_) => described(RANGE).chain(described(OWN)).collect(),
+            NoiseSection::Compass => described(COMPASS).collect(),
+            NoiseSection::Camera => described(CAMERA).collect(),
+            NoiseSection::Drive => described(DRIVE).collect(),
+            NoiseSection::Odometry => described(ODOMETRY).collect(),
+            NoiseSection::Radio => described(RADIO).collect(),
         }
     }
 
@@ -163,10 +166,10 @@ impl Errors {
     }
 }
 
-impl Kind<Vec<NoiseEntry>> for Errors {
-    fn read(&self, at: At<'_, '_>, _: Option<&Vec<NoiseEntry>>) -> Option<Vec<NoiseEntry>> {
-        let part = at.reader.section(at.section, at.key)?;
-        Some(self.read_section(at.reader, part))
+impl Kind<Vec<NoiseEntry>> for SectionParameters {
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&Vec<NoiseEntry>>) -> Option<Vec<NoiseEntry>> {
+        let part = context.reader.section(context.section, context.key)?;
+        Some(self.read_section(context.reader, part))
     }
 
     fn print(&self, entries: &Vec<NoiseEntry>) -> Value {
@@ -177,8 +180,8 @@ impl Kind<Vec<NoiseEntry>> for Errors {
             // The reader admits only keys of the section.
             None => entry.value,
         };
-        let own = entries.iter().filter(|entry| entry.section == self.0);
-        Table::from_iter(own.map(|entry| (entry.key.to_owned(), number(entry).into()))).into()
+        let of_section = entries.iter().filter(|entry| entry.section == self.0);
+        Table::from_iter(of_section.map(|entry| (entry.key.to_owned(), number(entry).into()))).into()
     }
 
     fn describe(&self, definitions: &mut Definitions) -> Json {
@@ -198,12 +201,12 @@ impl Kind<Vec<NoiseEntry>> for Errors {
 
 /// Parameters of individual sensors.
 const SENSORS: Custom<Vec<NoiseEntry>> = Custom {
-    read: |at| {
+    read: |context| {
         let mut entries = Vec::new();
-        for (name, value) in at.reader.section(at.section, at.key)?.table {
-            if let Some(part) = at.reader.as_section(at.key, value) {
+        for (name, value) in context.reader.section(context.section, context.key)?.table {
+            if let Some(part) = context.reader.as_section(context.key, value) {
                 let sensor = NoiseSection::Sensor(name.get_ref().to_string());
-                entries.extend(Errors(sensor).read_section(at.reader, part));
+                entries.extend(SectionParameters(sensor).read_section(context.reader, part));
             }
         }
         Some(entries)
@@ -213,10 +216,10 @@ const SENSORS: Custom<Vec<NoiseEntry>> = Custom {
             NoiseSection::Sensor(name) => Some(name.clone()),
             _ => None,
         });
-        by_name(names.map(|name| (name.clone(), Errors(NoiseSection::Sensor(name)).print(entries))))
+        sorted_table(names.map(|name| (name.clone(), SectionParameters(NoiseSection::Sensor(name)).print(entries))))
     },
     describe: |definitions| {
-        let sensor = Errors(NoiseSection::Sensor(String::new()));
+        let sensor = SectionParameters(NoiseSection::Sensor(String::new()));
         json!({ "type": "object", "additionalProperties": sensor.describe(definitions) })
     },
 };

@@ -4,7 +4,7 @@ use glam::DVec2;
 use serde_json::{Value as Json, json};
 use toml::Value;
 
-use super::kind::{At, Bounded, Custom, Kind, Shades, TEXT, Word, Words};
+use super::kind::{Bounded, Channels, Custom, Kind, ReadContext, TEXT, Word, Words};
 use super::noise::NOISE;
 use super::{Definitions, Form, Keys, Variant, Variants, print, reference};
 use crate::code::Code;
@@ -22,9 +22,9 @@ use sim_core::pose::{Heading, Pose};
 /// Maximum number of robots in a scene.
 pub(crate) const MAX_ROBOTS: u32 = 100_000;
 
-/// Extensions of files with robot types, and of files with object types.
-const ROBOT_FILES: TypeName = TypeName(&["robi"]);
-const OBJECT_FILES: TypeName = TypeName(&["esobj", "obj", "ms3d", "iv"]);
+/// References to robot types and to object types, with the extensions of the files that define them.
+const ROBOT_TYPE: TypeReference = TypeReference(&["robi"]);
+const OBJECT_TYPE: TypeReference = TypeReference(&["esobj", "obj", "ms3d", "iv"]);
 
 /// Default colour of a marker: red, as in sim files.
 const MARKER_COLOUR: [u8; 3] = [255, 0, 0];
@@ -32,12 +32,12 @@ const MARKER_COLOUR: [u8; 3] = [255, 0, 0];
 pub(crate) const POINT: [Quantity; 2] = [Quantity::coordinate("x"), Quantity::coordinate("y")];
 const HEADING: Quantity = Quantity::angle("heading");
 
-/// Reference to a type: a file if it ends in one of these extensions, otherwise a name.
-struct TypeName(&'static [&'static str]);
+/// Reference to a type: a file if it has one of these extensions, otherwise a name.
+struct TypeReference(&'static [&'static str]);
 
-impl Kind<TypeRef> for TypeName {
-    fn read(&self, at: At<'_, '_>, _: Option<&TypeRef>) -> Option<TypeRef> {
-        let reference = at.reader.reference(at.section, at.key)?;
+impl Kind<TypeRef> for TypeReference {
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&TypeRef>) -> Option<TypeRef> {
+        let reference = context.reader.reference(context.section, context.key)?;
         let is_file = self.0.contains(&path::extension(&reference.text).as_str());
         Some(if is_file { TypeRef::File(reference) } else { TypeRef::Name(reference) })
     }
@@ -51,9 +51,9 @@ impl Kind<TypeRef> for TypeName {
     }
 }
 
-/// Heading, including whole turns.
-const FACING: Custom<Heading> = Custom {
-    read: |at| at.reader.number(at.section, at.key, &HEADING).map(Heading::new),
+/// Heading that keeps whole turns.
+const HEADING_WITH_TURNS: Custom<Heading> = Custom {
+    read: |context| context.reader.number(context.section, context.key, &HEADING).map(Heading::new),
     print: |heading| number::heading(*heading).into(),
     describe: |definitions| HEADING.describe(definitions),
 };
@@ -71,9 +71,9 @@ impl Words for char {
     ];
 }
 
-/// Array of strings, each of which may be empty, and of numbers.
+/// Array of strings, even empty ones, and numbers.
 const ARGUMENTS: Custom<Vec<String>> = Custom {
-    read: |at| Some(at.reader.words(at.section, at.key)),
+    read: |context| Some(context.reader.words(context.section, context.key)),
     print: |texts| texts.clone().into(),
     describe: |_| json!({ "type": "array", "items": { "type": ["string", "number"] } }),
 };
@@ -83,25 +83,25 @@ impl Form for RobotLine {
         keys.form("RobotForm", "A robot, or several that differ only in where they start.");
         keys.span(&mut self.span);
         keys.key("name", "Its name in the paths of drawn values; default: its number in the file.")
-            .maybe(TEXT, &mut self.name);
+            .nullable(TEXT, &mut self.name);
         keys.key("type", "`LabBot`, `S4`, `Mako`, the name of a type of the scene, or a `.robi` file.")
-            .required(ROBOT_FILES, &mut self.kind);
+            .required(ROBOT_TYPE, &mut self.kind);
         keys.key(
             "program",
             "Its program: a library, a C or C++ file, several of them with commas, or the folder of a program.",
         )
-        .maybe(TEXT, &mut self.program);
+        .nullable(TEXT, &mut self.program);
         keys.key("arguments", "Arguments of the program, after its name.").list(ARGUMENTS, &mut self.arguments);
         keys.key(
             "api",
             "Generation of the RoBIOS API that the program is written for, 6 or 7; default: from the scene.",
         )
-        .maybe(6..=7, &mut self.api);
+        .nullable(6..=7, &mut self.api);
         keys.key("noise", "Errors of its devices and its drive; default: from the scene.")
-            .maybe(NOISE, &mut self.noise);
+            .nullable(NOISE, &mut self.noise);
         let mut id = self.id.map(|id| id.0);
         keys.key("id", "Its number, from 1 to the number of robots; default: the next free number. Excludes `count`.")
-            .maybe(1..=i64::from(MAX_ROBOTS), &mut id);
+            .nullable(1..=i64::from(MAX_ROBOTS), &mut id);
         let Some((reader, section)) = keys.reading() else { return start_keys(keys, &self.start) };
         let start = reader.start(section);
         if let Some(StartRef::Many { count: 2.., .. }) = start {
@@ -121,7 +121,7 @@ impl Form for RobotLine {
     }
 }
 
-/// Declares the keys of a start, for printing.
+/// Declares the keys of a start for printing and for the schema; `Reader::start` reads them.
 fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
     let pose = match start {
         StartRef::Pose(pose) => Some(*pose),
@@ -137,24 +137,26 @@ fn start_keys(keys: &mut Keys<'_>, start: &StartRef) {
     };
     let [mut x, mut y] = [pose.map(|pose| pose.position.x), pose.map(|pose| pose.position.y)];
     let max = i64::from(MAX_ROBOTS);
-    keys.key("x_mm", "Position of its centre along x in mm.").maybe(POINT[0], &mut x);
-    keys.key("y_mm", "Position of its centre along y in mm.").maybe(POINT[1], &mut y);
+    keys.key("x_mm", "Position of its centre along x in mm.").nullable(POINT[0], &mut x);
+    keys.key("y_mm", "Position of its centre along y in mm.").nullable(POINT[1], &mut y);
     let key = keys.key(
         "heading_deg",
         "Heading in degrees, counter-clockwise from x; default: 0 with `x_mm`, the letter's heading with `start`.",
     );
     match pose {
-        Some(pose) => key.maybe(FACING, &mut Some(pose.heading).filter(|heading| *heading != Heading::default())),
-        None => key.maybe(HEADING, &mut heading),
+        Some(pose) => {
+            key.nullable(HEADING_WITH_TURNS, &mut Some(pose.heading).filter(|heading| *heading != Heading::default()))
+        }
+        None => key.nullable(HEADING, &mut heading),
     }
-    keys.key("start", "Letter of the start of the world.").maybe(Word, &mut letter);
+    keys.key("start", "Letter of the start of the world.").nullable(Word, &mut letter);
     keys.key("count", "Number of robots; default: 1. Without a `layout` they take the next free starts of the world.")
-        .maybe(1..=max, &mut count);
-    keys.key("layout", "Their arrangement.").maybe(LAYOUT, &mut layout);
+        .nullable(1..=max, &mut count);
+    keys.key("layout", "Their arrangement.").nullable(LAYOUT, &mut layout);
 }
 
 impl Reader {
-    /// Reads the start of a robot or of a group; `None` if it cannot be read, which is already reported.
+    /// Reads the start of a robot or of a group; reports an invalid start and returns `None`.
     fn start<'s>(&mut self, section: &mut Section<'s, 's>) -> Option<StartRef> {
         let has_count = section.has("count");
         let count = self.integer(section, "count", 1, i64::from(MAX_ROBOTS)).map(|count| count as u32);
@@ -162,7 +164,7 @@ impl Reader {
             return None;
         }
         if section.has("layout") {
-            let layout = LAYOUT.read(At { reader: self, section, key: "layout" }, None);
+            let layout = LAYOUT.read(ReadContext { reader: self, section, key: "layout" }, None);
             self.exclude(section, "layout", &["x_mm", "y_mm", "heading_deg", "start"]);
             return Some(StartRef::Many { count: count.unwrap_or(1), layout: layout? });
         }
@@ -172,7 +174,7 @@ impl Reader {
             return count.filter(|_| is_clean).map(|count| StartRef::Many { count, layout: Layout::Starts });
         }
         if section.has("start") {
-            let letter = Word.read(At { reader: self, section, key: "start" }, None);
+            let letter = Word.read(ReadContext { reader: self, section, key: "start" }, None);
             self.exclude(section, "start", &["x_mm", "y_mm"]);
             let heading = self.number(section, "heading_deg", &HEADING);
             return letter.map(|letter| StartRef::Letter { letter, heading });
@@ -202,30 +204,30 @@ impl Reader {
 
 /// Layout: a table, or the word `random` for a random layout without other keys.
 const LAYOUT: Custom<Layout> = Custom {
-    read: |at| {
-        let At { reader, section, key } = at;
+    read: |context| {
+        let ReadContext { reader, section, key } = context;
         match section.get(key).map(|value| value.get_ref()) {
             Some(value) if value.as_str() == Some("random") => Some(Layout::Random(Scatter::default())),
             _ => {
                 let example = "kind = \"random\"";
                 let part = reader.section_like(section, key, example)?;
-                reader.form(part, Layout::usual())
+                reader.form(part, Layout::defaults())
             }
         }
     },
     print: |layout| print(layout).into(),
     describe: |definitions| {
-        let table = reference(definitions, |keys| Layout::usual().keys(keys));
+        let table = reference(definitions, |keys| Layout::defaults().keys(keys));
         json!({ "anyOf": [{ "type": "string", "const": "random" }, table] })
     },
 };
 
 /// Layout of a single entity, which can only be random.
 pub(crate) const SCATTER: Custom<Scatter> = Custom {
-    read: |at| {
-        let At { reader, section, key } = at;
+    read: |context| {
+        let ReadContext { reader, section, key } = context;
         let span = section.get(key).map_or(section.span, |value| reader.span(value.span()));
-        match LAYOUT.read(At { reader: &mut *reader, section: &mut *section, key }, None)? {
+        match LAYOUT.read(ReadContext { reader: &mut *reader, section: &mut *section, key }, None)? {
             Layout::Random(scatter) => Some(scatter),
             _ => {
                 let message = "only robots have a layout other than `random`";
@@ -240,7 +242,7 @@ pub(crate) const SCATTER: Custom<Scatter> = Custom {
 
 impl Form for Layout {
     fn bare(&self) -> Self {
-        Self::KINDS[self.kind_index()].2()
+        Self::VARIANTS[self.variant_index()].2()
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
@@ -260,7 +262,7 @@ impl Form for Layout {
                 keys.key("from_mm", "Position of the first, x and y in mm.").required(POINT, from);
                 keys.key("spacing_mm", "Distance of columns and of rows in mm.").required(distances, spacing);
                 keys.key("columns", "Number of robots in a row; default: equal to the number of rows.")
-                    .maybe(1..=i64::from(MAX_ROBOTS), columns);
+                    .nullable(1..=i64::from(MAX_ROBOTS), columns);
                 keys.key("heading_deg", "Heading of all in degrees; default: 0.").optional(HEADING, heading);
             }
             Self::Circle { centre, radius, first, facing } => {
@@ -280,7 +282,7 @@ impl Form for Layout {
                 }
                 keys.key("clearance_mm", "Minimum distance from walls and other bodies in mm; default: 0.")
                     .optional(Bounded(Quantity::length("clearance")), clearance);
-                keys.key("heading_deg", "Heading of all in degrees; default: random.").maybe(HEADING, heading);
+                keys.key("heading_deg", "Heading of all in degrees; default: random.").nullable(HEADING, heading);
             }
         }
     }
@@ -296,18 +298,18 @@ fn area_keys(keys: &mut Keys<'_>, area: &mut Option<[DVec2; 2]>) -> bool {
         missing.for_each(|key| reader.missing(section, key));
     }
     keys.key("from_mm", "A corner of the rectangle that contains the bodies, x and y in mm; default: the floor.")
-        .maybe(POINT, &mut from);
-    keys.key("to_mm", "The opposite corner.").maybe(POINT, &mut to);
+        .nullable(POINT, &mut from);
+    keys.key("to_mm", "The opposite corner.").nullable(POINT, &mut to);
     *area = from.zip(to).map(|(from, to)| [from.min(to), from.max(to)]);
-    let is_good = !is_given || area.is_some();
-    if !is_good {
+    let is_valid = !is_given || area.is_some();
+    if !is_valid {
         keys.refuse();
     }
-    is_good
+    is_valid
 }
 
 impl Variants for Layout {
-    const KINDS: &'static [Variant<Self>] = &[
+    const VARIANTS: &'static [Variant<Self>] = &[
         ("starts", "Each at the next start of the world.", || Self::Starts),
         ("line", "On a line at equal distances, the first and the last at its ends.", || Self::Line {
             from: DVec2::ZERO,
@@ -337,30 +339,31 @@ impl Form for ObjectLine {
         keys.form("ObjectForm", "A passive object.");
         keys.span(&mut self.span);
         keys.key("name", "Its name in the paths of drawn values; default: its number in the file.")
-            .maybe(TEXT, &mut self.name);
+            .nullable(TEXT, &mut self.name);
         keys.key(
             "type",
             "`Can`, `Soccer`, `Crate`, `Golf`, the name of a type of the scene, an `.esObj` file or a mesh.",
         )
-        .required(OBJECT_FILES, &mut self.kind);
-        keys.mention(&["count"]);
+        .required(OBJECT_TYPE, &mut self.kind);
+        keys.mention_first(&["count"]);
         if keys.reading().is_none() {
-            // A list repeats its entries before they are read.
+            // Entries with a `count` are repeated before they are read.
             keys.key("count", "Number of copies; default: 1. Each copy has its own random values.")
-                .maybe(0..=MAX_REPETITIONS, &mut None::<u32>);
+                .nullable(0..=MAX_REPETITIONS, &mut None::<u32>);
         }
         if !scatter_keys(keys, &mut self.scatter, &["x_mm", "y_mm", "heading_deg"]) {
             let position = &mut self.pose.position;
-            keys.key("x_mm", "Place along x in mm.").expected(POINT[0], &mut position.x);
-            keys.key("y_mm", "Place along y in mm.").expected(POINT[1], &mut position.y);
+            keys.key("x_mm", "Place along x in mm.").required_or_replaced(POINT[0], &mut position.x);
+            keys.key("y_mm", "Place along y in mm.").required_or_replaced(POINT[1], &mut position.y);
             keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; default: 0.")
-                .strictly(FACING, &mut self.pose.heading);
+                .strict(HEADING_WITH_TURNS, &mut self.pose.heading);
         }
         keys.key("friction", "Coefficient of friction on the floor; default: from the type.")
-            .maybe(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
+            .nullable(Bounded(Quantity::number("friction", 0.0, 1e6)), &mut self.friction);
     }
 }
 
+/// Declares a position on the floor.
 fn place_keys(keys: &mut Keys<'_>, point: &mut DVec2) {
     keys.key("x_mm", "Place along x in mm.").required(POINT[0], &mut point.x);
     keys.key("y_mm", "Place along y in mm.").required(POINT[1], &mut point.y);
@@ -371,9 +374,9 @@ pub(crate) const MAX_REPETITIONS: i64 = 100_000;
 
 /// Declares `layout`, which replaces the keys `others`; returns true if the position is random.
 pub(crate) fn scatter_keys(keys: &mut Keys<'_>, scatter: &mut Option<Scatter>, others: &[&'static str]) -> bool {
-    let is_said = keys.reading().is_some_and(|(_, section)| section.has("layout"));
-    keys.key("layout", "Random position instead of x_mm, y_mm.").maybe(SCATTER, scatter);
-    if is_said {
+    let has_layout = keys.reading().is_some_and(|(_, section)| section.has("layout"));
+    keys.key("layout", "Random position instead of x_mm, y_mm.").nullable(SCATTER, scatter);
+    if has_layout {
         if scatter.is_none() {
             keys.refuse();
         }
@@ -393,23 +396,23 @@ impl Form for ReachableSpec {
         );
         keys.span(&mut self.span);
         keys.key("from", "Start of the way: a robot or object by its path, as `robot.1`, or [x, y] in mm.")
-            .required(WHEREABOUTS, &mut self.from);
+            .required(POSITION_REF, &mut self.from);
         keys.key("to", "End of the way: a robot or object by its path, as `object.1`, or [x, y] in mm.")
-            .required(WHEREABOUTS, &mut self.to);
+            .required(POSITION_REF, &mut self.to);
         keys.key("width_mm", "Width of the path in mm; default: the diameter of the robot `from`.")
-            .maybe(Bounded(Quantity::size("width")), &mut self.width);
+            .nullable(Bounded(Quantity::size("width")), &mut self.width);
     }
 }
 
 /// A point, or the path of a robot or object.
-const WHEREABOUTS: Custom<PositionRef> = Custom {
-    read: |at| match at.section.get(at.key).map(|value| value.get_ref()) {
+const POSITION_REF: Custom<PositionRef> = Custom {
+    read: |context| match context.section.get(context.key).map(|value| value.get_ref()) {
         Some(value) if value.is_array() => {
-            at.reader.numbers(at.section, at.key, &POINT).map(|point| PositionRef::Point(point.into()))
+            context.reader.numbers(context.section, context.key, &POINT).map(|point| PositionRef::Point(point.into()))
         }
         _ => {
             let expected = "the path of a robot or object, as \"robot.1\", or [x, y] in mm";
-            at.reader.reference_to(at.section, at.key, expected).map(PositionRef::Start)
+            context.reader.reference_to(context.section, context.key, expected).map(PositionRef::Start)
         }
     },
     print: |position| match position {
@@ -425,13 +428,13 @@ impl Form for StartSpec {
         keys.span(&mut self.span);
         place_keys(keys, &mut self.pose.position);
         keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; default: 0.")
-            .optional(FACING, &mut self.pose.heading);
-        keys.key("letter", "Letter by which robots choose it.").maybe(Word, &mut self.letter);
+            .optional(HEADING_WITH_TURNS, &mut self.pose.heading);
+        keys.key("letter", "Letter by which robots choose it.").nullable(Word, &mut self.letter);
     }
 }
 
 impl Form for MarkerSpec {
-    fn usual() -> Self {
+    fn defaults() -> Self {
         let [red, green, blue] = MARKER_COLOUR;
         Self { colour: [red, green, blue, 255], ..Self::default() }
     }
@@ -442,7 +445,7 @@ impl Form for MarkerSpec {
         let mut colour = [red, green, blue];
         keys.span(&mut self.span);
         place_keys(keys, &mut self.position);
-        keys.key("colour", "Red, green and blue, 0 to 255; default: red.").optional(Shades, &mut colour);
+        keys.key("colour", "Red, green and blue, 0 to 255; default: red.").optional(Channels, &mut colour);
         keys.key("opacity", "Opacity, 0 (invisible) to 255 (opaque); default: 255.").optional(0..=255, &mut opacity);
         let [red, green, blue] = colour;
         self.colour = [red, green, blue, opacity];

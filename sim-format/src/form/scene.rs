@@ -1,4 +1,4 @@
-//! Scenes: settings of the run, and content.
+//! Scenes: settings of the run, types, robots and other content.
 
 use std::collections::BTreeSet;
 
@@ -6,8 +6,10 @@ use serde_json::{Value as Json, json};
 use toml::Value;
 use toml::de::DeValue;
 
-use super::device::by_name;
-use super::kind::{At, Bounded, Custom, Kind, PART, PARTS, Part, TEXT, Word, Words, whole};
+use super::device::sorted_table;
+use super::kind::{
+    Bounded, Custom, Kind, ReadContext, TABLE, TABLES, TEXT, TableWithExample, Word, Words, integer_schema,
+};
 use super::noise::NOISE;
 use super::suite::REFERENCES;
 use super::world::WorldTable;
@@ -25,10 +27,11 @@ use sim_core::time::Time;
 
 /// Maximum cost of a call: an hour, in microseconds.
 const MAX_COST_US: i64 = 3_600_000_000;
-/// Longest slot: an hour, in milliseconds; longest run: 31 years, in seconds.
+/// Longest slot: an hour, in milliseconds.
 const MAX_SLOT_MS: f64 = 3.6e6;
+/// Longest run: 31 years, in seconds.
 const MAX_UNTIL_S: f64 = 1e9;
-/// Fastest radio, bits a second.
+/// Maximum baud rate of the radio, bits per second.
 const MAX_BAUD: i64 = 1_000_000_000;
 
 impl Form for SimSpec {
@@ -37,35 +40,35 @@ impl Form for SimSpec {
             "SceneFormat",
             "A scene of eyesim: a world, robots with their programs, objects, and settings of the run.",
         );
-        keys.key("scene", "Settings of the run; the command line overrides them.").optional(PART, &mut self.run);
-        let mut world = WorldTable::of(self);
+        keys.key("scene", "Settings of the run; the command line overrides them.").optional(TABLE, &mut self.run);
+        let mut world = WorldTable::from_sim(self);
         keys.key("world", "The world: a file, or described in place by its walls or by the drawing of a maze.")
-            .required(PART, &mut world);
+            .required(TABLE, &mut world);
         if keys.reading().is_some() {
-            world.put_into(self);
+            world.store_in(self);
         }
-        keys.key("settings", "Settings of the window.").optional(PART, &mut self.settings);
+        keys.key("settings", "Settings of the window.").optional(TABLE, &mut self.settings);
         keys.key("radio", "Medium of the messages between robots.")
-            .optional(Part("medium = \"aloha\", baud = 9600"), &mut self.radio);
-        robots(keys, self);
-        keys.key("object", "Passive objects.").list(PARTS, &mut self.objects);
-        keys.key("marker", "Flat spots of colour on the floor.").list(PARTS, &mut self.markers);
-        keys.key("fault", "Faults on purpose.").list(PARTS, &mut self.faults);
-        keys.key("reachable", "Demands that ways lead from one place to another.").list(PARTS, &mut self.reachable);
-        keys.key("check", "Conditions that a run must meet.").list(PARTS, &mut self.checks);
+            .optional(TableWithExample("medium = \"aloha\", baud = 9600"), &mut self.radio);
+        type_and_robot_keys(keys, self);
+        keys.key("object", "Passive objects.").list(TABLES, &mut self.objects);
+        keys.key("marker", "Flat spots of colour on the floor.").list(TABLES, &mut self.markers);
+        keys.key("fault", "Faults on purpose.").list(TABLES, &mut self.faults);
+        keys.key("reachable", "Demands that ways lead from one place to another.").list(TABLES, &mut self.reachable);
+        keys.key("check", "Conditions that a run must meet.").list(TABLES, &mut self.checks);
     }
 }
 
 impl Form for RunSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("RunForm", "Settings of the run of a scene.");
-        keys.key("seed", "Seed of all random numbers; default: 0.").maybe(SEED, &mut self.seed);
+        keys.key("seed", "Seed of all random numbers; default: 0.").nullable(SEED, &mut self.seed);
         let slot = Quantity::milliseconds("length of a slot").within(1e-3, MAX_SLOT_MS);
         keys.key("slot_ms", "Length of a time slot in milliseconds, a multiple of 0.001; default: 50.")
-            .maybe(WholeMicros(slot), &mut self.slot);
-        keys.key("until_s", "Simulated seconds at which the run ends; default: 600.").maybe(UNTIL, &mut self.until);
+            .nullable(WholeMicros(slot), &mut self.slot);
+        keys.key("until_s", "Simulated seconds at which the run ends; default: 600.").nullable(UNTIL, &mut self.until);
         keys.key("costs", "Virtual time that RoBIOS calls take: a file, or a table for each generation of the API.")
-            .maybe(COSTS, &mut self.costs);
+            .nullable(COSTS, &mut self.costs);
         keys.key(
             "forbid",
             "Functions of RoBIOS that fail for all programs: names, in which `*` stands for any letters.",
@@ -75,27 +78,27 @@ impl Form for RunSpec {
             "api",
             "Generation of the RoBIOS API that programs are written for, 6 or 7; default: from the functions that they call.",
         )
-        .maybe(6..=7, &mut self.api);
+        .nullable(6..=7, &mut self.api);
         keys.key(
             "dialect",
             "Version of EyeSim whose conventions the scene and its programs follow; default: `vr2023`.",
         )
-        .maybe(Word, &mut self.dialect);
+        .nullable(Word, &mut self.dialect);
         keys.key(
             "noise",
             "Errors of devices and drives: `none` (default), `mild`, `real`, `harsh`, a file, or an inline profile.",
         )
-        .maybe(NOISE, &mut self.noise);
+        .nullable(NOISE, &mut self.noise);
         keys.key("contact", "Motion of a robot that is pushed against a wall; default: `slide`.")
-            .maybe(Word, &mut self.contact);
+            .nullable(Word, &mut self.contact);
         keys.key("wall_friction", "Coefficient of friction of the walls; a robot slides with the lower of this value and its own; default: the robot's value.")
-            .maybe(Bounded(Quantity::number("friction of the walls", 0.0, 100.0)), &mut self.wall_friction);
+            .nullable(Bounded(Quantity::number("friction of the walls", 0.0, 100.0)), &mut self.wall_friction);
     }
 }
 
-/// Seed; TOML integers end at 2^63 - 1.
+/// Seed, at most 2^63 - 1 as every TOML integer.
 const SEED: Custom<u64> = Custom {
-    read: |at| at.reader.integer(at.section, at.key, 0, i64::MAX).map(i64::unsigned_abs),
+    read: |context| context.reader.integer(context.section, context.key, 0, i64::MAX).map(i64::unsigned_abs),
     print: |seed| (*seed as i64).into(),
     describe: |_| json!({ "type": "integer", "format": "int64", "minimum": 0 }),
 };
@@ -104,12 +107,11 @@ const SEED: Custom<u64> = Custom {
 struct WholeMicros(Quantity);
 
 impl Kind<Time> for WholeMicros {
-    fn read(&self, at: At<'_, '_>, _: Option<&Time>) -> Option<Time> {
-        let At { reader, section, key } = at;
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&Time>) -> Option<Time> {
+        let ReadContext { reader, section, key } = context;
         let seconds = reader.number(section, key, &self.0)?;
         let micros = (seconds * 1e6).round();
-        // The tolerance allows for rounding; a deviation that is written on purpose, in decimal milliseconds, is
-        // larger.
+        // The tolerance allows for rounding errors; any decimal fraction of a microsecond in the file is larger.
         if (seconds * 1e6 - micros).abs() > 1e-5 {
             let span = reader.key_span(section, key);
             let message = format!("{} `{}` ms is no whole number of microseconds", self.0.name, seconds * 1e3);
@@ -128,19 +130,19 @@ impl Kind<Time> for WholeMicros {
     }
 }
 
-const END: Bounded = Bounded(Quantity::seconds("end of the run").within(1e-6, MAX_UNTIL_S));
+const RUN_END: Bounded = Bounded(Quantity::seconds("end of the run").within(1e-6, MAX_UNTIL_S));
 
 /// The end of a run, in seconds.
 pub(crate) const UNTIL: Custom<Time> = Custom {
-    read: |at| END.read(at, None).map(Time::from_seconds_ceil),
+    read: |context| RUN_END.read(context, None).map(Time::from_seconds_ceil),
     print: |time| shortest(time.0 as f64 / 1e6, |seconds| Time::from_seconds_ceil(seconds) == *time).into(),
-    describe: |definitions| END.describe(definitions),
+    describe: |definitions| RUN_END.describe(definitions),
 };
 
 /// Cost table: a file, or inline.
 const COSTS: Custom<CostsRef> = Custom {
-    read: |at| {
-        let At { reader, section, key } = at;
+    read: |context| {
+        let ReadContext { reader, section, key } = context;
         if !section.get(key).is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_))) {
             return reader.reference(section, key).map(CostsRef::File);
         }
@@ -154,7 +156,7 @@ const COSTS: Custom<CostsRef> = Custom {
     },
     describe: |definitions| {
         definition(definitions, "CostsForm", |definitions| {
-            let mut table = Kind::<CostTable>::describe(&PART, definitions);
+            let mut table = Kind::<CostTable>::describe(&TABLE, definitions);
             table["description"] = "Inline table.".into();
             let file = json!({ "description": "A file.", "type": "string" });
             json!({ "description": "A cost table.", "anyOf": [file, table] })
@@ -188,22 +190,22 @@ impl Words for ContactKind {
 impl Form for CostTable {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("GenerationsForm", "An inline cost table: microseconds of a call by the name of the function, or by the beginning of names and `*`.");
-        keys.key("robios6", "RoBIOS 6.").list(CostsOf("robios6"), &mut self.entries);
-        keys.key("robios7", "RoBIOS 7.").list(CostsOf("robios7"), &mut self.entries);
+        keys.key("robios6", "RoBIOS 6.").list(GenerationCosts("robios6"), &mut self.entries);
+        keys.key("robios7", "RoBIOS 7.").list(GenerationCosts("robios7"), &mut self.entries);
         self.entries.sort_by_key(|entry| entry.span);
     }
 }
 
 /// Costs of one generation of the API.
-struct CostsOf(&'static str);
+struct GenerationCosts(&'static str);
 
-impl Kind<Vec<CostEntry>> for CostsOf {
-    fn read(&self, at: At<'_, '_>, _: Option<&Vec<CostEntry>>) -> Option<Vec<CostEntry>> {
+impl Kind<Vec<CostEntry>> for GenerationCosts {
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&Vec<CostEntry>>) -> Option<Vec<CostEntry>> {
         let mut entries = Vec::new();
-        for (function, cost) in at.reader.section(at.section, at.key)?.table {
-            if let Some(micros) = at.reader.as_integer(function.get_ref(), cost, 1, MAX_COST_US) {
+        for (function, cost) in context.reader.section(context.section, context.key)?.table {
+            if let Some(micros) = context.reader.as_integer(function.get_ref(), cost, 1, MAX_COST_US) {
                 let (generation, name) = (self.0.to_owned(), function.get_ref().to_string());
-                let span = at.reader.span(function.span());
+                let span = context.reader.span(function.span());
                 entries.push(CostEntry { generation, function: name, cost: Time(micros), span });
             }
         }
@@ -211,12 +213,12 @@ impl Kind<Vec<CostEntry>> for CostsOf {
     }
 
     fn print(&self, entries: &Vec<CostEntry>) -> Value {
-        let own = entries.iter().filter(|entry| entry.generation == self.0);
-        by_name(own.map(|entry| (entry.function.clone(), entry.cost.0.into())))
+        let of_generation = entries.iter().filter(|entry| entry.generation == self.0);
+        sorted_table(of_generation.map(|entry| (entry.function.clone(), entry.cost.0.into())))
     }
 
     fn describe(&self, _: &mut Definitions) -> Json {
-        json!({ "type": "object", "additionalProperties": whole::<u32>() })
+        json!({ "type": "object", "additionalProperties": integer_schema::<u32>() })
     }
 }
 
@@ -240,7 +242,7 @@ impl Form for RadioModel {
         )
         .optional(WholeMicros(Quantity::milliseconds("latency")), &mut self.latency);
         keys.key("range_mm", "Maximum distance at which a message is received, in mm; default: unlimited.")
-            .maybe(Bounded(Quantity::size("range")), &mut self.range);
+            .nullable(Bounded(Quantity::size("range")), &mut self.range);
         keys.key("line_of_sight", "Walls stop messages; default: false.").flag(&mut self.line_of_sight);
     }
 }
@@ -262,41 +264,41 @@ enum TypeEntry<F> {
     Inline(F, Span, Span),
 }
 
-/// Array of the types of a scene.
+/// Array of type entries.
 struct TypeEntries;
 
 impl<F: Form> Kind<Vec<TypeEntry<F>>> for TypeEntries {
-    fn read(&self, at: At<'_, '_>, _: Option<&Vec<TypeEntry<F>>>) -> Option<Vec<TypeEntry<F>>> {
-        let sections = at.reader.sections(at.section, at.key);
-        Some(sections.into_iter().filter_map(|section| at.reader.scene_type(section)).collect())
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&Vec<TypeEntry<F>>>) -> Option<Vec<TypeEntry<F>>> {
+        let sections = context.reader.sections(context.section, context.key);
+        Some(sections.into_iter().filter_map(|section| context.reader.type_entry(section)).collect())
     }
 
     fn print(&self, types: &Vec<TypeEntry<F>>) -> Value {
         let entry = |entry: &TypeEntry<F>| match entry {
-            TypeEntry::File(path) => by_name([("file".to_owned(), TEXT.print(path))].into_iter()),
+            TypeEntry::File(path) => sorted_table([("file".to_owned(), TEXT.print(path))].into_iter()),
             TypeEntry::Inline(form, ..) => print(form).into(),
         };
         Value::Array(types.iter().map(entry).collect())
     }
 
     fn describe(&self, definitions: &mut Definitions) -> Json {
-        Kind::<Vec<F>>::describe(&PARTS, definitions)
+        Kind::<Vec<F>>::describe(&TABLES, definitions)
     }
 }
 
 impl Reader {
-    fn scene_type<F: Form>(&mut self, mut section: Section<'_, '_>) -> Option<TypeEntry<F>> {
+    fn type_entry<F: Form>(&mut self, mut section: Section<'_, '_>) -> Option<TypeEntry<F>> {
         if section.has("file") {
             let path = self.reference(&mut section, "file");
-            self.refuse_others(&section);
+            self.reject_other_keys(&section);
             return path.map(TypeEntry::File);
         }
         let (span, name) = (section.span, self.value_span(&section, "name"));
-        self.form(section, F::usual()).map(|form| TypeEntry::Inline(form, span, name))
+        self.form(section, F::defaults()).map(|form| TypeEntry::Inline(form, span, name))
     }
 
-    /// Reports keys other than `file` in an entry.
-    fn refuse_others(&mut self, section: &Section<'_, '_>) {
+    /// Reports keys beside `file`.
+    fn reject_other_keys(&mut self, section: &Section<'_, '_>) {
         for (key, _) in section.table {
             if key.get_ref() != "file" {
                 let span = self.span(key.span());
@@ -306,9 +308,8 @@ impl Reader {
         }
     }
 
-    /// Splits the types of a scene into files and inline types; reports and drops a type whose name an earlier type
-    /// has.
-    fn split<F>(
+    /// Appends the files to `files` and returns the inline types; reports and drops a type with the name of an earlier type.
+    fn split_types<F>(
         &mut self,
         types: Vec<TypeEntry<F>>,
         name_and_file: fn(&mut F) -> (&str, &mut String),
@@ -322,7 +323,7 @@ impl Reader {
                 TypeEntry::Inline(mut form, span, name_span) => {
                     let (name, file) = name_and_file(&mut form);
                     if names.insert(name.to_owned()) {
-                        // Unique for each inline type.
+                        // This makes the file name of each inline type unique.
                         *file = format!("{}#{}", self.sink.file(), name.replace(['/', '\\'], "_"));
                         inline.push((form, span));
                     } else {
@@ -336,14 +337,14 @@ impl Reader {
     }
 }
 
-/// Entries of a scene's types: files first.
+/// Entries of all types, those with a file first.
 fn entries<F: Clone>(files: &[SpannedText], inline: &[(F, Span)]) -> Vec<TypeEntry<F>> {
     let files = files.iter().cloned().map(TypeEntry::File);
     files.chain(inline.iter().map(|(form, span)| TypeEntry::Inline(form.clone(), *span, Span::default()))).collect()
 }
 
 /// Declares robot types, object types and robots.
-fn robots(keys: &mut Keys<'_>, sim: &mut SimSpec) {
+fn type_and_robot_keys(keys: &mut Keys<'_>, sim: &mut SimSpec) {
     let mut robot_types = entries(&sim.robot_types, &sim.inline.robot_types);
     let mut object_types = entries(&sim.object_types, &sim.inline.object_types);
     keys.key("robot_type", "Robot types: files, or inline descriptions.").list(TypeEntries, &mut robot_types);
@@ -352,12 +353,16 @@ fn robots(keys: &mut Keys<'_>, sim: &mut SimSpec) {
     if let Some((reader, section)) = keys.reading() {
         let mut names = BTreeSet::new();
         sim.inline.robot_types =
-            reader.split(robot_types, |robi| (&robi.name, &mut robi.file), &mut names, &mut sim.robot_types);
-        sim.inline.object_types =
-            reader.split(object_types, |object| (&object.name, &mut object.file), &mut names, &mut sim.object_types);
+            reader.split_types(robot_types, |robi| (&robi.name, &mut robi.file), &mut names, &mut sim.robot_types);
+        sim.inline.object_types = reader.split_types(
+            object_types,
+            |object| (&object.name, &mut object.file),
+            &mut names,
+            &mut sim.object_types,
+        );
         sim.robots = reader.robots(section, "robot");
     } else {
         keys.key("robot", "Robots, alone and in groups; those without an `id` are numbered 1, 2, ... in this order.")
-            .list(PARTS, &mut lines);
+            .list(TABLES, &mut lines);
     }
 }

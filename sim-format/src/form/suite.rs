@@ -1,4 +1,4 @@
-//! Suites: common settings of the cases, the matrix, limits.
+//! Suites: settings of all cases, the matrix, limits.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use serde_json::json;
 use toml::de::DeValue;
 use toml::{Spanned, Table, Value};
 
-use super::kind::{At, Bounded, Custom, PART, PARTS, PartOf, TEXT};
+use super::kind::{Bounded, Custom, PartialTable, ReadContext, TABLE, TABLES, TEXT};
 use super::scene::UNTIL;
 use super::{Form, Keys};
 use crate::code::Code;
@@ -17,28 +17,28 @@ use crate::suite::{LimitSpec, MAX_CASES, Matrix, SubmitSpec, SuiteSpec, Values};
 use crate::table::Reader;
 use sim_core::time::Time;
 
-/// Longest processor time of a limit: a day, in seconds.
+/// Upper bound of the limits of processor time: a day, in seconds.
 const MAX_PROCESSOR_S: f64 = 86_400.0;
 /// Upper bound of the limits of memory and output, megabytes.
 const MAX_MEGABYTES: f64 = 1e6;
-const LINGER: Bounded = Bounded(Quantity::seconds("time").within(0.0, 1e9));
+const LINGER_TIME: Bounded = Bounded(Quantity::seconds("time").within(0.0, 1e9));
 
 impl Form for SuiteSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("SuiteForm", "A suite of eyesim: a scene, and the cases in which it is run and judged.");
-        keys.key("suite", "Settings of all cases.").required(PartOf(common), self);
-        keys.key("matrix", "Lists of values; the cases are their combinations.").optional(PART, &mut self.matrix);
-        keys.key("limits", "Limits of each case.").optional(PART, &mut self.limits);
+        keys.key("suite", "Settings of all cases.").required(PartialTable(common_keys), self);
+        keys.key("matrix", "Lists of values; the cases are their combinations.").optional(TABLE, &mut self.matrix);
+        keys.key("limits", "Limits of each case.").optional(TABLE, &mut self.limits);
         keys.key("check", "Conditions that a case must meet, in addition to those of the scene.")
-            .list(PARTS, &mut self.checks);
+            .list(TABLES, &mut self.checks);
     }
 }
 
 /// Declares the keys of `[suite]`.
-fn common(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
+fn common_keys(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
     keys.form("CommonForm", "Settings of all cases of a suite.");
     keys.key("scene", "The scene, relative to the suite's folder; optional only if the matrix has scenes.")
-        .maybe(TEXT, &mut suite.scene);
+        .nullable(TEXT, &mut suite.scene);
     keys.key(
         "programs",
         "Programs of robots instead of the scene's: `1=solve.c`, or `solve.c` for robots without one.",
@@ -52,10 +52,10 @@ fn common(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
     )
     .list(SUBMIT, &mut suite.submit);
     keys.key("until_s", "Simulated seconds at which a case ends; default: from the scene.")
-        .maybe(UNTIL, &mut suite.until);
+        .nullable(UNTIL, &mut suite.until);
     let mut linger = suite.linger.seconds();
     keys.key("linger_s", "Simulated seconds for which a case continues after its last program has ended; default: 0.")
-        .optional(LINGER, &mut linger);
+        .optional(LINGER_TIME, &mut linger);
     suite.linger = Time::from_seconds_ceil(linger);
     keys.key("keys", "Keys and touches: `2.5:KEY1`, `3:TOUCH(60,40)`, for robot 2 `2:2.5:KEY1`.")
         .list(TEXTS, &mut suite.keys);
@@ -64,7 +64,7 @@ fn common(suite: &mut SuiteSpec, keys: &mut Keys<'_>) {
         "Arguments of programs: `--kp {kp}`, for robot 1 `1:--kp {kp}`; `{kp}` is a parameter of the matrix.",
     )
     .list(TEXTS, &mut suite.arguments);
-    keys.key("stdin", "File with the standard input of the programs.").maybe(TEXT, &mut suite.stdin);
+    keys.key("stdin", "File with the standard input of the programs.").nullable(TEXT, &mut suite.stdin);
     keys.key("pass_rate", "Fraction of seeds that must pass, 0 to 1; default: 1.")
         .optional(Bounded(Quantity::number("pass_rate", 0.0, 1.0)), &mut suite.pass_rate);
 }
@@ -80,7 +80,7 @@ impl Form for LimitSpec {
         let megabytes = |name, min| Bounded(Quantity::number(name, min, MAX_MEGABYTES));
         let mut memory = self.memory.map(|bytes| bytes as f64 / 1e6);
         keys.key("memory_mb", "Megabytes of memory of a case; each case then runs in its own process.")
-            .maybe(megabytes("memory", 64.0), &mut memory);
+            .nullable(megabytes("memory", 64.0), &mut memory);
         self.memory = memory.map(|megabytes| (megabytes * 1e6).round() as u64);
         let mut output = self.output as f64 / 1e6;
         keys.key("output_mb", "Megabytes that each program may print; further output is discarded; default: 10.")
@@ -111,19 +111,19 @@ impl Form for Matrix {
     }
 }
 
-/// Array of non-empty texts; a single text counts as an array.
+/// Array of non-empty texts; a single text is read as an array.
 pub(super) const TEXTS: Custom<Vec<String>> = Custom {
-    read: |At { reader, section, key }| {
+    read: |ReadContext { reader, section, key }| {
         let value = section.get(key)?;
         Some(items(value).iter().filter_map(|item| reader.plain_text(key, item)).collect())
     },
     print: |texts| Value::Array(texts.iter().map(|text| text.as_str().into()).collect()),
-    describe: |_| list_of(json!({ "type": "string" })),
+    describe: |_| one_or_array_schema(json!({ "type": "string" })),
 };
 
-/// Array of texts with their locations in the file; a single text counts as an array.
+/// Array of texts with their locations in the file; a single text is read as an array.
 pub(super) const REFERENCES: Custom<Vec<SpannedText>> = Custom {
-    read: |At { reader, section, key }| {
+    read: |ReadContext { reader, section, key }| {
         let value = section.get(key)?;
         let reference = |item: &Spanned<DeValue<'_>>| {
             let text = reader.plain_text(key, item)?;
@@ -135,9 +135,9 @@ pub(super) const REFERENCES: Custom<Vec<SpannedText>> = Custom {
     describe: TEXTS.describe,
 };
 
-/// Table of file patterns by robot.
+/// Table of the file patterns of each robot.
 const SUBMIT: Custom<Vec<SubmitSpec>> = Custom {
-    read: |At { reader, section, key }| {
+    read: |ReadContext { reader, section, key }| {
         let table = reader.section(section, key)?;
         let mut submit = Vec::new();
         for (name, value) in table.table {
@@ -161,12 +161,12 @@ const SUBMIT: Custom<Vec<SubmitSpec>> = Custom {
             |submit: &SubmitSpec| Value::Array(submit.patterns.iter().map(|text| text.as_str().into()).collect());
         Value::Table(submit.iter().map(|submit| (submit.robots.clone(), patterns(submit))).collect())
     },
-    describe: |_| json!({ "type": "object", "additionalProperties": list_of(json!({ "type": "string" })) }),
+    describe: |_| json!({ "type": "object", "additionalProperties": one_or_array_schema(json!({ "type": "string" })) }),
 };
 
-/// Array of lengths of slots, kept as written.
+/// Array of lengths of slots in milliseconds, kept as texts.
 const SLOTS: Custom<Vec<String>> = Custom {
-    read: |At { reader, section, key }| {
+    read: |ReadContext { reader, section, key }| {
         let value = section.get(key)?;
         let slot = |item: &Spanned<DeValue<'_>>| {
             let quantity = Quantity::number("length of a slot", 1e-3, 3.6e6);
@@ -175,17 +175,17 @@ const SLOTS: Custom<Vec<String>> = Custom {
         Some(items(value).iter().filter_map(slot).collect())
     },
     print: |slots| Value::Array(slots.iter().map(|slot| slot.parse::<f64>().unwrap_or_default().into()).collect()),
-    describe: |_| list_of(json!({ "type": "number" })),
+    describe: |_| one_or_array_schema(json!({ "type": "number" })),
 };
 
 /// Array of seeds and of ranges of seeds.
 const SEEDS: Custom<Vec<u64>> = Custom {
-    read: |At { reader, section, key }| {
+    read: |ReadContext { reader, section, key }| {
         let value = section.get(key)?;
         let mut seeds: Vec<u64> = Vec::new();
         for item in items(value) {
             match item.get_ref().as_str() {
-                Some(text) => match range(text) {
+                Some(text) => match seed_range(text) {
                     Some((first, last)) if first > last => {
                         let message = format!("the range `{text}` runs backwards");
                         let span = reader.span(item.span());
@@ -224,23 +224,23 @@ const SEEDS: Custom<Vec<u64>> = Custom {
             _ => Value::Array(seeds.iter().map(|seed| (*seed as i64).into()).collect()),
         }
     },
-    describe: |_| list_of(json!({ "type": ["integer", "string"] })),
+    describe: |_| one_or_array_schema(json!({ "type": ["integer", "string"] })),
 };
 
-/// Both ends of `1..20`.
-fn range(text: &str) -> Option<(u64, u64)> {
+/// First and last seed of a range such as `1..20`.
+fn seed_range(text: &str) -> Option<(u64, u64)> {
     let (first, last) = text.split_once("..")?;
     let [first, last] = [first, last].map(|number| number.trim().parse::<u64>().ok());
     first.zip(last).filter(|(first, last)| *first.max(last) <= i64::MAX as u64)
 }
 
-/// Table of lists of values.
+/// Table of lists of values, by name.
 const VALUES: Custom<Vec<Values>> = Custom {
-    read: |At { reader, section, key }| {
+    read: |ReadContext { reader, section, key }| {
         let table = reader.section(section, key)?;
         let mut lists = Vec::new();
         for (name, value) in table.table {
-            let values = items(value).iter().map(|item| reader.source(item)).collect::<Vec<_>>();
+            let values = items(value).iter().map(|item| reader.text_in_file(item)).collect::<Vec<_>>();
             let span = reader.span(name.span());
             if values.is_empty() {
                 reader.sink.error(Code::TomlMissing, span, format!("`{}` has no values", name.get_ref()), "a value");
@@ -260,13 +260,13 @@ const VALUES: Custom<Vec<Values>> = Custom {
     describe: |_| json!({ "type": "object", "additionalProperties": true }),
 };
 
-/// Table of lists of values of a scene.
+/// Table of lists of values of a scene, by the path of the value.
 const VALUES_OF_SCENE: Custom<Vec<Values>> = Custom {
-    read: |At { reader, section, key }| {
-        let lists = (VALUES.read)(At { reader: &mut *reader, section, key })?;
+    read: |ReadContext { reader, section, key }| {
+        let lists = (VALUES.read)(ReadContext { reader: &mut *reader, section, key })?;
         for list in &lists {
-            let mistake = list.values.iter().find_map(|value| Setting::new(&list.name, value).err());
-            if let Some(error) = mistake {
+            let error = list.values.iter().find_map(|value| Setting::new(&list.name, value).err());
+            if let Some(error) = error {
                 let expected = "the path of a value in the scene, such as \"robot[0].x_mm\", and values of TOML";
                 reader.sink.error(Code::SetPath, list.span, error.to_string(), expected);
             }
@@ -277,9 +277,9 @@ const VALUES_OF_SCENE: Custom<Vec<Values>> = Custom {
     describe: VALUES.describe,
 };
 
-/// Array of arrays of names.
+/// Array of arrays of names; a single array needs no outer array.
 const ZIP: Custom<Vec<Vec<String>>> = Custom {
-    read: |At { reader, section, key }| {
+    read: |ReadContext { reader, section, key }| {
         let value = section.get(key)?;
         let is_nested = items(value).iter().all(|item| matches!(item.get_ref(), DeValue::Array(_)));
         let groups = if is_nested { items(value) } else { std::slice::from_ref(value) };
@@ -299,13 +299,13 @@ const ZIP: Custom<Vec<Vec<String>>> = Custom {
     },
 };
 
-/// Array of tables of values by the names of axes.
+/// Array of combinations: tables of values by the names of lists.
 const EXCLUDE: Custom<Vec<BTreeMap<String, String>>> = Custom {
-    read: |At { reader, section, key }| {
+    read: |ReadContext { reader, section, key }| {
         let mut exclude = Vec::new();
         for part in reader.sections(section, key) {
             let entry = |(name, value): (&Spanned<_>, &Spanned<DeValue<'_>>)| {
-                let text = value.get_ref().as_str().map_or_else(|| reader.source(value), str::to_owned);
+                let text = value.get_ref().as_str().map_or_else(|| reader.text_in_file(value), str::to_owned);
                 (ToString::to_string(name.get_ref() as &std::borrow::Cow<'_, str>), text)
             };
             let combination: BTreeMap<String, String> = part.table.iter().map(entry).collect();
@@ -340,12 +340,12 @@ fn items<'v, 'i>(value: &'v Spanned<DeValue<'i>>) -> &'v [Spanned<DeValue<'i>>] 
 }
 
 /// Schema of an item, or of an array of such items.
-fn list_of(item: serde_json::Value) -> serde_json::Value {
+fn one_or_array_schema(item: serde_json::Value) -> serde_json::Value {
     json!({ "anyOf": [item, { "type": "array", "items": item }] })
 }
 
 impl Reader {
-    /// Non-empty text.
+    /// Reads a non-empty text; reports anything else.
     fn plain_text(&mut self, key: &str, item: &Spanned<DeValue<'_>>) -> Option<String> {
         let text = item.get_ref().as_str().filter(|text| !text.trim().is_empty());
         if text.is_none() {
@@ -354,8 +354,8 @@ impl Reader {
         text.map(str::to_owned)
     }
 
-    /// A value as written in the text.
-    fn source(&self, item: &Spanned<DeValue<'_>>) -> String {
+    /// A value as written in the file.
+    fn text_in_file(&self, item: &Spanned<DeValue<'_>>) -> String {
         self.text.get(item.span()).unwrap_or_default().trim().to_owned()
     }
 }

@@ -5,12 +5,12 @@ use serde_json::{Value as Json, json};
 use toml::Value;
 use toml::de::DeValue;
 
-use super::kind::{At, Custom, Flag, IMAGE, Kind, PARTS, TEXT, Word, Words};
+use super::kind::{Custom, Flag, IMAGE, Kind, ReadContext, TABLES, TEXT, Word, Words};
 use super::object::MESH_UNIT;
 use super::place::POINT;
-use super::sensor::PLACE;
-use super::shape::turns;
-use super::{Definitions, Form, Keys, definition, print_beside, reference};
+use super::sensor::POINT_3D;
+use super::shape::rotation_key;
+use super::{Definitions, Form, Keys, definition, print_non_defaults, reference};
 use crate::code::Code;
 use crate::line::Quantity;
 use crate::spec::{
@@ -21,13 +21,13 @@ use crate::table::{Reader, Section};
 use sim_core::scene::{Block, Bounds, Disc, MAX_BOULDERS, MAX_STEPS, RandomTerrain, Stairs, StairsDirection, Steps};
 
 /// Keys that select the source of a terrain.
-const KINDS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
+const SOURCE_KEYS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
 /// Keys of the function for boulders.
-const OF_BOULDERS: [&str; 3] = ["boulders", "radius_mm", "height_mm"];
+const BOULDER_KEYS: [&str; 3] = ["boulders", "radius_mm", "height_mm"];
 /// Directions in which stairs rise, in degrees, in the order of [`StairsDirection::ALL`].
 const DIRECTIONS_DEG: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
-/// One selecting key for each kind of terrain, with its description.
-const ABOUT: [(&str, &str); 4] = [
+/// For each kind of terrain, a key that selects it, and its description.
+const SOURCES: [(&str, &str); 4] = [
     ("file", "A mesh file with its place in the world."),
     ("image", "A grey image."),
     ("function", "A function with a seed."),
@@ -41,8 +41,8 @@ const SIDES: [Quantity; 2] = [Quantity::size("width"), Quantity::size("depth")];
 pub(crate) struct TerrainTable(pub(crate) DVec2);
 
 impl Kind<TerrainSpec> for TerrainTable {
-    fn read(&self, at: At<'_, '_>, _: Option<&TerrainSpec>) -> Option<TerrainSpec> {
-        let At { reader, section, key } = at;
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&TerrainSpec>) -> Option<TerrainSpec> {
+        let ReadContext { reader, section, key } = context;
         let span = reader.key_span(section, key);
         let is_table = section.get(key).is_some_and(|value| matches!(value.get_ref(), DeValue::Table(_)));
         if !is_table {
@@ -50,7 +50,7 @@ impl Kind<TerrainSpec> for TerrainTable {
             return Some(TerrainSpec::new(TerrainShape::Mesh { model, scale: DEFAULT_TERRAIN_SCALE }, span));
         }
         let section = reader.section(section, key)?;
-        let mut shape = self.shape(reader.terrain_kind(&section)?);
+        let mut shape = self.default_shape(reader.terrain_kind(&section)?);
         reader.table(section, |keys| terrain_keys(&mut shape, keys)).then(|| TerrainSpec::new(shape, span))
     }
 
@@ -61,9 +61,9 @@ impl Kind<TerrainSpec> for TerrainTable {
             TerrainShape::Random(_) => "function",
             TerrainShape::Steps(_) => "stairs",
         };
-        let table = print_beside(
+        let table = print_non_defaults(
             |keys| terrain_keys(&mut terrain.shape.clone(), keys),
-            |keys| terrain_keys(&mut self.shape(kind), keys),
+            |keys| terrain_keys(&mut self.default_shape(kind), keys),
         );
         match &terrain.shape {
             TerrainShape::Mesh { model, .. } if table.len() == 1 => TEXT.print(&model.path),
@@ -75,8 +75,8 @@ impl Kind<TerrainSpec> for TerrainTable {
         definition(definitions, "TerrainForm", |definitions| {
             let about = "A mesh file whose unit is 1 m and whose origin is that of the world.";
             let mut kinds = vec![json!({ "description": about, "type": "string" })];
-            kinds.extend(ABOUT.map(|(kind, about)| {
-                let mut schema = reference(definitions, |keys| terrain_keys(&mut self.shape(kind), keys));
+            kinds.extend(SOURCES.map(|(kind, about)| {
+                let mut schema = reference(definitions, |keys| terrain_keys(&mut self.default_shape(kind), keys));
                 schema["description"] = about.into();
                 schema
             }));
@@ -86,8 +86,8 @@ impl Kind<TerrainSpec> for TerrainTable {
 }
 
 impl TerrainTable {
-    /// Default terrain of the kind selected by this key.
-    fn shape(&self, kind: &str) -> TerrainShape {
+    /// Default terrain of the kind that the key `kind` selects.
+    fn default_shape(&self, kind: &str) -> TerrainShape {
         let (origin, size, base) = (DVec2::ZERO, self.0, 0.0);
         match kind {
             "image" => TerrainShape::Image(TerrainImage { size, ..TerrainImage::default() }),
@@ -110,17 +110,17 @@ impl TerrainTable {
 
 fn terrain_keys(shape: &mut TerrainShape, keys: &mut Keys<'_>) {
     match shape {
-        TerrainShape::Mesh { model, scale } => mesh(keys, model, scale),
-        TerrainShape::Image(made) => image(keys, made),
-        TerrainShape::Random(made) => relief(keys, made),
-        TerrainShape::Steps(made) => steps(keys, made),
+        TerrainShape::Mesh { model, scale } => mesh_keys(keys, model, scale),
+        TerrainShape::Image(terrain) => image_keys(keys, terrain),
+        TerrainShape::Random(terrain) => random_keys(keys, terrain),
+        TerrainShape::Steps(terrain) => steps_keys(keys, terrain),
     }
 }
 
 impl Reader {
     /// The key that selects the source of the terrain; `None`, with an error, if two keys conflict.
     fn terrain_kind(&mut self, section: &Section<'_, '_>) -> Option<&'static str> {
-        let mut kinds = KINDS.into_iter().filter(|kind| section.has(kind));
+        let mut kinds = SOURCE_KEYS.into_iter().filter(|kind| section.has(kind));
         let first = kinds.next().unwrap_or("file");
         match kinds.next() {
             Some("block") if first == "stairs" => Some(first),
@@ -136,25 +136,25 @@ impl Reader {
     }
 }
 
-fn mesh(keys: &mut Keys<'_>, model: &mut ModelSpec, scale: &mut f64) {
+fn mesh_keys(keys: &mut Keys<'_>, model: &mut ModelSpec, scale: &mut f64) {
     keys.form("PlacedTerrainForm", "A mesh file with its place in the world.");
-    keys.mention(&["scale_mm"]);
+    keys.mention_first(&["scale_mm"]);
     keys.key("file", "The mesh file.").required(TEXT, &mut model.path);
     keys.key("offset_mm", "Position of the mesh's origin in the world in mm; default: 0.")
-        .optional(PLACE, &mut model.offset);
-    turns(keys, &mut model.rotations);
+        .optional(POINT_3D, &mut model.offset);
+    rotation_key(keys, &mut model.rotations);
     keys.key("scale_mm", "Length of the mesh's unit in mm; default: 1000.").optional(MESH_UNIT, scale);
 }
 
-/// Declares the extent of a terrain: the corner with the minimum x and y, and the size from there.
-fn extent(keys: &mut Keys<'_>, about: &'static str, (origin, base): (&mut DVec2, &mut f64), size: &mut DVec2) {
+/// Declares the extent of a terrain: the corner with the minimum x and y, and the size along x and y.
+fn extent_keys(keys: &mut Keys<'_>, about: &'static str, (origin, base): (&mut DVec2, &mut f64), size: &mut DVec2) {
     let mut offset = origin.extend(*base);
-    keys.key("offset_mm", about).optional(PLACE, &mut offset);
+    keys.key("offset_mm", about).optional(POINT_3D, &mut offset);
     (*origin, *base) = (offset.truncate(), offset.z);
     keys.key("size_mm", "Width along x and along y in mm; default: that of the floor.").optional(SIDES, size);
 }
 
-fn image(keys: &mut Keys<'_>, image: &mut TerrainImage) {
+fn image_keys(keys: &mut Keys<'_>, image: &mut TerrainImage) {
     keys.form("ImageTerrainForm", "Ground as high as a grey image is bright.");
     let TerrainImage { path, origin, size, base, height } = image;
     keys.key(
@@ -163,43 +163,42 @@ fn image(keys: &mut Keys<'_>, image: &mut TerrainImage) {
     )
     .required(IMAGE, path);
     let about = "Position of the lower left corner in mm, and height of black; default: 0.";
-    extent(keys, about, (origin, base), size);
+    extent_keys(keys, about, (origin, base), size);
     keys.key("height_mm", "As much higher than black is white, in mm.")
         .required(Quantity::coordinate("height"), height);
 }
 
-fn relief(keys: &mut Keys<'_>, made: &mut RandomTerrain) {
+fn random_keys(keys: &mut Keys<'_>, terrain: &mut RandomTerrain) {
     keys.form("FunctionTerrainForm", "Ground that is drawn from a seed: a smooth relief, with or without boulders.");
-    let RandomTerrain { seed, origin, size, base, cell, relief_height, hill_length, boulders, clear } = made;
+    let RandomTerrain { seed, origin, size, base, cell, relief_height, hill_length, boulders, clear } = terrain;
     let mut function = if boulders.is_some() { Function::Boulders } else { Function::Hills };
     keys.key("function", "Function that generates the terrain.").required(Word, &mut function);
     keys.key("seed", "Seed of its random numbers; default: 0.").optional(0..=i64::MAX, seed);
     let about = "Position of the lower left corner in mm, and height of the lowest ground; default: 0.";
-    extent(keys, about, (origin, base), size);
+    extent_keys(keys, about, (origin, base), size);
     keys.key("cell_mm", "Maximum side of a cell in mm; default: 50.").optional(Quantity::size("side of a cell"), cell);
     keys.key("relief_mm", "Height difference of the smooth relief in mm; default: 100.")
         .optional(Quantity::length("height of the relief"), relief_height);
     keys.key("length_mm", "Length of the longest hills in mm; default: 2000.")
         .optional(Quantity::size("length of a hill"), hill_length);
-    let usual = DEFAULT_BOULDERS;
-    let mut drawn = boulders.unwrap_or(usual);
+    let mut parameters = boulders.unwrap_or(DEFAULT_BOULDERS);
     if let Some((reader, section)) = keys.reading()
         && function == Function::Hills
     {
-        reader.exclude(section, "function = \"hills\"", &OF_BOULDERS);
+        reader.exclude(section, "function = \"hills\"", &BOULDER_KEYS);
     } else {
         keys.key("boulders", "Number of boulders; default: 40.")
-            .optional(0..=i64::from(MAX_BOULDERS), &mut drawn.count);
+            .optional(0..=i64::from(MAX_BOULDERS), &mut parameters.count);
         keys.key("radius_mm", "Minimum and maximum half length of a boulder in mm; default: 100 and 400.")
-            .optional(Between(Quantity::size("half length of a boulder")), &mut drawn.radius);
+            .optional(MinMax(Quantity::size("half length of a boulder")), &mut parameters.radius);
         keys.key("height_mm", "Minimum and maximum height of a boulder in mm; default: 50 and 300.")
-            .optional(Between(Quantity::length("height of a boulder")), &mut drawn.height);
+            .optional(MinMax(Quantity::length("height of a boulder")), &mut parameters.height);
     }
-    *boulders = Some(drawn).filter(|_| function == Function::Boulders);
-    keys.key("clear", "Discs in which the ground is level and low.").list(PARTS, clear);
+    *boulders = Some(parameters).filter(|_| function == Function::Boulders);
+    keys.key("clear", "Discs in which the ground is level and low.").list(TABLES, clear);
 }
 
-/// Kind of a terrain function.
+/// Function that generates a terrain.
 #[derive(Clone, Copy, PartialEq)]
 enum Function {
     Hills,
@@ -213,25 +212,25 @@ impl Words for Function {
         &[(Function::Hills, "hills", "A smooth relief."), (Function::Boulders, "boulders", "The same with boulders.")];
 }
 
-/// A minimum and a maximum.
-struct Between(Quantity);
+/// Minimum and maximum of a quantity.
+struct MinMax(Quantity);
 
-impl Kind<[f64; 2]> for Between {
-    fn read(&self, at: At<'_, '_>, _: Option<&[f64; 2]>) -> Option<[f64; 2]> {
-        let At { reader, section, key } = at;
-        let [low, high] = reader.numbers(section, key, &[self.0; 2])?;
-        if low > high {
+impl Kind<[f64; 2]> for MinMax {
+    fn read(&self, context: ReadContext<'_, '_>, _: Option<&[f64; 2]>) -> Option<[f64; 2]> {
+        let ReadContext { reader, section, key } = context;
+        let [min, max] = reader.numbers(section, key, &[self.0; 2])?;
+        if min > max {
             let span = section.get(key).map_or(section.span, |value| reader.span(value.span()));
             let message = format!("`{key}` begins with the greater number");
             let expected = "the least and the greatest value, in this order";
             reader.sink.error(Code::NumberRange, span, message, expected);
             return None;
         }
-        Some([low, high])
+        Some([min, max])
     }
 
-    fn print(&self, ends: &[f64; 2]) -> Value {
-        [self.0; 2].print(ends)
+    fn print(&self, limits: &[f64; 2]) -> Value {
+        [self.0; 2].print(limits)
     }
 
     fn describe(&self, definitions: &mut Definitions) -> Json {
@@ -248,16 +247,16 @@ impl Form for Disc {
     }
 }
 
-fn steps(keys: &mut Keys<'_>, steps: &mut Steps) {
+fn steps_keys(keys: &mut Keys<'_>, steps: &mut Steps) {
     keys.form("StepsTerrainForm", "Level ground with stairs and blocks.");
     let Steps { origin, size, base, stairs, blocks } = steps;
     let about = "Position of the lower left corner in mm, and height of the ground; default: 0.";
-    extent(keys, about, (origin, base), size);
+    extent_keys(keys, about, (origin, base), size);
     // Without blocks this key must be printed, since it selects the source of the terrain.
     let mut flights = Some(std::mem::take(stairs)).filter(|stairs| !stairs.is_empty() || blocks.is_empty());
-    keys.key("stairs", "Flights of stairs; optional if there are blocks.").maybe(PARTS, &mut flights);
+    keys.key("stairs", "Flights of stairs; optional if there are blocks.").nullable(TABLES, &mut flights);
     *stairs = flights.unwrap_or_default();
-    keys.key("block", "Single blocks.").list(PARTS, blocks);
+    keys.key("block", "Single blocks.").list(TABLES, blocks);
 }
 
 impl Form for Stairs {
@@ -265,7 +264,7 @@ impl Form for Stairs {
         keys.form("StairsForm", "A flight of stairs.");
         keys.key("from_mm", "Middle of the foot of the first step, x and y in mm.").required(POINT, &mut self.from);
         keys.key("direction_deg", "Direction upstairs: 0, 90, 180 or 270 degrees; default: 0.")
-            .strictly(QUARTER_TURN, &mut self.uphill);
+            .strict(STAIRS_DIRECTION, &mut self.uphill);
         keys.key("count", "Number of steps.").required(1..=i64::from(MAX_STEPS), &mut self.count);
         keys.key("step_height_mm", "Height of each in mm.")
             .required(Quantity::size("height of a step"), &mut self.rise);
@@ -273,17 +272,17 @@ impl Form for Stairs {
         keys.key("width_mm", "Width across the way in mm.").required(Quantity::size("width"), &mut self.width);
         let mut landing = Some(self.landing).filter(|landing| *landing != self.depth && keys.reading().is_none());
         keys.key("landing_mm", "Depth of the last step in mm; default: as the other steps.")
-            .maybe(Quantity::size("depth of the landing"), &mut landing);
+            .nullable(Quantity::size("depth of the landing"), &mut landing);
         self.landing = landing.unwrap_or(self.depth);
         keys.key("down", "Stairs go down again with the same number of steps; default: false.")
             .optional(Flag, &mut self.goes_down);
     }
 }
 
-/// Direction along an axis, in degrees.
-const QUARTER_TURN: Custom<StairsDirection> = Custom {
-    read: |at| {
-        let At { reader, section, key } = at;
+/// Direction of stairs, in degrees.
+const STAIRS_DIRECTION: Custom<StairsDirection> = Custom {
+    read: |context| {
+        let ReadContext { reader, section, key } = context;
         let degrees = reader.number(section, key, &DIRECTION)?;
         let index = DIRECTIONS_DEG.iter().position(|direction| *direction == degrees.rem_euclid(360.0));
         if index.is_none() {
@@ -294,8 +293,13 @@ const QUARTER_TURN: Custom<StairsDirection> = Custom {
         index.map(|index| StairsDirection::ALL[index])
     },
     print: |direction| {
-        let ways = StairsDirection::ALL.iter().zip(DIRECTIONS_DEG);
-        ways.filter(|(known, _)| *known == direction).map(|(_, degrees)| degrees).next().unwrap_or_default().into()
+        let directions = StairsDirection::ALL.iter().zip(DIRECTIONS_DEG);
+        directions
+            .filter(|(known, _)| *known == direction)
+            .map(|(_, degrees)| degrees)
+            .next()
+            .unwrap_or_default()
+            .into()
     },
     describe: |definitions| DIRECTION.describe(definitions),
 };

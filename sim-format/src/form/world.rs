@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::kind::{Bounded, Flag, IMAGE, PART, PARTS, Part, Shades, TEXT, Word, Words};
+use super::kind::{Bounded, Channels, Flag, IMAGE, TABLE, TABLES, TEXT, TableWithExample, Word, Words};
 use super::place::{MAX_REPETITIONS, POINT, SCATTER};
 use super::terrain::TerrainTable;
 use super::{Form, Keys};
@@ -18,12 +18,12 @@ use crate::spec::{
 use crate::world::WATER;
 
 /// Keys that describe an inline world by its walls.
-const OF_WALLS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
+const WALL_KEYS: [&str; 3] = ["floor_mm", "wall", "cell_mm"];
 /// Keys that describe an inline world.
-const INLINE: [&str; 10] =
+const INLINE_KEYS: [&str; 10] =
     ["floor_mm", "wall", "maze", "texture", "texture_turned", "surface", "terrain", "water_mm", "start", "object"];
 
-/// World of a scene in the structure of its table.
+/// World of a scene, structured like the table `world`.
 #[derive(Clone, Default)]
 pub(crate) struct WorldTable {
     file: Option<SpannedText>,
@@ -31,12 +31,12 @@ pub(crate) struct WorldTable {
     maze: Option<String>,
     floor: Option<DVec2>,
     spec: WorldSpec,
-    is_in_place: bool,
+    is_inline: bool,
 }
 
 impl WorldTable {
-    /// The world of `sim`: a drawing if it is a maze that a drawing reproduces, otherwise its walls.
-    pub(crate) fn of(sim: &SimSpec) -> Self {
+    /// The world of `sim`. An inline maze becomes a drawing if the drawing reproduces it exactly.
+    pub(crate) fn from_sim(sim: &SimSpec) -> Self {
         match (&sim.inline.world, &sim.world) {
             (Some(spec), _) => match spec.cell.and_then(|_| print_maze(spec).ok()) {
                 Some(maze) => {
@@ -63,9 +63,9 @@ impl WorldTable {
         }
     }
 
-    /// Stores the result of reading as the world of `sim`.
-    pub(crate) fn put_into(self, sim: &mut SimSpec) {
-        if self.is_in_place {
+    /// Makes the world that was read the world of `sim`.
+    pub(crate) fn store_in(self, sim: &mut SimSpec) {
+        if self.is_inline {
             sim.inline.world = Some(self.spec);
         } else if let Some(path) = self.file {
             let kind = kind_of_file(&path, self.kind);
@@ -74,7 +74,7 @@ impl WorldTable {
     }
 }
 
-/// Kind of a world's file: determined by its extension, otherwise the stated kind.
+/// Kind of a file with a world: by its extension, otherwise as stated.
 fn kind_of_file(path: &SpannedText, stated: Option<WorldKind>) -> WorldKind {
     match path::extension(&path.text).as_str() {
         "maz" | "maze" => WorldKind::Maze,
@@ -85,24 +85,24 @@ fn kind_of_file(path: &SpannedText, stated: Option<WorldKind>) -> WorldKind {
 impl Form for WorldTable {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("WorldForm", "The world.");
-        let is_read = keys.reading().is_some();
+        let is_reading = keys.reading().is_some();
         let mut is_given = |key: &str| keys.reading().is_some_and(|(_, section)| section.has(key));
-        let (is_file, is_drawn) = (is_given("file"), is_given("maze"));
-        if is_file {
-            keys.mention(&["kind"]);
+        let (has_file, has_drawing) = (is_given("file"), is_given("maze"));
+        if has_file {
+            keys.mention_first(&["kind"]);
         }
         keys.key("file", "A `.wld`, a `.maz` or a map of another program; no other key but `kind`, `cell_mm`, `colour`, `light` and `sky` then.")
-            .maybe(TEXT, &mut self.file);
-        if is_file || !is_read {
+            .nullable(TEXT, &mut self.file);
+        if has_file || !is_reading {
             keys.key("kind", "Kind of a file whose extension does not determine it; default: `world`.")
-                .maybe(Word, &mut self.kind);
+                .nullable(Word, &mut self.kind);
         }
-        if is_file {
+        if has_file {
             if let Some(file) = &self.file {
                 let is_maze =
                     kind_of_file(file, self.kind) == WorldKind::Maze || map::WorldFormat::may_have_cells(&file.text);
-                cell(keys, &mut self.spec.cell);
-                looks(keys, &mut self.spec.looks);
+                cell_key(keys, &mut self.spec.cell);
+                looks_keys(keys, &mut self.spec.looks);
                 if let Some((reader, section)) = keys.reading()
                     && section.has("cell_mm")
                     && !is_maze
@@ -121,59 +121,60 @@ impl Form for WorldTable {
                 }
             }
             if let Some((reader, section)) = keys.reading() {
-                reader.exclude(section, "file", &INLINE);
+                reader.exclude(section, "file", &INLINE_KEYS);
             }
             return;
         }
-        self.in_place(keys, is_drawn);
+        self.inline_keys(keys, has_drawing);
     }
 }
 
 impl WorldTable {
-    fn in_place(&mut self, keys: &mut Keys<'_>, is_drawn: bool) {
+    /// Declares the keys of an inline world.
+    fn inline_keys(&mut self, keys: &mut Keys<'_>, has_drawing: bool) {
         let sides = [Quantity::size("width"), Quantity::size("height")];
         if let Some((reader, section)) = keys.reading() {
-            self.is_in_place = true;
-            if is_drawn {
-                reader.exclude(section, "maze", &OF_WALLS);
+            self.is_inline = true;
+            if has_drawing {
+                reader.exclude(section, "maze", &WALL_KEYS);
                 self.spec = reader.maze(section, "maze");
             } else if !section.has("floor_mm") {
                 reader.missing(section, "floor_mm");
             }
             reader.sink.file().clone_into(&mut self.spec.file);
         }
-        if !is_drawn {
-            keys.mention(&["floor_mm", "cell_mm", "maze", "wall"]);
-            keys.key("floor_mm", "Width and height of the floor in mm.").maybe(sides, &mut self.floor);
+        if !has_drawing {
+            keys.mention_first(&["floor_mm", "cell_mm", "maze", "wall"]);
+            keys.key("floor_mm", "Width and height of the floor in mm.").nullable(sides, &mut self.floor);
         }
-        if keys.reading().is_some() && !is_drawn {
+        if keys.reading().is_some() && !has_drawing {
             self.spec.floor = self.floor.unwrap_or_default();
         }
         let world = &mut self.spec;
-        keys.key("texture", "Image stretched over the whole floor.").maybe(IMAGE, &mut world.texture);
+        keys.key("texture", "Image stretched over the whole floor.").nullable(IMAGE, &mut world.texture);
         keys.key("texture_turned", "The image is turned by 180 degrees, as in a `.wld`.")
             .flag(&mut world.texture_is_turned);
         keys.key("surface", "How the floor reflects, and walls that do not say.")
-            .maybe(Part("reflectivity = 1, specular = 0.5"), &mut world.surface);
+            .nullable(TableWithExample("reflectivity = 1, specular = 0.5"), &mut world.surface);
         keys.key(
             "terrain",
             "Ground that is not the plane: sensors and cameras see it, legs walk on it; wheels drive on the plane all the \
              same.",
         )
-        .maybe(TerrainTable(world.floor), &mut world.terrain);
+        .nullable(TerrainTable(world.floor), &mut world.terrain);
         keys.key("water_mm", "Depth of the water over the floor in mm; default: dry land.")
-            .maybe(WATER, &mut world.water);
-        looks(keys, &mut world.looks);
+            .nullable(WATER, &mut world.water);
+        looks_keys(keys, &mut world.looks);
         if keys.reading().is_none() {
-            keys.key("maze", "The drawing of a maze, as in a `.maz`.").maybe(TEXT, &mut self.maze);
+            keys.key("maze", "The drawing of a maze, as in a `.maz`.").nullable(TEXT, &mut self.maze);
         }
-        if !is_drawn {
-            cell(keys, &mut world.cell);
-            keys.key("wall", "Walls.").list(PARTS, &mut world.walls);
+        if !has_drawing {
+            cell_key(keys, &mut world.cell);
+            keys.key("wall", "Walls.").list(TABLES, &mut world.walls);
         }
-        keys.key("start", "Places where robots without a pose start.").list(PARTS, &mut world.starts);
+        keys.key("start", "Places where robots without a pose start.").list(TABLES, &mut world.starts);
         keys.key("object", "Objects of the world; they come before those of the scene.")
-            .list(PARTS, &mut world.objects);
+            .list(TABLES, &mut world.objects);
     }
 }
 
@@ -185,20 +186,22 @@ impl Words for WorldKind {
 }
 
 /// Declares the size of a maze's cells.
-fn cell(keys: &mut Keys<'_>, cell: &mut Option<f64>) {
+fn cell_key(keys: &mut Keys<'_>, cell: &mut Option<f64>) {
     keys.key(
         "cell_mm",
         "Cell size in mm: of a world that is a maze of walls; of a `.maz`, overriding the file; of a `.map`; or of the pixels of an image.",
     )
-    .maybe(Quantity::size("cell size"), cell);
+    .nullable(Quantity::size("cell size"), cell);
 }
 
-/// Declares properties of a world that only cameras see.
-fn looks(keys: &mut Keys<'_>, looks: &mut LooksSpec) {
-    keys.key("colour", "Red, green and blue of a floor without an image, 0 to 255.").maybe(Shades, &mut looks.colour);
-    keys.key("light", "The light for cameras.").optional(Part("azimuth_deg = -120, shadows = true"), &mut looks.light);
+/// Declares the properties of a world that affect only camera images.
+fn looks_keys(keys: &mut Keys<'_>, looks: &mut LooksSpec) {
+    keys.key("colour", "Red, green and blue of a floor without an image, 0 to 255.")
+        .nullable(Channels, &mut looks.colour);
+    keys.key("light", "The light for cameras.")
+        .optional(TableWithExample("azimuth_deg = -120, shadows = true"), &mut looks.light);
     keys.key("sky", "Background of camera images.")
-        .optional(Part("horizon = [200, 210, 220], ground = [90, 90, 80]"), &mut looks.sky);
+        .optional(TableWithExample("horizon = [200, 210, 220], ground = [90, 90, 80]"), &mut looks.sky);
 }
 
 impl Form for LightSpec {
@@ -220,30 +223,30 @@ impl Form for LightSpec {
 impl Form for SkySpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("SkyForm", "Colours of the background: red, green and blue, 0 to 255.");
-        keys.key("horizon", "The sky at the horizon.").optional(Shades, &mut self.horizon);
-        keys.key("zenith", "The sky straight above.").optional(Shades, &mut self.zenith);
-        keys.key("ground", "The ground beyond the floor.").optional(Shades, &mut self.ground);
+        keys.key("horizon", "The sky at the horizon.").optional(Channels, &mut self.horizon);
+        keys.key("zenith", "The sky straight above.").optional(Channels, &mut self.zenith);
+        keys.key("ground", "The ground beyond the floor.").optional(Channels, &mut self.ground);
     }
 }
 
 impl Form for WallSpec {
-    fn usual() -> Self {
+    fn defaults() -> Self {
         Self { height: DEFAULT_WALL_HEIGHT, ..Self::default() }
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("WallForm", "A wall: a straight piece between two points.");
         keys.span(&mut self.span);
-        if !random_keys(keys, &mut self.scatter) {
-            keys.key("from_mm", "One end, x and y in mm.").expected(POINT, &mut self.from);
-            keys.key("to_mm", "The other end, x and y in mm.").expected(POINT, &mut self.to);
+        if !random_wall_keys(keys, &mut self.scatter) {
+            keys.key("from_mm", "One end, x and y in mm.").required_or_replaced(POINT, &mut self.from);
+            keys.key("to_mm", "The other end, x and y in mm.").required_or_replaced(POINT, &mut self.to);
         }
         keys.key("thickness_mm", "Thickness in mm, half of it on either side; default: 0.")
             .optional(Bounded(Quantity::length("thickness")), &mut self.thickness);
         keys.key("height_mm", "Height above the floor in mm; default: 200.")
             .optional(Bounded(Quantity::size("height")), &mut self.height);
-        keys.key("colour", "Red, green and blue, 0 to 255.").maybe(Shades, &mut self.colour);
-        keys.key("surface", "Reflection of sound; default: from the world.").maybe(PART, &mut self.surface);
+        keys.key("colour", "Red, green and blue, 0 to 255.").nullable(Channels, &mut self.colour);
+        keys.key("surface", "Reflection of sound; default: from the world.").nullable(TABLE, &mut self.surface);
         let is_point = keys.is_complete() && self.from == self.to && self.scatter.is_none();
         if let Some((reader, section)) = keys.reading()
             && is_point
@@ -257,21 +260,21 @@ impl Form for WallSpec {
 
 /// Declares the keys of a wall with a random position: length and layout; returns true if the wall has a random
 /// position.
-fn random_keys(keys: &mut Keys<'_>, random: &mut Option<(f64, Scatter)>) -> bool {
+fn random_wall_keys(keys: &mut Keys<'_>, random: &mut Option<(f64, Scatter)>) -> bool {
     let (mut length, mut scatter) = random.unzip();
-    let is_said = keys.reading().is_some_and(|(_, section)| section.has("layout"));
-    keys.mention(&["count"]);
+    let has_layout = keys.reading().is_some_and(|(_, section)| section.has("layout"));
+    keys.mention_first(&["count"]);
     if keys.reading().is_none() {
-        // A list repeats its entries before they are read.
+        // Entries with a `count` are repeated before they are read.
         keys.key("count", "Number of copies; default: 1. Each copy has its own random values.")
-            .maybe(0..=MAX_REPETITIONS, &mut None::<u32>);
+            .nullable(0..=MAX_REPETITIONS, &mut None::<u32>);
     }
-    if is_said || keys.reading().is_none() {
+    if has_layout || keys.reading().is_none() {
         keys.key("length_mm", "Length in mm of a wall with a random place.")
-            .maybe(Bounded(Quantity::size("length")), &mut length);
+            .nullable(Bounded(Quantity::size("length")), &mut length);
     }
-    keys.key("layout", "Random position instead of both ends.").maybe(SCATTER, &mut scatter);
-    if !is_said {
+    keys.key("layout", "Random position instead of both ends.").nullable(SCATTER, &mut scatter);
+    if !has_layout {
         return random.is_some();
     }
     *random = length.zip(scatter);

@@ -19,18 +19,17 @@ const MAX_LISTED: usize = 32;
 /// Suffix of file names that identifies a profile without reading its content.
 pub const NOISE_EXTENSION: &str = ".noise.toml";
 
-/// Names of the presets: first [`LEVELS`]; the only errors of `course` are bounded errors at the targets of drives.
+/// Names of the presets: [`LEVELS`], and `course`, whose only errors are bounded errors at the targets of drives.
 pub const PRESETS: [&str; 5] = ["none", "mild", "real", "harsh", "course"];
 
-/// Names of the presets with all kinds of errors, from the smallest to the largest. `none` has no errors; `mild` represents good,
+/// Names of the presets for all kinds of errors, from the smallest errors to the largest. `none` has no errors; `mild` represents good,
 /// well-maintained devices; `real` follows data sheets and published measurements of devices of this class; `harsh` represents bad light, a
 /// slippery floor and worn devices.
 pub const LEVELS: [&str; 4] = ["none", "mild", "real", "harsh"];
 
 /// Preset named `name`.
 pub fn preset(name: &str) -> Option<Preset> {
-    // The text of every preset names this preset as its base, including its own text, so reading that text would never
-    // end.
+    // The text of every preset names `none` as its base, even the text of `none`: reading it would recurse forever.
     if name == Preset::default().name {
         return Some(Preset::default());
     }
@@ -64,14 +63,14 @@ pub fn read_noise(file: &str, text: &str) -> (NoiseSpec, Vec<Diagnostic>) {
     let (mut reader, root) = Reader::parse(file, text);
     if root.is_empty() && reader.sink.is_empty() {
         let span = reader.span(0..0);
-        reader.warn_of_empty(span);
+        reader.warn_empty_profile(span);
     }
     let spec = NoiseSpec { file: file.to_owned(), ..NoiseSpec::default() };
     let spec = reader.form(Section::root(&root), spec).unwrap_or_default();
     (spec, reader.sink.finish())
 }
 
-/// Warnings about profiles that name sensors which no robot with the profile has.
+/// Warns about each sensor that a profile names although no robot with this profile has it.
 pub fn unknown_sensors(robots: &[RobotSpec]) -> Vec<Diagnostic> {
     let mut profiles: Vec<(&Arc<NoiseSpec>, BTreeSet<&str>)> = Vec::new();
     for robot in robots {
@@ -87,19 +86,22 @@ pub fn unknown_sensors(robots: &[RobotSpec]) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     for (spec, names) in profiles {
         let mut sink = Sink::new(&spec.file);
-        let mut last = None;
+        let mut last_reported = None;
         for entry in &spec.entries {
             let NoiseSection::Sensor(name) = &entry.section else { continue };
-            if last == Some(name) || names.contains(name.as_str()) {
+            if last_reported == Some(name) || names.contains(name.as_str()) {
                 continue;
             }
-            last = Some(name);
+            last_reported = Some(name);
             let message = format!("no robot with this profile has a sensor of distance `{name}`");
-            let listed: Vec<&str> = names.iter().copied().take(MAX_LISTED).collect();
-            let expected =
-                if listed.is_empty() { "a robot with sensors".into() } else { format!("one of {}", listed.join(", ")) };
-            let nearest = line::nearest(name, names.iter().copied()).map(|name| format!("write `{name}`"));
-            sink.warn(Code::NoiseSensor, entry.span, message, expected).suggestion = nearest;
+            let listed_names: Vec<&str> = names.iter().copied().take(MAX_LISTED).collect();
+            let expected = if listed_names.is_empty() {
+                "a robot with sensors".into()
+            } else {
+                format!("one of {}", listed_names.join(", "))
+            };
+            let suggestion = line::nearest(name, names.iter().copied()).map(|name| format!("write `{name}`"));
+            sink.warn(Code::NoiseSensor, entry.span, message, expected).suggestion = suggestion;
         }
         diagnostics.extend(sink.finish());
     }

@@ -20,8 +20,8 @@ pub struct NotAMaze(Cow<'static, str>);
 /// Text of a maze file.
 ///
 /// # Errors
-/// [`NotAMaze`] for walls off the grid, with a thickness, a height or a colour, starts without a letter, and objects that no character
-/// represents.
+/// [`NotAMaze`] if a wall is off the grid or has a thickness, a height or a colour, if a start has no letter, or if no character represents
+/// an object.
 pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
     let cell = world.cell.unwrap_or(DEFAULT_CELL);
     let size = (world.floor / cell).round();
@@ -30,11 +30,11 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
     }
     let mut drawing = MazeCanvas::new(size.x as usize, size.y as usize);
     for wall in &world.walls {
-        drawing.wall((wall.from / cell).round(), (wall.to / cell).round());
+        drawing.add_wall((wall.from / cell).round(), (wall.to / cell).round());
     }
     for start in &world.starts {
         let letter = start.letter.ok_or(NotAMaze("a start has no letter".into()))?;
-        drawing.letter(start.pose.position / cell, letter);
+        drawing.add_letter(start.pose.position / cell, letter);
     }
     for object in &world.objects {
         let letter = match object.kind.written().text.to_lowercase().as_str() {
@@ -42,36 +42,37 @@ pub fn print_maze(world: &WorldSpec) -> Result<String, NotAMaze> {
             "crate" => 'X',
             other => return Err(NotAMaze(format!("no character of a maze stands for `{other}`").into())),
         };
-        drawing.letter(object.pose.position / cell, letter);
+        drawing.add_letter(object.pose.position / cell, letter);
     }
     let text = format!("{}{}\n", drawing.text(), written_mm(cell));
-    let mut read = read_maze("", &text).0;
-    read.texture.clone_from(&world.texture);
-    read.terrain.clone_from(&world.terrain);
-    read.surface = world.surface;
-    read.looks = world.looks;
+    let mut read_back = read_maze("", &text).0;
+    read_back.texture.clone_from(&world.texture);
+    read_back.terrain.clone_from(&world.terrain);
+    read_back.surface = world.surface;
+    read_back.looks = world.looks;
     let mut expected_content = content::world(world);
     expected_content.cell.get_or_insert(cell);
-    if content::world(&read) == expected_content {
+    if content::world(&read_back) == expected_content {
         return Ok(text);
     }
-    let what = [
-        (read.floor != world.floor, "its floor ends elsewhere"),
+    let reasons = [
+        (read_back.floor != world.floor, "its floor ends elsewhere"),
         (
-            content::world(&read).walls != expected_content.walls,
+            content::world(&read_back).walls != expected_content.walls,
             "its walls are not whole sides of cells, or they look special",
         ),
         (
-            content::world(&read).starts != expected_content.starts,
+            content::world(&read_back).starts != expected_content.starts,
             "its starts are not in the middle of cells, one each",
         ),
     ];
-    let what = what.into_iter().find(|(differs, _)| *differs).map_or("its objects stand elsewhere", |(_, what)| what);
-    Err(NotAMaze(format!("the world is no maze: {what}").into()))
+    let first_reason = reasons.into_iter().find(|(differs, _)| *differs);
+    let reason = first_reason.map_or("its objects stand elsewhere", |(_, reason)| reason);
+    Err(NotAMaze(format!("the world is no maze: {reason}").into()))
 }
 
 /// Properties of a maze world that a maze file cannot represent.
-pub(crate) fn beside_maze(world: &WorldSpec) -> Vec<String> {
+pub(crate) fn lost_in_maze(world: &WorldSpec) -> Vec<String> {
     let texture = world.texture.as_ref().map(|texture| format!("the texture `{}`", texture.text));
     let surface = world.surface.map(|_| "the surface of floor and walls".to_owned());
     let terrain = world.terrain.as_ref().map(|_| "the terrain".to_owned());
@@ -79,13 +80,13 @@ pub(crate) fn beside_maze(world: &WorldSpec) -> Vec<String> {
     [texture, surface, terrain, looks].into_iter().flatten().collect()
 }
 
-/// Characters of a drawing, row 0 at the bottom.
+/// Drawing of a maze in progress, with row 0 at the bottom.
 struct MazeCanvas {
     columns: usize,
     rows: usize,
-    /// `vertical[row][column]`: a wall to the left of the cell; one column more than cells.
+    /// `vertical[row][column]` is true for a wall to the left of the cell; there is one column more than cells.
     vertical: Vec<Vec<bool>>,
-    /// `horizontal[row][column]`: a wall below the cell; one row more than cells.
+    /// `horizontal[row][column]` is true for a wall below the cell; there is one row more than cells.
     horizontal: Vec<Vec<bool>>,
     letters: Vec<Vec<Option<char>>>,
 }
@@ -102,7 +103,7 @@ impl MazeCanvas {
     }
 
     /// Adds a wall between two grid points; a wall off the grid is detected when the drawing is read back.
-    fn wall(&mut self, from: DVec2, to: DVec2) {
+    fn add_wall(&mut self, from: DVec2, to: DVec2) {
         let (low, high) = (from.min(to), from.max(to));
         let range = |low: f64, high: f64, end: usize| (low.max(0.0) as usize)..(high.max(0.0) as usize).min(end);
         if from.x == to.x {
@@ -118,7 +119,7 @@ impl MazeCanvas {
         }
     }
 
-    fn letter(&mut self, point: DVec2, letter: char) {
+    fn add_letter(&mut self, point: DVec2, letter: char) {
         let (column, row) = (point.x.max(0.0) as usize, point.y.max(0.0) as usize);
         if let Some(cell) = self.letters.get_mut(row).and_then(|row| row.get_mut(column)) {
             *cell = Some(letter);
@@ -135,15 +136,15 @@ impl MazeCanvas {
                 if column == self.columns {
                     break;
                 }
-                let has_floor = self.horizontal[row][column];
+                let has_wall_below = self.horizontal[row][column];
                 line.push(match self.letters[row][column] {
-                    Some(letter) if has_floor => letter,
+                    Some(letter) if has_wall_below => letter,
                     Some(letter) => letter.to_ascii_lowercase(),
-                    None if has_floor => '_',
+                    None if has_wall_below => '_',
                     None => ' ',
                 });
             }
-            // A blank line would not count as a row.
+            // Readers skip blank lines.
             if line.trim().is_empty() {
                 line.replace_range(1..2, ".");
             }

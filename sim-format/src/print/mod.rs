@@ -1,7 +1,7 @@
-//! Printers: convert specs to the text of every kind of file. Reading that text returns the same spec.
+//! Printers: convert specs to texts of each file format. Reading the text gives the same spec.
 //!
-//! Properties that a format cannot represent are listed, not dropped silently. Numbers are the shortest decimals that read back to the same
-//! `f64`; if none exists (for coordinates computed in a local frame), the nearest is used.
+//! Properties that a format cannot represent are listed. Numbers are printed as the shortest decimal that reads back to the same `f64`; if
+//! none exists (for coordinates computed in a local frame), as the nearest one.
 
 mod maze;
 mod noise;
@@ -13,7 +13,7 @@ mod sim;
 mod text;
 mod world;
 
-pub(super) use maze::beside_maze;
+pub(super) use maze::lost_in_maze;
 pub use maze::{NotAMaze, print_maze};
 pub use noise::print_noise;
 pub use object::print_esobj;
@@ -24,17 +24,17 @@ pub use sim::print_sim;
 pub(crate) use text::document;
 pub use world::print_world;
 
-/// Properties that only our own form can represent.
+/// Properties that only our own format for scenes can represent, in words.
 const LOOKS: &str = "the light and the colours of the world";
 
 /// Properties that a printed format cannot represent, in words such as `the arguments of r3`.
 pub type Lost = Vec<String>;
 
-/// Printed text and a list of its omissions.
+/// Printed text, and the properties that it omits.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Printed {
     /// The text of the file.
     pub text: String,
-    /// Properties missing in the text.
+    /// Properties that the text omits.
     pub lost: Lost,
 }

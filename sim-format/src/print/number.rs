@@ -3,21 +3,21 @@
 use sim_core::pose::Heading;
 use sim_core::unit::{Quantity, degrees_from_radians, metres_from_mm, mm_from_metres, radians_from_degrees};
 
-/// Number of neighbouring `f64` values tried on either side if no short decimal reads back to the same value.
+/// Number of neighbouring `f64` values that are tried on either side if no short decimal reads back.
 const NEIGHBOURS: u32 = 4;
 
-/// Number with the fewest digits near `near` for which `reads_back` returns true; `near` if none exists.
+/// Number near `start` with the fewest digits for which `reads_back` returns true; `start` if there is none.
 pub(crate) fn shortest(start: f64, reads_back: impl Fn(f64) -> bool) -> f64 {
     if start == 0.0 && reads_back(0.0) {
         return 0.0;
     }
-    let rounded = (0..17).filter_map(|digits| format!("{start:.digits$e}").parse::<f64>().ok());
+    let rounded_numbers = (0..17).filter_map(|digits| format!("{start:.digits$e}").parse::<f64>().ok());
     let (mut above, mut below) = (start, start);
-    let around = (0..NEIGHBOURS).flat_map(|_| {
+    let neighbours = (0..NEIGHBOURS).flat_map(|_| {
         (above, below) = (above.next_up(), below.next_down());
         [above, below]
     });
-    rounded.chain(around).find(|number| reads_back(*number)).unwrap_or(start)
+    rounded_numbers.chain(neighbours).find(|number| reads_back(*number)).unwrap_or(start)
 }
 
 /// Converts an SI value to the unit of `quantity`.

@@ -26,7 +26,7 @@ fn text_of(object: &ObjectType) -> String {
     let _ = writeln!(out, "name {}", quoted(&object.name).unwrap_or_default());
     let scale = mm(object.scale);
     let _ = writeln!(out, "scale {}", written(scale));
-    // Lengths are in units of the mesh.
+    // The file states lengths in units of the mesh.
     let factor = metres_from_mm(scale);
     let length = |metres: f64| written(shortest(metres / factor, |units| units * factor == metres));
     let position = |position: DVec3| [0.0 - position.y, position.z, position.x].map(length).join(" ");
@@ -69,10 +69,10 @@ fn text_of(object: &ObjectType) -> String {
     out
 }
 
-/// Names of the properties in which two types differ.
+/// Descriptions of the properties in which two object types differ.
 fn differences(a: &ObjectType, b: &ObjectType) -> Vec<String> {
     let (a, b) = (content::object(a), content::object(b));
-    let points = [
+    let properties = [
         (a.name != b.name, "the name"),
         (a.model != b.model, "the place of the mesh"),
         (a.scale != b.scale, "the scale"),
@@ -84,5 +84,9 @@ fn differences(a: &ObjectType, b: &ObjectType) -> Vec<String> {
         (a.sensor_shape != b.sensor_shape, "`solid = \"mesh\"`"),
         (a.displaced_volume != b.displaced_volume, "the buoyancy"),
     ];
-    points.into_iter().filter(|(differs, _)| *differs).map(|(_, what)| format!("{what} of the object type")).collect()
+    properties
+        .into_iter()
+        .filter(|(differs, _)| *differs)
+        .map(|(_, property)| format!("{property} of the object type"))
+        .collect()
 }

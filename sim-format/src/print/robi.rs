@@ -8,7 +8,7 @@ use toml::Table;
 use super::number::{degrees, written, written_degrees, written_mm};
 use super::sim::quoted;
 use super::{Printed, text};
-use crate::form::print_beside;
+use crate::form::print_non_defaults;
 use crate::form::robot::companion;
 use crate::form::sensor::psd_keys;
 use crate::robi::DRIVES;
@@ -22,48 +22,49 @@ use sim_core::drive::DriveKind;
 /// cannot represent either are lost.
 pub fn print_robi(robi: &RobiSpec) -> Printed {
     let companion = print_companion(robi);
-    let candidates = [classic(robi), vr(robi)].map(|text| {
+    let [classic, vr] = [classic_text(robi), vr_text(robi)].map(|text| {
         let lost = differences(robi, &read_back(robi, &text, &companion));
         Printed { text, lost }
     });
-    let [classic, vr] = candidates;
     if vr.lost.len() < classic.lost.len() { vr } else { classic }
 }
 
 /// Text of the companion that belongs to the text of [`print_robi`].
 pub fn print_companion(robi: &RobiSpec) -> String {
-    let mut whole =
-        print_beside(|keys| companion(keys, &mut robi.clone()), |keys| companion(keys, &mut RobiSpec::default()));
+    let mut table =
+        print_non_defaults(|keys| companion(keys, &mut robi.clone()), |keys| companion(keys, &mut RobiSpec::default()));
     // Keep only the keys that the robi itself does not represent.
-    if let Some(camera) = whole.get_mut("camera").and_then(toml::Value::as_table_mut) {
+    if let Some(camera) = table.get_mut("camera").and_then(toml::Value::as_table_mut) {
         camera.retain(|key, _| matches!(key, "fov_deg" | "samples"));
         if camera.is_empty() {
-            whole.remove("camera");
+            table.remove("camera");
         }
     }
     if !robi.psds.is_empty() {
         let psds = robi.psds.iter().cloned();
-        let ranges = psds.map(|mut psd| {
+        let tables = psds.map(|mut psd| {
             (
                 psd.name.clone(),
-                print_beside(|keys| psd_keys(keys, &mut psd), |keys| psd_keys(keys, &mut PsdSpec::default())).into(),
+                print_non_defaults(|keys| psd_keys(keys, &mut psd), |keys| psd_keys(keys, &mut PsdSpec::default()))
+                    .into(),
             )
         });
-        whole.insert("psd".to_owned(), Table::from_iter(ranges).into());
+        table.insert("psd".to_owned(), Table::from_iter(tables).into());
     }
-    text::document(&whole)
+    text::document(&table)
 }
 
+/// The robot type as read from a robi and its companion.
 fn read_back(robi: &RobiSpec, text: &str, companion: &str) -> RobiSpec {
     let mut read = read_robi(&robi.file, text).0;
     read_companion(&robi.file, companion, &mut read);
     read
 }
 
-/// Names of the properties in which two types differ.
+/// Descriptions of the properties in which two robot types differ.
 fn differences(a: &RobiSpec, b: &RobiSpec) -> Vec<String> {
     let (a, b) = (content::robi(a), content::robi(b));
-    let points = [
+    let properties = [
         (a.name != b.name, "the name"),
         (a.diameter != b.diameter, "the diameter of the body"),
         ((a.max_speed, a.max_turn) != (b.max_speed, b.max_turn), "the largest speeds"),
@@ -91,21 +92,27 @@ fn differences(a: &RobiSpec, b: &RobiSpec) -> Vec<String> {
         (a.serials != b.serials, "the serial interfaces"),
         ((a.inputs, a.hdt) != (b.inputs, b.hdt), "the inputs and numbers of devices"),
     ];
-    points.into_iter().filter(|(differs, _)| *differs).map(|(_, what)| format!("{what} of the robot type")).collect()
+    properties
+        .into_iter()
+        .filter(|(differs, _)| *differs)
+        .map(|(_, property)| format!("{property} of the robot type"))
+        .collect()
 }
 
-fn classic(robi: &RobiSpec) -> String {
-    let mut out = head(robi);
+/// Text of a robi in the classic dialect.
+fn classic_text(robi: &RobiSpec) -> String {
+    let mut out = first_lines(robi);
     let _ = writeln!(out, "axis {}", written_mm(robi.axis_offset));
     if let Some(model) = &robi.model {
         let _ = writeln!(out, "model {}", quoted(&model.path.text).unwrap_or_default());
     }
-    devices(&mut out, robi, robi.wheel.track);
+    device_lines(&mut out, robi, robi.wheel.track);
     out
 }
 
-fn vr(robi: &RobiSpec) -> String {
-    let mut out = head(robi);
+/// Text of a robi in the dialect of EyeSim VR.
+fn vr_text(robi: &RobiSpec) -> String {
+    let mut out = first_lines(robi);
     let _ = writeln!(out, "mass {} {}", written(robi.mass), unity(robi.centre_of_mass));
     if let Some(model) = &robi.model {
         let turns = model.rotations.to_array().map(written_degrees).join(" ");
@@ -127,15 +134,15 @@ fn vr(robi: &RobiSpec) -> String {
     }
     let _ = writeln!(out, "axis {} {}", written_mm(0.5 * robi.wheel.diameter), written_mm(robi.axis_offset));
     let is_omni = robi.drive.kind == DriveKind::Omni;
-    devices(&mut out, robi, if is_omni { robi.wheel.track } else { 0.5 * robi.wheel.track });
+    device_lines(&mut out, robi, if is_omni { robi.wheel.track } else { 0.5 * robi.wheel.track });
     if let Some(Lens::Fisheye { fov }) = robi.camera.as_ref().map(|camera| camera.lens) {
         let _ = writeln!(out, "fisheye {}", written_degrees(fov));
     }
     out
 }
 
-/// First lines, common to all dialects.
-fn head(robi: &RobiSpec) -> String {
+/// The first lines, which are the same in all dialects.
+fn first_lines(robi: &RobiSpec) -> String {
     let motors = robi.drive.motors.iter().flat_map(|motor| [Some(motor.motor.as_str()), motor.encoder.as_deref()]);
     let names = motors.flatten().chain(robi.drive.steering.as_deref());
     let kind = DRIVES.iter().find(|(_, kind, _)| *kind == robi.drive.kind).map_or("", |(word, ..)| *word);
@@ -148,7 +155,8 @@ fn head(robi: &RobiSpec) -> String {
     out
 }
 
-fn devices(out: &mut String, robi: &RobiSpec, track: f64) {
+/// Appends the lines of the PSDs, the camera and the wheels; `track` is the last number of the wheels' line.
+fn device_lines(out: &mut String, robi: &RobiSpec, track: f64) {
     for psd in &robi.psds {
         let id = psd.id.map(|id| format!("{id} ")).unwrap_or_default();
         let position = psd.position.to_array().map(written_mm).join(" ");
@@ -173,7 +181,7 @@ fn devices(out: &mut String, robi: &RobiSpec, track: f64) {
     let _ = writeln!(out, "wheel {diameter} {rate} {} {}", written(wheel.ticks_per_turn), written_mm(track));
 }
 
-/// Position in the axes of EyeSim VR's graphics library: X right, Y up, Z forward.
+/// Position in the axes of Unity: X right, Y up, Z forward.
 fn unity(point: DVec3) -> String {
     [0.0 - point.y, point.z, point.x].map(written_mm).join(" ")
 }

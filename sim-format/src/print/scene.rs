@@ -1,4 +1,4 @@
-//! Printing of scenes in our own form, and their JSON schema.
+//! Printing of scenes in our own format, and JSON schemas.
 
 use serde_json::{Value as Json, json};
 use toml::{Table, Value};
@@ -51,7 +51,7 @@ fn text_of(schema: &Json) -> String {
     serde_json::to_string_pretty(schema).unwrap_or_default() + "\n"
 }
 
-/// Allows a draw instead of each value of the schema that is a number, a text or a list.
+/// Allows a draw in place of each number, text, truth value and list in the schema.
 fn allow_draws(schema: &mut Json) {
     let draw = || json!({ "$ref": "#/$defs/DrawForm" });
     match schema {

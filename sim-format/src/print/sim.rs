@@ -1,4 +1,4 @@
-//! Printing of scenes as `.sim`: each line in a form that represents its content.
+//! Printing of scenes as `.sim`.
 
 use std::fmt::Write;
 
@@ -17,11 +17,11 @@ use sim_core::radio::RadioModel;
 /// Text of a sim file. A robot with a program whose type is a file gets a classic line; all other entities get lines of
 /// EyeSim VR.
 ///
-/// `scene` is the loaded form of `sim`: it provides the robots of groups and the names of types. Inline parts of the scene must have
-/// been moved to files before; here they are lost.
+/// `scene` must be loaded from `sim`; it provides the robots of groups and the names of types. Inline parts of `sim` are lost unless the
+/// caller has moved them to files.
 pub fn print_sim(sim: &SimSpec, scene: &SceneSpec) -> Printed {
     let mut printer = Printer { out: Printed::default(), scene };
-    printer.sim(sim);
+    printer.write_sim(sim);
     printer.out
 }
 
@@ -30,51 +30,51 @@ struct Printer<'a> {
     scene: &'a SceneSpec,
 }
 
-/// Returns true if the scene follows EyeSim VR of 2018.
+/// Returns true if the scene follows the conventions of EyeSim VR of 2018.
 fn is_of_2018(sim: &SimSpec) -> bool {
     sim.run.dialect == Some(Dialect::Vr2018)
 }
 
 impl Printer<'_> {
-    fn sim(&mut self, sim: &SimSpec) {
+    fn write_sim(&mut self, sim: &SimSpec) {
         if let Some(world) = &sim.world {
             let extension = path::extension(&world.path.text);
-            // A known extension determines the keyword.
+            // The keyword `maze` is only needed if the extension does not identify a maze.
             let keyword = match world.kind {
                 WorldKind::Maze if !matches!(extension.as_str(), "maz" | "maze") => "maze",
                 _ => "world",
             };
-            let file = self.word(&world.path.text);
-            self.line(&[keyword, &file]);
+            let file = self.quoted_word(&world.path.text);
+            self.write_line(&[keyword, &file]);
         }
         let settings = [(sim.settings.shows_beams, "VIS"), (sim.settings.shows_trace, "TRACE")];
         let settings: Vec<&str> = settings.into_iter().filter_map(|(shows, word)| shows.then_some(word)).collect();
         if !settings.is_empty() {
-            self.line(&[&["settings"][..], &settings].concat());
+            self.write_line(&[&["settings"][..], &settings].concat());
         }
-        let robots = self.robots_of_files(sim);
-        // These keywords determine the dialect of a sim file.
+        let robots = self.extra_type_files(sim);
+        // Readers recognise the dialect of a sim file by these keywords.
         let [robot, object] = if is_of_2018(sim) { ["robi", "obj"] } else { ["robot", "object"] };
         for path in sim.robot_types.iter().chain(&robots) {
-            let file = self.word(&path.text);
-            self.line(&[robot, &file]);
+            let file = self.quoted_word(&path.text);
+            self.write_line(&[robot, &file]);
         }
         for path in &sim.object_types {
-            let file = self.word(&path.text);
-            self.line(&[object, &file]);
+            let file = self.quoted_word(&path.text);
+            self.write_line(&[object, &file]);
         }
-        self.run(sim);
-        self.robots(sim);
-        sim.objects.iter().for_each(|line| self.object(line));
+        self.list_lost_properties(sim);
+        self.write_robots(sim);
+        sim.objects.iter().for_each(|line| self.write_object(line));
         for marker in &sim.markers {
             let [x, y] = marker.position.to_array().map(written_mm);
             let shades = marker.colour.map(|shade| shade.to_string());
-            self.line(&["marker", &x, &y, &shades[0], &shades[1], &shades[2], &shades[3]]);
+            self.write_line(&["marker", &x, &y, &shades[0], &shades[1], &shades[2], &shades[3]]);
         }
     }
 
-    /// Type files of robots without a program; a classic line cannot represent a robot without a program.
-    fn robots_of_files(&self, sim: &SimSpec) -> Vec<SpannedText> {
+    /// Files of the robot types that need a line of their own, since no classic line names them.
+    fn extra_type_files(&self, sim: &SimSpec) -> Vec<SpannedText> {
         let mut files: Vec<SpannedText> = Vec::new();
         for line in &sim.robots {
             if let TypeRef::File(path) = &line.kind
@@ -87,11 +87,12 @@ impl Printer<'_> {
         files
     }
 
-    fn run(&mut self, sim: &SimSpec) {
+    /// Lists the settings of the run, and other properties of the scene, that a sim file cannot represent.
+    fn list_lost_properties(&mut self, sim: &SimSpec) {
         let run = &sim.run;
         let has_types =
-            !self.robots_of_files(sim).is_empty() || !sim.robot_types.is_empty() || !sim.object_types.is_empty();
-        let said = [
+            !self.extra_type_files(sim).is_empty() || !sim.robot_types.is_empty() || !sim.object_types.is_empty();
+        let lost_properties = [
             (sim.world.as_ref().is_some_and(|line| line.looks != LooksSpec::default()), LOOKS),
             (run.seed.is_some(), "the seed"),
             (run.slot.is_some(), "the length of a slot"),
@@ -108,46 +109,49 @@ impl Printer<'_> {
             (!sim.inline.robot_types.is_empty(), "robot types described in place"),
             (!sim.inline.object_types.is_empty(), "object types described in place"),
         ];
-        self.out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what.to_owned()));
+        self.out.lost.extend(
+            lost_properties.into_iter().filter(|(is_lost, _)| *is_lost).map(|(_, property)| property.to_owned()),
+        );
     }
 
     /// Adds the lines of the robots in the order of their numbers: in a sim file the order of the lines determines the
     /// numbers.
-    fn robots(&mut self, sim: &SimSpec) {
+    fn write_robots(&mut self, sim: &SimSpec) {
         let lines = || sim.robots.iter().chain(&sim.named);
         // Robots of a `starts` layout are printed with poses, so other robots would take their starts.
         let takes_starts = |line: &RobotLine| matches!(line.start, StartRef::Many { layout: Layout::Starts, .. });
         let are_starts_taken = lines().any(takes_starts);
-        let mut robots: Vec<(RobotId, String)> = lines().flat_map(|line| self.robot(line, are_starts_taken)).collect();
+        let mut robots: Vec<(RobotId, String)> =
+            lines().flat_map(|line| self.robot_lines(line, are_starts_taken)).collect();
         robots.sort_by_key(|(id, _)| *id);
-        robots.iter().for_each(|(_, line)| self.line(&[line]));
+        robots.iter().for_each(|(_, line)| self.write_line(&[line]));
     }
 
-    /// Lines of the robots of one scene line, with their numbers.
-    fn robot(&mut self, line: &RobotLine, are_starts_taken: bool) -> Vec<(RobotId, String)> {
+    /// Lines of the robots that one entry of the scene describes, with their numbers.
+    fn robot_lines(&mut self, line: &RobotLine, are_starts_taken: bool) -> Vec<(RobotId, String)> {
         let robots: Vec<&RobotSpec> = self.scene.robots.iter().filter(|robot| robot.span == line.span).collect();
-        let who = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
+        let name = robots.first().map_or_else(|| "a robot".to_owned(), |robot| robot.id.to_string());
         if let StartRef::Many { count, .. } = line.start {
             self.out
                 .lost
                 .push(format!("that {count} robots of line {} are a group: each has its own line", line.span.line));
         }
         if !line.arguments.is_empty() {
-            self.out.lost.push(format!("the arguments of {who}"));
+            self.out.lost.push(format!("the arguments of {name}"));
         }
         if line.noise.is_some() {
-            self.out.lost.push(format!("the noise profile of {who}"));
+            self.out.lost.push(format!("the noise profile of {name}"));
         }
         if let Some(api) = line.api {
-            self.out.lost.push(format!("that the program of {who} is written for RoBIOS {api}"));
+            self.out.lost.push(format!("that the program of {name} is written for RoBIOS {api}"));
         }
-        let program = line.program.as_ref().map(|program| self.word(&program.text));
+        let program = line.program.as_ref().map(|program| self.quoted_word(&program.text));
         let first = match &line.kind {
-            TypeRef::File(file) if is_classic(line) => vec!["robi".to_owned(), self.word(&file.text)],
-            TypeRef::Name(name) => vec![self.word(&name.text)],
-            TypeRef::File(_) => robots.first().map(|robot| self.word(&robot.robi.name)).into_iter().collect(),
+            TypeRef::File(file) if is_classic(line) => vec!["robi".to_owned(), self.quoted_word(&file.text)],
+            TypeRef::Name(name) => vec![self.quoted_word(&name.text)],
+            TypeRef::File(_) => robots.first().map(|robot| self.quoted_word(&robot.robi.name)).into_iter().collect(),
         };
-        let of = |robot: &&RobotSpec| {
+        let robot_line = |robot: &&RobotSpec| {
             let start = match line.start {
                 StartRef::Next if is_classic(line) && !are_starts_taken => Vec::new(),
                 StartRef::Letter { letter, heading } => {
@@ -161,30 +165,30 @@ impl Printer<'_> {
             };
             (robot.id, words.join(" "))
         };
-        robots.iter().map(of).collect()
+        robots.iter().map(robot_line).collect()
     }
 
-    fn object(&mut self, line: &ObjectLine) {
+    fn write_object(&mut self, line: &ObjectLine) {
         let [x, y, phi] = pose(&line.pose);
         match (&line.kind, line.friction) {
             (TypeRef::File(file), friction) => {
-                let of_scene = self.scene.objects.iter().find(|object| object.span == line.span);
-                let friction = friction.or(of_scene.map(|object| object.friction)).unwrap_or_default();
-                let file = self.word(&file.text);
-                self.line(&["object", &x, &y, &phi, &written(friction), &file]);
+                let scene_object = self.scene.objects.iter().find(|object| object.span == line.span);
+                let friction = friction.or(scene_object.map(|object| object.friction)).unwrap_or_default();
+                let file = self.quoted_word(&file.text);
+                self.write_line(&["object", &x, &y, &phi, &written(friction), &file]);
             }
             (TypeRef::Name(name), friction) => {
                 if friction.is_some() {
                     self.out.lost.push(format!("the friction of the `{}` in line {}", name.text, line.span.line));
                 }
-                let name = self.word(&name.text);
-                self.line(&[&name, &x, &y, &phi]);
+                let name = self.quoted_word(&name.text);
+                self.write_line(&[&name, &x, &y, &phi]);
             }
         }
     }
 
     /// Word of a line, quoted if necessary.
-    fn word(&mut self, text: &str) -> String {
+    fn quoted_word(&mut self, text: &str) -> String {
         let word = quoted(text);
         word.unwrap_or_else(|| {
             self.out.lost.push(format!("the quotation marks in `{text}`"));
@@ -192,7 +196,7 @@ impl Printer<'_> {
         })
     }
 
-    fn line(&mut self, words: &[&str]) {
+    fn write_line(&mut self, words: &[&str]) {
         let _ = writeln!(self.out.text, "{}", words.join(" "));
     }
 }
@@ -206,7 +210,7 @@ fn pose(pose: &Pose) -> [String; 3] {
     [written_mm(pose.position.x), written_mm(pose.position.y), written(heading(pose.heading))]
 }
 
-/// Quotes a word for the line formats if necessary; `None` if no quotes can hold it.
+/// Quotes a word for the line formats if necessary; `None` if no kind of quotes can represent it.
 pub(super) fn quoted(text: &str) -> Option<String> {
     if text.contains(['\n', '\r']) {
         return None;

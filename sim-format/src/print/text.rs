@@ -9,7 +9,7 @@ use super::number::written;
 /// Maximum length of a line that is not broken.
 const WIDTH: usize = 110;
 
-/// Text of a document: a section per table and per table of an array, with nested values on single lines.
+/// Text of a document: a section for each table, also in arrays, with nested tables inline.
 pub(crate) fn document(root: &Table) -> String {
     let mut out = String::new();
     for (key, value) in root {
@@ -19,7 +19,7 @@ pub(crate) fn document(root: &Table) -> String {
                 let header = format!("[[{}]]", key_text(key));
                 items.iter().filter_map(Value::as_table).for_each(|table| section(&mut out, &header, table));
             }
-            value => line(&mut out, key, value),
+            value => key_line(&mut out, key, value),
         }
     }
     out
@@ -31,15 +31,15 @@ fn section(out: &mut String, header: &str, table: &Table) {
     }
     out.push_str(header);
     out.push('\n');
-    table.iter().for_each(|(key, value)| line(out, key, value));
+    table.iter().for_each(|(key, value)| key_line(out, key, value));
 }
 
-fn line(out: &mut String, key: &str, value: &Value) {
+fn key_line(out: &mut String, key: &str, value: &Value) {
     let key = key_text(key);
     let text = inline(value);
     match value {
         Value::String(text) if text.contains('\n') => {
-            let _ = writeln!(out, "{key} = {}", several_lines(text));
+            let _ = writeln!(out, "{key} = {}", multi_line(text));
         }
         Value::Array(items)
             if key.len() + text.len() + 3 > WIDTH || items.len() > 1 && items.iter().all(Value::is_table) =>
@@ -101,7 +101,7 @@ fn quoted(text: &str) -> String {
 }
 
 /// Multi-line string, unescaped if possible.
-fn several_lines(text: &str) -> String {
+fn multi_line(text: &str) -> String {
     let is_plain = text.chars().all(|c| !c.is_control() || matches!(c, '\n' | '\t'));
     if is_plain && !text.contains("'''") && !text.ends_with('\'') { format!("'''\n{text}'''") } else { quoted(text) }
 }

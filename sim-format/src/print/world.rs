@@ -31,7 +31,7 @@ pub fn print_world(world: &WorldSpec) -> Printed {
     }
     world.walls.iter().for_each(|wall| wall_line(&mut out.text, wall));
     let letters = world.starts.iter().filter(|start| start.letter.is_some()).count();
-    let said = [
+    let lost_properties = [
         (world.cell.is_some(), "the size of the maze's cells".to_owned()),
         (letters > 0, format!("the letters of {letters} starts")),
         (world.surface.is_some(), "the surface of floor and walls".to_owned()),
@@ -40,7 +40,7 @@ pub fn print_world(world: &WorldSpec) -> Printed {
         (world.looks != LooksSpec::default(), LOOKS.to_owned()),
         (!world.objects.is_empty(), format!("{} objects", world.objects.len())),
     ];
-    out.lost.extend(said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what));
+    out.lost.extend(lost_properties.into_iter().filter(|(is_lost, _)| *is_lost).map(|(_, property)| property));
     out
 }
 

@@ -1,4 +1,4 @@
-//! Body of a robot in files of EyeSim VR: colliders, mass, mesh, and the equivalent disc on the floor.
+//! Body of a robot in files of EyeSim VR: colliders, mass and mesh.
 
 use glam::DVec3;
 
@@ -23,7 +23,7 @@ impl Reader {
         let sink = &mut self.sink;
         let collider = match kind {
             "box" => values_of(sink, "collider box", values, span, &BOX, BOX_FORM).map(|[x, y, z, cx, cy, cz]| {
-                // Sizes have no sign: the conversion only permutes the axes.
+                // Sizes have no sign, so the conversion must only permute the axes.
                 Collider::Box { centre: from_unity([cx, cy, cz]), size: from_unity([x, y, z]).abs() }
             }),
             "sphere" => values_of(sink, "collider sphere", values, span, &SPHERE, SPHERE_FORM)
@@ -62,7 +62,7 @@ impl Reader {
 
     pub(super) fn model(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let (name, values) = if rest.len() == 7 { rest.split_at(1) } else { (rest, &rest[rest.len()..]) };
-        let values = line::numbers(&mut self.sink, Severity::Warning, values, &PLACE).unwrap_or_default();
+        let values = line::numbers(&mut self.sink, Severity::Warning, values, &MODEL_POSE).unwrap_or_default();
         let path = path::reference(&mut self.sink, Severity::Warning, keyword, name, MODEL_FORM);
         let [x, y, z, turns @ ..] = values;
         self.robi.model =
@@ -70,7 +70,7 @@ impl Reader {
     }
 }
 
-/// Reads exactly `N` values after a keyword; too few values cause a warning and no result, extra values a warning.
+/// Reads the `N` values of a keyword; warns about extra values, and about too few values, for which it returns `None`.
 pub(super) fn values_of<const N: usize>(
     sink: &mut Sink,
     keyword: &str,
@@ -127,7 +127,7 @@ const MASS: [Quantity; 4] = [
     Quantity::coordinate("centre of mass"),
     Quantity::coordinate("centre of mass"),
 ];
-const PLACE: [Quantity; 6] = [
+const MODEL_POSE: [Quantity; 6] = [
     Quantity::coordinate("place of the mesh").minor(),
     Quantity::coordinate("place of the mesh").minor(),
     Quantity::coordinate("place of the mesh").minor(),

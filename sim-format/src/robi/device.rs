@@ -13,9 +13,9 @@ use crate::line::{self, Line, Quantity, Word};
 use crate::spec::{CameraSpec, DEFAULT_PSD_RANGE, JointSpec, Lens, LidarSpec, PsdSpec};
 use sim_core::unit;
 
-/// Maximum pan or tilt in the last two numbers of a VR `camera` line; larger numbers are the size of an image.
+/// Upper bound of the maximum pan and tilt in a `camera` line of EyeSim VR; larger numbers are the size of an image.
 const MAX_JOINT_DEG: f64 = 180.0;
-/// Image size of the EyeBot's camera in classic files, never interpreted as a range of angles.
+/// Image size of the EyeBot's camera in classic files; never read as maximum pan and tilt.
 const CLASSIC_IMAGE: [u32; 2] = [80, 60];
 /// Servos that move the camera of EyeSim VR.
 const PAN_SERVO: &str = "SERVO1";
@@ -25,18 +25,18 @@ impl Reader {
     pub(super) fn psd(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = span_of(keyword, rest);
         let is_number = |index: usize| rest.get(index).is_some_and(|word| line::looks_numeric(word.text));
-        let is_newest = is_number(0) && rest.len() > 1 && !is_number(1);
-        let (needed, form) = if is_newest { (8, NEWEST_PSD_FORM) } else { (6, PSD_FORM) };
-        if rest.len() < 5 || is_newest && rest.len() < 8 {
-            let message = format!("`psd` has {} of {needed} values", rest.len());
+        let has_id_first = is_number(0) && rest.len() > 1 && !is_number(1);
+        let (expected_count, form) = if has_id_first { (8, VR2022_PSD_FORM) } else { (6, PSD_FORM) };
+        if rest.len() < 5 || has_id_first && rest.len() < 8 {
+            let message = format!("`psd` has {} of {expected_count} values", rest.len());
             self.sink.warn(Code::RobiPsdArity, span, message, form);
             return;
         }
-        self.extra(keyword, rest, needed, form);
+        self.warn_extra(keyword, rest, expected_count, form);
         let (name, id, pose): (_, _, Vec<Word<'_>>) = match rest {
-            // The rotations before and after the pan would tilt the beam out of the plane.
-            [id, name, x, y, z, rx, pan, rz, ..] if is_newest => {
-                self.flat(&[*rx, *rz], form);
+            // The rotations RX and RZ would turn the beam out of the floor plane.
+            [id, name, x, y, z, rx, pan, rz, ..] if has_id_first => {
+                self.warn_turns(&[*rx, *rz], form);
                 (name, Some(id), vec![*x, *y, *z, *pan])
             }
             // Files older than hdt_sem.h have no id.
@@ -72,8 +72,8 @@ impl Reader {
         }
     }
 
-    /// Warns about rotations out of the floor plane, in which all beams lie.
-    fn flat(&mut self, turns: &[Word<'_>], form: &str) {
+    /// Warns about rotations that would turn a beam out of the floor plane.
+    fn warn_turns(&mut self, turns: &[Word<'_>], form: &str) {
         for word in turns {
             if let Some(angle) =
                 line::number(&mut self.sink, Severity::Warning, word, &Quantity::angle("turn of the PSD"))
@@ -86,12 +86,11 @@ impl Reader {
         }
     }
 
-    /// Warns about PSD ids that differ from the order in the file, since programs of EyeSim VR address PSDs by that
-    /// order.
+    /// Warns about the first PSD whose id is not its position in the file, since programs of EyeSim VR address PSDs by position.
     pub(super) fn check_psd_order(&mut self) {
         let mut next_number = 1_i32..;
-        let astray = self.robi.psds.iter().zip(&mut next_number).find(|(psd, number)| psd.id != Some(*number));
-        if let Some((psd, number)) = astray {
+        let misnumbered = self.robi.psds.iter().zip(&mut next_number).find(|(psd, number)| psd.id != Some(*number));
+        if let Some((psd, number)) = misnumbered {
             let id = psd.id.map_or("no number".to_owned(), |id| format!("the number {id}"));
             let message = format!("`{}` has {id}: EyeSim VR numbers its PSDs 1, 2, 3, ...", psd.name);
             self.sink.warn(Code::RobiPsdOrder, psd.span, message, format!("the number {number} here"));
@@ -107,48 +106,48 @@ impl Reader {
             self.sink.warn(Code::RobiCameraArity, span, message, CAMERA_FORM);
             return;
         }
-        self.extra(keyword, rest, 7, CAMERA_FORM);
+        self.warn_extra(keyword, rest, 7, CAMERA_FORM);
         let position = line::numbers(&mut self.sink, Severity::Warning, &rest[..3], &CAMERA_POSITION);
         let joints = [3, 4].map(|i| rest.get(i).map_or(Some(JointSpec::Fixed(0.0)), |word| self.joint(word)));
-        let last: Option<[Word<'_>; 2]> = rest.get(5..7).and_then(|words| words.try_into().ok());
-        let last = match last {
-            None => Some(Last::Nothing),
-            Some(words) => self.camera_last(&words),
+        let tail: Option<[Word<'_>; 2]> = rest.get(5..7).and_then(|words| words.try_into().ok());
+        let tail = match tail {
+            None => Some(CameraTail::Nothing),
+            Some(words) => self.camera_tail(&words),
         };
-        if let (Some([x, y, z]), [Some(pan), Some(tilt)], Some(last)) = (position, joints, last) {
+        if let (Some([x, y, z]), [Some(pan), Some(tilt)], Some(tail)) = (position, joints, tail) {
             let position = match self.dialect {
-                Dialect::Newest => DVec3::new(y, 0.0, z),
+                Dialect::Vr2022 => DVec3::new(y, 0.0, z),
                 _ => DVec3::new(x, y, z),
             };
-            let (pan, tilt, image) = match last {
-                Last::Nothing => (pan, tilt, None),
-                Last::Image(size) => (pan, tilt, Some(size)),
-                Last::Range([max_pan, max_tilt]) => {
-                    (within(pan, PAN_SERVO, max_pan), within(tilt, TILT_SERVO, max_tilt), None)
+            let (pan, tilt, image) = match tail {
+                CameraTail::Nothing => (pan, tilt, None),
+                CameraTail::Image(size) => (pan, tilt, Some(size)),
+                CameraTail::MaxAngles([max_pan, max_tilt]) => {
+                    (with_servo(pan, PAN_SERVO, max_pan), with_servo(tilt, TILT_SERVO, max_tilt), None)
                 }
             };
             self.robi.camera = Some(CameraSpec { position, pan, tilt, image, span, ..CameraSpec::default() });
         }
     }
 
-    /// Interprets the last two numbers of a `camera` line: an image's size, or in files of EyeSim VR the largest pan and tilt.
+    /// Interprets the last two numbers of a `camera` line: the size of the image, or in files of EyeSim VR the maximum pan and tilt.
     ///
-    /// Files of EyeSim VR contain both, since lines were copied from classic files. There the classic size, and numbers too large for
-    /// angles, are read as a size.
-    fn camera_last(&mut self, words: &[Word<'_>; 2]) -> Option<Last> {
+    /// Files of EyeSim VR contain sizes too, in lines that were copied from classic files. In such files, the classic size and numbers that
+    /// are too large for angles are read as a size.
+    fn camera_tail(&mut self, words: &[Word<'_>; 2]) -> Option<CameraTail> {
         let values = [0, 1].map(|i| words[i].text.parse::<f64>().unwrap_or(f64::NAN));
         let is_classic_image = [0, 1].map(|i| words[i].text.parse().ok()) == CLASSIC_IMAGE.map(Some);
-        let is_range = self.dialect >= Dialect::Vr
+        let is_range = self.dialect >= Dialect::Vr2017
             && !is_classic_image
             && values.iter().all(|value| (0.0..=MAX_JOINT_DEG).contains(value));
         if is_range {
-            return Some(Last::Range(values.map(unit::radians_from_degrees)));
+            return Some(CameraTail::MaxAngles(values.map(unit::radians_from_degrees)));
         }
         line::numbers(&mut self.sink, Severity::Warning, words, &IMAGE)
-            .map(|size| Last::Image(size.map(|pixels| pixels as u32)))
+            .map(|size| CameraTail::Image(size.map(|pixels| pixels as u32)))
     }
 
-    /// Reads a fixed angle, or `SERVO1(-90,+90)`.
+    /// Reads a fixed angle, or a servo with its range, such as `SERVO1(-90,+90)`.
     fn joint(&mut self, word: &Word<'_>) -> Option<JointSpec> {
         let Some((name, range)) = word.text.split_once('(') else {
             return line::number(&mut self.sink, Severity::Warning, word, &Quantity::angle("camera angle"))
@@ -197,18 +196,18 @@ impl Reader {
 }
 
 /// Meaning of the last two numbers of a `camera` line.
-enum Last {
+enum CameraTail {
     Nothing,
     Image([u32; 2]),
-    /// Largest pan and tilt in radians.
-    Range([f64; 2]),
+    /// Maximum pan and tilt in radians.
+    MaxAngles([f64; 2]),
 }
 
-/// Converts a fixed angle to a servo centred on it with a range of `reach` to either side.
-fn within(joint: JointSpec, servo: &str, reach: f64) -> JointSpec {
+/// Replaces a fixed angle by a servo that turns by up to `max_angle` to either side of it.
+fn with_servo(joint: JointSpec, servo: &str, max_angle: f64) -> JointSpec {
     match joint {
-        JointSpec::Fixed(angle) if reach > 0.0 => {
-            JointSpec::Servo { name: servo.to_owned(), from: angle - reach, to: angle + reach }
+        JointSpec::Fixed(angle) if max_angle > 0.0 => {
+            JointSpec::Servo { name: servo.to_owned(), from: angle - max_angle, to: angle + max_angle }
         }
         joint => joint,
     }
@@ -232,7 +231,7 @@ fn degrees(text: &str) -> Option<f64> {
 }
 
 const PSD_FORM: &str = "`psd NAME ID X Y Z ANGLE` in mm and degrees, or without ID";
-const NEWEST_PSD_FORM: &str = "`psd ID NAME X Y Z RX PAN RZ` in mm and degrees";
+const VR2022_PSD_FORM: &str = "`psd ID NAME X Y Z RX PAN RZ` in mm and degrees";
 const CAMERA_FORM: &str = "`camera X Y Z PAN TILT WIDTH HEIGHT` in mm, degrees and pixels; in files of EyeSim VR also \
                            `camera X Y Z PAN TILT MAX_PAN MAX_TILT`";
 const LIDAR_FORM: &str = "`lidar POINTS TILT` or `lidar SWEEP POINTS TILT`, angles in degrees";

@@ -1,4 +1,4 @@
-//! Drawing of a maze as a string within a scene.
+//! Reading of a maze that is drawn as a string in a scene.
 
 use toml::Spanned;
 use toml::de::DeValue;
@@ -14,36 +14,36 @@ impl Reader {
         let value = section.get(key);
         let drawing = self.text(section, key).unwrap_or_default();
         let Some(value) = value.filter(|_| !drawing.is_empty()) else { return WorldSpec::default() };
-        // No EyeSim reads an inline drawing, so our interpretation is the only one.
+        // No version of EyeSim reads inline drawings, so none determines how they are read.
         let rules = CellRules { dialect: Some(Dialect::default()), cell: None };
         let (mut world, diagnostics) = read_maze_with(self.sink.file(), &drawing, rules);
-        let place = self.place_of(value, &drawing);
+        let place = self.text_place(value, &drawing);
         for diagnostic in diagnostics {
             let Diagnostic { severity, code, span, message, expected, suggestion, .. } = diagnostic;
-            self.sink.report(severity, code, place.of(span), message, expected).suggestion = suggestion;
+            self.sink.report(severity, code, place.span_in_file(span), message, expected).suggestion = suggestion;
         }
         for span in world.walls.iter_mut().map(|wall| &mut wall.span) {
-            *span = place.of(*span);
+            *span = place.span_in_file(*span);
         }
-        world.starts.iter_mut().for_each(|start| start.span = place.of(start.span));
-        world.objects.iter_mut().for_each(|object| object.span = place.of(object.span));
+        world.starts.iter_mut().for_each(|start| start.span = place.span_in_file(start.span));
+        world.objects.iter_mut().for_each(|object| object.span = place.span_in_file(object.span));
         world
     }
 
-    /// Position of a string's characters in the file.
-    fn place_of(&self, value: &Spanned<DeValue<'_>>, text: &str) -> TextPlace {
-        let whole = self.span(value.span());
-        let written = self.text.get(value.span()).unwrap_or_default();
-        // Only a string without escapes has its characters in sequence in the file.
-        let first = written.find(text).filter(|_| !text.is_empty());
-        let first_line = first.map(|first| written[..first].matches('\n').count() as u32);
-        match (first, first_line) {
-            (Some(first), Some(lines)) if lines > 0 => TextPlace::Written {
-                start: whole.start + first,
-                end: whole.start + first + text.len(),
-                line: whole.line + lines,
+    /// Where the characters of a string are in the file.
+    fn text_place(&self, value: &Spanned<DeValue<'_>>, text: &str) -> TextPlace {
+        let value_span = self.span(value.span());
+        let source = self.text.get(value.span()).unwrap_or_default();
+        // The file contains the value literally only if the string has no escapes.
+        let offset = source.find(text).filter(|_| !text.is_empty());
+        let line_offset = offset.map(|offset| source[..offset].matches('\n').count() as u32);
+        match (offset, line_offset) {
+            (Some(offset), Some(lines)) if lines > 0 => TextPlace::Written {
+                start: value_span.start + offset,
+                end: value_span.start + offset + text.len(),
+                line: value_span.line + lines,
             },
-            _ => TextPlace::Whole(whole),
+            _ => TextPlace::Whole(value_span),
         }
     }
 }
@@ -57,7 +57,8 @@ enum TextPlace {
 }
 
 impl TextPlace {
-    fn of(&self, span: Span) -> Span {
+    /// Converts a span in the string to a span in the file.
+    fn span_in_file(&self, span: Span) -> Span {
         match *self {
             TextPlace::Written { start, end, line } if span.line > 0 => Span {
                 start: (start + span.start).min(end),

@@ -10,33 +10,34 @@ use sim_core::pose::{Heading, Pose};
 use sim_core::scene::{Bounds, Segment, Walls};
 use sim_core::unit::{metres_from_mm, mm_from_metres, radians_from_degrees};
 
-/// Number of positions tried for one body before the room counts as full.
-const TRIES: u32 = 2000;
+/// Maximum number of positions tried for one body.
+const MAX_TRIES: u32 = 2000;
 
 /// Smallest side of the cells of the disc index, in metres.
 const MIN_CELL: f64 = 0.01;
 
-/// Walls of a world and discs that must not overlap.
+/// Walls of a world, and occupied discs.
 pub(crate) struct FreeSpace {
     walls: Walls,
     thickness: Vec<f64>,
-    thickest: f64,
+    max_thickness: f64,
     floor: DVec2,
-    /// Side of the cells, large enough that no disc reaches beyond the cells next to its own.
+    /// Side of the cells of the disc index, at least the largest diameter of a disc.
     cell: f64,
+    /// Centres and radii of the occupied discs, by the cell of the centre.
     discs: BTreeMap<(i64, i64), Vec<(DVec2, f64)>>,
 }
 
 impl FreeSpace {
-    /// Free space between `walls` on a floor of this size, for discs with a radius of at most `widest`.
-    pub(crate) fn new<'w>(walls: impl Iterator<Item = &'w WallSpec> + Clone, floor: DVec2, widest: f64) -> Self {
+    /// Free space between `walls` on a floor of this size; no disc has a radius larger than `max_radius`.
+    pub(crate) fn new<'w>(walls: impl Iterator<Item = &'w WallSpec> + Clone, floor: DVec2, max_radius: f64) -> Self {
         let thickness: Vec<f64> = walls.clone().map(|wall| wall.thickness).collect();
         Self {
             walls: Walls::new(walls.map(|wall| Segment::new(wall.from, wall.to)).collect()),
-            thickest: thickness.iter().copied().fold(0.0, f64::max),
+            max_thickness: thickness.iter().copied().fold(0.0, f64::max),
             thickness,
             floor,
-            cell: (2.0 * widest).max(MIN_CELL),
+            cell: (2.0 * max_radius).max(MIN_CELL),
             discs: BTreeMap::new(),
         }
     }
@@ -53,8 +54,8 @@ impl FreeSpace {
         if low.cmpgt(high).any() {
             return None;
         }
-        for _ in 0..TRIES {
-            let (point, turn) = draw(stream, low, high);
+        for _ in 0..MAX_TRIES {
+            let (point, turn) = draw_pose(stream, low, high);
             if self.is_free(point, radius + scatter.clearance) {
                 self.take(point, radius);
                 return Some(Pose::new(point.x, point.y, scatter.heading.unwrap_or(turn)));
@@ -63,7 +64,7 @@ impl FreeSpace {
         None
     }
 
-    /// Finds a random position for a wall; `added` are walls that were added since.
+    /// Finds a random position for a wall that also avoids the walls `added`; `None` if there is no room.
     pub(crate) fn place_wall(
         &self,
         stream: &mut Stream,
@@ -72,10 +73,10 @@ impl FreeSpace {
         added: &[WallSpec],
     ) -> Option<Segment> {
         let [low, high] = self.area(scatter);
-        for _ in 0..TRIES {
-            let (centre, turn) = draw(stream, low, high);
+        for _ in 0..MAX_TRIES {
+            let (centre, turn) = draw_pose(stream, low, high);
             let half = 0.5 * length * Heading::new(scatter.heading.unwrap_or(turn)).direction();
-            let wall = Segment::new(whole_micrometres(centre - half), whole_micrometres(centre + half));
+            let wall = Segment::new(round_to_micrometres(centre - half), round_to_micrometres(centre + half));
             let bounds = wall.bounds();
             let is_inside = bounds.min.cmpge(low).all() && bounds.max.cmple(high).all();
             let gap = scatter.clearance + 0.5 * thickness;
@@ -89,7 +90,7 @@ impl FreeSpace {
     /// Returns true if a disc overlaps neither walls nor occupied discs.
     pub(crate) fn is_free(&self, centre: DVec2, radius: f64) -> bool {
         let mut is_free = true;
-        self.walls.for_each_in(Bounds::of_disc(centre, radius + 0.5 * self.thickest), |id, segment| {
+        self.walls.for_each_in(Bounds::of_disc(centre, radius + 0.5 * self.max_thickness), |id, segment| {
             is_free &= segment.distance(centre) >= radius + 0.5 * self.thickness[id.0 as usize];
         });
         let (column, row) = self.cell_of(centre);
@@ -98,17 +99,16 @@ impl FreeSpace {
                 .flat_map(|column| (row - 1..=row + 1).map(move |row| (column, row)))
                 .filter_map(|cell| self.discs.get(&cell))
                 .flatten()
-                .all(|(other, reach)| centre.distance(*other) >= radius + reach)
+                .all(|(other, other_radius)| centre.distance(*other) >= radius + other_radius)
     }
 
-    /// Returns true if a wall has this gap to all discs and, unless the gap is only its own half thickness, to other
-    /// walls.
+    /// Returns true if the centre line of a wall has at least the distance `gap` from all discs and from the surfaces of all walls.
     fn is_wall_free(&self, wall: &Segment, gap: f64) -> bool {
         let mut is_free = true;
-        self.walls.for_each_in(wall.bounds().grown(gap + 0.5 * self.thickest), |id, other| {
+        self.walls.for_each_in(wall.bounds().grown(gap + 0.5 * self.max_thickness), |id, other| {
             is_free &= distance(wall, other) >= gap + 0.5 * self.thickness[id.0 as usize];
         });
-        is_free && self.discs.values().flatten().all(|(centre, reach)| wall.distance(*centre) >= gap + reach)
+        is_free && self.discs.values().flatten().all(|(centre, radius)| wall.distance(*centre) >= gap + radius)
     }
 
     fn area(&self, scatter: &Scatter) -> [DVec2; 2] {
@@ -120,31 +120,32 @@ impl FreeSpace {
     }
 }
 
-/// A random position and heading in whole micrometres and thousandths of a degree, which a text states exactly.
-fn draw(stream: &mut Stream, low: DVec2, high: DVec2) -> (DVec2, f64) {
+/// A random position and heading, rounded to micrometres and thousandths of a degree, so that a text can state both exactly.
+fn draw_pose(stream: &mut Stream, low: DVec2, high: DVec2) -> (DVec2, f64) {
     let point = low + (high - low) * DVec2::new(stream.unit(), stream.unit());
     let turn = (360_000.0 * stream.unit()).floor() / 1000.0;
-    (whole_micrometres(point), radians_from_degrees(turn))
+    (round_to_micrometres(point), radians_from_degrees(turn))
 }
 
-fn whole_micrometres(point: DVec2) -> DVec2 {
+fn round_to_micrometres(point: DVec2) -> DVec2 {
     let rounded = |metres: f64| metres_from_mm((mm_from_metres(metres) * 1000.0).round() / 1000.0);
     DVec2::new(rounded(point.x), rounded(point.y))
 }
 
+/// Returns true if the centre line of a wall has at least the distance `gap` from the surfaces of the others.
 fn is_apart(wall: &Segment, gap: f64, others: &[WallSpec]) -> bool {
-    let is_apart =
+    let is_apart_from =
         |other: &WallSpec| distance(wall, &Segment::new(other.from, other.to)) >= gap + 0.5 * other.thickness;
-    others.iter().all(is_apart)
+    others.iter().all(is_apart_from)
 }
 
 /// Distance between two walls' centre lines; 0 if they cross.
 fn distance(one: &Segment, other: &Segment) -> f64 {
-    let side = |of: &Segment, point: DVec2| (of.b - of.a).perp_dot(point - of.a);
-    let is_parted = |of: &Segment, ends: &Segment| side(of, ends.a) * side(of, ends.b) < 0.0;
-    if is_parted(one, other) && is_parted(other, one) {
+    let side = |line: &Segment, point: DVec2| (line.b - line.a).perp_dot(point - line.a);
+    let separates = |line: &Segment, ends: &Segment| side(line, ends.a) * side(line, ends.b) < 0.0;
+    if separates(one, other) && separates(other, one) {
         return 0.0;
     }
-    let ends = [one.distance(other.a), one.distance(other.b), other.distance(one.a), other.distance(one.b)];
-    ends.into_iter().fold(f64::INFINITY, f64::min)
+    let distances = [one.distance(other.a), one.distance(other.b), other.distance(one.a), other.distance(one.b)];
+    distances.into_iter().fold(f64::INFINITY, f64::min)
 }

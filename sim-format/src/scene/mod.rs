@@ -1,6 +1,6 @@
-//! Our own TOML form of a scene: represents all properties of the other formats together, and the settings of a run.
+//! Our own TOML format for scenes. It can represent every property of the other formats, and the settings of a run.
 //!
-//! This module reads its text into the same spec as a sim file; [`super::load_scene`] reads worlds, types and cost tables in separate
+//! This module reads the text into the same spec as a sim file; [`super::load_scene`] reads worlds, types and cost tables from separate
 //! files.
 
 mod draw;
@@ -27,8 +27,8 @@ use sim_core::RobotId;
 /// Suffix of file names that identifies a scene without reading its content.
 pub const SCENE_EXTENSION: &str = ".scene.toml";
 
-/// Keys that mark a scene: a scene has at least one of them, a companion or a cost table none.
-const MARKS: [&str; 3] = ["scene", "world", "robot"];
+/// Top-level keys of scenes: a scene has at least one of them, a companion or a cost table has none.
+const SCENE_KEYS: [&str; 3] = ["scene", "world", "robot"];
 
 /// Returns true for a TOML file that is a scene, not the companion of a robi or a cost table: its name ends in `.scene.toml`, or it
 /// has `scene`, `world` or `robot` at its top level.
@@ -36,19 +36,19 @@ pub fn is_scene(path: &str, text: &str) -> bool {
     if path.to_lowercase().ends_with(SCENE_EXTENSION) {
         return true;
     }
-    path::extension(path) == "toml" && has_marks(text)
+    path::extension(path) == "toml" && has_scene_key(text)
 }
 
 /// Returns true for a TOML text with a key at its top level that only scenes have.
-pub(super) fn has_marks(text: &str) -> bool {
-    has_top_key(text, &MARKS)
+pub(super) fn has_scene_key(text: &str) -> bool {
+    has_top_key(text, &SCENE_KEYS)
 }
 
 /// Reads a scene, but none of the files that it refers to (see [`super::load_scene`]).
 ///
 /// Unknown keys give a warning; a value of the wrong type or out of range is an error.
 ///
-/// Random values are drawn from the seed that the scene states.
+/// Random values are drawn with the seed in the scene.
 pub fn read_scene(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
     read_scene_with(file, text, &[], Draw::Seed(None, 0))
 }
@@ -63,24 +63,21 @@ pub(super) fn read_scene_with(file: &str, text: &str, settings: &[Setting], draw
     let mut sim = SimSpec { file: file.to_owned(), form: SceneFormat::Toml, drawn, ..SimSpec::default() };
     reader.table(Section::root(&document.root), |keys| sim.keys(keys));
     let paths = |list: &str| document.paths.get(list).cloned().unwrap_or_default();
-    let lines = sim.robots.iter_mut().map(|line| &mut line.path);
-    lines.zip(paths("robot")).for_each(|(path, known)| *path = known);
-    let lines = sim.objects.iter_mut().map(|line| &mut line.path);
-    lines.zip(paths("object")).for_each(|(path, known)| *path = known);
+    sim.robots.iter_mut().zip(paths("robot")).for_each(|(line, path)| line.path = path);
+    sim.objects.iter_mut().zip(paths("object")).for_each(|(line, path)| line.path = path);
     sim.wall_paths = paths("world.wall");
     if let Some(world) = &mut sim.inline.world {
-        let lines = world.objects.iter_mut().map(|line| &mut line.path);
-        lines.zip(paths("world.object")).for_each(|(path, known)| *path = known);
+        world.objects.iter_mut().zip(paths("world.object")).for_each(|(line, path)| line.path = path);
     }
     (sim, reader.sink.finish())
 }
 
-/// Maximum number of choices of one random value of a scene in TOML; 0 if the text has none.
+/// Maximum number of choices of a draw in a scene in TOML; 0 if the text has no draws.
 pub(super) fn choices(text: &str) -> usize {
-    draw::choices(&Reader::parse("", text).1)
+    draw::max_choices(&Reader::parse("", text).1)
 }
 
-/// Reads a cost table. The names of functions are not checked here.
+/// Reads a cost table without checking the names of the functions.
 pub fn read_costs(file: &str, text: &str) -> (CostTable, Vec<Diagnostic>) {
     let (mut reader, root) = Reader::parse(file, text);
     let table = CostTable { file: file.to_owned(), ..CostTable::default() };
@@ -94,7 +91,7 @@ impl Reader {
         let (mut count, mut robots) = (0, Vec::new());
         for section in self.sections(root, key) {
             let id_span = self.key_span(&section, "id");
-            let mut line = RobotLine::usual();
+            let mut line = RobotLine::defaults();
             let is_complete = self.table(section, |keys| line.keys(keys));
             count += match line.start {
                 StartRef::Many { count, .. } => u64::from(count),
@@ -102,7 +99,7 @@ impl Reader {
             };
             robots.extend(is_complete.then_some((line, id_span)));
         }
-        self.robot_ids(&mut robots, count);
+        self.check_robot_ids(&mut robots, count);
         if count > u64::from(MAX_ROBOTS) {
             let message = format!("the scene has {count} robots");
             let span = self.key_span(root, key);
@@ -112,8 +109,8 @@ impl Reader {
         robots.into_iter().map(|(line, _)| line).collect()
     }
 
-    /// Reports and removes invalid numbers of the `count` robots; each robot comes with the span of its number.
-    fn robot_ids(&mut self, robots: &mut [(RobotLine, Span)], count: u64) {
+    /// Reports and removes robot numbers that are used twice or exceed `count`, the number of robots. The span is that of the number.
+    fn check_robot_ids(&mut self, robots: &mut [(RobotLine, Span)], count: u64) {
         let mut ids: BTreeMap<RobotId, u32> = BTreeMap::new();
         for (robot, span) in robots {
             let Some(id) = robot.id else { continue };
