@@ -26,11 +26,11 @@ struct Body {
     is_of_sim: bool,
 }
 
-/// Warns about each robot and object of `scene` that starts off the floor, in a wall, or in a body listed before it. The first `of_world`
+/// Warns about each robot and object of `scene` that starts off the floor, in a wall, or in a body listed before it. The first `world_object_count`
 /// objects come from the world's file.
-pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
+pub(super) fn check(scene: &SceneSpec, world_object_count: usize) -> Vec<Diagnostic> {
     let mut sinks = [Sink::new(&scene.world.file), Sink::new(&scene.file)];
-    let bodies = bodies(scene, of_world);
+    let bodies = bodies(scene, world_object_count);
     let outside = outside(&scene.world, &bodies);
     let walls = in_walls(&scene.world, &bodies);
     let others = overlaps(&bodies);
@@ -64,7 +64,7 @@ pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
 }
 
 /// Robots and objects: first the world's, then the sim file's in the order of their lines.
-fn bodies(scene: &SceneSpec, of_world: usize) -> Vec<Body> {
+fn bodies(scene: &SceneSpec, world_object_count: usize) -> Vec<Body> {
     let object = |(index, object): (usize, &ObjectSpec)| {
         let (offset, radius) = inner_disc(&object.kind)?;
         Some(Body {
@@ -74,7 +74,7 @@ fn bodies(scene: &SceneSpec, of_world: usize) -> Vec<Body> {
             centre: object.pose.transform_point(offset),
             radius,
             span: object.span,
-            is_of_sim: index >= of_world,
+            is_of_sim: index >= world_object_count,
         })
     };
     let robots = scene.robots.iter().map(|robot| Body {
