@@ -1,7 +1,7 @@
 //! World files of every kind: detects the kind of a file by extension and content, and reads maps of other programs as worlds.
 //!
-//! The foreign kinds are occupancy grids of ROS, images, maps of MovingAI and worlds of Gazebo. `maze` reads mazes, `world` EyeSim's own
-//! worlds.
+//! The foreign kinds are occupancy grids of ROS, images, maps of MovingAI and worlds of Gazebo. `maze` reads mazes, `world` reads
+//! EyeSim's worlds.
 
 mod grid;
 mod movingai;
@@ -35,9 +35,9 @@ pub const WORLD_EXTENSIONS: [&str; 11] =
 /// Kind of a world file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum WorldFormat {
-    /// Walls by lines, `.wld`.
+    /// Lines that describe walls, `.wld`.
     Walls,
-    /// A maze in one of its forms.
+    /// A maze, in one of the forms of maze files.
     Maze(maze::MazeForm),
     /// A `map.yaml` with its image.
     RosMap,
@@ -77,7 +77,7 @@ impl WorldFormat {
     }
 }
 
-/// Reads the world file `path` with all files that it names.
+/// Reads the world file `path` with all files that it refers to.
 pub(crate) fn read_world_file(
     loader: &mut Loader<'_>,
     path: &str,
@@ -119,7 +119,7 @@ pub(crate) fn read_world_file(
         }
         WorldFormat::RosMap | WorldFormat::Image | WorldFormat::MovingAi => {
             match read_grid(loader, path, bytes, format, rules) {
-                Some(grid) => world_of(loader, path, &grid),
+                Some(grid) => world_from_grid(loader, path, &grid),
                 None => (WorldSpec { file: path.to_owned(), ..WorldSpec::default() }, None),
             }
         }
@@ -129,7 +129,7 @@ pub(crate) fn read_world_file(
 }
 
 /// The world of a grid, and a note on its interpretation.
-fn world_of(loader: &mut Loader<'_>, path: &str, grid: &Grid) -> (WorldSpec, Option<String>) {
+fn world_from_grid(loader: &mut Loader<'_>, path: &str, grid: &Grid) -> (WorldSpec, Option<String>) {
     let Some((world, offset)) = grid.world(path) else {
         let mut sink = Sink::new(path);
         let message = format!("the map has more than {} walls", grid::MAX_WALLS);
@@ -141,27 +141,27 @@ fn world_of(loader: &mut Loader<'_>, path: &str, grid: &Grid) -> (WorldSpec, Opt
     let [columns, rows] = grid.size;
     let mut note = format!(
         "{columns} x {rows} cells of {} mm: {} free, {} occupied, {} unknown; {} walls",
-        rounded(grid.cell),
+        rounded_mm(grid.cell),
         grid.count(Cell::Free),
         grid.count(Cell::Occupied),
         grid.count(Cell::Unknown),
         world.walls.len(),
     );
-    note.push_str(&moved(offset));
+    note.push_str(&origin_note(offset));
     (world, Some(note))
 }
 
-/// Position of the origin of a file's frame in the world, in words; empty if it is the world's origin.
-pub(crate) fn moved(offset: glam::DVec2) -> String {
-    let [x, y] = offset.to_array().map(rounded);
+/// Text of a note with the position of the origin of a file's frame in the world; empty at the world's origin.
+pub(crate) fn origin_note(offset: glam::DVec2) -> String {
+    let [x, y] = offset.to_array().map(rounded_mm);
     if x == 0.0 && y == 0.0 {
         return String::new();
     }
     format!("; (0, 0) of the file is at ({x}, {y}) mm of the world")
 }
 
-/// Millimetres of a length, to a micrometre.
-pub(crate) fn rounded(metres: f64) -> f64 {
+/// A length in millimetres, rounded to a micrometre.
+pub(crate) fn rounded_mm(metres: f64) -> f64 {
     (mm_from_metres(metres) * 1e3).round() / 1e3 + 0.0
 }
 
@@ -204,13 +204,15 @@ pub(crate) fn read_grid(
 
 /// Decodes the image of a map.
 fn read_image(sink: &mut Sink, bytes: &[u8], spec: &MapSpec) -> Option<Image> {
-    let is_other = matches!(bytes, [0x89, b'P', b'N', b'G', ..] | [0xff, 0xd8, ..] | [b'B', b'M', ..]);
-    if !is_other {
+    let is_not_netpbm = matches!(bytes, [0x89, b'P', b'N', b'G', ..] | [0xff, 0xd8, ..] | [b'B', b'M', ..]);
+    if !is_not_netpbm {
         return read_netpbm(sink, bytes);
     }
     // map_server averages the opacity with the colours only in this mode.
     match read_grey(bytes, spec.mode == yaml::Mode::Trinary) {
-        Ok((size, levels, white, max_grey, is_clear)) => Some(Image { size, levels, white, max_grey, is_clear }),
+        Ok((size, levels, white, max_grey, is_transparent)) => {
+            Some(Image { size, levels, white, max_grey, is_transparent })
+        }
         Err(message) => {
             sink.error(Code::MapImage, Span::default(), message, "a pgm, pbm, png, bmp or jpg image");
             None
@@ -230,15 +232,15 @@ pub fn load_scenarios(file: &str, files: &dyn Files) -> (Vec<Scenario>, Loaded) 
     maps.dedup();
     for map in maps {
         let of_map: Vec<Scenario> = scenarios.iter().filter(|scenario| scenario.map == map).cloned().collect();
-        let Some((place, bytes)) = find_map(&mut loader, file, map, of_map[0].span) else { continue };
-        let Some(grid) = read_grid(&mut loader, &place, bytes, WorldFormat::MovingAi, CellRules::default()) else {
+        let Some((map_path, bytes)) = find_map(&mut loader, file, map, of_map[0].span) else { continue };
+        let Some(grid) = read_grid(&mut loader, &map_path, bytes, WorldFormat::MovingAi, CellRules::default()) else {
             continue;
         };
         let mut sink = Sink::new(file);
-        let agree = movingai::check_lengths(&mut sink, &grid, &of_map);
+        let matching = movingai::check_lengths(&mut sink, &grid, &of_map);
         loader.diagnostics.extend(sink.finish());
         let count = of_map.len();
-        loader.notes.push(format!("{file}: {agree} of {count} lengths are those of shortest paths on `{place}`"));
+        loader.notes.push(format!("{file}: {matching} of {count} lengths are those of shortest paths on `{map_path}`"));
     }
     (scenarios, loader.finish(scene))
 }
@@ -258,20 +260,21 @@ pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Spa
     loader.find(file, folder, &SpannedText { text: map.to_owned(), span })
 }
 
-/// Location in a file that may not be text: line and column if all bytes before it are UTF-8, otherwise none.
-fn place_of_byte(bytes: &[u8], at: usize, length: usize) -> Span {
-    let end = (at + length).min(bytes.len());
+/// Span of `length` bytes from `index` in a file that may not be text. It is empty unless all bytes up to its end are
+/// UTF-8.
+fn span_of_bytes(bytes: &[u8], index: usize, length: usize) -> Span {
+    let end = (index + length).min(bytes.len());
     let Ok(text) = std::str::from_utf8(&bytes[..end]) else { return Span::default() };
-    if text.starts_with('\u{feff}') || !text.is_char_boundary(at) {
+    if text.starts_with('\u{feff}') || !text.is_char_boundary(index) {
         return Span::default();
     }
     let starts = line::line_starts(text);
-    let number = starts.partition_point(|start| *start <= at);
-    let before = &text[starts[number - 1]..at];
-    Span { start: at, end, line: number as u32, column: before.chars().count() as u32 + 1 }
+    let number = starts.partition_point(|start| *start <= index);
+    let before = &text[starts[number - 1]..index];
+    Span { start: index, end, line: number as u32, column: before.chars().count() as u32 + 1 }
 }
 
-/// Text ` at byte N`, for locations without a line.
-fn place_in_bytes(bytes: &[u8], at: usize) -> String {
-    if place_of_byte(bytes, at, 0).line > 0 { String::new() } else { format!(" at byte {at}") }
+/// Text ` at byte N` for a location without a line; empty for other locations.
+fn byte_suffix(bytes: &[u8], index: usize) -> String {
+    if span_of_bytes(bytes, index, 0).line > 0 { String::new() } else { format!(" at byte {index}") }
 }

@@ -10,7 +10,7 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
 use super::grid::MAX_WALLS;
-use super::{moved, rounded};
+use super::{origin_note, rounded_mm};
 use crate::code::Code;
 use crate::diagnostic::Sink;
 use crate::line::line_starts;
@@ -81,8 +81,8 @@ pub(crate) fn read_sdf(sink: &mut Sink, file: &str, text: &str) -> (WorldSpec, S
         note.push_str(&format!(", at most {:.2} mm from their circles", 1e3 * worst));
     }
     let floor = if walls.is_empty() { DVec2::ZERO } else { high - low };
-    note.push_str(&format!("; floor {} x {} mm", rounded(floor.x), rounded(floor.y)));
-    note.push_str(&moved(-low));
+    note.push_str(&format!("; floor {} x {} mm", rounded_mm(floor.x), rounded_mm(floor.y)));
+    note.push_str(&origin_note(-low));
     (WorldSpec { file: file.to_owned(), floor, walls, ..WorldSpec::default() }, note)
 }
 
@@ -362,7 +362,7 @@ impl SdfParser<'_, '_> {
             return;
         }
         if z - half > 0.05 {
-            let message = format!("a shape {} mm above the floor reaches down to it", rounded(z - half));
+            let message = format!("a shape {} mm above the floor reaches down to it", rounded_mm(z - half));
             self.sink.warn(Code::SdfShape, element.span, message, "shapes that stand on the floor");
         }
         let (model, model_pose) = (self.open[first].name.clone(), self.open[first].pose);
