@@ -629,7 +629,7 @@ impl Conversion<'_> {
         let found = match candidates.first().filter(is_relative).filter(|first| exists(first)) {
             Some(first) => Some(first.clone()),
             None if candidates.iter().any(exists) => None,
-            None => path::moved(&reference.text, old, None).into_iter().find(exists),
+            None => path::relocated_candidates(&reference.text, old, None).into_iter().find(exists),
         };
         if let Some(found) = found {
             reference.text = path::relative(new, &found);

@@ -440,10 +440,10 @@ impl<'a> Loader<'a> {
             }
         }
         if found.is_none() {
-            let moved_paths = path::moved(&reference.text, folder, self.files.home());
+            let relocated = path::relocated_candidates(&reference.text, folder, self.files.home());
             let exact =
-                moved_paths.iter().find_map(|candidate| Some((candidate.clone(), self.files.read(candidate).ok()?)));
-            found = exact.or_else(|| moved_paths.iter().find_map(|candidate| self.in_other_case(candidate)));
+                relocated.iter().find_map(|candidate| Some((candidate.clone(), self.files.read(candidate).ok()?)));
+            found = exact.or_else(|| relocated.iter().find_map(|candidate| self.in_other_case(candidate)));
             if let Some((candidate, _)) = &found {
                 let message = format!("`{}` is not found; `{candidate}` is taken instead", reference.text);
                 sink.warn(Code::FileMoved, reference.span, message, "a name relative to this file");

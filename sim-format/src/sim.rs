@@ -346,7 +346,7 @@ fn spanned_text(word: &Word<'_>) -> SpannedText {
 
 /// Returns true for a number and for a malformed number, but not for a file name that begins with a digit.
 fn is_number(word: &Word<'_>) -> bool {
-    line::looks_numeric(word.text) && (word.text.parse::<f64>().is_ok() || line::number_within(word.text).is_some())
+    line::looks_numeric(word.text) && (word.text.parse::<f64>().is_ok() || line::guessed_number(word.text).is_some())
 }
 
 /// Returns true if a pose has fewer than three numbers because some are missing, not because one is misspelt.

@@ -41,12 +41,12 @@ impl Faults {
     pub(super) fn finish(self) -> Vec<Diagnostic> {
         let mut sink = Sink::new(&self.file);
         for kind in self.kinds {
-            let others = match kind.count - 1 {
+            let suffix = match kind.count - 1 {
                 0 => String::new(),
                 1 => ", and so is 1 more line".to_owned(),
                 more => format!(", and so are {more} more lines"),
             };
-            sink.warn(kind.code, kind.span, kind.message + &others, kind.expected);
+            sink.warn(kind.code, kind.span, kind.message + &suffix, kind.expected);
         }
         sink.finish()
     }
