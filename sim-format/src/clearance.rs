@@ -33,8 +33,8 @@ pub(super) fn check(scene: &SceneSpec, world_object_count: usize) -> Vec<Diagnos
     let mut sinks = [Sink::new(&scene.world.file), Sink::new(&scene.file)];
     let bodies = bodies(scene, world_object_count);
     let outside = outside(&scene.world, &bodies);
-    let walls = in_walls(&scene.world, &bodies);
-    let others = overlaps(&bodies);
+    let walls = overlapped_walls(&scene.world, &bodies);
+    let others = overlapped_bodies(&bodies);
     for (((body, is_outside), wall), other) in bodies.iter().zip(outside).zip(walls).zip(others) {
         let sink = &mut sinks[usize::from(body.is_of_sim)];
         let room = format!("a place with room for a body of {} mm", (2e3 * body.radius).round());
@@ -113,7 +113,7 @@ fn outside(world: &WorldSpec, bodies: &[Body]) -> Vec<bool> {
 }
 
 /// For each body, the line of the first wall (in the order of the walls) that it overlaps.
-fn in_walls(world: &WorldSpec, bodies: &[Body]) -> Vec<Option<u32>> {
+fn overlapped_walls(world: &WorldSpec, bodies: &[Body]) -> Vec<Option<u32>> {
     let walls = Walls::new(world.walls.iter().map(|wall| Segment::new(wall.from, wall.to)).collect());
     let max_thickness = world.walls.iter().map(|wall| wall.thickness).fold(0.0, f64::max);
     let first_wall = |body: &Body| {
@@ -131,14 +131,14 @@ fn in_walls(world: &WorldSpec, bodies: &[Body]) -> Vec<Option<u32>> {
 }
 
 /// For each body, the first earlier body that it overlaps, unless both are fixed.
-fn overlaps(bodies: &[Body]) -> Vec<Option<usize>> {
+fn overlapped_bodies(bodies: &[Body]) -> Vec<Option<usize>> {
     let mut grids = Grids::default();
-    let first = |(number, body): (usize, &Body)| {
+    let find_first = |(index, body): (usize, &Body)| {
         let first = grids.first_overlap(bodies, body);
-        grids.add(number, body);
+        grids.add(index, body);
         first
     };
-    bodies.iter().enumerate().map(first).collect()
+    bodies.iter().enumerate().map(find_first).collect()
 }
 
 /// Earlier bodies by the cells of their centres. Bodies of similar size share a grid, whose cells are about as large as the bodies.
@@ -164,9 +164,9 @@ impl Grids {
         [cell.x as i64, cell.y as i64]
     }
 
-    fn add(&mut self, number: usize, body: &Body) {
+    fn add(&mut self, index: usize, body: &Body) {
         let level = Self::level_of(body.radius);
-        self.0.entry(level).or_default().entry(Self::cell(level, body.centre)).or_default().push(number);
+        self.0.entry(level).or_default().entry(Self::cell(level, body.centre)).or_default().push(index);
     }
 
     /// The first body that overlaps `body`, unless both are fixed.
@@ -176,15 +176,15 @@ impl Grids {
             let search_radius = DVec2::splat(body.radius + max_radius(*level));
             let [low, high] =
                 [body.centre - search_radius, body.centre + search_radius].map(|point| Self::cell(*level, point));
-            let mut search = |numbers: &[usize]| {
-                let mut earlier = numbers.iter().take_while(|number| first.is_none_or(|first| **number < first));
-                first = earlier.find(|number| overlap(&bodies[**number], body)).copied().or(first);
+            let mut search = |indices: &[usize]| {
+                let mut earlier = indices.iter().take_while(|index| first.is_none_or(|first| **index < first));
+                first = earlier.find(|index| overlap(&bodies[**index], body)).copied().or(first);
             };
             if high[0].abs_diff(low[0]) < grid.len() as u64 {
                 let columns = (low[0]..=high[0]).flat_map(|x| grid.range([x, low[1]]..=[x, high[1]]));
-                columns.for_each(|(_, numbers)| search(numbers));
+                columns.for_each(|(_, indices)| search(indices));
             } else {
-                grid.range(low..=high).for_each(|(_, numbers)| search(numbers));
+                grid.range(low..=high).for_each(|(_, indices)| search(indices));
             }
         }
         first
@@ -225,7 +225,7 @@ mod tests {
             .collect();
         let plain = |index: usize| bodies[..index].iter().position(|earlier| overlap(earlier, &bodies[index]));
         let expected: Vec<_> = (0..bodies.len()).map(plain).collect();
-        assert_eq!(overlaps(&bodies), expected);
+        assert_eq!(overlapped_bodies(&bodies), expected);
         assert!((50..550).contains(&expected.iter().flatten().count()), "some overlap, others do not");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
-use super::load::{Files, Loaded, Loader, load_drawn};
+use super::load::{Files, Loaded, Loader, load_with_spec};
 use super::map::{self, Cell, DEFAULT_RESOLUTION, Grid, WorldFormat, load_scenarios};
 use super::print::{self, Printed};
 use super::spec::{
@@ -207,7 +207,7 @@ pub fn convert_with(
         let name = if FileFormat::of(from).is_none() { from } else { to };
         let expected = "a name that ends in .sim, .toml, .wld, .maz, .robi, .esObj, .yaml, .pgm or .pbm, or a source in .map, .scen, .world, .num or .txt";
         let message = "the extension of the file name is unknown or missing";
-        return Converted::refused(Code::FileKind, name, message, expected);
+        return Converted::rejected(Code::FileKind, name, message, expected);
     };
     let mut conversion = Conversion { from, to, files, options, sink: Sink::new(from), outputs: Vec::new() };
     let loaded = match (source, target) {
@@ -217,7 +217,7 @@ pub fn convert_with(
         (_, FileFormat::Foreign | FileFormat::Scenarios) => {
             let message = format!("files like `{to}` are read, but not written");
             let expected = "a target in .wld, .maz, .toml, .yaml, .pgm or .pbm";
-            return Converted::refused(Code::ConvertKind, to, &message, expected);
+            return Converted::rejected(Code::ConvertKind, to, &message, expected);
         }
         (FileFormat::Scenarios, FileFormat::Scene) => conversion.convert_scenarios(),
         (FileFormat::Sim, FileFormat::Map) => conversion.convert_scene_to_map(),
@@ -232,7 +232,7 @@ pub fn convert_with(
         _ => {
             let message = format!("`{from}` cannot become `{to}`: they hold different things");
             let expected = "scenes to scenes (.sim, .scene.toml) and maps, worlds and maps to worlds and maps, types to types, scenarios to .suite.toml";
-            return Converted::refused(Code::ConvertKind, from, &message, expected);
+            return Converted::rejected(Code::ConvertKind, from, &message, expected);
         }
     };
     let Conversion { sink, outputs, .. } = conversion;
@@ -243,7 +243,7 @@ pub fn convert_with(
 }
 
 impl Converted {
-    fn refused(code: Code, file: &str, message: &str, expected: &str) -> Self {
+    fn rejected(code: Code, file: &str, message: &str, expected: &str) -> Self {
         let mut sink = Sink::new(file);
         sink.error(code, Span::default(), message, expected);
         Self { diagnostics: sink.finish(), ..Self::default() }
@@ -263,7 +263,7 @@ struct Conversion<'a> {
 impl Conversion<'_> {
     fn convert_scene(&mut self, target: FileFormat, generation_of: &GenerationOf<'_>) -> Loaded {
         let seed = self.options.seed;
-        let (loaded, mut sim) = load_drawn(self.from, Overrides { seed, ..Overrides::default() }, self.files);
+        let (loaded, mut sim) = load_with_spec(self.from, Overrides { seed, ..Overrides::default() }, self.files);
         if loaded.has_errors() {
             return loaded;
         }
@@ -390,7 +390,7 @@ impl Conversion<'_> {
     fn convert_scene_to_map(&mut self) -> Loaded {
         let overrides =
             Overrides { seed: self.options.seed, maze_cell: self.options.maze_cell, ..Overrides::default() };
-        let loaded = load_drawn(self.from, overrides, self.files).0;
+        let loaded = load_with_spec(self.from, overrides, self.files).0;
         if !loaded.has_errors() {
             let mut world = loaded.scene.world.clone();
             let starts =
@@ -617,22 +617,22 @@ impl Conversion<'_> {
     /// Rewrites a reference for the target's folder in two cases: it is relative to the source's folder and the file
     /// exists, or no file exists at its paths but one exists near the source. Other references do not change.
     fn rewrite_path(&self, reference: &mut SpannedText) {
-        let (old, new) = (path::folder_of(self.from), path::folder_of(self.to));
-        if old == new {
+        let (source_folder, target_folder) = (path::folder_of(self.from), path::folder_of(self.to));
+        if source_folder == target_folder {
             return;
         }
         let text = reference.text.replace('\\', "/");
-        let candidates = path::candidates(&text, old, None);
+        let candidates = path::candidates(&text, source_folder, None);
         let exists =
             |path: &String| self.files.list(path::folder_of(path)).iter().any(|name| name == path::file_name(path));
-        let is_relative = |first: &&String| !text.starts_with('/') && path::join(old, &text) == **first;
+        let is_relative = |first: &&String| !text.starts_with('/') && path::join(source_folder, &text) == **first;
         let found = match candidates.first().filter(is_relative).filter(|first| exists(first)) {
             Some(first) => Some(first.clone()),
             None if candidates.iter().any(exists) => None,
-            None => path::relocated_candidates(&reference.text, old, None).into_iter().find(exists),
+            None => path::relocated_candidates(&reference.text, source_folder, None).into_iter().find(exists),
         };
         if let Some(found) = found {
-            reference.text = path::relative(new, &found);
+            reference.text = path::relative(target_folder, &found);
         }
     }
 }

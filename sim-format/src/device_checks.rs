@@ -115,8 +115,8 @@ impl Reader {
     fn break_cycles(&mut self, links: &mut [LinkSpec], names: &BTreeMap<String, usize>) {
         let count = links.len();
         let parent = |link: &LinkSpec| {
-            let link_name = link.mount.link.as_ref().and_then(|link_name| names.get(&link_name.text).copied());
-            link_name.filter(|index| *index < count)
+            let index = link.mount.link.as_ref().and_then(|link| names.get(&link.text).copied());
+            index.filter(|index| *index < count)
         };
         // For each link, the first start from which it was reached.
         let mut first_start: Vec<Option<usize>> = vec![None; links.len()];

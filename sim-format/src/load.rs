@@ -150,20 +150,20 @@ const MAX_ATTEMPTS: u32 = 100;
 /// Number of attempts without enough room after which no further attempt is made.
 const MAX_FULL_ATTEMPTS: u32 = 5;
 /// Number of seeds for which [`check_scene`] loads a scene with random values.
-const CHECKED_SEEDS: u64 = 10;
+const CHECKED_SEED_COUNT: u64 = 10;
 
 /// Loads a scene like [`load_scene`], with values that override the scene's own.
 ///
 /// Random values are drawn from the seed. If a demand of the scene on its positions is not met, all values are drawn again, up to 100
 /// times.
 pub fn load_scene_with(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
-    load_drawn(path, overrides, files).0
+    load_with_spec(path, overrides, files).0
 }
 
 /// Loads a scene like [`load_scene_with`], and searches for mistakes that other seeds would reveal: tries the minimum
 /// and maximum of each random range, all choices, and ten seeds.
 pub fn check_scene(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
-    let (mut loaded, sim) = load_drawn(path, overrides, files);
+    let (mut loaded, sim) = load_with_spec(path, overrides, files);
     let is_random = !sim.drawn.is_empty() || !loaded.scene.drawn.is_empty();
     if !is_random && !loaded.has_errors() {
         return loaded;
@@ -186,7 +186,7 @@ pub fn check_scene(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> L
         add(&mut loaded, diagnostics, note);
     }
     if choices > 0 || is_random {
-        for seed in 0..CHECKED_SEEDS {
+        for seed in 0..CHECKED_SEED_COUNT {
             let seeded = load_scene_with(path, Overrides { seed: Some(seed), ..overrides }, files);
             add(&mut loaded, seeded.diagnostics, &format!("with seed {seed}"));
         }
@@ -195,7 +195,7 @@ pub fn check_scene(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> L
 }
 
 /// Loads a scene; also returns the spec of its text, with the random values of the last attempt.
-pub(super) fn load_drawn(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> (Loaded, SimSpec) {
+pub(super) fn load_with_spec(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> (Loaded, SimSpec) {
     let mut full_attempts = 0;
     for attempt in 0.. {
         let (loaded, sim, may_retry) = load_attempt(path, overrides, files, attempt);
@@ -208,9 +208,10 @@ pub(super) fn load_drawn(path: &str, overrides: Overrides<'_>, files: &dyn Files
     unreachable!("the attempts end")
 }
 
+/// Makes one attempt to load a scene. Also returns the spec of its text, and true if another attempt may succeed.
 fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt: u32) -> (Loaded, SimSpec, bool) {
     let mut loader = Loader::new(files);
-    let Some(text) = loader.root(path) else {
+    let Some(text) = loader.read_root(path) else {
         let scene = SceneSpec { file: path.to_owned(), ..SceneSpec::default() };
         return (loader.finish(scene), SimSpec::default(), false);
     };
@@ -271,7 +272,7 @@ pub fn load_world(path: &str, files: &dyn Files) -> Loaded {
 pub fn load_world_with(path: &str, rules: CellRules, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let mut scene = SceneSpec { file: path.to_owned(), ..SceneSpec::default() };
-    if let Some(bytes) = loader.root_bytes(path) {
+    if let Some(bytes) = loader.read_root_bytes(path) {
         scene.world = map::read_world_file(&mut loader, path, bytes, WorldKind::World, rules);
     }
     loader.finish(scene)
@@ -280,14 +281,14 @@ pub fn load_world_with(path: &str, rules: CellRules, files: &dyn Files) -> Loade
 /// Reads only a robi and its companion; `None` if the file does not exist. The scene of the result is empty.
 pub fn load_robi(path: &str, files: &dyn Files) -> (Option<RobiSpec>, Loaded) {
     let mut loader = Loader::new(files);
-    let robi = loader.root(path).map(|text| loader.read_robi_text(path, &text));
+    let robi = loader.read_root(path).map(|text| loader.read_robi_text(path, &text));
     (robi, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
 }
 
 /// Reads only an object file; `None` if the file does not exist. The scene of the result is empty.
 pub fn load_object(path: &str, files: &dyn Files) -> (Option<ObjectType>, Loaded) {
     let mut loader = Loader::new(files);
-    let object = loader.root(path).map(|text| {
+    let object = loader.read_root(path).map(|text| {
         let (object, diagnostics) = read_esobj(path, &text);
         loader.diagnostics.extend(diagnostics);
         object
@@ -298,7 +299,7 @@ pub fn load_object(path: &str, files: &dyn Files) -> (Option<ObjectType>, Loaded
 /// Reads only a noise profile; `None` if the file does not exist. The scene of the result is empty.
 pub fn load_noise(path: &str, files: &dyn Files) -> (Option<NoiseRef>, Loaded) {
     let mut loader = Loader::new(files);
-    let noise = loader.root(path).map(|text| loader.read_profile(path, &text));
+    let noise = loader.read_root(path).map(|text| loader.read_profile(path, &text));
     (noise, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
 }
 
@@ -345,12 +346,12 @@ impl<'a> Loader<'a> {
     }
 
     /// Reads the file that the user named.
-    pub(super) fn root(&mut self, path: &str) -> Option<String> {
-        self.root_bytes(path).map(|bytes| self.take(path, bytes))
+    pub(super) fn read_root(&mut self, path: &str) -> Option<String> {
+        self.read_root_bytes(path).map(|bytes| self.decode_input(path, bytes))
     }
 
     /// Reads the bytes of the file that the user named.
-    pub(super) fn root_bytes(&mut self, path: &str) -> Option<Vec<u8>> {
+    pub(super) fn read_root_bytes(&mut self, path: &str) -> Option<Vec<u8>> {
         match self.files.read(path) {
             Ok(bytes) => Some(bytes),
             Err(error) => {
@@ -368,7 +369,7 @@ impl<'a> Loader<'a> {
     }
 
     /// Records a file as input and decodes it. Reports an error for UTF-16 and returns an empty text.
-    pub(super) fn take(&mut self, path: &str, bytes: Vec<u8>) -> String {
+    pub(super) fn decode_input(&mut self, path: &str, bytes: Vec<u8>) -> String {
         if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {
             let mut sink = Sink::new(path);
             let diagnostic = sink.error(Code::FileEncoding, Span::default(), "the file is UTF-16", "UTF-8 or ASCII");
@@ -432,7 +433,7 @@ impl<'a> Loader<'a> {
             break;
         }
         if found.is_none() {
-            found = candidates.iter().find_map(|candidate| self.in_other_case(candidate));
+            found = candidates.iter().find_map(|candidate| self.find_in_other_case(candidate));
             if let Some((candidate, _)) = &found {
                 let message =
                     format!("`{}` is found only as `{candidate}`: upper and lower case differ", reference.text);
@@ -443,7 +444,7 @@ impl<'a> Loader<'a> {
             let relocated = path::relocated_candidates(&reference.text, folder, self.files.home());
             let exact =
                 relocated.iter().find_map(|candidate| Some((candidate.clone(), self.files.read(candidate).ok()?)));
-            found = exact.or_else(|| relocated.iter().find_map(|candidate| self.in_other_case(candidate)));
+            found = exact.or_else(|| relocated.iter().find_map(|candidate| self.find_in_other_case(candidate)));
             if let Some((candidate, _)) = &found {
                 let message = format!("`{}` is not found; `{candidate}` is taken instead", reference.text);
                 sink.warn(Code::FileMoved, reference.span, message, "a name relative to this file");
@@ -458,7 +459,7 @@ impl<'a> Loader<'a> {
             let built_in = built_in.filter(|_| path::extension(&reference.text) == "robi");
             diagnostic.suggestion = match built_in {
                 Some(name) => Some(format!("`{name}` is built in: write `{name} X Y PHI PROGRAM`")),
-                None => self.similar(&candidates).map(|name| format!("there is `{name}`")),
+                None => self.similar_path(&candidates).map(|name| format!("there is `{name}`")),
             };
         }
         self.diagnostics.extend(sink.finish());
@@ -466,7 +467,7 @@ impl<'a> Loader<'a> {
     }
 
     /// File whose path differs from `wanted` only in letter case.
-    fn in_other_case(&self, wanted: &str) -> Option<(String, Vec<u8>)> {
+    fn find_in_other_case(&self, wanted: &str) -> Option<(String, Vec<u8>)> {
         let root = if wanted.starts_with('/') { "/" } else { "" };
         let mut path = root.to_owned();
         for part in wanted.split('/').filter(|part| !part.is_empty()) {
@@ -488,7 +489,7 @@ impl<'a> Loader<'a> {
     }
 
     /// File with a similar name in one of the folders tried.
-    fn similar(&self, paths: &[String]) -> Option<String> {
+    fn similar_path(&self, paths: &[String]) -> Option<String> {
         paths.iter().find_map(|path| {
             let mut names = self.files.list(path::folder_of(path));
             names.sort_unstable();
@@ -532,7 +533,7 @@ impl<'a> Loader<'a> {
             return Some(costs);
         };
         let (path, bytes) = self.find(file, folder, &reference)?;
-        let text = self.take(&path, bytes);
+        let text = self.decode_input(&path, bytes);
         let (table, diagnostics) = read_costs(&path, &text);
         self.diagnostics.extend(diagnostics);
         Some(CostsRef::Table(table))
@@ -548,7 +549,7 @@ impl<'a> Loader<'a> {
                 Some(known) => known.clone(),
                 None => {
                     let profile = self.find(file, folder, reference).map(|(path, bytes)| {
-                        let text = self.take(&path, bytes);
+                        let text = self.decode_input(&path, bytes);
                         self.read_profile(&path, &text)
                     });
                     read.insert(reference.text.clone(), profile.clone());
@@ -573,7 +574,7 @@ impl<'a> Loader<'a> {
             if let Some(robi) = self.robots.by_path.get(&path) {
                 return Arc::clone(robi);
             }
-            let text = self.take(&path, bytes);
+            let text = self.decode_input(&path, bytes);
             let robi = Arc::new(self.read_robi_text(&path, &text));
             self.robots.by_path.insert(path, Arc::clone(&robi));
             robi
@@ -591,7 +592,7 @@ impl<'a> Loader<'a> {
             if let Some(object) = self.objects.by_path.get(&path) {
                 return Arc::clone(object);
             }
-            let text = self.take(&path, bytes);
+            let text = self.decode_input(&path, bytes);
             let (object, diagnostics) = read_esobj(&path, &text);
             self.diagnostics.extend(diagnostics);
             let object = Arc::new(object);
@@ -609,7 +610,7 @@ impl<'a> Loader<'a> {
         let companion = path::with_extension(path, "toml");
         match self.files.read(&companion) {
             Ok(bytes) => {
-                let text = self.take(&companion, bytes);
+                let text = self.decode_input(&companion, bytes);
                 self.diagnostics.extend(read_companion(&companion, &text, &mut robi));
                 self.read_serial_files(&companion, path::folder_of(&companion), &mut robi);
             }

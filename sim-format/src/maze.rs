@@ -316,7 +316,7 @@ impl Drawing {
     }
 
     fn read_row(&mut self, sink: &mut Sink, row: u32, line: &Line<'_>) {
-        let mut has_odd_wall = false;
+        let mut has_wall_in_cell = false;
         for (text_column, character, span) in characters(line) {
             let Some(role) = self.grid.role(text_column) else {
                 continue;
@@ -328,12 +328,12 @@ impl Drawing {
                     self.vertical.push((column, row, span));
                 }
                 ('|', ColumnRole::Cell(column)) => {
-                    if !has_odd_wall {
+                    if !has_wall_in_cell {
                         let message =
                             "`|` in the middle of a cell closes it on the right, and so do others in this row";
                         sink.warn(Code::MazWallColumn, span, message, "`|` in the columns 1, 3, 5, ...");
                     }
-                    has_odd_wall = true;
+                    has_wall_in_cell = true;
                     self.columns = self.columns.max(column + 1);
                     self.vertical.push((column + 1, row, span));
                 }

@@ -160,11 +160,11 @@ pub(super) fn reference(
         let diagnostic = sink.warn(Code::WordExtra, extra.span, message, form);
         diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
     }
-    named(sink, severity, word, form)
+    file_reference(sink, severity, word, form)
 }
 
 /// Reads `word` as a file reference.
-pub(super) fn named(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: &str) -> Option<SpannedText> {
+pub(super) fn file_reference(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: &str) -> Option<SpannedText> {
     if word.is_unclosed {
         sink.warn(
             Code::QuoteUnclosed,

@@ -141,13 +141,13 @@ impl Reader {
         let name_count = rest.iter().take_while(|word| !is_number(word)).count();
         if name_count > 2 && count_numbers(&rest[name_count..]) >= 3 {
             let message = format!("`{}` is followed by {name_count} names, not 2", keyword.text);
-            let text = |words: &[Word<'_>]| {
+            let quoted = |words: &[Word<'_>]| {
                 let text = words.iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
                 if words.len() > 1 { format!("\"{text}\"") } else { text }
             };
             let ends_type = |word: &Word<'_>| word.text.to_ascii_lowercase().ends_with(".robi");
             let type_word_count = rest[..name_count - 1].iter().position(ends_type).map_or(1, |index| index + 1);
-            let line = [text(&rest[..type_word_count]), text(&rest[type_word_count..name_count])].join(" ");
+            let line = [quoted(&rest[..type_word_count]), quoted(&rest[type_word_count..name_count])].join(" ");
             let numbers = rest[name_count..].iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
             self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM).suggestion =
                 Some(format!("put a file name with blanks between double quotes: `{} {line} {numbers}`", keyword.text));
@@ -161,8 +161,8 @@ impl Reader {
         self.warn_of_extra_words(pose, 3, ROBI_FORM);
         let pose = &pose[..pose.len().min(3)];
         let start = line::numbers(&mut self.sink, Severity::Error, pose, &POSE).map(|[x, y, phi]| Pose::new(x, y, phi));
-        let robi = path::named(&mut self.sink, Severity::Error, robi, ROBI_FORM);
-        let program = path::named(&mut self.sink, Severity::Error, program, ROBI_FORM);
+        let robi = path::file_reference(&mut self.sink, Severity::Error, robi, ROBI_FORM);
+        let program = path::file_reference(&mut self.sink, Severity::Error, program, ROBI_FORM);
         let start = match start {
             Some(pose) => StartRef::Pose(pose),
             None if pose.is_empty() => StartRef::Next,
@@ -187,7 +187,7 @@ impl Reader {
             return;
         }
         let values = line::numbers(&mut self.sink, Severity::Warning, pose, &OBJECT);
-        let mesh = path::named(&mut self.sink, Severity::Warning, mesh, OBJECT_FORM);
+        let mesh = path::file_reference(&mut self.sink, Severity::Warning, mesh, OBJECT_FORM);
         if let (Some([x, y, phi, friction]), Some(mesh)) = (values, mesh) {
             self.sim.objects.push(ObjectLine {
                 kind: TypeRef::File(mesh),
@@ -289,7 +289,7 @@ impl Reader {
         };
         self.warn_of_extra_words(program, 1, form);
         let program = match program.first() {
-            Some(word) => Some(path::named(&mut self.sink, Severity::Error, word, form)?),
+            Some(word) => Some(path::file_reference(&mut self.sink, Severity::Error, word, form)?),
             None => None,
         };
         let kind = TypeRef::Name(spanned_text(name));

@@ -233,7 +233,7 @@ impl Reader {
         texts
     }
 
-    /// Boolean.
+    /// Value of a Boolean key.
     pub(super) fn flag(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<bool> {
         let value = section.get(key)?;
         let DeValue::Boolean(flag) = value.get_ref() else {

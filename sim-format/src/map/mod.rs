@@ -88,13 +88,13 @@ pub(crate) fn read_world_file(
     let format = WorldFormat::of(path, &bytes, stated);
     let (world, note) = match format {
         WorldFormat::Walls => {
-            let text = loader.take(path, bytes);
+            let text = loader.decode_input(path, bytes);
             let (world, diagnostics) = read_world(path, &text);
             loader.diagnostics.extend(diagnostics);
             (world, None)
         }
         WorldFormat::Maze(maze::MazeForm::Drawing) => {
-            let text = loader.take(path, bytes);
+            let text = loader.decode_input(path, bytes);
             let (world, diagnostics) = read_maze_with(path, &text, rules);
             loader.diagnostics.extend(diagnostics);
             (world, None)
@@ -104,14 +104,14 @@ pub(crate) fn read_world_file(
                 loader.inputs.push(InputFile { path: path.to_owned(), bytes: bytes.clone() });
                 maze::read_maze_bytes(path, &bytes, rules)
             } else {
-                let text = loader.take(path, bytes);
+                let text = loader.decode_input(path, bytes);
                 maze::read_maze_text(path, &text, form, rules)
             };
             loader.diagnostics.extend(diagnostics);
             (world, note)
         }
         WorldFormat::Sdf => {
-            let text = loader.take(path, bytes);
+            let text = loader.decode_input(path, bytes);
             let mut sink = Sink::new(path);
             let (world, note) = sdf::read_sdf(&mut sink, path, &text);
             loader.diagnostics.extend(sink.finish());
@@ -176,7 +176,7 @@ pub(crate) fn read_grid(
     let mut sink = Sink::new(path);
     let grid = match format {
         WorldFormat::MovingAi => {
-            let text = loader.take(path, bytes);
+            let text = loader.decode_input(path, bytes);
             movingai::read_map(&mut sink, &text, rules.cell.unwrap_or(DEFAULT_CELL))
         }
         WorldFormat::Image => {
@@ -186,7 +186,7 @@ pub(crate) fn read_grid(
             image.map(|image| spec.grid(&image))
         }
         _ => {
-            let text = loader.take(path, bytes);
+            let text = loader.decode_input(path, bytes);
             let spec = yaml::read_map_yaml(&mut sink, &text);
             loader.diagnostics.extend(std::mem::replace(&mut sink, Sink::new(path)).finish());
             spec.and_then(|spec| {
@@ -224,7 +224,7 @@ fn read_image(sink: &mut Sink, bytes: &[u8], spec: &MapSpec) -> Option<Image> {
 pub fn load_scenarios(file: &str, files: &dyn Files) -> (Vec<Scenario>, Loaded) {
     let mut loader = Loader::new(files);
     let scene = SceneSpec { file: file.to_owned(), ..SceneSpec::default() };
-    let Some(text) = loader.root(file) else { return (Vec::new(), loader.finish(scene)) };
+    let Some(text) = loader.read_root(file) else { return (Vec::new(), loader.finish(scene)) };
     let (scenarios, diagnostics) = read_scenarios(file, &text);
     loader.diagnostics.extend(diagnostics);
     let mut maps: Vec<&str> = scenarios.iter().map(|scenario| scenario.map.as_str()).collect();

@@ -12,7 +12,7 @@
 //! therefore at (z, x, y) in the body frame.
 
 mod bmp;
-mod faults;
+mod mistakes;
 mod mtl;
 mod obj;
 mod terrain;
@@ -99,11 +99,11 @@ impl<'a> MeshReader<'a> {
             return None;
         }
         let (path, bytes) = self.find(file, &model.path, consequence)?;
-        let text = self.loader.take(&path, bytes);
+        let text = self.loader.decode_input(&path, bytes);
         let placement = Placement::new(model, scale);
-        let (obj, faults) =
+        let (obj, mistakes) =
             obj::read_obj(&path, &text, |point| placement.point(point), |direction| placement.rotation * direction);
-        self.loader.diagnostics.extend(faults);
+        self.loader.diagnostics.extend(mistakes);
         let whole_file = Span::default();
         if obj.is_too_large {
             let message = format!("the mesh has more than two million corners or triangles; {consequence}");
@@ -130,9 +130,9 @@ impl<'a> MeshReader<'a> {
                 is_complete = false;
                 continue;
             };
-            let text = self.loader.take(&path, bytes);
-            let (new_entries, faults) = mtl::read_mtl(&path, &text);
-            self.loader.diagnostics.extend(faults);
+            let text = self.loader.decode_input(&path, bytes);
+            let (new_entries, mistakes) = mtl::read_mtl(&path, &text);
+            self.loader.diagnostics.extend(mistakes);
             for (name, entry) in new_entries {
                 material_files.entry(name.clone()).or_insert_with(|| path.clone());
                 entries.entry(name).or_insert(entry);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::faults::Faults;
+use super::mistakes::Mistakes;
 use super::obj::{shortened, split_word};
 use crate::line::{Line, lines};
 use crate::spec::SpannedText;
@@ -36,7 +36,7 @@ pub(super) struct Entry {
 /// Reads all materials of a file, by name; of materials with the same name, the first is used.
 pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, Entry>, Vec<Diagnostic>) {
     let mut entries = BTreeMap::new();
-    let mut faults = Faults::new(file);
+    let mut mistakes = Mistakes::new(file);
     let mut current: Option<Entry> = None;
     for line in lines(text) {
         let (keyword, rest) = split_word(line.text.trim());
@@ -44,16 +44,16 @@ pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, Entry>, Vec<
             add_entry(&mut entries, current.take());
             if entries.len() >= MAX_MATERIALS {
                 let message = || format!("more than {MAX_MATERIALS} materials; the rest is left out");
-                faults.warn(Code::MeshSize, &line, "a smaller file", message);
+                mistakes.warn(Code::MeshSize, &line, "a smaller file", message);
                 break;
             }
             current = Some(Entry { material: Material { name: rest.to_owned(), ..Material::default() }, image: None });
         } else if let Some(entry) = &mut current {
-            read_line(entry, &line, keyword, rest, &mut faults);
+            read_line(entry, &line, keyword, rest, &mut mistakes);
         }
     }
     add_entry(&mut entries, current);
-    (entries, faults.finish())
+    (entries, mistakes.finish())
 }
 
 fn add_entry(entries: &mut BTreeMap<String, Entry>, entry: Option<Entry>) {
@@ -62,7 +62,7 @@ fn add_entry(entries: &mut BTreeMap<String, Entry>, entry: Option<Entry>) {
     }
 }
 
-fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faults: &mut Faults) {
+fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, mistakes: &mut Mistakes) {
     let fraction = |word: &str| word.parse::<f32>().ok().filter(|x| x.is_finite()).map(|x| x.clamp(0.0, 1.0));
     let opacity = match keyword {
         "Kd" => {
@@ -71,7 +71,7 @@ fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faul
             match channels[..] {
                 [Some(grey)] => entry.material.colour = [grey; 3],
                 [Some(red), Some(green), Some(blue), ..] => entry.material.colour = [red, green, blue],
-                _ => return warn_of_line(faults, line),
+                _ => return warn_of_line(mistakes, line),
             }
             return;
         }
@@ -81,7 +81,7 @@ fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faul
             let name = without_options(rest);
             entry.image = (!name.is_empty()).then(|| SpannedText { text: name.to_owned(), span: line.span() });
             if name.is_empty() {
-                warn_of_line(faults, line);
+                warn_of_line(mistakes, line);
             }
             return;
         }
@@ -91,13 +91,13 @@ fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faul
         // Exporters of robot models write 0 for opaque materials.
         Some(0.0) => entry.material.opacity = 1.0,
         Some(opacity) => entry.material.opacity = opacity,
-        None => warn_of_line(faults, line),
+        None => warn_of_line(mistakes, line),
     }
 }
 
-fn warn_of_line(faults: &mut Faults, line: &Line<'_>) {
+fn warn_of_line(mistakes: &mut Mistakes, line: &Line<'_>) {
     let expected = "`Kd RED GREEN BLUE`, `d OPACITY` or `Tr TRANSPARENCY` with numbers from 0 to 1, `map_Kd IMAGE`";
-    faults.warn(Code::MtlLine, line, expected, || format!("`{}` is left out", shortened(line.text)));
+    mistakes.warn(Code::MtlLine, line, expected, || format!("`{}` is left out", shortened(line.text)));
 }
 
 /// The name of an image, which follows the options and may contain blanks.

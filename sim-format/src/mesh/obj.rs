@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::faults::Faults;
+use super::mistakes::Mistakes;
 use crate::line::{Line, lines};
 use crate::spec::{MAX_LENGTH, SpannedText};
 use crate::{Code, Diagnostic, Span};
@@ -48,7 +48,7 @@ pub(super) fn read_obj(
                 let valid = point.filter(|point| point.abs().max_element() <= MAX_LENGTH);
                 if point.is_some() && valid.is_none() {
                     let expected = "coordinates within 1000 km after `scale`";
-                    reader.faults.warn(Code::MeshLine, &line, expected, || "a corner lies too far away".to_owned());
+                    reader.mistakes.warn(Code::MeshLine, &line, expected, || "a corner lies too far away".to_owned());
                 }
                 reader.positions.push(valid);
             }
@@ -75,7 +75,7 @@ pub(super) fn read_obj(
 }
 
 struct Reader {
-    faults: Faults,
+    mistakes: Mistakes,
     /// Positions; `None` for lines that could not be read, so that later positions keep their numbers.
     positions: Vec<Option<DVec3>>,
     uvs: Vec<Option<Vec2>>,
@@ -97,7 +97,7 @@ struct Corner {
 impl Reader {
     fn new(file: &str) -> Self {
         Self {
-            faults: Faults::new(file),
+            mistakes: Mistakes::new(file),
             positions: Vec::new(),
             uvs: Vec::new(),
             normals: Vec::new(),
@@ -120,7 +120,7 @@ impl Reader {
             let word = words.next().and_then(|word| word.parse::<f64>().ok()).filter(|number| number.is_finite());
             let Some(value) = word else {
                 let message = || format!("`{}` has not {N} numbers", shortened(line.text));
-                self.faults.warn(Code::MeshLine, line, "three numbers after `v` and `vn`, two after `vt`", message);
+                self.mistakes.warn(Code::MeshLine, line, "three numbers after `v` and `vn`, two after `vt`", message);
                 return None;
             };
             *number = value;
@@ -149,15 +149,15 @@ impl Reader {
         }
         if count < 3 {
             let message = || format!("`{}` has fewer than three corners", shortened(line.text));
-            self.faults.warn(Code::MeshLine, line, FACE_FORM, message);
+            self.mistakes.warn(Code::MeshLine, line, FACE_FORM, message);
         }
     }
 
-    /// Corner of a face; `None`, with a fault, if it is invalid.
+    /// Corner of a face; `None`, with a warning, if it is invalid.
     fn read_corner(&mut self, line: &Line<'_>, word: &str) -> Option<Corner> {
         let Some([Some(position), uv, normal]) = corner_numbers(word) else {
             let message = || format!("`{}` is no corner of a face", shortened(word));
-            self.faults.warn(Code::MeshLine, line, FACE_FORM, message);
+            self.mistakes.warn(Code::MeshLine, line, FACE_FORM, message);
             return None;
         };
         let Some(index) = index_in_list(position, self.positions.len()) else {
@@ -179,7 +179,7 @@ impl Reader {
     /// Records a reference to a missing entry and returns `None`.
     fn report_missing<T>(&mut self, line: &Line<'_>, word: &str, keyword: &str, count: usize) -> Option<T> {
         let message = || format!("corner `{}` names none of the {count} `{keyword}` before it", shortened(word));
-        self.faults.warn(Code::MeshIndex, line, "numbers from 1 on, or from -1 backwards", message);
+        self.mistakes.warn(Code::MeshIndex, line, "numbers from 1 on, or from -1 backwards", message);
         None
     }
 
@@ -231,7 +231,7 @@ impl Reader {
 
     fn finish(mut self) -> (Obj, Vec<Diagnostic>) {
         self.obj.positions = self.positions.into_iter().map(Option::unwrap_or_default).collect();
-        (self.obj, self.faults.finish())
+        (self.obj, self.mistakes.finish())
     }
 }
 

@@ -109,8 +109,8 @@ fn rotations_are_about_z_then_x_then_y() {
 fn faces_of_all_forms_are_read() {
     let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0.5 0\nvt 0 0\nvt 1 0 0\nvt 1 1\nvn 0 0 2\n\
                 f 1 2 3 4 5\nf -5/-3/-1 -4/2/1 3/3/1\nf 1//1 2//1 3//1\nf 1/1 2/2 3/3\nf 1/1 2 3//1\nf 1 1 2\nl 1 2\np 1\n";
-    let (mesh, faults) = read(text);
-    assert_eq!(faults, []);
+    let (mesh, mistakes) = read(text);
+    assert_eq!(mistakes, []);
     let mesh = mesh.expect("a mesh");
     // Three of the pentagon, four triangles; the one without area is dropped.
     let corners: Vec<_> = mesh.triangles.iter().map(|triangle| triangle.corners).collect();
@@ -141,13 +141,13 @@ fn each_kind_of_mistake_is_reported_once_and_the_rest_is_read() {
         ("# nothing\n", vec![("mesh-empty", 0)]),
         ("f 1 1 1\nf 1 2 2\n", vec![("mesh-empty", 0)]),
     ] {
-        let (mesh, mut faults) = read(&format!("{valid_lines}{lines}"));
+        let (mesh, mut mistakes) = read(&format!("{valid_lines}{lines}"));
         if lines.starts_with("usemtl") {
             // A face without any material file refers to a missing material.
-            faults.retain(|(code, _)| code != "mesh-material");
+            mistakes.retain(|(code, _)| code != "mesh-material");
         }
-        let faults: Vec<(&str, u32)> = faults.iter().map(|(code, line)| (code.as_str(), *line)).collect();
-        assert_eq!(faults, expected, "{lines}");
+        let mistakes: Vec<(&str, u32)> = mistakes.iter().map(|(code, line)| (code.as_str(), *line)).collect();
+        assert_eq!(mistakes, expected, "{lines}");
         assert_eq!(mesh.is_some(), !lines.starts_with('#') && !lines.starts_with("f 1 1 1"), "{lines}");
     }
 }
@@ -241,9 +241,9 @@ fn a_mesh_is_read_once() {
 fn too_many_triangles_are_rejected() {
     let mut text = String::from("v 0 0 0\nv 1 0 0\nv 1 1 0\n");
     text.push_str(&"f 1 2 3\n".repeat(2_000_001));
-    let (mesh, faults) = read(&text);
+    let (mesh, mistakes) = read(&text);
     assert!(mesh.is_none());
-    assert_eq!(faults, [("mesh-size".to_owned(), 0)]);
+    assert_eq!(mistakes, [("mesh-size".to_owned(), 0)]);
 }
 
 /// Position of each corner of a triangle in the file's frame, and its texture coordinates.
@@ -319,8 +319,8 @@ proptest! {
         ),
     ) {
         let text = words.join(" ");
-        let (mesh, faults) = read(&text);
-        prop_assert!(mesh.is_some() || !faults.is_empty());
+        let (mesh, mistakes) = read(&text);
+        prop_assert!(mesh.is_some() || !mistakes.is_empty());
     }
 
     /// Arbitrary bytes in the three files cause no panic and no errors, only warnings.
