@@ -149,7 +149,7 @@ fn overlapped_bodies(bodies: &[Body]) -> Vec<Option<usize>> {
 struct Grids(BTreeMap<i32, BTreeMap<[i64; 2], Vec<usize>>>);
 
 impl Grids {
-    /// Binary exponent of the maximum radius in the grid of bodies with this radius.
+    /// Level of the grid for bodies with this radius: the binary exponent of the grid's maximum radius.
     fn level_of(radius: f64) -> i32 {
         let mut level = -30;
         while level < 60 && radius > max_radius(level) {
@@ -191,7 +191,7 @@ impl Grids {
     }
 }
 
-/// Maximum radius of a level in metres.
+/// Maximum radius, in metres, of the bodies in the grid of a level.
 fn max_radius(level: i32) -> f64 {
     f64::from_bits(((level + 1023) as u64) << 52)
 }

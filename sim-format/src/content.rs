@@ -37,7 +37,7 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         None => {}
     }
     scene.run.noise.iter_mut().for_each(clear_noise_spans);
-    // All other dialects have no other effect than this hint.
+    // Only the dialect of 2018 has effects besides this hint.
     scene.run.dialect = scene.run.dialect.filter(|dialect| *dialect == Dialect::Vr2018);
     scene
 }

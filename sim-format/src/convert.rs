@@ -51,7 +51,7 @@ pub struct Converted {
 /// Values that a conversion takes from its caller.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConvertOptions {
-    /// Seed with which random values of a scene are drawn, instead of its own seed.
+    /// Seed with which random values of a scene are drawn, instead of the scene's seed.
     pub seed: Option<u64>,
     /// Side of the cells of a source that is a maze, a map of MovingAI or an image, in metres, which overrides the file.
     pub maze_cell: Option<f64>,
@@ -697,7 +697,7 @@ fn fix_random_positions(sim: &mut SimSpec, scene: &SceneSpec) {
     name_by_path("object.", sim.objects.iter_mut().map(|line| (&line.path, &mut line.name)));
 }
 
-/// Names lines whose number in their list differs from the number in their paths.
+/// Names each line by the last part of its path, unless this is the line's number in its list.
 fn name_by_path<'l>(list: &str, lines: impl Iterator<Item = (&'l String, &'l mut Option<String>)>) {
     for ((path, name), number) in lines.zip(1..) {
         let key = path.strip_prefix(list).unwrap_or_default();

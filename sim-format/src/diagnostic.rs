@@ -184,7 +184,7 @@ fn shorten(text: &mut String) {
     }
 }
 
-/// First and last sixth of `text` if it is longer than `max` bytes, otherwise the whole text.
+/// The first and the last sixth of `max` bytes of `text` if it is longer than `max` bytes, otherwise the whole text.
 fn cut(text: &str, max: usize) -> Cow<'_, str> {
     if text.len() <= max {
         return Cow::Borrowed(text);

@@ -29,7 +29,7 @@ pub(super) struct Word<'a> {
     pub(super) is_unclosed: bool,
 }
 
-/// The lines of a text, ended by LF, CR LF or CR; skips a byte order mark.
+/// The lines of a text, which end with LF, CR LF or CR; skips a byte order mark.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let bytes = text.as_bytes();
     let mut start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };

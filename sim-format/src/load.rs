@@ -110,7 +110,7 @@ pub struct Loaded {
     pub scene: SceneSpec,
     /// Mistakes, in the order in which the files were read.
     pub diagnostics: Vec<Diagnostic>,
-    /// Files that were read, in this order, without duplicates.
+    /// Files that were read, in the order of reading, without duplicates.
     pub inputs: Vec<InputFile>,
     /// Notes on the interpretation of maps and mazes of other programs, a line each.
     pub notes: Vec<String>,
@@ -152,7 +152,7 @@ const MAX_FULL_ATTEMPTS: u32 = 5;
 /// Number of seeds for which [`check_scene`] loads a scene with random values.
 const CHECKED_SEED_COUNT: u64 = 10;
 
-/// Loads a scene like [`load_scene`], with values that override the scene's own.
+/// Loads a scene like [`load_scene`], with values that override those of the scene.
 ///
 /// Random values are drawn from the seed. If a demand of the scene on its positions is not met, all values are drawn again, up to 100
 /// times.
@@ -527,7 +527,7 @@ impl<'a> Loader<'a> {
         Some(WorldSpec { looks: line.looks, ..world })
     }
 
-    /// Cost table of the scene `file`, read if it is a reference to a file.
+    /// Cost table of the scene `file`; reads it if `costs` refers to a file.
     fn find_costs(&mut self, file: &str, folder: &str, costs: CostsRef) -> Option<CostsRef> {
         let CostsRef::File(reference) = costs else {
             return Some(costs);

@@ -116,7 +116,7 @@ struct Placer<'a> {
     has_robots: bool,
     /// Robots and objects with random positions, in the order in which they are placed.
     scattered: Vec<(Entity, Scatter)>,
-    /// Paths of robots and objects.
+    /// Paths of robots and objects in the scene, such as `robot.1`.
     paths: BTreeMap<Entity, String>,
     drawn: Vec<Drawn>,
     attempt: u32,
@@ -204,7 +204,7 @@ impl Placer<'_> {
         }
     }
 
-    /// Object type with a name that a scene or a maze states.
+    /// Finds the object type with this name; reports an unknown name and the name of a robot type.
     fn object_type_of_name(&mut self, loader: &mut Loader<'_>, name: &SpannedText) -> Option<Arc<ObjectType>> {
         match self.types.find(&mut self.sink, name) {
             Some(LoadedType::Object(object)) => Some(object),
@@ -345,8 +345,8 @@ impl Placer<'_> {
         });
     }
 
-    /// Draws random positions for walls, then for robots, then for objects; each avoids everything placed before it and everything with a
-    /// stated position. Returns the walls.
+    /// Draws random positions for walls, then for robots, then for objects. None of them overlaps a body that was placed
+    /// earlier or has a stated position. Returns the walls.
     fn draw_positions(&mut self, world: Option<&WorldSpec>) -> Vec<WallSpec> {
         let Some(world) = world else { return Vec::new() };
         let mut walls = world.walls.clone();
@@ -408,7 +408,7 @@ impl Placer<'_> {
         self.objects.retain(|_| !is_lost(Entity::Object(index.next().unwrap_or_default())));
     }
 
-    /// Draws random positions for the walls without a stated position; walls without room keep the layout.
+    /// Draws random positions for the walls without a stated position; a wall without room stays unplaced.
     fn draw_wall_positions(&mut self, space: &FreeSpace, walls: &mut [WallSpec]) {
         let mut added: Vec<WallSpec> = Vec::new();
         let mut full_line = None;
@@ -567,7 +567,7 @@ impl Placer<'_> {
 
     fn next_start(&mut self, span: Span) -> Option<Pose> {
         let start = self.starts.take_next();
-        // A missing world is already reported; only the world needs to be fixed.
+        // If the world is missing, which is already reported, the missing start is no further mistake.
         if let (None, Some(world)) = (start, self.starts.world) {
             let message = format!("no start is left for this robot: the world has {}", world.starts.len());
             let expected = match self.sim.form {

@@ -106,7 +106,7 @@ impl Reader {
     }
 }
 
-/// Sets the value at `key` and then `rest` in `table`; missing tables are added.
+/// Sets the value at the path `key`, `rest` in `table`; adds missing tables.
 fn set_in_table<'t>(
     table: &mut DeTable<'t>,
     key: &'t str,
@@ -130,7 +130,7 @@ fn set_in_table<'t>(
     }
 }
 
-/// Sets the value at `rest` within `target`, whose path is `name`.
+/// Sets the value at the path `rest` in `target`; `name` is the path of `target`, for messages.
 fn set_value<'t>(
     target: &mut Spanned<DeValue<'t>>,
     name: &str,

@@ -130,7 +130,7 @@ pub struct Matrix {
     pub seed: Vec<u64>,
     /// Axes that advance together.
     pub zip: Vec<Vec<String>>,
-    /// Excluded combinations, each with labels by the names of axes.
+    /// Excluded combinations: labels of values by the names of their axes.
     pub exclude: Vec<BTreeMap<String, String>>,
     /// Its location in the file.
     pub span: Span,
@@ -171,7 +171,7 @@ pub enum AxisKind {
 pub struct Axis {
     /// What the axis changes.
     pub kind: AxisKind,
-    /// Its name: the name of the key, or the path or name of a value of the scene or of a parameter.
+    /// Its name: a key of the matrix such as `seed`, the path of a value of the scene, or the name of a parameter.
     pub name: String,
     /// Its values, in the syntax of the command line.
     pub values: Vec<String>,
@@ -191,7 +191,7 @@ fn label(value: &str) -> &str {
 }
 
 impl Matrix {
-    /// The axes with values, ordered from the slowest to the fastest, the seeds.
+    /// The axes that have values. From case to case, the last axis, the seeds, varies fastest.
     pub fn axes(&self) -> Vec<Axis> {
         let axis =
             |kind, name: &str, values: &[String]| Axis { kind, name: name.to_owned(), values: values.to_owned() };
@@ -232,7 +232,7 @@ impl Matrix {
         zip_groups
     }
 
-    /// The cases: an index into the values of each of [`Matrix::axes`]. At most [`MAX_CASES`].
+    /// The cases, at most [`MAX_CASES`]: for each of [`Matrix::axes`], the index of its value.
     pub fn cases(&self) -> Vec<Vec<usize>> {
         let axes = self.axes();
         let zip_groups = self.zip_groups(&axes);

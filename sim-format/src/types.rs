@@ -37,8 +37,7 @@ pub(super) struct Types {
     by_name: BTreeMap<String, KnownType>,
     /// Names by their lower-case form.
     by_lower_case: BTreeMap<String, Vec<String>>,
-    /// For each type in a nearby file that is not loaded, by its name, the line that would load it; filled at the first
-    /// unknown type.
+    /// Lines that would load the types in nearby files, by the names of the types; filled at the first unknown type.
     nearby: Option<BTreeMap<String, String>>,
     form: SceneFormat,
 }

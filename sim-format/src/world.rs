@@ -104,7 +104,7 @@ impl Reader {
         self.world.texture_is_turned = self.world.texture.is_some();
     }
 
-    /// Reads the depth of the water: our extension, since no file of EyeSim VR with water is known.
+    /// Reads the depth of the water. The line is our extension, since no file of EyeSim VR with water is known.
     fn read_water(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let depth = self.arguments(keyword, rest, &[WATER], Code::WldWaterArity, "`water DEPTH` in mm");
         self.world.water = depth.map(|[depth]| depth).or(self.world.water);

@@ -52,7 +52,7 @@ impl Grid {
         self.cells.iter().filter(|cell| **cell == kind).count()
     }
 
-    /// The world between the walls around all free cells: a cell that is not free cannot be entered, and the border is closed.
+    /// The world with walls around all free cells: robots cannot enter other cells, and the border is closed.
     ///
     /// Walls have thickness 0 and are as long as possible; free cells lie on the left of a wall, seen from its first end. The world has its
     /// origin at the lower left corner of the rectangle around the grid, whose axes may be turned. Also returns the position of the origin
@@ -107,7 +107,7 @@ impl Grid {
     ///
     /// A cell is occupied where a wall passes through it. A wall without thickness between two cells fills the one that cannot be reached,
     /// otherwise the one on its right, seen from its first end. The cells that can be reached from the world's starts are
-    /// free; without starts, all cells that are not occupied. The rest is unknown. `None` if there are too many cells.
+    /// free; without starts, all unoccupied cells are free. The rest is unknown. `None` if there are too many cells.
     pub fn of_world(world: &WorldSpec, cell: f64) -> Option<Self> {
         let mut raster = Raster::new(world, cell)?;
         world.walls.iter().for_each(|wall| raster.draw_wall(wall));

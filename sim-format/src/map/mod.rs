@@ -18,7 +18,7 @@ use crate::code::Code;
 use crate::diagnostic::Sink;
 use crate::load::{Files, InputFile, Loaded, Loader};
 use crate::maze::{self, CellRules};
-use crate::mesh::read_grey;
+use crate::mesh::{GreyImage, read_grey};
 use crate::spec::{DEFAULT_CELL, SceneSpec, SpannedText, WorldKind, WorldSpec};
 use crate::unit::mm_from_metres;
 use crate::{FileError, Span, line, path, read_maze_with, read_world};
@@ -50,7 +50,7 @@ pub(crate) enum WorldFormat {
 }
 
 impl WorldFormat {
-    /// Kind of the file `path` with these `bytes`; `stated` applies if neither determines the kind.
+    /// Kind of the file `path` with these `bytes`; `stated` applies if neither path nor content determines the kind.
     pub(crate) fn of(path: &str, bytes: &[u8], stated: WorldKind) -> Self {
         let text = || String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]).into_owned();
         let is_xml = || text().trim_start_matches('\u{feff}').trim_start().starts_with('<');
@@ -210,7 +210,7 @@ fn read_image(sink: &mut Sink, bytes: &[u8], spec: &MapSpec) -> Option<Image> {
     }
     // map_server averages the opacity with the colours only in this mode.
     match read_grey(bytes, spec.mode == yaml::Mode::Trinary) {
-        Ok((size, levels, white, max_grey, is_transparent)) => {
+        Ok(GreyImage { size, levels, white, max_grey, is_transparent }) => {
             Some(Image { size, levels, white, max_grey, is_transparent })
         }
         Err(message) => {
@@ -245,7 +245,7 @@ pub fn load_scenarios(file: &str, files: &dyn Files) -> (Vec<Scenario>, Loaded) 
     (scenarios, loader.finish(scene))
 }
 
-/// The map of a scenario: the named file, otherwise the file of that name beside the scenarios.
+/// Finds the map of a scenario: at its stated path, otherwise beside the scenarios.
 pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Span) -> Option<(String, Vec<u8>)> {
     let folder = path::folder_of(file);
     let beside = path::join(folder, path::file_name(map));

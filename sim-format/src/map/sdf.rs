@@ -31,8 +31,8 @@ const MAX_DEPTH: usize = 64;
 const FORM: &str = "an SDF world: `<sdf><world>` with a `<model>` for each obstacle";
 const SHAPE_FORM: &str = "a `<cylinder>`, `<box>` or `<sphere>` within a `<collision>`";
 
-/// Reads an SDF world. The floor is the rectangle around all obstacles. Also returns a note on the
-/// interpretation.
+/// Reads an SDF world. The floor is the rectangle around all obstacles. Also returns a
+/// note on the interpretation.
 pub(crate) fn read_sdf(sink: &mut Sink, file: &str, text: &str) -> (WorldSpec, String) {
     let line_starts = line_starts(text);
     let mut parser =

@@ -14,7 +14,7 @@ pub(super) const SIDES: [(&str, [i32; 2]); 4] =
 /// Number of columns and rows of a classic maze, whose goal is the four cells in the middle.
 pub(super) const CLASSIC: usize = 16;
 
-/// The walls of each cell, in columns from the south-west corner: a bit for each of [`SIDES`].
+/// The walls of each cell, column by column from the south-west corner: a bit for each of [`SIDES`].
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct CellWalls {
     pub(super) size: [usize; 2],
@@ -33,7 +33,7 @@ impl CellWalls {
         (next[0] < self.size[0] && next[1] < self.size[1]).then_some(next)
     }
 
-    /// Cells in columns from the south-west corner.
+    /// All cells, column by column from the south-west corner.
     pub(super) fn cells(&self) -> impl Iterator<Item = [usize; 2]> + use<> {
         let [columns, rows] = self.size;
         (0..columns).flat_map(move |x| (0..rows).map(move |y| [x, y]))
@@ -142,7 +142,7 @@ struct Passages {
     size: [usize; 2],
     /// True for a wall to the left of a cell; row by row from the south, with one column and one row more than cells.
     left: Vec<bool>,
-    /// True for a wall below a cell; as `left`.
+    /// True for a wall below a cell, in the same order as `left`.
     below: Vec<bool>,
 }
 

@@ -41,18 +41,28 @@ const NEEDED_BY_SENSORS: &str = "range sensors cannot do without it";
 /// Metres per unit of a robot's mesh, for which robis state no scale.
 const ROBOT_SCALE: f64 = 1.0;
 
-/// A grey image: columns and rows; brightness of each pixel, rows from the top; brightness of white; value of white in one channel; which
-/// pixels are not opaque, empty if all are opaque.
-pub(crate) type Grey = ([usize; 2], Vec<u32>, u32, u32, Vec<bool>);
+/// A grey image, decoded from a png, jpg or bmp image.
+pub(crate) struct GreyImage {
+    /// Columns and rows.
+    pub(crate) size: [usize; 2],
+    /// Brightness of each pixel, row by row from the top.
+    pub(crate) levels: Vec<u32>,
+    /// Brightness of white pixels.
+    pub(crate) white: u32,
+    /// Value of white in one channel.
+    pub(crate) max_grey: u32,
+    /// For each pixel, true if it is not opaque; empty if all are opaque.
+    pub(crate) is_transparent: Vec<bool>,
+}
 
 /// Decodes a png, jpg or bmp image as a grey image: the mean of its channels, including opacity if `with_opacity`.
 ///
 /// # Errors
 /// The reason, worded for the user.
-pub(crate) fn read_grey(bytes: &[u8], with_opacity: bool) -> Result<Grey, String> {
+pub(crate) fn read_grey(bytes: &[u8], with_opacity: bool) -> Result<GreyImage, String> {
     let pixels = texture::decode(bytes).map_err(|error| format!("the image cannot be read: {error}"))?;
-    let (levels, white, max, is_transparent) = pixels.sums(with_opacity);
-    Ok((pixels.size.map(|side| side as usize), levels, white, max, is_transparent))
+    let (levels, white, max_grey, is_transparent) = pixels.sums(with_opacity);
+    Ok(GreyImage { size: pixels.size.map(|side| side as usize), levels, white, max_grey, is_transparent })
 }
 
 /// Reads meshes and images, each file once for all bodies that use it.
@@ -228,7 +238,7 @@ impl Placement {
         let rotation = DMat3::from_rotation_y(model.rotations.y)
             * DMat3::from_rotation_x(model.rotations.x)
             * DMat3::from_rotation_z(model.rotations.z);
-        // Columns are axes: X right, Y up, Z forward in the body frame; then the axes of the file in the graphics frame.
+        // Columns: the graphics axes X (right), Y (up), Z (forward) in the body frame; then the file's axes in the graphics frame.
         let body_from_graphics = DMat3::from_cols(DVec3::NEG_Y, DVec3::Z, DVec3::X);
         let graphics_from_file = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
         Self { rotation: body_from_graphics * rotation * graphics_from_file, scale, offset: model.offset }

@@ -24,7 +24,7 @@ const FACE_FORM: &str = "`f` and three or more corners of the form V, V/T, V//N 
 pub(super) struct Obj {
     pub(super) positions: Vec<DVec3>,
     pub(super) triangles: Vec<Triangle>,
-    /// Names of the materials in the order of the triangles' numbers, with the span of the first use.
+    /// Names of the materials, to whose indices the triangles refer, with the span of the first use.
     pub(super) materials: Vec<(String, Span)>,
     /// The material files.
     pub(super) libraries: Vec<SpannedText>,
@@ -263,7 +263,7 @@ pub(super) fn split_word(text: &str) -> (&str, &str) {
     text.split_once(char::is_whitespace).map_or((text, ""), |(word, rest)| (word, rest.trim()))
 }
 
-/// Quotation of the user's text, shortened.
+/// The user's text, shortened for a quotation.
 pub(super) fn shortened(text: &str) -> String {
     const LENGTH: usize = 60;
     if text.chars().count() <= LENGTH {

@@ -10,8 +10,8 @@ use crate::spec::{TerrainImage, TerrainShape, TerrainSpec, WorldSpec};
 use crate::{InputFile, path};
 use sim_core::scene::{FieldError, HeightField, MAX_CELLS};
 
-/// Greyscale picture, 0 to 65535.
-struct Grey {
+/// A grey image whose shades, 0 to 65535, are heights.
+struct HeightImage {
     size: [usize; 2],
     /// Shades row by row from the top.
     shades: Vec<u16>,
@@ -71,9 +71,9 @@ impl MeshReader<'_> {
         self.loader.diagnostics.extend(sink.finish());
     }
 
-    fn read_image(&mut self, file: &str, image: &TerrainImage) -> Option<Grey> {
+    fn read_image(&mut self, file: &str, image: &TerrainImage) -> Option<HeightImage> {
         let (path, bytes) = self.loader.find(file, path::folder_of(file), &image.path)?;
-        let grey = Grey::read(&bytes);
+        let grey = HeightImage::read(&bytes);
         self.loader.inputs.push(InputFile { path: path.clone(), bytes });
         let mut sink = Sink::new(file);
         match &grey {
@@ -92,7 +92,7 @@ impl MeshReader<'_> {
     }
 }
 
-impl Grey {
+impl HeightImage {
     /// Reads the shades of an image. Colours become their brightness, (2126 red + 7152 green + 722 blue) / 10000 of the stored
     /// values; opacity is ignored.
     ///

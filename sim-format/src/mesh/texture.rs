@@ -31,7 +31,7 @@ pub(super) enum TextureError {
 pub(super) struct Pixels {
     /// Width and height.
     pub(super) size: [u32; 2],
-    /// Grey, grey and opacity, colours, or colours and opacity of each pixel.
+    /// Channels of each pixel: grey; grey and opacity; red, green and blue; or these and opacity.
     samples: Samples,
 }
 
@@ -132,7 +132,7 @@ impl Pixels {
         }
     }
 
-    /// Red, green and blue of each pixel, full scale 65535.
+    /// Red, green and blue of each pixel, 0 to 65535.
     pub(super) fn rgb16(&self) -> Vec<[u16; 3]> {
         let colours = |[red, green, blue, _]: [u16; 4]| [red, green, blue];
         match &self.samples {
