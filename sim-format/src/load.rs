@@ -542,11 +542,11 @@ impl<'a> Loader<'a> {
     /// Reads the noise profiles that the scene `file` and its robots refer to.
     fn read_profiles(&mut self, file: &str, folder: &str, sim: &mut SimSpec) {
         let mut read: BTreeMap<String, Option<NoiseRef>> = BTreeMap::new();
-        let of_robots = sim.robots.iter_mut().map(|line| &mut line.noise);
-        for noise in of_robots.chain([&mut sim.run.noise]) {
+        let robot_noise = sim.robots.iter_mut().map(|line| &mut line.noise);
+        for noise in robot_noise.chain([&mut sim.run.noise]) {
             let Some(NoiseRef::File(reference)) = noise else { continue };
             *noise = match read.get(&reference.text) {
-                Some(known) => known.clone(),
+                Some(cached) => cached.clone(),
                 None => {
                     let profile = self.find(file, folder, reference).map(|(path, bytes)| {
                         let text = self.decode_input(&path, bytes);
@@ -567,8 +567,8 @@ impl<'a> Loader<'a> {
 
     /// Robot type that `reference` in the sim file `file` refers to; an error if it does not exist.
     pub(super) fn robot_type(&mut self, file: &str, folder: &str, reference: &SpannedText) -> Option<Arc<RobiSpec>> {
-        if let Some(known) = self.robots.by_reference.get(&reference.text) {
-            return known.clone();
+        if let Some(cached) = self.robots.by_reference.get(&reference.text) {
+            return cached.clone();
         }
         let robi = self.find(file, folder, reference).map(|(path, bytes)| {
             if let Some(robi) = self.robots.by_path.get(&path) {
@@ -585,8 +585,8 @@ impl<'a> Loader<'a> {
 
     /// Object type that `reference` in the sim file `file` refers to; a warning if it does not exist.
     pub(super) fn object_type(&mut self, file: &str, folder: &str, reference: &SpannedText) -> Option<Arc<ObjectType>> {
-        if let Some(known) = self.objects.by_reference.get(&reference.text) {
-            return known.clone();
+        if let Some(cached) = self.objects.by_reference.get(&reference.text) {
+            return cached.clone();
         }
         let object = self.find_or(Severity::Warning, file, folder, reference).map(|(path, bytes)| {
             if let Some(object) = self.objects.by_path.get(&path) {

@@ -390,10 +390,10 @@ impl Drawing {
             [("upper", 0), ("lower", rows)].map(|(side, row)| (side, row, horizontal.contains(&(row, column))))
         });
         let edges: Vec<(&str, u32, bool)> = sides.chain(ends).collect();
-        let open = edges.iter().filter(|(.., is_closed)| !is_closed).count();
+        let open_count = edges.iter().filter(|(.., is_closed)| !is_closed).count();
         let Some((side, row, _)) = edges.iter().find(|(.., is_closed)| !is_closed) else { return };
-        if 4 * open < edges.len() {
-            let pieces = if open == 1 { "a wall is".to_owned() } else { format!("{open} walls are") };
+        if 4 * open_count < edges.len() {
+            let pieces = if open_count == 1 { "a wall is".to_owned() } else { format!("{open_count} walls are") };
             let message = format!("the border has a gap: {pieces} missing, the first on the {side} side");
             let expected = "a closed border, or a robot can leave the floor";
             sink.warn(Code::MazGap, span_of_row(*row), message, expected);

@@ -95,15 +95,15 @@ pub(super) fn relative(folder: &str, path: &str) -> String {
     if is_absolute(folder) != is_absolute(path) {
         return path.to_owned();
     }
-    let from: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
-    let to: Vec<&str> = path.split('/').filter(|part| !part.is_empty()).collect();
-    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    let folder_parts: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
+    let path_parts: Vec<&str> = path.split('/').filter(|part| !part.is_empty()).collect();
+    let shared = folder_parts.iter().zip(&path_parts).take_while(|(a, b)| a == b).count();
     // The name of a folder above the working folder is unknown here.
-    if from[shared..].contains(&"..") {
+    if folder_parts[shared..].contains(&"..") {
         return path.to_owned();
     }
-    let up = from[shared..].iter().map(|_| "..");
-    up.chain(to[shared..].iter().copied()).collect::<Vec<_>>().join("/")
+    let up = folder_parts[shared..].iter().map(|_| "..");
+    up.chain(path_parts[shared..].iter().copied()).collect::<Vec<_>>().join("/")
 }
 
 fn strip_installation(text: &str) -> Option<&str> {

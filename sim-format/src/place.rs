@@ -492,13 +492,13 @@ impl Placer<'_> {
                 continue;
             };
             let ends = [from.entity, to.entity];
-            let others = (0..self.objects.len()).map(Entity::Object).filter(|entity| !ends.contains(&Some(*entity)));
-            let others: Vec<(DVec2, f64)> =
-                others.map(|entity| (self.pose(entity).position, self.bounding_radius(entity))).collect();
+            let obstacles = (0..self.objects.len()).map(Entity::Object).filter(|entity| !ends.contains(&Some(*entity)));
+            let obstacles: Vec<(DVec2, f64)> =
+                obstacles.map(|entity| (self.pose(entity).position, self.bounding_radius(entity))).collect();
             let radius = 0.5 * width;
-            let max_radius = others.iter().map(|(_, bounding_radius)| *bounding_radius).fold(1.1 * radius, f64::max);
+            let max_radius = obstacles.iter().map(|(_, bounding_radius)| *bounding_radius).fold(1.1 * radius, f64::max);
             let mut space = FreeSpace::new(walls.iter(), world.floor, max_radius);
-            others.iter().for_each(|(centre, bounding_radius)| space.take(*centre, *bounding_radius));
+            obstacles.iter().for_each(|(centre, bounding_radius)| space.take(*centre, *bounding_radius));
             let tolerance = if to.entity.is_some() { radius + to.radius } else { 0.0 };
             if !is_reachable(&space, world.floor, radius, (from.position, 0.0), (to.position, tolerance)) {
                 let message = format!(

@@ -186,8 +186,8 @@ impl Axis {
 
 /// A value of TOML without its quotes.
 fn label(value: &str) -> &str {
-    let inner = |quote| value.strip_prefix(quote).and_then(|rest| rest.strip_suffix(quote));
-    inner('"').or_else(|| inner('\'')).unwrap_or(value)
+    let unquoted = |quote| value.strip_prefix(quote).and_then(|rest| rest.strip_suffix(quote));
+    unquoted('"').or_else(|| unquoted('\'')).unwrap_or(value)
 }
 
 impl Matrix {
@@ -287,9 +287,9 @@ impl SuiteSpec {
 
     /// Path of the scene of a case with these indices into `axes`, from the suite's folder.
     pub fn scene_of(&self, axes: &[Axis], indices: &[usize]) -> String {
-        let of_matrix = axes.iter().zip(indices).find(|(axis, _)| axis.kind == AxisKind::Scene);
-        let of_suite = || self.scene.as_ref().map_or("", |scene| &scene.text);
-        let text = of_matrix.map_or_else(of_suite, |(axis, &index)| &axis.values[index]);
+        let matrix_scene = axes.iter().zip(indices).find(|(axis, _)| axis.kind == AxisKind::Scene);
+        let suite_scene = || self.scene.as_ref().map_or("", |scene| &scene.text);
+        let text = matrix_scene.map_or_else(suite_scene, |(axis, &index)| &axis.values[index]);
         if text.starts_with('/') { text.to_owned() } else { path::join(&self.folder, text) }
     }
 }

@@ -342,14 +342,14 @@ impl Reader {
 
     /// Span of a key; the span of the table if the key is missing.
     pub(super) fn key_span(&self, section: &Section<'_, '_>, key: &str) -> Span {
-        let written = section.table.iter().find(|(name, _)| name.get_ref() == key);
-        written.map_or(section.span, |(name, _)| self.span(name.span()))
+        let entry = section.table.iter().find(|(name, _)| name.get_ref() == key);
+        entry.map_or(section.span, |(name, _)| self.span(name.span()))
     }
 
     /// Span of a key's value; the span of the table if the key is missing.
     pub(super) fn value_span(&self, section: &Section<'_, '_>, key: &str) -> Span {
-        let written = section.table.iter().find(|(name, _)| name.get_ref() == key);
-        written.map_or(section.span, |(_, value)| self.span(value.span()))
+        let entry = section.table.iter().find(|(name, _)| name.get_ref() == key);
+        entry.map_or(section.span, |(_, value)| self.span(value.span()))
     }
 
     /// Parses a key itself as a number, as in `3 = 512`.

@@ -243,12 +243,12 @@ impl Raster {
         }
     }
 
-    /// Cells that can be reached from the cells in `open` without passing walls.
-    fn reachable_cells(&self, mut open: VecDeque<usize>) -> Vec<bool> {
+    /// Cells that can be reached from the cells in `queue` without passing walls.
+    fn reachable_cells(&self, mut queue: VecDeque<usize>) -> Vec<bool> {
         let [columns, rows] = self.size;
         let mut is_reached = vec![false; columns * rows];
-        open.retain(|cell| !self.is_filled[*cell] && !std::mem::replace(&mut is_reached[*cell], true));
-        while let Some(cell) = open.pop_front() {
+        queue.retain(|cell| !self.is_filled[*cell] && !std::mem::replace(&mut is_reached[*cell], true));
+        while let Some(cell) = queue.pop_front() {
             let (column, row) = (cell % columns, cell / columns);
             let neighbours = [
                 (column + 1 < columns && !self.right[cell]).then(|| cell + 1),
@@ -259,7 +259,7 @@ impl Raster {
             for next in neighbours.into_iter().flatten() {
                 let is_margin = self.is_margin(next);
                 if !is_margin && !self.is_filled[next] && !std::mem::replace(&mut is_reached[next], true) {
-                    open.push_back(next);
+                    queue.push_back(next);
                 }
             }
         }

@@ -231,15 +231,15 @@ pub fn load_scenarios(file: &str, files: &dyn Files) -> (Vec<Scenario>, Loaded) 
     maps.sort_unstable();
     maps.dedup();
     for map in maps {
-        let of_map: Vec<Scenario> = scenarios.iter().filter(|scenario| scenario.map == map).cloned().collect();
-        let Some((map_path, bytes)) = find_map(&mut loader, file, map, of_map[0].span) else { continue };
+        let map_scenarios: Vec<Scenario> = scenarios.iter().filter(|scenario| scenario.map == map).cloned().collect();
+        let Some((map_path, bytes)) = find_map(&mut loader, file, map, map_scenarios[0].span) else { continue };
         let Some(grid) = read_grid(&mut loader, &map_path, bytes, WorldFormat::MovingAi, CellRules::default()) else {
             continue;
         };
         let mut sink = Sink::new(file);
-        let matching = movingai::check_lengths(&mut sink, &grid, &of_map);
+        let matching = movingai::check_lengths(&mut sink, &grid, &map_scenarios);
         loader.diagnostics.extend(sink.finish());
-        let count = of_map.len();
+        let count = map_scenarios.len();
         loader.notes.push(format!("{file}: {matching} of {count} lengths are those of shortest paths on `{map_path}`"));
     }
     (scenarios, loader.finish(scene))
@@ -270,8 +270,8 @@ fn span_of_bytes(bytes: &[u8], index: usize, length: usize) -> Span {
     }
     let starts = line::line_starts(text);
     let number = starts.partition_point(|start| *start <= index);
-    let before = &text[starts[number - 1]..index];
-    Span { start: index, end, line: number as u32, column: before.chars().count() as u32 + 1 }
+    let line_text = &text[starts[number - 1]..index];
+    Span { start: index, end, line: number as u32, column: line_text.chars().count() as u32 + 1 }
 }
 
 /// Text ` at byte N` for a location without a line; empty for other locations.

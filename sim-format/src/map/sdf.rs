@@ -171,9 +171,10 @@ impl SdfParser<'_, '_> {
     fn span(&self, from: usize, to: usize) -> Span {
         let (from, to) = (self.text.floor_char_boundary(from), self.text.ceil_char_boundary(to.min(self.text.len())));
         let line_number = self.line_starts.partition_point(|start| *start <= from);
-        let before = &self.text[self.line_starts[line_number - 1]..from];
-        let before = if line_number == 1 { before.strip_prefix('\u{feff}').unwrap_or(before) } else { before };
-        Span { start: from, end: to.max(from), line: line_number as u32, column: before.chars().count() as u32 + 1 }
+        let line_text = &self.text[self.line_starts[line_number - 1]..from];
+        let line_text =
+            if line_number == 1 { line_text.strip_prefix('\u{feff}').unwrap_or(line_text) } else { line_text };
+        Span { start: from, end: to.max(from), line: line_number as u32, column: line_text.chars().count() as u32 + 1 }
     }
 
     /// Reads the whole text; returns false, with an error, if it is not SDF.

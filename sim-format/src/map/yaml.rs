@@ -130,7 +130,7 @@ struct Entry<'t> {
 fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
     let mut entries: BTreeMap<&str, Entry<'_>> = BTreeMap::new();
     // The key whose values may follow on further lines, and true if they are between brackets.
-    let mut open: Option<(&str, bool)> = None;
+    let mut open_key: Option<(&str, bool)> = None;
     for line in line::lines(text) {
         let content = without_comment(&line);
         let trimmed = content.trim();
@@ -138,19 +138,19 @@ fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
             continue;
         }
         let start = content.len() - content.trim_start().len();
-        if let Some((key, in_brackets)) = open {
+        if let Some((key, in_brackets)) = open_key {
             let is_item = trimmed == "-" || trimmed.starts_with("- ") || trimmed.starts_with("-\t");
             if in_brackets || is_item {
                 let skip = if in_brackets { start } else { start + 1 };
                 let values = scalars(&line, content, skip);
                 if in_brackets && content.contains(']') {
-                    open = None;
+                    open_key = None;
                 }
                 entries.entry(key).and_modify(|entry| entry.values.extend(values));
                 continue;
             }
         }
-        open = None;
+        open_key = None;
         let Some(colon) = find_colon(content) else {
             let word = word_at(&line, content, start, content.trim_end().len());
             let message = format!("`{}` is no key with a value", word.text);
@@ -161,7 +161,7 @@ fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
         let rest = content[colon + 1..].trim();
         let values = scalars(&line, content, colon + 1);
         if rest.is_empty() || rest.starts_with('[') && !rest.contains(']') {
-            open = Some((key.text, rest.starts_with('[')));
+            open_key = Some((key.text, rest.starts_with('[')));
         }
         if !KEYS.contains(&key.text) {
             let message = format!("the key `{}` means nothing in a map", key.text);
@@ -187,7 +187,7 @@ fn without_comment<'t>(line: &Line<'t>) -> &'t str {
             (None, '"' | '\'') if previous.is_whitespace() || matches!(previous, ':' | '[' | ',' | '-') => {
                 quote = Some(character);
             }
-            (Some(open), _) if open == character => quote = None,
+            (Some(opening_quote), _) if opening_quote == character => quote = None,
             _ => {}
         }
         previous = character;

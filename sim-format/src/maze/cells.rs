@@ -109,26 +109,27 @@ impl StartAndGoals {
 
 /// Adds the start to a drawing of `rows` rows. Its letter states the heading: towards the only open side, or north if
 /// several sides are open. Returns a note on the maze.
-pub(super) fn add_start(drawing: &mut Drawing, rows: usize, ends: &StartAndGoals, span: Span) -> String {
+pub(super) fn add_start(drawing: &mut Drawing, rows: usize, start_and_goals: &StartAndGoals, span: Span) -> String {
     let columns = drawing.columns as usize;
     let passages = Passages::of(drawing, rows);
-    let open: Vec<usize> = (0..4).filter(|side| passages.open_neighbour(ends.start, *side).is_some()).collect();
-    let letter = match open.as_slice() {
+    let open_sides: Vec<usize> =
+        (0..4).filter(|side| passages.open_neighbour(start_and_goals.start, *side).is_some()).collect();
+    let letter = match open_sides.as_slice() {
         [1] => 'r',
         [2] => 'd',
         [3] => 'l',
         _ => 's',
     };
-    let [x, y] = ends.start;
+    let [x, y] = start_and_goals.start;
     drawing.letters.push((letter, x as u32, (rows - y) as u32, span));
     let mut note = format!("a maze of {columns} x {rows} cells; start in cell ({x}, {y})");
-    match ends.goals.as_slice() {
+    match start_and_goals.goals.as_slice() {
         [] => note.push_str("; no goal is marked"),
         goals => {
             let cells: Vec<String> = goals.iter().map(|[x, y]| format!("({x}, {y})")).collect();
             let more = if cells.len() > 9 { ", ..." } else { "" };
             note.push_str(&format!("; goal {}{more}", cells[..cells.len().min(9)].join(", ")));
-            note.push_str(&match passages.shortest_path_steps(ends.start, goals) {
+            note.push_str(&match passages.shortest_path_steps(start_and_goals.start, goals) {
                 Some(steps) => format!("; {steps} steps from cell to cell on a shortest way from the start to it"),
                 None => "; no way leads from the start to it".to_owned(),
             });
@@ -176,15 +177,15 @@ impl Passages {
     fn shortest_path_steps(&self, start: [usize; 2], goals: &[[usize; 2]]) -> Option<u32> {
         let [columns, rows] = self.size;
         let mut is_visited = vec![false; columns * rows];
-        let mut open = VecDeque::from([(start, 0)]);
+        let mut queue = VecDeque::from([(start, 0)]);
         is_visited[start[1] * columns + start[0]] = true;
-        while let Some((cell, steps)) = open.pop_front() {
+        while let Some((cell, steps)) = queue.pop_front() {
             if goals.contains(&cell) {
                 return Some(steps);
             }
             for next in (0..4).filter_map(|side| self.open_neighbour(cell, side)) {
                 if !std::mem::replace(&mut is_visited[next[1] * columns + next[0]], true) {
-                    open.push_back((next, steps + 1));
+                    queue.push_back((next, steps + 1));
                 }
             }
         }

@@ -88,8 +88,8 @@ impl<'a> MeshReader<'a> {
     /// Reads a mesh; `consequence` is the text of messages about a missing one.
     fn mesh(&mut self, file: &str, model: &ModelSpec, scale: f64, consequence: &str) -> Option<Arc<Mesh>> {
         let key = (file.to_owned(), model.path.text.clone());
-        if let Some(known) = self.meshes.get(&key) {
-            return known.clone();
+        if let Some(cached) = self.meshes.get(&key) {
+            return cached.clone();
         }
         let mesh = self.read_mesh(file, model, scale, consequence).map(Arc::new);
         self.meshes.insert(key, mesh.clone());
@@ -170,8 +170,8 @@ impl<'a> MeshReader<'a> {
 
     fn find_texture(&mut self, file: &str, reference: &SpannedText, instead: &str) -> Option<Arc<Texture>> {
         let (path, bytes) = self.find(file, reference, instead)?;
-        if let Some(known) = self.textures.get(&path) {
-            return known.clone();
+        if let Some(cached) = self.textures.get(&path) {
+            return cached.clone();
         }
         let texture = match texture::read_texture(&bytes) {
             Ok(texture) => Some(Arc::new(texture)),

@@ -103,17 +103,17 @@ fn warn_of_line(mistakes: &mut Mistakes, line: &Line<'_>) {
 /// The name of an image, which follows the options and may contain blanks.
 fn without_options(mut rest: &str) -> &str {
     loop {
-        let (word, after) = split_word(rest);
+        let (word, remainder) = split_word(rest);
         let Some((_, max_values)) = OPTIONS.iter().find(|(option, _)| *option == word) else { return rest };
-        rest = after;
+        rest = remainder;
         for index in 0..*max_values {
-            let (word, after) = split_word(rest);
+            let (word, remainder) = split_word(rest);
             // The value of an option with one value may be any word; several values are numbers.
             let is_value = index == 0 && *max_values == 1 || word.parse::<f32>().is_ok();
-            if !is_value || after.is_empty() {
+            if !is_value || remainder.is_empty() {
                 break;
             }
-            rest = after;
+            rest = remainder;
         }
     }
 }
