@@ -12,11 +12,11 @@ use super::spec::{BodyRef, CheckKind, CheckSpec, SceneSpec};
 /// Maximum number of squares of an area. Our choice.
 const MAX_SQUARES: f64 = 1e6;
 
-/// Stores in the programs of checks the folder of the file that states them.
-pub(super) fn set_folder(checks: &mut [CheckSpec], of_file: &str) {
+/// Stores the folder of the file that contains the `checks` in those checks that run a program.
+pub(super) fn set_folder(checks: &mut [CheckSpec], file_folder: &str) {
     for check in checks {
         if let CheckKind::Script { folder, .. } = &mut check.kind {
-            of_file.clone_into(folder);
+            file_folder.clone_into(folder);
         }
     }
 }
@@ -31,9 +31,9 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
             let (is_known, expected) = match body {
                 BodyRef::Robot(id) => {
                     let robots = scene.robots.len();
-                    (scene.robots.iter().any(|robot| robot.id == id), count(robots, "robot"))
+                    (scene.robots.iter().any(|robot| robot.id == id), expected_ids(robots, "robot"))
                 }
-                BodyRef::Object(id) => (id.index() < objects, count(objects, "movable object")),
+                BodyRef::Object(id) => (id.index() < objects, expected_ids(objects, "movable object")),
             };
             if !is_known {
                 let message = format!("check `{}` is about {body}, which the scene does not have", check.title());
@@ -65,7 +65,7 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
 }
 
 /// Text such as `a number from 1 to 3: the scene has 3 robots`.
-fn count(count: usize, noun: &str) -> String {
+fn expected_ids(count: usize, noun: &str) -> String {
     match count {
         0 => format!("the scene has no {noun}"),
         1 => format!("1: the scene has one {noun}"),

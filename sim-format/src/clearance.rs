@@ -10,30 +10,31 @@ use super::diagnostic::{Diagnostic, Sink};
 use super::spec::{Collider, ObjectSpec, ObjectType, SceneSpec, WorldSpec};
 use sim_core::scene::{Bounds, Segment, Walls};
 
-/// Depth up to which an overlap counts as rounding, in metres: the skin of the contact rule.
+/// Maximum depth of an overlap, in metres, that is ignored as rounding: the skin of contacts.
 const SKIN: f64 = 1e-6;
 
 /// Robot or object, represented by a disc within its body, so that false overlaps are never reported.
 struct Body {
-    what: String,
+    name: String,
     is_robot: bool,
     /// True for a fixed body, which may overlap a wall.
     is_fixed: bool,
     centre: DVec2,
     radius: f64,
-    /// Span of the line that places the body. `is_of_sim` is true if that line belongs to the sim file.
+    /// Span of the line that places the body.
     span: Span,
+    /// True if this line is in the sim file, not in the world's file.
     is_of_sim: bool,
 }
 
-/// Warns about each robot and object of `scene` that starts off the floor, in a wall, or in a body listed before it. The first `of_world`
-/// objects come from the world's file.
-pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
+/// Warns about each robot and object of `scene` that starts off the floor, in a wall, or in a body listed before it.
+/// The first `world_object_count` objects come from the world's file.
+pub(super) fn check(scene: &SceneSpec, world_object_count: usize) -> Vec<Diagnostic> {
     let mut sinks = [Sink::new(&scene.world.file), Sink::new(&scene.file)];
-    let bodies = bodies(scene, of_world);
+    let bodies = bodies(scene, world_object_count);
     let outside = outside(&scene.world, &bodies);
-    let walls = in_walls(&scene.world, &bodies);
-    let others = overlaps(&bodies);
+    let walls = overlapped_walls(&scene.world, &bodies);
+    let others = overlapped_bodies(&bodies);
     for (((body, is_outside), wall), other) in bodies.iter().zip(outside).zip(walls).zip(others) {
         let sink = &mut sinks[usize::from(body.is_of_sim)];
         let room = format!("a place with room for a body of {} mm", (2e3 * body.radius).round());
@@ -44,8 +45,8 @@ pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
         };
         if is_outside {
             let high = scene.world.bounds().1 * 1000.0;
-            let message = format!("{} starts outside the floor", body.what);
-            let expected = format!("x from 0 to {} and y from 0 to {} mm", high.x.round(), high.y.round());
+            let message = format!("{} starts outside the floor", body.name);
+            let expected = format!("x from 0 to {} and y from 0 to {} mm", high_mm.x.round(), high_mm.y.round());
             sink.warn(codes[0], body.span, message, expected);
         }
         if let Some(line) = wall {
@@ -53,10 +54,10 @@ pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
                 0 => "a wall".to_owned(),
                 line => format!("the wall in line {line} of `{}`", scene.world.file),
             };
-            sink.warn(codes[1], body.span, format!("{} starts inside {wall}", body.what), room);
+            sink.warn(codes[1], body.span, format!("{} starts inside {wall}", body.name), room);
         }
         if let Some(other) = other {
-            let message = format!("{} starts inside {}", body.what, bodies[other].what);
+            let message = format!("{} starts inside {}", body.name, bodies[other].name);
             sink.warn(codes[2], body.span, message, "places at least both radii apart");
         }
     }
@@ -64,21 +65,21 @@ pub(super) fn check(scene: &SceneSpec, of_world: usize) -> Vec<Diagnostic> {
 }
 
 /// Robots and objects: first the world's, then the sim file's in the order of their lines.
-fn bodies(scene: &SceneSpec, of_world: usize) -> Vec<Body> {
+fn bodies(scene: &SceneSpec, world_object_count: usize) -> Vec<Body> {
     let object = |(index, object): (usize, &ObjectSpec)| {
         let (offset, radius) = inner_disc(&object.kind)?;
         Some(Body {
-            what: format!("`{}`", object.kind.name),
+            name: format!("`{}`", object.kind.name),
             is_robot: false,
             is_fixed: object.kind.is_fixed,
             centre: object.pose.transform_point(offset),
             radius,
             span: object.span,
-            is_of_sim: index >= of_world,
+            is_of_sim: index >= world_object_count,
         })
     };
     let robots = scene.robots.iter().map(|robot| Body {
-        what: robot.id.to_string(),
+        name: robot.id.to_string(),
         is_robot: true,
         is_fixed: false,
         centre: robot.start.position,
@@ -112,32 +113,32 @@ fn outside(world: &WorldSpec, bodies: &[Body]) -> Vec<bool> {
 }
 
 /// For each body, the line of the first wall (in the order of the walls) that it overlaps.
-fn in_walls(world: &WorldSpec, bodies: &[Body]) -> Vec<Option<u32>> {
+fn overlapped_walls(world: &WorldSpec, bodies: &[Body]) -> Vec<Option<u32>> {
     let walls = Walls::new(world.walls.iter().map(|wall| Segment::new(wall.from, wall.to)).collect());
-    let thickest = world.walls.iter().map(|wall| wall.thickness).fold(0.0, f64::max);
-    let wall_of = |body: &Body| {
+    let max_thickness = world.walls.iter().map(|wall| wall.thickness).fold(0.0, f64::max);
+    let first_wall = |body: &Body| {
         let mut touched = None;
-        walls.for_each_in(Bounds::of_disc(body.centre, body.radius + 0.5 * thickest), |id, segment| {
+        walls.for_each_in(Bounds::of_disc(body.centre, body.radius + 0.5 * max_thickness), |id, segment| {
             let wall = &world.walls[id.0 as usize];
-            let reach = body.radius + 0.5 * wall.thickness - SKIN;
-            if touched.is_none() && segment.distance(body.centre) < reach {
+            let contact_distance = body.radius + 0.5 * wall.thickness - SKIN;
+            if touched.is_none() && segment.distance(body.centre) < contact_distance {
                 touched = Some(wall.span.line);
             }
         });
         touched
     };
-    bodies.iter().map(|body| if body.is_fixed { None } else { wall_of(body) }).collect()
+    bodies.iter().map(|body| if body.is_fixed { None } else { first_wall(body) }).collect()
 }
 
 /// For each body, the first earlier body that it overlaps, unless both are fixed.
-fn overlaps(bodies: &[Body]) -> Vec<Option<usize>> {
+fn overlapped_bodies(bodies: &[Body]) -> Vec<Option<usize>> {
     let mut grids = Grids::default();
-    let first = |(number, body): (usize, &Body)| {
+    let find_first = |(index, body): (usize, &Body)| {
         let first = grids.first_overlap(bodies, body);
-        grids.add(number, body);
+        grids.add(index, body);
         first
     };
-    bodies.iter().enumerate().map(first).collect()
+    bodies.iter().enumerate().map(find_first).collect()
 }
 
 /// Earlier bodies by the cells of their centres. Bodies of similar size share a grid, whose cells are about as large as the bodies.
@@ -148,55 +149,56 @@ fn overlaps(bodies: &[Body]) -> Vec<Option<usize>> {
 struct Grids(BTreeMap<i32, BTreeMap<[i64; 2], Vec<usize>>>);
 
 impl Grids {
-    /// Binary exponent of the maximum radius in the grid of bodies with this radius.
+    /// Level of the grid for bodies with this radius: the binary exponent of the grid's maximum radius.
     fn level_of(radius: f64) -> i32 {
         let mut level = -30;
-        while level < 60 && radius > limit(level) {
+        while level < 60 && radius > max_radius(level) {
             level += 1;
         }
         level
     }
 
-    fn cell(level: i32, at: DVec2) -> [i64; 2] {
-        let cell = (at / (2.0 * limit(level))).floor();
-        // Saturates far outside of every world.
+    fn cell(level: i32, point: DVec2) -> [i64; 2] {
+        let cell = (point / (2.0 * max_radius(level))).floor();
+        // The conversion saturates far outside of every world.
         [cell.x as i64, cell.y as i64]
     }
 
-    fn add(&mut self, number: usize, body: &Body) {
+    fn add(&mut self, index: usize, body: &Body) {
         let level = Self::level_of(body.radius);
-        self.0.entry(level).or_default().entry(Self::cell(level, body.centre)).or_default().push(number);
+        self.0.entry(level).or_default().entry(Self::cell(level, body.centre)).or_default().push(index);
     }
 
     /// The first body that overlaps `body`, unless both are fixed.
     fn first_overlap(&self, bodies: &[Body], body: &Body) -> Option<usize> {
         let mut first: Option<usize> = None;
         for (level, grid) in &self.0 {
-            let reach = DVec2::splat(body.radius + limit(*level));
-            let [low, high] = [body.centre - reach, body.centre + reach].map(|at| Self::cell(*level, at));
-            let mut look = |numbers: &[usize]| {
-                let mut earlier = numbers.iter().take_while(|number| first.is_none_or(|first| **number < first));
-                first = earlier.find(|number| overlap(&bodies[**number], body)).copied().or(first);
+            let search_radius = DVec2::splat(body.radius + max_radius(*level));
+            let [low, high] =
+                [body.centre - search_radius, body.centre + search_radius].map(|point| Self::cell(*level, point));
+            let mut search = |indices: &[usize]| {
+                let mut earlier = indices.iter().take_while(|index| first.is_none_or(|first| **index < first));
+                first = earlier.find(|index| overlap(&bodies[**index], body)).copied().or(first);
             };
             if high[0].abs_diff(low[0]) < grid.len() as u64 {
                 let columns = (low[0]..=high[0]).flat_map(|x| grid.range([x, low[1]]..=[x, high[1]]));
-                columns.for_each(|(_, numbers)| look(numbers));
+                columns.for_each(|(_, indices)| search(indices));
             } else {
-                grid.range(low..=high).for_each(|(_, numbers)| look(numbers));
+                grid.range(low..=high).for_each(|(_, indices)| search(indices));
             }
         }
         first
     }
 }
 
-/// Maximum radius of a level in metres.
-fn limit(level: i32) -> f64 {
+/// Maximum radius, in metres, of the bodies in the grid of a level.
+fn max_radius(level: i32) -> f64 {
     f64::from_bits(((level + 1023) as u64) << 52)
 }
 
-fn overlap(one: &Body, other: &Body) -> bool {
-    let distance = (one.centre - other.centre).length();
-    !(one.is_fixed && other.is_fixed) && distance < one.radius + other.radius - SKIN
+fn overlap(body: &Body, other: &Body) -> bool {
+    let distance = (body.centre - other.centre).length();
+    !(body.is_fixed && other.is_fixed) && distance < body.radius + other.radius - SKIN
 }
 
 #[cfg(test)]
@@ -204,7 +206,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_overlap_is_that_of_a_plain_search() {
+    fn first_overlap_matches_plain_search() {
         let mut state = 7_u64;
         let mut random = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -212,7 +214,7 @@ mod tests {
         };
         let bodies: Vec<Body> = (0..600)
             .map(|_| Body {
-                what: String::new(),
+                name: String::new(),
                 is_robot: true,
                 is_fixed: random() < 0.3,
                 centre: DVec2::new(random() * 10.0 - 5.0, random() * 10.0 - 5.0),
@@ -221,9 +223,9 @@ mod tests {
                 is_of_sim: true,
             })
             .collect();
-        let plain = |at: usize| bodies[..at].iter().position(|earlier| overlap(earlier, &bodies[at]));
+        let plain = |index: usize| bodies[..index].iter().position(|earlier| overlap(earlier, &bodies[index]));
         let expected: Vec<_> = (0..bodies.len()).map(plain).collect();
-        assert_eq!(overlaps(&bodies), expected);
+        assert_eq!(overlapped_bodies(&bodies), expected);
         assert!((50..550).contains(&expected.iter().flatten().count()), "some overlap, others do not");
     }
 }

@@ -17,10 +17,10 @@ use super::used_names::UsedNames;
 /// Maximum number of names listed in a message.
 const MAX_LISTED: usize = 32;
 
-/// Reads the companion `text` of a robi into `robi`, overriding the robi's own values.
+/// Reads the companion `text` of a robi into `robi`; its values override those of the robi.
 ///
-/// `file` is the companion's name. Unknown keys give a warning; a value of the wrong type or out of range is an error and
-/// leaves the default.
+/// `file` is the companion's name. Unknown keys give a warning; a value of the wrong type or out of range is an error, and
+/// the default applies.
 pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagnostic> {
     let (mut reader, root) = Reader::parse(file, text);
     reader.table(Section::root(&root), |keys| {
@@ -28,7 +28,7 @@ pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagno
         if let Some((reader, root)) = keys.reading()
             && let Some(section) = reader.section(root, "psd")
         {
-            reader.psd(section, robi);
+            reader.read_psds(section, robi);
         }
         companion(keys, robi);
     });
@@ -38,7 +38,7 @@ pub fn read_companion(file: &str, text: &str, robi: &mut RobiSpec) -> Vec<Diagno
 
 impl Reader {
     /// Reads `range_mm` for all PSDs, and a table for each PSD that differs.
-    fn psd(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
+    fn read_psds(&mut self, mut section: Section<'_, '_>, robi: &mut RobiSpec) {
         if let Some(range) = self.number(&mut section, "range_mm", &RANGE_OF_PSDS) {
             robi.psds.iter_mut().for_each(|psd| psd.range = range);
         }
@@ -66,20 +66,20 @@ impl Reader {
     }
 
     /// Reports devices with the same name or number, which a program could not tell apart.
-    pub(super) fn doubles(&mut self, robi: &RobiSpec) {
+    pub(super) fn report_duplicates(&mut self, robi: &RobiSpec) {
         let psds = robi.psds.iter().map(|device| ("PSD", &*device.name, device.id, device.span));
         let ranges =
             robi.ranges.iter().map(|device| (model_name(&device.model), &*device.name, device.id, device.span));
-        // Noise profiles refer to the scanner, which has no name of its own, by this name.
+        // The scanner has no name in files; noise profiles refer to it by this one.
         let lidar = robi.lidar.iter().map(|lidar| ("lidar", LIDAR, None, lidar.span));
-        self.doubles_of(lidar.chain(psds).chain(ranges));
+        self.report_duplicates_in(lidar.chain(psds).chain(ranges));
         let infrareds = robi.infrareds.iter();
-        self.doubles_of(infrareds.map(|device| ("infrared", &*device.name, device.id, device.span)));
-        self.doubles_of(robi.bumpers.iter().map(|device| ("bumper", &*device.name, device.id, device.span)));
-        self.doubles_of(robi.servos.iter().map(|device| ("servo", &*device.name, device.id, device.span)));
+        self.report_duplicates_in(infrareds.map(|device| ("infrared", &*device.name, device.id, device.span)));
+        self.report_duplicates_in(robi.bumpers.iter().map(|device| ("bumper", &*device.name, device.id, device.span)));
+        self.report_duplicates_in(robi.servos.iter().map(|device| ("servo", &*device.name, device.id, device.span)));
     }
 
-    fn doubles_of<'d>(&mut self, devices: impl Iterator<Item = (&'static str, &'d str, Option<i32>, Span)>) {
+    fn report_duplicates_in<'d>(&mut self, devices: impl Iterator<Item = (&'static str, &'d str, Option<i32>, Span)>) {
         let mut used_names = UsedNames::default();
         for (kind, name, id, span) in devices {
             if used_names.line_of(name, id).is_some() {

@@ -14,11 +14,11 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
     scene.world = world(&scene.world);
     for robot in &mut scene.robots {
         robot.robi = Arc::new(robi(&robot.robi));
-        robot.program.iter_mut().for_each(forget);
-        robot.noise.iter_mut().for_each(forget_noise);
+        robot.program.iter_mut().for_each(clear_span);
+        robot.noise.iter_mut().for_each(clear_noise_spans);
         robot.span = Span::default();
         robot.line.clear();
-        // A hint at the generation of a program; it is not compared, because formats state it in different ways.
+        // The dialect is only a hint at the generation of a program. It is not compared, because formats state it differently.
         robot.dialect = None;
     }
     for placed in &mut scene.objects {
@@ -28,7 +28,7 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
     }
     scene.markers.iter_mut().for_each(|marker| marker.span = Span::default());
     match &mut scene.run.costs {
-        Some(CostsRef::File(path)) => forget(path),
+        Some(CostsRef::File(path)) => clear_span(path),
         Some(CostsRef::Table(table)) => {
             table.file.clear();
             table.entries.iter_mut().for_each(|entry| entry.span = Span::default());
@@ -36,33 +36,33 @@ pub fn scene(scene: &SceneSpec) -> SceneSpec {
         }
         None => {}
     }
-    scene.run.noise.iter_mut().for_each(forget_noise);
-    // The other dialects remain only as this hint.
+    scene.run.noise.iter_mut().for_each(clear_noise_spans);
+    // Only the dialect of 2018 has effects besides this hint.
     scene.run.dialect = scene.run.dialect.filter(|dialect| *dialect == Dialect::Vr2018);
     scene
 }
 
-/// Content of a scene's own text.
+/// Content of a scene's text, without the files that it refers to.
 pub fn sim(sim: &SimSpec) -> SimSpec {
     let mut sim = SimSpec { file: String::new(), ..sim.clone() };
-    sim.world.iter_mut().for_each(|line| forget(&mut line.path));
-    sim.robot_types.iter_mut().chain(&mut sim.object_types).for_each(forget);
+    sim.world.iter_mut().for_each(|line| clear_span(&mut line.path));
+    sim.robot_types.iter_mut().chain(&mut sim.object_types).for_each(clear_span);
     sim.wall_paths.clear();
     sim.robots.iter_mut().chain(&mut sim.named).for_each(|line: &mut RobotLine| {
-        forget_type(&mut line.kind);
-        line.program.iter_mut().for_each(forget);
-        line.noise.iter_mut().for_each(forget_noise);
+        clear_type_span(&mut line.kind);
+        line.program.iter_mut().for_each(clear_span);
+        line.noise.iter_mut().for_each(clear_noise_spans);
         line.span = Span::default();
         line.path.clear();
     });
-    sim.objects.iter_mut().for_each(forget_object);
+    sim.objects.iter_mut().for_each(clear_object_location);
     sim.markers.iter_mut().for_each(|marker| marker.span = Span::default());
     sim.faults.iter_mut().for_each(|fault| fault.span = Span::default());
     sim.reachable.iter_mut().for_each(|demand| {
         demand.span = Span::default();
         for point in [&mut demand.from, &mut demand.to] {
             if let PositionRef::Start(path) = point {
-                forget(path);
+                clear_span(path);
             }
         }
     });
@@ -77,46 +77,46 @@ pub fn sim(sim: &SimSpec) -> SimSpec {
 /// Content of a world.
 pub fn world(world: &WorldSpec) -> WorldSpec {
     let mut world = WorldSpec { file: String::new(), ..world.clone() };
-    world.texture.iter_mut().for_each(forget);
+    world.texture.iter_mut().for_each(clear_span);
     if let Some(terrain) = &mut world.terrain {
-        terrain.path_mut().into_iter().for_each(forget);
+        terrain.path_mut().into_iter().for_each(clear_span);
         terrain.span = Span::default();
         (terrain.mesh, terrain.field) = (None, None);
     }
     world.walls.iter_mut().for_each(|wall| wall.span = Span::default());
     world.starts.iter_mut().for_each(|start| start.span = Span::default());
-    world.objects.iter_mut().for_each(forget_object);
+    world.objects.iter_mut().for_each(clear_object_location);
     world
 }
 
 /// Content of a robot type.
 pub fn robi(robi: &RobiSpec) -> RobiSpec {
     let mut robi = RobiSpec { file: String::new(), ..robi.clone() };
-    robi.model.iter_mut().for_each(forget_model);
+    robi.model.iter_mut().for_each(clear_model_span);
     if let Some(legs) = &mut robi.legs {
         legs.gaits.iter_mut().for_each(|gait| gait.span = Span::default());
         for leg in &mut legs.legs {
             leg.span = Span::default();
-            forget(&mut leg.name);
+            clear_span(&mut leg.name);
         }
     }
     for link in &mut robi.links {
         link.span = Span::default();
-        link.mount.link.iter_mut().for_each(forget);
-        link.joint.iter_mut().for_each(|turn| forget(&mut turn.servo));
+        link.mount.link.iter_mut().for_each(clear_span);
+        link.joint.iter_mut().for_each(|turn| clear_span(&mut turn.servo));
     }
     for psd in &mut robi.psds {
         psd.span = Span::default();
-        psd.link.iter_mut().for_each(forget);
+        psd.link.iter_mut().for_each(clear_span);
     }
     for range in &mut robi.ranges {
         range.span = Span::default();
-        range.mount.link.iter_mut().for_each(forget);
+        range.mount.link.iter_mut().for_each(clear_span);
     }
     robi.camera.iter_mut().for_each(|device| device.span = Span::default());
     if let Some(lidar) = &mut robi.lidar {
         lidar.span = Span::default();
-        lidar.mount.link.iter_mut().for_each(forget);
+        lidar.mount.link.iter_mut().for_each(clear_span);
     }
     robi.infrareds.iter_mut().for_each(|device| device.span = Span::default());
     robi.bumpers.iter_mut().for_each(|device| device.span = Span::default());
@@ -124,7 +124,7 @@ pub fn robi(robi: &RobiSpec) -> RobiSpec {
     robi.compass.iter_mut().for_each(|device| device.span = Span::default());
     for serial in &mut robi.serials {
         if let SerialLine::File { path, bytes } = &mut serial.line {
-            forget(path);
+            clear_span(path);
             *bytes = Arc::default();
         }
     }
@@ -141,37 +141,37 @@ pub fn noise(noise: &NoiseSpec) -> NoiseSpec {
 /// Content of an object type.
 pub fn object(object: &ObjectType) -> ObjectType {
     let mut object = ObjectType { file: String::new(), ..object.clone() };
-    object.model.iter_mut().for_each(forget_model);
+    object.model.iter_mut().for_each(clear_model_span);
     if let SensorShape::Mesh(mesh) = &mut object.sensor_shape {
         *mesh = None;
     }
     object
 }
 
-fn forget(path: &mut SpannedText) {
+fn clear_span(path: &mut SpannedText) {
     path.span = Span::default();
 }
 
-fn forget_noise(noise: &mut NoiseRef) {
+fn clear_noise_spans(noise: &mut NoiseRef) {
     match noise {
         NoiseRef::Preset(_) => {}
-        NoiseRef::File(path) => forget(path),
+        NoiseRef::File(path) => clear_span(path),
         NoiseRef::Profile(spec) => *spec = Arc::new(self::noise(spec)),
     }
 }
 
-fn forget_model(model: &mut ModelSpec) {
-    forget(&mut model.path);
+fn clear_model_span(model: &mut ModelSpec) {
+    clear_span(&mut model.path);
 }
 
-fn forget_type(kind: &mut TypeRef) {
+fn clear_type_span(kind: &mut TypeRef) {
     match kind {
-        TypeRef::File(path) | TypeRef::Name(path) => forget(path),
+        TypeRef::File(path) | TypeRef::Name(path) => clear_span(path),
     }
 }
 
-fn forget_object(line: &mut ObjectLine) {
-    forget_type(&mut line.kind);
+fn clear_object_location(line: &mut ObjectLine) {
+    clear_type_span(&mut line.kind);
     line.span = Span::default();
     line.path.clear();
 }

@@ -1,8 +1,8 @@
-//! Conversion between file formats: scenes between `.sim` and our own TOML form; worlds, mazes and types to its sections and back.
+//! Conversion between file formats: scenes between `.sim` and TOML; worlds, mazes and types to sections of TOML and back.
 
 use super::code::Code;
 use super::diagnostic::{Diagnostic, Sink};
-use super::load::{Files, Loaded, Loader, load_drawn};
+use super::load::{Files, Loaded, Loader, load_with_spec};
 use super::map::{self, Cell, DEFAULT_RESOLUTION, Grid, WorldFormat, load_scenarios};
 use super::print::{self, Printed};
 use super::spec::{
@@ -51,7 +51,7 @@ pub struct Converted {
 /// Values that a conversion takes from its caller.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConvertOptions {
-    /// Seed with which random values of a scene are drawn, instead of its own seed.
+    /// Seed with which random values of a scene are drawn, instead of the scene's seed.
     pub seed: Option<u64>,
     /// Side of the cells of a source that is a maze, a map of MovingAI or an image, in metres, which overrides the file.
     pub maze_cell: Option<f64>,
@@ -70,12 +70,12 @@ pub struct LiveEntity {
     pub pose: Pose,
 }
 
-/// Text of the scene `from` in our own form, with the state of a run.
+/// Text of the scene `from` in TOML, with the state of a run.
 ///
 /// Robots and movable objects are placed at their current poses, including spawned ones and without removed ones. A
 /// spawned robot has no program. Robots are renumbered without gaps.
 ///
-/// References are relative to the scene's own folder. Objects placed by the world's file stay at their original poses.
+/// References are relative to the scene's folder. Objects placed by the world's file stay at their original poses.
 ///
 /// # Errors
 /// The diagnostics, if the scene cannot be read.
@@ -91,9 +91,9 @@ pub fn print_current_scene(
     }
     let mut sim = {
         let options = ConvertOptions::default();
-        Conversion { from, to: from, files, options, lost: Sink::new(from), outputs: Vec::new() }.source()
+        Conversion { from, to: from, files, options, sink: Sink::new(from), outputs: Vec::new() }.read_source()
     };
-    settle_named(&mut sim, &loaded.scene);
+    sort_named_lines(&mut sim, &loaded.scene);
     if sim.world.is_none() && sim.inline.world.is_none() {
         sim.inline.world = Some(loaded.scene.world.clone());
     }
@@ -110,18 +110,18 @@ pub fn print_current_scene(
 fn line_of_robot(robot: &LiveEntity, sim: &SimSpec, scene: &SceneSpec) -> RobotLine {
     let spec = scene.robots.iter().find(|spec| spec.id == RobotId(robot.number));
     let line = spec.and_then(|spec| sim.robots.iter().find(|line| line.span == spec.span)).cloned();
-    let line = line.unwrap_or_else(|| RobotLine { kind: named(&robot.kind), ..RobotLine::default() });
+    let line = line.unwrap_or_else(|| RobotLine { kind: type_named(&robot.kind), ..RobotLine::default() });
     RobotLine { start: StartRef::Pose(robot.pose), ..line }
 }
 
-/// Moves the movable objects in a scene's lines to their current poses.
+/// Sets the movable objects in a scene's lines to their current poses; removes and adds lines.
 fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[LiveEntity]) {
     let mut number = scene.objects.iter().filter(|object| !object.kind.is_fixed).count() as u32;
-    let of_scene = number;
+    let scene_count = number;
     // The world's objects come first. Their spans refer to another file and may equal those of lines, so matching
     // starts at the end.
     let mut lines: Vec<usize> = (0..sim.objects.len()).collect();
-    let mut gone = Vec::new();
+    let mut removed = Vec::new();
     for spec in scene.objects.iter().rev() {
         let index = lines.iter().rposition(|line| sim.objects[*line].span == spec.span);
         let line = index.map(|index| lines.remove(index));
@@ -129,20 +129,20 @@ fn place_objects(sim: &mut SimSpec, scene: &SceneSpec, objects: &[LiveEntity]) {
             continue;
         }
         match (line, objects.iter().find(|object| object.number == number)) {
-            (Some(line), Some(now)) => sim.objects[line].pose = now.pose,
-            (Some(line), None) => gone.push(line),
+            (Some(line), Some(live)) => sim.objects[line].pose = live.pose,
+            (Some(line), None) => removed.push(line),
             (None, _) => {}
         }
         number -= 1;
     }
-    gone.into_iter().for_each(|line| drop(sim.objects.remove(line)));
-    let new = objects.iter().filter(|object| object.number > of_scene);
+    removed.into_iter().for_each(|line| drop(sim.objects.remove(line)));
+    let spawned = objects.iter().filter(|object| object.number > scene_count);
     let line =
-        |object: &LiveEntity| ObjectLine { kind: named(&object.kind), pose: object.pose, ..ObjectLine::default() };
-    sim.objects.extend(new.map(line));
+        |object: &LiveEntity| ObjectLine { kind: type_named(&object.kind), pose: object.pose, ..ObjectLine::default() };
+    sim.objects.extend(spawned.map(line));
 }
 
-fn named(kind: &str) -> TypeRef {
+fn type_named(kind: &str) -> TypeRef {
     TypeRef::Name(SpannedText { text: kind.to_owned(), span: Span::default() })
 }
 
@@ -189,58 +189,61 @@ pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
 }
 
 /// Function that returns the generation of the RoBIOS API, 6 or 7, of a robot's program, if the program determines it.
-pub type ToldGeneration<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Option<u32> + 'a;
+pub type GenerationOf<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Option<u32> + 'a;
 
-/// Converts like [`convert`]. Our own form states the generations that `told` returns; for all other programs it states the dialect of the
-/// sim file, which applies only if a program does not decide.
+/// Converts like [`convert`]. A scene in TOML states the generations that `generation_of` returns; for all other
+/// programs it states the dialect of the sim file, which applies only if a program does not determine its generation.
 ///
-/// Random values and places of a scene are drawn with the seed of the `options`, which the result states, otherwise with the scene's seed.
+/// Random values and positions of a scene are drawn with the seed of the `options`, which the result then contains,
+/// otherwise with the scene's seed.
 pub fn convert_with(
     from: &str,
     to: &str,
     options: ConvertOptions,
     files: &dyn Files,
-    told: &ToldGeneration<'_>,
+    generation_of: &GenerationOf<'_>,
 ) -> Converted {
     let (Some(source), Some(target)) = (FileFormat::of(from), FileFormat::of(to)) else {
         let name = if FileFormat::of(from).is_none() { from } else { to };
         let expected = "a name that ends in .sim, .toml, .wld, .maz, .robi, .esObj, .yaml, .pgm or .pbm, or a source in .map, .scen, .world, .num or .txt";
         let message = "the extension of the file name is unknown or missing";
-        return Converted::refused(Code::FileKind, name, message, expected);
+        return Converted::rejected(Code::FileKind, name, message, expected);
     };
-    let mut conversion = Conversion { from, to, files, options, lost: Sink::new(from), outputs: Vec::new() };
+    let mut conversion = Conversion { from, to, files, options, sink: Sink::new(from), outputs: Vec::new() };
     let loaded = match (source, target) {
-        (FileFormat::Sim | FileFormat::Scene, FileFormat::Sim | FileFormat::Scene) => conversion.scene(target, told),
+        (FileFormat::Sim | FileFormat::Scene, FileFormat::Sim | FileFormat::Scene) => {
+            conversion.convert_scene(target, generation_of)
+        }
         (_, FileFormat::Foreign | FileFormat::Scenarios) => {
             let message = format!("files like `{to}` are read, but not written");
             let expected = "a target in .wld, .maz, .toml, .yaml, .pgm or .pbm";
-            return Converted::refused(Code::ConvertKind, to, &message, expected);
+            return Converted::rejected(Code::ConvertKind, to, &message, expected);
         }
-        (FileFormat::Scenarios, FileFormat::Scene) => conversion.scenarios(),
-        (FileFormat::Sim, FileFormat::Map) => conversion.map_of_scene(),
-        (FileFormat::Scene, FileFormat::Map) if conversion.is_scene() => conversion.map_of_scene(),
+        (FileFormat::Scenarios, FileFormat::Scene) => conversion.convert_scenarios(),
+        (FileFormat::Sim, FileFormat::Map) => conversion.convert_scene_to_map(),
+        (FileFormat::Scene, FileFormat::Map) if conversion.is_scene() => conversion.convert_scene_to_map(),
         (
             FileFormat::World | FileFormat::Maze | FileFormat::Foreign | FileFormat::Map,
             FileFormat::World | FileFormat::Maze | FileFormat::Scene | FileFormat::Map,
-        ) => conversion.world(target),
-        (FileFormat::Robi, FileFormat::Robi | FileFormat::Scene) => conversion.robi(target),
-        (FileFormat::Object, FileFormat::Object | FileFormat::Scene) => conversion.object(target),
-        (FileFormat::Scene, _) => conversion.part_of_scene(target),
+        ) => conversion.convert_world(target),
+        (FileFormat::Robi, FileFormat::Robi | FileFormat::Scene) => conversion.convert_robi(target),
+        (FileFormat::Object, FileFormat::Object | FileFormat::Scene) => conversion.convert_object(target),
+        (FileFormat::Scene, _) => conversion.convert_part_of_scene(target),
         _ => {
             let message = format!("`{from}` cannot become `{to}`: they hold different things");
             let expected = "scenes to scenes (.sim, .scene.toml) and maps, worlds and maps to worlds and maps, types to types, scenarios to .suite.toml";
-            return Converted::refused(Code::ConvertKind, from, &message, expected);
+            return Converted::rejected(Code::ConvertKind, from, &message, expected);
         }
     };
-    let Conversion { lost, outputs, .. } = conversion;
+    let Conversion { sink, outputs, .. } = conversion;
     let mut diagnostics = loaded.diagnostics;
-    diagnostics.extend(lost.finish());
+    diagnostics.extend(sink.finish());
     let outputs = if super::has_errors(&diagnostics) { Vec::new() } else { outputs };
     Converted { outputs, diagnostics, inputs: loaded.inputs, notes: loaded.notes }
 }
 
 impl Converted {
-    fn refused(code: Code, file: &str, message: &str, expected: &str) -> Self {
+    fn rejected(code: Code, file: &str, message: &str, expected: &str) -> Self {
         let mut sink = Sink::new(file);
         sink.error(code, Span::default(), message, expected);
         Self { diagnostics: sink.finish(), ..Self::default() }
@@ -252,24 +255,24 @@ struct Conversion<'a> {
     to: &'a str,
     files: &'a dyn Files,
     options: ConvertOptions,
-    /// Warnings about properties that the target cannot represent.
-    lost: Sink,
+    /// Mistakes, and warnings about properties that the target cannot represent.
+    sink: Sink,
     outputs: Vec<Output>,
 }
 
 impl Conversion<'_> {
-    fn scene(&mut self, target: FileFormat, told: &ToldGeneration<'_>) -> Loaded {
+    fn convert_scene(&mut self, target: FileFormat, generation_of: &GenerationOf<'_>) -> Loaded {
         let seed = self.options.seed;
-        let (loaded, mut sim) = load_drawn(self.from, Overrides { seed, ..Overrides::default() }, self.files);
+        let (loaded, mut sim) = load_with_spec(self.from, Overrides { seed, ..Overrides::default() }, self.files);
         if loaded.has_errors() {
             return loaded;
         }
         sim.run.seed = seed.or(sim.run.seed);
         if seed.is_some() || !sim.drawn.is_empty() {
-            settle_random(&mut sim, &loaded.scene);
+            fix_random_positions(&mut sim, &loaded.scene);
         }
-        self.rewrite(&mut sim);
-        settle_named(&mut sim, &loaded.scene);
+        self.rewrite_references(&mut sim);
+        sort_named_lines(&mut sim, &loaded.scene);
         if sim.world.is_none() && sim.inline.world.is_none() {
             sim.inline.world = Some(loaded.scene.world.clone());
         }
@@ -278,7 +281,7 @@ impl Conversion<'_> {
             print::print_sim(&sim, &loaded.scene)
         } else {
             let lost = if sim.form == SceneFormat::Sim {
-                state_generations(&mut sim, &loaded.scene, told)
+                set_generations(&mut sim, &loaded.scene, generation_of)
             } else {
                 Vec::new()
             };
@@ -288,8 +291,8 @@ impl Conversion<'_> {
         loaded
     }
 
-    /// Parses the source text itself into a spec.
-    fn source(&self) -> SimSpec {
+    /// Parses the text of the source, but none of the files that it refers to.
+    fn read_source(&self) -> SimSpec {
         let text = self.files.read(self.from).map_or(String::new(), |bytes| decode(&bytes).0);
         let read = if FileFormat::of(self.from) == Some(FileFormat::Scene) { read_scene } else { read_sim };
         read(self.from, &text).0
@@ -306,26 +309,27 @@ impl Conversion<'_> {
                 }
                 None => ("wld", WorldKind::World, print::print_world(&world)),
             };
-            let path = self.beside("", extension, printed);
+            let path = self.write_beside("", extension, printed);
             sim.world = Some(WorldLine { kind, path, cell: None, looks: LooksSpec::default() });
         }
         for (robi, span) in inline.robot_types {
             let companion = print::print_companion(&robi);
-            let part = format!("-{}", safe(&robi.name));
+            let part = format!("-{}", safe_file_name(&robi.name));
             if !companion.is_empty() {
-                self.beside(&part, "toml", Printed { text: companion, lost: Vec::new() });
+                self.write_beside(&part, "toml", Printed { text: companion, lost: Vec::new() });
             }
-            let path = self.beside(&part, "robi", print::print_robi(&robi));
+            let path = self.write_beside(&part, "robi", print::print_robi(&robi));
             sim.robot_types.push(SpannedText { span, ..path });
         }
         for (object, span) in inline.object_types {
-            let path = self.beside(&format!("-{}", safe(&object.name)), "esObj", print::print_esobj(&object));
+            let path =
+                self.write_beside(&format!("-{}", safe_file_name(&object.name)), "esObj", print::print_esobj(&object));
             sim.object_types.push(SpannedText { span, ..path });
         }
     }
 
     /// Adds an output file beside the target, named after the target.
-    fn beside(&mut self, part: &str, extension: &str, printed: Printed) -> SpannedText {
+    fn write_beside(&mut self, part: &str, extension: &str, printed: Printed) -> SpannedText {
         let stem = path::stem(self.to);
         let name = format!("{}{part}.{extension}", stem.strip_suffix(".scene").unwrap_or(stem));
         self.write(path::join(path::folder_of(self.to), &name), printed);
@@ -333,32 +337,32 @@ impl Conversion<'_> {
     }
 
     fn write(&mut self, path: String, printed: Printed) {
-        for what in printed.lost {
-            let message = format!("`{path}` has no place for {what}");
-            self.lost.warn(Code::ConvertLost, Span::default(), message, "a form that holds it, such as .scene.toml");
+        for property in printed.lost {
+            let message = format!("`{path}` has no place for {property}");
+            self.sink.warn(Code::ConvertLost, Span::default(), message, "a form that holds it, such as .scene.toml");
         }
         self.outputs.push(Output { path, bytes: printed.text.into_bytes() });
     }
 
     /// Rules for the size of the cells of the source.
-    fn rules(&self) -> CellRules {
+    fn cell_rules(&self) -> CellRules {
         CellRules { dialect: None, cell: self.options.maze_cell }
     }
 
-    fn world(&mut self, target: FileFormat) -> Loaded {
+    fn convert_world(&mut self, target: FileFormat) -> Loaded {
         if target == FileFormat::Map
-            && let Some((grid, loaded)) = self.grid()
+            && let Some((grid, loaded)) = self.source_grid()
         {
-            // A conversion from grid to grid needs no guess.
+            // From grid to grid, the cells are copied without a conversion to walls.
             grid.iter().for_each(|grid| self.write_grid(grid));
             return loaded;
         }
-        let loaded = load_world_with(self.from, self.rules(), self.files);
+        let loaded = load_world_with(self.from, self.cell_rules(), self.files);
         let mut world = loaded.scene.world.clone();
         world.texture.iter_mut().for_each(|texture| self.rewrite_path(texture));
-        if target == FileFormat::Maze && self.grid().is_some() {
+        if target == FileFormat::Maze && self.source_grid().is_some() {
             let expected = "a target in .wld, .toml, .yaml, .pgm or .pbm";
-            self.lost.error(Code::ConvertMaze, Span::default(), "a map of occupied cells is no maze", expected);
+            self.sink.error(Code::ConvertMaze, Span::default(), "a map of occupied cells is no maze", expected);
         } else if !loaded.has_errors() {
             self.write_world(&world, target);
         }
@@ -366,14 +370,14 @@ impl Conversion<'_> {
     }
 
     /// The grid of the source; `None` if the source is not a grid.
-    fn grid(&self) -> Option<(Option<Grid>, Loaded)> {
+    fn source_grid(&self) -> Option<(Option<Grid>, Loaded)> {
         let bytes = self.files.read(self.from).ok()?;
         let format = WorldFormat::of(self.from, &bytes, WorldKind::World);
         if !matches!(format, WorldFormat::RosMap | WorldFormat::Image | WorldFormat::MovingAi) {
             return None;
         }
         let mut loader = Loader::new(self.files);
-        let grid = map::read_grid(&mut loader, self.from, bytes, format, self.rules());
+        let grid = map::read_grid(&mut loader, self.from, bytes, format, self.cell_rules());
         Some((grid, loader.finish(SceneSpec::default())))
     }
 
@@ -382,11 +386,11 @@ impl Conversion<'_> {
         self.files.read(self.from).is_ok_and(|bytes| scene::is_scene(self.from, &decode(&bytes).0))
     }
 
-    /// The map of a scene, in which everything that its robots can reach is free.
-    fn map_of_scene(&mut self) -> Loaded {
+    /// Converts a scene to a map, in which all that its robots can reach is free.
+    fn convert_scene_to_map(&mut self) -> Loaded {
         let overrides =
             Overrides { seed: self.options.seed, maze_cell: self.options.maze_cell, ..Overrides::default() };
-        let loaded = load_drawn(self.from, overrides, self.files).0;
+        let loaded = load_with_spec(self.from, overrides, self.files).0;
         if !loaded.has_errors() {
             let mut world = loaded.scene.world.clone();
             let starts =
@@ -394,7 +398,7 @@ impl Conversion<'_> {
             world.starts.extend(starts);
             if !loaded.scene.objects.is_empty() {
                 let message = format!("a map has no place for {} objects", loaded.scene.objects.len());
-                self.lost.warn(
+                self.sink.warn(
                     Code::ConvertLost,
                     Span::default(),
                     message,
@@ -411,7 +415,7 @@ impl Conversion<'_> {
         let cell = self.options.map_cell.unwrap_or(DEFAULT_RESOLUTION);
         let Some(grid) = Grid::of_world(world, cell) else {
             let message = format!("a map with cells of {} mm has too many cells", unit::mm_from_metres(cell));
-            self.lost.error(Code::MapSize, Span::default(), message, "at most 67,108,864 cells: `--map-cell MM`");
+            self.sink.error(Code::MapSize, Span::default(), message, "at most 67,108,864 cells: `--map-cell MM`");
             return;
         };
         self.write_grid(&grid);
@@ -431,11 +435,11 @@ impl Conversion<'_> {
         }
         let is_moved = grid.origin != Pose::default();
         let unknown = grid.count(Cell::Unknown);
-        let said = [
+        let losses = [
             (is_moved, "the origin of the map".to_owned()),
             (is_bitmap && unknown > 0, format!("{unknown} unknown cells, which are black as occupied ones")),
         ];
-        let lost = said.into_iter().filter(|(is_said, _)| *is_said).map(|(_, what)| what).collect();
+        let lost = losses.into_iter().filter(|(applies, _)| *applies).map(|(_, property)| property).collect();
         self.write(self.to.to_owned(), Printed { text: String::new(), lost });
         if let Some(output) = self.outputs.last_mut() {
             output.bytes = image;
@@ -443,17 +447,17 @@ impl Conversion<'_> {
     }
 
     /// Writes a suite whose cases are the scenarios of one map, and its scene.
-    fn scenarios(&mut self) -> Loaded {
+    fn convert_scenarios(&mut self) -> Loaded {
         let (scenarios, loaded) = load_scenarios(self.from, self.files);
         if !self.to.to_lowercase().ends_with(SUITE_EXTENSION) {
             let expected = "a target that ends in .suite.toml";
-            self.lost.error(Code::ConvertKind, Span::default(), "scenarios become a suite", expected);
+            self.sink.error(Code::ConvertKind, Span::default(), "scenarios become a suite", expected);
             return loaded;
         }
         let Some(first) = scenarios.first().filter(|_| !loaded.has_errors()) else { return loaded };
         if let Some(other) = scenarios.iter().find(|scenario| scenario.map != first.map) {
             let message = format!("the scenarios are of several maps, `{}` and `{}`", first.map, other.map);
-            self.lost.error(Code::ConvertKind, other.span, message, "scenarios of one map");
+            self.sink.error(Code::ConvertKind, other.span, message, "scenarios of one map");
             return loaded;
         }
         let Some(map) = loaded.inputs.get(1).map(|input| input.path.as_str()) else { return loaded };
@@ -473,9 +477,9 @@ impl Conversion<'_> {
             FileFormat::World => print::print_world(world),
             FileFormat::Maze => match print::print_maze(world) {
                 Ok(text) => Printed { text, lost: print::lost_in_maze(world) },
-                Err(why) => {
+                Err(reason) => {
                     let expected = "walls along a grid of cells, and the target `.wld` otherwise";
-                    self.lost.error(Code::ConvertMaze, Span::default(), why.to_string(), expected);
+                    self.sink.error(Code::ConvertMaze, Span::default(), reason.to_string(), expected);
                     return;
                 }
             },
@@ -488,7 +492,7 @@ impl Conversion<'_> {
         self.write(self.to.to_owned(), printed);
     }
 
-    fn robi(&mut self, target: FileFormat) -> Loaded {
+    fn convert_robi(&mut self, target: FileFormat) -> Loaded {
         let (robi, loaded) = load_robi(self.from, self.files);
         if let Some(mut robi) = robi {
             self.rewrite_robi(&mut robi);
@@ -510,7 +514,7 @@ impl Conversion<'_> {
         }
     }
 
-    fn object(&mut self, target: FileFormat) -> Loaded {
+    fn convert_object(&mut self, target: FileFormat) -> Loaded {
         let (object, loaded) = load_object(self.from, self.files);
         if let Some(mut object) = object {
             object.model.iter_mut().for_each(|model| self.rewrite_path(&mut model.path));
@@ -528,8 +532,8 @@ impl Conversion<'_> {
         self.write(self.to.to_owned(), printed);
     }
 
-    /// Loads only the one inline world or type of a TOML file.
-    fn part_of_scene(&mut self, target: FileFormat) -> Loaded {
+    /// Converts the only inline world or type of a TOML file.
+    fn convert_part_of_scene(&mut self, target: FileFormat) -> Loaded {
         let mut loaded = Loaded::default();
         let text = match self.files.read(self.from) {
             Ok(bytes) => decode(&bytes).0,
@@ -540,10 +544,10 @@ impl Conversion<'_> {
         };
         let (mut sim, diagnostics) = read_scene(self.from, &text);
         // A file with only types is not a complete scene, but sufficient here.
-        let is_whole = scene::has_scene_key(&text);
-        loaded.diagnostics.extend(diagnostics.into_iter().filter(|it| is_whole || it.code != Code::TomlMissing));
+        let is_scene = scene::has_scene_key(&text);
+        loaded.diagnostics.extend(diagnostics.into_iter().filter(|it| is_scene || it.code != Code::TomlMissing));
         loaded.inputs.push(super::InputFile { path: self.from.to_owned(), bytes: text.into_bytes() });
-        self.rewrite(&mut sim);
+        self.rewrite_references(&mut sim);
         match (target, sim.inline.robot_types.as_slice(), sim.inline.object_types.as_slice()) {
             (FileFormat::World | FileFormat::Maze | FileFormat::Map, ..) if sim.inline.world.is_some() => {
                 let world = sim.inline.world.clone().unwrap_or_default();
@@ -554,14 +558,14 @@ impl Conversion<'_> {
             _ => {
                 let message = format!("`{}` does not describe exactly one such thing in place", self.from);
                 let expected = "a `[world]` with walls or a maze, one `[[robot_type]]` or one `[[object_type]]`";
-                self.lost.error(Code::ConvertKind, Span::default(), message, expected);
+                self.sink.error(Code::ConvertKind, Span::default(), message, expected);
             }
         }
         loaded
     }
 
     /// Rewrites all references of a scene for the folder of the target.
-    fn rewrite(&self, sim: &mut SimSpec) {
+    fn rewrite_references(&self, sim: &mut SimSpec) {
         sim.world.iter_mut().for_each(|line| self.rewrite_path(&mut line.path));
         sim.robot_types.iter_mut().chain(&mut sim.object_types).for_each(|path| self.rewrite_path(path));
         for line in sim.robots.iter_mut().chain(&mut sim.named) {
@@ -610,38 +614,38 @@ impl Conversion<'_> {
         }
     }
 
-    /// Rewrites a reference for the target's folder if it is relative and leads to a file beside the source, or absolute without a file
-    /// there but with one near the source. All other references keep their target.
+    /// Rewrites a reference for the target's folder in two cases: it is relative to the source's folder and the file
+    /// exists, or no file exists at its paths but one exists near the source. Other references do not change.
     fn rewrite_path(&self, reference: &mut SpannedText) {
-        let (old, new) = (path::folder_of(self.from), path::folder_of(self.to));
-        if old == new {
+        let (source_folder, target_folder) = (path::folder_of(self.from), path::folder_of(self.to));
+        if source_folder == target_folder {
             return;
         }
         let text = reference.text.replace('\\', "/");
-        let candidates = path::candidates(&text, old, None);
-        let is_there =
+        let candidates = path::candidates(&text, source_folder, None);
+        let exists =
             |path: &String| self.files.list(path::folder_of(path)).iter().any(|name| name == path::file_name(path));
-        let is_relative = |first: &&String| !text.starts_with('/') && path::join(old, &text) == **first;
-        let found = match candidates.first().filter(is_relative).filter(|first| is_there(first)) {
+        let is_relative = |first: &&String| !text.starts_with('/') && path::join(source_folder, &text) == **first;
+        let found = match candidates.first().filter(is_relative).filter(|first| exists(first)) {
             Some(first) => Some(first.clone()),
-            None if candidates.iter().any(is_there) => None,
-            None => path::moved(&reference.text, old, None).into_iter().find(is_there),
+            None if candidates.iter().any(exists) => None,
+            None => path::relocated_candidates(&reference.text, source_folder, None).into_iter().find(exists),
         };
         if let Some(found) = found {
-            reference.text = path::relative(new, &found);
+            reference.text = path::relative(target_folder, &found);
         }
     }
 }
 
-/// States in a scene read from a sim file the generations of the programs that `told` knows, and the dialect. Returns what the scene cannot
-/// state.
-fn state_generations(sim: &mut SimSpec, scene: &SceneSpec, told: &ToldGeneration<'_>) -> Vec<String> {
+/// Sets the dialect, and the generations that `generation_of` returns, in a scene that was read from a sim file.
+/// Returns descriptions of what the scene cannot express.
+fn set_generations(sim: &mut SimSpec, scene: &SceneSpec, generation_of: &GenerationOf<'_>) -> Vec<String> {
     let is_vr = scene.robots.iter().any(|robot| robot.dialect == Some(7));
-    let by_lines = if is_vr { Dialect::Vr2023 } else { Dialect::Classic };
+    let default_dialect = if is_vr { Dialect::Vr2023 } else { Dialect::Classic };
     if !scene.robots.is_empty() {
-        sim.run.dialect.get_or_insert(by_lines);
+        sim.run.dialect.get_or_insert(default_dialect);
     }
-    let generations: Vec<Option<u32>> = scene.robots.iter().map(|robot| told(scene, robot)).collect();
+    let generations: Vec<Option<u32>> = scene.robots.iter().map(|robot| generation_of(scene, robot)).collect();
     if let Some(first) = generations.first().copied().flatten()
         && generations.iter().all(|generation| *generation == Some(first))
     {
@@ -661,14 +665,14 @@ fn state_generations(sim: &mut SimSpec, scene: &SceneSpec, told: &ToldGeneration
     lost
 }
 
-/// Replaces random layouts with the positions that were drawn.
-fn settle_random(sim: &mut SimSpec, scene: &SceneSpec) {
+/// Replaces random positions with those that were drawn.
+fn fix_random_positions(sim: &mut SimSpec, scene: &SceneSpec) {
     if let Some(world) = &mut sim.inline.world {
         world.walls.clone_from(&scene.world.walls);
     }
     let robots = std::mem::take(&mut sim.robots).into_iter().flat_map(|line| {
         let StartRef::Many { layout: Layout::Random(_), .. } = line.start else { return vec![line] };
-        let own = scene.robots.iter().filter(|robot| {
+        let placed = scene.robots.iter().filter(|robot| {
             let number = robot.line.strip_prefix(&line.path).and_then(|rest| rest.strip_prefix('.'));
             robot.line == line.path || number.is_some_and(|number| number.parse::<u32>().is_ok())
         });
@@ -678,7 +682,7 @@ fn settle_random(sim: &mut SimSpec, scene: &SceneSpec) {
             path: robot.line.clone(),
             ..line.clone()
         };
-        own.map(single).collect()
+        placed.map(single).collect()
     });
     sim.robots = robots.collect();
     let world = sim.inline.world.iter_mut().flat_map(|world| &mut world.objects);
@@ -687,24 +691,24 @@ fn settle_random(sim: &mut SimSpec, scene: &SceneSpec) {
             (line.pose, line.scatter) = (placed.pose, None);
         }
     }
-    // Lines keep their paths, to which demands refer.
+    // Demands refer to the paths of lines, so these must stay the same.
     let robots = sim.robots.iter_mut().map(|line| (&line.path, &mut line.name));
     name_by_path("robot.", robots);
     name_by_path("object.", sim.objects.iter_mut().map(|line| (&line.path, &mut line.name)));
 }
 
-/// Names lines whose number in their list differs from the number in their paths.
+/// Names each line by the last part of its path, unless this is the line's number in its list.
 fn name_by_path<'l>(list: &str, lines: impl Iterator<Item = (&'l String, &'l mut Option<String>)>) {
     for ((path, name), number) in lines.zip(1..) {
-        let own = path.strip_prefix(list).unwrap_or_default();
-        if !own.is_empty() && own != format!("{number}") {
-            *name = Some(own.to_owned());
+        let key = path.strip_prefix(list).unwrap_or_default();
+        if !key.is_empty() && key != format!("{number}") {
+            *name = Some(key.to_owned());
         }
     }
 }
 
 /// Sorts lines that name a loaded type into robots and objects, by the kind of the type.
-fn settle_named(sim: &mut SimSpec, scene: &SceneSpec) {
+fn sort_named_lines(sim: &mut SimSpec, scene: &SceneSpec) {
     for line in std::mem::take(&mut sim.named) {
         let is_object = scene.objects.iter().any(|object| object.span == line.span);
         match line.start {
@@ -721,7 +725,7 @@ fn settle_named(sim: &mut SimSpec, scene: &SceneSpec) {
 }
 
 /// Replaces characters of a name that are unsafe in a file name.
-fn safe(name: &str) -> String {
+fn safe_file_name(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || matches!(c, '-' | '_') { c } else { '_' }).collect()
 }
 
@@ -731,9 +735,9 @@ mod tests {
     use super::*;
 
     /// File system with one scene: two robot lines and one object.
-    struct One;
+    struct OneScene;
 
-    impl Files for One {
+    impl Files for OneScene {
         fn read(&self, path: &str) -> Result<Vec<u8>, FileError> {
             match path {
                 "a.sim" => Ok(b"world a.wld\nS4 100 200 0 p.c\nS4 500 200 90\nCan 700 300 0\nCan 700 600 0\n".to_vec()),
@@ -751,34 +755,34 @@ mod tests {
         }
     }
 
-    fn standing(number: u32, kind: &str, x: f64) -> LiveEntity {
+    fn live_entity(number: u32, kind: &str, x: f64) -> LiveEntity {
         LiveEntity { number, kind: kind.into(), pose: Pose::new(x, 0.25, 0.5) }
     }
 
     #[test]
-    fn a_scene_is_written_as_it_stands() {
-        let robots = [standing(1, "S4", 0.75), standing(3, "LabBot", 1.5)];
-        let objects = [standing(2, "Can", 0.4), standing(3, "Can", 1.75)];
-        let text = print_current_scene("a.sim", &One, &robots, &objects).expect("a scene");
+    fn current_scene_has_live_poses() {
+        let robots = [live_entity(1, "S4", 0.75), live_entity(3, "LabBot", 1.5)];
+        let objects = [live_entity(2, "Can", 0.4), live_entity(3, "Can", 1.75)];
+        let text = print_current_scene("a.sim", &OneScene, &robots, &objects).expect("a scene");
         let (sim, diagnostics) = read_scene("b.scene.toml", &text);
         assert_eq!(diagnostics, [], "{text}");
-        let of_robot = |line: &RobotLine| {
+        let summary = |line: &RobotLine| {
             let StartRef::Pose(pose) = line.start else { panic!("a pose") };
             let program = line.program.as_ref().map(|program| program.text.clone());
             (line.id, line.kind.written().text.clone(), (pose.position.x * 1000.0).round(), program)
         };
-        let known: Vec<_> = sim.robots.iter().chain(&sim.named).map(of_robot).collect();
+        let written: Vec<_> = sim.robots.iter().chain(&sim.named).map(summary).collect();
         let expected = [
             (Some(RobotId(1)), "S4".to_owned(), 750.0, Some("p.c".to_owned())),
             (Some(RobotId(2)), "LabBot".to_owned(), 1500.0, None),
         ];
-        assert_eq!(known, expected, "{text}");
+        assert_eq!(written, expected, "{text}");
         let positions: Vec<f64> = sim.objects.iter().map(|line| (line.pose.position.x * 1000.0).round()).collect();
         assert_eq!(positions, [400.0, 1750.0], "the first has gone, the third has come: {text}");
     }
 
     #[test]
-    fn of_a_scene_that_cannot_be_read_is_told_why() {
-        assert!(!print_current_scene("b.sim", &One, &[], &[]).expect_err("there is none").is_empty());
+    fn unreadable_scene_gives_diagnostics() {
+        assert!(!print_current_scene("b.sim", &OneScene, &[], &[]).expect_err("there is none").is_empty());
     }
 }

@@ -17,9 +17,9 @@ impl Reader {
     /// Reports devices that a program could not tell apart, and references to missing links and servos; moves sensors on a missing link to
     /// the body.
     pub(super) fn settle_devices(&mut self, robi: &mut RobiSpec) {
-        self.doubles(robi);
-        self.buses(robi);
-        self.turned_by(robi);
+        self.report_duplicates(robi);
+        self.check_buses(robi);
+        self.check_servos_of_links(robi);
         let names = self.link_names(robi);
         let mut links = std::mem::take(&mut robi.links);
         for link in &mut links {
@@ -30,13 +30,13 @@ impl Reader {
         let mounts = robi.ranges.iter_mut().map(|range| &mut range.mount.link);
         let psds = robi.psds.iter_mut().map(|psd| &mut psd.link);
         let lidar = robi.lidar.iter_mut().map(|lidar| &mut lidar.mount.link);
-        for on in psds.chain(mounts).chain(lidar) {
-            self.check_link(on, &names);
+        for mount_link in psds.chain(mounts).chain(lidar) {
+            self.check_link(mount_link, &names);
         }
     }
 
     /// Reports each bus with more sonars than addresses, at the first sonar without an address.
-    fn buses(&mut self, robi: &RobiSpec) {
+    fn check_buses(&mut self, robi: &RobiSpec) {
         let mut sonars: BTreeMap<u32, usize> = BTreeMap::new();
         for range in &robi.ranges {
             let Some(bus) = range.bus else { continue };
@@ -51,8 +51,8 @@ impl Reader {
         }
     }
 
-    /// Reports links that are turned by a missing servo, and makes them rigid.
-    fn turned_by(&mut self, robi: &mut RobiSpec) {
+    /// Reports links with a missing servo, and makes them rigid.
+    fn check_servos_of_links(&mut self, robi: &mut RobiSpec) {
         let servos: Vec<String> = robi.all_servos().into_iter().map(|servo| servo.name.to_owned()).collect();
         for link in &mut robi.links {
             let Some(turn) = link.joint.take_if(|turn| !servos.contains(&turn.servo.text)) else { continue };
@@ -71,7 +71,7 @@ impl Reader {
         }
     }
 
-    /// Index of each link by its name, `usize::MAX` for the links of legs; reports duplicate names.
+    /// Index of each link, `usize::MAX` for the links of legs, by its name; reports duplicate names.
     fn link_names(&mut self, robi: &RobiSpec) -> BTreeMap<String, usize> {
         let mut names: BTreeMap<String, usize> = BTreeMap::new();
         for (index, link) in robi.links.iter().enumerate() {
@@ -102,44 +102,44 @@ impl Reader {
     }
 
     /// Reports a missing link, and moves the device or link mounted on it to the body.
-    fn check_link(&mut self, on: &mut Option<SpannedText>, names: &BTreeMap<String, usize>) {
-        let Some(wanted) = on.take_if(|wanted| !names.contains_key(&wanted.text)) else { return };
+    fn check_link(&mut self, mount_link: &mut Option<SpannedText>, names: &BTreeMap<String, usize>) {
+        let Some(unknown) = mount_link.take_if(|unknown| !names.contains_key(&unknown.text)) else { return };
         let link_names = || [BODY].into_iter().chain(names.keys().map(String::as_str));
-        let message = format!("there is no link `{}`", wanted.text);
+        let message = format!("there is no link `{}`", unknown.text);
         let expected = format!("one of {}", link_names().take(MAX_LISTED).collect::<Vec<_>>().join(", "));
-        let suggestion = line::nearest(&wanted.text, link_names()).map(|name| format!("write `{name}`"));
-        self.sink.error(Code::LinkUnknown, wanted.span, message, expected).suggestion = suggestion;
+        let suggestion = line::nearest(&unknown.text, link_names()).map(|name| format!("write `{name}`"));
+        self.sink.error(Code::LinkUnknown, unknown.span, message, expected).suggestion = suggestion;
     }
 
     /// Reports cycles of links, each cycle once, and breaks them.
     fn break_cycles(&mut self, links: &mut [LinkSpec], names: &BTreeMap<String, usize>) {
         let count = links.len();
         let parent = |link: &LinkSpec| {
-            let on = link.mount.link.as_ref().and_then(|on| names.get(&on.text).copied());
-            on.filter(|index| *index < count)
+            let index = link.mount.link.as_ref().and_then(|link| names.get(&link.text).copied());
+            index.filter(|index| *index < count)
         };
-        // For each link, the start from which it was first reached.
-        let mut reached: Vec<Option<usize>> = vec![None; links.len()];
+        // For each link, the first start from which it was reached.
+        let mut first_start: Vec<Option<usize>> = vec![None; links.len()];
         for start in 0..links.len() {
-            let mut at = Some(start);
-            while let Some(link) = at.filter(|link| reached[*link].is_none()) {
-                reached[link] = Some(start);
-                at = parent(&links[link]);
+            let mut current = Some(start);
+            while let Some(link) = current.filter(|link| first_start[*link].is_none()) {
+                first_start[link] = Some(start);
+                current = parent(&links[link]);
             }
-            let Some(closing) = at.filter(|link| reached[*link] == Some(start)) else { continue };
-            let mut circle = vec![format!("`{}`", links[closing].name)];
-            let mut at = parent(&links[closing]);
-            while let Some(link) = at.filter(|link| *link != closing) {
-                circle.push(format!("`{}`", links[link].name));
-                at = parent(&links[link]);
+            let Some(closing) = current.filter(|link| first_start[*link] == Some(start)) else { continue };
+            let mut cycle = vec![format!("`{}`", links[closing].name)];
+            let mut current = parent(&links[closing]);
+            while let Some(link) = current.filter(|link| *link != closing) {
+                cycle.push(format!("`{}`", links[link].name));
+                current = parent(&links[link]);
             }
-            circle.truncate(MAX_LISTED);
-            let message = match circle.as_slice() {
+            cycle.truncate(MAX_LISTED);
+            let message = match cycle.as_slice() {
                 [one] => format!("link {one} is mounted on itself"),
                 several => format!("links {} are mounted on each other in a cycle", several.join(", ")),
             };
-            let on = links[closing].mount.link.take();
-            let span = on.map_or(Span::default(), |on| on.span);
+            let mount_link = links[closing].mount.link.take();
+            let span = mount_link.map_or(Span::default(), |mount_link| mount_link.span);
             self.sink.error(Code::LinkCycle, span, message, "links that lead to `body`");
         }
     }

@@ -69,14 +69,14 @@ const MAX_KEPT: usize = 1000;
 pub(super) struct Sink {
     file: String,
     diagnostics: Vec<Diagnostic>,
-    left_out: usize,
+    omitted: usize,
     /// The last omitted diagnostic, with the worst severity of all omitted ones.
-    last_left_out: Option<Diagnostic>,
+    last_omitted: Option<Diagnostic>,
 }
 
 impl Sink {
     pub(super) fn new(file: &str) -> Self {
-        Self { file: file.to_owned(), diagnostics: Vec::new(), left_out: 0, last_left_out: None }
+        Self { file: file.to_owned(), diagnostics: Vec::new(), omitted: 0, last_omitted: None }
     }
 
     /// Name of the file that is being read.
@@ -112,9 +112,9 @@ impl Sink {
             self.diagnostics.push(diagnostic);
             return &mut self.diagnostics[index];
         }
-        self.left_out += 1;
-        let worst = self.last_left_out.take().map_or(severity, |last| last.severity.max(severity));
-        self.last_left_out.insert(Diagnostic { severity: worst, ..diagnostic })
+        self.omitted += 1;
+        let worst = self.last_omitted.take().map_or(severity, |last| last.severity.max(severity));
+        self.last_omitted.insert(Diagnostic { severity: worst, ..diagnostic })
     }
 
     pub(super) fn warn(
@@ -140,9 +140,9 @@ impl Sink {
     /// All diagnostics, in the order of the text, with long quotations shortened.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         self.diagnostics.sort_by_key(|diagnostic| diagnostic.span);
-        self.diagnostics.extend(self.last_left_out.map(|last| Diagnostic {
+        self.diagnostics.extend(self.last_omitted.map(|last| Diagnostic {
             code: Code::FileMore,
-            message: format!("{} more mistakes in this file are left out", self.left_out),
+            message: format!("{} more mistakes in this file are left out", self.omitted),
             expected: "a file of this kind".to_owned(),
             suggestion: None,
             ..last
@@ -162,8 +162,9 @@ impl Sink {
 /// Returns true for characters that must not reach a terminal or a line of a log: they move the cursor, end the line or
 /// change the writing direction.
 fn is_unprintable(character: char) -> bool {
-    let turns = matches!(character, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    character.is_control() || turns
+    let changes_direction =
+        matches!(character, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    character.is_control() || changes_direction
 }
 
 /// The character, or its escape such as `\u{1b}` if it is unprintable.
@@ -183,7 +184,7 @@ fn shorten(text: &mut String) {
     }
 }
 
-/// First and last sixth of `text` if it is longer than `max` bytes, otherwise the whole text.
+/// The first and the last sixth of `max` bytes of `text` if it is longer than `max` bytes, otherwise the whole text.
 fn cut(text: &str, max: usize) -> Cow<'_, str> {
     if text.len() <= max {
         return Cow::Borrowed(text);

@@ -41,14 +41,14 @@ pub fn read_esobj(file: &str, text: &str) -> (ObjectType, Vec<Diagnostic>) {
     let mut reader = Reader {
         sink: Sink::new(file),
         object: ObjectType { colliders: Vec::new(), ..ObjectType::with_defaults(file) },
-        places: Vec::new(),
+        collider_spans: Vec::new(),
         scale: 1.0,
         has_mass: false,
     };
     for line in line::lines(text) {
         let words = line.words();
         if let Some((first, rest)) = words.split_first() {
-            reader.line(first, rest);
+            reader.read_line(first, rest);
         }
     }
     reader.finish()
@@ -59,14 +59,14 @@ struct Reader {
     /// The object under construction. Until `finish`, its lengths are in units of the file, in the object's axes.
     object: ObjectType,
     /// Spans of the colliders' lines.
-    places: Vec<Span>,
+    collider_spans: Vec<Span>,
     /// Factor on all lengths: millimetres per unit of the file, metres per unit of the mesh file.
     scale: f64,
     has_mass: bool,
 }
 
 impl Reader {
-    fn line(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_line(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
         match first.text {
             "obj" => {
                 let path = path::reference(&mut self.sink, Severity::Warning, first, rest, "`obj FILE.obj`");
@@ -74,7 +74,7 @@ impl Reader {
             }
             "name" => {
                 let form = "`name NAME`, between double quotes if it has blanks";
-                match self.words(first, rest, 1, form) {
+                match self.first_values(first, rest, 1, form) {
                     Some([name]) if name.text.trim().is_empty() => {
                         self.sink.warn(Code::EsobjArity, name.span, "the name is empty", form);
                     }
@@ -83,54 +83,56 @@ impl Reader {
                 }
             }
             "scale" => {
-                if let Some([scale]) = self.numbers(first, rest, &[SCALE], "`scale FACTOR`") {
+                if let Some([scale]) = self.read_numbers(first, rest, &[SCALE], "`scale FACTOR`") {
                     self.scale = scale;
                 }
             }
-            "mass" => self.mass(first, rest),
+            "mass" => self.read_mass(first, rest),
             "collider" => match rest.split_first() {
-                Some((shape, values)) => self.collider(shape, values),
+                Some((shape, values)) => self.read_collider(shape, values),
                 None => {
                     let message = "`collider` names no shape";
                     self.sink.warn(Code::EsobjArity, first.span, message, COLLIDER_FORM);
                 }
             },
-            word if SHAPES.contains(&word) => self.collider(first, rest),
+            word if SHAPES.contains(&word) => self.read_collider(first, rest),
             "buoyancy" => {
-                if let Some([volume]) = self.numbers(first, rest, &[VOLUME], "`buoyancy VOLUME` in cubic metres") {
+                if let Some([volume]) = self.read_numbers(first, rest, &[VOLUME], "`buoyancy VOLUME` in cubic metres") {
                     self.object.displaced_volume = volume;
                 }
             }
             "fixed" => {
-                self.extra(first, rest, 0, "`fixed` alone");
+                self.warn_of_extra_values(first, rest, 0, "`fixed` alone");
                 self.object.is_fixed = true;
             }
             "friction" => {
-                if let Some([friction]) = self.numbers(first, rest, &[FRICTION], "`friction COEFFICIENT`") {
+                if let Some([friction]) = self.read_numbers(first, rest, &[FRICTION], "`friction COEFFICIENT`") {
                     self.object.friction = friction;
                 }
             }
             "rolling" => {
-                if let Some([rolling]) = self.numbers(first, rest, &[ROLLING], "`rolling COEFFICIENT`") {
+                if let Some([rolling]) = self.read_numbers(first, rest, &[ROLLING], "`rolling COEFFICIENT`") {
                     self.object.rolling = Some(rolling);
                 }
             }
             "restitution" => {
-                if let Some([restitution]) = self.numbers(first, rest, &[RESTITUTION], "`restitution COEFFICIENT`") {
+                if let Some([restitution]) = self.read_numbers(first, rest, &[RESTITUTION], "`restitution COEFFICIENT`")
+                {
                     self.object.restitution = restitution;
                 }
             }
             "colour" | "color" => {
-                if let Some(colour) = self.numbers(first, rest, &COLOUR, "`colour RED GREEN BLUE`, 0 to 255 each") {
+                if let Some(colour) = self.read_numbers(first, rest, &COLOUR, "`colour RED GREEN BLUE`, 0 to 255 each")
+                {
                     self.object.colour = Some(colour.map(|shade| shade as u8));
                 }
             }
-            _ => self.unknown(first),
+            _ => self.report_unknown(first),
         }
     }
 
     /// The first `count` values of a line; reports missing or extra values.
-    fn words<'w, 't>(
+    fn first_values<'w, 't>(
         &mut self,
         keyword: &Word<'_>,
         rest: &'w [Word<'t>],
@@ -143,58 +145,60 @@ impl Reader {
             self.sink.warn(Code::EsobjArity, span, message, form);
             return None;
         }
-        self.extra(keyword, rest, count, form);
+        self.warn_of_extra_values(keyword, rest, count, form);
         rest.get(..count)
     }
 
-    fn extra(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, form: &str) {
+    fn warn_of_extra_values(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, form: &str) {
         if let Some(extra) = rest.get(count) {
             let message = format!("`{}` is left over after the values of `{}`", extra.text, keyword.text);
             self.sink.warn(Code::WordExtra, extra.span, message, form);
         }
     }
 
-    fn numbers<const N: usize>(
+    fn read_numbers<const N: usize>(
         &mut self,
         keyword: &Word<'_>,
         rest: &[Word<'_>],
         quantities: &[Quantity; N],
         form: &str,
     ) -> Option<[f64; N]> {
-        let values = self.words(keyword, rest, N, form)?;
+        let values = self.first_values(keyword, rest, N, form)?;
         line::numbers(&mut self.sink, Severity::Warning, values, quantities)
     }
 
-    fn mass(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_mass(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`mass KG` or `mass KG X Y Z`, the centre of mass";
         self.has_mass = true;
         if rest.len() == 1 {
-            if let Some([mass]) = self.numbers(keyword, rest, &[MASS], form) {
+            if let Some([mass]) = self.read_numbers(keyword, rest, &[MASS], form) {
                 self.object.mass = mass;
             }
-        } else if let Some([mass, x, y, z]) = self.numbers(keyword, rest, &[MASS, PLACE[0], PLACE[1], PLACE[2]], form) {
+        } else if let Some([mass, x, y, z]) =
+            self.read_numbers(keyword, rest, &[MASS, COORDINATES[0], COORDINATES[1], COORDINATES[2]], form)
+        {
             self.object.mass = mass;
             self.object.centre_of_mass = from_graphics(x, y, z);
         }
     }
 
-    /// Reads a collider of the shape named by `shape`.
-    fn collider(&mut self, shape: &Word<'_>, values: &[Word<'_>]) {
-        let [x, y, z] = PLACE;
+    /// Reads the `values` of a collider; the word `shape` is its shape.
+    fn read_collider(&mut self, shape: &Word<'_>, values: &[Word<'_>]) {
+        let [x, y, z] = COORDINATES;
         let collider = match shape.text {
-            "box" => self.numbers(shape, values, &[x, y, z, SIZE[0], SIZE[1], SIZE[2]], BOX_FORM).map(
+            "box" => self.read_numbers(shape, values, &[x, y, z, SIZE[0], SIZE[1], SIZE[2]], BOX_FORM).map(
                 |[x, y, z, right, up, forward]| Collider::Box {
                     centre: from_graphics(x, y, z),
                     size: DVec3::new(forward, right, up),
                 },
             ),
             "sphere" => self
-                .numbers(shape, values, &[x, y, z, RADIUS], SPHERE_FORM)
+                .read_numbers(shape, values, &[x, y, z, RADIUS], SPHERE_FORM)
                 .map(|[x, y, z, radius]| Collider::Sphere { centre: from_graphics(x, y, z), radius }),
             "cylinder" => self
-                .numbers(shape, values, &[x, y, z, RADIUS, HEIGHT], CYLINDER_FORM)
+                .read_numbers(shape, values, &[x, y, z, RADIUS, HEIGHT], CYLINDER_FORM)
                 .map(|[x, y, z, radius, height]| Collider::Cylinder { centre: from_graphics(x, y, z), radius, height }),
-            "capsule" => self.capsule(shape, values),
+            "capsule" => self.read_capsule(shape, values),
             _ => {
                 let message = format!("unknown shape `{}`", shape.text);
                 let diagnostic = self.sink.warn(Code::EsobjColliderKind, shape.span, message, COLLIDER_FORM);
@@ -204,12 +208,12 @@ impl Reader {
         };
         let Some(collider) = collider else { return };
         self.object.colliders.push(collider);
-        self.places.push(values.last().map_or(shape.span, |last| shape.span.to(last.span)));
+        self.collider_spans.push(values.last().map_or(shape.span, |last| shape.span.to(last.span)));
     }
 
-    fn capsule(&mut self, shape: &Word<'_>, values: &[Word<'_>]) -> Option<Collider> {
-        let [x, y, z] = PLACE;
-        let values = self.words(shape, values, 6, CAPSULE_FORM)?;
+    fn read_capsule(&mut self, shape: &Word<'_>, values: &[Word<'_>]) -> Option<Collider> {
+        let [x, y, z] = COORDINATES;
+        let values = self.first_values(shape, values, 6, CAPSULE_FORM)?;
         let (numbers, axis) = values.split_at(5);
         let [x, y, z, radius, height] =
             line::numbers(&mut self.sink, Severity::Warning, numbers, &[x, y, z, RADIUS, HEIGHT])?;
@@ -223,12 +227,12 @@ impl Reader {
                 return None;
             }
         };
-        // A height below the diameter leaves only the two half spheres, as in EyeSim VR's graphics library.
+        // With a height below the diameter, only the two half spheres exist, as in EyeSim VR's graphics library.
         let height = height.max(2.0 * radius);
         Some(Collider::Capsule { centre: from_graphics(x, y, z), radius, height, axis })
     }
 
-    fn unknown(&mut self, word: &Word<'_>) {
+    fn report_unknown(&mut self, word: &Word<'_>) {
         let expected = "one of obj, name, scale, mass, collider, box, sphere, capsule, cylinder, buoyancy, fixed, friction, \
                         rolling, restitution, colour";
         let message = format!("unknown keyword `{}`", word.text);
@@ -237,15 +241,15 @@ impl Reader {
     }
 
     fn finish(mut self) -> (ObjectType, Vec<Diagnostic>) {
-        let metres = unit::metres_from_mm(self.scale);
+        let metres_per_unit = unit::metres_from_mm(self.scale);
         // One unit is a metre in the mesh and a millimetre in a collider.
         self.object.scale = self.scale;
-        self.object.centre_of_mass *= metres;
+        self.object.centre_of_mass *= metres_per_unit;
         let written = std::mem::take(&mut self.object.colliders);
         let has_collider = !written.is_empty();
-        for (collider, span) in written.into_iter().zip(&self.places) {
-            let collider = scaled(collider, metres);
-            if is_sane(&collider) {
+        for (collider, span) in written.into_iter().zip(&self.collider_spans) {
+            let collider = scaled(collider, metres_per_unit);
+            if is_in_range(&collider) {
                 self.object.colliders.push(collider);
             } else {
                 let message = "times the factor of `scale`, the collider is out of range";
@@ -298,7 +302,7 @@ fn scaled(collider: Collider, factor: f64) -> Collider {
 }
 
 /// Returns true if a collider's sizes and position, in metres, are within reasonable limits.
-fn is_sane(collider: &Collider) -> bool {
+fn is_in_range(collider: &Collider) -> bool {
     let (centre, smallest, largest) = match *collider {
         Collider::Box { centre, size } => (centre, size.min_element(), size.max_element()),
         Collider::Sphere { centre, radius } => (centre, radius, radius),
@@ -325,7 +329,7 @@ const fn coordinate(name: &'static str) -> Quantity {
     Quantity::number(name, -1e15, 1e15).minor()
 }
 
-const PLACE: [Quantity; 3] = [coordinate("x"), coordinate("y"), coordinate("z")];
+const COORDINATES: [Quantity; 3] = [coordinate("x"), coordinate("y"), coordinate("z")];
 const SIZE: [Quantity; 3] = [length("size along x"), length("size along y"), length("size along z")];
 const RADIUS: Quantity = length("radius");
 const HEIGHT: Quantity = length("height");

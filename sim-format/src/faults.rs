@@ -25,7 +25,7 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
             sink.error(Code::FaultTarget, fault.span, message, expected);
             continue;
         };
-        let target = match &fault.kind {
+        let mistake = match &fault.kind {
             FaultKind::SensorOff { sensor } => unknown_sensor(&robot.robi, sensor, |_| true),
             FaultKind::SensorStuck { sensor } => {
                 unknown_sensor(&robot.robi, sensor, |kind| matches!(kind, SensorId::Range(_)))
@@ -35,19 +35,19 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
                 error.map(|error| {
                     let parameters = Profile::default().parameters();
                     let names: Vec<String> = parameters.into_iter().map(|parameters| parameters.name()).collect();
-                    let close = line::nearest(parameter, names.iter().map(String::as_str)).map(str::to_owned);
+                    let nearest = line::nearest(parameter, names.iter().map(String::as_str)).map(str::to_owned);
                     (
                         error.to_string(),
                         "a table and a key of docs/noise.md, and a value in its range".to_owned(),
-                        close,
+                        nearest,
                     )
                 })
             }
             FaultKind::Dies | FaultKind::Slip { .. } | FaultKind::RadioOff => None,
         };
-        if let Some((message, expected, close)) = target {
-            let close = close.map(|close| format!("write `{close}`"));
-            sink.error(Code::FaultTarget, fault.span, message, expected).suggestion = close;
+        if let Some((message, expected, nearest)) = mistake {
+            let nearest = nearest.map(|nearest| format!("write `{nearest}`"));
+            sink.error(Code::FaultTarget, fault.span, message, expected).suggestion = nearest;
         }
     }
     sink.finish()
@@ -57,9 +57,10 @@ pub(super) fn check(scene: &SceneSpec) -> Vec<Diagnostic> {
 fn unknown_sensor(
     robi: &RobiSpec,
     name: &str,
-    is_meant: impl Fn(SensorId) -> bool,
+    is_suitable: impl Fn(SensorId) -> bool,
 ) -> Option<(String, String, Option<String>)> {
-    let sensors: Vec<&str> = switch::sensors(robi).filter(|(_, kind)| is_meant(*kind)).map(|(name, _)| name).collect();
+    let sensors: Vec<&str> =
+        switch::sensors(robi).filter(|(_, kind)| is_suitable(*kind)).map(|(name, _)| name).collect();
     if sensors.contains(&name) {
         return None;
     }

@@ -41,7 +41,7 @@ mod world;
 pub use code::{Code, UnknownCode};
 pub use companion::read_companion;
 pub use convert::{
-    ConvertOptions, Converted, LiveEntity, Output, ToldGeneration, convert, convert_with, print_current_scene,
+    ConvertOptions, Converted, GenerationOf, LiveEntity, Output, convert, convert_with, print_current_scene,
 };
 pub use diagnostic::{Diagnostic, Severity, has_errors};
 pub use esobj::read_esobj;

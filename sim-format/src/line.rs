@@ -29,7 +29,7 @@ pub(super) struct Word<'a> {
     pub(super) is_unclosed: bool,
 }
 
-/// The lines of a text, ended by LF, CR LF or CR; skips a byte order mark.
+/// The lines of a text, which end with LF, CR LF or CR; skips a byte order mark.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let bytes = text.as_bytes();
     let mut start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
@@ -65,8 +65,8 @@ impl<'a> Line<'a> {
         Span { start: self.start, end: self.start + self.text.len(), line: self.number, column: 1 }
     }
 
-    /// Words of the line: separated by blanks and tabs, `"..."` and `'...'` are one word, a comment begins with `;` or with `#` at
-    /// the start of a word. Words beyond [`MAX_WORDS`], more than any format needs, are ignored.
+    /// Words of the line, separated by blanks and tabs; `"..."` and `'...'` are one word each. A comment begins with `;`, or
+    /// with `#` at the start of a word. Words beyond [`MAX_WORDS`], more than any format needs, are ignored.
     pub(super) fn words(&self) -> Vec<Word<'a>> {
         let mut words = Vec::new();
         let mut characters = self.text.char_indices().zip(1..).peekable();
@@ -92,7 +92,7 @@ impl<'a> Line<'a> {
                 }
                 characters.next();
             }
-            let inner = first + usize::from(quote.is_some());
+            let text_start = first + usize::from(quote.is_some());
             let outer_end = if quote.is_some() && !is_unclosed {
                 characters.next();
                 end + 1
@@ -147,7 +147,7 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
         let message = format!("`{}` is not a number ({name})", word.text);
         let diagnostic = sink.report(severity, Code::NumberInvalid, word.span, message, quantity.expected());
         let note = if word.text.ends_with([',', ';']) { ": blanks separate numbers" } else { "" };
-        diagnostic.suggestion = number_within(word.text).map(|text| format!("write `{text}`{note}"));
+        diagnostic.suggestion = guessed_number(word.text).map(|text| format!("write `{text}`{note}"));
         return None;
     };
     let checked = quantity.check(value);
@@ -158,18 +158,18 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     checked
 }
 
-/// Guess of the intended number: corrects a comma instead of the point or after the number, letters instead of digits,
-/// or an attached unit.
-pub(super) fn number_within(word: &str) -> Option<String> {
+/// Guess of the number that the user meant: corrects a comma instead of the point or after the number, letters instead
+/// of digits, or an attached unit.
+pub(super) fn guessed_number(word: &str) -> Option<String> {
     let word = word.trim_end_matches([',', ';']);
-    let digits = |c: char| match c {
+    let corrected = |c: char| match c {
         'O' | 'o' => '0',
         'l' | 'I' => '1',
         ',' => '.',
         c => c,
     };
     let without_unit = ["mm", "deg", "°"].iter().find_map(|unit| word.strip_suffix(unit)).unwrap_or(word);
-    let guess: String = without_unit.chars().map(digits).collect();
+    let guess: String = without_unit.chars().map(corrected).collect();
     guess.parse::<f64>().is_ok_and(f64::is_finite).then_some(guess)
 }
 
@@ -181,14 +181,14 @@ pub(super) fn numbers<const N: usize>(
     quantities: &[Quantity; N],
 ) -> Option<[f64; N]> {
     let mut values = [0.0; N];
-    let mut complete = words.len() == N;
+    let mut is_complete = words.len() == N;
     for ((value, word), quantity) in values.iter_mut().zip(words).zip(quantities) {
         match number(sink, severity, word, quantity) {
-            Some(si) => *value = si,
-            None => complete = false,
+            Some(converted) => *value = converted,
+            None => is_complete = false,
         }
     }
-    complete.then_some(values)
+    is_complete.then_some(values)
 }
 
 #[cfg(test)]
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn spans_cut_the_word_out_of_the_text() {
+    fn spans_select_the_words_in_the_text() {
         let text = "\u{feff}é \"x y\" z";
         let spans: Vec<&str> = lines(text).flat_map(|l| l.words()).map(|w| &text[w.span.start..w.span.end]).collect();
         assert_eq!(spans, ["é", "\"x y\"", "z"]);
@@ -223,17 +223,17 @@ mod tests {
     }
 
     #[test]
-    fn a_quote_without_an_end_takes_the_rest_of_the_line() {
+    fn word_with_unclosed_quote_extends_to_the_end_of_the_line() {
         let word = lines("world \"a b").flat_map(|line| line.words()).nth(1).expect("two words");
         assert_eq!((word.text, word.is_unclosed), ("a b", true));
     }
 
     #[test]
-    fn a_number_with_comma_or_unit_is_guessed() {
-        assert_eq!(number_within("12,5").as_deref(), Some("12.5"));
-        assert_eq!(number_within("360mm").as_deref(), Some("360"));
-        assert_eq!(number_within("1OO").as_deref(), Some("100"));
-        assert_eq!(number_within("wide"), None);
-        assert_eq!(number_within("1,000,000"), None);
+    fn numbers_with_comma_or_unit_are_guessed() {
+        assert_eq!(guessed_number("12,5").as_deref(), Some("12.5"));
+        assert_eq!(guessed_number("360mm").as_deref(), Some("360"));
+        assert_eq!(guessed_number("1OO").as_deref(), Some("100"));
+        assert_eq!(guessed_number("wide"), None);
+        assert_eq!(guessed_number("1,000,000"), None);
     }
 }

@@ -21,9 +21,9 @@ use sim_core::build::{self, MeshSource};
 use sim_core::drive::DriveKind;
 use sim_core::unit::mm_from_metres;
 
-/// Deviation of the ground from the floor's height, in metres, up to which the ground counts as level for wheels.
-/// Source: our choice.
-const LEVEL: f64 = 1e-3;
+/// Maximum difference in height between ground and floor, in metres, at which the ground is level for wheels.
+/// Our choice.
+const LEVEL_TOLERANCE: f64 = 1e-3;
 
 /// File system interface of the readers; paths have slashes.
 pub trait Files {
@@ -71,8 +71,9 @@ impl Files for MemoryFiles {
             "" | "/" => folder.to_owned(),
             folder => format!("{folder}/"),
         };
-        let below = self.files.keys().filter_map(|path| path.strip_prefix(&prefix));
-        let mut names: Vec<String> = below.map(|rest| rest.split('/').next().unwrap_or_default().to_owned()).collect();
+        let paths_in_folder = self.files.keys().filter_map(|path| path.strip_prefix(&prefix));
+        let mut names: Vec<String> =
+            paths_in_folder.map(|rest| rest.split('/').next().unwrap_or_default().to_owned()).collect();
         names.dedup();
         names
     }
@@ -109,7 +110,7 @@ pub struct Loaded {
     pub scene: SceneSpec,
     /// Mistakes, in the order in which the files were read.
     pub diagnostics: Vec<Diagnostic>,
-    /// Files that were read, in this order, without duplicates.
+    /// Files that were read, in the order of reading, without duplicates.
     pub inputs: Vec<InputFile>,
     /// Notes on the interpretation of maps and mazes of other programs, a line each.
     pub notes: Vec<String>,
@@ -122,7 +123,7 @@ impl Loaded {
     }
 }
 
-/// Loads a scene (in our own form if its name ends in `.toml`, otherwise a sim file) and all worlds, robis and object files that it refers
+/// Loads a scene (in TOML if its name ends in `.toml`, otherwise a sim file) and all worlds, robis and object files that it refers
 /// to. Does not search for programs and meshes.
 ///
 /// Robots without a pose take the starts of the world in order, or the start of their letter. A type is read once for all robots or objects
@@ -144,25 +145,25 @@ pub struct Overrides<'a> {
     pub settings: &'a [Setting],
 }
 
-/// Maximum number of attempts to draw a scene that meets its own demands.
-const ATTEMPTS: u32 = 100;
-/// Maximum number of attempts that fail because there is no room.
-const FULL_ATTEMPTS: u32 = 5;
-/// Number of seeds with which a check of a scene tries its random values.
-const CHECKED_SEEDS: u64 = 10;
+/// Maximum number of attempts to draw a scene that meets its demands.
+const MAX_ATTEMPTS: u32 = 100;
+/// Number of attempts without enough room after which no further attempt is made.
+const MAX_FULL_ATTEMPTS: u32 = 5;
+/// Number of seeds for which [`check_scene`] loads a scene with random values.
+const CHECKED_SEED_COUNT: u64 = 10;
 
-/// Loads a scene like [`load_scene`], with values that override the scene's own.
+/// Loads a scene like [`load_scene`], with values that override those of the scene.
 ///
 /// Random values are drawn from the seed. If a demand of the scene on its positions is not met, all values are drawn again, up to 100
 /// times.
 pub fn load_scene_with(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
-    load_drawn(path, overrides, files).0
+    load_with_spec(path, overrides, files).0
 }
 
-/// Loads a scene like [`load_scene_with`], and searches for mistakes that other seeds would reveal: tries minimum and maximum of random
-/// ranges, all choices, and ten seeds.
+/// Loads a scene like [`load_scene_with`], and searches for mistakes that other seeds would reveal: tries the minimum
+/// and maximum of each random range, all choices, and ten seeds.
 pub fn check_scene(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
-    let (mut loaded, sim) = load_drawn(path, overrides, files);
+    let (mut loaded, sim) = load_with_spec(path, overrides, files);
     let is_random = !sim.drawn.is_empty() || !loaded.scene.drawn.is_empty();
     if !is_random && !loaded.has_errors() {
         return loaded;
@@ -185,31 +186,32 @@ pub fn check_scene(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> L
         add(&mut loaded, diagnostics, note);
     }
     if choices > 0 || is_random {
-        for seed in 0..CHECKED_SEEDS {
-            let other = load_scene_with(path, Overrides { seed: Some(seed), ..overrides }, files);
-            add(&mut loaded, other.diagnostics, &format!("with seed {seed}"));
+        for seed in 0..CHECKED_SEED_COUNT {
+            let seeded = load_scene_with(path, Overrides { seed: Some(seed), ..overrides }, files);
+            add(&mut loaded, seeded.diagnostics, &format!("with seed {seed}"));
         }
     }
     loaded
 }
 
-/// Loads a scene; also returns the spec of its own text, with the random values of the attempt that succeeded.
-pub(super) fn load_drawn(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> (Loaded, SimSpec) {
-    let mut full = 0;
+/// Loads a scene; also returns the spec of its text, with the random values of the last attempt.
+pub(super) fn load_with_spec(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> (Loaded, SimSpec) {
+    let mut full_attempts = 0;
     for attempt in 0.. {
         let (loaded, sim, may_retry) = load_attempt(path, overrides, files, attempt);
         let is_random = !sim.drawn.is_empty() || !loaded.scene.drawn.is_empty();
-        full += u32::from(loaded.diagnostics.iter().any(|it| it.code == Code::SceneRoom));
-        if !may_retry || !is_random || attempt + 1 >= ATTEMPTS || full >= FULL_ATTEMPTS {
+        full_attempts += u32::from(loaded.diagnostics.iter().any(|it| it.code == Code::SceneRoom));
+        if !may_retry || !is_random || attempt + 1 >= MAX_ATTEMPTS || full_attempts >= MAX_FULL_ATTEMPTS {
             return (loaded, sim);
         }
     }
     unreachable!("the attempts end")
 }
 
+/// Makes one attempt to load a scene. Also returns the spec of its text, and true if another attempt may succeed.
 fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt: u32) -> (Loaded, SimSpec, bool) {
     let mut loader = Loader::new(files);
-    let Some(text) = loader.root(path) else {
+    let Some(text) = loader.read_root(path) else {
         let scene = SceneSpec { file: path.to_owned(), ..SceneSpec::default() };
         return (loader.finish(scene), SimSpec::default(), false);
     };
@@ -217,7 +219,7 @@ fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt
     let Overrides { seed, dialect, maze_cell, settings } = overrides;
     let (mut sim, diagnostics) =
         if is_toml { read_scene_with(path, &text, settings, Draw::Seed(seed, attempt)) } else { read_sim(path, &text) };
-    let own = sim.clone();
+    let sim_as_written = sim.clone();
     loader.diagnostics.extend(diagnostics);
     if !is_toml && !settings.is_empty() {
         loader.diagnostics.push(set::not_toml(path));
@@ -227,16 +229,16 @@ fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt
     sim.world.iter_mut().for_each(|line| line.cell = maze_cell.or(line.cell));
     let folder = path::folder_of(path).to_owned();
     for (robi, _) in &mut sim.inline.robot_types {
-        loader.serial_files(path, &folder, robi);
+        loader.read_serial_files(path, &folder, robi);
     }
-    loader.profiles(path, &folder, &mut sim);
-    let mut world = loader.world(&sim, &folder);
-    loader.solids(path, world.as_mut(), &mut sim.inline.object_types);
+    loader.read_profiles(path, &folder, &mut sim);
+    let mut world = loader.find_world(&sim, &folder);
+    loader.read_meshes(path, world.as_mut(), &mut sim.inline.object_types);
     let placement = place::place(&mut loader, &sim, &folder, world.as_ref(), attempt);
     if let Some(world) = &mut world {
         world.walls = placement.walls;
     }
-    let costs = sim.run.costs.take().and_then(|costs| loader.costs(path, &folder, costs));
+    let costs = sim.run.costs.take().and_then(|costs| loader.find_costs(path, &folder, costs));
     checks::set_folder(&mut sim.checks, &folder);
     let scene = SceneSpec {
         file: path.to_owned(),
@@ -253,12 +255,12 @@ fn load_attempt(path: &str, overrides: Overrides<'_>, files: &dyn Files, attempt
         drawn: sim.drawn.into_iter().chain(placement.drawn).collect(),
     };
     loader.diagnostics.extend(unknown_sensors(&scene.robots));
-    loader.wheels_on_terrain(&scene);
-    loader.hulls_in_water(&scene);
+    loader.check_wheels_on_terrain(&scene);
+    loader.check_hulls(&scene);
     loader.diagnostics.extend(checks::check(&scene));
     loader.diagnostics.extend(faults::check(&scene));
-    loader.diagnostics.extend(clearance::check(&scene, placement.of_world));
-    (loader.finish(scene), own, placement.may_retry)
+    loader.diagnostics.extend(clearance::check(&scene, placement.world_object_count));
+    (loader.finish(scene), sim_as_written, placement.may_retry)
 }
 
 /// Reads only a world file of any kind; the scene of the result has no robots.
@@ -270,7 +272,7 @@ pub fn load_world(path: &str, files: &dyn Files) -> Loaded {
 pub fn load_world_with(path: &str, rules: CellRules, files: &dyn Files) -> Loaded {
     let mut loader = Loader::new(files);
     let mut scene = SceneSpec { file: path.to_owned(), ..SceneSpec::default() };
-    if let Some(bytes) = loader.root_bytes(path) {
+    if let Some(bytes) = loader.read_root_bytes(path) {
         scene.world = map::read_world_file(&mut loader, path, bytes, WorldKind::World, rules);
     }
     loader.finish(scene)
@@ -279,14 +281,14 @@ pub fn load_world_with(path: &str, rules: CellRules, files: &dyn Files) -> Loade
 /// Reads only a robi and its companion; `None` if the file does not exist. The scene of the result is empty.
 pub fn load_robi(path: &str, files: &dyn Files) -> (Option<RobiSpec>, Loaded) {
     let mut loader = Loader::new(files);
-    let robi = loader.root(path).map(|text| loader.robi_text(path, &text));
+    let robi = loader.read_root(path).map(|text| loader.read_robi_text(path, &text));
     (robi, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
 }
 
 /// Reads only an object file; `None` if the file does not exist. The scene of the result is empty.
 pub fn load_object(path: &str, files: &dyn Files) -> (Option<ObjectType>, Loaded) {
     let mut loader = Loader::new(files);
-    let object = loader.root(path).map(|text| {
+    let object = loader.read_root(path).map(|text| {
         let (object, diagnostics) = read_esobj(path, &text);
         loader.diagnostics.extend(diagnostics);
         object
@@ -297,7 +299,7 @@ pub fn load_object(path: &str, files: &dyn Files) -> (Option<ObjectType>, Loaded
 /// Reads only a noise profile; `None` if the file does not exist. The scene of the result is empty.
 pub fn load_noise(path: &str, files: &dyn Files) -> (Option<NoiseRef>, Loaded) {
     let mut loader = Loader::new(files);
-    let noise = loader.root(path).map(|text| loader.profile(path, &text));
+    let noise = loader.read_root(path).map(|text| loader.read_profile(path, &text));
     (noise, loader.finish(SceneSpec { file: path.to_owned(), ..SceneSpec::default() }))
 }
 
@@ -309,7 +311,7 @@ pub fn decode(bytes: &[u8]) -> (String, Option<usize>) {
     }
 }
 
-/// Finds files, reads each of them once, and collects the diagnostics.
+/// Finds files, reads each type once, and collects the diagnostics.
 pub(super) struct Loader<'a> {
     pub(super) files: &'a dyn Files,
     pub(super) diagnostics: Vec<Diagnostic>,
@@ -322,14 +324,14 @@ pub(super) struct Loader<'a> {
 /// Cache of types that were read.
 struct TypeCache<T> {
     /// Types by the text of the reference; `None` for a file that does not exist.
-    referenced: BTreeMap<String, Option<Arc<T>>>,
+    by_reference: BTreeMap<String, Option<Arc<T>>>,
     /// Types by the path of the file.
-    found: BTreeMap<String, Arc<T>>,
+    by_path: BTreeMap<String, Arc<T>>,
 }
 
 impl<T> Default for TypeCache<T> {
     fn default() -> Self {
-        Self { referenced: BTreeMap::new(), found: BTreeMap::new() }
+        Self { by_reference: BTreeMap::new(), by_path: BTreeMap::new() }
     }
 }
 
@@ -344,12 +346,12 @@ impl<'a> Loader<'a> {
     }
 
     /// Reads the file that the user named.
-    pub(super) fn root(&mut self, path: &str) -> Option<String> {
-        self.root_bytes(path).map(|bytes| self.take(path, bytes))
+    pub(super) fn read_root(&mut self, path: &str) -> Option<String> {
+        self.read_root_bytes(path).map(|bytes| self.decode_input(path, bytes))
     }
 
     /// Reads the bytes of the file that the user named.
-    pub(super) fn root_bytes(&mut self, path: &str) -> Option<Vec<u8>> {
+    pub(super) fn read_root_bytes(&mut self, path: &str) -> Option<Vec<u8>> {
         match self.files.read(path) {
             Ok(bytes) => Some(bytes),
             Err(error) => {
@@ -361,13 +363,13 @@ impl<'a> Loader<'a> {
         }
     }
 
-    /// Returns true if a file of a robot type that was referred to is missing.
+    /// Returns true if a reference to a robot type has failed because the file is missing.
     pub(super) fn lacks_robot_type(&self) -> bool {
-        self.robots.referenced.values().any(Option::is_none)
+        self.robots.by_reference.values().any(Option::is_none)
     }
 
-    /// Records a file as input and decodes it; reports an error for UTF-16, of which no text is returned.
-    pub(super) fn take(&mut self, path: &str, bytes: Vec<u8>) -> String {
+    /// Records a file as input and decodes it. Reports an error for UTF-16 and returns an empty text.
+    pub(super) fn decode_input(&mut self, path: &str, bytes: Vec<u8>) -> String {
         if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {
             let mut sink = Sink::new(path);
             let diagnostic = sink.error(Code::FileEncoding, Span::default(), "the file is UTF-16", "UTF-8 or ASCII");
@@ -380,7 +382,7 @@ impl<'a> Loader<'a> {
         if let Some(index) = invalid {
             let starts = line::line_starts(&text[..index]);
             let line = &text[starts.last().copied().unwrap_or_default()..index];
-            // A byte order mark counts only at the start of the text.
+            // Only at the start of the text, U+FEFF is a byte order mark.
             let line = if starts.len() == 1 { line.trim_start_matches('\u{feff}') } else { line };
             let span = Span {
                 start: index,
@@ -431,7 +433,7 @@ impl<'a> Loader<'a> {
             break;
         }
         if found.is_none() {
-            found = candidates.iter().find_map(|candidate| self.in_other_case(candidate));
+            found = candidates.iter().find_map(|candidate| self.find_in_other_case(candidate));
             if let Some((candidate, _)) = &found {
                 let message =
                     format!("`{}` is found only as `{candidate}`: upper and lower case differ", reference.text);
@@ -439,16 +441,17 @@ impl<'a> Loader<'a> {
             }
         }
         if found.is_none() {
-            let ends = path::moved(&reference.text, folder, self.files.home());
-            let exact = ends.iter().find_map(|candidate| Some((candidate.clone(), self.files.read(candidate).ok()?)));
-            found = exact.or_else(|| ends.iter().find_map(|candidate| self.in_other_case(candidate)));
+            let relocated = path::relocated_candidates(&reference.text, folder, self.files.home());
+            let exact =
+                relocated.iter().find_map(|candidate| Some((candidate.clone(), self.files.read(candidate).ok()?)));
+            found = exact.or_else(|| relocated.iter().find_map(|candidate| self.find_in_other_case(candidate)));
             if let Some((candidate, _)) = &found {
                 let message = format!("`{}` is not found; `{candidate}` is taken instead", reference.text);
                 sink.warn(Code::FileMoved, reference.span, message, "a name relative to this file");
             }
         }
         if found.is_none() {
-            let message = format!("`{}` is not found; tried {}", reference.text, tried(&candidates));
+            let message = format!("`{}` is not found; tried {}", reference.text, tried_paths(&candidates));
             let expected = "a file relative to this one, to the working folder or to the installation (`%sim%`)";
             let diagnostic = sink.report(severity, Code::FileMissing, reference.span, message, expected);
             let stem = path::stem(&reference.text);
@@ -456,15 +459,15 @@ impl<'a> Loader<'a> {
             let built_in = built_in.filter(|_| path::extension(&reference.text) == "robi");
             diagnostic.suggestion = match built_in {
                 Some(name) => Some(format!("`{name}` is built in: write `{name} X Y PHI PROGRAM`")),
-                None => self.similar(&candidates).map(|name| format!("there is `{name}`")),
+                None => self.similar_path(&candidates).map(|name| format!("there is `{name}`")),
             };
         }
         self.diagnostics.extend(sink.finish());
         found
     }
 
-    /// File whose path differs from `place` only in letter case.
-    fn in_other_case(&self, wanted: &str) -> Option<(String, Vec<u8>)> {
+    /// File whose path differs from `wanted` only in letter case.
+    fn find_in_other_case(&self, wanted: &str) -> Option<(String, Vec<u8>)> {
         let root = if wanted.starts_with('/') { "/" } else { "" };
         let mut path = root.to_owned();
         for part in wanted.split('/').filter(|part| !part.is_empty()) {
@@ -486,7 +489,7 @@ impl<'a> Loader<'a> {
     }
 
     /// File with a similar name in one of the folders tried.
-    fn similar(&self, paths: &[String]) -> Option<String> {
+    fn similar_path(&self, paths: &[String]) -> Option<String> {
         paths.iter().find_map(|path| {
             let mut names = self.files.list(path::folder_of(path));
             names.sort_unstable();
@@ -496,13 +499,13 @@ impl<'a> Loader<'a> {
         })
     }
 
-    /// World that the sim file refers to; `None`, with an error, if there is none.
-    fn world(&mut self, sim: &SimSpec, folder: &str) -> Option<WorldSpec> {
+    /// Reads the world that the sim file refers to. Without a reference, it is a default world or, with an error, `None`.
+    fn find_world(&mut self, sim: &SimSpec, folder: &str) -> Option<WorldSpec> {
         if let Some(world) = &sim.inline.world {
             return Some(world.clone());
         }
         let Some(line) = &sim.world else {
-            // A line that could not be read already gave an error.
+            // A line that could not be read has already caused an error.
             if super::has_errors(&self.diagnostics) {
                 return None;
             }
@@ -524,30 +527,30 @@ impl<'a> Loader<'a> {
         Some(WorldSpec { looks: line.looks, ..world })
     }
 
-    /// Cost table of the scene `file`, read if it is a reference to a file.
-    fn costs(&mut self, file: &str, folder: &str, costs: CostsRef) -> Option<CostsRef> {
+    /// Cost table of the scene `file`; reads it if `costs` refers to a file.
+    fn find_costs(&mut self, file: &str, folder: &str, costs: CostsRef) -> Option<CostsRef> {
         let CostsRef::File(reference) = costs else {
             return Some(costs);
         };
         let (path, bytes) = self.find(file, folder, &reference)?;
-        let text = self.take(&path, bytes);
+        let text = self.decode_input(&path, bytes);
         let (table, diagnostics) = read_costs(&path, &text);
         self.diagnostics.extend(diagnostics);
         Some(CostsRef::Table(table))
     }
 
     /// Reads the noise profiles that the scene `file` and its robots refer to.
-    fn profiles(&mut self, file: &str, folder: &str, sim: &mut SimSpec) {
+    fn read_profiles(&mut self, file: &str, folder: &str, sim: &mut SimSpec) {
         let mut read: BTreeMap<String, Option<NoiseRef>> = BTreeMap::new();
-        let of_robots = sim.robots.iter_mut().map(|line| &mut line.noise);
-        for noise in of_robots.chain([&mut sim.run.noise]) {
+        let robot_noise = sim.robots.iter_mut().map(|line| &mut line.noise);
+        for noise in robot_noise.chain([&mut sim.run.noise]) {
             let Some(NoiseRef::File(reference)) = noise else { continue };
             *noise = match read.get(&reference.text) {
-                Some(known) => known.clone(),
+                Some(cached) => cached.clone(),
                 None => {
                     let profile = self.find(file, folder, reference).map(|(path, bytes)| {
-                        let text = self.take(&path, bytes);
-                        self.profile(&path, &text)
+                        let text = self.decode_input(&path, bytes);
+                        self.read_profile(&path, &text)
                     });
                     read.insert(reference.text.clone(), profile.clone());
                     profile
@@ -556,7 +559,7 @@ impl<'a> Loader<'a> {
         }
     }
 
-    fn profile(&mut self, path: &str, text: &str) -> NoiseRef {
+    fn read_profile(&mut self, path: &str, text: &str) -> NoiseRef {
         let (profile, diagnostics) = read_noise(path, text);
         self.diagnostics.extend(diagnostics);
         NoiseRef::Profile(Arc::new(profile))
@@ -564,52 +567,52 @@ impl<'a> Loader<'a> {
 
     /// Robot type that `reference` in the sim file `file` refers to; an error if it does not exist.
     pub(super) fn robot_type(&mut self, file: &str, folder: &str, reference: &SpannedText) -> Option<Arc<RobiSpec>> {
-        if let Some(known) = self.robots.referenced.get(&reference.text) {
-            return known.clone();
+        if let Some(cached) = self.robots.by_reference.get(&reference.text) {
+            return cached.clone();
         }
         let robi = self.find(file, folder, reference).map(|(path, bytes)| {
-            if let Some(robi) = self.robots.found.get(&path) {
+            if let Some(robi) = self.robots.by_path.get(&path) {
                 return Arc::clone(robi);
             }
-            let text = self.take(&path, bytes);
-            let robi = Arc::new(self.robi_text(&path, &text));
-            self.robots.found.insert(path, Arc::clone(&robi));
+            let text = self.decode_input(&path, bytes);
+            let robi = Arc::new(self.read_robi_text(&path, &text));
+            self.robots.by_path.insert(path, Arc::clone(&robi));
             robi
         });
-        self.robots.referenced.insert(reference.text.clone(), robi.clone());
+        self.robots.by_reference.insert(reference.text.clone(), robi.clone());
         robi
     }
 
     /// Object type that `reference` in the sim file `file` refers to; a warning if it does not exist.
     pub(super) fn object_type(&mut self, file: &str, folder: &str, reference: &SpannedText) -> Option<Arc<ObjectType>> {
-        if let Some(known) = self.objects.referenced.get(&reference.text) {
-            return known.clone();
+        if let Some(cached) = self.objects.by_reference.get(&reference.text) {
+            return cached.clone();
         }
         let object = self.find_or(Severity::Warning, file, folder, reference).map(|(path, bytes)| {
-            if let Some(object) = self.objects.found.get(&path) {
+            if let Some(object) = self.objects.by_path.get(&path) {
                 return Arc::clone(object);
             }
-            let text = self.take(&path, bytes);
+            let text = self.decode_input(&path, bytes);
             let (object, diagnostics) = read_esobj(&path, &text);
             self.diagnostics.extend(diagnostics);
             let object = Arc::new(object);
-            self.objects.found.insert(path, Arc::clone(&object));
+            self.objects.by_path.insert(path, Arc::clone(&object));
             object
         });
-        self.objects.referenced.insert(reference.text.clone(), object.clone());
+        self.objects.by_reference.insert(reference.text.clone(), object.clone());
         object
     }
 
     /// Reads a robi and the companion beside it.
-    fn robi_text(&mut self, path: &str, text: &str) -> RobiSpec {
+    fn read_robi_text(&mut self, path: &str, text: &str) -> RobiSpec {
         let (mut robi, diagnostics) = read_robi(path, text);
         self.diagnostics.extend(diagnostics);
         let companion = path::with_extension(path, "toml");
         match self.files.read(&companion) {
             Ok(bytes) => {
-                let text = self.take(&companion, bytes);
+                let text = self.decode_input(&companion, bytes);
                 self.diagnostics.extend(read_companion(&companion, &text, &mut robi));
-                self.serial_files(&companion, path::folder_of(&companion), &mut robi);
+                self.read_serial_files(&companion, path::folder_of(&companion), &mut robi);
             }
             Err(FileError::Missing) => {}
             Err(error) => {
@@ -624,7 +627,7 @@ impl<'a> Loader<'a> {
 
 impl Loader<'_> {
     /// Reads the data files of the devices at the serial interfaces of a type in `file`.
-    fn serial_files(&mut self, file: &str, folder: &str, robi: &mut RobiSpec) {
+    fn read_serial_files(&mut self, file: &str, folder: &str, robi: &mut RobiSpec) {
         for serial in &mut robi.serials {
             if let SerialLine::File { path, bytes } = &mut serial.line
                 && let Some((found_path, content)) = self.find(file, folder, path)
@@ -637,11 +640,11 @@ impl Loader<'_> {
 }
 
 impl Loader<'_> {
-    /// Reads the meshes that range sensors see: the terrain, and objects. `file` is the scene.
-    fn solids(&mut self, file: &str, world: Option<&mut WorldSpec>, objects: &mut [(ObjectType, Span)]) {
+    /// Reads the meshes that range sensors detect: those of the terrain and of objects. `file` is the scene.
+    fn read_meshes(&mut self, file: &str, world: Option<&mut WorldSpec>, objects: &mut [(ObjectType, Span)]) {
         let mut reader = MeshReader::new(self.files);
         let mut sink = Sink::new(file);
-        let mut missing = |model: &ModelSpec| {
+        let mut report_missing = |model: &ModelSpec| {
             let message = format!("range sensors are to see the mesh `{}`, which cannot be read", model.path.text);
             sink.error(Code::MeshSolid, model.path.span, message, "an .obj file with triangles");
         };
@@ -654,7 +657,7 @@ impl Loader<'_> {
             };
             let mesh = reader.object(object);
             if mesh.is_none() {
-                missing(model);
+                report_missing(model);
             }
             object.sensor_shape = SensorShape::Mesh(mesh);
         }
@@ -667,17 +670,17 @@ impl Loader<'_> {
 
 impl Loader<'_> {
     /// Warns once if a robot on wheels starts on ground that is not level with the floor.
-    fn wheels_on_terrain(&mut self, scene: &SceneSpec) {
+    fn check_wheels_on_terrain(&mut self, scene: &SceneSpec) {
         let Some(terrain) = &scene.world.terrain else { return };
         let Some(field) = &terrain.field else { return };
-        let stands_apart = |robot: &&RobotSpec| {
+        let is_not_level = |robot: &&RobotSpec| {
             if matches!(robot.robi.drive.kind, DriveKind::Legged | DriveKind::Thrusters) {
                 return false;
             }
             let (low, high) = field.height_bounds_in(robot.start.position, 0.5 * robot.robi.diameter);
-            low.abs().max(high.abs()) > LEVEL
+            low.abs().max(high.abs()) > LEVEL_TOLERANCE
         };
-        let Some(robot) = scene.robots.iter().find(stands_apart) else { return };
+        let Some(robot) = scene.robots.iter().find(is_not_level) else { return };
         let message =
             format!("robot {} has wheels: it stands and drives on the plane z = 0, not on the terrain", robot.id.0);
         let mut sink = Sink::new(&scene.world.file);
@@ -688,7 +691,7 @@ impl Loader<'_> {
 
 impl Loader<'_> {
     /// Reports robots with thrusters whose hull the water does not cover.
-    fn hulls_in_water(&mut self, scene: &SceneSpec) {
+    fn check_hulls(&mut self, scene: &SceneSpec) {
         let mut sink = Sink::new(&scene.file);
         let depth = scene.world.water.unwrap_or_default();
         for robot in
@@ -711,7 +714,7 @@ impl Loader<'_> {
     }
 }
 
-/// EyeSim VR's default world for a scene that names none: a box with a wall on each side.
+/// EyeSim VR's default world for a scene without a world: a box with a wall on each side.
 fn empty_box() -> WorldSpec {
     const SIDE: f64 = 2.0;
     let corners = [(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE)].map(DVec2::from);
@@ -737,7 +740,7 @@ impl FileError {
     }
 }
 
-fn tried(paths: &[String]) -> String {
+fn tried_paths(paths: &[String]) -> String {
     if paths.is_empty() {
         return "nothing, since the installation's folder is unknown".to_owned();
     }

@@ -57,16 +57,16 @@ pub(crate) fn form_of(bytes: &[u8]) -> MazeForm {
     }
 }
 
-/// A maze in a form of contests.
-struct MazeRead {
+/// A maze that was read from a file of micro-mouse contests.
+struct ContestMaze {
     drawing: Drawing,
     /// Rows of cells; at least 1.
     rows: usize,
-    /// Note on its interpretation.
+    /// Note on the interpretation of the file.
     note: Option<String>,
 }
 
-/// Reads a maze from bytes. Also returns a note on its interpretation.
+/// Reads a binary maze. Also returns a note on its interpretation.
 pub(crate) fn read_maze_bytes(
     file: &str,
     bytes: &[u8],
@@ -74,7 +74,7 @@ pub(crate) fn read_maze_bytes(
 ) -> (WorldSpec, Vec<Diagnostic>, Option<String>) {
     let mut sink = Sink::new(file);
     let maze = binary::read(&mut sink, bytes);
-    maze.world(sink, file, rules)
+    maze.into_world(sink, file, rules)
 }
 
 /// Reads a maze of posts or of numbers. Also returns a note on its interpretation.
@@ -86,22 +86,22 @@ pub(crate) fn read_maze_text(
 ) -> (WorldSpec, Vec<Diagnostic>, Option<String>) {
     let mut sink = Sink::new(file);
     let maze = if form == MazeForm::Numbers { numbers::read(&mut sink, text) } else { posts::read(&mut sink, text) };
-    maze.world(sink, file, rules)
+    maze.into_world(sink, file, rules)
 }
 
-impl MazeRead {
-    fn world(self, mut sink: Sink, file: &str, rules: CellRules) -> (WorldSpec, Vec<Diagnostic>, Option<String>) {
+impl ContestMaze {
+    fn into_world(self, mut sink: Sink, file: &str, rules: CellRules) -> (WorldSpec, Vec<Diagnostic>, Option<String>) {
         self.drawing.check_border(&mut sink, self.rows as u32, |_| Span::default());
         let cell = rules.cell.unwrap_or(DEFAULT_CELL);
         let note = self.note.map(|note| format!("{note}; cells of {} mm", unit::mm_from_metres(cell)));
-        let world = self.drawing.world(&mut sink, file, self.rows as u32 + 1, cell);
+        let world = self.drawing.into_world(&mut sink, file, self.rows as u32 + 1, cell);
         (world, sink.finish(), note)
     }
 }
 
 /// Reads a maze file, in which the last or the first line contains only the size of its cells.
 ///
-/// `file` is its name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper border. Adjacent wall
+/// `file` is the name for the diagnostics. The lower left corner is the origin; the first drawn line is the upper border. Adjacent wall
 /// pieces on one line are merged, so that walls have no joints inside.
 pub fn read_maze(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     read_maze_with(file, text, CellRules::default())
@@ -114,10 +114,10 @@ pub fn read_maze_with(file: &str, text: &str, rules: CellRules) -> (WorldSpec, V
     let cell = cell_size(&mut sink, &sizes, rules);
     let mut drawing = Drawing::new(Grid::of(&mut sink, &rows));
     for (row, line) in rows.iter().enumerate() {
-        drawing.row(&mut sink, row as u32, line);
+        drawing.read_row(&mut sink, row as u32, line);
     }
     drawing.check_border(&mut sink, (rows.len() as u32).saturating_sub(1), |row| rows[row as usize].span());
-    let world = drawing.world(&mut sink, file, rows.len() as u32, cell);
+    let world = drawing.into_world(&mut sink, file, rows.len() as u32, cell);
     (world, sink.finish())
 }
 
@@ -137,7 +137,7 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
     if let Some(cell) = rules.cell {
         return cell;
     }
-    let mm = unit::mm_from_metres;
+    let in_mm = unit::mm_from_metres;
     if rules.dialect == Some(Dialect::Vr2018) {
         let (last, others) = match sizes.split_last() {
             Some((last, others)) if last.is_last => (last.size, others),
@@ -148,7 +148,7 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
             let message = format!(
                 "EyeSim VR of 2018 reads the size of cells on the last line only: `{}` counts for nothing, cells have {} mm",
                 other.word.text,
-                mm(cell)
+                in_mm(cell)
             );
             sink.warn(Code::MazCellFirst, other.word.span, message, CELL_FORM);
         }
@@ -159,7 +159,7 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
         if let (Some(old), Some(new)) = (cell, *size)
             && old != new
         {
-            let message = format!("a second cell size `{}`; it replaces {} mm", word.text, mm(old));
+            let message = format!("a second cell size `{}`; it replaces {} mm", word.text, in_mm(old));
             sink.warn(Code::MazCellTwice, word.span, message, CELL_FORM);
         }
         cell = size.or(cell);
@@ -171,7 +171,7 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
         let message = format!(
             "cells of {} mm by the first line; EyeSim VR of 2018 reads the last line only and takes {} mm",
             first.word.text,
-            mm(DEFAULT_CELL)
+            in_mm(DEFAULT_CELL)
         );
         let diagnostic = sink.warn(Code::MazCellFirst, first.word.span, message, CELL_FORM);
         diagnostic.suggestion = Some("`--maze-cell MM` or `cell_mm` of a scene says which one is meant".to_owned());
@@ -260,7 +260,7 @@ impl Grid {
         let fits = |grid: &Grid| {
             rows.iter().all(|row| {
                 let characters = || characters(row).take_while(|(_, c, _)| !is_comment(*c));
-                let is_on_line = |column| matches!(grid.place(column), Some(ColumnRole::Wall(_)));
+                let is_on_line = |column| matches!(grid.role(column), Some(ColumnRole::Wall(_)));
                 characters().all(|(column, c, _)| c != '|' || is_on_line(column))
                     && characters().take(grid.indent as usize).all(|(_, c, _)| c == ' ')
             })
@@ -279,11 +279,11 @@ impl Grid {
         grid
     }
 
-    /// Role of the character position `place`, counted from 0; `None` before the drawing.
-    fn place(self, place: u32) -> Option<ColumnRole> {
-        let inner = place.checked_sub(self.indent)?;
-        let column = inner / self.pitch;
-        Some(if inner % self.pitch == 0 { ColumnRole::Wall(column) } else { ColumnRole::Cell(column) })
+    /// Role of the character at `position`, counted from 0; `None` before the drawing.
+    fn role(self, position: u32) -> Option<ColumnRole> {
+        let offset = position.checked_sub(self.indent)?;
+        let column = offset / self.pitch;
+        Some(if offset % self.pitch == 0 { ColumnRole::Wall(column) } else { ColumnRole::Cell(column) })
     }
 }
 
@@ -298,7 +298,7 @@ fn is_comment(character: char) -> bool {
     matches!(character, ';' | '#')
 }
 
-/// Content of the drawing, by cells and rows; rows are counted from the upper border, which is row 0.
+/// Content of a drawing, by columns and rows of cells; row 0 is the upper border.
 struct Drawing {
     grid: Grid,
     /// Vertical wall pieces: (grid line to the left of this cell column, row, span).
@@ -315,44 +315,45 @@ impl Drawing {
         Self { grid, vertical: Vec::new(), horizontal: Vec::new(), letters: Vec::new(), columns: 0 }
     }
 
-    fn row(&mut self, sink: &mut Sink, row: u32, line: &Line<'_>) {
-        let mut has_odd_wall = false;
+    fn read_row(&mut self, sink: &mut Sink, row: u32, line: &Line<'_>) {
+        let mut has_wall_in_cell = false;
         for (text_column, character, span) in characters(line) {
-            let Some(text_column) = self.grid.place(text_column) else {
+            let Some(role) = self.grid.role(text_column) else {
                 continue;
             };
-            match (character, text_column) {
+            match (character, role) {
                 (' ' | '.', _) => {}
                 ('|', ColumnRole::Wall(column)) => {
                     self.columns = self.columns.max(column);
                     self.vertical.push((column, row, span));
                 }
                 ('|', ColumnRole::Cell(column)) => {
-                    if !has_odd_wall {
+                    if !has_wall_in_cell {
                         let message =
                             "`|` in the middle of a cell closes it on the right, and so do others in this row";
                         sink.warn(Code::MazWallColumn, span, message, "`|` in the columns 1, 3, 5, ...");
                     }
-                    has_odd_wall = true;
+                    has_wall_in_cell = true;
                     self.columns = self.columns.max(column + 1);
                     self.vertical.push((column + 1, row, span));
                 }
-                ('_', ColumnRole::Cell(column)) => self.floor_line(row, column, span),
-                // An underscore in a wall column counts for the cell on the left.
+                ('_', ColumnRole::Cell(column)) => self.add_wall_below(row, column, span),
+                // An underscore in a wall column belongs to the cell on the left.
                 ('_', ColumnRole::Wall(0)) => {}
-                ('_', ColumnRole::Wall(column)) => self.floor_line(row, column - 1, span),
+                ('_', ColumnRole::Wall(column)) => self.add_wall_below(row, column - 1, span),
                 (comment, _) if is_comment(comment) => break,
-                (letter, text_column) => self.letter(sink, row, text_column, letter, span),
+                (letter, role) => self.add_letter(sink, row, role, letter, span),
             }
         }
     }
 
-    fn floor_line(&mut self, row: u32, column: u32, span: Span) {
+    /// Adds the wall below a cell.
+    fn add_wall_below(&mut self, row: u32, column: u32, span: Span) {
         self.columns = self.columns.max(column + 1);
         self.horizontal.push((row, column, span));
     }
 
-    fn letter(&mut self, sink: &mut Sink, row: u32, place: ColumnRole, letter: char, span: Span) {
+    fn add_letter(&mut self, sink: &mut Sink, row: u32, role: ColumnRole, letter: char, span: Span) {
         let kind = letter.to_ascii_lowercase();
         if !matches!(kind, 's' | 'u' | 'r' | 'd' | 'l' | 'o' | 'x') {
             let message = format!("`{}` means nothing in a maze", letter.escape_debug());
@@ -361,15 +362,15 @@ impl Drawing {
             sink.warn(Code::MazLetter, span, message, expected);
             return;
         }
-        let column = match place {
+        let column = match role {
             ColumnRole::Cell(column) => column,
-            // In a wall column a letter counts for the cell on the left; no row begins with a letter.
+            // A letter in a wall column belongs to the cell on the left; no row begins with a letter.
             ColumnRole::Wall(column) => column.saturating_sub(1),
         };
         self.columns = self.columns.max(column + 1);
         self.letters.push((kind, column, row, span));
         if letter.is_ascii_uppercase() {
-            self.floor_line(row, column, span);
+            self.add_wall_below(row, column, span);
         }
     }
 
@@ -378,28 +379,28 @@ impl Drawing {
         Self { columns, ..Self::new(Grid::USUAL) }
     }
 
-    /// Warns about the first gap in the border of a maze of `last` rows that is more than three quarters closed.
-    fn check_border(&self, sink: &mut Sink, last: u32, span_of_row: impl Fn(u32) -> Span) {
+    /// Warns about the first gap in the border of a maze with `rows` rows, if more than three quarters of it are closed.
+    fn check_border(&self, sink: &mut Sink, rows: u32, span_of_row: impl Fn(u32) -> Span) {
         let vertical: BTreeSet<(u32, u32)> = self.vertical.iter().map(|(column, row, _)| (*column, *row)).collect();
         let horizontal: BTreeSet<(u32, u32)> = self.horizontal.iter().map(|(row, column, _)| (*row, *column)).collect();
-        let sides = (1..=last).flat_map(|row| {
+        let sides = (1..=rows).flat_map(|row| {
             [("left", 0), ("right", self.columns)].map(|(side, column)| (side, row, vertical.contains(&(column, row))))
         });
         let ends = (0..self.columns).flat_map(|column| {
-            [("upper", 0), ("lower", last)].map(|(side, row)| (side, row, horizontal.contains(&(row, column))))
+            [("upper", 0), ("lower", rows)].map(|(side, row)| (side, row, horizontal.contains(&(row, column))))
         });
         let edges: Vec<(&str, u32, bool)> = sides.chain(ends).collect();
-        let open = edges.iter().filter(|(.., is_closed)| !is_closed).count();
+        let open_count = edges.iter().filter(|(.., is_closed)| !is_closed).count();
         let Some((side, row, _)) = edges.iter().find(|(.., is_closed)| !is_closed) else { return };
-        if 4 * open < edges.len() {
-            let pieces = if open == 1 { "a wall is".to_owned() } else { format!("{open} walls are") };
+        if 4 * open_count < edges.len() {
+            let pieces = if open_count == 1 { "a wall is".to_owned() } else { format!("{open_count} walls are") };
             let message = format!("the border has a gap: {pieces} missing, the first on the {side} side");
             let expected = "a closed border, or a robot can leave the floor";
             sink.warn(Code::MazGap, span_of_row(*row), message, expected);
         }
     }
 
-    fn world(mut self, sink: &mut Sink, file: &str, rows: u32, mut cell: f64) -> WorldSpec {
+    fn into_world(mut self, sink: &mut Sink, file: &str, rows: u32, mut cell: f64) -> WorldSpec {
         let last = rows.saturating_sub(1);
         if f64::from(self.columns.max(last)) * cell > MAX_LENGTH {
             let message = "the maze is larger than 1000 km; cells of 360 mm are taken instead";
@@ -410,12 +411,12 @@ impl Drawing {
         self.vertical.sort_unstable();
         self.horizontal.sort_unstable();
         // The upper border is row 0; a vertical piece begins at the lower edge of its row.
-        let vertical = runs(&self.vertical).map(|(column, first, end, span)| {
+        let vertical = merge_runs(&self.vertical).map(|(column, first, end, span)| {
             let top = first.saturating_sub(1);
             (corner(column, end - 1), corner(column, top), span)
         });
         let horizontal =
-            runs(&self.horizontal).map(|(row, first, end, span)| (corner(first, row), corner(end, row), span));
+            merge_runs(&self.horizontal).map(|(row, first, end, span)| (corner(first, row), corner(end, row), span));
         let walls = vertical.chain(horizontal).filter(|(from, to, _)| from != to).map(|(from, to, span)| WallSpec {
             from,
             to,
@@ -445,8 +446,8 @@ impl Drawing {
                 'l' => start(180.0),
                 'd' => start(270.0),
                 'r' => start(0.0),
-                'o' => world.objects.push(object(BALL, pose(0.0), span)),
-                _ => world.objects.push(object(BOX, pose(0.0), span)),
+                'o' => world.objects.push(object_line(BALL, pose(0.0), span)),
+                _ => world.objects.push(object_line(BOX, pose(0.0), span)),
             }
         }
         world
@@ -457,13 +458,13 @@ impl Drawing {
 const BALL: &str = "Soccer";
 const BOX: &str = "Crate";
 
-fn object(name: &str, pose: Pose, span: Span) -> ObjectLine {
+fn object_line(name: &str, pose: Pose, span: Span) -> ObjectLine {
     ObjectLine { kind: TypeRef::Name(SpannedText { text: name.to_owned(), span }), pose, span, ..ObjectLine::default() }
 }
 
 /// Merges adjacent pieces (line, position along it, span) of a sorted list into (line, first position, position after the
 /// last, span of the first).
-fn runs(pieces: &[(u32, u32, Span)]) -> impl Iterator<Item = (u32, u32, u32, Span)> + '_ {
+fn merge_runs(pieces: &[(u32, u32, Span)]) -> impl Iterator<Item = (u32, u32, u32, Span)> + '_ {
     pieces
         .chunk_by(|a, b| a.0 == b.0 && b.1 - a.1 <= 1)
         .filter_map(|run| Some((run.first()?.0, run.first()?.1, run.last()?.1 + 1, run.first()?.2)))

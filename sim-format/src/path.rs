@@ -10,7 +10,7 @@ pub use sim_core::spec::{file_name, stem};
 const INSTALLATION: &str = "%sim%";
 
 /// Folders of the installation that are searched last.
-const INSTALLED: [&str; 3] = ["", "worlds", "robis"];
+const INSTALLATION_FOLDERS: [&str; 3] = ["", "worlds", "robis"];
 
 /// Paths at which the file named `text` is searched for, in order.
 ///
@@ -18,10 +18,10 @@ const INSTALLED: [&str; 3] = ["", "worlds", "robis"];
 /// - A path that begins with `%sim%` is searched only in the installation.
 /// - Any other relative path is searched in `folder`, in the working folder, in the installation and in its folders
 ///   `worlds` and `robis`.
-/// - An absolute path is tried unchanged, then below the installation, since old files use this form.
+/// - An absolute path is tried unchanged, then below the installation, since old files contain such paths.
 ///
 /// Source: reference section 4.0. Our choice: `folder` precedes the working folder, so that a scene does not depend on the
-/// directory it is run from; `..` removes the part before it, even if that part is a link.
+/// directory from which it is run; `..` removes the part before it, even if that part is a link.
 pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     let mut paths = Vec::new();
@@ -35,7 +35,7 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     } else {
         paths.push(join(folder, &text));
         paths.push(normalised(&text));
-        paths.extend(home.iter().flat_map(|home| INSTALLED.map(|folder| join(&join(home, folder), &text))));
+        paths.extend(home.iter().flat_map(|home| INSTALLATION_FOLDERS.map(|folder| join(&join(home, folder), &text))));
     }
     let mut unique: Vec<String> = Vec::new();
     for path in paths {
@@ -50,7 +50,7 @@ pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
 ///
 /// Each suffix of the path, the longest first, is searched below `folder`, below the two folders above `folder`, and
 /// below the installation. The bare file name is not searched for in the folders above.
-pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
+pub(super) fn relocated_candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     if !is_absolute(&text) {
         return Vec::new();
@@ -59,12 +59,12 @@ pub(super) fn moved(text: &str, folder: &str, home: Option<&str>) -> Vec<String>
     let above = ["..", "../.."].map(|up| join(folder, up));
     let mut paths: Vec<String> = Vec::new();
     for first in 0..parts.len() {
-        let end = parts[first..].join("/");
-        paths.push(join(folder, &end));
+        let suffix = parts[first..].join("/");
+        paths.push(join(folder, &suffix));
         if first + 1 < parts.len() {
-            paths.extend(above.iter().map(|folder| join(folder, &end)));
+            paths.extend(above.iter().map(|folder| join(folder, &suffix)));
         }
-        paths.extend(home.map(|home| join(home, &end)));
+        paths.extend(home.map(|home| join(home, &suffix)));
     }
     paths
 }
@@ -95,20 +95,20 @@ pub(super) fn relative(folder: &str, path: &str) -> String {
     if is_absolute(folder) != is_absolute(path) {
         return path.to_owned();
     }
-    let from: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
-    let to: Vec<&str> = path.split('/').filter(|part| !part.is_empty()).collect();
-    let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    let folder_parts: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
+    let path_parts: Vec<&str> = path.split('/').filter(|part| !part.is_empty()).collect();
+    let shared = folder_parts.iter().zip(&path_parts).take_while(|(a, b)| a == b).count();
     // The name of a folder above the working folder is unknown here.
-    if from[shared..].contains(&"..") {
+    if folder_parts[shared..].contains(&"..") {
         return path.to_owned();
     }
-    let up = from[shared..].iter().map(|_| "..");
-    up.chain(to[shared..].iter().copied()).collect::<Vec<_>>().join("/")
+    let up = folder_parts[shared..].iter().map(|_| "..");
+    up.chain(path_parts[shared..].iter().copied()).collect::<Vec<_>>().join("/")
 }
 
 fn strip_installation(text: &str) -> Option<&str> {
-    let head = text.get(..INSTALLATION.len())?;
-    head.eq_ignore_ascii_case(INSTALLATION).then(|| text[INSTALLATION.len()..].trim_start_matches('/'))
+    let prefix = text.get(..INSTALLATION.len())?;
+    prefix.eq_ignore_ascii_case(INSTALLATION).then(|| text[INSTALLATION.len()..].trim_start_matches('/'))
 }
 
 fn is_absolute(text: &str) -> bool {
@@ -160,11 +160,11 @@ pub(super) fn reference(
         let diagnostic = sink.warn(Code::WordExtra, extra.span, message, form);
         diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
     }
-    named(sink, severity, word, form)
+    file_reference(sink, severity, word, form)
 }
 
 /// Reads `word` as a file reference.
-pub(super) fn named(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: &str) -> Option<SpannedText> {
+pub(super) fn file_reference(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: &str) -> Option<SpannedText> {
     if word.is_unclosed {
         sink.warn(
             Code::QuoteUnclosed,
@@ -199,14 +199,14 @@ mod tests {
     }
 
     #[test]
-    fn absolute_paths_may_mean_the_installation() {
+    fn absolute_paths_are_also_tried_below_the_installation() {
         assert_eq!(candidates("/worlds/a.wld", "x", Some("/opt/e")), ["/worlds/a.wld", "/opt/e/worlds/a.wld"]);
         assert_eq!(candidates(r"C:\e\a.wld", "x", Some("/opt/e")), ["C:/e/a.wld"]);
     }
 
     #[test]
-    fn files_of_another_machine_lie_below_the_same_folders() {
-        let paths = moved(r"C:\eyesim\signs\stop.esObj", "a/sims", Some("/opt/e"));
+    fn absolute_paths_of_another_machine_are_searched_by_suffixes() {
+        let paths = relocated_candidates(r"C:\eyesim\signs\stop.esObj", "a/sims", Some("/opt/e"));
         let expected = [
             "a/sims/signs/stop.esObj",
             "a/signs/stop.esObj",
@@ -217,11 +217,11 @@ mod tests {
         ];
         assert_eq!(paths[paths.len() - expected.len()..], expected);
         assert_eq!(paths[0], "a/sims/C:/eyesim/signs/stop.esObj");
-        assert_eq!(moved("signs/stop.esObj", "a", None), [""; 0]);
+        assert_eq!(relocated_candidates("signs/stop.esObj", "a", None), [""; 0]);
     }
 
     #[test]
-    fn paths_come_apart() {
+    fn paths_are_split() {
         assert_eq!((folder_of("a/b.c"), file_name(r"a\b.c"), stem("a/b.x.c"), stem(".x")), ("a", "b.c", "b.x", ".x"));
         assert_eq!((folder_of("b"), folder_of("/b")), ("", "/"));
         assert_eq!(with_extension("r.x/S4.robi", "toml"), "r.x/S4.toml");

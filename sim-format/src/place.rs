@@ -27,17 +27,17 @@ pub(super) struct PlacedEntities {
     /// Objects, the world's objects first.
     pub(super) objects: Vec<ObjectSpec>,
     /// Number of objects that come from the world.
-    pub(super) of_world: usize,
+    pub(super) world_object_count: usize,
     /// Walls of the world, with the positions that were drawn.
     pub(super) walls: Vec<WallSpec>,
     /// Poses that were drawn.
     pub(super) drawn: Vec<Drawn>,
-    /// True if random places, or demands on them, failed, which is reported; another attempt may succeed.
+    /// True if a random placement or a demand on a route failed, which is reported; another attempt may succeed.
     pub(super) may_retry: bool,
 }
 
-/// Places all entities of `sim`, in `folder`, and of its world. `world` is `None` for a missing world, which is already
-/// reported. Random positions belong to `attempt`.
+/// Places all entities of `sim`, whose file is in `folder`, and of its world. `world` is `None` if the world is missing,
+/// which is already reported. Random positions depend on the number of the `attempt`.
 pub(super) fn place(
     loader: &mut Loader<'_>,
     sim: &SimSpec,
@@ -52,7 +52,7 @@ pub(super) fn place(
         folder,
         types,
         starts: Starts::new(world),
-        shapes: BTreeMap::new(),
+        mesh_types: BTreeMap::new(),
         robots: Vec::new(),
         objects: Vec::new(),
         has_robots: false,
@@ -62,16 +62,16 @@ pub(super) fn place(
         attempt,
         may_retry: false,
     };
-    placer.objects(world.map_or(&[], |world| &world.objects), loader);
-    let of_world = placer.objects.len();
-    placer.objects(&sim.objects, loader);
-    placer.robots(loader);
-    let walls = placer.scatter(world);
-    placer.demand(world, &walls);
+    placer.place_objects(world.map_or(&[], |world| &world.objects), loader);
+    let world_object_count = placer.objects.len();
+    placer.place_objects(&sim.objects, loader);
+    placer.place_robots(loader);
+    let walls = placer.draw_positions(world);
+    placer.check_demands(world, &walls);
     let (drawn, may_retry) = (std::mem::take(&mut placer.drawn), placer.may_retry);
-    placer.objects[of_world..].sort_by_key(|object| object.span);
+    placer.objects[world_object_count..].sort_by_key(|object| object.span);
     if let Some(depth) = world.and_then(|world| world.water) {
-        float(&mut placer.objects, depth);
+        float_objects(&mut placer.objects, depth);
     }
     loader.diagnostics.extend(placer.sink.finish());
     if !placer.has_robots && !super::has_errors(&loader.diagnostics) {
@@ -85,17 +85,17 @@ pub(super) fn place(
         diagnostic.suggestion = is_sim.then(|| "write a line such as `S4 500 500 0 program.c`".to_owned());
         loader.diagnostics.extend(sink.finish());
     }
-    PlacedEntities { robots: placer.robots, objects: placer.objects, of_world, walls, drawn, may_retry }
+    PlacedEntities { robots: placer.robots, objects: placer.objects, world_object_count, walls, drawn, may_retry }
 }
 
-/// Raises the objects that float in water of this depth, in metres; objects of one type still share it.
-fn float(objects: &mut [ObjectSpec], depth: f64) {
+/// Raises the objects that float in water of this depth, in metres; objects that share a type still share one afterwards.
+fn float_objects(objects: &mut [ObjectSpec], depth: f64) {
     // The keys are addresses, so the map must never be iterated; its values keep the types alive.
     let mut types = BTreeMap::new();
     for object in objects {
         let kind = Arc::clone(&object.kind);
-        let afloat = || kind.afloat(depth).map(Arc::new);
-        let (_, raised) = types.entry(Arc::as_ptr(&kind).addr()).or_insert_with(|| (Arc::clone(&kind), afloat()));
+        let raised_kind = || kind.afloat(depth).map(Arc::new);
+        let (_, raised) = types.entry(Arc::as_ptr(&kind).addr()).or_insert_with(|| (Arc::clone(&kind), raised_kind()));
         if let Some(raised) = raised {
             object.kind = Arc::clone(raised);
         }
@@ -108,15 +108,15 @@ struct Placer<'a> {
     folder: &'a str,
     types: Types,
     starts: Starts<'a>,
-    /// Types of objects that consist of a mesh only, by the mesh's file.
-    shapes: BTreeMap<String, Arc<ObjectType>>,
+    /// Types of objects that only a mesh describes, by the mesh's file.
+    mesh_types: BTreeMap<String, Arc<ObjectType>>,
     robots: Vec<RobotSpec>,
     objects: Vec<ObjectSpec>,
-    /// True if the scene names robots, even if none of them is usable.
+    /// True if the scene has lines of robots, even if none of them is usable.
     has_robots: bool,
     /// Robots and objects with random positions, in the order in which they are placed.
     scattered: Vec<(Entity, Scatter)>,
-    /// Paths of robots and objects.
+    /// Paths of robots and objects in the scene, such as `robot.1`.
     paths: BTreeMap<Entity, String>,
     drawn: Vec<Drawn>,
     attempt: u32,
@@ -142,7 +142,7 @@ struct Group<'a> {
     is_full: bool,
 }
 
-/// Robot of a group.
+/// A robot of a group.
 struct Member {
     id: RobotId,
     /// Index of the group.
@@ -151,20 +151,28 @@ struct Member {
     index: u32,
 }
 
-/// Generator of numbers for robots without one.
+/// An end of a route, in metres.
+struct RouteEnd {
+    position: DVec2,
+    /// Radius of the entity; 0 for a point.
+    radius: f64,
+    entity: Option<Entity>,
+}
+
+/// Generator of ids for robots without a stated one.
 struct Ids {
     last: u32,
-    given_ids: BTreeSet<RobotId>,
+    stated_ids: BTreeSet<RobotId>,
 }
 
 impl Ids {
-    fn besides(given_ids: impl Iterator<Item = RobotId>) -> Self {
-        Self { last: 0, given_ids: given_ids.collect() }
+    fn excluding(stated_ids: impl Iterator<Item = RobotId>) -> Self {
+        Self { last: 0, stated_ids: stated_ids.collect() }
     }
 
     fn next(&mut self) -> RobotId {
         self.last += 1;
-        while self.given_ids.contains(&RobotId(self.last)) {
+        while self.stated_ids.contains(&RobotId(self.last)) {
             self.last += 1;
         }
         RobotId(self.last)
@@ -172,11 +180,11 @@ impl Ids {
 }
 
 impl Placer<'_> {
-    fn objects(&mut self, lines: &[ObjectLine], loader: &mut Loader<'_>) {
+    fn place_objects(&mut self, lines: &[ObjectLine], loader: &mut Loader<'_>) {
         for line in lines {
             let kind = match &line.kind {
-                TypeRef::File(path) => self.object_of_file(loader, path),
-                TypeRef::Name(name) => self.object_of_name(loader, name),
+                TypeRef::File(path) => self.object_type_of_file(loader, path),
+                TypeRef::Name(name) => self.object_type_of_name(loader, name),
             };
             if let Some(kind) = kind {
                 let friction = line.friction.unwrap_or(kind.friction);
@@ -196,8 +204,8 @@ impl Placer<'_> {
         }
     }
 
-    /// Object type named by a scene or a maze.
-    fn object_of_name(&mut self, loader: &mut Loader<'_>, name: &SpannedText) -> Option<Arc<ObjectType>> {
+    /// Finds the object type with this name; reports an unknown name and the name of a robot type.
+    fn object_type_of_name(&mut self, loader: &mut Loader<'_>, name: &SpannedText) -> Option<Arc<ObjectType>> {
         match self.types.find(&mut self.sink, name) {
             Some(LoadedType::Object(object)) => Some(object),
             Some(LoadedType::Robot(_)) => {
@@ -212,12 +220,13 @@ impl Placer<'_> {
         }
     }
 
-    /// Type of a classic `object` line: an object file, or a mesh with the shape of the built-in type of that name, otherwise a cylinder.
-    fn object_of_file(&mut self, loader: &mut Loader<'_>, path: &SpannedText) -> Option<Arc<ObjectType>> {
+    /// Type of a classic `object` line: that of an object file. A mesh gets the shape of the built-in type of the same
+    /// name, otherwise that of a cylinder.
+    fn object_type_of_file(&mut self, loader: &mut Loader<'_>, path: &SpannedText) -> Option<Arc<ObjectType>> {
         if path::extension(&path.text) == "esobj" {
             return loader.object_type(&self.sim.file, self.folder, path);
         }
-        if let Some(object) = self.shapes.get(&path.text) {
+        if let Some(object) = self.mesh_types.get(&path.text) {
             return Some(Arc::clone(object));
         }
         let name = path::stem(&path.text);
@@ -228,22 +237,22 @@ impl Placer<'_> {
             self.sink.warn(Code::SimObjectShape, path.span, message, expected);
         }
         let model = ModelSpec { path: path.clone(), offset: DVec3::ZERO, rotations: DVec3::ZERO };
-        let shape = object.map_or_else(|| ObjectType::with_defaults(&path.text), Arc::unwrap_or_clone);
+        let defaults = object.map_or_else(|| ObjectType::with_defaults(&path.text), Arc::unwrap_or_clone);
         let file = self.sim.file.clone();
-        let kind = Arc::new(ObjectType { file, name: name.to_owned(), model: Some(model), ..shape });
-        self.shapes.insert(path.text.clone(), Arc::clone(&kind));
+        let kind = Arc::new(ObjectType { file, name: name.to_owned(), model: Some(model), ..defaults });
+        self.mesh_types.insert(path.text.clone(), Arc::clone(&kind));
         Some(kind)
     }
 
     /// Places the robots of all lines, and the objects of lines that name a loaded object type.
-    fn robots(&mut self, loader: &mut Loader<'_>) {
+    fn place_robots(&mut self, loader: &mut Loader<'_>) {
         let mut lines: Vec<&RobotLine> = self.sim.robots.iter().chain(&self.sim.named).collect();
         lines.sort_by_key(|line| line.span);
-        let mut ids = Ids::besides(lines.iter().filter_map(|line| line.id));
+        let mut ids = Ids::excluding(lines.iter().filter_map(|line| line.id));
         let mut groups = Vec::new();
         let mut members = Vec::new();
         for line in lines {
-            let Some(robi) = self.robot_kind(loader, line) else { continue };
+            let Some(robi) = self.robot_type(loader, line) else { continue };
             let (count, layout) = match line.start {
                 StartRef::Many { count, layout } => (count, Some(layout)),
                 _ => (1, None),
@@ -257,13 +266,13 @@ impl Placer<'_> {
         // Placement proceeds in the order of robot numbers, not of lines.
         members.sort_by_key(|member| member.id);
         for member in &members {
-            self.stand(&mut groups[member.group], member);
+            self.place_robot(&mut groups[member.group], member);
         }
         self.has_robots = !members.is_empty();
     }
 
     /// Type of the robot of a line: `Some(None)` if the type is missing, which is already reported; `None` if the line places no robot.
-    fn robot_kind(&mut self, loader: &mut Loader<'_>, line: &RobotLine) -> Option<Option<Arc<RobiSpec>>> {
+    fn robot_type(&mut self, loader: &mut Loader<'_>, line: &RobotLine) -> Option<Option<Arc<RobiSpec>>> {
         let name = match &line.kind {
             TypeRef::File(path) => return Some(loader.robot_type(&self.sim.file, self.folder, path)),
             TypeRef::Name(name) => name,
@@ -275,7 +284,7 @@ impl Placer<'_> {
                     let message = format!("`{}` is an object, not a robot", name.text);
                     self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of a robot type");
                 } else {
-                    self.named_object(line, object);
+                    self.place_named_object(line, object);
                 }
                 None
             }
@@ -291,16 +300,16 @@ impl Placer<'_> {
         }
     }
 
-    /// Places a robot as its line demands, if there is room.
-    fn stand(&mut self, group: &mut Group<'_>, member: &Member) {
+    /// Places a robot as its line states, if there is room.
+    fn place_robot(&mut self, group: &mut Group<'_>, member: &Member) {
         if group.is_full {
             return;
         }
         let line = group.line;
         let start = match group.layout {
-            None => self.start(line),
-            Some(Layout::Starts) => self.next(line.span),
-            // Provisional: `scatter` finds a free pose when all other bodies are placed.
+            None => self.start_pose(line),
+            Some(Layout::Starts) => self.next_start(line.span),
+            // Provisional: `draw_positions` finds a free pose when all other bodies are placed.
             Some(Layout::Random(_)) => Some(Pose::default()),
             Some(layout) => layout.pose(member.index, group.count),
         };
@@ -336,57 +345,57 @@ impl Placer<'_> {
         });
     }
 
-    /// Draws random positions for walls, then for robots, then for objects; each avoids everything placed before it and everything with a
-    /// stated position. Returns the walls.
-    fn scatter(&mut self, world: Option<&WorldSpec>) -> Vec<WallSpec> {
+    /// Draws random positions for walls, then for robots, then for objects. None of them overlaps a body that was placed
+    /// earlier or has a stated position. Returns the walls.
+    fn draw_positions(&mut self, world: Option<&WorldSpec>) -> Vec<WallSpec> {
         let Some(world) = world else { return Vec::new() };
         let mut walls = world.walls.clone();
         let is_random = |wall: &WallSpec| wall.scatter.is_some();
         if self.scattered.is_empty() && !walls.iter().any(is_random) {
             return walls;
         }
-        let everything = (0..self.robots.len()).map(Entity::Robot).chain((0..self.objects.len()).map(Entity::Object));
-        let everything: Vec<Entity> = everything.collect();
-        let widest = everything.iter().map(|entity| self.reach(*entity)).fold(0.0, f64::max);
+        let entities = (0..self.robots.len()).map(Entity::Robot).chain((0..self.objects.len()).map(Entity::Object));
+        let entities: Vec<Entity> = entities.collect();
+        let max_radius = entities.iter().map(|entity| self.bounding_radius(*entity)).fold(0.0, f64::max);
         let clearance = self.scattered.iter().map(|(_, scatter)| scatter.clearance).fold(0.0, f64::max);
-        let random: BTreeSet<Entity> = self.scattered.iter().map(|(entity, _)| *entity).collect();
-        let fixed: Vec<(DVec2, f64)> = everything
+        let random_entities: BTreeSet<Entity> = self.scattered.iter().map(|(entity, _)| *entity).collect();
+        let fixed_bodies: Vec<(DVec2, f64)> = entities
             .iter()
-            .filter(|entity| !random.contains(entity))
-            .map(|entity| (self.pose(*entity).position, self.reach(*entity)))
+            .filter(|entity| !random_entities.contains(entity))
+            .map(|entity| (self.pose(*entity).position, self.bounding_radius(*entity)))
             .collect();
-        let space = |walls: &[WallSpec]| {
+        let free_space = |walls: &[WallSpec]| {
             let placed_walls = walls.iter().filter(|wall| !is_random(wall));
-            let mut space = FreeSpace::new(placed_walls, world.floor, widest + clearance);
-            fixed.iter().for_each(|(centre, reach)| space.take(*centre, *reach));
-            space
+            let mut free_space = FreeSpace::new(placed_walls, world.floor, max_radius + clearance);
+            fixed_bodies.iter().for_each(|(centre, bounding_radius)| free_space.take(*centre, *bounding_radius));
+            free_space
         };
-        self.scatter_walls(&space(&walls), &mut walls);
-        let mut space = space(&walls);
-        let (mut full, mut placed_walls) = (None, BTreeSet::new());
+        self.draw_wall_positions(&free_space(&walls), &mut walls);
+        let mut free_space = free_space(&walls);
+        let (mut full_line, mut placed) = (None, BTreeSet::new());
         self.scattered.sort_by_key(|(entity, _)| *entity);
         for (entity, scatter) in self.scattered.clone() {
             let span = self.span(entity);
-            if full == Some(span) {
+            if full_line == Some(span) {
                 continue;
             }
             let path = self.paths.get(&entity).cloned().unwrap_or_default();
-            let (mut stream, reach) = (self.stream(&path), self.reach(entity));
-            let Some(pose) = space.place(&mut stream, reach, &scatter) else {
-                let (count, whole) = self.siblings(entity);
+            let (mut random_stream, bounding_radius) = (self.random_stream(&path), self.bounding_radius(entity));
+            let Some(pose) = free_space.place(&mut random_stream, bounding_radius, &scatter) else {
+                let (count, total) = self.line_counts(entity);
                 let noun = if matches!(entity, Entity::Robot(_)) { "robots" } else { "objects" };
-                self.no_room(span, &format!("there is room for {count} of {whole} {noun}"), noun);
-                full = Some(span);
+                self.report_no_room(span, &format!("there is room for {count} of {total} {noun}"), noun);
+                full_line = Some(span);
                 continue;
             };
-            self.tell_pose(&path, &pose);
+            self.record_pose(&path, &pose);
             match entity {
                 Entity::Robot(index) => self.robots[index].start = pose,
                 Entity::Object(index) => self.objects[index].pose = pose,
             }
-            placed_walls.insert(entity);
+            placed.insert(entity);
         }
-        self.drop_unplaced(&random, &placed_walls);
+        self.drop_unplaced(&random_entities, &placed);
         walls
     }
 
@@ -399,21 +408,21 @@ impl Placer<'_> {
         self.objects.retain(|_| !is_lost(Entity::Object(index.next().unwrap_or_default())));
     }
 
-    /// Draws random positions for the walls without a stated position; walls without room keep the layout.
-    fn scatter_walls(&mut self, space: &FreeSpace, walls: &mut [WallSpec]) {
+    /// Draws random positions for the walls without a stated position; a wall without room stays unplaced.
+    fn draw_wall_positions(&mut self, space: &FreeSpace, walls: &mut [WallSpec]) {
         let mut added: Vec<WallSpec> = Vec::new();
-        let mut full = None;
+        let mut full_line = None;
         for (index, wall) in walls.iter_mut().enumerate() {
-            let Some((length, scatter)) = wall.scatter.filter(|_| full != Some(wall.span)) else { continue };
+            let Some((length, scatter)) = wall.scatter.filter(|_| full_line != Some(wall.span)) else { continue };
             let path = self.sim.wall_paths.get(index).cloned().unwrap_or_default();
-            let mut stream = self.stream(&path);
-            let Some(found) = space.place_wall(&mut stream, (length, wall.thickness), &scatter, &added) else {
+            let mut random_stream = self.random_stream(&path);
+            let Some(segment) = space.place_wall(&mut random_stream, (length, wall.thickness), &scatter, &added) else {
                 let count = added.iter().filter(|other| other.span == wall.span).count();
-                self.no_room(wall.span, &format!("there is room for {count} of these walls"), "walls");
-                full = Some(wall.span);
+                self.report_no_room(wall.span, &format!("there is room for {count} of these walls"), "walls");
+                full_line = Some(wall.span);
                 continue;
             };
-            (wall.from, wall.to, wall.scatter) = (found.a, found.b, None);
+            (wall.from, wall.to, wall.scatter) = (segment.a, segment.b, None);
             for (key, end) in [("from_mm", wall.from), ("to_mm", wall.to)] {
                 let value = vec![number::mm(end.x), number::mm(end.y)].into();
                 self.drawn.push(Drawn { path: format!("{path}.{key}"), value });
@@ -422,17 +431,17 @@ impl Placer<'_> {
         }
     }
 
-    fn no_room(&mut self, span: Span, message: &str, noun: &str) {
+    fn report_no_room(&mut self, span: Span, message: &str, noun: &str) {
         self.sink.error(Code::SceneRoom, span, message, format!("fewer {noun}, a larger area or less clearance"));
         self.may_retry = true;
     }
 
-    fn stream(&self, path: &str) -> Stream {
+    fn random_stream(&self, path: &str) -> Stream {
         let seed = self.sim.run.seed.unwrap_or_default();
         Stream::new(seed, RobotId(0), Purpose::Layout, self.attempt, name_key(path))
     }
 
-    fn tell_pose(&mut self, path: &str, pose: &Pose) {
+    fn record_pose(&mut self, path: &str, pose: &Pose) {
         let values = [
             ("x_mm", number::mm(pose.position.x)),
             ("y_mm", number::mm(pose.position.y)),
@@ -457,46 +466,46 @@ impl Placer<'_> {
     }
 
     /// Radius of the disc around the pose that contains the body.
-    fn reach(&self, entity: Entity) -> f64 {
+    fn bounding_radius(&self, entity: Entity) -> f64 {
         match entity {
             Entity::Robot(index) => 0.5 * self.robots[index].robi.diameter,
             Entity::Object(index) => self.objects[index].kind.colliders.iter().map(Collider::reach).fold(0.0, f64::max),
         }
     }
 
-    /// Number of bodies of the same line before `entity`, and of all bodies of that line.
-    fn siblings(&self, entity: Entity) -> (usize, usize) {
+    /// Number of bodies of the line of `entity` that come before it, and of all bodies of this line.
+    fn line_counts(&self, entity: Entity) -> (usize, usize) {
         let span = self.span(entity);
-        let own = || self.scattered.iter().filter(|(other, _)| self.span(*other) == span);
-        (own().filter(|(other, _)| *other < entity).count(), own().count())
+        let of_line = || self.scattered.iter().filter(|(other, _)| self.span(*other) == span);
+        (of_line().filter(|(other, _)| *other < entity).count(), of_line().count())
     }
 
     /// Checks the demands on routes between positions.
-    fn demand(&mut self, world: Option<&WorldSpec>, walls: &[WallSpec]) {
+    fn check_demands(&mut self, world: Option<&WorldSpec>, walls: &[WallSpec]) {
         let Some(world) = world.filter(|_| !self.may_retry) else { return };
         for demand in &self.sim.reachable {
-            let Some((from, to)) = self.place_of(&demand.from).zip(self.place_of(&demand.to)) else { continue };
-            let Some(width) = demand.width.or(from.2.filter(|it| matches!(it, Entity::Robot(_))).map(|_| 2.0 * from.1))
-            else {
+            let Some((from, to)) = self.route_end(&demand.from).zip(self.route_end(&demand.to)) else { continue };
+            let is_robot = matches!(from.entity, Some(Entity::Robot(_)));
+            let Some(width) = demand.width.or(is_robot.then_some(2.0 * from.radius)) else {
                 let message = "the width of the way is not known: it does not begin at a robot";
                 self.sink.error(Code::TomlMissing, demand.span, message, "a line `width_mm = ...`");
                 continue;
             };
-            let ends = [from.2, to.2];
-            let others = (0..self.objects.len()).map(Entity::Object).filter(|entity| !ends.contains(&Some(*entity)));
-            let others: Vec<(DVec2, f64)> =
-                others.map(|entity| (self.pose(entity).position, self.reach(entity))).collect();
+            let ends = [from.entity, to.entity];
+            let obstacles = (0..self.objects.len()).map(Entity::Object).filter(|entity| !ends.contains(&Some(*entity)));
+            let obstacles: Vec<(DVec2, f64)> =
+                obstacles.map(|entity| (self.pose(entity).position, self.bounding_radius(entity))).collect();
             let radius = 0.5 * width;
-            let widest = others.iter().map(|(_, reach)| *reach).fold(1.1 * radius, f64::max);
-            let mut space = FreeSpace::new(walls.iter(), world.floor, widest);
-            others.iter().for_each(|(centre, reach)| space.take(*centre, *reach));
-            let target = if to.2.is_some() { radius + to.1 } else { 0.0 };
-            if !is_reachable(&space, world.floor, radius, (from.0, 0.0), (to.0, target)) {
+            let max_radius = obstacles.iter().map(|(_, bounding_radius)| *bounding_radius).fold(1.1 * radius, f64::max);
+            let mut space = FreeSpace::new(walls.iter(), world.floor, max_radius);
+            obstacles.iter().for_each(|(centre, bounding_radius)| space.take(*centre, *bounding_radius));
+            let tolerance = if to.entity.is_some() { radius + to.radius } else { 0.0 };
+            if !is_reachable(&space, world.floor, radius, (from.position, 0.0), (to.position, tolerance)) {
                 let message = format!(
                     "no way {} mm wide leads from {} to {}",
                     number::mm(width),
-                    written(&demand.from),
-                    written(&demand.to)
+                    position_text(&demand.from),
+                    position_text(&demand.to)
                 );
                 let expected = "fewer or smaller obstacles, a narrower way, or less clearance";
                 self.sink.error(Code::SceneReach, demand.span, message, expected);
@@ -505,14 +514,15 @@ impl Placer<'_> {
         }
     }
 
-    /// Position and radius of the point or entity that a demand names, in metres.
-    fn place_of(&mut self, place: &PositionRef) -> Option<(DVec2, f64, Option<Entity>)> {
-        let path = match place {
-            PositionRef::Point(point) => return Some((*point, 0.0, None)),
+    /// The end of a route that a demand names by a point or an entity.
+    fn route_end(&mut self, position: &PositionRef) -> Option<RouteEnd> {
+        let path = match position {
+            PositionRef::Point(point) => return Some(RouteEnd { position: *point, radius: 0.0, entity: None }),
             PositionRef::Start(path) => path,
         };
         if let Some((entity, _)) = self.paths.iter().find(|(_, known)| **known == path.text) {
-            return Some((self.pose(*entity).position, self.reach(*entity), Some(*entity)));
+            let (position, radius) = (self.pose(*entity).position, self.bounding_radius(*entity));
+            return Some(RouteEnd { position, radius, entity: Some(*entity) });
         }
         let message = format!("there is no robot or object `{}`", path.text);
         let close = super::line::nearest(&path.text, self.paths.values().map(String::as_str));
@@ -523,7 +533,7 @@ impl Placer<'_> {
     }
 
     /// Places an object of a loaded type.
-    fn named_object(&mut self, line: &RobotLine, kind: Arc<ObjectType>) {
+    fn place_named_object(&mut self, line: &RobotLine, kind: Arc<ObjectType>) {
         let form = "`NAME X Y PHI` in mm and degrees";
         if let Some(program) = &line.program {
             let message = format!("`{}` is left over: an object has no program", program.text);
@@ -538,24 +548,26 @@ impl Placer<'_> {
         self.objects.push(ObjectSpec { kind, pose, friction, line: String::new(), span: line.span });
     }
 
-    fn start(&mut self, line: &RobotLine) -> Option<Pose> {
+    fn start_pose(&mut self, line: &RobotLine) -> Option<Pose> {
         match line.start {
             StartRef::Pose(pose) => Some(pose),
-            StartRef::Next | StartRef::Many { .. } => self.next(line.span),
+            StartRef::Next | StartRef::Many { .. } => self.next_start(line.span),
             StartRef::Letter { letter, heading } => {
                 let start = match self.sim.run.dialect {
-                    Some(Dialect::Vr2018) => self.starts.of_2018().or_else(|| self.lettered(letter, line.span))?,
-                    _ => self.lettered(letter, line.span)?,
+                    Some(Dialect::Vr2018) => {
+                        self.starts.take_start_of_2018().or_else(|| self.start_at_letter(letter, line.span))?
+                    }
+                    _ => self.start_at_letter(letter, line.span)?,
                 };
-                let at = start.position;
-                Some(heading.map_or(start, |heading| Pose::new(at.x, at.y, heading)))
+                let position = start.position;
+                Some(heading.map_or(start, |heading| Pose::new(position.x, position.y, heading)))
             }
         }
     }
 
-    fn next(&mut self, span: Span) -> Option<Pose> {
-        let start = self.starts.next();
-        // A missing world is already reported; only the world needs to be fixed.
+    fn next_start(&mut self, span: Span) -> Option<Pose> {
+        let start = self.starts.take_next();
+        // If the world is missing, which is already reported, the missing start is no further mistake.
         if let (None, Some(world)) = (start, self.starts.world) {
             let message = format!("no start is left for this robot: the world has {}", world.starts.len());
             let expected = match self.sim.form {
@@ -569,13 +581,13 @@ impl Placer<'_> {
         start
     }
 
-    fn lettered(&mut self, letter: char, span: Span) -> Option<Pose> {
+    fn start_at_letter(&mut self, letter: char, span: Span) -> Option<Pose> {
         let world = self.starts.world?;
-        if let Some(start) = self.starts.of_letter(letter) {
+        if let Some(start) = self.starts.take_start_of_letter(letter) {
             return Some(start);
         }
         let letters: BTreeSet<char> = world.starts.iter().filter_map(|start| start.letter).collect();
-        let there_are = if letters.is_empty() {
+        let available_letters = if letters.is_empty() {
             "it has no start letters".to_owned()
         } else {
             let letters: Vec<String> = letters.iter().map(|letter| format!("`{letter}`")).collect();
@@ -584,17 +596,17 @@ impl Placer<'_> {
         let expected = "a letter of the maze, or `X Y PHI`";
         // In the first EyeSim VR, `s` meant the start of the maze, regardless of its letter.
         if letter == 'S' && !letters.is_empty() {
-            let message = format!("the world has no start `S`: {there_are}; the next free one is taken");
+            let message = format!("the world has no start `S`: {available_letters}; the next free one is taken");
             self.sink.warn(Code::SimStartLetter, span, message, expected);
-            return self.next(span);
+            return self.next_start(span);
         }
-        let message = format!("the world has no start `{letter}`: {there_are}");
+        let message = format!("the world has no start `{letter}`: {available_letters}");
         self.sink.error(Code::SimStartLetter, span, message, expected);
         None
     }
 }
 
-/// Starts of a world, with those taken by robots.
+/// The starts of a world; records which of them robots have taken.
 struct Starts<'a> {
     world: Option<&'a WorldSpec>,
     is_taken: Vec<bool>,
@@ -606,23 +618,24 @@ impl<'a> Starts<'a> {
     }
 
     /// Takes the first free start.
-    fn next(&mut self) -> Option<Pose> {
+    fn take_next(&mut self) -> Option<Pose> {
         let index = self.is_taken.iter().position(|is_taken| !is_taken)?;
         self.is_taken[index] = true;
         Some(self.world?.starts[index].pose)
     }
 
-    /// The start of a maze in EyeSim VR of 2018: the cell of the last letter, regardless of the letter; the robot faces along x.
-    fn of_2018(&mut self) -> Option<Pose> {
+    /// Takes the start of a maze in EyeSim VR of 2018: the cell of the last letter, whichever letter that is; the robot
+    /// faces along x.
+    fn take_start_of_2018(&mut self) -> Option<Pose> {
         let starts = &self.world?.starts;
         let index = (0..starts.len()).rfind(|index| starts[*index].letter.is_some())?;
         self.is_taken[index] = true;
-        let at = starts[index].pose.position;
-        Some(Pose::new(at.x, at.y, 0.0))
+        let position = starts[index].pose.position;
+        Some(Pose::new(position.x, position.y, 0.0))
     }
 
-    /// Takes the first free start with this letter; if all are taken, returns the first, so that two robots of one letter share a cell.
-    fn of_letter(&mut self, letter: char) -> Option<Pose> {
+    /// Takes the first free start with this letter; if all are taken, returns the first, so that two robots share a cell.
+    fn take_start_of_letter(&mut self, letter: char) -> Option<Pose> {
         let starts = &self.world?.starts;
         let mut indices = (0..starts.len()).filter(|index| starts[*index].letter == Some(letter));
         let first = indices.clone().next()?;
@@ -632,9 +645,9 @@ impl<'a> Starts<'a> {
     }
 }
 
-/// A position of a demand, worded for messages.
-fn written(whereabouts: &PositionRef) -> String {
-    match whereabouts {
+/// Text of a position in messages.
+fn position_text(position: &PositionRef) -> String {
+    match position {
         PositionRef::Start(path) => format!("`{}`", path.text),
         PositionRef::Point(point) => format!("({}, {}) mm", number::mm(point.x), number::mm(point.y)),
     }

@@ -43,8 +43,9 @@ impl Setting {
     /// Path or value cannot be read.
     pub fn new(path: &str, value: &str) -> Result<Self, SettingError> {
         steps(path).ok_or_else(|| SettingError::Path(path.to_owned()))?;
-        let of = |error: toml::de::Error| error.message().trim().replace('\n', " ");
-        DeValue::parse(value).map_err(|error| SettingError::Value { value: value.to_owned(), error: of(error) })?;
+        let described = |error: toml::de::Error| error.message().trim().replace('\n', " ");
+        DeValue::parse(value)
+            .map_err(|error| SettingError::Value { value: value.to_owned(), error: described(error) })?;
         Ok(Self { path: path.to_owned(), value: value.to_owned() })
     }
 
@@ -88,15 +89,15 @@ fn steps(path: &str) -> Option<Vec<Step<'_>>> {
 }
 
 impl Reader {
-    /// Puts the values of `settings` into the table of the whole text.
+    /// Writes the values of `settings` into the table of the whole text.
     pub(super) fn set<'t>(&mut self, root: &mut DeTable<'t>, settings: &'t [Setting]) {
         for setting in settings {
             let value = DeValue::parse(&setting.value).map(Spanned::into_inner).ok();
             let steps = steps(&setting.path);
-            // Settings were already parsed when they were created.
+            // Both are valid: settings were parsed when they were created.
             let (Some(value), Some(steps)) = (value, steps) else { continue };
             if let Some((Step::Key(first), rest)) = steps.split_first()
-                && let Err(message) = set_in(root, first, rest, value)
+                && let Err(message) = set_in_table(root, first, rest, value)
             {
                 let message = format!("`{setting}`: {message}");
                 self.sink.error(Code::SetPath, Span::default(), message, "the path of a value of the scene");
@@ -105,62 +106,72 @@ impl Reader {
     }
 }
 
-fn set_in<'t>(table: &mut DeTable<'t>, key: &'t str, rest: &[Step<'t>], value: DeValue<'t>) -> Result<(), String> {
+/// Sets the value at the path `key`, `rest` in `table`; adds missing tables.
+fn set_in_table<'t>(
+    table: &mut DeTable<'t>,
+    key: &'t str,
+    rest: &[Step<'t>],
+    value: DeValue<'t>,
+) -> Result<(), String> {
     let entry = table.iter_mut().find(|(known, _)| known.get_ref() == key).map(|(_, value)| value);
     match (entry, rest) {
-        (Some(entry), _) => set_at(entry, key, rest, value),
+        (Some(entry), _) => set_value(entry, key, rest, value),
         (None, []) => {
-            table.insert(Spanned::new(SET, key.into()), Spanned::new(SET, unplaced(value)));
+            table.insert(Spanned::new(SET, key.into()), Spanned::new(SET, without_location(value)));
             Ok(())
         }
         (None, [Step::Key(next), rest @ ..]) => {
-            let mut inner = DeTable::new();
-            set_in(&mut inner, next, rest, value)?;
-            table.insert(Spanned::new(SET, key.into()), Spanned::new(SET, DeValue::Table(inner)));
+            let mut subtable = DeTable::new();
+            set_in_table(&mut subtable, next, rest, value)?;
+            table.insert(Spanned::new(SET, key.into()), Spanned::new(SET, DeValue::Table(subtable)));
             Ok(())
         }
         (None, [Step::Index(_), ..]) => Err(format!("there is no `{key}`")),
     }
 }
 
-fn set_at<'t>(
-    place: &mut Spanned<DeValue<'t>>,
+/// Sets the value at the path `rest` in `target`; `name` is the path of `target`, for messages.
+fn set_value<'t>(
+    target: &mut Spanned<DeValue<'t>>,
     name: &str,
     rest: &[Step<'t>],
     value: DeValue<'t>,
 ) -> Result<(), String> {
-    let kind = place.get_ref().type_str();
-    match (rest, place.get_mut()) {
+    let kind = target.get_ref().type_str();
+    match (rest, target.get_mut()) {
         ([], old) => {
-            *old = unplaced(value);
+            *old = without_location(value);
             Ok(())
         }
-        ([Step::Key(key), rest @ ..], DeValue::Table(table)) => set_in(table, key, rest, value),
+        ([Step::Key(key), rest @ ..], DeValue::Table(table)) => set_in_table(table, key, rest, value),
         ([Step::Index(index), rest @ ..], DeValue::Array(items)) => {
             let count = items.len();
             let item = items.get_mut(*index);
             let item = item.ok_or_else(|| format!("`{name}` has {count} entries, counted from 0"))?;
-            set_at(item, &format!("{name}[{index}]"), rest, value)
+            set_value(item, &format!("{name}[{index}]"), rest, value)
         }
         ([Step::Key(key), ..], _) => Err(format!("`{name}` is of type {kind} and has no `{key}`")),
         ([Step::Index(_), ..], _) => Err(format!("`{name}` is of type {kind} and has no entries")),
     }
 }
 
-/// Copy of a value whose parts have no location in the file.
-fn unplaced(value: DeValue<'_>) -> DeValue<'_> {
+/// Copy of a value in which all parts have the location [`SET`].
+fn without_location(value: DeValue<'_>) -> DeValue<'_> {
     match value {
         DeValue::Array(items) => {
             let mut array = DeArray::new();
-            items.iter().cloned().for_each(|item| array.push(Spanned::new(SET, unplaced(item.into_inner()))));
+            items.iter().cloned().for_each(|item| array.push(Spanned::new(SET, without_location(item.into_inner()))));
             DeValue::Array(array)
         }
         DeValue::Table(table) => {
-            let mut set = DeTable::new();
+            let mut copy = DeTable::new();
             for (key, value) in table {
-                set.insert(Spanned::new(SET, key.into_inner()), Spanned::new(SET, unplaced(value.into_inner())));
+                copy.insert(
+                    Spanned::new(SET, key.into_inner()),
+                    Spanned::new(SET, without_location(value.into_inner())),
+                );
             }
-            DeValue::Table(set)
+            DeValue::Table(copy)
         }
         other => other,
     }
@@ -187,13 +198,13 @@ mod tests {
     #[test]
     fn paths_are_keys_and_indices() {
         assert_eq!(steps("a.b[2].c"), Some(vec![Step::Key("a"), Step::Key("b"), Step::Index(2), Step::Key("c")]));
-        for wrong in ["", ".", "a.", "[1]", "a[x]", "a[1", "a b", "a[-1]"] {
-            assert_eq!(steps(wrong), None, "{wrong}");
+        for invalid in ["", ".", "a.", "[1]", "a[x]", "a[1", "a b", "a[-1]"] {
+            assert_eq!(steps(invalid), None, "{invalid}");
         }
     }
 
     #[test]
-    fn texts_that_are_no_settings_are_refused() {
+    fn invalid_settings_are_rejected() {
         let error = |text: &str| Setting::parse(text).expect_err(text).to_string();
         assert!(error("robot").contains("expected `PATH=VALUE`"));
         assert!(error("robot[=1").contains("is no path"));
@@ -201,8 +212,8 @@ mod tests {
         assert_eq!(Setting::parse("a.b = [1, 2]").expect("a setting").to_string(), "a.b=[1, 2]");
     }
 
-    /// The table after `settings`, as a value of TOML, and the messages.
-    fn after(text: &str, settings: &[&str]) -> (String, Vec<String>) {
+    /// Debug text of the table of `text` with `settings`, and the messages.
+    fn apply(text: &str, settings: &[&str]) -> (String, Vec<String>) {
         let settings: Vec<Setting> = settings.iter().map(|text| Setting::parse(text).expect("a setting")).collect();
         let (mut reader, mut root) = Reader::parse("a.toml", text);
         reader.set(&mut root, &settings);
@@ -213,7 +224,7 @@ mod tests {
     #[test]
     fn values_are_replaced_and_added() {
         let text = "a = 1\n[[robot]]\nx = 2\n";
-        let (root, messages) = after(text, &["a='b'", "robot[0].x=7", "robot[0].y=[8]", "c.d=9"]);
+        let (root, messages) = apply(text, &["a='b'", "robot[0].x=7", "robot[0].y=[8]", "c.d=9"]);
         assert!(messages.is_empty(), "{messages:?}");
         for part in ["\"b\"", "\"7\"", "\"8\"", "\"9\"", "\"y\"", "\"d\""] {
             assert!(root.contains(part), "{part} in {root}");
@@ -222,8 +233,8 @@ mod tests {
     }
 
     #[test]
-    fn paths_that_lead_nowhere_are_told() {
-        let (_, messages) = after("a = 1\nb = [1]\n", &["a.x=1", "b[1]=2", "c[0]=3", "a[0]=4"]);
+    fn missing_paths_are_reported() {
+        let (_, messages) = apply("a = 1\nb = [1]\n", &["a.x=1", "b[1]=2", "c[0]=3", "a[0]=4"]);
         assert_eq!(
             messages,
             [

@@ -15,8 +15,8 @@ use sim_core::pose::Pose;
 
 /// First words of lines, except for the names of types.
 pub(super) const KEYWORDS: [&str; 8] = ["world", "maze", "settings", "robi", "robot", "obj", "object", "marker"];
-/// Keywords of essential lines: without such a line the scene is a different one.
-const VITAL: [&str; 4] = ["world", "maze", "robi", "robot"];
+/// Keywords of lines without which the scene is a different one.
+const ESSENTIAL: [&str; 4] = ["world", "maze", "robi", "robot"];
 /// Letters of maze cells at which a robot may start.
 const START_LETTERS: [char; 5] = ['S', 'U', 'R', 'D', 'L'];
 /// Words on a `settings` line.
@@ -27,22 +27,22 @@ const MARKER_COLOUR: [u8; 4] = [255, 0, 0, 255];
 /// Reads a sim file, but none of the files that it refers to (see [`super::load_scene`]).
 pub fn read_sim(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
     let sim = SimSpec { file: file.to_owned(), ..SimSpec::default() };
-    let mut reader = Reader { sink: Sink::new(file), sim, is_of_2018: false, is_newer: false };
+    let mut reader = Reader { sink: Sink::new(file), sim, has_form_of_2018: false, has_newer_form: false };
     let mut is_first = true;
     for line in line::lines(text) {
         let words = line.words();
         if let Some((first, rest)) = words.split_first() {
             if is_first && first.text.starts_with('[') {
                 let diagnostic =
-                    reader.sink.error(Code::SimKeyword, first.span, "the file is TOML, and no sim file", KNOWN);
+                    reader.sink.error(Code::SimKeyword, first.span, "the file is TOML, and no sim file", KEYWORD_FORM);
                 diagnostic.suggestion = Some(format!("name it `{}.scene.toml`", path::stem(file)));
                 break;
             }
             is_first = false;
-            reader.line(first, rest);
+            reader.read_line(first, rest);
         }
     }
-    reader.sim.run.dialect = (reader.is_of_2018 && !reader.is_newer).then_some(Dialect::Vr2018);
+    reader.sim.run.dialect = (reader.has_form_of_2018 && !reader.has_newer_form).then_some(Dialect::Vr2018);
     (reader.sim, reader.sink.finish())
 }
 
@@ -50,31 +50,33 @@ struct Reader {
     sink: Sink,
     sim: SimSpec,
     /// True if a line has a form that EyeSim VR of 2018 has and newer versions do not have.
-    is_of_2018: bool,
+    has_form_of_2018: bool,
     /// True if a line has a form that EyeSim VR of 2018 does not have.
-    is_newer: bool,
+    has_newer_form: bool,
 }
 
 impl Reader {
-    fn line(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_line(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
         match first.text.to_lowercase().as_str() {
-            "world" => self.world(first, rest, WorldKind::World),
-            "maze" => self.world(first, rest, WorldKind::Maze),
-            "settings" => self.settings(rest),
-            "robi" | "robot" if rest.len() == 1 => self.robot_type(first, rest),
-            "robi" | "robot" => self.classic_robot(first, rest),
+            "world" => self.read_world(first, rest, WorldKind::World),
+            "maze" => self.read_world(first, rest, WorldKind::Maze),
+            "settings" => self.read_settings(rest),
+            "robi" | "robot" if rest.len() == 1 => self.read_robot_type(first, rest),
+            "robi" | "robot" => self.read_classic_robot(first, rest),
             "object" if rest.first().is_none_or(is_number) => {
-                self.classic_object(first, rest);
+                self.read_classic_object(first, rest);
             }
-            "obj" | "object" => self.object_type(first, rest),
-            "marker" => self.marker(first, rest),
-            word if builtin::ROBOTS.iter().any(|name| name.eq_ignore_ascii_case(word)) => self.robot(first, rest),
-            word if builtin::OBJECTS.iter().any(|name| name.eq_ignore_ascii_case(word)) => self.object(first, rest),
-            _ => self.named(first, rest),
+            "obj" | "object" => self.read_object_type(first, rest),
+            "marker" => self.read_marker(first, rest),
+            word if builtin::ROBOTS.iter().any(|name| name.eq_ignore_ascii_case(word)) => self.read_robot(first, rest),
+            word if builtin::OBJECTS.iter().any(|name| name.eq_ignore_ascii_case(word)) => {
+                self.read_object(first, rest)
+            }
+            _ => self.read_line_of_type(first, rest),
         }
     }
 
-    fn world(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], kind: WorldKind) {
+    fn read_world(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], kind: WorldKind) {
         let form = "`world FILE.wld` or `maze FILE.maz`";
         let Some(path) = path::reference(&mut self.sink, Severity::Error, keyword, rest, form) else {
             return;
@@ -91,7 +93,7 @@ impl Reader {
         self.sim.world = Some(WorldLine { kind, path, cell: None, looks: LooksSpec::default() });
     }
 
-    fn settings(&mut self, rest: &[Word<'_>]) {
+    fn read_settings(&mut self, rest: &[Word<'_>]) {
         for word in rest {
             match word.text.to_uppercase().as_str() {
                 "VIS" => self.sim.settings.shows_beams = true,
@@ -106,47 +108,47 @@ impl Reader {
     }
 
     /// Reads `robi FILE` or `robot FILE`, which loads a robot type.
-    fn robot_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_robot_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let path = path::reference(&mut self.sink, Severity::Error, keyword, rest, "`robi FILE.robi`");
-        self.mark(keyword, "robi");
+        self.record_version(keyword, "robi");
         self.sim.robot_types.extend(path);
     }
 
     /// Reads `obj FILE` or `object FILE`, which loads an object type.
-    fn object_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_object_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`object FILE.esObj`, or the classic `object X Y PHI FRICTION MESH`";
         let path = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
-        self.mark(keyword, "obj");
+        self.record_version(keyword, "obj");
         self.sim.object_types.extend(path);
     }
 
-    /// Records the version of EyeSim VR to which the keyword of a line that loads a type belongs; `old` is the keyword
+    /// Records the version of EyeSim VR to which the `keyword` of a line that loads a type belongs; `old` is the keyword
     /// of 2018.
-    fn mark(&mut self, keyword: &Word<'_>, old: &str) {
-        let is_old = keyword.text.eq_ignore_ascii_case(old);
-        self.is_of_2018 |= is_old;
-        self.is_newer |= !is_old;
+    fn record_version(&mut self, keyword: &Word<'_>, old: &str) {
+        let is_keyword_of_2018 = keyword.text.eq_ignore_ascii_case(old);
+        self.has_form_of_2018 |= is_keyword_of_2018;
+        self.has_newer_form |= !is_keyword_of_2018;
     }
 
     /// Reads `robi FILE PROGRAM [X Y PHI]`.
-    fn classic_robot(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let span = whole(keyword, rest);
+    fn read_classic_robot(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let span = line_span(keyword, rest);
         let [robi, program, pose @ ..] = rest else {
             let message = format!("`{}` names no robot file", keyword.text);
             self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM);
             return;
         };
-        let names = rest.iter().take_while(|word| !is_number(word)).count();
-        if names > 2 && count_numbers(&rest[names..]) >= 3 {
-            let message = format!("`{}` is followed by {names} names, not 2", keyword.text);
-            let text = |words: &[Word<'_>]| {
+        let name_count = rest.iter().take_while(|word| !is_number(word)).count();
+        if name_count > 2 && count_numbers(&rest[name_count..]) >= 3 {
+            let message = format!("`{}` is followed by {name_count} names, not 2", keyword.text);
+            let quoted = |words: &[Word<'_>]| {
                 let text = words.iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
                 if words.len() > 1 { format!("\"{text}\"") } else { text }
             };
             let ends_type = |word: &Word<'_>| word.text.to_ascii_lowercase().ends_with(".robi");
-            let of_type = rest[..names - 1].iter().position(ends_type).map_or(1, |index| index + 1);
-            let line = [text(&rest[..of_type]), text(&rest[of_type..names])].join(" ");
-            let numbers = rest[names..].iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
+            let type_word_count = rest[..name_count - 1].iter().position(ends_type).map_or(1, |index| index + 1);
+            let line = [quoted(&rest[..type_word_count]), quoted(&rest[type_word_count..name_count])].join(" ");
+            let numbers = rest[name_count..].iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
             self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM).suggestion =
                 Some(format!("put a file name with blanks between double quotes: `{} {line} {numbers}`", keyword.text));
             return;
@@ -156,11 +158,11 @@ impl Reader {
             self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM);
             return;
         }
-        self.extra(pose, 3, ROBI_FORM);
+        self.warn_of_extra_words(pose, 3, ROBI_FORM);
         let pose = &pose[..pose.len().min(3)];
         let start = line::numbers(&mut self.sink, Severity::Error, pose, &POSE).map(|[x, y, phi]| Pose::new(x, y, phi));
-        let robi = path::named(&mut self.sink, Severity::Error, robi, ROBI_FORM);
-        let program = path::named(&mut self.sink, Severity::Error, program, ROBI_FORM);
+        let robi = path::file_reference(&mut self.sink, Severity::Error, robi, ROBI_FORM);
+        let program = path::file_reference(&mut self.sink, Severity::Error, program, ROBI_FORM);
         let start = match start {
             Some(pose) => StartRef::Pose(pose),
             None if pose.is_empty() => StartRef::Next,
@@ -173,8 +175,8 @@ impl Reader {
     }
 
     /// Reads `object X Y PHI FRICTION MESH`.
-    fn classic_object(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let span = whole(keyword, rest);
+    fn read_classic_object(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let span = line_span(keyword, rest);
         let [pose @ .., mesh] = rest else {
             self.sink.warn(Code::SimObjectArity, span, "`object` has no values", OBJECT_FORM);
             return;
@@ -185,7 +187,7 @@ impl Reader {
             return;
         }
         let values = line::numbers(&mut self.sink, Severity::Warning, pose, &OBJECT);
-        let mesh = path::named(&mut self.sink, Severity::Warning, mesh, OBJECT_FORM);
+        let mesh = path::file_reference(&mut self.sink, Severity::Warning, mesh, OBJECT_FORM);
         if let (Some([x, y, phi, friction]), Some(mesh)) = (values, mesh) {
             self.sim.objects.push(ObjectLine {
                 kind: TypeRef::File(mesh),
@@ -198,70 +200,70 @@ impl Reader {
     }
 
     /// Reads a line that places a built-in robot.
-    fn robot(&mut self, name: &Word<'_>, rest: &[Word<'_>]) {
-        if let Some(line) = self.placement(name, rest, PLACE_ROBOT) {
+    fn read_robot(&mut self, name: &Word<'_>, rest: &[Word<'_>]) {
+        if let Some(line) = self.read_placement(name, rest, PLACE_ROBOT) {
             self.sim.robots.push(line);
         }
     }
 
     /// Reads a line that places a built-in object.
-    fn object(&mut self, name: &Word<'_>, rest: &[Word<'_>]) {
-        let span = whole(name, rest);
+    fn read_object(&mut self, name: &Word<'_>, rest: &[Word<'_>]) {
+        let span = line_span(name, rest);
         if rest.len() < 3 {
-            let message = short_pose(name, rest.len());
+            let message = short_pose_message(name, rest.len());
             self.sink.error(Code::SimPlaceArity, span, message, PLACE_OBJECT);
             return;
         }
-        self.extra(rest, 3, PLACE_OBJECT);
+        self.warn_of_extra_words(rest, 3, PLACE_OBJECT);
         if let Some([x, y, phi]) = line::numbers(&mut self.sink, Severity::Error, &rest[..3], &POSE) {
-            let kind = TypeRef::Name(reference(name));
+            let kind = TypeRef::Name(spanned_text(name));
             self.sim.objects.push(ObjectLine { kind, pose: Pose::new(x, y, phi), span, ..ObjectLine::default() });
         }
     }
 
-    /// Reads a line without a keyword: a robot or an object of a loaded type if it has this form, otherwise a mistake.
-    fn named(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
+    /// Reads a line that may place a robot or an object of a loaded type; reports a line that has another form.
+    fn read_line_of_type(&mut self, first: &Word<'_>, rest: &[Word<'_>]) {
         let is_pose = count_numbers(rest) >= 3;
         let is_letter = rest.first().and_then(letter).is_some_and(|letter| START_LETTERS.contains(&letter));
         if (is_pose || is_letter) && !first.text.trim().is_empty() {
-            if let Some(line) = self.placement(first, rest, PLACE_NAMED) {
+            if let Some(line) = self.read_placement(first, rest, PLACE_NAMED) {
                 self.sim.named.push(line);
             }
             return;
         }
         let keywords = KEYWORDS.iter().chain(&builtin::ROBOTS).chain(&builtin::OBJECTS).copied();
         let nearest = line::nearest(first.text, keywords);
-        // A misspelt world or robot line loses that world or robot.
-        let is_lost = nearest.is_some_and(|word| VITAL.contains(&word) || builtin::ROBOTS.contains(&word));
-        let severity = if is_lost { Severity::Error } else { Severity::Warning };
+        // Without a misspelt line of a world or robot, the scene lacks this world or robot.
+        let is_essential = nearest.is_some_and(|word| ESSENTIAL.contains(&word) || builtin::ROBOTS.contains(&word));
+        let severity = if is_essential { Severity::Error } else { Severity::Warning };
         let is_type = |word: &Word<'_>| {
             builtin::ROBOTS.iter().chain(&builtin::OBJECTS).any(|name| name.eq_ignore_ascii_case(word.text))
         };
         if let Some((kind, pose)) = rest.split_first().filter(|(kind, pose)| is_type(kind) && count_numbers(pose) > 0) {
             let message = format!("the line begins with `{}`, and not with the type", first.text);
-            let span = whole(first, rest);
+            let span = line_span(first, rest);
             let words: Vec<&str> = pose.iter().map(|word| word.text).collect();
             self.sink.error(Code::SimKeyword, span, message, PLACE_NAMED).suggestion =
                 Some(format!("write `{} {} {}`", kind.text, words.join(" "), first.text));
             return;
         }
         if nearest.is_none() && count_numbers(rest) > 1 {
-            let message = short_pose(first, count_numbers(rest));
-            self.sink.report(severity, Code::SimPlaceArity, whole(first, rest), message, PLACE_NAMED);
+            let message = short_pose_message(first, count_numbers(rest));
+            self.sink.report(severity, Code::SimPlaceArity, line_span(first, rest), message, PLACE_NAMED);
             return;
         }
         let message = format!("unknown keyword `{}`", first.text);
-        let diagnostic = self.sink.report(severity, Code::SimKeyword, first.span, message, KNOWN);
+        let diagnostic = self.sink.report(severity, Code::SimKeyword, first.span, message, KEYWORD_FORM);
         diagnostic.suggestion = nearest.map(|keyword| format!("write `{keyword}`"));
     }
 
     /// Reads `NAME X Y PHI [PROGRAM]` or `NAME LETTER [PHI] [PROGRAM]`.
-    fn placement(&mut self, name: &Word<'_>, rest: &[Word<'_>], form: &str) -> Option<RobotLine> {
-        let span = whole(name, rest);
+    fn read_placement(&mut self, name: &Word<'_>, rest: &[Word<'_>], form: &str) -> Option<RobotLine> {
+        let span = line_span(name, rest);
         let (start, program) = match rest.first().and_then(letter) {
             Some(letter) => {
                 let has_heading = rest.get(1).is_some_and(is_number);
-                self.is_newer |= has_heading;
+                self.has_newer_form |= has_heading;
                 let heading = match rest.get(1).filter(|_| has_heading) {
                     Some(word) => Some(line::number(&mut self.sink, Severity::Error, word, &POSE[2])?),
                     None => None,
@@ -269,7 +271,7 @@ impl Reader {
                 (Some(StartRef::Letter { letter, heading }), &rest[1 + usize::from(has_heading)..])
             }
             None if is_short(rest) => {
-                let message = short_pose(name, count_numbers(rest));
+                let message = short_pose_message(name, count_numbers(rest));
                 self.sink.error(Code::SimPlaceArity, span, message, form);
                 return None;
             }
@@ -285,18 +287,18 @@ impl Reader {
                 (pose.map(|[x, y, phi]| StartRef::Pose(Pose::new(x, y, phi))), &rest[3..])
             }
         };
-        self.extra(program, 1, form);
+        self.warn_of_extra_words(program, 1, form);
         let program = match program.first() {
-            Some(word) => Some(path::named(&mut self.sink, Severity::Error, word, form)?),
+            Some(word) => Some(path::file_reference(&mut self.sink, Severity::Error, word, form)?),
             None => None,
         };
-        let kind = TypeRef::Name(reference(name));
+        let kind = TypeRef::Name(spanned_text(name));
         let arguments = Vec::new();
         Some(RobotLine { kind, program, arguments, start: start?, span, ..RobotLine::default() })
     }
 
-    fn marker(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let span = whole(keyword, rest);
+    fn read_marker(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+        let span = line_span(keyword, rest);
         if !matches!(rest.len(), 2 | 5 | 6) {
             let message = format!("`marker` has {} values", rest.len());
             self.sink.error(Code::SimMarkerArity, span, message, MARKER_FORM);
@@ -315,8 +317,8 @@ impl Reader {
         }
     }
 
-    /// Warns about words after the first `count` of `words`.
-    fn extra(&mut self, words: &[Word<'_>], count: usize, form: &str) {
+    /// Warns about the words that follow the first `count` of `words`.
+    fn warn_of_extra_words(&mut self, words: &[Word<'_>], count: usize, form: &str) {
         if let Some(extra) = words.get(count) {
             let message = format!("`{}` is left over", extra.text);
             let diagnostic = self.sink.warn(Code::WordExtra, extra.span, message, form);
@@ -328,23 +330,23 @@ impl Reader {
 }
 
 /// Message about a pose with `count` of its three numbers.
-fn short_pose(name: &Word<'_>, count: usize) -> String {
+fn short_pose_message(name: &Word<'_>, count: usize) -> String {
     let missing = if count == 2 { ": the heading phi in degrees is missing" } else { "" };
     format!("`{}` has {count} of 3 numbers{missing}", name.text)
 }
 
-/// Span from the first word of a line to its last.
-fn whole(first: &Word<'_>, rest: &[Word<'_>]) -> Span {
+/// Span of a line, from its first word to its last.
+fn line_span(first: &Word<'_>, rest: &[Word<'_>]) -> Span {
     rest.last().map_or(first.span, |last| first.span.to(last.span))
 }
 
-fn reference(word: &Word<'_>) -> SpannedText {
+fn spanned_text(word: &Word<'_>) -> SpannedText {
     SpannedText { text: word.text.to_owned(), span: word.span }
 }
 
 /// Returns true for a number and for a malformed number, but not for a file name that begins with a digit.
 fn is_number(word: &Word<'_>) -> bool {
-    line::looks_numeric(word.text) && (word.text.parse::<f64>().is_ok() || line::number_within(word.text).is_some())
+    line::looks_numeric(word.text) && (word.text.parse::<f64>().is_ok() || line::guessed_number(word.text).is_some())
 }
 
 /// Returns true if a pose has fewer than three numbers because some are missing, not because one is misspelt.
@@ -365,7 +367,7 @@ fn letter(word: &Word<'_>) -> Option<char> {
     characters.next().is_none().then(|| letter.to_ascii_uppercase())
 }
 
-const KNOWN: &str =
+const KEYWORD_FORM: &str =
     "one of world, maze, settings, robi, robot, obj, object, marker, or the name of a type with `X Y PHI`";
 const ROBI_FORM: &str = "`robi FILE.robi PROGRAM`, then nothing or `X Y PHI` in mm and degrees";
 const OBJECT_FORM: &str = "`object X Y PHI FRICTION MESH` in mm and degrees";

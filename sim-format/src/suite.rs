@@ -30,7 +30,7 @@ pub struct SuiteSpec {
     pub file: String,
     /// Folder of its file.
     pub folder: String,
-    /// The scene of its cases, unless the matrix names scenes.
+    /// The scene of its cases, unless the matrix has scenes.
     pub scene: Option<SpannedText>,
     /// Programs of robots, as options `--program` of the command line.
     pub programs: Vec<SpannedText>,
@@ -130,7 +130,7 @@ pub struct Matrix {
     pub seed: Vec<u64>,
     /// Axes that advance together.
     pub zip: Vec<Vec<String>>,
-    /// Excluded combinations, each with labels by the names of axes.
+    /// Excluded combinations: labels of values by the names of their axes.
     pub exclude: Vec<BTreeMap<String, String>>,
     /// Its location in the file.
     pub span: Span,
@@ -147,14 +147,14 @@ pub struct Values {
     pub span: Span,
 }
 
-/// Quantity that an axis of the matrix changes.
+/// What an axis of the matrix changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisKind {
     /// The scene.
     Scene,
     /// File of the world.
     World,
-    /// Value of the scene by its path.
+    /// Value of the scene, selected by its path.
     Set,
     /// Parameter of the arguments.
     Parameter,
@@ -169,9 +169,9 @@ pub enum AxisKind {
 /// Axis of the matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Quantity that the axis changes.
+    /// What the axis changes.
     pub kind: AxisKind,
-    /// Its name: the name of the key, or the path or name of a value of the scene or of a parameter.
+    /// Its name: a key of the matrix such as `seed`, the path of a value of the scene, or the name of a parameter.
     pub name: String,
     /// Its values, in the syntax of the command line.
     pub values: Vec<String>,
@@ -186,12 +186,12 @@ impl Axis {
 
 /// A value of TOML without its quotes.
 fn label(value: &str) -> &str {
-    let inner = |quote| value.strip_prefix(quote).and_then(|rest| rest.strip_suffix(quote));
-    inner('"').or_else(|| inner('\'')).unwrap_or(value)
+    let unquoted = |quote| value.strip_prefix(quote).and_then(|rest| rest.strip_suffix(quote));
+    unquoted('"').or_else(|| unquoted('\'')).unwrap_or(value)
 }
 
 impl Matrix {
-    /// The axes with values, ordered from the slowest to the fastest, the seeds.
+    /// The axes that have values. From case to case, the last axis, the seeds, varies fastest.
     pub fn axes(&self) -> Vec<Axis> {
         let axis =
             |kind, name: &str, values: &[String]| Axis { kind, name: name.to_owned(), values: values.to_owned() };
@@ -210,34 +210,36 @@ impl Matrix {
 
     /// Number of combinations before any is excluded.
     pub fn count(&self) -> u64 {
-        let lengths = self.wheels(&self.axes()).into_iter().map(|(_, length)| length as u64);
+        let lengths = self.zip_groups(&self.axes()).into_iter().map(|(_, length)| length as u64);
         lengths.fold(1, u64::saturating_mul)
     }
 
-    /// Groups of axes that advance together, as indices, with their lengths.
-    fn wheels(&self, axes: &[Axis]) -> Vec<(Vec<usize>, usize)> {
-        let mut wheels: Vec<(Vec<usize>, usize)> = Vec::new();
+    /// Groups of axes that advance together, as indices of axes, with the number of their values.
+    fn zip_groups(&self, axes: &[Axis]) -> Vec<(Vec<usize>, usize)> {
+        let mut zip_groups: Vec<(Vec<usize>, usize)> = Vec::new();
         for (index, axis) in axes.iter().enumerate() {
             let zip = self.zip.iter().find(|names| names.contains(&axis.name));
-            let with = zip.and_then(|names| {
-                wheels.iter().position(|(members, _)| members.iter().any(|&member| names.contains(&axes[member].name)))
+            let group = zip.and_then(|names| {
+                zip_groups
+                    .iter()
+                    .position(|(members, _)| members.iter().any(|&member| names.contains(&axes[member].name)))
             });
-            match with {
-                Some(wheel) => wheels[wheel].0.push(index),
-                None => wheels.push((vec![index], axis.values.len())),
+            match group {
+                Some(group) => zip_groups[group].0.push(index),
+                None => zip_groups.push((vec![index], axis.values.len())),
             }
         }
-        wheels
+        zip_groups
     }
 
-    /// The cases: an index into the values of each of [`Matrix::axes`]. At most [`MAX_CASES`].
+    /// The cases, at most [`MAX_CASES`]: for each of [`Matrix::axes`], the index of its value.
     pub fn cases(&self) -> Vec<Vec<usize>> {
         let axes = self.axes();
-        let wheels = self.wheels(&axes);
+        let zip_groups = self.zip_groups(&axes);
         let total = self.count().min(MAX_CASES);
         let case = |number: u64| {
             let (mut indices, mut rest) = (vec![0; axes.len()], number);
-            for (members, length) in wheels.iter().rev() {
+            for (members, length) in zip_groups.iter().rev() {
                 let index = (rest % *length as u64) as usize;
                 rest /= *length as u64;
                 members.iter().for_each(|&member| indices[member] = index);
@@ -249,7 +251,7 @@ impl Matrix {
                 let axis_index = axes.iter().position(|axis| axis.name == *name)?;
                 Some(axes[axis_index].label(indices[axis_index]))
             };
-            self.exclude.iter().any(|left_out| left_out.iter().all(|(name, value)| label_of(name) == Some(value)))
+            self.exclude.iter().any(|excluded| excluded.iter().all(|(name, value)| label_of(name) == Some(value)))
         };
         (0..total).map(case).filter(|indices| !is_excluded(indices)).collect()
     }
@@ -261,7 +263,7 @@ impl SuiteSpec {
         let setting = |(axis, &index): (&Axis, &usize)| {
             let value = &axis.values[index];
             match axis.kind {
-                // The reader has already refused invalid paths and values.
+                // The reader has already reported invalid paths and values.
                 AxisKind::Set => Setting::new(&axis.name, value).ok(),
                 AxisKind::World => {
                     let file = toml::Value::from(value.as_str());
@@ -285,9 +287,9 @@ impl SuiteSpec {
 
     /// Path of the scene of a case with these indices into `axes`, from the suite's folder.
     pub fn scene_of(&self, axes: &[Axis], indices: &[usize]) -> String {
-        let of_matrix = axes.iter().zip(indices).find(|(axis, _)| axis.kind == AxisKind::Scene);
-        let own = || self.scene.as_ref().map_or("", |scene| &scene.text);
-        let text = of_matrix.map_or_else(own, |(axis, &index)| &axis.values[index]);
+        let matrix_scene = axes.iter().zip(indices).find(|(axis, _)| axis.kind == AxisKind::Scene);
+        let suite_scene = || self.scene.as_ref().map_or("", |scene| &scene.text);
+        let text = matrix_scene.map_or_else(suite_scene, |(axis, &index)| &axis.values[index]);
         if text.starts_with('/') { text.to_owned() } else { path::join(&self.folder, text) }
     }
 }
@@ -297,13 +299,13 @@ pub fn is_suite(file: &str, text: &str) -> bool {
     file.to_lowercase().ends_with(SUITE_EXTENSION) || path::extension(file) == "toml" && has_top_key(text, &["suite"])
 }
 
-/// Reads a suite, but not the scenes that it names (see [`load_suite`]).
+/// Reads a suite, but not its scenes (see [`load_suite`]).
 pub fn read_suite(file: &str, text: &str) -> (SuiteSpec, Vec<Diagnostic>) {
     let (mut reader, root) = Reader::parse(file, text);
     let folder = path::folder_of(file).to_owned();
     let mut suite = SuiteSpec { file: file.to_owned(), folder, ..SuiteSpec::default() };
     reader.table(Section::root(&root), |keys| suite.keys(keys));
-    reader.settle(&suite);
+    reader.check_suite(&suite);
     super::checks::set_folder(&mut suite.checks, &suite.folder);
     (suite, reader.sink.finish())
 }
@@ -323,7 +325,7 @@ pub fn suite_schema() -> String {
 pub struct LoadedSuite {
     /// The suite; complete if there are no errors.
     pub suite: SuiteSpec,
-    /// The scene of its first case, with all mistakes and files, the suite's first.
+    /// The scene of its first case, with the mistakes and files of suite and scene, the suite's first.
     pub loaded: Loaded,
 }
 
@@ -359,7 +361,7 @@ pub fn check_of_suite(suite: &SuiteSpec, scene: &super::SceneSpec) -> Vec<Diagno
 
 impl Reader {
     /// Reports mistakes that involve several keys of a suite.
-    fn settle(&mut self, suite: &SuiteSpec) {
+    fn check_suite(&mut self, suite: &SuiteSpec) {
         let matrix = &suite.matrix;
         if suite.scene.is_none() && matrix.scene.is_empty() && self.sink.is_empty() {
             let message = "the suite names no scene";
@@ -374,8 +376,8 @@ impl Reader {
             }
         }
         let list = || names.iter().copied().collect::<Vec<_>>().join(", ");
-        let of_zip = matrix.zip.iter().flatten();
-        for name in of_zip.chain(matrix.exclude.iter().flat_map(BTreeMap::keys)) {
+        let zipped_names = matrix.zip.iter().flatten();
+        for name in zipped_names.chain(matrix.exclude.iter().flat_map(BTreeMap::keys)) {
             if !names.contains(name.as_str()) {
                 let message = format!("the matrix has no values of `{name}`");
                 self.sink.error(Code::SuiteAxis, matrix.span, message, format!("one of {}", list()));
@@ -394,7 +396,7 @@ impl Reader {
                 self.sink.error(Code::SuiteAxis, matrix.span, message, "each name once");
             }
         }
-        self.settle_parameters(suite);
+        self.check_parameters(suite);
         if matrix.count() > MAX_CASES {
             let message = format!("the matrix has {} cases", matrix.count());
             self.sink.error(Code::SuiteCases, matrix.span, message, format!("at most {MAX_CASES}"));
@@ -404,7 +406,7 @@ impl Reader {
     }
 
     /// Reports parameters that no argument uses, and placeholders of unknown parameters.
-    fn settle_parameters(&mut self, suite: &SuiteSpec) {
+    fn check_parameters(&mut self, suite: &SuiteSpec) {
         let parameters = &suite.matrix.parameter;
         for parameter in parameters {
             let placeholder = format!("{{{}}}", parameter.name);

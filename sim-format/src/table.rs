@@ -12,7 +12,7 @@ use super::line::{self, Quantity};
 use super::spec::SpannedText;
 use super::{builtin, path, sim};
 
-/// Byte range of keys that settings have added and the text does not contain ([`super::set`]).
+/// Byte range of keys that settings have added ([`super::set`]), so that the text does not contain them.
 pub(super) const SET: Range<usize> = usize::MAX..usize::MAX;
 
 /// Reader of a TOML text, with its diagnostics.
@@ -22,10 +22,10 @@ pub(super) struct Reader {
     pub(super) text: String,
     /// Length of the byte order mark.
     offset: usize,
-    starts: Vec<usize>,
+    line_starts: Vec<usize>,
 }
 
-/// Table, with the keys that have been looked up.
+/// A table; records the keys that have been looked up.
 pub(super) struct Section<'a, 'i> {
     pub(super) name: &'static str,
     pub(super) table: &'a DeTable<'i>,
@@ -34,7 +34,7 @@ pub(super) struct Section<'a, 'i> {
 }
 
 impl<'a, 'i> Section<'a, 'i> {
-    /// Section of a whole document.
+    /// The section that contains the whole document.
     pub(super) fn root(table: &'a DeTable<'i>) -> Self {
         Section { name: "", table, span: Span::default(), known_keys: Vec::new() }
     }
@@ -56,16 +56,16 @@ impl<'a, 'i> Section<'a, 'i> {
 impl Reader {
     /// Parses the text of `file`; syntax errors are reported, and the valid part is kept.
     pub(super) fn parse<'t>(file: &str, text: &'t str) -> (Self, DeTable<'t>) {
-        let whole = text.len();
+        let byte_count = text.len();
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut reader = Self {
             sink: Sink::new(file),
-            starts: line::line_starts(text),
-            offset: whole - text.len(),
+            line_starts: line::line_starts(text),
+            offset: byte_count - text.len(),
             text: text.to_owned(),
         };
         let (root, errors) = DeTable::parse_recoverable(text);
-        if let Some(span) = first_of_sim(text).filter(|_| !errors.is_empty()) {
+        if let Some(span) = first_sim_word(text).filter(|_| !errors.is_empty()) {
             let expected = "TOML: `key = value` lines and `[section]` lines";
             let diagnostic = reader.sink.error(Code::TomlSyntax, span, "the file is a sim file, and no TOML", expected);
             let stem = path::stem(file);
@@ -83,7 +83,7 @@ impl Reader {
 }
 
 /// The first word of `text`, if the text begins like a sim file.
-fn first_of_sim(text: &str) -> Option<Span> {
+fn first_sim_word(text: &str) -> Option<Span> {
     let line = line::lines(text).find(|line| !line.words().is_empty())?;
     let words = line.words();
     let (first, rest) = words.split_first()?;
@@ -102,8 +102,8 @@ impl Reader {
         while !self.text.is_char_boundary(start) {
             start -= 1;
         }
-        let line = self.starts.partition_point(|begin| *begin <= start).max(1);
-        let column = self.text[self.starts[line - 1]..start].chars().count() + 1;
+        let line = self.line_starts.partition_point(|begin| *begin <= start).max(1);
+        let column = self.text[self.line_starts[line - 1]..start].chars().count() + 1;
         let end = range.end.clamp(start, self.text.len());
         Span { start: self.offset + start, end: self.offset + end, line: line as u32, column: column as u32 }
     }
@@ -216,7 +216,7 @@ impl Reader {
         Some(SpannedText { text, span })
     }
 
-    /// Array of strings, each of which may be empty, and of numbers, which count as strings.
+    /// Array of strings, which may be empty, and of numbers, which are returned as strings.
     pub(super) fn words(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Vec<String> {
         let Some(items) = self.array(section, key, "an array of texts and numbers") else {
             return Vec::new();
@@ -233,7 +233,7 @@ impl Reader {
         texts
     }
 
-    /// Boolean.
+    /// Value of a Boolean key.
     pub(super) fn flag(&mut self, section: &mut Section<'_, '_>, key: &'static str) -> Option<bool> {
         let value = section.get(key)?;
         let DeValue::Boolean(flag) = value.get_ref() else {
@@ -283,9 +283,9 @@ impl Reader {
         };
         let mut values = [0.0; N];
         let mut is_complete = true;
-        for ((place, item), quantity) in values.iter_mut().zip(items).zip(quantities) {
+        for ((target, item), quantity) in values.iter_mut().zip(items).zip(quantities) {
             match self.as_number(key, item, quantity) {
-                Some(value) => *place = value,
+                Some(value) => *target = value,
                 None => is_complete = false,
             }
         }
@@ -342,14 +342,14 @@ impl Reader {
 
     /// Span of a key; the span of the table if the key is missing.
     pub(super) fn key_span(&self, section: &Section<'_, '_>, key: &str) -> Span {
-        let written = section.table.iter().find(|(name, _)| name.get_ref() == key);
-        written.map_or(section.span, |(name, _)| self.span(name.span()))
+        let entry = section.table.iter().find(|(name, _)| name.get_ref() == key);
+        entry.map_or(section.span, |(name, _)| self.span(name.span()))
     }
 
     /// Span of a key's value; the span of the table if the key is missing.
     pub(super) fn value_span(&self, section: &Section<'_, '_>, key: &str) -> Span {
-        let written = section.table.iter().find(|(name, _)| name.get_ref() == key);
-        written.map_or(section.span, |(_, value)| self.span(value.span()))
+        let entry = section.table.iter().find(|(name, _)| name.get_ref() == key);
+        entry.map_or(section.span, |(_, value)| self.span(value.span()))
     }
 
     /// Parses a key itself as a number, as in `3 = 512`.
@@ -357,11 +357,11 @@ impl Reader {
         &mut self,
         key: &Spanned<DeString<'_>>,
         numbers: &RangeInclusive<u8>,
-        what: &str,
+        noun: &str,
     ) -> Option<u8> {
         let number = key.get_ref().parse().ok().filter(|number| numbers.contains(number));
         if number.is_none() {
-            let message = format!("`{}` is no {what}", key.get_ref());
+            let message = format!("`{}` is no {noun}", key.get_ref());
             let expected = format!("a number from {} to {}", numbers.start(), numbers.end());
             self.sink.error(Code::TomlKey, self.span(key.span()), message, expected);
         }
@@ -415,7 +415,7 @@ impl Reader {
         }
     }
 
-    /// Tables of an array `[[key]]`; a single `[key]` counts as an array.
+    /// Tables of an array `[[key]]`; a single `[key]` is read as an array of one table.
     pub(super) fn sections<'a, 'i>(&mut self, parent: &mut Section<'a, 'i>, key: &'static str) -> Vec<Section<'a, 'i>> {
         let Some(value) = parent.get(key) else {
             return Vec::new();
@@ -441,9 +441,9 @@ impl Reader {
             let message = format!("unknown key `{name}`{suffix}");
             let expected = format!("one of {}", section.known_keys.join(", "));
             let keys = || section.known_keys.iter().copied();
-            // A key that lacks only its unit counts as similar as well.
-            let whole = keys().find(|key| key.strip_prefix(name).is_some_and(|unit| unit.starts_with('_')));
-            let nearest = line::nearest(name, keys()).or(whole);
+            // A key without its unit is similar to the key with the unit.
+            let with_unit = keys().find(|key| key.strip_prefix(name).is_some_and(|unit| unit.starts_with('_')));
+            let nearest = line::nearest(name, keys()).or(with_unit);
             let suggestion = nearest.map(|key| format!("write `{key}`"));
             // A setting is never meant for a future version or for another program.
             let severity = if key.span() == SET { Severity::Error } else { Severity::Warning };

@@ -37,8 +37,7 @@ pub(super) struct Types {
     by_name: BTreeMap<String, KnownType>,
     /// Names by their lower-case form.
     by_lower_case: BTreeMap<String, Vec<String>>,
-    /// For each type in a nearby file that is not loaded, by its name, the line that would load it; filled at the first
-    /// unknown type.
+    /// Lines that would load the types in nearby files, by the names of the types; filled at the first unknown type.
     nearby: Option<BTreeMap<String, String>>,
     form: SceneFormat,
 }
@@ -46,12 +45,12 @@ pub(super) struct Types {
 struct KnownType {
     kind: LoadedType,
     /// Span of the reference that loads the type; `None` for a built-in type.
-    loaded: Option<Span>,
+    loaded_at: Option<Span>,
 }
 
 impl Types {
-    /// Registers the built-in types and the types that `sim` loads. Built-in names are reserved; of two types with the same name the first
-    /// counts.
+    /// Registers the built-in types and the types that `sim` loads. Built-in names are reserved; of two types with the same name, the
+    /// first is registered.
     pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
         let mut types = Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None, form: sim.form };
         let robots = builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(LoadedType::Robot);
@@ -60,43 +59,43 @@ impl Types {
             types.add(kind, None);
         }
         let robots = sim.robot_types.iter().map(|path| (path, true));
-        let mut loads: Vec<(&SpannedText, bool)> =
+        let mut references: Vec<(&SpannedText, bool)> =
             robots.chain(sim.object_types.iter().map(|path| (path, false))).collect();
-        loads.sort_by_key(|(path, _)| path.span);
+        references.sort_by_key(|(path, _)| path.span);
         let mut sink = Sink::new(&sim.file);
         for (robi, span) in &sim.inline.robot_types {
-            types.take(&mut sink, LoadedType::Robot(Arc::new(robi.clone())), *span);
+            types.register(&mut sink, LoadedType::Robot(Arc::new(robi.clone())), *span);
         }
         for (object, span) in &sim.inline.object_types {
-            types.take(&mut sink, LoadedType::Object(Arc::new(object.clone())), *span);
+            types.register(&mut sink, LoadedType::Object(Arc::new(object.clone())), *span);
         }
-        for (path, is_robot) in loads {
+        for (path, is_robot) in references {
             let kind = if is_robot {
                 loader.robot_type(&sim.file, folder, path).map(LoadedType::Robot)
             } else {
                 loader.object_type(&sim.file, folder, path).map(LoadedType::Object)
             };
             if let Some(kind) = kind {
-                types.take(&mut sink, kind, path.span);
+                types.register(&mut sink, kind, path.span);
             }
         }
         for (robi, span) in &sim.inline.robot_types {
-            types.take(&mut sink, LoadedType::Robot(Arc::new(robi.clone())), *span);
+            types.register(&mut sink, LoadedType::Robot(Arc::new(robi.clone())), *span);
         }
         for (object, span) in &sim.inline.object_types {
-            types.take(&mut sink, LoadedType::Object(Arc::new(object.clone())), *span);
+            types.register(&mut sink, LoadedType::Object(Arc::new(object.clone())), *span);
         }
         loader.diagnostics.extend(sink.finish());
         types
     }
 
-    fn take(&mut self, sink: &mut Sink, kind: LoadedType, span: Span) {
+    fn register(&mut self, sink: &mut Sink, kind: LoadedType, span: Span) {
         let name = kind.name();
         let is_reserved = builtin::ROBOTS.iter().chain(&builtin::OBJECTS).any(|entry| entry.eq_ignore_ascii_case(name));
         let entry = self.by_name.get(name);
-        let message = match entry.map(|entry| (entry.kind.file(), entry.loaded)) {
+        let message = match entry.map(|entry| (entry.kind.file(), entry.loaded_at)) {
             _ if is_reserved => format!("`{}` is a type named `{name}`, but that name is built in", kind.file()),
-            // The line loads the same file a second time.
+            // A second line loads the same file.
             Some((file, _)) if file == kind.file() => return,
             Some((file, _)) => format!("`{}` is a type named `{name}`, but so is `{file}` above", kind.file()),
             None => return self.add(kind, Some(span)),
@@ -105,10 +104,10 @@ impl Types {
         sink.warn(Code::SimTypeTwice, span, message, "each name once, and none of the built-in ones");
     }
 
-    fn add(&mut self, kind: LoadedType, loaded: Option<Span>) {
+    fn add(&mut self, kind: LoadedType, loaded_at: Option<Span>) {
         let name = kind.name().to_owned();
         self.by_lower_case.entry(name.to_lowercase()).or_default().push(name.clone());
-        self.by_name.insert(name, KnownType { kind, loaded });
+        self.by_name.insert(name, KnownType { kind, loaded_at });
     }
 
     /// Type named by `reference`. Warns if the name differs in case or the type is loaded only further below.
@@ -119,14 +118,14 @@ impl Types {
         {
             entry = self.by_name.get(name);
             // EyeSim VR reads the names of its built-in types case-insensitively.
-            if entry.is_some_and(|entry| entry.loaded.is_some()) {
+            if entry.is_some_and(|entry| entry.loaded_at.is_some()) {
                 let message = format!("`{}` is loaded as `{name}`: upper and lower case differ", reference.text);
                 sink.warn(Code::SimTypeCase, reference.span, message, "the name as the type's file has it");
             }
         }
         let entry = entry?;
         if let Some(loaded) =
-            entry.loaded.filter(|loaded| self.form == SceneFormat::Sim && loaded.start > reference.span.start)
+            entry.loaded_at.filter(|loaded| self.form == SceneFormat::Sim && loaded.start > reference.span.start)
         {
             let message = format!("`{}` is loaded only further below, in line {}", reference.text, loaded.line);
             sink.warn(
@@ -170,7 +169,7 @@ impl Types {
         if let Some(kind) = kinds.find(|kind| path::stem(kind.file()).eq_ignore_ascii_case(name)) {
             return Some(format!("write `{}`, the name that `{}` gives to the type", kind.name(), kind.file()));
         }
-        let nearby = self.nearby.get_or_insert_with(|| nearby(loader, folder));
+        let nearby = self.nearby.get_or_insert_with(|| find_nearby(loader, folder));
         if let Some(line) = nearby.get(name) {
             return Some(match self.form {
                 SceneFormat::Sim => format!("load it above with `{line}`"),
@@ -184,7 +183,7 @@ impl Types {
 
 /// Folders of an EyeSim tree, above the folder of the sim file, that are searched for types. Other folders are not
 /// searched, since they may contain anything, such as a million files.
-const TREE: [&str; 7] = ["worlds", "objects", "robots", "robis", "Worlds", "Objects", "Robots"];
+const TREE_FOLDERS: [&str; 7] = ["worlds", "objects", "robots", "robis", "Worlds", "Objects", "Robots"];
 /// Number of folder levels above the sim file's folder at which the search begins.
 const LEVELS_ABOVE: usize = 2;
 /// Depth of the search below the sim file's folder, and below the folders of the tree.
@@ -193,15 +192,16 @@ const DEPTH_BELOW: usize = 2;
 const MAX_ENTRIES: usize = 2000;
 const MAX_FILES: usize = 200;
 
-/// The lines that would load the types in files near `folder`, by the name of the type.
-fn nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
+/// For each type in the files near `folder`, by its name, the line that would load it.
+fn find_nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
     let mut lines = BTreeMap::new();
     let (mut entries, mut files) = (0, 0);
-    // Folders as the sim file would write them, with a slash at the end; the last is searched first.
-    let tree = (1..=LEVELS_ABOVE).rev().flat_map(|up| TREE.map(|name| format!("{}{name}/", "../".repeat(up))));
-    let mut folders: Vec<(String, usize)> = tree.chain([String::new()]).map(|below| (below, DEPTH_BELOW)).collect();
-    while let Some((below, depth)) = folders.pop() {
-        let mut names = loader.files.list(&path::join(folder, &below));
+    // Folders relative to the sim file's folder, with a slash at the end; the last is searched first.
+    let tree = (1..=LEVELS_ABOVE).rev().flat_map(|up| TREE_FOLDERS.map(|name| format!("{}{name}/", "../".repeat(up))));
+    let mut folders: Vec<(String, usize)> =
+        tree.chain([String::new()]).map(|relative_folder| (relative_folder, DEPTH_BELOW)).collect();
+    while let Some((relative_folder, depth)) = folders.pop() {
+        let mut names = loader.files.list(&path::join(folder, &relative_folder));
         names.sort_unstable();
         for name in names {
             entries += 1;
@@ -210,7 +210,7 @@ fn nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
             }
             let extension = path::extension(&name);
             if extension.is_empty() && depth > 0 {
-                folders.push((format!("{below}{name}/"), depth - 1));
+                folders.push((format!("{relative_folder}{name}/"), depth - 1));
             }
             let (keyword, read): (_, fn(&str, &str) -> String) = match extension.as_str() {
                 "esobj" => ("object", |file, text| super::read_esobj(file, text).0.name),
@@ -218,7 +218,7 @@ fn nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
                 _ => continue,
             };
             files += 1;
-            let relative = format!("{below}{name}");
+            let relative = format!("{relative_folder}{name}");
             if let Ok(bytes) = loader.files.read(&path::join(folder, &relative)) {
                 let type_name = read(&name, &super::decode(&bytes).0);
                 let quoted = if relative.contains(' ') { format!("\"{relative}\"") } else { relative };

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// Names and numbers seen so far, with their lines.
+/// Names and numbers recorded so far, with their lines.
 #[derive(Debug, Default)]
 pub(super) struct UsedNames {
     names: BTreeMap<String, u32>,

@@ -17,7 +17,7 @@ pub(crate) const WATER: Quantity = Quantity::size("depth of the water");
 
 /// Reads a world file.
 ///
-/// `file` is its name for the diagnostics. The spec has only finite numbers for any text: a line with a mistake is reported and skipped.
+/// `file` is the name for the diagnostics. The spec has only finite numbers for any text: a line with a mistake is reported and skipped.
 pub fn read_world(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     let mut reader = Reader {
         sink: Sink::new(file),
@@ -29,7 +29,7 @@ pub fn read_world(file: &str, text: &str) -> (WorldSpec, Vec<Diagnostic>) {
     for line in line::lines(text) {
         let words = line.words();
         if let Some((first, rest)) = words.split_first() {
-            reader.line(&words, first, rest);
+            reader.read_line(&words, first, rest);
         }
     }
     reader.finish()
@@ -40,28 +40,28 @@ struct Reader {
     world: WorldSpec,
     width: Option<f64>,
     height: Option<f64>,
-    /// World poses of the open local frames; the world's own first.
+    /// World poses of the open frames, the world frame first.
     frames: Vec<Pose>,
 }
 
 impl Reader {
-    fn line(&mut self, words: &[Word<'_>], first: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_line(&mut self, words: &[Word<'_>], first: &Word<'_>, rest: &[Word<'_>]) {
         match first.text {
-            "floor" => self.floor(first, rest),
-            "width" => self.width = self.side(first, rest, Code::WldWidthArity).or(self.width),
-            "height" => self.height = self.side(first, rest, Code::WldHeightArity).or(self.height),
-            "floor_texture" => self.texture(first, rest),
-            "water" => self.water(first, rest),
-            "position" => self.position(first, rest),
-            "push" => self.push(first, rest),
-            "pop" => self.pop(first, rest),
-            word if line::looks_numeric(word) => self.wall(words, first, rest),
-            _ => self.unknown(first, rest),
+            "floor" => self.read_floor(first, rest),
+            "width" => self.width = self.read_side(first, rest, Code::WldWidthArity).or(self.width),
+            "height" => self.height = self.read_side(first, rest, Code::WldHeightArity).or(self.height),
+            "floor_texture" => self.read_texture(first, rest),
+            "water" => self.read_water(first, rest),
+            "position" => self.read_position(first, rest),
+            "push" => self.read_push(first, rest),
+            "pop" => self.read_pop(first, rest),
+            word if line::looks_numeric(word) => self.read_wall(words, first, rest),
+            _ => self.report_unknown(first, rest),
         }
     }
 
-    /// Values of a keyword's line; too few values are a mistake, extra values cause a warning (EyeSim ignores them
-    /// silently).
+    /// Values of a keyword's line. A line with too few values is skipped, extra values are ignored, both with a warning
+    /// (EyeSim gives none).
     fn arguments<const N: usize>(
         &mut self,
         keyword: &Word<'_>,
@@ -83,7 +83,7 @@ impl Reader {
         line::numbers(&mut self.sink, Severity::Warning, &rest[..N], quantities)
     }
 
-    fn floor(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_floor(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let quantities = [Quantity::size("floor width"), Quantity::size("floor height")];
         let form = "`floor WIDTH HEIGHT` in mm";
         if let Some([width, height]) = self.arguments(keyword, rest, &quantities, Code::WldFloorArity, form) {
@@ -92,25 +92,25 @@ impl Reader {
         }
     }
 
-    fn side(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], code: Code) -> Option<f64> {
+    fn read_side(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], code: Code) -> Option<f64> {
         let form = format!("`{} SIZE` in mm", keyword.text);
         self.arguments(keyword, rest, &[Quantity::size("floor size")], code, &form).map(|[size]| size)
     }
 
-    fn texture(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_texture(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`floor_texture IMAGE`: a png, bmp or jpg file";
         self.world.texture = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
         // The walls of worlds saved by EyeSim VR lie on the lines of the image only if the image is turned.
         self.world.texture_is_turned = self.world.texture.is_some();
     }
 
-    /// Reads the depth of the water: our extension, since no file of EyeSim VR with water is known.
-    fn water(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+    /// Reads the depth of the water. The line is our extension, since no file of EyeSim VR with water is known.
+    fn read_water(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let depth = self.arguments(keyword, rest, &[WATER], Code::WldWaterArity, "`water DEPTH` in mm");
         self.world.water = depth.map(|[depth]| depth).or(self.world.water);
     }
 
-    fn position(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_position(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`position X Y PHI` in mm and degrees counter-clockwise";
         if let Some([x, y, phi]) = self.arguments(keyword, rest, &POSE, Code::WldPositionArity, form) {
             let pose = self.frame().compose(&Pose::new(x, y, phi));
@@ -118,7 +118,7 @@ impl Reader {
         }
     }
 
-    fn push(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_push(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let form = "`push X Y PHI` in mm and degrees clockwise";
         let frame = match self.arguments(keyword, rest, &POSE, Code::WldPushArity, form) {
             // Clockwise, unlike all other angles: the data files are consistent only with this sign.
@@ -128,12 +128,12 @@ impl Reader {
         };
         let is_near = frame.position.abs().max_element() <= MAX_LENGTH;
         if !is_near {
-            self.too_far(keyword);
+            self.report_too_far(keyword);
         }
         self.frames.push(if is_near { frame } else { self.frame() });
     }
 
-    fn pop(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_pop(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         if let Some(extra) = rest.first() {
             let message = format!("`{}` is left over after `pop`", extra.text);
             self.sink.warn(Code::WordExtra, extra.span, message, "`pop` alone");
@@ -145,7 +145,7 @@ impl Reader {
         }
     }
 
-    fn wall(&mut self, words: &[Word<'_>], first: &Word<'_>, rest: &[Word<'_>]) {
+    fn read_wall(&mut self, words: &[Word<'_>], first: &Word<'_>, rest: &[Word<'_>]) {
         let span = rest.last().map_or(first.span, |last| first.span.to(last.span));
         let count = words.iter().position(|word| !line::looks_numeric(word.text)).unwrap_or(words.len());
         if !matches!(words.len(), 4 | 6 | 9) {
@@ -172,7 +172,7 @@ impl Reader {
         let frame = self.frame();
         let [from, to] = [0, 2].map(|i| frame.transform_point(DVec2::new(values[i], values[i + 1])));
         if from.abs().max(to.abs()).max_element() > MAX_LENGTH {
-            self.too_far(first);
+            self.report_too_far(first);
         } else if from == to {
             let expected = "two different ends";
             self.sink.warn(Code::WldWallLength, span, "the wall has no length: both its ends are equal", expected);
@@ -190,7 +190,7 @@ impl Reader {
         }
     }
 
-    fn unknown(&mut self, word: &Word<'_>, rest: &[Word<'_>]) {
+    fn report_unknown(&mut self, word: &Word<'_>, rest: &[Word<'_>]) {
         let expected =
             "a wall of 4, 6 or 9 numbers, or one of floor, width, height, floor_texture, water, position, push, pop";
         let message = format!("unknown keyword `{}`", word.text);
@@ -204,11 +204,12 @@ impl Reader {
         };
     }
 
-    fn too_far(&mut self, word: &Word<'_>) {
+    fn report_too_far(&mut self, word: &Word<'_>) {
         let message = "the open `push` frames carry this beyond 1000 km".to_owned();
         self.sink.error(Code::NumberRange, word.span, message, "places within 1e9 mm of the origin");
     }
 
+    /// World pose of the innermost open frame.
     fn frame(&self) -> Pose {
         self.frames.last().copied().unwrap_or_default()
     }

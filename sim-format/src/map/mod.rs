@@ -1,7 +1,7 @@
 //! World files of every kind: detects the kind of a file by extension and content, and reads maps of other programs as worlds.
 //!
-//! The foreign kinds are occupancy grids of ROS, images, maps of MovingAI and worlds of Gazebo. `maze` reads mazes, `world` EyeSim's own
-//! worlds.
+//! The foreign kinds are occupancy grids of ROS, images, maps of MovingAI and worlds of Gazebo. `maze` reads mazes, `world` reads
+//! EyeSim's worlds.
 
 mod grid;
 mod movingai;
@@ -18,7 +18,7 @@ use crate::code::Code;
 use crate::diagnostic::Sink;
 use crate::load::{Files, InputFile, Loaded, Loader};
 use crate::maze::{self, CellRules};
-use crate::mesh::read_grey;
+use crate::mesh::{GreyImage, read_grey};
 use crate::spec::{DEFAULT_CELL, SceneSpec, SpannedText, WorldKind, WorldSpec};
 use crate::unit::mm_from_metres;
 use crate::{FileError, Span, line, path, read_maze_with, read_world};
@@ -35,9 +35,9 @@ pub const WORLD_EXTENSIONS: [&str; 11] =
 /// Kind of a world file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum WorldFormat {
-    /// Walls by lines, `.wld`.
+    /// Lines that describe walls, `.wld`.
     Walls,
-    /// A maze in one of its forms.
+    /// A maze, in one of the forms of maze files.
     Maze(maze::MazeForm),
     /// A `map.yaml` with its image.
     RosMap,
@@ -50,7 +50,7 @@ pub(crate) enum WorldFormat {
 }
 
 impl WorldFormat {
-    /// Kind of the file `path` with these `bytes`; `stated` applies if neither determines the kind.
+    /// Kind of the file `path` with these `bytes`; `stated` applies if neither path nor content determines the kind.
     pub(crate) fn of(path: &str, bytes: &[u8], stated: WorldKind) -> Self {
         let text = || String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]).into_owned();
         let is_xml = || text().trim_start_matches('\u{feff}').trim_start().starts_with('<');
@@ -77,7 +77,7 @@ impl WorldFormat {
     }
 }
 
-/// Reads the world file `path` with all files that it names.
+/// Reads the world file `path` with all files that it refers to.
 pub(crate) fn read_world_file(
     loader: &mut Loader<'_>,
     path: &str,
@@ -88,13 +88,13 @@ pub(crate) fn read_world_file(
     let format = WorldFormat::of(path, &bytes, stated);
     let (world, note) = match format {
         WorldFormat::Walls => {
-            let text = loader.take(path, bytes);
+            let text = loader.decode_input(path, bytes);
             let (world, diagnostics) = read_world(path, &text);
             loader.diagnostics.extend(diagnostics);
             (world, None)
         }
         WorldFormat::Maze(maze::MazeForm::Drawing) => {
-            let text = loader.take(path, bytes);
+            let text = loader.decode_input(path, bytes);
             let (world, diagnostics) = read_maze_with(path, &text, rules);
             loader.diagnostics.extend(diagnostics);
             (world, None)
@@ -104,14 +104,14 @@ pub(crate) fn read_world_file(
                 loader.inputs.push(InputFile { path: path.to_owned(), bytes: bytes.clone() });
                 maze::read_maze_bytes(path, &bytes, rules)
             } else {
-                let text = loader.take(path, bytes);
+                let text = loader.decode_input(path, bytes);
                 maze::read_maze_text(path, &text, form, rules)
             };
             loader.diagnostics.extend(diagnostics);
             (world, note)
         }
         WorldFormat::Sdf => {
-            let text = loader.take(path, bytes);
+            let text = loader.decode_input(path, bytes);
             let mut sink = Sink::new(path);
             let (world, note) = sdf::read_sdf(&mut sink, path, &text);
             loader.diagnostics.extend(sink.finish());
@@ -119,7 +119,7 @@ pub(crate) fn read_world_file(
         }
         WorldFormat::RosMap | WorldFormat::Image | WorldFormat::MovingAi => {
             match read_grid(loader, path, bytes, format, rules) {
-                Some(grid) => world_of(loader, path, &grid),
+                Some(grid) => world_from_grid(loader, path, &grid),
                 None => (WorldSpec { file: path.to_owned(), ..WorldSpec::default() }, None),
             }
         }
@@ -129,7 +129,7 @@ pub(crate) fn read_world_file(
 }
 
 /// The world of a grid, and a note on its interpretation.
-fn world_of(loader: &mut Loader<'_>, path: &str, grid: &Grid) -> (WorldSpec, Option<String>) {
+fn world_from_grid(loader: &mut Loader<'_>, path: &str, grid: &Grid) -> (WorldSpec, Option<String>) {
     let Some((world, offset)) = grid.world(path) else {
         let mut sink = Sink::new(path);
         let message = format!("the map has more than {} walls", grid::MAX_WALLS);
@@ -141,27 +141,27 @@ fn world_of(loader: &mut Loader<'_>, path: &str, grid: &Grid) -> (WorldSpec, Opt
     let [columns, rows] = grid.size;
     let mut note = format!(
         "{columns} x {rows} cells of {} mm: {} free, {} occupied, {} unknown; {} walls",
-        rounded(grid.cell),
+        rounded_mm(grid.cell),
         grid.count(Cell::Free),
         grid.count(Cell::Occupied),
         grid.count(Cell::Unknown),
         world.walls.len(),
     );
-    note.push_str(&moved(offset));
+    note.push_str(&origin_note(offset));
     (world, Some(note))
 }
 
-/// Position of the origin of a file's frame in the world, in words; empty if it is the world's origin.
-pub(crate) fn moved(offset: glam::DVec2) -> String {
-    let [x, y] = offset.to_array().map(rounded);
+/// Text of a note with the position of the origin of a file's frame in the world; empty at the world's origin.
+pub(crate) fn origin_note(offset: glam::DVec2) -> String {
+    let [x, y] = offset.to_array().map(rounded_mm);
     if x == 0.0 && y == 0.0 {
         return String::new();
     }
     format!("; (0, 0) of the file is at ({x}, {y}) mm of the world")
 }
 
-/// Millimetres of a length, to a micrometre.
-pub(crate) fn rounded(metres: f64) -> f64 {
+/// A length in millimetres, rounded to a micrometre.
+pub(crate) fn rounded_mm(metres: f64) -> f64 {
     (mm_from_metres(metres) * 1e3).round() / 1e3 + 0.0
 }
 
@@ -176,7 +176,7 @@ pub(crate) fn read_grid(
     let mut sink = Sink::new(path);
     let grid = match format {
         WorldFormat::MovingAi => {
-            let text = loader.take(path, bytes);
+            let text = loader.decode_input(path, bytes);
             movingai::read_map(&mut sink, &text, rules.cell.unwrap_or(DEFAULT_CELL))
         }
         WorldFormat::Image => {
@@ -186,7 +186,7 @@ pub(crate) fn read_grid(
             image.map(|image| spec.grid(&image))
         }
         _ => {
-            let text = loader.take(path, bytes);
+            let text = loader.decode_input(path, bytes);
             let spec = yaml::read_map_yaml(&mut sink, &text);
             loader.diagnostics.extend(std::mem::replace(&mut sink, Sink::new(path)).finish());
             spec.and_then(|spec| {
@@ -204,13 +204,15 @@ pub(crate) fn read_grid(
 
 /// Decodes the image of a map.
 fn read_image(sink: &mut Sink, bytes: &[u8], spec: &MapSpec) -> Option<Image> {
-    let is_other = matches!(bytes, [0x89, b'P', b'N', b'G', ..] | [0xff, 0xd8, ..] | [b'B', b'M', ..]);
-    if !is_other {
+    let is_not_netpbm = matches!(bytes, [0x89, b'P', b'N', b'G', ..] | [0xff, 0xd8, ..] | [b'B', b'M', ..]);
+    if !is_not_netpbm {
         return read_netpbm(sink, bytes);
     }
     // map_server averages the opacity with the colours only in this mode.
     match read_grey(bytes, spec.mode == yaml::Mode::Trinary) {
-        Ok((size, levels, white, max_grey, is_clear)) => Some(Image { size, levels, white, max_grey, is_clear }),
+        Ok(GreyImage { size, levels, white, max_grey, is_transparent }) => {
+            Some(Image { size, levels, white, max_grey, is_transparent })
+        }
         Err(message) => {
             sink.error(Code::MapImage, Span::default(), message, "a pgm, pbm, png, bmp or jpg image");
             None
@@ -222,28 +224,28 @@ fn read_image(sink: &mut Sink, bytes: &[u8], spec: &MapSpec) -> Option<Image> {
 pub fn load_scenarios(file: &str, files: &dyn Files) -> (Vec<Scenario>, Loaded) {
     let mut loader = Loader::new(files);
     let scene = SceneSpec { file: file.to_owned(), ..SceneSpec::default() };
-    let Some(text) = loader.root(file) else { return (Vec::new(), loader.finish(scene)) };
+    let Some(text) = loader.read_root(file) else { return (Vec::new(), loader.finish(scene)) };
     let (scenarios, diagnostics) = read_scenarios(file, &text);
     loader.diagnostics.extend(diagnostics);
     let mut maps: Vec<&str> = scenarios.iter().map(|scenario| scenario.map.as_str()).collect();
     maps.sort_unstable();
     maps.dedup();
     for map in maps {
-        let of_map: Vec<Scenario> = scenarios.iter().filter(|scenario| scenario.map == map).cloned().collect();
-        let Some((place, bytes)) = find_map(&mut loader, file, map, of_map[0].span) else { continue };
-        let Some(grid) = read_grid(&mut loader, &place, bytes, WorldFormat::MovingAi, CellRules::default()) else {
+        let map_scenarios: Vec<Scenario> = scenarios.iter().filter(|scenario| scenario.map == map).cloned().collect();
+        let Some((map_path, bytes)) = find_map(&mut loader, file, map, map_scenarios[0].span) else { continue };
+        let Some(grid) = read_grid(&mut loader, &map_path, bytes, WorldFormat::MovingAi, CellRules::default()) else {
             continue;
         };
         let mut sink = Sink::new(file);
-        let agree = movingai::check_lengths(&mut sink, &grid, &of_map);
+        let matching = movingai::check_lengths(&mut sink, &grid, &map_scenarios);
         loader.diagnostics.extend(sink.finish());
-        let count = of_map.len();
-        loader.notes.push(format!("{file}: {agree} of {count} lengths are those of shortest paths on `{place}`"));
+        let count = map_scenarios.len();
+        loader.notes.push(format!("{file}: {matching} of {count} lengths are those of shortest paths on `{map_path}`"));
     }
     (scenarios, loader.finish(scene))
 }
 
-/// The map of a scenario: the named file, otherwise the file of that name beside the scenarios.
+/// Finds the map of a scenario: at its stated path, otherwise beside the scenarios.
 pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Span) -> Option<(String, Vec<u8>)> {
     let folder = path::folder_of(file);
     let beside = path::join(folder, path::file_name(map));
@@ -258,20 +260,21 @@ pub(crate) fn find_map(loader: &mut Loader<'_>, file: &str, map: &str, span: Spa
     loader.find(file, folder, &SpannedText { text: map.to_owned(), span })
 }
 
-/// Location in a file that may not be text: line and column if all bytes before it are UTF-8, otherwise none.
-fn place_of_byte(bytes: &[u8], at: usize, length: usize) -> Span {
-    let end = (at + length).min(bytes.len());
+/// Span of `length` bytes from `index` in a file that may not be text. It is empty unless all bytes up to its end are
+/// UTF-8.
+fn span_of_bytes(bytes: &[u8], index: usize, length: usize) -> Span {
+    let end = (index + length).min(bytes.len());
     let Ok(text) = std::str::from_utf8(&bytes[..end]) else { return Span::default() };
-    if text.starts_with('\u{feff}') || !text.is_char_boundary(at) {
+    if text.starts_with('\u{feff}') || !text.is_char_boundary(index) {
         return Span::default();
     }
     let starts = line::line_starts(text);
-    let number = starts.partition_point(|start| *start <= at);
-    let before = &text[starts[number - 1]..at];
-    Span { start: at, end, line: number as u32, column: before.chars().count() as u32 + 1 }
+    let number = starts.partition_point(|start| *start <= index);
+    let line_text = &text[starts[number - 1]..index];
+    Span { start: index, end, line: number as u32, column: line_text.chars().count() as u32 + 1 }
 }
 
-/// Text ` at byte N`, for locations without a line.
-fn place_in_bytes(bytes: &[u8], at: usize) -> String {
-    if place_of_byte(bytes, at, 0).line > 0 { String::new() } else { format!(" at byte {at}") }
+/// Text ` at byte N` for a location without a line; empty for other locations.
+fn byte_suffix(bytes: &[u8], index: usize) -> String {
+    if span_of_bytes(bytes, index, 0).line > 0 { String::new() } else { format!(" at byte {index}") }
 }

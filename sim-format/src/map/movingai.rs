@@ -13,7 +13,7 @@ use crate::line::{self, Line, Word};
 use crate::{Severity, Span};
 use sim_core::pose::Pose;
 
-const HEAD_FORM: &str = "`type octile`, `height ROWS`, `width COLUMNS`, `map`, then the rows";
+const HEADER_FORM: &str = "`type octile`, `height ROWS`, `width COLUMNS`, `map`, then the rows";
 const ROW_FORM: &str = "one of `.` `G` `S` (free), `@` `O` `T` `W` (not free) for each cell";
 
 /// Returns true if the text begins like a map.
@@ -26,19 +26,19 @@ pub(crate) fn is_map(text: &str) -> bool {
 pub(crate) fn read_map(sink: &mut Sink, text: &str, cell: f64) -> Option<Grid> {
     let mut lines = line::lines(text);
     let mut sides = [None, None];
-    let has_map = head(sink, &mut lines, &mut sides);
+    let has_map = read_header(sink, &mut lines, &mut sides);
     let mut rows: Vec<Line<'_>> = Vec::new();
     if has_map {
         rows = lines.filter(|line| !line.text.trim().is_empty()).collect();
     }
     if rows.is_empty() {
         let message = if has_map { "the map has no rows" } else { "the map has no line `map`" };
-        sink.error(Code::MapSize, Span::default(), message, HEAD_FORM);
+        sink.error(Code::MapSize, Span::default(), message, HEADER_FORM);
         return None;
     }
-    let widest = rows.iter().map(|row| row.text.trim_end().chars().count()).max().unwrap_or_default();
+    let max_width = rows.iter().map(|row| row.text.trim_end().chars().count()).max().unwrap_or_default();
     let [height, width] = sides.map(|side| side.map(|side: (u64, Span)| side.0));
-    let (columns, count) = (width.unwrap_or(widest as u64), height.unwrap_or(rows.len() as u64));
+    let (columns, count) = (width.unwrap_or(max_width as u64), height.unwrap_or(rows.len() as u64));
     if columns == 0 || count == 0 || columns.saturating_mul(count) > MAX_CELLS {
         let span = sides.iter().flatten().next().map_or(Span::default(), |side| side.1);
         let message = format!("the map has {columns} x {count} cells");
@@ -52,15 +52,15 @@ pub(crate) fn read_map(sink: &mut Sink, text: &str, cell: f64) -> Option<Grid> {
         sink.warn(Code::MapSize, span, message, expected);
     }
     let (columns, count) = (columns as usize, count as usize);
-    // A map with few bytes may state many cells.
+    // Even a short file may state many cells.
     let mut cells = vec![Cell::Occupied; columns * count];
     let mut unknown = 0;
     for (row, line) in rows.iter().take(count).enumerate() {
-        let from_bottom = count - 1 - row;
+        let row_from_bottom = count - 1 - row;
         let content = line.text.trim_end();
-        let found = content.chars().count();
-        if found != columns {
-            let message = format!("a row of {found} cells in a map of {columns} columns");
+        let cell_count = content.chars().count();
+        if cell_count != columns {
+            let message = format!("a row of {cell_count} cells in a map of {columns} columns");
             sink.warn(
                 Code::MapSize,
                 line.span(),
@@ -82,7 +82,7 @@ pub(crate) fn read_map(sink: &mut Sink, text: &str, cell: f64) -> Option<Grid> {
                     false
                 }
             };
-            cells[from_bottom * columns + column] = if is_free { Cell::Free } else { Cell::Occupied };
+            cells[row_from_bottom * columns + column] = if is_free { Cell::Free } else { Cell::Occupied };
         }
     }
     if unknown > 1 {
@@ -92,8 +92,12 @@ pub(crate) fn read_map(sink: &mut Sink, text: &str, cell: f64) -> Option<Grid> {
     Some(Grid { size: [columns, count], cell, origin: Pose::default(), cells })
 }
 
-/// Reads the lines up to `map`; `sides` are height and width.
-fn head<'t>(sink: &mut Sink, lines: &mut impl Iterator<Item = Line<'t>>, sides: &mut [Option<(u64, Span)>; 2]) -> bool {
+/// Reads the lines up to `map` into `sides`, height and width; returns false if there is no line `map`.
+fn read_header<'t>(
+    sink: &mut Sink,
+    lines: &mut impl Iterator<Item = Line<'t>>,
+    sides: &mut [Option<(u64, Span)>; 2],
+) -> bool {
     for line in lines {
         let words = line.words();
         match words.as_slice() {
@@ -102,7 +106,7 @@ fn head<'t>(sink: &mut Sink, lines: &mut impl Iterator<Item = Line<'t>>, sides: 
                 for (name, side) in ["height", "width"].iter().zip(sides.iter()) {
                     if side.is_none() {
                         let message = format!("the map does not state its {name}; it is taken from the rows");
-                        sink.warn(Code::MapKey, word.span, message, HEAD_FORM);
+                        sink.warn(Code::MapKey, word.span, message, HEADER_FORM);
                     }
                 }
                 return true;
@@ -117,22 +121,22 @@ fn head<'t>(sink: &mut Sink, lines: &mut impl Iterator<Item = Line<'t>>, sides: 
                 Ok(number) => sides[usize::from(key.text == "width")] = Some((number, side.span)),
                 Err(_) => {
                     let message = format!("`{}` is no number of cells", side.text);
-                    sink.error(Code::MapKey, side.span, message, HEAD_FORM);
+                    sink.error(Code::MapKey, side.span, message, HEADER_FORM);
                 }
             },
             [first, ..] => {
                 let message = format!("`{}` means nothing before the rows of a map", first.text);
-                sink.warn(Code::MapKey, first.span, message, HEAD_FORM);
+                sink.warn(Code::MapKey, first.span, message, HEADER_FORM);
             }
         }
     }
     false
 }
 
-/// A scenario: one search for a path.
+/// A scenario: a task of finding a path from a start to a goal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// Number of its group of similar lengths.
+    /// Number of the group of scenarios with similar lengths.
     pub bucket: u64,
     /// Name of the map, as written.
     pub map: String,
@@ -144,7 +148,7 @@ pub struct Scenario {
     pub goal: [usize; 2],
     /// Length of a shortest path in sides of a cell.
     pub length: f64,
-    /// Its line.
+    /// Its line in the file.
     pub span: Span,
 }
 
@@ -173,12 +177,12 @@ pub fn read_scenarios(file: &str, text: &str) -> (Vec<Scenario>, Vec<Diagnostic>
         }
     }
     for line in lines {
-        scenarios.extend(scenario(&mut sink, &line));
+        scenarios.extend(read_scenario(&mut sink, &line));
     }
     (scenarios, sink.finish())
 }
 
-fn scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
+fn read_scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
     let words = fields(line);
     let [bucket, map, numbers @ .., length] = words.as_slice() else {
         sink.error(Code::ScenLine, line.span(), "a scenario has 9 values", SCENARIO_FORM);
@@ -189,7 +193,7 @@ fn scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
         sink.error(Code::ScenLine, line.span(), message, SCENARIO_FORM);
         return None;
     }
-    let mut whole = |word: &Word<'_>| match word.text.parse::<u64>().ok().filter(|number| *number <= MAX_CELLS) {
+    let mut whole_number = |word: &Word<'_>| match word.text.parse::<u64>().ok().filter(|number| *number <= MAX_CELLS) {
         Some(number) => Some(number as usize),
         None => {
             let message = format!("`{}` is no whole number", word.text);
@@ -197,8 +201,8 @@ fn scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
             None
         }
     };
-    let bucket = whole(bucket)?;
-    let numbers: Vec<usize> = numbers.iter().map(&mut whole).collect::<Option<_>>()?;
+    let bucket = whole_number(bucket)?;
+    let numbers: Vec<usize> = numbers.iter().map(&mut whole_number).collect::<Option<_>>()?;
     let value = length.text.parse::<f64>().ok().filter(|value| (0.0..=1e9).contains(value));
     let Some(value) = value else {
         let message = format!("`{}` is no length", length.text);
@@ -215,9 +219,9 @@ fn scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
         length: value,
         span: line.span(),
     };
-    for (what, [x, y]) in [("start", scenario.start), ("goal", scenario.goal)] {
+    for (name, [x, y]) in [("start", scenario.start), ("goal", scenario.goal)] {
         if x >= width || y >= height {
-            let message = format!("the {what} ({x}, {y}) lies outside of the map of {width} x {height} cells");
+            let message = format!("the {name} ({x}, {y}) lies outside of the map of {width} x {height} cells");
             sink.error(Code::ScenLine, line.span(), message, "columns and rows from 0, below width and height");
             return None;
         }
@@ -225,8 +229,8 @@ fn scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
     Some(scenario)
 }
 
-/// The values of a line: separated by tabs if this gives the right number, since names may contain blanks, otherwise by
-/// blanks.
+/// The values of a line: separated by tabs if this gives the right number of values, otherwise by blanks. Only with
+/// tabs, names may contain blanks.
 fn fields<'t>(line: &Line<'t>) -> Vec<Word<'t>> {
     let mut start = 0;
     let mut words = Vec::new();
@@ -242,11 +246,11 @@ fn fields<'t>(line: &Line<'t>) -> Vec<Word<'t>> {
     if words.len() == 9 { words } else { line.words() }
 }
 
-/// Compares the lengths of scenarios with the shortest paths on their map, reports differences, and returns the number of scenarios that
-/// agree.
+/// Compares the lengths of scenarios with the shortest paths on their map and reports differences. Returns the number
+/// of scenarios with the correct length.
 pub(crate) fn check_lengths(sink: &mut Sink, grid: &Grid, scenarios: &[Scenario]) -> usize {
     let mut search = Search::new(grid);
-    let mut agree = 0;
+    let mut matching = 0;
     for scenario in scenarios {
         if scenario.size != grid.size {
             let [columns, rows] = grid.size;
@@ -260,7 +264,7 @@ pub(crate) fn check_lengths(sink: &mut Sink, grid: &Grid, scenarios: &[Scenario]
         let stated = scenario.length;
         match search.length(scenario.start, scenario.goal) {
             // Lengths are written with five to eight digits.
-            Some(length) if (length - stated).abs() <= 1e-4 + 1e-5 * length => agree += 1,
+            Some(length) if (length - stated).abs() <= 1e-4 + 1e-5 * length => matching += 1,
             Some(length) => {
                 let message = format!("a shortest path has the length {length:.6}, not {stated}");
                 sink.report(Severity::Warning, Code::ScenLength, scenario.span, message, expected);
@@ -271,26 +275,26 @@ pub(crate) fn check_lengths(sink: &mut Sink, grid: &Grid, scenarios: &[Scenario]
             }
         }
     }
-    agree
+    matching
 }
 
-/// Searches for shortest paths on one map, by A*. Lengths are a + b sqrt(2) with whole a and b, so rounding does not
+/// Searches for shortest paths on one map, by A*. Lengths are a + b sqrt(2) with integers a and b, so rounding does not
 /// accumulate.
 struct Search<'g> {
     grid: &'g Grid,
-    /// Straight and diagonal steps to each cell, and the search in which they were found.
+    /// For each cell, the numbers of straight and of diagonal steps to it, and the number of the search that found them.
     best: Vec<(u32, u32, u32)>,
-    number: u32,
+    search_number: u32,
 }
 
-/// Length of straight and diagonal steps.
+/// Length of a path with these numbers of straight and diagonal steps, in sides of a cell.
 fn length_of(straight: u32, diagonal: u32) -> f64 {
     f64::from(straight) + f64::from(diagonal) * SQRT_2
 }
 
 impl<'g> Search<'g> {
     fn new(grid: &'g Grid) -> Self {
-        Self { grid, best: vec![(0, 0, 0); grid.cells.len()], number: 0 }
+        Self { grid, best: vec![(0, 0, 0); grid.cells.len()], search_number: 0 }
     }
 
     /// Length of a shortest path between two cells, counted from the upper left corner, in sides of a cell.
@@ -302,22 +306,22 @@ impl<'g> Search<'g> {
         if !is_free(start) || !is_free(goal) {
             return None;
         }
-        self.number += 1;
-        let number = self.number;
+        self.search_number += 1;
+        let search_number = self.search_number;
         let estimate = |cell: usize| {
             let column_distance = (cell % columns).abs_diff(goal % columns) as u32;
-            let up = (cell / columns).abs_diff(goal / columns) as u32;
-            length_of(column_distance.abs_diff(up), column_distance.min(up))
+            let row_distance = (cell / columns).abs_diff(goal / columns) as u32;
+            length_of(column_distance.abs_diff(row_distance), column_distance.min(row_distance))
         };
-        // Positive `f64` numbers have the order of their bits.
+        // Positive `f64` numbers have the same order as their bit patterns.
         let key = |straight, diagonal, cell| Reverse((length_of(straight, diagonal) + estimate(cell)).to_bits());
         let mut open = BinaryHeap::from([(key(0, 0, start), 0, 0, start)]);
-        self.best[start] = (0, 0, number);
+        self.best[start] = (0, 0, search_number);
         while let Some((_, straight, diagonal, cell)) = open.pop() {
             if cell == goal {
                 return Some(length_of(straight, diagonal));
             }
-            if self.best[cell] != (straight, diagonal, number) {
+            if self.best[cell] != (straight, diagonal, search_number) {
                 continue;
             }
             let (column, row) = (cell % columns, cell / columns);
@@ -331,11 +335,14 @@ impl<'g> Search<'g> {
                 if is_diagonal && (free(dx, 0).is_none() || free(0, dy).is_none()) {
                     continue;
                 }
-                let (s, d) = (straight + u32::from(!is_diagonal), diagonal + u32::from(is_diagonal));
-                let (old_s, old_d, found) = self.best[next];
-                if found != number || length_of(s, d) < length_of(old_s, old_d) {
-                    self.best[next] = (s, d, number);
-                    open.push((key(s, d, next), s, d, next));
+                let (straight_steps, diagonal_steps) =
+                    (straight + u32::from(!is_diagonal), diagonal + u32::from(is_diagonal));
+                let (old_straight, old_diagonal, found_in) = self.best[next];
+                if found_in != search_number
+                    || length_of(straight_steps, diagonal_steps) < length_of(old_straight, old_diagonal)
+                {
+                    self.best[next] = (straight_steps, diagonal_steps, search_number);
+                    open.push((key(straight_steps, diagonal_steps, next), straight_steps, diagonal_steps, next));
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Grey images of Netpbm, PGM (`P2`, `P5`) and PBM (`P1`, `P4`), as map servers write them.
 
 use super::grid::MAX_CELLS;
-use super::{place_in_bytes, place_of_byte};
+use super::{byte_suffix, span_of_bytes};
 use crate::code::Code;
 use crate::diagnostic::Sink;
 
@@ -14,10 +14,10 @@ pub(crate) struct Image {
     pub(crate) levels: Vec<u32>,
     /// Brightness of white pixels.
     pub(crate) white: u32,
-    /// Grey value of white in the file, 255 for 8 bits.
+    /// Grey value of white in the file, such as 255 for 8 bits.
     pub(crate) max_grey: u32,
     /// For each pixel, true if it is not opaque; empty if all are opaque.
-    pub(crate) is_clear: Vec<bool>,
+    pub(crate) is_transparent: Vec<bool>,
 }
 
 const FORM: &str =
@@ -30,12 +30,12 @@ pub(crate) fn is_netpbm(bytes: &[u8]) -> bool {
 
 /// Reads a PGM or PBM; `None`, with an error, if it cannot be read. Missing pixels are an error, extra bytes a warning.
 pub(crate) fn read_netpbm(sink: &mut Sink, bytes: &[u8]) -> Option<Image> {
-    let mut words = Words { bytes, at: 2 };
+    let mut words = Words { bytes, position: 2 };
     let kind = match bytes {
         _ if is_netpbm(bytes) => bytes[1],
         [b'P', b'3' | b'6' | b'7', ..] => {
             let message = "the image has colours (PPM or PAM)";
-            sink.error(Code::MapImage, place_of_byte(bytes, 0, 2), message, FORM);
+            sink.error(Code::MapImage, span_of_bytes(bytes, 0, 2), message, FORM);
             return None;
         }
         _ => {
@@ -46,9 +46,9 @@ pub(crate) fn read_netpbm(sink: &mut Sink, bytes: &[u8]) -> Option<Image> {
     };
     let is_bitmap = matches!(kind, b'1' | b'4');
     let is_raw = matches!(kind, b'4' | b'5');
-    let columns = words.number(sink, "the width", MAX_CELLS)?;
-    let rows = words.number(sink, "the height", MAX_CELLS)?;
-    let max_grey = if is_bitmap { 1 } else { words.number(sink, "the greatest grey value", 65535)? };
+    let columns = words.next_number(sink, "the width", MAX_CELLS)?;
+    let rows = words.next_number(sink, "the height", MAX_CELLS)?;
+    let max_grey = if is_bitmap { 1 } else { words.next_number(sink, "the greatest grey value", 65535)? };
     if columns == 0 || rows == 0 || columns * rows > MAX_CELLS {
         let message = format!("the image has {columns} x {rows} pixels");
         sink.error(Code::MapSize, Default::default(), message, "1 to 67,108,864 pixels, such as 8192 x 8192");
@@ -56,7 +56,7 @@ pub(crate) fn read_netpbm(sink: &mut Sink, bytes: &[u8]) -> Option<Image> {
     }
     if max_grey == 0 {
         let message = "the greatest grey value is 0";
-        sink.error(Code::MapImage, place_of_byte(bytes, words.at - 1, 1), message, "1 to 65535");
+        sink.error(Code::MapImage, span_of_bytes(bytes, words.position - 1, 1), message, "1 to 65535");
         return None;
     }
     let size = [columns as usize, rows as usize];
@@ -66,24 +66,24 @@ pub(crate) fn read_netpbm(sink: &mut Sink, bytes: &[u8]) -> Option<Image> {
         (false, true) => text_bits(sink, words, size)?,
         (false, false) => text_levels(sink, words, size, max_grey)?,
     };
-    Some(Image { size, levels, white: max_grey as u32, max_grey: max_grey as u32, is_clear: Vec::new() })
+    Some(Image { size, levels, white: max_grey as u32, max_grey: max_grey as u32, is_transparent: Vec::new() })
 }
 
 /// The words of a header or of pixels in text, without comments from `#` to the end of the line.
 struct Words<'b> {
     bytes: &'b [u8],
-    at: usize,
+    position: usize,
 }
 
 impl<'b> Words<'b> {
     /// Skips blanks and comments.
-    fn skip(&mut self) {
-        while let Some(byte) = self.bytes.get(self.at) {
+    fn skip_blanks(&mut self) {
+        while let Some(byte) = self.bytes.get(self.position) {
             if *byte == b'#' {
-                let rest = &self.bytes[self.at..];
-                self.at += rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());
+                let rest = &self.bytes[self.position..];
+                self.position += rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());
             } else if byte.is_ascii_whitespace() {
-                self.at += 1;
+                self.position += 1;
             } else {
                 break;
             }
@@ -91,19 +91,19 @@ impl<'b> Words<'b> {
     }
 
     /// The next word and its position; `None` at the end of the file.
-    fn word(&mut self) -> Option<(usize, &'b [u8])> {
-        self.skip();
-        let start = self.at;
+    fn next_word(&mut self) -> Option<(usize, &'b [u8])> {
+        self.skip_blanks();
+        let start = self.position;
         let rest = self.bytes.get(start..).filter(|rest| !rest.is_empty())?;
         let length = rest.iter().position(|byte| byte.is_ascii_whitespace() || *byte == b'#').unwrap_or(rest.len());
-        self.at += length;
+        self.position += length;
         Some((start, &rest[..length]))
     }
 
     /// The next word as a number up to `max`; reports any other word.
-    fn number(&mut self, sink: &mut Sink, what: &str, max: u64) -> Option<u64> {
-        let Some((start, word)) = self.word() else {
-            let message = format!("the file ends after {} bytes, before {what}", self.bytes.len());
+    fn next_number(&mut self, sink: &mut Sink, name: &str, max: u64) -> Option<u64> {
+        let Some((start, word)) = self.next_word() else {
+            let message = format!("the file ends after {} bytes, before {name}", self.bytes.len());
             sink.error(Code::MapImage, Default::default(), message, FORM);
             return None;
         };
@@ -111,14 +111,14 @@ impl<'b> Words<'b> {
         match value.and_then(|word| word.parse::<u64>().ok()) {
             Some(value) if value <= max => Some(value),
             Some(value) => {
-                let message = format!("{what} is {value}{}", place_in_bytes(self.bytes, start));
-                sink.error(Code::MapSize, place_of_byte(self.bytes, start, word.len()), message, format!("0 to {max}"));
+                let message = format!("{name} is {value}{}", byte_suffix(self.bytes, start));
+                sink.error(Code::MapSize, span_of_bytes(self.bytes, start, word.len()), message, format!("0 to {max}"));
                 None
             }
             None => {
                 let word_text = String::from_utf8_lossy(&word[..word.len().min(20)]).into_owned();
-                let message = format!("`{word_text}` is no whole number ({what}){}", place_in_bytes(self.bytes, start));
-                sink.error(Code::MapImage, place_of_byte(self.bytes, start, word.len()), message, FORM);
+                let message = format!("`{word_text}` is no whole number ({name}){}", byte_suffix(self.bytes, start));
+                sink.error(Code::MapImage, span_of_bytes(self.bytes, start, word.len()), message, FORM);
                 None
             }
         }
@@ -126,16 +126,16 @@ impl<'b> Words<'b> {
 }
 
 /// The bytes of the pixels, after the single blank that ends the header; reports too few and too many bytes.
-fn raw<'b>(sink: &mut Sink, words: &Words<'b>, wanted: usize) -> Option<&'b [u8]> {
-    let pixels = words.bytes.get(words.at + 1..).unwrap_or_default();
-    if pixels.len() < wanted {
+fn raw_pixels<'b>(sink: &mut Sink, words: &Words<'b>, byte_count: usize) -> Option<&'b [u8]> {
+    let pixels = words.bytes.get(words.position + 1..).unwrap_or_default();
+    if pixels.len() < byte_count {
         let message =
-            format!("the pixels end at byte {}: {} of {wanted} bytes are there", words.bytes.len(), pixels.len());
+            format!("the pixels end at byte {}: {} of {byte_count} bytes are there", words.bytes.len(), pixels.len());
         sink.error(Code::MapImage, Default::default(), message, "as many pixels as width times height");
         return None;
     }
-    if pixels[wanted..].iter().any(|byte| !byte.is_ascii_whitespace()) {
-        let message = format!("{} bytes after the last pixel are left over", pixels.len() - wanted);
+    if pixels[byte_count..].iter().any(|byte| !byte.is_ascii_whitespace()) {
+        let message = format!("{} bytes after the last pixel are left over", pixels.len() - byte_count);
         sink.warn(
             Code::MapImage,
             Default::default(),
@@ -143,76 +143,84 @@ fn raw<'b>(sink: &mut Sink, words: &Words<'b>, wanted: usize) -> Option<&'b [u8]
             "one image in a file, as wide and high as its header says",
         );
     }
-    Some(&pixels[..wanted])
+    Some(&pixels[..byte_count])
 }
 
 fn raw_bits(sink: &mut Sink, words: &Words<'_>, [columns, rows]: [usize; 2]) -> Option<Vec<u32>> {
-    let stride = columns.div_ceil(8);
-    let pixels = raw(sink, words, stride * rows)?;
-    let bits = pixels.chunks_exact(stride).flat_map(|row| (0..columns).map(|at| row[at / 8] >> (7 - at % 8) & 1));
+    let bytes_per_row = columns.div_ceil(8);
+    let pixels = raw_pixels(sink, words, bytes_per_row * rows)?;
+    let bits = pixels
+        .chunks_exact(bytes_per_row)
+        .flat_map(|row| (0..columns).map(|column| row[column / 8] >> (7 - column % 8) & 1));
     Some(bits.map(|bit| u32::from(bit == 0)).collect())
 }
 
 fn raw_levels(sink: &mut Sink, words: &Words<'_>, [columns, rows]: [usize; 2], max_grey: u64) -> Option<Vec<u32>> {
     let grey = |value: u16| u32::from(value).min(max_grey as u32);
     if max_grey < 256 {
-        let pixels = raw(sink, words, columns * rows)?;
+        let pixels = raw_pixels(sink, words, columns * rows)?;
         return Some(pixels.iter().map(|byte| grey(u16::from(*byte))).collect());
     }
-    let pixels = raw(sink, words, 2 * columns * rows)?;
+    let pixels = raw_pixels(sink, words, 2 * columns * rows)?;
     Some(pixels.as_chunks().0.iter().map(|pair| grey(u16::from_be_bytes(*pair))).collect())
 }
 
-/// Pixels as bits in text, which may follow each other without blanks.
+/// Pixels as the digits 0 and 1 in text, which may follow each other without blanks.
 fn text_bits(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2]) -> Option<Vec<u32>> {
     if words.bytes.len() < columns * rows {
-        return too_few(sink, words.bytes, words.bytes.len(), columns * rows);
+        return report_too_few(sink, words.bytes, words.bytes.len(), columns * rows);
     }
     let mut levels = Vec::with_capacity(columns * rows);
     while levels.len() < columns * rows {
-        words.skip();
-        let Some(byte) = words.bytes.get(words.at) else {
-            return too_few(sink, words.bytes, levels.len(), columns * rows);
+        words.skip_blanks();
+        let Some(byte) = words.bytes.get(words.position) else {
+            return report_too_few(sink, words.bytes, levels.len(), columns * rows);
         };
         if !matches!(byte, b'0' | b'1') {
-            let message = format!("`{}` is no pixel{}", byte.escape_ascii(), place_in_bytes(words.bytes, words.at));
-            sink.error(Code::MapImage, place_of_byte(words.bytes, words.at, 1), message, "`0` (white) or `1` (black)");
+            let message = format!("`{}` is no pixel{}", byte.escape_ascii(), byte_suffix(words.bytes, words.position));
+            sink.error(
+                Code::MapImage,
+                span_of_bytes(words.bytes, words.position, 1),
+                message,
+                "`0` (white) or `1` (black)",
+            );
             return None;
         }
         levels.push(u32::from(*byte == b'0'));
-        words.at += 1;
+        words.position += 1;
     }
-    left_over(sink, words);
+    warn_of_left_over(sink, words);
     Some(levels)
 }
 
 fn text_levels(sink: &mut Sink, mut words: Words<'_>, [columns, rows]: [usize; 2], max_grey: u64) -> Option<Vec<u32>> {
     // A pixel takes at least two bytes, except the last one.
     if words.bytes.len().div_ceil(2) < columns * rows {
-        return too_few(sink, words.bytes, words.bytes.len() / 2, columns * rows);
+        return report_too_few(sink, words.bytes, words.bytes.len() / 2, columns * rows);
     }
     let mut levels = Vec::with_capacity(columns * rows);
     while levels.len() < columns * rows {
-        words.skip();
-        if words.at >= words.bytes.len() {
-            return too_few(sink, words.bytes, levels.len(), columns * rows);
+        words.skip_blanks();
+        if words.position >= words.bytes.len() {
+            return report_too_few(sink, words.bytes, levels.len(), columns * rows);
         }
-        levels.push(words.number(sink, "a pixel", max_grey)? as u32);
+        levels.push(words.next_number(sink, "a pixel", max_grey)? as u32);
     }
-    left_over(sink, words);
+    warn_of_left_over(sink, words);
     Some(levels)
 }
 
-fn too_few<T>(sink: &mut Sink, bytes: &[u8], count: usize, wanted: usize) -> Option<T> {
-    let message = format!("the file ends after {} bytes: at most {count} of {wanted} pixels are there", bytes.len());
+fn report_too_few<T>(sink: &mut Sink, bytes: &[u8], count: usize, pixel_count: usize) -> Option<T> {
+    let message =
+        format!("the file ends after {} bytes: at most {count} of {pixel_count} pixels are there", bytes.len());
     sink.error(Code::MapImage, Default::default(), message, "as many pixels as width times height");
     None
 }
 
-fn left_over(sink: &mut Sink, mut words: Words<'_>) {
-    if let Some((start, word)) = words.word() {
-        let message = format!("something is left over after the last pixel{}", place_in_bytes(words.bytes, start));
-        let span = place_of_byte(words.bytes, start, word.len());
+fn warn_of_left_over(sink: &mut Sink, mut words: Words<'_>) {
+    if let Some((start, word)) = words.next_word() {
+        let message = format!("something is left over after the last pixel{}", byte_suffix(words.bytes, start));
+        let span = span_of_bytes(words.bytes, start, word.len());
         sink.warn(Code::MapImage, span, message, "one image in a file, as wide and high as its header says");
     }
 }

@@ -10,7 +10,7 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
 use super::grid::MAX_WALLS;
-use super::{moved, rounded};
+use super::{origin_note, rounded_mm};
 use crate::code::Code;
 use crate::diagnostic::Sink;
 use crate::line::line_starts;
@@ -22,8 +22,8 @@ use sim_core::pose::Pose;
 /// Maximum distance in metres of a polygon's sides from the circle that the polygon replaces. Source: our choice.
 const MAX_DEVIATION: f64 = 5e-4;
 
-/// Minimum and maximum number of sides of such a polygon.
-const SIDES: [f64; 2] = [8.0, 256.0];
+/// Minimum and maximum number of sides of a polygon that replaces a circle.
+const SIDE_COUNT_LIMITS: [f64; 2] = [8.0, 256.0];
 
 /// Maximum depth of elements.
 const MAX_DEPTH: usize = 64;
@@ -31,16 +31,17 @@ const MAX_DEPTH: usize = 64;
 const FORM: &str = "an SDF world: `<sdf><world>` with a `<model>` for each obstacle";
 const SHAPE_FORM: &str = "a `<cylinder>`, `<box>` or `<sphere>` within a `<collision>`";
 
-/// Reads an SDF world. Its lowest left obstacle lies at the edge of the floor. Also returns a note on the
-/// interpretation.
+/// Reads an SDF world. The floor is the rectangle around all obstacles. Also returns a
+/// note on the interpretation.
 pub(crate) fn read_sdf(sink: &mut Sink, file: &str, text: &str) -> (WorldSpec, String) {
-    let starts = line_starts(text);
-    let mut scan = SdfParser { sink, text, starts, open: Vec::new(), obstacles: Vec::new(), states: BTreeMap::new() };
-    let is_read = scan.read();
-    let SdfParser { obstacles, states, .. } = scan;
+    let line_starts = line_starts(text);
+    let mut parser =
+        SdfParser { sink, text, line_starts, open: Vec::new(), obstacles: Vec::new(), states: BTreeMap::new() };
+    let is_read = parser.read();
+    let SdfParser { obstacles, states, .. } = parser;
     let mut counts = [0; 3];
     let mut walls = Vec::new();
-    let mut worst: f64 = 0.0;
+    let mut max_deviation: f64 = 0.0;
     for obstacle in &obstacles {
         if walls.len() > MAX_WALLS {
             let message = format!("the world has more than {MAX_WALLS} walls");
@@ -51,8 +52,8 @@ pub(crate) fn read_sdf(sink: &mut Sink, file: &str, text: &str) -> (WorldSpec, S
         let model = states.get(&obstacle.model).unwrap_or(&obstacle.model_pose);
         let pose = model.compose(&obstacle.pose);
         let (corners, deviation) = obstacle.shape.corners();
-        worst = worst.max(deviation);
-        counts[obstacle.shape.kind()] += 1;
+        max_deviation = max_deviation.max(deviation);
+        counts[obstacle.shape.kind_index()] += 1;
         let corners: Vec<DVec2> = corners.into_iter().map(|corner| pose.transform_point(corner)).collect();
         for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
             if from != to {
@@ -77,12 +78,12 @@ pub(crate) fn read_sdf(sink: &mut Sink, file: &str, text: &str) -> (WorldSpec, S
     }
     let [cylinders, boxes, spheres] = counts;
     let mut note = format!("{cylinders} cylinders, {boxes} boxes, {spheres} spheres; {} walls", walls.len());
-    if worst > 0.0 {
-        note.push_str(&format!(", at most {:.2} mm from their circles", 1e3 * worst));
+    if max_deviation > 0.0 {
+        note.push_str(&format!(", at most {:.2} mm from their circles", 1e3 * max_deviation));
     }
     let floor = if walls.is_empty() { DVec2::ZERO } else { high - low };
-    note.push_str(&format!("; floor {} x {} mm", rounded(floor.x), rounded(floor.y)));
-    note.push_str(&moved(-low));
+    note.push_str(&format!("; floor {} x {} mm", rounded_mm(floor.x), rounded_mm(floor.y)));
+    note.push_str(&origin_note(-low));
     (WorldSpec { file: file.to_owned(), floor, walls, ..WorldSpec::default() }, note)
 }
 
@@ -95,7 +96,7 @@ enum Shape {
 }
 
 impl Shape {
-    fn kind(self) -> usize {
+    fn kind_index(self) -> usize {
         match self {
             Shape::Cylinder(_) => 0,
             Shape::Box(..) => 1,
@@ -103,10 +104,10 @@ impl Shape {
         }
     }
 
-    /// The corners of its outline, and the maximum distance between outline and shape.
+    /// The corners of the shape's outline, and the maximum distance between outline and shape.
     ///
-    /// A circle becomes a regular polygon whose corners are as far outside the circle as the middles of its sides are inside: r tan²(π/2n)
-    /// each for n sides.
+    /// A circle of radius r becomes a regular polygon with n sides. Its corners are as far outside the circle as the
+    /// middles of its sides are inside: r tan²(π/2n).
     fn corners(self) -> (Vec<DVec2>, f64) {
         let radius = match self {
             Shape::Box(x, y) => {
@@ -115,15 +116,17 @@ impl Shape {
             }
             Shape::Cylinder(radius) | Shape::Sphere(radius) => radius,
         };
-        let sides = (0.5 * PI / math::atan((MAX_DEVIATION / radius).sqrt())).ceil().clamp(SIDES[0], SIDES[1]);
+        let sides = (0.5 * PI / math::atan((MAX_DEVIATION / radius).sqrt()))
+            .ceil()
+            .clamp(SIDE_COUNT_LIMITS[0], SIDE_COUNT_LIMITS[1]);
         let cosine = math::cos(PI / sides);
-        let corner = 2.0 * radius / (1.0 + cosine);
+        let corner_radius = 2.0 * radius / (1.0 + cosine);
         let angle = |number: usize| 2.0 * PI * number as f64 / sides;
         let corners = (0..sides as usize).map(|number| {
             let (sine, cosine) = math::sin_cos(angle(number));
-            DVec2::new(cosine, sine) * corner
+            DVec2::new(cosine, sine) * corner_radius
         });
-        (corners.collect(), corner - radius)
+        (corners.collect(), corner_radius - radius)
     }
 }
 
@@ -139,24 +142,25 @@ struct Obstacle {
     span: Span,
 }
 
-/// An element that is open.
+/// An element whose end has not been read.
 struct Element {
     tag: String,
     name: String,
-    /// Pose in the frame of the element around it, and its height.
+    /// Pose in the frame of the parent element, and its height.
     pose: Pose,
     z: f64,
     text: String,
     span: Span,
-    /// Numbers of the elements within, by their tags.
+    /// Numbers of the child elements, by their tags.
     values: BTreeMap<String, Vec<f64>>,
+    /// Shape of a `<collision>`, and half its height.
     shape: Option<(Shape, f64)>,
 }
 
 struct SdfParser<'t, 's> {
     sink: &'s mut Sink,
     text: &'t str,
-    starts: Vec<usize>,
+    line_starts: Vec<usize>,
     open: Vec<Element>,
     obstacles: Vec<Obstacle>,
     /// Poses of models in the saved state of a simulation.
@@ -166,10 +170,11 @@ struct SdfParser<'t, 's> {
 impl SdfParser<'_, '_> {
     fn span(&self, from: usize, to: usize) -> Span {
         let (from, to) = (self.text.floor_char_boundary(from), self.text.ceil_char_boundary(to.min(self.text.len())));
-        let number = self.starts.partition_point(|start| *start <= from);
-        let before = &self.text[self.starts[number - 1]..from];
-        let before = if number == 1 { before.strip_prefix('\u{feff}').unwrap_or(before) } else { before };
-        Span { start: from, end: to.max(from), line: number as u32, column: before.chars().count() as u32 + 1 }
+        let line_number = self.line_starts.partition_point(|start| *start <= from);
+        let line_text = &self.text[self.line_starts[line_number - 1]..from];
+        let line_text =
+            if line_number == 1 { line_text.strip_prefix('\u{feff}').unwrap_or(line_text) } else { line_text };
+        Span { start: from, end: to.max(from), line: line_number as u32, column: line_text.chars().count() as u32 + 1 }
     }
 
     /// Reads the whole text; returns false, with an error, if it is not SDF.
@@ -177,14 +182,14 @@ impl SdfParser<'_, '_> {
         let text = self.text;
         let skipped = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         let mut reader = Reader::from_str(&text[skipped..]);
-        let mut is_found = false;
+        let mut has_root = false;
         loop {
             let from = skipped + reader.buffer_position() as usize;
             let event = reader.read_event();
             let to = skipped + reader.buffer_position() as usize;
             match event {
                 Ok(Event::Start(start)) => {
-                    is_found |= self.begin(&start, self.span(from, to), is_found);
+                    has_root |= self.open_element(&start, self.span(from, to), has_root);
                     if self.open.len() > MAX_DEPTH {
                         let message = format!("more than {MAX_DEPTH} elements lie within each other");
                         self.sink.error(Code::SdfSyntax, self.span(from, to), message, FORM);
@@ -192,20 +197,20 @@ impl SdfParser<'_, '_> {
                     }
                 }
                 Ok(Event::Empty(start)) => {
-                    is_found |= self.begin(&start, self.span(from, to), is_found);
-                    self.end();
+                    has_root |= self.open_element(&start, self.span(from, to), has_root);
+                    self.close_element();
                 }
                 Ok(Event::Text(words)) => {
                     if let Some(element) = self.open.last_mut() {
                         element.text.push_str(&String::from_utf8_lossy(&words));
                     }
                 }
-                Ok(Event::End(_)) => self.end(),
+                Ok(Event::End(_)) => self.close_element(),
                 Ok(Event::Eof) => break,
                 Ok(_) => {}
                 Err(error) => {
-                    let at = skipped + (reader.error_position() as usize).min(text.len() - skipped);
-                    let span = self.span(at, at);
+                    let error_index = skipped + (reader.error_position() as usize).min(text.len() - skipped);
+                    let span = self.span(error_index, error_index);
                     self.sink.error(Code::SdfSyntax, span, format!("the file is no XML: {error}"), FORM);
                     return false;
                 }
@@ -214,14 +219,14 @@ impl SdfParser<'_, '_> {
         if let Some(element) = self.open.last() {
             let (tag, span) = (element.tag.clone(), element.span);
             self.sink.error(Code::SdfSyntax, span, format!("`<{tag}>` is not closed"), FORM);
-        } else if !is_found {
+        } else if !has_root {
             self.sink.error(Code::SdfSyntax, Span::default(), "the file has no element `<sdf>`", FORM);
         }
-        self.open.is_empty() && is_found
+        self.open.is_empty() && has_root
     }
 
-    /// Opens an element; returns true. The first one of a file must be `<sdf>`.
-    fn begin(&mut self, start: &BytesStart<'_>, span: Span, has_root: bool) -> bool {
+    /// Opens an element and returns true. Reports an error if the first element of the file is not `<sdf>`.
+    fn open_element(&mut self, start: &BytesStart<'_>, span: Span, has_root: bool) -> bool {
         let tag = String::from_utf8_lossy(start.name().as_ref()).into_owned();
         if !has_root && tag != "sdf" {
             self.sink.error(Code::SdfSyntax, span, format!("the file begins with `<{tag}>`"), FORM);
@@ -244,27 +249,27 @@ impl SdfParser<'_, '_> {
         true
     }
 
-    fn end(&mut self) {
+    fn close_element(&mut self) {
         let Some(element) = self.open.pop() else { return };
-        let is_in = |tag: &str, open: &[Element]| open.iter().any(|element| element.tag == tag);
+        let is_within = |tag: &str, open: &[Element]| open.iter().any(|element| element.tag == tag);
         match element.tag.as_str() {
-            "pose" => self.pose(&element),
+            "pose" => self.read_pose(&element),
             "radius" | "length" | "size" | "scale" => {
-                let numbers = self.numbers(&element, "numbers");
-                if let Some(around) = self.open.last_mut() {
-                    around.values.insert(element.tag, numbers);
+                let numbers = self.read_numbers(&element, "numbers");
+                if let Some(parent) = self.open.last_mut() {
+                    parent.values.insert(element.tag, numbers);
                 }
             }
-            "cylinder" | "box" | "sphere" if is_in("collision", &self.open) => {
-                let shape = self.shape(&element);
-                let collision = self.open.iter_mut().rfind(|around| around.tag == "collision");
+            "cylinder" | "box" | "sphere" if is_within("collision", &self.open) => {
+                let shape = self.read_shape(&element);
+                let collision = self.open.iter_mut().rfind(|parent| parent.tag == "collision");
                 if let (Some(collision), Some(shape)) = (collision, shape) {
                     collision.shape = Some(shape);
                 }
             }
             "plane" => {}
             "mesh" | "polyline" | "heightmap" | "capsule" | "ellipsoid" | "cone" | "image"
-                if is_in("collision", &self.open) =>
+                if is_within("collision", &self.open) =>
             {
                 let message = format!("a `<{}>` is left out", element.tag);
                 self.sink.warn(Code::SdfShape, element.span, message, SHAPE_FORM);
@@ -272,8 +277,8 @@ impl SdfParser<'_, '_> {
             "include" => {
                 self.sink.warn(Code::SdfShape, element.span, "an `<include>` is left out", SHAPE_FORM);
             }
-            "collision" => self.collision(&element),
-            "model" if self.open.last().is_some_and(|around| around.tag == "state") => {
+            "collision" => self.add_obstacle(&element),
+            "model" if self.open.last().is_some_and(|parent| parent.tag == "state") => {
                 self.states.insert(element.name, element.pose);
             }
             _ => {}
@@ -281,7 +286,7 @@ impl SdfParser<'_, '_> {
     }
 
     /// The numbers between the tags of an element; reports words that are not numbers.
-    fn numbers(&mut self, element: &Element, expected: &str) -> Vec<f64> {
+    fn read_numbers(&mut self, element: &Element, expected: &str) -> Vec<f64> {
         let mut numbers = Vec::new();
         for word in element.text.split_whitespace() {
             match word.parse::<f64>().ok().filter(|number| number.abs() <= MAX_LENGTH) {
@@ -296,9 +301,9 @@ impl SdfParser<'_, '_> {
         numbers
     }
 
-    fn pose(&mut self, element: &Element) {
+    fn read_pose(&mut self, element: &Element) {
         let expected = "`X Y Z ROLL PITCH YAW` in metres and radians";
-        let numbers = self.numbers(element, expected);
+        let numbers = self.read_numbers(element, expected);
         let values = match numbers.as_slice() {
             [] => return,
             [x, y, z, roll, pitch, yaw] => [*x, *y, *z, *roll, *pitch, *yaw],
@@ -309,9 +314,9 @@ impl SdfParser<'_, '_> {
             }
         };
         let [x, y, z, roll, pitch, yaw] = values;
-        let tilts =
-            self.open.last().is_some_and(|around| ["model", "link", "collision"].contains(&around.tag.as_str()));
-        if tilts && roll.abs().max(pitch.abs()) > 1e-3 {
+        let is_checked_for_tilt =
+            self.open.last().is_some_and(|parent| ["model", "link", "collision"].contains(&parent.tag.as_str()));
+        if is_checked_for_tilt && roll.abs().max(pitch.abs()) > 1e-3 {
             self.sink.warn(
                 Code::SdfShape,
                 element.span,
@@ -319,13 +324,13 @@ impl SdfParser<'_, '_> {
                 "no roll and pitch",
             );
         }
-        if let Some(around) = self.open.last_mut() {
-            (around.pose, around.z) = (Pose::new(x, y, yaw.clamp(-1e4, 1e4)), z);
+        if let Some(parent) = self.open.last_mut() {
+            (parent.pose, parent.z) = (Pose::new(x, y, yaw.clamp(-1e4, 1e4)), z);
         }
     }
 
     /// Shape and half height of a `<cylinder>`, `<box>` or `<sphere>`.
-    fn shape(&mut self, element: &Element) -> Option<(Shape, f64)> {
+    fn read_shape(&mut self, element: &Element) -> Option<(Shape, f64)> {
         let value = |key: &str| element.values.get(key).map(Vec::as_slice).unwrap_or_default();
         let shape = match (element.tag.as_str(), value("radius"), value("length"), value("size")) {
             ("cylinder", [radius], [length], _) => Some((Shape::Cylinder(*radius), 0.5 * length)),
@@ -333,8 +338,8 @@ impl SdfParser<'_, '_> {
             ("sphere", [radius], ..) => Some((Shape::Sphere(*radius), *radius)),
             _ => None,
         };
-        let is_positive = shape.is_some_and(|(shape, half)| {
-            half > 1e-6
+        let is_positive = shape.is_some_and(|(shape, half_height)| {
+            half_height > 1e-6
                 && match shape {
                     Shape::Cylinder(radius) | Shape::Sphere(radius) => radius > 1e-6,
                     Shape::Box(x, y) => x > 1e-6 && y > 1e-6,
@@ -349,23 +354,23 @@ impl SdfParser<'_, '_> {
         shape
     }
 
-    fn collision(&mut self, element: &Element) {
-        let Some((shape, half)) = element.shape else { return };
-        let Some(first) = self.open.iter().position(|around| around.tag == "model") else { return };
+    fn add_obstacle(&mut self, element: &Element) {
+        let Some((shape, half_height)) = element.shape else { return };
+        let Some(model_index) = self.open.iter().position(|parent| parent.tag == "model") else { return };
         let mut pose = Pose::default();
-        let mut z = self.open[first].z;
-        for inner in self.open[first + 1..].iter().chain([element]) {
-            pose = pose.compose(&inner.pose);
-            z += inner.z;
+        let mut z = self.open[model_index].z;
+        for nested in self.open[model_index + 1..].iter().chain([element]) {
+            pose = pose.compose(&nested.pose);
+            z += nested.z;
         }
-        if z + half <= 0.0 {
+        if z + half_height <= 0.0 {
             return;
         }
-        if z - half > 0.05 {
-            let message = format!("a shape {} mm above the floor reaches down to it", rounded(z - half));
+        if z - half_height > 0.05 {
+            let message = format!("a shape {} mm above the floor reaches down to it", rounded_mm(z - half_height));
             self.sink.warn(Code::SdfShape, element.span, message, "shapes that stand on the floor");
         }
-        let (model, model_pose) = (self.open[first].name.clone(), self.open[first].pose);
-        self.obstacles.push(Obstacle { model, model_pose, pose, shape, height: z + half, span: element.span });
+        let (model, model_pose) = (self.open[model_index].name.clone(), self.open[model_index].pose);
+        self.obstacles.push(Obstacle { model, model_pose, pose, shape, height: z + half_height, span: element.span });
     }
 }

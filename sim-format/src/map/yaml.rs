@@ -30,8 +30,8 @@ pub(crate) struct MapSpec {
     pub(crate) resolution: f64,
     pub(crate) origin: Pose,
     pub(crate) is_negated: bool,
-    pub(crate) occupied: f64,
-    pub(crate) free: f64,
+    pub(crate) occupied_threshold: f64,
+    pub(crate) free_threshold: f64,
     pub(crate) mode: Mode,
 }
 
@@ -45,7 +45,7 @@ const KEYS: [&str; 7] = ["image", "resolution", "origin", "negate", "occupied_th
 const FORM: &str =
     "one of image, resolution, origin, negate, occupied_thresh, free_thresh, mode, a colon, and its value";
 
-/// Reads a `map.yaml`; `None`, with an error, if it names no image or has no resolution.
+/// Reads a `map.yaml`; `None`, with an error, if it has no image or no resolution.
 pub(crate) fn read_map_yaml(sink: &mut Sink, text: &str) -> Option<MapSpec> {
     let entries = entries(sink, text);
     let mut values = Values { entries, sink };
@@ -54,16 +54,24 @@ pub(crate) fn read_map_yaml(sink: &mut Sink, text: &str) -> Option<MapSpec> {
     let origin = values.origin();
     let is_negated = values.negated();
     let fraction = |name| Quantity::number(name, 0.0, 1.0);
-    let occupied = values.number("occupied_thresh", fraction("occupied_thresh"), Some(OCCUPIED_THRESHOLD));
-    let free = values.number("free_thresh", fraction("free_thresh"), Some(FREE_THRESHOLD));
+    let occupied_threshold = values.number("occupied_thresh", fraction("occupied_thresh"), Some(OCCUPIED_THRESHOLD));
+    let free_threshold = values.number("free_thresh", fraction("free_thresh"), Some(FREE_THRESHOLD));
     let mode = values.mode();
-    if let (Some(occupied), Some(free)) = (occupied, free)
+    if let (Some(occupied), Some(free)) = (occupied_threshold, free_threshold)
         && free > occupied
     {
         let message = format!("free_thresh {free} is above occupied_thresh {occupied}");
         values.report(Severity::Warning, "free_thresh", message, "a free_thresh below occupied_thresh");
     }
-    Some(MapSpec { image: image?, resolution: resolution?, origin, is_negated, occupied: occupied?, free: free?, mode })
+    Some(MapSpec {
+        image: image?,
+        resolution: resolution?,
+        origin,
+        is_negated,
+        occupied_threshold: occupied_threshold?,
+        free_threshold: free_threshold?,
+        mode,
+    })
 }
 
 impl MapSpec {
@@ -74,8 +82,8 @@ impl MapSpec {
             resolution,
             origin: Pose::default(),
             is_negated: false,
-            occupied: OCCUPIED_THRESHOLD,
-            free: FREE_THRESHOLD,
+            occupied_threshold: OCCUPIED_THRESHOLD,
+            free_threshold: FREE_THRESHOLD,
             mode: Mode::Trinary,
         }
     }
@@ -85,11 +93,11 @@ impl MapSpec {
     /// Source: map_server of ROS, image_loader.cpp.
     pub(crate) fn grid(&self, image: &Image) -> Grid {
         let [columns, rows] = image.size;
-        let kind = |at: usize| {
-            let (level, white) = (f64::from(image.levels[at]), f64::from(image.white));
+        let kind = |index: usize| {
+            let (level, white) = (f64::from(image.levels[index]), f64::from(image.white));
             let level = if self.is_negated { white - level } else { level };
             let occupancy = match self.mode {
-                Mode::Scale if image.is_clear.get(at) == Some(&true) => return Cell::Unknown,
+                Mode::Scale if image.is_transparent.get(index) == Some(&true) => return Cell::Unknown,
                 Mode::Trinary | Mode::Scale => (white - level) / white,
                 Mode::Raw => {
                     let percent = (level / white * f64::from(image.max_grey)).round();
@@ -99,9 +107,9 @@ impl MapSpec {
                     percent / 100.0
                 }
             };
-            if occupancy > self.occupied {
+            if occupancy > self.occupied_threshold {
                 Cell::Occupied
-            } else if occupancy < self.free {
+            } else if occupancy < self.free_threshold {
                 Cell::Free
             } else {
                 Cell::Unknown
@@ -122,7 +130,7 @@ struct Entry<'t> {
 fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
     let mut entries: BTreeMap<&str, Entry<'_>> = BTreeMap::new();
     // The key whose values may follow on further lines, and true if they are between brackets.
-    let mut open: Option<(&str, bool)> = None;
+    let mut open_key: Option<(&str, bool)> = None;
     for line in line::lines(text) {
         let content = without_comment(&line);
         let trimmed = content.trim();
@@ -130,20 +138,20 @@ fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
             continue;
         }
         let start = content.len() - content.trim_start().len();
-        if let Some((key, in_brackets)) = open {
+        if let Some((key, in_brackets)) = open_key {
             let is_item = trimmed == "-" || trimmed.starts_with("- ") || trimmed.starts_with("-\t");
             if in_brackets || is_item {
                 let skip = if in_brackets { start } else { start + 1 };
                 let values = scalars(&line, content, skip);
                 if in_brackets && content.contains(']') {
-                    open = None;
+                    open_key = None;
                 }
                 entries.entry(key).and_modify(|entry| entry.values.extend(values));
                 continue;
             }
         }
-        open = None;
-        let Some(colon) = colon_of(content) else {
+        open_key = None;
+        let Some(colon) = find_colon(content) else {
             let word = word_at(&line, content, start, content.trim_end().len());
             let message = format!("`{}` is no key with a value", word.text);
             sink.warn(Code::MapKey, word.span, message, FORM);
@@ -153,7 +161,7 @@ fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
         let rest = content[colon + 1..].trim();
         let values = scalars(&line, content, colon + 1);
         if rest.is_empty() || rest.starts_with('[') && !rest.contains(']') {
-            open = Some((key.text, rest.starts_with('[')));
+            open_key = Some((key.text, rest.starts_with('[')));
         }
         if !KEYS.contains(&key.text) {
             let message = format!("the key `{}` means nothing in a map", key.text);
@@ -172,25 +180,25 @@ fn entries<'t>(sink: &mut Sink, text: &'t str) -> BTreeMap<&'t str, Entry<'t>> {
 fn without_comment<'t>(line: &Line<'t>) -> &'t str {
     let text = line.text;
     let mut quote = None;
-    let mut before = ' ';
-    for (at, character) in text.char_indices() {
+    let mut previous = ' ';
+    for (index, character) in text.char_indices() {
         match (quote, character) {
-            (None, '#') if before.is_whitespace() => return &text[..at],
-            (None, '"' | '\'') if before.is_whitespace() || matches!(before, ':' | '[' | ',' | '-') => {
+            (None, '#') if previous.is_whitespace() => return &text[..index],
+            (None, '"' | '\'') if previous.is_whitespace() || matches!(previous, ':' | '[' | ',' | '-') => {
                 quote = Some(character);
             }
-            (Some(open), _) if open == character => quote = None,
+            (Some(opening_quote), _) if opening_quote == character => quote = None,
             _ => {}
         }
-        before = character;
+        previous = character;
     }
     text
 }
 
-/// Position of the colon after a key: it is followed by a blank or the end of the line.
-fn colon_of(content: &str) -> Option<usize> {
-    content.match_indices(':').map(|(at, _)| at).find(|at| {
-        content[at + 1..].chars().next().is_none_or(|next| next.is_whitespace() || matches!(next, '[' | '"' | '\''))
+/// Position of the colon after a key: a blank, a bracket, a quote or the end of the line follows it.
+fn find_colon(content: &str) -> Option<usize> {
+    content.match_indices(':').map(|(index, _)| index).find(|index| {
+        content[index + 1..].chars().next().is_none_or(|next| next.is_whitespace() || matches!(next, '[' | '"' | '\''))
     })
 }
 
@@ -203,17 +211,17 @@ fn word_at<'t>(line: &Line<'t>, content: &'t str, from: usize, to: usize) -> Wor
 
 /// A word without the quotes around it.
 fn unquoted(word: Word<'_>) -> Word<'_> {
-    let inner = ['"', '\''].iter().find_map(|quote| word.text.strip_prefix(*quote)?.strip_suffix(*quote));
-    Word { text: inner.unwrap_or(word.text), ..word }
+    let unquoted_text = ['"', '\''].iter().find_map(|quote| word.text.strip_prefix(*quote)?.strip_suffix(*quote));
+    Word { text: unquoted_text.unwrap_or(word.text), ..word }
 }
 
-/// The values of a line from the byte `from` on: a single value, or the values of a list between brackets.
+/// The values of a line that begin at the byte `from` or after it: a single value, or the values of a list between brackets.
 fn scalars<'t>(line: &Line<'t>, content: &'t str, from: usize) -> Vec<Word<'t>> {
     let rest = &content[from..];
     let is_list = rest.contains(['[', ']', ',']) && !rest.trim_start().starts_with(['"', '\'']);
     let mut words = Vec::new();
     let mut start = from;
-    let mut take = |from: usize, to: usize| {
+    let mut add_word = |from: usize, to: usize| {
         let piece = &content[from..to];
         let trimmed = piece.trim();
         if !trimmed.is_empty() {
@@ -222,12 +230,12 @@ fn scalars<'t>(line: &Line<'t>, content: &'t str, from: usize) -> Vec<Word<'t>> 
         }
     };
     if is_list {
-        for (at, _) in rest.match_indices(['[', ']', ',']) {
-            take(start, from + at);
-            start = from + at + 1;
+        for (index, _) in rest.match_indices(['[', ']', ',']) {
+            add_word(start, from + index);
+            start = from + index + 1;
         }
     }
-    take(start, content.len());
+    add_word(start, content.len());
     words
 }
 
@@ -262,7 +270,7 @@ impl<'t> Values<'t, '_> {
         }
     }
 
-    fn missing(&mut self, severity: Severity, key: &str, instead: &str, expected: &str) {
+    fn report_missing(&mut self, severity: Severity, key: &str, instead: &str, expected: &str) {
         let message = format!("the map has no `{key}`{instead}");
         self.sink.report(severity, Code::MapKey, Span::default(), message, expected);
     }
@@ -270,7 +278,7 @@ impl<'t> Values<'t, '_> {
     fn image(&mut self) -> Option<SpannedText> {
         let expected = "`image: NAME.pgm`: a pgm, pbm, png, bmp or jpg file";
         if !self.entries.contains_key("image") {
-            self.missing(Severity::Error, "image", "", expected);
+            self.report_missing(Severity::Error, "image", "", expected);
             return None;
         }
         let word = self.single("image", expected)?;
@@ -281,18 +289,21 @@ impl<'t> Values<'t, '_> {
         Some(SpannedText { text: word.text.to_owned(), span: word.span })
     }
 
-    /// The number of a key; if it is missing, `default` with a warning, or an error without a default.
+    /// The number of a key. If the key is missing, returns `default` and reports a warning, or an error without a default.
     fn number(&mut self, key: &str, quantity: Quantity, default: Option<f64>) -> Option<f64> {
         let expected = quantity.expected();
         if !self.entries.contains_key(key) {
             match default {
                 Some(default) => {
                     let instead = format!(": {default} is taken");
-                    self.missing(Severity::Warning, key, &instead, &format!("`{key}: {default}`"));
+                    self.report_missing(Severity::Warning, key, &instead, &format!("`{key}: {default}`"));
                 }
-                None => {
-                    self.missing(Severity::Error, key, "", &format!("`{key}: 0.05`, the side of a pixel in metres"))
-                }
+                None => self.report_missing(
+                    Severity::Error,
+                    key,
+                    "",
+                    &format!("`{key}: 0.05`, the side of a pixel in metres"),
+                ),
             }
             return default;
         }
@@ -314,7 +325,7 @@ impl<'t> Values<'t, '_> {
     fn origin(&mut self) -> Pose {
         let expected = "`origin: [X, Y, YAW]`: the pose of the lower left pixel in metres and radians";
         let Some(entry) = self.entries.get("origin") else {
-            self.missing(Severity::Warning, "origin", ": [0, 0, 0] is taken", expected);
+            self.report_missing(Severity::Warning, "origin", ": [0, 0, 0] is taken", expected);
             return Pose::default();
         };
         let values = entry.values.clone();
@@ -340,7 +351,7 @@ impl<'t> Values<'t, '_> {
     fn negated(&mut self) -> bool {
         let expected = "`negate: 0`, or 1 for an image in which white is occupied";
         if !self.entries.contains_key("negate") {
-            self.missing(Severity::Warning, "negate", ": 0 is taken", expected);
+            self.report_missing(Severity::Warning, "negate", ": 0 is taken", expected);
             return false;
         }
         let Some(word) = self.single("negate", expected) else { return false };

@@ -14,7 +14,7 @@ pub(super) const SIDES: [(&str, [i32; 2]); 4] =
 /// Number of columns and rows of a classic maze, whose goal is the four cells in the middle.
 pub(super) const CLASSIC: usize = 16;
 
-/// The walls of each cell, in columns from the south-west corner: a bit for each of [`SIDES`].
+/// The walls of each cell, column by column from the south-west corner: a bit for each of [`SIDES`].
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct CellWalls {
     pub(super) size: [usize; 2],
@@ -22,47 +22,49 @@ pub(super) struct CellWalls {
 }
 
 impl CellWalls {
-    fn at(&self, [x, y]: [usize; 2]) -> u8 {
+    fn walls_of(&self, [x, y]: [usize; 2]) -> u8 {
         self.walls[x * self.size[1] + y]
     }
 
-    /// The cell beyond a side; `None` at the border.
-    fn beyond(&self, [x, y]: [usize; 2], side: usize) -> Option<[usize; 2]> {
+    /// The cell on the other side of `side`; `None` at the border.
+    fn neighbour(&self, [x, y]: [usize; 2], side: usize) -> Option<[usize; 2]> {
         let [dx, dy] = SIDES[side].1;
         let next = [x.checked_add_signed(dx as isize)?, y.checked_add_signed(dy as isize)?];
         (next[0] < self.size[0] && next[1] < self.size[1]).then_some(next)
     }
 
-    /// Cells in columns from the south-west corner.
+    /// All cells, column by column from the south-west corner.
     pub(super) fn cells(&self) -> impl Iterator<Item = [usize; 2]> + use<> {
         let [columns, rows] = self.size;
         (0..columns).flat_map(move |x| (0..rows).map(move |y| [x, y]))
     }
 
-    /// Walls that only the first of two cells has.
-    pub(super) fn one_sided(&self) -> impl Iterator<Item = ([usize; 2], usize, [usize; 2])> {
+    /// Walls that the file states for only one of their two cells: this cell, the side of the wall, the other cell.
+    pub(super) fn one_sided_walls(&self) -> impl Iterator<Item = ([usize; 2], usize, [usize; 2])> {
         self.cells().flat_map(move |cell| {
             (0..4).filter_map(move |side| {
-                let next = self.beyond(cell, side)?;
-                let [mine, other] = [self.at(cell) >> side & 1, self.at(next) >> ((side + 2) % 4) & 1];
-                (mine == 1 && other == 0).then_some((cell, side, next))
+                let next = self.neighbour(cell, side)?;
+                let [own_side, other_side] =
+                    [self.walls_of(cell) >> side & 1, self.walls_of(next) >> ((side + 2) % 4) & 1];
+                (own_side == 1 && other_side == 0).then_some((cell, side, next))
             })
         })
     }
 
     /// Returns true if no wall of the border is missing.
     pub(super) fn is_closed(&self) -> bool {
-        self.cells().all(|cell| (0..4).all(|side| self.beyond(cell, side).is_some() || self.at(cell) >> side & 1 == 1))
+        self.cells()
+            .all(|cell| (0..4).all(|side| self.neighbour(cell, side).is_some() || self.walls_of(cell) >> side & 1 == 1))
     }
 
-    /// Reports walls that only one of their cells has; `place` returns the location of a cell in the file.
+    /// Reports walls that the file states for only one of their two cells; `place` returns the location of a cell in the file.
     pub(super) fn check_shared(&self, sink: &mut Sink, place: impl Fn([usize; 2]) -> (Span, String)) {
-        let count = self.one_sided().count();
-        let Some((cell, side, next)) = self.one_sided().next() else { return };
-        let ((span, here), (_, there)) = (place(cell), place(next));
+        let count = self.one_sided_walls().count();
+        let Some((cell, side, next)) = self.one_sided_walls().next() else { return };
+        let ((span, at_cell), (_, at_next)) = (place(cell), place(next));
         let walls = if count == 1 { "a wall is".to_owned() } else { format!("{count} walls are") };
         let message = format!(
-            "{walls} stated by one of its two cells only, the first {} of ({}, {}){here} and not by ({}, {}){there}",
+            "{walls} stated by one of its two cells only, the first {} of ({}, {}){at_cell} and not by ({}, {}){at_next}",
             SIDES[side].0, cell[0], cell[1], next[0], next[1]
         );
         sink.warn(Code::MazShared, span, message, "each inner wall in both of its cells; here it is a wall");
@@ -74,7 +76,7 @@ impl CellWalls {
         let mut drawing = Drawing::empty(columns as u32);
         for cell @ [x, y] in self.cells() {
             let row = (rows - y) as u32;
-            for side in (0..4).filter(|side| self.at(cell) >> side & 1 == 1) {
+            for side in (0..4).filter(|side| self.walls_of(cell) >> side & 1 == 1) {
                 let cell_span = span(cell);
                 match side {
                     0 => drawing.horizontal.push((row - 1, x as u32, cell_span)),
@@ -89,12 +91,12 @@ impl CellWalls {
 }
 
 /// Start and goals of a maze, in columns and rows from the south-west corner.
-pub(super) struct Ends {
+pub(super) struct StartAndGoals {
     pub(super) start: [usize; 2],
     pub(super) goals: Vec<[usize; 2]>,
 }
 
-impl Ends {
+impl StartAndGoals {
     /// Start and goals by the rules of contests: from the south-west corner to the four cells in the middle of a
     /// classic maze.
     pub(super) fn usual([columns, rows]: [usize; 2]) -> Self {
@@ -105,28 +107,29 @@ impl Ends {
     }
 }
 
-/// Adds the start to a drawing of `rows` rows: its letter states the heading, towards the only open side, otherwise north. Returns a note
-/// on the maze.
-pub(super) fn finish(drawing: &mut Drawing, rows: usize, ends: &Ends, span: Span) -> String {
+/// Adds the start to a drawing of `rows` rows. Its letter states the heading: towards the only open side, or north if
+/// several sides are open. Returns a note on the maze.
+pub(super) fn add_start(drawing: &mut Drawing, rows: usize, start_and_goals: &StartAndGoals, span: Span) -> String {
     let columns = drawing.columns as usize;
     let passages = Passages::of(drawing, rows);
-    let open: Vec<usize> = (0..4).filter(|side| passages.next(ends.start, *side).is_some()).collect();
-    let letter = match open.as_slice() {
+    let open_sides: Vec<usize> =
+        (0..4).filter(|side| passages.open_neighbour(start_and_goals.start, *side).is_some()).collect();
+    let letter = match open_sides.as_slice() {
         [1] => 'r',
         [2] => 'd',
         [3] => 'l',
         _ => 's',
     };
-    let [x, y] = ends.start;
+    let [x, y] = start_and_goals.start;
     drawing.letters.push((letter, x as u32, (rows - y) as u32, span));
     let mut note = format!("a maze of {columns} x {rows} cells; start in cell ({x}, {y})");
-    match ends.goals.as_slice() {
+    match start_and_goals.goals.as_slice() {
         [] => note.push_str("; no goal is marked"),
         goals => {
             let cells: Vec<String> = goals.iter().map(|[x, y]| format!("({x}, {y})")).collect();
             let more = if cells.len() > 9 { ", ..." } else { "" };
             note.push_str(&format!("; goal {}{more}", cells[..cells.len().min(9)].join(", ")));
-            note.push_str(&match passages.steps(ends.start, goals) {
+            note.push_str(&match passages.shortest_path_steps(start_and_goals.start, goals) {
                 Some(steps) => format!("; {steps} steps from cell to cell on a shortest way from the start to it"),
                 None => "; no way leads from the start to it".to_owned(),
             });
@@ -138,9 +141,9 @@ pub(super) fn finish(drawing: &mut Drawing, rows: usize, ends: &Ends, span: Span
 /// Open sides of the cells of a drawing.
 struct Passages {
     size: [usize; 2],
-    /// True for a wall to the left of a cell (`below`: below it); one column and one row more than cells, in rows from
-    /// the south.
+    /// True for a wall to the left of a cell; row by row from the south, with one column and one row more than cells.
     left: Vec<bool>,
+    /// True for a wall below a cell, in the same order as `left`.
     below: Vec<bool>,
 }
 
@@ -158,8 +161,8 @@ impl Passages {
         Self { size: [columns, rows], left, below }
     }
 
-    /// The cell beyond an open side.
-    fn next(&self, [x, y]: [usize; 2], side: usize) -> Option<[usize; 2]> {
+    /// The cell on the other side of an open `side`; `None` if the side is closed.
+    fn open_neighbour(&self, [x, y]: [usize; 2], side: usize) -> Option<[usize; 2]> {
         let ([columns, rows], stride) = (self.size, self.size[0] + 1);
         let (is_closed, next) = match side {
             0 => (self.below[(y + 1) * stride + x], [x, y + 1]),
@@ -171,18 +174,18 @@ impl Passages {
     }
 
     /// Number of steps on a shortest path to one of the `goals`, by breadth-first search.
-    fn steps(&self, start: [usize; 2], goals: &[[usize; 2]]) -> Option<u32> {
+    fn shortest_path_steps(&self, start: [usize; 2], goals: &[[usize; 2]]) -> Option<u32> {
         let [columns, rows] = self.size;
-        let mut is_seen = vec![false; columns * rows];
-        let mut open = VecDeque::from([(start, 0)]);
-        is_seen[start[1] * columns + start[0]] = true;
-        while let Some((cell, steps)) = open.pop_front() {
+        let mut is_visited = vec![false; columns * rows];
+        let mut queue = VecDeque::from([(start, 0)]);
+        is_visited[start[1] * columns + start[0]] = true;
+        while let Some((cell, steps)) = queue.pop_front() {
             if goals.contains(&cell) {
                 return Some(steps);
             }
-            for next in (0..4).filter_map(|side| self.next(cell, side)) {
-                if !std::mem::replace(&mut is_seen[next[1] * columns + next[0]], true) {
-                    open.push_back((next, steps + 1));
+            for next in (0..4).filter_map(|side| self.open_neighbour(cell, side)) {
+                if !std::mem::replace(&mut is_visited[next[1] * columns + next[0]], true) {
+                    queue.push_back((next, steps + 1));
                 }
             }
         }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::cells::{CellWalls, Ends, finish};
-use super::{Drawing, MazeRead};
+use super::cells::{CellWalls, StartAndGoals, add_start};
+use super::{ContestMaze, Drawing};
 use crate::Span;
 use crate::code::Code;
 use crate::diagnostic::Sink;
@@ -20,7 +20,7 @@ pub(super) fn is_numbers(text: &str) -> bool {
     first.is_some_and(|words| words.len() == 6 && words.iter().all(|word| word.text.parse::<i64>().is_ok()))
 }
 
-pub(super) fn read(sink: &mut Sink, text: &str) -> MazeRead {
+pub(super) fn read(sink: &mut Sink, text: &str) -> ContestMaze {
     let mut cells: BTreeMap<[usize; 2], (u8, Span)> = BTreeMap::new();
     for line in line::lines(text) {
         let words = line.words();
@@ -50,21 +50,21 @@ pub(super) fn read(sink: &mut Sink, text: &str) -> MazeRead {
     let size = cells.keys().fold([0, 0], |[columns, rows], [x, y]| [columns.max(x + 1), rows.max(y + 1)]);
     if cells.is_empty() {
         sink.error(Code::MazEmpty, Span::default(), "the file has no maze", FORM);
-        return MazeRead { drawing: Drawing::empty(0), rows: 1, note: None };
+        return ContestMaze { drawing: Drawing::empty(0), rows: 1, note: None };
     }
     let missing = size[0] * size[1] - cells.len();
-    let all = CellWalls { size, walls: vec![0; size[0] * size[1]] };
-    let absent = all.cells().find(|cell| !cells.contains_key(cell));
-    if let Some([x, y]) = absent {
+    let grid = CellWalls { size, walls: vec![0; size[0] * size[1]] };
+    let first_missing = grid.cells().find(|cell| !cells.contains_key(cell));
+    if let Some([x, y]) = first_missing {
         let which = if missing == 1 { "a cell has".to_owned() } else { format!("{missing} cells have") };
         let message = format!("{which} no line, the first ({x}, {y})");
         sink.warn(Code::MazNumbers, Span::default(), message, "a line for each cell of a rectangle");
     }
-    let walls = all.cells().map(|cell| cells.get(&cell).map_or(0, |cell| cell.0)).collect();
-    let cell_walls = CellWalls { walls, ..all };
+    let walls = grid.cells().map(|cell| cells.get(&cell).map_or(0, |cell| cell.0)).collect();
+    let cell_walls = CellWalls { walls, ..grid };
     let span = |cell: [usize; 2]| cells.get(&cell).map_or(Span::default(), |cell| cell.1);
     cell_walls.check_shared(sink, |cell| (span(cell), String::new()));
     let mut drawing = cell_walls.drawing(span);
-    let note = finish(&mut drawing, size[1], &Ends::usual(size), span([0, 0]));
-    MazeRead { drawing, rows: size[1], note: Some(note) }
+    let note = add_start(&mut drawing, size[1], &StartAndGoals::usual(size), span([0, 0]));
+    ContestMaze { drawing, rows: size[1], note: Some(note) }
 }

@@ -2,8 +2,8 @@
 //!
 //! Source: the collections of micromouseonline.com (`o---o`) and the simulator mms (`+---+`).
 
-use super::cells::{Ends, finish};
-use super::{Drawing, MazeRead};
+use super::cells::{StartAndGoals, add_start};
+use super::{ContestMaze, Drawing};
 use crate::Span;
 use crate::code::Code;
 use crate::diagnostic::Sink;
@@ -11,7 +11,7 @@ use crate::line::{self, Line};
 
 const FORM: &str = "lines of posts, `o---o   o`, and of cells, `|   | S |`, in turn";
 
-/// Number of columns of a tab stop.
+/// Number of columns from one tab stop to the next.
 const TAB: usize = 8;
 
 /// Positions of the posts in the lines of a drawing.
@@ -41,14 +41,14 @@ fn characters(line: &Line<'_>) -> Vec<(char, Span)> {
 }
 
 impl Lattice {
-    /// The lattice whose first line of posts this is.
+    /// The lattice of a drawing with `line` as its first line of posts; `None` if `line` is no line of posts.
     fn of(line: &[(char, Span)]) -> Option<Self> {
         let indent = line.iter().position(|(character, _)| *character != ' ')?;
         let characters: Vec<char> = line[indent..].iter().map(|(character, _)| *character).collect();
         let post = *characters.first().filter(|post| matches!(post, 'o' | 'O' | '+'))?;
         let pitch = 1 + characters[1..].iter().position(|character| *character == post)?;
-        let is_post_line = characters.iter().enumerate().all(|(at, character)| {
-            if at % pitch == 0 { *character == post } else { !character.is_alphanumeric() && *character != post }
+        let is_post_line = characters.iter().enumerate().all(|(index, character)| {
+            if index % pitch == 0 { *character == post } else { !character.is_alphanumeric() && *character != post }
         });
         let columns = (characters.len() - 1) / pitch;
         (pitch > 1 && is_post_line && characters.len() % pitch == 1).then_some(Self { post, indent, pitch, columns })
@@ -65,25 +65,25 @@ pub(super) fn is_posts(text: &str) -> bool {
     line::lines(text).any(|line| line.text.len() < 1 << 16 && Lattice::of(&characters(&line)).is_some())
 }
 
-pub(super) fn read(sink: &mut Sink, text: &str) -> MazeRead {
+pub(super) fn read(sink: &mut Sink, text: &str) -> ContestMaze {
     let mut lines = line::lines(text);
-    let mut before = 0;
-    let first = loop {
+    let mut lines_before = 0;
+    let border_line = loop {
         let Some(line) = lines.next() else {
             sink.error(Code::MazEmpty, Span::default(), "the file has no maze", FORM);
-            return MazeRead { drawing: Drawing::empty(0), rows: 1, note: None };
+            return ContestMaze { drawing: Drawing::empty(0), rows: 1, note: None };
         };
         match Lattice::of(&characters(&line)) {
             Some(lattice) => break (line, lattice),
-            None => before += usize::from(!line.text.trim().is_empty()),
+            None => lines_before += usize::from(!line.text.trim().is_empty()),
         }
     };
-    let (border, lattice) = first;
+    let (border, lattice) = border_line;
     let mut posts =
         Posts { lattice, drawing: Drawing::empty(lattice.columns as u32), starts: Vec::new(), goals: Vec::new() };
     posts.post_line(sink, &border, 0);
     let mut rows = 0;
-    let mut after = 0;
+    let mut lines_after = 0;
     while let Some(line) = lines.next() {
         let content = characters(&line);
         let is_row =
@@ -91,13 +91,13 @@ pub(super) fn read(sink: &mut Sink, text: &str) -> MazeRead {
                 && content.iter().take(lattice.indent).all(|(character, _)| *character == ' ')
                 && !content.is_empty();
         if !is_row {
-            after += usize::from(!content.is_empty());
+            lines_after += usize::from(!content.is_empty());
             break;
         }
         rows += 1;
         posts.cell_line(sink, &line, rows);
-        let lower = lines.next().filter(|line| posts.is_post_line(line));
-        match lower {
+        let posts_below = lines.next().filter(|line| posts.is_post_line(line));
+        match posts_below {
             Some(line) => posts.post_line(sink, &line, rows),
             None => {
                 let message = "the line of posts below this row is missing";
@@ -106,29 +106,29 @@ pub(super) fn read(sink: &mut Sink, text: &str) -> MazeRead {
             }
         }
     }
-    after += lines.filter(|line| !line.text.trim().is_empty()).count();
+    lines_after += lines.filter(|line| !line.text.trim().is_empty()).count();
     if rows == 0 {
         sink.error(Code::MazEmpty, border.span(), "the maze has no rows", FORM);
-        return MazeRead { drawing: Drawing::empty(0), rows: 1, note: None };
+        return ContestMaze { drawing: Drawing::empty(0), rows: 1, note: None };
     }
     let Posts { mut drawing, starts, goals, .. } = posts;
     let from_south = |(column, row): (usize, usize)| [column, rows - row];
-    let mut ends = Ends::usual([lattice.columns, rows]);
+    let mut start_and_goals = StartAndGoals::usual([lattice.columns, rows]);
     let mut span = Span::default();
-    if let Some((start, text_column)) = starts.first() {
-        (ends.start, span) = (from_south(*start), *text_column);
+    if let Some((start, start_span)) = starts.first() {
+        (start_and_goals.start, span) = (from_south(*start), *start_span);
     }
-    if let Some((_, text_column)) = starts.get(1) {
-        sink.warn(Code::MazLetter, *text_column, "a second start; the first one counts", "one `S`");
+    if let Some((_, second_span)) = starts.get(1) {
+        sink.warn(Code::MazLetter, *second_span, "a second start; the first one counts", "one `S`");
     }
     if !goals.is_empty() {
-        ends.goals = goals.into_iter().map(from_south).collect();
+        start_and_goals.goals = goals.into_iter().map(from_south).collect();
     }
-    let mut note = finish(&mut drawing, rows, &ends, span);
-    if before + after > 0 {
-        note.push_str(&format!("; {} lines beside the drawing are left out", before + after));
+    let mut note = add_start(&mut drawing, rows, &start_and_goals, span);
+    if lines_before + lines_after > 0 {
+        note.push_str(&format!("; {} lines beside the drawing are left out", lines_before + lines_after));
     }
-    MazeRead { drawing, rows, note: Some(note) }
+    ContestMaze { drawing, rows, note: Some(note) }
 }
 
 struct Posts {
@@ -149,19 +149,19 @@ impl Posts {
     fn post_line(&mut self, sink: &mut Sink, line: &Line<'_>, row: usize) {
         let content = characters(line);
         let Lattice { post, pitch, columns, .. } = self.lattice;
-        let at = |index: usize| content.get(index).map_or(' ', |character| character.0);
-        if let Some(column) = (0..=columns).find(|column| at(self.lattice.post_at(*column)) != post) {
+        let character_at = |index: usize| content.get(index).map_or(' ', |character| character.0);
+        if let Some(column) = (0..=columns).find(|column| character_at(self.lattice.post_at(*column)) != post) {
             let message = format!("post {} of this line is missing", column + 1);
             sink.warn(Code::MazPosts, line.span(), message, format!("a `{post}` after each {} characters", pitch - 1));
         }
         self.check_end(sink, &content);
         for column in 0..columns {
-            let from = self.lattice.post_at(column) + 1;
-            let pieces = (from..from + pitch - 1).filter(|index| at(*index) != ' ').count();
+            let begin = self.lattice.post_at(column) + 1;
+            let pieces = (begin..begin + pitch - 1).filter(|index| character_at(*index) != ' ').count();
             if pieces == 0 {
                 continue;
             }
-            let index = (from..).find(|index| at(*index) != ' ').unwrap_or(from);
+            let index = (begin..).find(|index| character_at(*index) != ' ').unwrap_or(begin);
             let span = content.get(index).map_or(line.span(), |character| character.1);
             if pieces < pitch - 1 {
                 let message = "a wall with gaps; it is taken as a wall";
@@ -177,11 +177,11 @@ impl Posts {
         self.check_end(sink, &content);
         let Lattice { indent, pitch, columns, .. } = self.lattice;
         for (text_column, (character, span)) in content.iter().enumerate().skip(indent) {
-            let (column, within) = ((text_column - indent) / pitch, (text_column - indent) % pitch);
-            if *character == ' ' || column > columns || column == columns && within > 0 {
+            let (column, offset) = ((text_column - indent) / pitch, (text_column - indent) % pitch);
+            if *character == ' ' || column > columns || column == columns && offset > 0 {
                 continue;
             }
-            if within == 0 {
+            if offset == 0 {
                 self.drawing.vertical.push((column as u32, row as u32, *span));
                 continue;
             }

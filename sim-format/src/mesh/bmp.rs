@@ -25,25 +25,26 @@ const BIT_FIELDS: u32 = 3;
 const ALPHA_BIT_FIELDS: u32 = 6;
 
 impl<'b> Bmp<'b> {
-    /// Reads the headers.
+    /// Reads the headers of an image.
     ///
     /// # Errors
     /// The reason, worded for the user.
     pub(super) fn open(bytes: &'b [u8]) -> Result<Self, &'static str> {
         const SHORT: &str = "it ends within its header";
-        let u16_at = |at: usize| Some(u16::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
-        let u32_at = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
-        let (Some(start), Some(header)) = (u32_at(10), u32_at(14)) else { return Err(SHORT) };
+        let u16_at = |offset: usize| Some(u16::from_le_bytes(*bytes.get(offset..)?.first_chunk()?));
+        let u32_at = |offset: usize| Some(u32::from_le_bytes(*bytes.get(offset..)?.first_chunk()?));
+        let (Some(data_offset), Some(header_size)) = (u32_at(10), u32_at(14)) else { return Err(SHORT) };
         // Headers of 12 bytes have sizes of 16 bits, and palette entries of three bytes.
-        let is_core = header == 12;
-        let sides = if is_core {
-            [18, 20].map(|at| u16_at(at).map(|side| i32::from(side as i16)))
+        let has_core_header = header_size == 12;
+        let sides = if has_core_header {
+            [18, 20].map(|offset| u16_at(offset).map(|side| i32::from(side as i16)))
         } else {
-            [18, 22].map(|at| u32_at(at).map(|side| side as i32))
+            [18, 22].map(|offset| u32_at(offset).map(|side| side as i32))
         };
         let [Some(width), Some(height)] = sides else { return Err(SHORT) };
-        let Some(depth) = u16_at(if is_core { 24 } else { 28 }) else { return Err(SHORT) };
-        let [compression, colours] = if is_core { [0, 0] } else { [30, 46].map(|at| u32_at(at).unwrap_or(0)) };
+        let Some(depth) = u16_at(if has_core_header { 24 } else { 28 }) else { return Err(SHORT) };
+        let [compression, colours] =
+            if has_core_header { [0, 0] } else { [30, 46].map(|offset| u32_at(offset).unwrap_or(0)) };
         if width <= 0 || height == 0 {
             return Err("its width or height is 0");
         }
@@ -59,25 +60,26 @@ impl<'b> Bmp<'b> {
         }
         let masks = match (compression, depth) {
             (BIT_FIELDS | ALPHA_BIT_FIELDS, _) => {
-                let has_alpha = compression == ALPHA_BIT_FIELDS || header >= 56;
-                [54, 58, 62, 66].map(|at| u32_at(at).filter(|_| at < 66 || has_alpha).unwrap_or(0))
+                let has_alpha = compression == ALPHA_BIT_FIELDS || header_size >= 56;
+                [54, 58, 62, 66].map(|offset| u32_at(offset).filter(|_| offset < 66 || has_alpha).unwrap_or(0))
             }
             (_, 16) => [0x7c00, 0x03e0, 0x001f, 0],
             _ => [0x00ff_0000, 0x0000_ff00, 0x0000_00ff, 0],
         };
-        let palette = 14 + header as usize + if header == 40 && compression == BIT_FIELDS { 12 } else { 0 };
+        let palette_offset =
+            14 + header_size as usize + if header_size == 40 && compression == BIT_FIELDS { 12 } else { 0 };
         let max_colours = if depth <= 8 { 1_usize << depth } else { 0 };
         let count = if colours == 0 { max_colours } else { max_colours.min(colours as usize) };
-        let entry = if is_core { 3 } else { 4 };
-        let stored = bytes.get(palette..).unwrap_or_default().chunks_exact(entry).take(count);
+        let entry_size = if has_core_header { 3 } else { 4 };
+        let palette_entries = bytes.get(palette_offset..).unwrap_or_default().chunks_exact(entry_size).take(count);
         Ok(Self {
             size: [width as u32, height.unsigned_abs()],
             is_top_down: height < 0,
             depth,
             compression,
             masks,
-            palette: stored.map(|entry| [entry[2], entry[1], entry[0]]).collect(),
-            data: bytes.get(start as usize..).ok_or(SHORT)?,
+            palette: palette_entries.map(|entry| [entry[2], entry[1], entry[0]]).collect(),
+            data: bytes.get(data_offset as usize..).ok_or(SHORT)?,
         })
     }
 
@@ -90,38 +92,41 @@ impl<'b> Bmp<'b> {
         let [width, height] = self.size.map(|side| side as usize);
         let mut pixels = vec![255; 4 * width * height];
         let encoded = match self.compression {
-            RLE8 | RLE4 => Some(self.runs()),
+            RLE8 | RLE4 => Some(self.decode_runs()),
             _ => None,
         };
-        let stride = (width * usize::from(self.depth)).div_ceil(32) * 4;
+        let bytes_per_row = (width * usize::from(self.depth)).div_ceil(32) * 4;
         for (row, out) in pixels.chunks_exact_mut(4 * width).enumerate() {
-            let stored = if self.is_top_down { row } else { height - 1 - row };
+            let stored_row = if self.is_top_down { row } else { height - 1 - row };
             if let Some(indices) = &encoded {
-                let row = indices.chunks_exact(width).nth(stored).ok_or(SHORT)?;
+                let row = indices.chunks_exact(width).nth(stored_row).ok_or(SHORT)?;
                 self.look_up(row.iter().map(|index| usize::from(*index)), out);
                 continue;
             }
             // Some writers omit the padding of the last row.
             let needed = (width * usize::from(self.depth)).div_ceil(8);
-            let line = self.data.get(stored * stride..stored * stride + needed).ok_or(SHORT)?;
+            let row_bytes =
+                self.data.get(stored_row * bytes_per_row..stored_row * bytes_per_row + needed).ok_or(SHORT)?;
             match self.depth {
                 depth @ (1 | 2 | 4 | 8) => {
                     let (depth, mask) = (usize::from(depth), (1_usize << depth) - 1);
-                    let index = |at: usize| {
-                        let bit = at * depth;
-                        usize::from(line[bit / 8]) >> (8 - depth - bit % 8) & mask
+                    let index = |column: usize| {
+                        let bit = column * depth;
+                        usize::from(row_bytes[bit / 8]) >> (8 - depth - bit % 8) & mask
                     };
                     self.look_up((0..width).map(index), out);
                 }
-                24 => out.chunks_exact_mut(4).zip(line.as_chunks::<3>().0).for_each(|(out, [blue, green, red])| {
-                    out[..3].copy_from_slice(&[*red, *green, *blue]);
-                }),
+                24 => {
+                    out.chunks_exact_mut(4).zip(row_bytes.as_chunks::<3>().0).for_each(|(out, [blue, green, red])| {
+                        out[..3].copy_from_slice(&[*red, *green, *blue]);
+                    })
+                }
                 16 => {
-                    let values = line.as_chunks().0.iter().map(|bytes| u16::from_le_bytes(*bytes).into());
+                    let values = row_bytes.as_chunks().0.iter().map(|bytes| u16::from_le_bytes(*bytes).into());
                     out.chunks_exact_mut(4).zip(values).for_each(|(out, value)| self.unpack(value, out));
                 }
                 _ => {
-                    let values = line.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
+                    let values = row_bytes.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
                     out.chunks_exact_mut(4).zip(values).for_each(|(out, value)| self.unpack(value, out));
                 }
             }
@@ -140,48 +145,48 @@ impl<'b> Bmp<'b> {
     fn unpack(&self, value: u32, out: &mut [u8]) {
         for (out, mask) in out.iter_mut().zip(self.masks) {
             if mask != 0 {
-                let (bits, full) = ((value & mask) >> mask.trailing_zeros(), mask >> mask.trailing_zeros());
-                *out = ((u64::from(bits) * 255 + u64::from(full) / 2) / u64::from(full)) as u8;
+                let (bits, max_bits) = ((value & mask) >> mask.trailing_zeros(), mask >> mask.trailing_zeros());
+                *out = ((u64::from(bits) * 255 + u64::from(max_bits) / 2) / u64::from(max_bits)) as u8;
             }
         }
     }
 
     /// Palette indices of a run-length encoded image, row by row from the bottom; 0 for pixels that no run covers.
-    fn runs(&self) -> Vec<u8> {
+    fn decode_runs(&self) -> Vec<u8> {
         let [width, height] = self.size.map(|side| side as usize);
         let mut indices = vec![0; width * height];
         let (mut column, mut row) = (0, 0);
-        let mut put = |column: &mut usize, row: usize, index: u8| {
+        let mut put_pixel = |column: &mut usize, row: usize, index: u8| {
             if *column < width && row < height {
                 indices[row * width + *column] = index;
             }
             *column += 1;
         };
-        let is_four = self.compression == RLE4;
-        let nibble = |byte: u8, at: usize| if at.is_multiple_of(2) { byte >> 4 } else { byte & 15 };
+        let has_4_bits = self.compression == RLE4;
+        let nibble = |byte: u8, index: usize| if index.is_multiple_of(2) { byte >> 4 } else { byte & 15 };
         let mut rest = self.data;
-        while let [count, value, after @ ..] = rest {
-            rest = after;
+        while let [count, value, tail @ ..] = rest {
+            rest = tail;
             match (*count, *value) {
                 (0, 0) => (column, row) = (0, row + 1),
                 (0, 1) => break,
                 (0, 2) => {
-                    let [right, up, after @ ..] = rest else { break };
-                    (column, row, rest) = (column + usize::from(*right), row + usize::from(*up), after);
+                    let [right, up, tail @ ..] = rest else { break };
+                    (column, row, rest) = (column + usize::from(*right), row + usize::from(*up), tail);
                 }
                 (0, length) => {
                     let length = usize::from(length);
-                    let bytes = if is_four { length.div_ceil(2) } else { length };
-                    for at in 0..length {
-                        let byte = rest.get(if is_four { at / 2 } else { at }).copied().unwrap_or(0);
-                        put(&mut column, row, if is_four { nibble(byte, at) } else { byte });
+                    let bytes = if has_4_bits { length.div_ceil(2) } else { length };
+                    for index in 0..length {
+                        let byte = rest.get(if has_4_bits { index / 2 } else { index }).copied().unwrap_or(0);
+                        put_pixel(&mut column, row, if has_4_bits { nibble(byte, index) } else { byte });
                     }
                     // Literal pixels are padded to an even number of bytes.
                     rest = rest.get(bytes.next_multiple_of(2)..).unwrap_or_default();
                 }
                 (count, value) => {
-                    for at in 0..usize::from(count) {
-                        put(&mut column, row, if is_four { nibble(value, at) } else { value });
+                    for index in 0..usize::from(count) {
+                        put_pixel(&mut column, row, if has_4_bits { nibble(value, index) } else { value });
                     }
                 }
             }
@@ -199,17 +204,17 @@ mod tests {
 
     use super::*;
 
-    /// A file with a BITMAPINFOHEADER.
-    fn file(size: [i32; 2], depth: u16, compression: u32, between: &[u8], data: &[u8]) -> Vec<u8> {
+    /// A file with a BITMAPINFOHEADER; `after_header` are the bytes between header and pixels.
+    fn file(size: [i32; 2], depth: u16, compression: u32, after_header: &[u8], data: &[u8]) -> Vec<u8> {
         let mut file = b"BM\0\0\0\0\0\0\0\0".to_vec();
-        file.extend((54 + between.len() as u32).to_le_bytes());
+        file.extend((54 + after_header.len() as u32).to_le_bytes());
         file.extend(40_u32.to_le_bytes());
         size.iter().for_each(|side| file.extend(side.to_le_bytes()));
         file.extend(1_u16.to_le_bytes());
         file.extend(depth.to_le_bytes());
         file.extend(compression.to_le_bytes());
         file.extend([0; 20]);
-        file.extend(between);
+        file.extend(after_header);
         file.extend(data);
         file
     }
@@ -219,17 +224,17 @@ mod tests {
     }
 
     /// Our pixels and those of the crate `image`.
-    fn both(file: &[u8]) -> (Vec<u8>, Vec<u8>) {
+    fn our_and_their_pixels(file: &[u8]) -> (Vec<u8>, Vec<u8>) {
         let ours = Bmp::open(file).and_then(|bmp| bmp.decode()).expect("an image");
         let theirs = image::load_from_memory_with_format(file, image::ImageFormat::Bmp).expect("an image");
         (ours, theirs.into_rgba8().into_raw())
     }
 
     #[test]
-    fn every_depth_and_compression_as_the_crate_image_reads_it() {
+    fn all_depths_and_compressions_match_the_crate_image() {
         let masks = |masks: [u32; 3]| masks.into_iter().flat_map(u32::to_le_bytes).collect::<Vec<u8>>();
-        let data: Vec<u8> = (0..400_u32).map(|at| (at * 37 % 251) as u8).collect();
-        for (depth, compression, between) in [
+        let data: Vec<u8> = (0..400_u32).map(|index| (index * 37 % 251) as u8).collect();
+        for (depth, compression, after_header) in [
             (1, RGB, palette()[..8].to_vec()),
             (4, RGB, palette()[..64].to_vec()),
             (8, RGB, palette()),
@@ -240,7 +245,7 @@ mod tests {
             (32, BIT_FIELDS, masks([0xff, 0xff00, 0x00ff_0000])),
         ] {
             for size in [[5, 3], [8, 2], [1, 1], [3, -4]] {
-                let (ours, theirs) = both(&file(size, depth, compression, &between, &data));
+                let (ours, theirs) = our_and_their_pixels(&file(size, depth, compression, &after_header, &data));
                 let is_close = ours.iter().zip(&theirs).all(|(a, b)| a.abs_diff(*b) <= 1);
                 assert!(is_close && ours.len() == theirs.len(), "{depth} bits, {compression}, {size:?}");
             }
@@ -249,7 +254,8 @@ mod tests {
             (8, RLE8, &[3, 7, 0, 0, 0, 3, 1, 2, 3, 0, 0, 2, 1, 1, 2, 9, 0, 1][..]),
             (4, RLE4, &[5, 0x12, 0, 0, 0, 5, 0x12, 0x34, 0x50, 0, 0, 1]),
         ] {
-            let (ours, theirs) = both(&file([5, 4], depth, compression, &palette()[..4 << depth], runs));
+            let (ours, theirs) =
+                our_and_their_pixels(&file([5, 4], depth, compression, &palette()[..4 << depth], runs));
             // Pixels that no run covers are black in `theirs` and have the palette's first colour in `ours`; here that
             // colour is black.
             assert_eq!(ours, theirs, "{compression}");
@@ -258,7 +264,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_bytes_panic(
+        fn arbitrary_bytes_do_not_panic(
             width in -3..9_i32, height in -3..9_i32, depth in 0..40_u16, compression in 0..8_u32,
             rest in prop::collection::vec(any::<u8>(), 0..200), cut in 0..300_usize,
         ) {

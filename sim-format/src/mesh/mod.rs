@@ -1,8 +1,8 @@
 //! Appearance of bodies: meshes with their materials and images.
 //!
-//! Mistakes found here never stop a scene: missing or broken files cause a warning, and the body is shown in its own
-//! shape. `check`, pictures and cameras read meshes through [`MeshReader`]. A run without a camera reads only the
-//! meshes that range sensors see; without these the scene cannot be run ([`super::load`]).
+//! Mistakes in these files never prevent a run: missing or broken files cause a warning, and the body is shown in its
+//! own shape. `check`, pictures and cameras read meshes through [`MeshReader`]. A run without a camera reads only the
+//! meshes that range sensors detect; without these the scene cannot be run ([`super::load`]).
 //!
 //! # Frames
 //! Coordinates in an OBJ file are right-handed: x left, y up, z forward. EyeSim VR inverts x on reading, which gives
@@ -12,7 +12,7 @@
 //! therefore at (z, x, y) in the body frame.
 
 mod bmp;
-mod faults;
+mod mistakes;
 mod mtl;
 mod obj;
 mod terrain;
@@ -32,27 +32,37 @@ use super::{Code, Files, InputFile, Span, path};
 use sim_core::build::MeshSource;
 use sim_core::scene::{Material, Mesh, Texture};
 
-/// Fallback for a missing mesh, for messages.
-const SHAPE: &str = "the body's own shape is shown instead";
+/// Text of messages: the fallback for a missing mesh.
+const FALLBACK: &str = "the body's own shape is shown instead";
 
-/// Consequence if range sensors need the mesh, for messages.
-const SEEN: &str = "range sensors cannot do without it";
+/// Text of messages: the consequence of a missing mesh that range sensors need.
+const NEEDED_BY_SENSORS: &str = "range sensors cannot do without it";
 
-/// Metres per unit of a robot's mesh, which has no scale of its own.
+/// Metres per unit of a robot's mesh, for which robis state no scale.
 const ROBOT_SCALE: f64 = 1.0;
 
-/// A grey image: columns and rows; brightness of each pixel, rows from the top; brightness of white; value of white in one channel; which
-/// pixels are not opaque, empty if all are opaque.
-pub(crate) type Grey = ([usize; 2], Vec<u32>, u32, u32, Vec<bool>);
+/// A grey image, decoded from a png, jpg or bmp image.
+pub(crate) struct GreyImage {
+    /// Columns and rows.
+    pub(crate) size: [usize; 2],
+    /// Brightness of each pixel, row by row from the top.
+    pub(crate) levels: Vec<u32>,
+    /// Brightness of white pixels.
+    pub(crate) white: u32,
+    /// Value of white in one channel.
+    pub(crate) max_grey: u32,
+    /// For each pixel, true if it is not opaque; empty if all are opaque.
+    pub(crate) is_transparent: Vec<bool>,
+}
 
 /// Decodes a png, jpg or bmp image as a grey image: the mean of its channels, including opacity if `with_opacity`.
 ///
 /// # Errors
 /// The reason, worded for the user.
-pub(crate) fn read_grey(bytes: &[u8], with_opacity: bool) -> Result<Grey, String> {
+pub(crate) fn read_grey(bytes: &[u8], with_opacity: bool) -> Result<GreyImage, String> {
     let pixels = texture::decode(bytes).map_err(|error| format!("the image cannot be read: {error}"))?;
-    let (levels, white, max, is_clear) = pixels.sums(with_opacity);
-    Ok((pixels.size.map(|side| side as usize), levels, white, max, is_clear))
+    let (levels, white, max_grey, is_transparent) = pixels.sums(with_opacity);
+    Ok(GreyImage { size: pixels.size.map(|side| side as usize), levels, white, max_grey, is_transparent })
 }
 
 /// Reads meshes and images, each file once for all bodies that use it.
@@ -75,18 +85,18 @@ impl<'a> MeshReader<'a> {
         (self.loader.diagnostics, self.loader.inputs)
     }
 
-    /// Reads a mesh; `without` is the consequence of a missing one, for messages.
-    fn mesh(&mut self, file: &str, model: &ModelSpec, scale: f64, without: &str) -> Option<Arc<Mesh>> {
+    /// Reads a mesh; `consequence` is the text of messages about a missing one.
+    fn mesh(&mut self, file: &str, model: &ModelSpec, scale: f64, consequence: &str) -> Option<Arc<Mesh>> {
         let key = (file.to_owned(), model.path.text.clone());
-        if let Some(known) = self.meshes.get(&key) {
-            return known.clone();
+        if let Some(cached) = self.meshes.get(&key) {
+            return cached.clone();
         }
-        let mesh = self.mesh_anew(file, model, scale, without).map(Arc::new);
+        let mesh = self.read_mesh(file, model, scale, consequence).map(Arc::new);
         self.meshes.insert(key, mesh.clone());
         mesh
     }
 
-    fn mesh_anew(&mut self, file: &str, model: &ModelSpec, scale: f64, without: &str) -> Option<Mesh> {
+    fn read_mesh(&mut self, file: &str, model: &ModelSpec, scale: f64, consequence: &str) -> Option<Mesh> {
         let extension = path::extension(&model.path.text);
         if extension != "obj" {
             let kind = match extension.as_str() {
@@ -94,47 +104,47 @@ impl<'a> MeshReader<'a> {
                 "iv" => "Open Inventor meshes are",
                 _ => "meshes of this kind are",
             };
-            let message = format!("`{}`: {kind} not read; {without}", model.path.text);
+            let message = format!("`{}`: {kind} not read; {consequence}", model.path.text);
             self.warn(file, Code::MeshFormat, model.path.span, message, "an .obj file");
             return None;
         }
-        let (path, bytes) = self.find(file, &model.path, without)?;
-        let text = self.loader.take(&path, bytes);
+        let (path, bytes) = self.find(file, &model.path, consequence)?;
+        let text = self.loader.decode_input(&path, bytes);
         let placement = Placement::new(model, scale);
-        let (obj, faults) =
+        let (obj, mistakes) =
             obj::read_obj(&path, &text, |point| placement.point(point), |direction| placement.rotation * direction);
-        self.loader.diagnostics.extend(faults);
-        let whole = Span::default();
+        self.loader.diagnostics.extend(mistakes);
+        let whole_file = Span::default();
         if obj.is_too_large {
-            let message = format!("the mesh has more than two million corners or triangles; {without}");
-            self.warn(&path, Code::MeshSize, whole, message, "a mesh of fewer triangles");
+            let message = format!("the mesh has more than two million corners or triangles; {consequence}");
+            self.warn(&path, Code::MeshSize, whole_file, message, "a mesh of fewer triangles");
             return None;
         }
         if obj.triangles.is_empty() {
-            let message = format!("the mesh has no triangle; {without}");
-            self.warn(&path, Code::MeshEmpty, whole, message, "lines `v X Y Z` and `f A B C`");
+            let message = format!("the mesh has no triangle; {consequence}");
+            self.warn(&path, Code::MeshEmpty, whole_file, message, "lines `v X Y Z` and `f A B C`");
             return None;
         }
-        let materials = self.materials(&path, &obj);
+        let materials = self.read_materials(&path, &obj);
         Some(Mesh { positions: obj.positions, triangles: obj.triangles, materials })
     }
 
     /// Materials of the faces, in the order of their numbers.
-    fn materials(&mut self, file: &str, obj: &Obj) -> Vec<Material> {
+    fn read_materials(&mut self, file: &str, obj: &Obj) -> Vec<Material> {
         let mut entries: BTreeMap<String, Entry> = BTreeMap::new();
-        // Material file of each entry, to which the reference to the entry's image is relative.
-        let mut homes: BTreeMap<String, String> = BTreeMap::new();
+        // Material file of each entry. The reference to the entry's image is relative to this file.
+        let mut material_files: BTreeMap<String, String> = BTreeMap::new();
         let mut is_complete = true;
         for library in &obj.libraries {
             let Some((path, bytes)) = self.find(file, library, "grey is shown instead of its materials") else {
                 is_complete = false;
                 continue;
             };
-            let text = self.loader.take(&path, bytes);
-            let (new, faults) = mtl::read_mtl(&path, &text);
-            self.loader.diagnostics.extend(faults);
-            for (name, entry) in new {
-                homes.entry(name.clone()).or_insert_with(|| path.clone());
+            let text = self.loader.decode_input(&path, bytes);
+            let (new_entries, mistakes) = mtl::read_mtl(&path, &text);
+            self.loader.diagnostics.extend(mistakes);
+            for (name, entry) in new_entries {
+                material_files.entry(name.clone()).or_insert_with(|| path.clone());
                 entries.entry(name).or_insert(entry);
             }
         }
@@ -150,18 +160,18 @@ impl<'a> MeshReader<'a> {
                 continue;
             };
             let texture = entry.image.as_ref().and_then(|image| {
-                let file = homes.get(name)?.clone();
-                self.texture(&file, image, "the material's colour is shown instead")
+                let file = material_files.get(name)?.clone();
+                self.find_texture(&file, image, "the material's colour is shown instead")
             });
             materials.push(Material { texture, ..entry.material.clone() });
         }
         materials
     }
 
-    fn texture(&mut self, file: &str, reference: &SpannedText, instead: &str) -> Option<Arc<Texture>> {
+    fn find_texture(&mut self, file: &str, reference: &SpannedText, instead: &str) -> Option<Arc<Texture>> {
         let (path, bytes) = self.find(file, reference, instead)?;
-        if let Some(known) = self.textures.get(&path) {
-            return known.clone();
+        if let Some(cached) = self.textures.get(&path) {
+            return cached.clone();
         }
         let texture = match texture::read_texture(&bytes) {
             Ok(texture) => Some(Arc::new(texture)),
@@ -202,16 +212,16 @@ impl<'a> MeshReader<'a> {
 
 impl MeshSource for MeshReader<'_> {
     fn robot(&mut self, robi: &RobiSpec) -> Option<Arc<Mesh>> {
-        self.mesh(&robi.file, robi.model.as_ref()?, ROBOT_SCALE, SHAPE)
+        self.mesh(&robi.file, robi.model.as_ref()?, ROBOT_SCALE, FALLBACK)
     }
 
     fn object(&mut self, kind: &ObjectType) -> Option<Arc<Mesh>> {
-        let without = if kind.sensor_shape == SensorShape::Colliders { SHAPE } else { SEEN };
-        self.mesh(&kind.file, kind.model.as_ref()?, kind.scale, without)
+        let consequence = if kind.sensor_shape == SensorShape::Colliders { FALLBACK } else { NEEDED_BY_SENSORS };
+        self.mesh(&kind.file, kind.model.as_ref()?, kind.scale, consequence)
     }
 
     fn floor(&mut self, world: &WorldSpec) -> Option<Arc<Texture>> {
-        let texture = self.texture(&world.file, world.texture.as_ref()?, "the floor is shown without an image")?;
+        let texture = self.find_texture(&world.file, world.texture.as_ref()?, "the floor is shown without an image")?;
         Some(if world.texture_is_turned { Arc::new(texture.turned()) } else { texture })
     }
 }
@@ -225,13 +235,13 @@ struct Placement {
 
 impl Placement {
     fn new(model: &ModelSpec, scale: f64) -> Self {
-        let turns = DMat3::from_rotation_y(model.rotations.y)
+        let rotation = DMat3::from_rotation_y(model.rotations.y)
             * DMat3::from_rotation_x(model.rotations.x)
             * DMat3::from_rotation_z(model.rotations.z);
-        // Columns are axes: X right, Y up, Z forward in the body frame; then the axes of the file in the graphics frame.
+        // Columns: the graphics axes X (right), Y (up), Z (forward) in the body frame; then the file's axes in the graphics frame.
         let body_from_graphics = DMat3::from_cols(DVec3::NEG_Y, DVec3::Z, DVec3::X);
         let graphics_from_file = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));
-        Self { rotation: body_from_graphics * turns * graphics_from_file, scale, offset: model.offset }
+        Self { rotation: body_from_graphics * rotation * graphics_from_file, scale, offset: model.offset }
     }
 
     fn point(&self, point: DVec3) -> DVec3 {

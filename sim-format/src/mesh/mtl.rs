@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::faults::Faults;
+use super::mistakes::Mistakes;
 use super::obj::{shortened, split_word};
 use crate::line::{Line, lines};
 use crate::spec::SpannedText;
@@ -36,33 +36,33 @@ pub(super) struct Entry {
 /// Reads all materials of a file, by name; of materials with the same name, the first is used.
 pub(super) fn read_mtl(file: &str, text: &str) -> (BTreeMap<String, Entry>, Vec<Diagnostic>) {
     let mut entries = BTreeMap::new();
-    let mut faults = Faults::new(file);
-    let mut open: Option<Entry> = None;
+    let mut mistakes = Mistakes::new(file);
+    let mut current: Option<Entry> = None;
     for line in lines(text) {
         let (keyword, rest) = split_word(line.text.trim());
         if keyword == "newmtl" {
-            close(&mut entries, open.take());
+            add_entry(&mut entries, current.take());
             if entries.len() >= MAX_MATERIALS {
                 let message = || format!("more than {MAX_MATERIALS} materials; the rest is left out");
-                faults.warn(Code::MeshSize, &line, "a smaller file", message);
+                mistakes.warn(Code::MeshSize, &line, "a smaller file", message);
                 break;
             }
-            open = Some(Entry { material: Material { name: rest.to_owned(), ..Material::default() }, image: None });
-        } else if let Some(entry) = &mut open {
-            read_line(entry, &line, keyword, rest, &mut faults);
+            current = Some(Entry { material: Material { name: rest.to_owned(), ..Material::default() }, image: None });
+        } else if let Some(entry) = &mut current {
+            read_line(entry, &line, keyword, rest, &mut mistakes);
         }
     }
-    close(&mut entries, open);
-    (entries, faults.finish())
+    add_entry(&mut entries, current);
+    (entries, mistakes.finish())
 }
 
-fn close(entries: &mut BTreeMap<String, Entry>, entry: Option<Entry>) {
+fn add_entry(entries: &mut BTreeMap<String, Entry>, entry: Option<Entry>) {
     if let Some(entry) = entry {
         entries.entry(entry.material.name.clone()).or_insert(entry);
     }
 }
 
-fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faults: &mut Faults) {
+fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, mistakes: &mut Mistakes) {
     let fraction = |word: &str| word.parse::<f32>().ok().filter(|x| x.is_finite()).map(|x| x.clamp(0.0, 1.0));
     let opacity = match keyword {
         "Kd" => {
@@ -71,7 +71,7 @@ fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faul
             match channels[..] {
                 [Some(grey)] => entry.material.colour = [grey; 3],
                 [Some(red), Some(green), Some(blue), ..] => entry.material.colour = [red, green, blue],
-                _ => return complain(faults, line),
+                _ => return warn_of_line(mistakes, line),
             }
             return;
         }
@@ -81,7 +81,7 @@ fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faul
             let name = without_options(rest);
             entry.image = (!name.is_empty()).then(|| SpannedText { text: name.to_owned(), span: line.span() });
             if name.is_empty() {
-                complain(faults, line);
+                warn_of_line(mistakes, line);
             }
             return;
         }
@@ -91,29 +91,29 @@ fn read_line(entry: &mut Entry, line: &Line<'_>, keyword: &str, rest: &str, faul
         // Exporters of robot models write 0 for opaque materials.
         Some(0.0) => entry.material.opacity = 1.0,
         Some(opacity) => entry.material.opacity = opacity,
-        None => complain(faults, line),
+        None => warn_of_line(mistakes, line),
     }
 }
 
-fn complain(faults: &mut Faults, line: &Line<'_>) {
+fn warn_of_line(mistakes: &mut Mistakes, line: &Line<'_>) {
     let expected = "`Kd RED GREEN BLUE`, `d OPACITY` or `Tr TRANSPARENCY` with numbers from 0 to 1, `map_Kd IMAGE`";
-    faults.warn(Code::MtlLine, line, expected, || format!("`{}` is left out", shortened(line.text)));
+    mistakes.warn(Code::MtlLine, line, expected, || format!("`{}` is left out", shortened(line.text)));
 }
 
-/// Name of an image, possibly with blanks, after the options.
+/// The name of an image, which follows the options and may contain blanks.
 fn without_options(mut rest: &str) -> &str {
     loop {
-        let (word, after) = split_word(rest);
+        let (word, remainder) = split_word(rest);
         let Some((_, max_values)) = OPTIONS.iter().find(|(option, _)| *option == word) else { return rest };
-        rest = after;
+        rest = remainder;
         for index in 0..*max_values {
-            let (word, after) = split_word(rest);
+            let (word, remainder) = split_word(rest);
             // The value of an option with one value may be any word; several values are numbers.
             let is_value = index == 0 && *max_values == 1 || word.parse::<f32>().is_ok();
-            if !is_value || after.is_empty() {
+            if !is_value || remainder.is_empty() {
                 break;
             }
-            rest = after;
+            rest = remainder;
         }
     }
 }
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_leaves_the_default() {
+    fn unreadable_lines_keep_the_default() {
         for line in ["Kd", "Kd 1 2", "Kd a b c", "Kd NaN 0 0", "d", "d x", "Tr inf", "map_Kd", "map_Kd -s 1"] {
             let (entries, diagnostics) = read_mtl("a.mtl", &format!("newmtl a\n{line}\n"));
             let codes: Vec<_> = diagnostics.iter().map(|d| (d.code.name(), d.span.line)).collect();

@@ -1,6 +1,6 @@
-//! Wavefront OBJ: lines `v`, `vt`, `vn`, `f`, `usemtl`, `mtllib`. Lines of other kinds do not concern triangles.
+//! Wavefront OBJ: lines `v`, `vt`, `vn`, `f`, `usemtl`, `mtllib`. Other lines do not describe triangles and are ignored.
 //!
-//! This is our own reader; the tests compare it with `tobj` 4 on valid files. `tobj` is not used for real files: `Kd` with one number makes
+//! The tests compare this reader with the crate `tobj` 4 on valid files. `tobj` is not used itself: `Kd` with one number makes
 //! it panic, out-of-range indices of `vt` overflow, mixing corners with and without `vt` in one object shifts the texture coordinates of
 //! all later corners, reading stops at the first mistake, and errors carry no line number.
 
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::faults::Faults;
+use super::mistakes::Mistakes;
 use crate::line::{Line, lines};
 use crate::spec::{MAX_LENGTH, SpannedText};
 use crate::{Code, Diagnostic, Span};
@@ -17,14 +17,14 @@ use sim_core::scene::Triangle;
 /// Maximum number of triangles, and of entries in each list: a hundred times the number in typical robot models.
 const MAX_COUNT: usize = 2_000_000;
 
-const FACE: &str = "`f` and three or more corners of the form V, V/T, V//N or V/T/N";
+const FACE_FORM: &str = "`f` and three or more corners of the form V, V/T, V//N or V/T/N";
 
 /// Content of a file, with its corners transformed into the body frame.
 #[derive(Default)]
 pub(super) struct Obj {
     pub(super) positions: Vec<DVec3>,
     pub(super) triangles: Vec<Triangle>,
-    /// Names of the materials in the order of the triangles' numbers, with the span of the first use.
+    /// Names of the materials, to whose indices the triangles refer, with the span of the first use.
     pub(super) materials: Vec<(String, Span)>,
     /// The material files.
     pub(super) libraries: Vec<SpannedText>,
@@ -32,37 +32,38 @@ pub(super) struct Obj {
     pub(super) is_too_large: bool,
 }
 
-/// Reads the text of the file called `file`. `place` transforms a point of the file into the body frame, `turn` a direction.
+/// Reads the text of the file called `file`. `transform_point` transforms a point of the file into the body frame, `rotate` a direction.
 pub(super) fn read_obj(
     file: &str,
     text: &str,
-    place: impl Fn(DVec3) -> DVec3,
-    turn: impl Fn(DVec3) -> DVec3,
+    transform_point: impl Fn(DVec3) -> DVec3,
+    rotate: impl Fn(DVec3) -> DVec3,
 ) -> (Obj, Vec<Diagnostic>) {
     let mut reader = Reader::new(file);
     for line in lines(text) {
         let (keyword, rest) = split_word(line.text.trim());
         match keyword {
             "v" => {
-                let point = reader.numbers::<3>(&line, rest).map(|point| place(DVec3::from(point)));
+                let point = reader.read_numbers::<3>(&line, rest).map(|point| transform_point(DVec3::from(point)));
                 let valid = point.filter(|point| point.abs().max_element() <= MAX_LENGTH);
                 if point.is_some() && valid.is_none() {
                     let expected = "coordinates within 1000 km after `scale`";
-                    reader.faults.warn(Code::MeshLine, &line, expected, || "a corner lies too far away".to_owned());
+                    reader.mistakes.warn(Code::MeshLine, &line, expected, || "a corner lies too far away".to_owned());
                 }
                 reader.positions.push(valid);
             }
             "vt" => {
-                let point = reader.numbers::<2>(&line, rest);
+                let point = reader.read_numbers::<2>(&line, rest);
                 reader.uvs.push(point.map(|[u, v]| Vec2::new(u as f32, v as f32)).filter(|uv| uv.is_finite()));
             }
             "vn" => {
-                let direction = reader.numbers::<3>(&line, rest).and_then(|d| turn(DVec3::from(d)).try_normalize());
+                let direction =
+                    reader.read_numbers::<3>(&line, rest).and_then(|d| rotate(DVec3::from(d)).try_normalize());
                 reader.normals.push(direction.map(|direction| direction.as_vec3()));
             }
-            "f" => reader.face(&line, rest),
+            "f" => reader.add_face(&line, rest),
             "usemtl" => reader.material = Some(reader.material_number(rest, &line)),
-            "mtllib" => reader.libraries(&line, rest),
+            "mtllib" => reader.read_libraries(&line, rest),
             _ => {}
         }
         if reader.is_too_large() {
@@ -74,14 +75,14 @@ pub(super) fn read_obj(
 }
 
 struct Reader {
-    faults: Faults,
+    mistakes: Mistakes,
     /// Positions; `None` for lines that could not be read, so that later positions keep their numbers.
     positions: Vec<Option<DVec3>>,
     uvs: Vec<Option<Vec2>>,
     normals: Vec<Option<Vec3>>,
     /// Number of the current material.
     material: Option<u32>,
-    numbers_of_materials: BTreeMap<String, u32>,
+    material_numbers: BTreeMap<String, u32>,
     obj: Obj,
 }
 
@@ -96,12 +97,12 @@ struct Corner {
 impl Reader {
     fn new(file: &str) -> Self {
         Self {
-            faults: Faults::new(file),
+            mistakes: Mistakes::new(file),
             positions: Vec::new(),
             uvs: Vec::new(),
             normals: Vec::new(),
             material: None,
-            numbers_of_materials: BTreeMap::new(),
+            material_numbers: BTreeMap::new(),
             obj: Obj::default(),
         }
     }
@@ -112,14 +113,14 @@ impl Reader {
     }
 
     /// The first `N` numbers of a line; reports missing and non-finite numbers.
-    fn numbers<const N: usize>(&mut self, line: &Line<'_>, rest: &str) -> Option<[f64; N]> {
+    fn read_numbers<const N: usize>(&mut self, line: &Line<'_>, rest: &str) -> Option<[f64; N]> {
         let mut numbers = [0.0; N];
         let mut words = rest.split_whitespace();
         for number in &mut numbers {
             let word = words.next().and_then(|word| word.parse::<f64>().ok()).filter(|number| number.is_finite());
             let Some(value) = word else {
                 let message = || format!("`{}` has not {N} numbers", shortened(line.text));
-                self.faults.warn(Code::MeshLine, line, "three numbers after `v` and `vn`, two after `vt`", message);
+                self.mistakes.warn(Code::MeshLine, line, "three numbers after `v` and `vn`, two after `vt`", message);
                 return None;
             };
             *number = value;
@@ -128,17 +129,17 @@ impl Reader {
     }
 
     /// Splits a face into triangles: a fan about its first corner.
-    fn face(&mut self, line: &Line<'_>, rest: &str) {
+    fn add_face(&mut self, line: &Line<'_>, rest: &str) {
         let (mut first, mut last, mut count) = (None, None, 0);
         let start = self.obj.triangles.len();
         for word in rest.split_whitespace() {
-            let Some(corner) = self.corner(line, word) else {
+            let Some(corner) = self.read_corner(line, word) else {
                 self.obj.triangles.truncate(start);
                 return;
             };
             count += 1;
             if let (Some(first), Some(last)) = (first, last) {
-                self.triangle(line, [first, last, corner]);
+                self.add_triangle(line, [first, last, corner]);
             }
             first = first.or(Some(corner));
             last = (count > 1).then_some(corner);
@@ -148,41 +149,41 @@ impl Reader {
         }
         if count < 3 {
             let message = || format!("`{}` has fewer than three corners", shortened(line.text));
-            self.faults.warn(Code::MeshLine, line, FACE, message);
+            self.mistakes.warn(Code::MeshLine, line, FACE_FORM, message);
         }
     }
 
-    /// Corner of a face; `None`, with a fault, if it is invalid.
-    fn corner(&mut self, line: &Line<'_>, word: &str) -> Option<Corner> {
+    /// Corner of a face; `None`, with a warning, if it is invalid.
+    fn read_corner(&mut self, line: &Line<'_>, word: &str) -> Option<Corner> {
         let Some([Some(position), uv, normal]) = corner_numbers(word) else {
             let message = || format!("`{}` is no corner of a face", shortened(word));
-            self.faults.warn(Code::MeshLine, line, FACE, message);
+            self.mistakes.warn(Code::MeshLine, line, FACE_FORM, message);
             return None;
         };
-        let Some(index) = place_in_list(position, self.positions.len()) else {
-            return self.not_there(line, word, "v", self.positions.len());
+        let Some(index) = index_in_list(position, self.positions.len()) else {
+            return self.report_missing(line, word, "v", self.positions.len());
         };
         // Faces with a corner whose `v` could not be read are dropped.
         self.positions[index]?;
-        let uv = uv.and_then(|number| match place_in_list(number, self.uvs.len()) {
+        let uv = uv.and_then(|number| match index_in_list(number, self.uvs.len()) {
             Some(index) => self.uvs[index],
-            None => self.not_there(line, word, "vt", self.uvs.len()),
+            None => self.report_missing(line, word, "vt", self.uvs.len()),
         });
-        let normal = normal.and_then(|number| match place_in_list(number, self.normals.len()) {
+        let normal = normal.and_then(|number| match index_in_list(number, self.normals.len()) {
             Some(index) => self.normals[index],
-            None => self.not_there(line, word, "vn", self.normals.len()),
+            None => self.report_missing(line, word, "vn", self.normals.len()),
         });
         Some(Corner { position: index as u32, uv, normal })
     }
 
     /// Records a reference to a missing entry and returns `None`.
-    fn not_there<T>(&mut self, line: &Line<'_>, word: &str, keyword: &str, count: usize) -> Option<T> {
+    fn report_missing<T>(&mut self, line: &Line<'_>, word: &str, keyword: &str, count: usize) -> Option<T> {
         let message = || format!("corner `{}` names none of the {count} `{keyword}` before it", shortened(word));
-        self.faults.warn(Code::MeshIndex, line, "numbers from 1 on, or from -1 backwards", message);
+        self.mistakes.warn(Code::MeshIndex, line, "numbers from 1 on, or from -1 backwards", message);
         None
     }
 
-    fn triangle(&mut self, line: &Line<'_>, corners: [Corner; 3]) {
+    fn add_triangle(&mut self, line: &Line<'_>, corners: [Corner; 3]) {
         let [a, b, c] = corners.map(|corner| self.positions[corner.position as usize].unwrap_or_default());
         // Exporters leave behind invisible triangles of zero area.
         if (b - a).cross(c - a).try_normalize().is_none() {
@@ -192,28 +193,29 @@ impl Reader {
             Some(material) => material,
             None => self.material_number("", line),
         };
-        let all = |uv: [Option<Vec2>; 3]| Some([uv[0]?, uv[1]?, uv[2]?]);
-        let all_of = |normals: [Option<Vec3>; 3]| Some([normals[0]?, normals[1]?, normals[2]?]);
+        let all_uvs = |uv: [Option<Vec2>; 3]| Some([uv[0]?, uv[1]?, uv[2]?]);
+        let all_normals = |normals: [Option<Vec3>; 3]| Some([normals[0]?, normals[1]?, normals[2]?]);
         self.obj.triangles.push(Triangle {
             corners: corners.map(|corner| corner.position),
-            normals: all_of(corners.map(|corner| corner.normal)),
-            uv: all(corners.map(|corner| corner.uv)),
+            normals: all_normals(corners.map(|corner| corner.normal)),
+            uv: all_uvs(corners.map(|corner| corner.uv)),
             material,
         });
     }
 
+    /// Number of a material; adds it at its first use.
     fn material_number(&mut self, name: &str, line: &Line<'_>) -> u32 {
-        if let Some(number) = self.numbers_of_materials.get(name) {
+        if let Some(number) = self.material_numbers.get(name) {
             return *number;
         }
         let number = self.obj.materials.len() as u32;
         self.obj.materials.push((name.to_owned(), line.span()));
-        self.numbers_of_materials.insert(name.to_owned(), number);
+        self.material_numbers.insert(name.to_owned(), number);
         number
     }
 
     /// Reads the file names of a line; there may be several, and a name may contain blanks.
-    fn libraries(&mut self, line: &Line<'_>, rest: &str) {
+    fn read_libraries(&mut self, line: &Line<'_>, rest: &str) {
         let mut name = String::new();
         for word in rest.split(' ') {
             name = if name.is_empty() { word.to_owned() } else { format!("{name} {word}") };
@@ -229,7 +231,7 @@ impl Reader {
 
     fn finish(mut self) -> (Obj, Vec<Diagnostic>) {
         self.obj.positions = self.positions.into_iter().map(Option::unwrap_or_default).collect();
-        (self.obj, self.faults.finish())
+        (self.obj, self.mistakes.finish())
     }
 }
 
@@ -247,7 +249,7 @@ fn corner_numbers(word: &str) -> Option<[Option<i64>; 3]> {
 
 /// Converts a corner's number to an index in a list of `count` entries: 1 is the first, -1 the last. `None` if it is out of
 /// range.
-fn place_in_list(number: i64, count: usize) -> Option<usize> {
+fn index_in_list(number: i64, count: usize) -> Option<usize> {
     let index = match number {
         1.. => usize::try_from(number - 1).ok(),
         0 => None,
@@ -261,7 +263,7 @@ pub(super) fn split_word(text: &str) -> (&str, &str) {
     text.split_once(char::is_whitespace).map_or((text, ""), |(word, rest)| (word, rest.trim()))
 }
 
-/// Quotation of the user's text, shortened.
+/// The user's text, shortened for a quotation.
 pub(super) fn shortened(text: &str) -> String {
     const LENGTH: usize = 60;
     if text.chars().count() <= LENGTH {

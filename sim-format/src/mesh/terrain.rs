@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use super::texture::{self, TextureError};
-use super::{MeshReader, SEEN};
+use super::{MeshReader, NEEDED_BY_SENSORS};
 use crate::code::Code;
 use crate::diagnostic::Sink;
 use crate::spec::{TerrainImage, TerrainShape, TerrainSpec, WorldSpec};
 use crate::{InputFile, path};
 use sim_core::scene::{FieldError, HeightField, MAX_CELLS};
 
-/// Greyscale picture, 0 to 65535.
-struct Grey {
+/// A grey image whose shades, 0 to 65535, are heights.
+struct HeightImage {
     size: [usize; 2],
     /// Shades row by row from the top.
     shades: Vec<u16>,
@@ -20,28 +20,28 @@ struct Grey {
 }
 
 impl MeshReader<'_> {
-    /// Builds the surface of a world's terrain. A mistake is reported and leaves the terrain without a surface.
+    /// Builds the surface of a world's terrain. After a mistake, which is reported, the terrain has no surface.
     pub fn terrain(&mut self, world: &mut WorldSpec) {
         let Some(mut terrain) = world.terrain.take() else { return };
         if let TerrainShape::Mesh { model, scale } = &terrain.shape {
-            terrain.mesh = self.mesh(&world.file, model, *scale, SEEN);
+            terrain.mesh = self.mesh(&world.file, model, *scale, NEEDED_BY_SENSORS);
             if terrain.mesh.is_none() {
                 let message = format!("range sensors are to see the mesh `{}`, which cannot be read", model.path.text);
                 let mut sink = Sink::new(&world.file);
                 sink.error(Code::MeshSolid, model.path.span, message, "an .obj file with triangles");
                 self.loader.diagnostics.extend(sink.finish());
             }
-        } else if let Some(field) = self.field(world, &terrain) {
+        } else if let Some(field) = self.height_field(world, &terrain) {
             terrain.mesh = Some(Arc::new(field.mesh(world.looks.colour)));
             terrain.field = Some(Arc::new(field));
         }
         world.terrain = Some(terrain);
     }
 
-    fn field(&mut self, world: &WorldSpec, terrain: &TerrainSpec) -> Option<HeightField> {
+    fn height_field(&mut self, world: &WorldSpec, terrain: &TerrainSpec) -> Option<HeightField> {
         let field = match &terrain.shape {
             TerrainShape::Mesh { .. } => return None,
-            TerrainShape::Image(image) => self.image(&world.file, image)?.field(image),
+            TerrainShape::Image(image) => self.read_image(&world.file, image)?.height_field(image),
             TerrainShape::Random(random) => random.field().map(|(field, left_out)| {
                 if left_out > 0 {
                     let message = format!("{left_out} boulders find no place apart from the clear discs");
@@ -53,10 +53,10 @@ impl MeshReader<'_> {
             }),
             TerrainShape::Steps(steps) => steps.field(),
         };
-        field.map_err(|error| self.too_large(&world.file, terrain, &error)).ok()
+        field.map_err(|error| self.report_size(&world.file, terrain, &error)).ok()
     }
 
-    fn too_large(&mut self, file: &str, terrain: &TerrainSpec, error: &FieldError) {
+    fn report_size(&mut self, file: &str, terrain: &TerrainSpec, error: &FieldError) {
         let expected = match (&terrain.shape, error) {
             (TerrainShape::Random(_), FieldError::Large(_)) => {
                 format!("a larger `cell_mm`, so that there are at most {MAX_CELLS} cells")
@@ -71,9 +71,9 @@ impl MeshReader<'_> {
         self.loader.diagnostics.extend(sink.finish());
     }
 
-    fn image(&mut self, file: &str, image: &TerrainImage) -> Option<Grey> {
+    fn read_image(&mut self, file: &str, image: &TerrainImage) -> Option<HeightImage> {
         let (path, bytes) = self.loader.find(file, path::folder_of(file), &image.path)?;
-        let grey = Grey::read(&bytes);
+        let grey = HeightImage::read(&bytes);
         self.loader.inputs.push(InputFile { path: path.clone(), bytes });
         let mut sink = Sink::new(file);
         match &grey {
@@ -92,7 +92,7 @@ impl MeshReader<'_> {
     }
 }
 
-impl Grey {
+impl HeightImage {
     /// Reads the shades of an image. Colours become their brightness, (2126 red + 7152 green + 722 blue) / 10000 of the stored
     /// values; opacity is ignored.
     ///
@@ -109,7 +109,7 @@ impl Grey {
         Ok(Self { size: image.size.map(|side| side as usize), shades, has_colours })
     }
 
-    fn field(&self, image: &TerrainImage) -> Result<HeightField, FieldError> {
+    fn height_field(&self, image: &TerrainImage) -> Result<HeightField, FieldError> {
         let [columns, rows] = self.size;
         if columns < 2 || rows < 2 {
             return Err(FieldError::Small);
@@ -119,7 +119,7 @@ impl Grey {
             return Err(FieldError::Large(cells));
         }
         let axis = |low: f64, size: f64, count: usize| -> Vec<f64> {
-            (0..count).map(|at| low + size * (at as f64 / (count - 1) as f64)).collect()
+            (0..count).map(|index| low + size * (index as f64 / (count - 1) as f64)).collect()
         };
         let xs = axis(image.origin.x, image.size.x, columns);
         let ys = axis(image.origin.y, image.size.y, rows);

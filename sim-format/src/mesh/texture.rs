@@ -31,7 +31,7 @@ pub(super) enum TextureError {
 pub(super) struct Pixels {
     /// Width and height.
     pub(super) size: [u32; 2],
-    /// Grey, grey and opacity, colours, or colours and opacity of each pixel.
+    /// Channels of each pixel: grey; grey and opacity; red, green and blue; or these and opacity.
     samples: Samples,
 }
 
@@ -70,7 +70,7 @@ fn decode_png(bytes: &[u8]) -> Result<Pixels, TextureError> {
     // Converts palettes and samples below 8 bits to 8 bits, and transparent colours to a channel of opacity.
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(unreadable)?;
-    let size = checked(reader.info().width, reader.info().height)?;
+    let size = checked_size(reader.info().width, reader.info().height)?;
     let mut samples = vec![0; reader.output_buffer_size().ok_or_else(|| unreadable("it is too large"))?];
     let frame = reader.next_frame(&mut samples).map_err(unreadable)?;
     samples.truncate(frame.buffer_size());
@@ -87,7 +87,7 @@ fn decode_jpg(bytes: &[u8]) -> Result<Pixels, TextureError> {
     let mut decoder = zune_jpeg::JpegDecoder::new(ZCursor::new(bytes));
     decoder.decode_headers().map_err(unreadable)?;
     let (width, height) = decoder.dimensions().ok_or_else(|| unreadable("it has no size"))?;
-    let size = checked(width, height)?;
+    let size = checked_size(width, height)?;
     let colour_space = match decoder.input_colorspace() {
         Some(ColorSpace::Luma) => ColorSpace::Luma,
         _ => ColorSpace::RGB,
@@ -99,16 +99,16 @@ fn decode_jpg(bytes: &[u8]) -> Result<Pixels, TextureError> {
 fn decode_bmp(bytes: &[u8]) -> Result<Pixels, TextureError> {
     let image = Bmp::open(bytes).map_err(unreadable)?;
     let [width, height] = image.size;
-    let size = checked(width, height)?;
+    let size = checked_size(width, height)?;
     Ok(Pixels { size, samples: Samples::Bits8(image.decode().map_err(unreadable)?) })
 }
 
-fn unreadable(why: impl std::fmt::Display) -> TextureError {
-    TextureError::Format(why.to_string())
+fn unreadable(reason: impl std::fmt::Display) -> TextureError {
+    TextureError::Format(reason.to_string())
 }
 
-/// The size of an image; refuses more than [`MAX_PIXELS`] before memory is allocated.
-fn checked(width: impl TryInto<u64>, height: impl TryInto<u64>) -> Result<[u32; 2], TextureError> {
+/// The size of an image; an error for more than [`MAX_PIXELS`], before memory is allocated.
+fn checked_size(width: impl TryInto<u64>, height: impl TryInto<u64>) -> Result<[u32; 2], TextureError> {
     let [width, height] = [width.try_into().unwrap_or(u64::MAX), height.try_into().unwrap_or(u64::MAX)];
     match (u32::try_from(width), u32::try_from(height)) {
         (Ok(columns), Ok(rows)) if u64::from(columns) * u64::from(rows) <= MAX_PIXELS => Ok([columns, rows]),
@@ -117,7 +117,7 @@ fn checked(width: impl TryInto<u64>, height: impl TryInto<u64>) -> Result<[u32; 
 }
 
 impl Pixels {
-    /// Channels of a pixel: 1 to 4.
+    /// Number of channels of a pixel: 1 to 4.
     fn channels<T>(&self, samples: &[T]) -> usize {
         let [width, height] = self.size.map(|side| side as usize);
         (samples.len() / (width * height).max(1)).clamp(1, 4)
@@ -132,7 +132,7 @@ impl Pixels {
         }
     }
 
-    /// Red, green and blue of each pixel, full scale 65535.
+    /// Red, green and blue of each pixel, 0 to 65535.
     pub(super) fn rgb16(&self) -> Vec<[u16; 3]> {
         let colours = |[red, green, blue, _]: [u16; 4]| [red, green, blue];
         match &self.samples {
@@ -153,11 +153,12 @@ fn sums<T: Copy + Into<u32>>(
 ) -> (Vec<u32>, u32, u32, Vec<bool>) {
     let white: u32 = opaque.into();
     let has_opacity = channels.is_multiple_of(2);
-    let summed = if has_opacity && !with_opacity { channels - 1 } else { channels };
-    let sum = |pixel: &[T]| pixel[..summed].iter().map(|level| (*level).into()).sum();
-    let is_clear = |pixel: &[T]| pixel[channels - 1].into() < white;
-    let clear = if has_opacity { samples.chunks_exact(channels).map(is_clear).collect() } else { Vec::new() };
-    (samples.chunks_exact(channels).map(sum).collect(), white * summed as u32, white, clear)
+    let summed_channels = if has_opacity && !with_opacity { channels - 1 } else { channels };
+    let sum = |pixel: &[T]| pixel[..summed_channels].iter().map(|level| (*level).into()).sum();
+    let is_transparent = |pixel: &[T]| pixel[channels - 1].into() < white;
+    let transparency =
+        if has_opacity { samples.chunks_exact(channels).map(is_transparent).collect() } else { Vec::new() };
+    (samples.chunks_exact(channels).map(sum).collect(), white * summed_channels as u32, white, transparency)
 }
 
 /// Red, green, blue and opacity of each pixel; grey pixels have equal colours, pixels without opacity are `opaque`.
@@ -177,7 +178,7 @@ mod tests {
 
     use super::*;
 
-    fn encoded(format: ImageFormat) -> Vec<u8> {
+    fn encoded_image(format: ImageFormat) -> Vec<u8> {
         let mut image = RgbaImage::from_pixel(16, 8, image::Rgba([200, 100, 50, 255]));
         for x in 0..8 {
             for y in 0..8 {
@@ -192,7 +193,7 @@ mod tests {
     #[test]
     fn three_formats_are_read() {
         for (format, tolerance) in [(ImageFormat::Png, 0), (ImageFormat::Bmp, 0), (ImageFormat::Jpeg, 8)] {
-            let texture = read_texture(&encoded(format)).expect("an image");
+            let texture = read_texture(&encoded_image(format)).expect("an image");
             assert_eq!(texture.size(), (16, 8));
             for (column, colour) in [(1, [0, 0, 255, 255]), (14, [200, 100, 50, 255u8])] {
                 let pixel = texture.pixel(column, 4);
@@ -204,13 +205,13 @@ mod tests {
 
     #[test]
     fn broken_and_oversized_images_are_errors() {
-        let png = encoded(ImageFormat::Png);
+        let png = encoded_image(ImageFormat::Png);
         for bytes in [&b""[..], b"GIF89a", &png[..png.len() / 2], &png[..20], b"BM", b"\xff\xd8\xff"] {
             assert!(matches!(read_texture(bytes), Err(TextureError::Format(_))), "{bytes:?}");
         }
         // A bmp header that claims 65535 x 65535 pixels.
-        let mut bomb = encoded(ImageFormat::Bmp);
-        bomb[18..26].copy_from_slice(&[0xff, 0xff, 0, 0, 0xff, 0xff, 0, 0]);
-        assert_eq!(read_texture(&bomb), Err(TextureError::Size(65535, 65535)));
+        let mut oversized = encoded_image(ImageFormat::Bmp);
+        oversized[18..26].copy_from_slice(&[0xff, 0xff, 0, 0, 0xff, 0xff, 0, 0]);
+        assert_eq!(read_texture(&oversized), Err(TextureError::Size(65535, 65535)));
     }
 }

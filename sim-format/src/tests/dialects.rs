@@ -36,7 +36,7 @@ fn scene(text: &str) -> SceneSpec {
 }
 
 #[test]
-fn the_dialect_of_a_line_tells_the_simulator_and_so_the_generation_of_its_programs() {
+fn dialect_of_a_line_determines_the_generation() {
     let scene = scene(
         "world w.wld\nrobi scout.robi a.c 500 500 0\nrobi scout.robi\nLabBot 1000 1000 0 b.x\nScout 2000 2000 0 c.x\n",
     );
@@ -45,7 +45,7 @@ fn the_dialect_of_a_line_tells_the_simulator_and_so_the_generation_of_its_progra
 }
 
 #[test]
-fn built_in_robots_stand_at_their_pose_or_in_a_lettered_cell() {
+fn built_in_robots_start_at_a_pose_or_at_a_letter() {
     let scene =
         scene("maze m.maz\nlabbot 500 500 180 a.x\nS4 s\nS4 S 90 prog.py\nS4 u 02-prey.py\nsettings vis Trace\n");
     let starts: Vec<Pose> = scene.robots.iter().map(|robot| robot.start).collect();
@@ -64,21 +64,21 @@ fn built_in_robots_stand_at_their_pose_or_in_a_lettered_cell() {
 }
 
 #[test]
-fn a_heading_replaces_that_of_the_letter() {
+fn stated_heading_replaces_the_heading_of_the_letter() {
     let scene = scene("maze m.maz\nS4 U 65 a.py\nS4 S 0\n");
     let headings: Vec<f64> = scene.robots.iter().map(|robot| robot.start.heading.radians()).collect();
     assert_eq!(headings, [sim_core::unit::radians_from_degrees(65.0), 0.0]);
 }
 
 #[test]
-fn classic_robots_take_the_starts_that_letters_leave() {
+fn classic_robots_take_the_remaining_starts() {
     let scene = scene("maze m.maz\nS4 U 90\nrobi scout.robi a.so\nrobi scout.robi a.so\n");
     let positions: Vec<DVec2> = scene.robots.iter().map(|robot| robot.start.position).collect();
     assert_eq!(positions, [DVec2::new(1.5, 1.5), DVec2::new(0.5, 1.5), DVec2::new(2.5, 1.5)]);
 }
 
 #[test]
-fn more_robots_than_starts_of_a_letter_stand_in_one_cell() {
+fn robots_share_a_cell_if_a_letter_has_too_few_starts() {
     let loaded = load("maze m.maz\nS4 U\nS4 U\n");
     assert_eq!(codes(&loaded.diagnostics), ["sim-start-overlap"]);
     assert_eq!(loaded.scene.robots[0].start, loaded.scene.robots[1].start);
@@ -99,7 +99,7 @@ fn loaded_types_are_placed_by_the_names_in_their_files() {
 }
 
 #[test]
-fn the_2018_words_load_types_too() {
+fn keywords_of_2018_load_types() {
     let scene = scene("world w.wld\nrobi scout.robi\nobj signs/stop.esObj\nStopSign 1000 1000 0\nScout 500 600 90\n");
     assert_eq!((scene.robots.len(), scene.objects.len()), (1, 1));
 }
@@ -116,7 +116,7 @@ fn a_type_without_a_name_is_named_by_its_file() {
 }
 
 #[test]
-fn inputs_are_the_files_and_not_the_built_in_types() {
+fn inputs_do_not_contain_built_in_types() {
     let loaded = load("world w.wld\nobject signs/stop.esObj\nobject ./signs/stop.esObj\nS4 500 500 0\n");
     let inputs: Vec<&str> = loaded.inputs.iter().map(|input| input.path.as_str()).collect();
     assert_eq!(inputs, ["sims/a.sim", "sims/w.wld", "sims/signs/stop.esObj"]);
@@ -130,13 +130,13 @@ fn a_scene_without_a_world_has_the_box_of_eyesim_vr() {
     let world = &loaded.scene.world;
     assert_eq!((world.floor, world.walls.len()), (DVec2::splat(2.0), 4));
     assert!(world.walls.iter().all(|wall| (wall.from - wall.to).length() == 2.0), "{:?}", world.walls);
-    // A world that is named but missing is an error.
+    // A reference to a missing world is an error.
     let loaded = load("world none.wld\nlabbot 1000 1000 0\n");
     assert_eq!((codes(&loaded.diagnostics), loaded.has_errors()), (vec!["file-missing"], true));
 }
 
 #[test]
-fn robots_that_are_lost_keep_their_numbers() {
+fn robots_of_unknown_types_keep_their_numbers() {
     let loaded = load("world w.wld\nLabBott 500 500 0 a.x\nCrate1 700 700 0\nS4 2000 2000 0 b.x\n");
     assert_eq!(codes(&loaded.diagnostics), ["sim-type-unknown", "sim-type-unknown"]);
     let severities: Vec<Severity> = loaded.diagnostics.iter().map(|diagnostic| diagnostic.severity).collect();
@@ -148,7 +148,7 @@ fn robots_that_are_lost_keep_their_numbers() {
 }
 
 #[test]
-fn a_thousand_lines_of_a_missing_type_are_cut_off() {
+fn diagnostics_of_many_lines_are_limited() {
     let text = format!("world w.wld\nS4 500 500 0\n{}", "Nobody 100 100 0\n".repeat(1500));
     let loaded = load(&text);
     assert_eq!(loaded.diagnostics.len(), 1001);
@@ -156,7 +156,7 @@ fn a_thousand_lines_of_a_missing_type_are_cut_off() {
 }
 
 #[test]
-fn a_mesh_alone_has_the_shape_of_the_built_in_object_of_its_name() {
+fn mesh_without_object_file_has_the_colliders_of_the_built_in_type() {
     let scene = scene("world w.wld\nrobi scout.robi a.so 500 500 0\nobject 800 800 0 0.1 %sim%/objects/can/can.ms3d\n");
     let object = &scene.objects[0];
     let can = builtin::object("can").expect("built in");
@@ -175,7 +175,7 @@ fn letters_of_a_maze_place_built_in_objects() {
 }
 
 #[test]
-fn markers_have_a_colour_or_not() {
+fn marker_colour_is_optional() {
     let scene = scene("world w.wld\nS4 500 500 0\nmarker 1000 500\nMarker 1 2 10 20 30\nmarker 3 4 1 2 3 4\n");
     let colours: Vec<[u8; 4]> = scene.markers.iter().map(|marker| marker.colour).collect();
     assert_eq!(colours, [[255, 0, 0, 255], [10, 20, 30, 255], [1, 2, 3, 4]]);
@@ -183,7 +183,7 @@ fn markers_have_a_colour_or_not() {
 }
 
 #[test]
-fn a_stop_sign_stands_on_the_floor() {
+fn stop_sign_is_converted_to_metres() {
     let (sign, diagnostics) = read_esobj("stop.esObj", SIGN);
     assert_eq!((diagnostics, sign.name.as_str(), sign.mass), (vec![], "StopSign", 2.0));
     let [Collider::Capsule { centre, radius, height, axis: Axis::Z }] = sign.colliders[..] else {
@@ -196,7 +196,7 @@ fn a_stop_sign_stands_on_the_floor() {
 }
 
 #[test]
-fn old_and_new_colliders_are_the_same_and_axes_turn() {
+fn old_and_new_collider_lines_are_equal_and_axes_are_converted() {
     let old = "scale 2\nmass 3 1 2 3\nbox 10 20 30 1 2 3\nsphere 1 2 3 4\ncapsule 0 1 0 5 40 z\ncapsule 0 0 0 5 1 x\n";
     let new = old.replace("\nbox", "\ncollider box").replace("\nsphere", "\ncollider sphere");
     let (object, diagnostics) = read_esobj("a.esObj", old);
@@ -204,14 +204,14 @@ fn old_and_new_colliders_are_the_same_and_axes_turn() {
     let mm = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * 0.002;
     // The axes X right, Y up, Z forward become -y, z, x.
     assert_near(object.centre_of_mass, mm(3.0, -1.0, 2.0));
-    let [Collider::Box { centre, size }, Collider::Sphere { centre: of_sphere, radius }, lying, transverse] =
+    let [Collider::Box { centre, size }, Collider::Sphere { centre: sphere_centre, radius }, lying, transverse] =
         object.colliders[..]
     else {
         panic!("{:?}", object.colliders)
     };
     assert_near(centre, mm(30.0, -10.0, 20.0));
     assert_near(size, mm(3.0, 1.0, 2.0));
-    assert_near(of_sphere, mm(3.0, -1.0, 2.0));
+    assert_near(sphere_centre, mm(3.0, -1.0, 2.0));
     assert!((radius - 0.008).abs() < 1e-12);
     assert!(matches!(lying, Collider::Capsule { axis: Axis::X, .. }));
     // Lower than wide: becomes a sphere.
@@ -223,7 +223,7 @@ fn assert_near(a: DVec3, b: DVec3) {
 }
 
 #[test]
-fn balls_roll_and_boxes_slide() {
+fn only_balls_roll() {
     let rolling = |text: &str| read_esobj("a.esObj", text).0.rolling;
     assert_eq!(rolling("mass 1\nsphere 0 5 0 5\n"), Some(DEFAULT_ROLLING));
     assert_eq!(rolling("mass 1\nsphere 0 5 0 5\nrolling 0.1\n"), Some(0.1));

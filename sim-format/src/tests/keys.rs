@@ -9,28 +9,32 @@ use serde_json::Value;
 use crate::print::scene_schema;
 
 /// Collects the keys of a schema at any depth.
-fn keys(schema: &Value, known: &mut BTreeSet<String>) {
+fn keys(schema: &Value, declared: &mut BTreeSet<String>) {
     match schema {
         Value::Object(entries) => {
             let properties = entries.get("properties").and_then(Value::as_object);
-            known.extend(properties.into_iter().flat_map(|properties| properties.keys().cloned()));
-            entries.values().for_each(|value| keys(value, known));
+            declared.extend(properties.into_iter().flat_map(|properties| properties.keys().cloned()));
+            entries.values().for_each(|value| keys(value, declared));
         }
-        Value::Array(items) => items.iter().for_each(|item| keys(item, known)),
+        Value::Array(items) => items.iter().for_each(|item| keys(item, declared)),
         _ => {}
     }
 }
 
 #[test]
-fn the_pages_name_every_key() {
+fn pages_describe_all_keys() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
     let pages = ["formats/scene.md", "formats/companion.md", "noise.md", "checks.md", "faults.md"];
     let pages = pages.map(|page| fs::read_to_string(docs.join(page)).expect("a page")).concat();
     let words = |text: &str| text.split(|c: char| !(c.is_alphanumeric() || c == '_')).map(str::to_owned).collect();
     let quoted: BTreeSet<String> =
         pages.split('`').skip(1).step_by(2).flat_map(|quoted| -> Vec<String> { words(quoted) }).collect();
-    let mut known = BTreeSet::new();
-    keys(&serde_json::from_str(&scene_schema()).expect("JSON"), &mut known);
-    let unnamed: Vec<&String> = known.iter().filter(|key| !quoted.contains(*key)).collect();
-    assert!(known.len() > 150 && unnamed.is_empty(), "{} keys; not on the pages: {unnamed:?}", known.len());
+    let mut declared = BTreeSet::new();
+    keys(&serde_json::from_str(&scene_schema()).expect("JSON"), &mut declared);
+    let undocumented: Vec<&String> = declared.iter().filter(|key| !quoted.contains(*key)).collect();
+    assert!(
+        declared.len() > 150 && undocumented.is_empty(),
+        "{} keys; not on the pages: {undocumented:?}",
+        declared.len()
+    );
 }

@@ -3,21 +3,21 @@
 use glam::DVec2;
 
 use super::super::*;
-use super::{codes, ends};
+use super::{codes, wall_ends};
 
 #[test]
-fn an_even_indentation_moves_the_maze() {
+fn even_indentation_shifts_the_maze() {
     let (maze, diagnostics) = read_maze("m.maz", "   _\n  |S|\n  |_|\n1000\n");
     assert_eq!((codes(&diagnostics), maze.floor), (vec![], DVec2::new(2.0, 2.0)));
     assert_eq!(maze.starts[0].pose.position, DVec2::new(1.5, 1.5));
 }
 
 #[test]
-fn an_odd_indentation_is_undone() {
+fn odd_indentation_is_removed() {
     let straight = read_maze("m.maz", " ___\n|S| |\n|_x_|\n").0;
     let (mut indented, diagnostics) = read_maze("m.maz", "  ___\n |S| |\n |_x_|\n");
     assert_eq!(codes(&diagnostics), ["maz-indent"]);
-    assert_eq!((ends(&indented), indented.floor), (ends(&straight), straight.floor));
+    assert_eq!((wall_ends(&indented), indented.floor), (wall_ends(&straight), straight.floor));
     // The letter in a wall column belongs to the cell on its left.
     let positions = |maze: &WorldSpec| maze.objects.iter().map(|object| object.pose.position).collect::<Vec<_>>();
     assert_eq!(positions(&indented), [DVec2::new(0.18, 0.18)]);
@@ -26,11 +26,11 @@ fn an_odd_indentation_is_undone() {
 }
 
 #[test]
-fn cells_of_two_characters_are_read_as_they_are_drawn() {
+fn cells_two_characters_wide_are_read() {
     let narrow = read_maze("m.maz", " ___\n|U| |\n|___|\n").0;
     let (wide, diagnostics) = read_maze("m.maz", " _____\n| U|  |\n|_____|\n");
     assert_eq!(codes(&diagnostics), ["maz-wide"]);
-    assert_eq!((ends(&wide), wide.floor), (ends(&narrow), narrow.floor));
+    assert_eq!((wall_ends(&wide), wide.floor), (wall_ends(&narrow), narrow.floor));
     assert_eq!(wide.starts[0].pose, narrow.starts[0].pose);
 }
 
@@ -38,23 +38,23 @@ fn cells_of_two_characters_are_read_as_they_are_drawn() {
 fn a_wall_off_every_grid_closes_its_cell_on_the_right() {
     let (maze, diagnostics) = read_maze("m.maz", " _____\n|  | |\n|_____|\n100\n");
     assert_eq!((codes(&diagnostics), maze.floor.x), (vec!["maz-wall-column"], 3.0 * 0.1));
-    assert!(ends(&maze).contains(&[0.2, 0.1, 0.2, 0.2]), "{:?}", ends(&maze));
+    assert!(wall_ends(&maze).contains(&[0.2, 0.1, 0.2, 0.2]), "{:?}", wall_ends(&maze));
     // Right border of a maze whose rows have an odd number of characters between the borders.
     let (maze, diagnostics) = read_maze("m.maz", " ___\n|   |\n|  |\n|___|\n100\n");
     assert_eq!(codes(&diagnostics), ["maz-wall-column"]);
-    assert!(ends(&maze).contains(&[0.2, 0.0, 0.2, 3.0 * 0.1]), "one border: {:?}", ends(&maze));
+    assert!(wall_ends(&maze).contains(&[0.2, 0.0, 0.2, 3.0 * 0.1]), "one border: {:?}", wall_ends(&maze));
 }
 
 #[test]
 fn a_floor_line_between_two_cells_closes_the_left_one() {
     let (maze, _) = read_maze("m.maz", " ___\n| _ |\n|___|\n100\n");
-    assert!(ends(&maze).contains(&[0.0, 0.1, 0.1, 0.1]), "{:?}", ends(&maze));
+    assert!(wall_ends(&maze).contains(&[0.0, 0.1, 0.1, 0.1]), "{:?}", wall_ends(&maze));
     let (maze, _) = read_maze("m.maz", "____\n_   |\n|___|\n100\n");
-    assert!(!ends(&maze).iter().any(|wall| wall[1] == 0.1 && wall[3] == 0.1), "{:?}", ends(&maze));
+    assert!(!wall_ends(&maze).iter().any(|wall| wall[1] == 0.1 && wall[3] == 0.1), "{:?}", wall_ends(&maze));
 }
 
 #[test]
-fn a_gap_in_the_border_is_told() {
+fn gap_in_the_border_is_reported() {
     for (maze, is_gap) in [
         (" ___\n|S  |\n|___|\n", false),
         (" ___\n|   |\n|s _|\n", true),
@@ -75,7 +75,7 @@ fn notches_beyond_the_border_are_cells() {
     assert_eq!(maze.floor, DVec2::new(0.4, 0.4));
     // The left goal: its back, its lower and its upper edge.
     for wall in [[0.0, 0.1, 0.0, 0.3], [0.0, 0.1, 0.1, 0.1], [0.0, 0.3, 0.1, 0.3]] {
-        let is_close = |is: &[f64; 4]| is.iter().zip(wall).all(|(a, b)| (a - b).abs() < 1e-12);
-        assert!(ends(&maze).iter().any(is_close), "no {wall:?} in {:?}", ends(&maze));
+        let is_close = |ends: &[f64; 4]| ends.iter().zip(wall).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(wall_ends(&maze).iter().any(is_close), "no {wall:?} in {:?}", wall_ends(&maze));
     }
 }

@@ -73,7 +73,7 @@ fn check(mesh: &Mesh) {
 }
 
 #[test]
-fn a_mesh_stands_in_the_frame_of_its_body() {
+fn mesh_is_transformed_to_the_body_frame() {
     let files = Memory::new(&[("a.obj", QUAD), ("a.mtl", "newmtl red\nKd 1 0 0\n")]);
     let (mesh, diagnostics) = load(&files, &object(model(DVec3::ZERO, DVec3::new(0.0, 0.0, 10.0)), 2.0));
     assert_eq!(diagnostics, []);
@@ -86,13 +86,13 @@ fn a_mesh_stands_in_the_frame_of_its_body() {
 }
 
 #[test]
-fn turns_are_about_z_then_x_then_y() {
+fn rotations_are_about_z_then_x_then_y() {
     let files = Memory::new(&[("a.obj", QUAD), ("a.mtl", "newmtl red\n")]);
     let first_corner = |x: f64, y: f64, z: f64| {
-        let turns = DVec3::new(x, y, z) * FRAC_PI_2;
-        load(&files, &object(model(turns, DVec3::ZERO), 1.0)).0.expect("a mesh").positions[0]
+        let rotations = DVec3::new(x, y, z) * FRAC_PI_2;
+        load(&files, &object(model(rotations, DVec3::ZERO), 1.0)).0.expect("a mesh").positions[0]
     };
-    // The first corner lies ahead. A rotation about Y (up) moves it to the right, one about X (right) down.
+    // The first corner lies in front of the origin. A rotation about Y (up) moves it to the right, one about X (right) down.
     for ((x, y, z), expected) in [
         ((0.0, 1.0, 0.0), DVec3::new(0.0, -3.0, 0.0)),
         ((1.0, 0.0, 0.0), DVec3::new(0.0, 0.0, -3.0)),
@@ -109,8 +109,8 @@ fn turns_are_about_z_then_x_then_y() {
 fn faces_of_all_forms_are_read() {
     let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 0.5 0\nvt 0 0\nvt 1 0 0\nvt 1 1\nvn 0 0 2\n\
                 f 1 2 3 4 5\nf -5/-3/-1 -4/2/1 3/3/1\nf 1//1 2//1 3//1\nf 1/1 2/2 3/3\nf 1/1 2 3//1\nf 1 1 2\nl 1 2\np 1\n";
-    let (mesh, faults) = read(text);
-    assert_eq!(faults, []);
+    let (mesh, mistakes) = read(text);
+    assert_eq!(mistakes, []);
     let mesh = mesh.expect("a mesh");
     // Three of the pentagon, four triangles; the one without area is dropped.
     let corners: Vec<_> = mesh.triangles.iter().map(|triangle| triangle.corners).collect();
@@ -122,8 +122,8 @@ fn faces_of_all_forms_are_read() {
 }
 
 #[test]
-fn mistakes_are_told_once_a_kind_and_the_rest_is_read() {
-    let good = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+fn each_kind_of_mistake_is_reported_once_and_the_rest_is_read() {
+    let valid_lines = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
     for (lines, expected) in [
         ("v 1 2\nf 1 2 3\n", vec![("mesh-line", 4)]),
         ("v 1 2 x\nv NaN 0 0\nf 1 2 3\n", vec![("mesh-line", 4)]),
@@ -141,19 +141,19 @@ fn mistakes_are_told_once_a_kind_and_the_rest_is_read() {
         ("# nothing\n", vec![("mesh-empty", 0)]),
         ("f 1 1 1\nf 1 2 2\n", vec![("mesh-empty", 0)]),
     ] {
-        let (mesh, mut faults) = read(&format!("{good}{lines}"));
+        let (mesh, mut mistakes) = read(&format!("{valid_lines}{lines}"));
         if lines.starts_with("usemtl") {
             // A face without any material file refers to a missing material.
-            faults.retain(|(code, _)| code != "mesh-material");
+            mistakes.retain(|(code, _)| code != "mesh-material");
         }
-        let faults: Vec<(&str, u32)> = faults.iter().map(|(code, line)| (code.as_str(), *line)).collect();
-        assert_eq!(faults, expected, "{lines}");
+        let mistakes: Vec<(&str, u32)> = mistakes.iter().map(|(code, line)| (code.as_str(), *line)).collect();
+        assert_eq!(mistakes, expected, "{lines}");
         assert_eq!(mesh.is_some(), !lines.starts_with('#') && !lines.starts_with("f 1 1 1"), "{lines}");
     }
 }
 
 #[test]
-fn files_are_found_by_the_rules_and_missing_ones_are_warnings() {
+fn files_are_found_by_the_search_rules_and_missing_files_are_warnings() {
     let png = {
         let mut bytes = Cursor::new(Vec::new());
         let image = image::RgbImage::from_pixel(2, 2, image::Rgb([9, 8, 7]));
@@ -192,7 +192,7 @@ fn files_are_found_by_the_rules_and_missing_ones_are_warnings() {
 }
 
 #[test]
-fn broken_images_leave_the_colour() {
+fn colour_is_used_instead_of_broken_images() {
     let files = Memory::new(&[("a.obj", QUAD), ("a.mtl", "newmtl red\nKd 1 0 0\nmap_Kd a.png\n"), ("a.png", "GIF89a")]);
     let (mesh, diagnostics) = load(&files, &object(model(DVec3::ZERO, DVec3::ZERO), 1.0));
     assert_eq!(mesh.expect("a mesh").materials[0].colour, [1.0, 0.0, 0.0]);
@@ -201,7 +201,7 @@ fn broken_images_leave_the_colour() {
 }
 
 #[test]
-fn other_kinds_of_mesh_are_named() {
+fn unsupported_mesh_formats_are_reported() {
     for (name, word) in
         [("S4.ms3d", "MilkShape"), ("a.iv", "Open Inventor"), ("a.stl", "this kind"), ("mesh", "this kind")]
     {
@@ -238,12 +238,12 @@ fn a_mesh_is_read_once() {
 }
 
 #[test]
-fn too_many_triangles_are_refused() {
+fn too_many_triangles_are_rejected() {
     let mut text = String::from("v 0 0 0\nv 1 0 0\nv 1 1 0\n");
     text.push_str(&"f 1 2 3\n".repeat(2_000_001));
-    let (mesh, faults) = read(&text);
+    let (mesh, mistakes) = read(&text);
     assert!(mesh.is_none());
-    assert_eq!(faults, [("mesh-size".to_owned(), 0)]);
+    assert_eq!(mistakes, [("mesh-size".to_owned(), 0)]);
 }
 
 /// Position of each corner of a triangle in the file's frame, and its texture coordinates.
@@ -251,7 +251,7 @@ type Corners = [([f32; 3], Option<[f32; 2]>); 3];
 
 /// Corners of all triangles as read by tobj, with their texture coordinates, which are `None` if a part of
 /// the file has none.
-fn by_tobj(text: &str) -> Vec<Corners> {
+fn read_by_tobj(text: &str) -> Vec<Corners> {
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
     let (models, _) =
         tobj::load_obj_buf(&mut text.as_bytes(), &options, |_| Ok(Default::default())).expect("a good file");
@@ -261,10 +261,10 @@ fn by_tobj(text: &str) -> Vec<Corners> {
         (position, mesh.texcoords.get(2 * index..2 * index + 2).map(|uv| [uv[0], uv[1]]))
     };
     let triangles = models.iter().flat_map(|model| model.mesh.indices.chunks(3).map(move |t| (&model.mesh, t)));
-    triangles.map(|(mesh, t)| [0, 1, 2].map(|place| corner(mesh, t[place]))).collect()
+    triangles.map(|(mesh, t)| [0, 1, 2].map(|index| corner(mesh, t[index]))).collect()
 }
 
-fn by_us(text: &str) -> Vec<Corners> {
+fn read_by_us(text: &str) -> Vec<Corners> {
     let Some(mesh) = read(text).0 else { return Vec::new() };
     let corners = |triangle: &sim_core::scene::Triangle| {
         let positions = mesh.corners(triangle);
@@ -280,7 +280,7 @@ fn by_us(text: &str) -> Vec<Corners> {
 proptest! {
     /// Valid files result in the triangles that tobj finds, except triangles of zero area.
     #[test]
-    fn good_files_are_read_as_tobj_reads_them(
+    fn valid_files_match_tobj(
         points in prop::collection::vec([-50i32..50, -50i32..50, -50i32..50], 3..12),
         faces in prop::collection::vec((prop::collection::vec((0usize..100, any::<bool>()), 3..7), any::<bool>()), 1..10),
         has_uv in any::<bool>(),
@@ -302,13 +302,13 @@ proptest! {
             let [a, b, c] = corners.map(|(position, _)| DVec3::from(position.map(f64::from)));
             (b - a).cross(c - a).length() > 0.0
         };
-        let expected: Vec<_> = by_tobj(&text).into_iter().filter(has_area).collect();
-        prop_assert_eq!(by_us(&text), expected);
+        let expected: Vec<_> = read_by_tobj(&text).into_iter().filter(has_area).collect();
+        prop_assert_eq!(read_by_us(&text), expected);
     }
 
-    /// Any words result in a mesh of finite numbers or a diagnostic.
+    /// Arbitrary words result in a mesh of finite numbers or in a diagnostic.
     #[test]
-    fn no_text_is_too_wild(
+    fn arbitrary_words_give_a_mesh_or_a_diagnostic(
         words in prop::collection::vec(
             prop::sample::select(vec![
                 "v", "vt", "vn", "f", "usemtl", "mtllib", "o", "\n", "\n", "1", "2", "3", "-1", "0", "1/1", "1//2", "/", "//",
@@ -319,13 +319,13 @@ proptest! {
         ),
     ) {
         let text = words.join(" ");
-        let (mesh, faults) = read(&text);
-        prop_assert!(mesh.is_some() || !faults.is_empty());
+        let (mesh, mistakes) = read(&text);
+        prop_assert!(mesh.is_some() || !mistakes.is_empty());
     }
 
-    /// Any bytes in the three files cause no panic and nothing worse than warnings.
+    /// Arbitrary bytes in the three files cause no panic and no errors, only warnings.
     #[test]
-    fn no_bytes_are_too_wild(obj in prop::collection::vec(any::<u8>(), 0..300), mtl in ".{0,200}", png in prop::collection::vec(any::<u8>(), 0..300)) {
+    fn arbitrary_bytes_give_only_warnings(obj in prop::collection::vec(any::<u8>(), 0..300), mtl in ".{0,200}", png in prop::collection::vec(any::<u8>(), 0..300)) {
         let mut files = Memory::new(&[("a.obj", QUAD)]);
         files.files.insert("a.mtl", format!("newmtl red\n{mtl}\nmap_Kd a.png\n").into_bytes());
         let mut image = b"\x89PNG\r\n\x1a\n".to_vec();

@@ -14,7 +14,7 @@ macro_rules! sonars {
     ($($name:literal)*) => { concat!($("[[sonar]]\nname = \"", $name, "\"\n"),*) };
 }
 
-/// Kind of a mistake, and a text that contains it. For robis that must be complete, the line replaces one of S4's.
+/// Kind of a mistake, file name, and text that contains the mistake. Wheels and a drive are added to a robi without them.
 const MISTAKES: &[(Code, &str, &str)] = &[
     (
         Code::EsobjArity,
@@ -149,7 +149,7 @@ const MISTAKES: &[(Code, &str, &str)] = &[
     (Code::WordExtra, "a.sim", "world my world.wld\n"),
 ];
 
-/// Mistakes that are detected only when files are looked for.
+/// Mistakes that are detected only when the files of a scene are read.
 const SCENES: &[(Code, &str)] = &[
     (Code::FileCase, "world W.WLD\nrobi S4.robi p.so 1 1 0\n"),
     (Code::FileMissing, "world u.wld\nrobi S4.robi p.so 1 1 0\n"),
@@ -238,7 +238,7 @@ fn describe(out: &mut String, text: &str, diagnostics: &[Diagnostic]) {
 
 /// One snapshot for each kind of file.
 #[test]
-fn every_kind_of_mistake() {
+fn all_kinds_of_mistakes_match_snapshots() {
     let mut kinds: BTreeMap<String, String> = BTreeMap::new();
     for (code, file, text) in MISTAKES {
         let diagnostics = diagnostics(file, text);
@@ -256,7 +256,7 @@ fn every_kind_of_mistake() {
 }
 
 #[test]
-fn a_flood_of_mistakes_is_cut_off() {
+fn number_of_diagnostics_is_limited() {
     let (_, diagnostics) = read_world("a.wld", &"floor 1 1\nx\n0 0 inf 0\n".repeat(1000));
     assert_eq!(diagnostics.len(), 1001);
     let last = diagnostics.last().expect("a last one");
@@ -265,7 +265,7 @@ fn a_flood_of_mistakes_is_cut_off() {
 }
 
 #[test]
-fn what_a_message_quotes_is_cut() {
+fn long_quotations_are_shortened() {
     let word = "é".repeat(1_000_000);
     let (_, diagnostics) =
         read_world("a.wld", &format!("floor 1 1\n{word}\n0 0 1 {word}\n0 0 1 1{}\n", "0".repeat(99_999)));

@@ -52,12 +52,12 @@ fn world(text: &str) -> WorldSpec {
 
 fn maze(text: &str) -> WorldSpec {
     let (maze, mut diagnostics) = read_maze("m.maz", text);
-    diagnostics.retain(|one| one.code != Code::MazCellFirst); // has tests of its own
+    diagnostics.retain(|diagnostic| diagnostic.code != Code::MazCellFirst); // tested in `cell_size_depends_on_the_dialect`
     assert_eq!(diagnostics, [], "{text}");
     maze
 }
 
-fn ends(world: &WorldSpec) -> Vec<[f64; 4]> {
+fn wall_ends(world: &WorldSpec) -> Vec<[f64; 4]> {
     world.walls.iter().map(|wall| [wall.from.x, wall.from.y, wall.to.x, wall.to.y]).collect()
 }
 
@@ -68,17 +68,17 @@ pub(super) fn codes(diagnostics: &[Diagnostic]) -> Vec<&'static str> {
 /// Asserts equality to within a nanometre and a nanoradian.
 fn assert_near(a: &Pose, b: &Pose) {
     let distance = (a.position - b.position).length();
-    let turned = (a.heading.radians() - b.heading.radians()).abs();
-    assert!(distance < 1e-9 && turned < 1e-9, "{a:?} is not {b:?}");
+    let angle = (a.heading.radians() - b.heading.radians()).abs();
+    assert!(distance < 1e-9 && angle < 1e-9, "{a:?} is not {b:?}");
 }
 
 #[test]
-fn push_turns_clockwise_and_nests() {
+fn push_turns_clockwise_and_can_be_nested() {
     // A quarter turn clockwise: local x points down, local y to the right.
     let text = "floor 9000 9000\npush 1000 5000 90\n0 0 200 0\npush 100 0 90\n0 0 0 50\nposition 10 0 0\npop\n0 0 0 100\npop\n0 0 1 1\n";
     let world = world(text);
     let expected = [[1.0, 5.0, 1.0, 4.8], [1.0, 4.9, 1.0, 4.85], [1.0, 5.0, 1.1, 5.0], [0.0, 0.0, 0.001, 0.001]];
-    for (wall, expected) in ends(&world).iter().zip(expected) {
+    for (wall, expected) in wall_ends(&world).iter().zip(expected) {
         for (a, b) in wall.iter().zip(expected) {
             assert!((a - b).abs() < 1e-12, "{wall:?} is not {expected:?}");
         }
@@ -87,7 +87,7 @@ fn push_turns_clockwise_and_nests() {
 }
 
 #[test]
-fn walls_of_six_and_nine_numbers() {
+fn walls_with_six_and_nine_numbers_are_read() {
     let world =
         world("width 3100 ; BIGW\r\nheight 1530\r\n180\t0 \t180 515 18 100 255 128 0\r\n0 0 5 5 20 300;x\r\n1 2 3 4");
     assert_eq!(world.floor, DVec2::new(3.1, 1.53));
@@ -97,12 +97,12 @@ fn walls_of_six_and_nine_numbers() {
 }
 
 #[test]
-fn a_maze_becomes_long_walls() {
+fn maze_pieces_are_merged_into_long_walls() {
     let maze = maze(" ___\n| | |\n|S__|\n500\n");
     assert_eq!((maze.floor, maze.cell), (DVec2::new(1.0, 1.0), Some(0.5)));
     let expected =
         [[0.0, 0.0, 0.0, 1.0], [0.5, 0.5, 0.5, 1.0], [1.0, 0.0, 1.0, 1.0], [0.0, 1.0, 1.0, 1.0], [0.0, 0.0, 1.0, 0.0]];
-    assert_eq!(ends(&maze), expected);
+    assert_eq!(wall_ends(&maze), expected);
     assert_eq!(maze.starts[0].pose, Pose::new(0.25, 0.25, FRAC_PI_2));
     assert_eq!(maze.starts[0].letter, Some('S'));
 }
@@ -118,11 +118,15 @@ fn maze_letters_give_headings_and_objects() {
     let y = 1.5 * 0.72;
     assert_eq!(objects[0], ("Crate", DVec2::new(3.5 * 0.72, y)));
     assert_eq!(objects[1], ("Soccer", DVec2::new(4.5 * 0.72, y)));
-    assert!(ends(&maze).contains(&[3.0 * 0.72, 0.72, 4.0 * 0.72, 0.72]), "the wall below X: {:?}", ends(&maze));
+    assert!(
+        wall_ends(&maze).contains(&[3.0 * 0.72, 0.72, 4.0 * 0.72, 0.72]),
+        "the wall below X: {:?}",
+        wall_ends(&maze)
+    );
 }
 
 #[test]
-fn cell_size_defaults_to_360_mm_and_the_last_one_counts() {
+fn cell_size_defaults_to_360_mm_and_the_last_one_is_used() {
     assert_eq!(maze(" _\n|_|").cell, Some(0.36));
     assert_eq!(maze("360\n _\n|_|\n").cell, Some(0.36));
     let (maze, diagnostics) = read_maze("m.maz", "360\n _\n|_|\n720");
@@ -130,7 +134,7 @@ fn cell_size_defaults_to_360_mm_and_the_last_one_counts() {
 }
 
 #[test]
-fn each_eyesim_reads_the_cell_size_that_it_reads() {
+fn cell_size_depends_on_the_dialect() {
     let read = |text: &str, dialect, cell| {
         let (maze, diagnostics) = read_maze_with("m.maz", text, CellRules { dialect, cell });
         (maze.cell.expect("a maze"), codes(&diagnostics))
@@ -152,7 +156,7 @@ fn each_eyesim_reads_the_cell_size_that_it_reads() {
 }
 
 #[test]
-fn the_form_of_a_sim_file_tells_the_dialect_where_it_makes_it_sure() {
+fn dialect_of_a_sim_file_is_detected_if_its_form_is_unambiguous() {
     let dialect = |text: &str| read_sim("a.sim", text).0.run.dialect;
     let of_2018 = Some(Dialect::Vr2018);
     assert_eq!(dialect("world a.wld\nrobi Own.robi\nOwn 1 2 3 p.x\n"), of_2018);
@@ -169,7 +173,7 @@ const S4: &str = "# comment\nname  S4 plus \ndiameter 186\nspeed 600\nturn 300\n
     wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\n";
 
 #[test]
-fn a_classic_robi() {
+fn classic_robi_is_read() {
     let (robi, diagnostics) = read_robi("robis/S4.robi", S4);
     assert_eq!(diagnostics, []);
     assert_eq!((robi.name.as_str(), robi.diameter, robi.max_speed, robi.axis_offset), ("S4 plus", 0.186, 0.6, 0.04));
@@ -224,7 +228,7 @@ MOTOR_LEFT = 12
 "#;
 
 #[test]
-fn a_companion_says_more() {
+fn companion_is_read() {
     let (mut robi, _) = read_robi("S4.robi", S4);
     assert_eq!(read_companion("S4.toml", COMPANION, &mut robi), []);
     assert_eq!((robi.drive.wheelbase, robi.drive.max_steer, robi.drive.wheel_lag), (0.25, PI / 6.0, 0.05));
@@ -285,7 +289,7 @@ fn robots_take_the_starts_in_order() {
 }
 
 #[test]
-fn a_missing_file_lists_what_was_tried() {
+fn missing_file_error_lists_tried_paths() {
     let files = Memory::new(&[("a/b.sim", "world w.wld\nrobi r.robi p.so 1 2 3\n"), ("a/v.wld", "")]);
     let loaded = load_scene("a/b.sim", &files);
     assert_eq!(codes(&loaded.diagnostics), ["file-missing", "file-missing"]);
@@ -298,7 +302,7 @@ fn a_missing_file_lists_what_was_tried() {
 }
 
 #[test]
-fn names_from_windows_are_found_in_other_case() {
+fn file_names_are_found_in_other_letter_case() {
     let files = Memory::new(&[
         ("a.sim", "world Worlds\\Field.WLD\nrobi S4.ROBI p.so 1 2 3\n"),
         ("worlds/field.wld", "floor 10 10"),
@@ -335,7 +339,7 @@ fn files_of_another_machine_are_found_beside_the_sim() {
 }
 
 #[test]
-fn a_robot_type_is_read_once_under_all_its_names() {
+fn robot_type_is_read_once_under_all_its_paths() {
     let files = Memory::new(&[
         ("a.sim", "world w.wld\nrobi S4.robi p.so 100 1 0\nrobi ./S4.robi p.so 300 2 0\nrobi S4.robi p.so 500 3 0\n"),
         ("w.wld", "floor 1000 1000"),
@@ -357,7 +361,7 @@ fn text_that_is_not_utf8_is_read_with_a_warning() {
 }
 
 #[test]
-fn an_omni_and_an_ackermann_robot() {
+fn omni_and_ackermann_robis_are_read() {
     let omni = "diameter 300\nwheel 100 360 7300 220\n\
                 drive OMNI_DRIVE MOTOR_FL QUAD_FL MOTOR_FR QUAD_FR MOTOR_BL QUAD_BL MOTOR_BR QUAD_BR\n";
     let (robi, diagnostics) = read_robi("o.robi", omni);
@@ -371,7 +375,7 @@ fn an_omni_and_an_ackermann_robot() {
 }
 
 #[test]
-fn specs_of_every_kind() {
+fn specs_match_snapshots() {
     insta::assert_debug_snapshot!(
         "world",
         read_world("w.wld", "floor 2000 1000\nfloor_texture \"a b.png\"\nposition 1 2 90\n0 0 1 1 2 3 4 5 6\n").0

@@ -1,4 +1,4 @@
-//! Properties that hold for every text.
+//! Properties of the readers for arbitrary texts.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -30,13 +30,13 @@ const VALID: [&str; 10] = [
 
 /// Reads `text` with every reader and checks the invariants of any text.
 fn read_all(text: &str) {
-    let (world, of_world) = read_world("f", text);
-    let (maze, of_maze) = read_maze("f", text);
-    let (mut robi, of_robi) = read_robi("f", text);
-    let of_companion = read_companion("f", text, &mut robi);
-    let (sim, of_sim) = read_sim("f", text);
-    let (object, of_object) = read_esobj("f", text);
-    // All entities of a scene, and the files that it refers to as well.
+    let (world, world_diagnostics) = read_world("f", text);
+    let (maze, maze_diagnostics) = read_maze("f", text);
+    let (mut robi, robi_diagnostics) = read_robi("f", text);
+    let companion_diagnostics = read_companion("f", text, &mut robi);
+    let (sim, sim_diagnostics) = read_sim("f", text);
+    let (object, object_diagnostics) = read_esobj("f", text);
+    // Reads a scene with the files that it refers to, and places all its entities.
     let loaded =
         load_scene("a.sim", &super::Memory::new(&[("a.sim", text), ("a.robi", super::S4), ("s.esObj", VALID[5])]));
     for placed in &loaded.scene.objects {
@@ -86,7 +86,16 @@ fn read_all(text: &str) {
     assert_eq!(sim_core::build::links(&robi).len(), robi.links.len());
     assert_eq!(sim_core::build::range_sensors(&robi).len(), robi.psds.len() + robi.ranges.len());
     assert!(sim.robots.iter().all(|robot| !matches!(robot.start, StartRef::Pose(pose) if !pose.position.is_finite())));
-    for diagnostic in [of_world, of_maze, of_robi, of_companion, of_sim, of_object].concat() {
+    for diagnostic in [
+        world_diagnostics,
+        maze_diagnostics,
+        robi_diagnostics,
+        companion_diagnostics,
+        sim_diagnostics,
+        object_diagnostics,
+    ]
+    .concat()
+    {
         let Span { start, end, .. } = diagnostic.span;
         assert!(text.get(start..end).is_some(), "{diagnostic:?} does not lie in the text");
         assert!(!diagnostic.message.is_empty() && !diagnostic.expected.is_empty());
@@ -96,8 +105,8 @@ fn read_all(text: &str) {
 /// One of the valid texts with some bytes changed, removed or duplicated.
 fn mutated() -> impl Strategy<Value = Vec<u8>> {
     let change = (any::<prop::sample::Index>(), 0..4_u8, any::<u8>());
-    (0..VALID.len(), prop::collection::vec(change, 1..8)).prop_map(|(which, changes)| {
-        let mut bytes = VALID[which].as_bytes().to_vec();
+    (0..VALID.len(), prop::collection::vec(change, 1..8)).prop_map(|(text_index, changes)| {
+        let mut bytes = VALID[text_index].as_bytes().to_vec();
         for (index, kind, byte) in changes {
             let index = index.index(bytes.len().max(1));
             match kind {
@@ -111,7 +120,7 @@ fn mutated() -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
-/// Numbers as users write them, valid and invalid.
+/// Words of files: numbers, keywords and others, valid and invalid.
 fn word() -> impl Strategy<Value = String> {
     prop_oneof![
         any::<f64>().prop_map(|number| number.to_string()),
@@ -197,7 +206,7 @@ proptest! {
     }
 
     #[test]
-    fn worlds_come_back(walls in prop::collection::vec(prop::array::uniform4(-1_000_000..1_000_000_i32), 0..40)) {
+    fn worlds_round_trip(walls in prop::collection::vec(prop::array::uniform4(-1_000_000..1_000_000_i32), 0..40)) {
         let walls: Vec<_> = walls.into_iter().filter(|wall| wall[..2] != wall[2..]).collect();
         let mut text = String::from("floor 5000 4000\r\n");
         for [a, b, c, d] in &walls {
@@ -211,7 +220,7 @@ proptest! {
     }
 
     #[test]
-    fn psds_come_back(psds in prop::collection::vec((-900..900_i32, -900..900_i32, 0..900_i32, -360..360_i32), 0..9)) {
+    fn psds_round_trip(psds in prop::collection::vec((-900..900_i32, -900..900_i32, 0..900_i32, -360..360_i32), 0..9)) {
         let mut text = String::from("wheel 50 3600 1000 90\ndrive DIFFERENTIAL_DRIVE A B C D\n");
         for (id, (x, y, z, angle)) in psds.iter().enumerate() {
             writeln!(text, "psd PSD{id} {id} {x} {y} {z} {angle}").unwrap();
@@ -228,15 +237,15 @@ proptest! {
         prop_assert_eq!(read, written);
     }
 
-    /// Robots of EyeSim VR, with either form of `psd`, round-trip: coordinates in its axes are converted to ours.
+    /// Coordinates in the axes of EyeSim VR are converted to ours, with both forms of `psd`.
     #[test]
-    fn robots_of_eyesim_vr_come_back(
+    fn robis_of_eyesim_vr_round_trip(
         sizes in prop::collection::vec(prop::array::uniform3(1..900_i32), 1..6),
-        at in prop::collection::vec(prop::array::uniform3(-900..900_i32), 6),
+        positions in prop::collection::vec(prop::array::uniform3(-900..900_i32), 6),
         is_newest in any::<bool>(),
     ) {
         let mut text = String::from("drive DIFFERENTIAL_DRIVE\ndiameter 400\nwheel 50 3600 1000 45\n");
-        for (index, (size, [right, up, forward])) in sizes.iter().zip(&at).enumerate() {
+        for (index, (size, [right, up, forward])) in sizes.iter().zip(&positions).enumerate() {
             let [x, y, z] = size;
             writeln!(text, "collider box {x} {y} {z} {right} {up} {forward}").unwrap();
             let id = index + 1;
@@ -250,21 +259,21 @@ proptest! {
         prop_assert_eq!(diagnostics, vec![]);
         prop_assert_eq!(robi.wheel.track, 0.09);
         let metres = |mm: i32| metres_from_mm(f64::from(mm));
-        for ((collider, psd), (size, position)) in robi.colliders.iter().zip(&robi.psds).zip(sizes.iter().zip(&at)) {
+        for ((collider, psd), (size, position)) in robi.colliders.iter().zip(&robi.psds).zip(sizes.iter().zip(&positions)) {
             let [right, up, forward] = position.map(metres);
             let [x, y, z] = size.map(metres);
-            let (centre, size_of) = (DVec3::new(forward, -right, up), DVec3::new(z, x, y));
-            prop_assert_eq!(*collider, Collider::Box { centre, size: size_of });
-            // A PSD's coordinates are not in those axes.
+            let (centre, box_size) = (DVec3::new(forward, -right, up), DVec3::new(z, x, y));
+            prop_assert_eq!(*collider, Collider::Box { centre, size: box_size });
+            // The coordinates of a PSD are in our axes in the file, too.
             prop_assert_eq!(psd.position, DVec3::new(right, up, forward));
             prop_assert_eq!(psd.angle, radians_from_degrees(f64::from(size[0])));
         }
         prop_assert_eq!(robi.colliders.len(), sizes.len());
     }
 
-    /// The walls of a maze are exactly the drawn pieces, and no wall continues where another ends.
+    /// The walls of a maze consist of exactly the drawn pieces, and no wall continues another one.
     #[test]
-    fn mazes_come_back(rows in 1..7_usize, columns in 1..7_usize, bits in prop::collection::vec(any::<bool>(), 200)) {
+    fn mazes_round_trip(rows in 1..7_usize, columns in 1..7_usize, bits in prop::collection::vec(any::<bool>(), 200)) {
         let mut bits = bits.into_iter().cycle();
         let mut drawn = BTreeSet::new();
         let mut text = String::new();
@@ -285,7 +294,7 @@ proptest! {
                     _ => ' ',
                 });
             }
-            // A row of only blanks would not count.
+            // A line of blanks only would not be read as a row.
             if row > 0 {
                 text.replace_range(text.len() - 2 * columns - 1..text.len() - 2 * columns, "|");
                 drawn.insert((0, (rows - row) as i64, false));
@@ -297,22 +306,22 @@ proptest! {
         }
         text.push_str("1000");
         let (maze, diagnostics) = read_maze("m", &text);
-        // Most of them have a gap in the border.
+        // Most of these mazes have a gap in the border.
         let others = diagnostics.iter().filter(|diagnostic| diagnostic.code != Code::MazGap);
         prop_assert_eq!(others.count(), 0);
         let mut read = BTreeSet::new();
         let mut ends = BTreeSet::new();
         for wall in &maze.walls {
-            let is_level = wall.from.y == wall.to.y;
+            let is_horizontal = wall.from.y == wall.to.y;
             let (low, high) = (wall.from.min(wall.to), wall.from.max(wall.to));
             let [from, to] = [low, high].map(|end| (end.x as i64, end.y as i64));
             let length = (to.0 - from.0) + (to.1 - from.1);
             for step in 0..length {
-                let piece = if is_level { (from.0 + step, from.1, true) } else { (from.0, from.1 + step, false) };
+                let piece = if is_horizontal { (from.0 + step, from.1, true) } else { (from.0, from.1 + step, false) };
                 prop_assert!(read.insert(piece), "{piece:?} twice");
             }
             for end in [from, to] {
-                prop_assert!(ends.insert((end, is_level)), "two walls in line meet at {end:?}");
+                prop_assert!(ends.insert((end, is_horizontal)), "two walls in line meet at {end:?}");
             }
         }
         prop_assert_eq!(read, drawn);

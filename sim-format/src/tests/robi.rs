@@ -35,14 +35,14 @@ const CAR: &str = "drive ACKERMANN_DRIVE\nname Car\ncollider box 100 82 200 0 82
     axel turn 12.6 66\nwheel drive 40 7200 640 44.5\nwheel turn 28 7200 640 40\n";
 
 #[test]
-fn every_dialect_as_a_whole() {
+fn robis_of_all_dialects_match_snapshots() {
     insta::assert_debug_snapshot!("robi_vr", robi(VR));
     insta::assert_debug_snapshot!("robi_newest", robi(NEWEST));
     insta::assert_debug_snapshot!("robi_car", robi(CAR));
 }
 
 #[test]
-fn unity_axes_become_ours() {
+fn unity_axes_are_converted() {
     let robi = robi(VR);
     assert_eq!((robi.mass, robi.centre_of_mass), (5.0, mm(-50.0, -10.0, 30.0)));
     let model = robi.model.expect("a model");
@@ -73,7 +73,7 @@ fn the_body_is_the_smallest_disc_around_all_colliders() {
 }
 
 #[test]
-fn a_file_without_body_has_one_around_its_wheels() {
+fn default_body_encloses_the_wheels() {
     let text = "drive DIFFERENTIAL_DRIVE\naxis 27 -10\nwheel 54 3600 1100 45\n";
     let (robi, diagnostics) = read_robi("r.robi", text);
     assert_eq!(codes(&diagnostics), ["robi-body-missing"]);
@@ -87,7 +87,7 @@ fn a_file_without_body_has_one_around_its_wheels() {
 }
 
 #[test]
-fn half_the_track_in_files_of_eyesim_vr_only() {
+fn only_eyesim_vr_states_half_the_track() {
     let wheel = "wheel 54 3600 1100 45\ndiameter 200\n";
     let classic = "drive DIFFERENTIAL_DRIVE MOTOR_LEFT QUAD_LEFT MOTOR_RIGHT QUAD_RIGHT\naxis 10\n";
     assert_eq!(robi(&format!("{classic}{wheel}")).wheel.track, 0.045);
@@ -114,13 +114,13 @@ fn half_the_track_must_fit_the_body() {
 }
 
 #[test]
-fn an_omni_drive_has_its_whole_track() {
+fn omni_drive_states_the_whole_track() {
     let robi = robi("drive OMNI_DRIVE\ndiameter 375\nwheel 100 360 7300 220\n");
     assert_eq!((robi.wheel.track, robi.drive.wheelbase, robi.drive.motors.len()), (0.22, 0.22, 4));
 }
 
 #[test]
-fn axles_make_a_car() {
+fn axel_lines_describe_a_car() {
     let robi = robi(CAR);
     assert_eq!(robi.axis_offset, -0.094);
     assert_close(robi.drive.wheelbase, 0.16);
@@ -129,10 +129,10 @@ fn axles_make_a_car() {
 }
 
 #[test]
-fn three_forms_of_psd() {
-    let ends = "diameter 186\nwheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n";
+fn three_forms_of_psd_are_read() {
+    let other_lines = "diameter 186\nwheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n";
     for (line, id) in [("psd P -200 60 20 30 90", Some(-200)), ("psd P 60 20 30 90", None)] {
-        let psd = robi(&format!("{line}\n{ends}")).psds.remove(0);
+        let psd = robi(&format!("{line}\n{other_lines}")).psds.remove(0);
         assert_eq!((psd.name.as_str(), psd.id, psd.position), ("P", id, mm(60.0, 20.0, 30.0)), "{line}");
         assert_eq!(psd.angle, FRAC_PI_2, "{line}");
     }
@@ -143,14 +143,14 @@ fn three_forms_of_psd() {
 }
 
 #[test]
-fn the_forms_of_camera() {
+fn all_forms_of_camera_are_read() {
     let classic = "diameter 186\nwheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n";
     let vr = "drive DIFFERENTIAL_DRIVE\ndiameter 186\nwheel 54 3600 1100 45\n";
     let camera = |text: String| robi(&text).camera.expect("a camera");
     let fixed = JointSpec::Fixed(0.0);
     // Eight words: an image's size in every dialect.
-    for head in [classic, vr] {
-        let camera = camera(format!("{head}camera 45 1 72 0 0 80 60\n"));
+    for robi_lines in [classic, vr] {
+        let camera = camera(format!("{robi_lines}camera 45 1 72 0 0 80 60\n"));
         assert_eq!((camera.position, camera.pan, camera.image), (mm(45.0, 1.0, 72.0), fixed.clone(), Some([80, 60])));
     }
     // Servos, also with blanks.
@@ -180,7 +180,7 @@ fn the_forms_of_camera() {
 }
 
 #[test]
-fn scanners_of_two_and_three_numbers() {
+fn lidar_lines_with_two_and_three_numbers_are_read() {
     let lidar = robi(VR).lidar.expect("a scanner");
     assert_eq!((lidar.points, lidar.tilt, lidar.sweep), (180, -PI / 18.0, TAU));
     let lidar = robi(&VR.replace("lidar 180 -10", "lidar 90 45 5")).lidar.expect("a scanner");
@@ -195,7 +195,7 @@ fn names_are_words_or_the_rest_of_the_line() {
 }
 
 #[test]
-fn a_companion_gives_weight_and_a_scanner() {
+fn companion_sets_mass_and_scanner() {
     let mut robi = robi("wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n");
     let text = "[body]\nmass_kg = 2.5\ntraction = 0.8\n[lidar]\npoints = 90\nsweep_deg = 180\n";
     assert_eq!(read_companion("r.toml", text, &mut robi), []);
@@ -204,12 +204,12 @@ fn a_companion_gives_weight_and_a_scanner() {
 }
 
 #[test]
-fn a_companion_gives_the_display_its_size() {
+fn companion_sets_the_size_of_the_display() {
     let mut robi = robi("wheel 54 3600 1100 90\ndrive DIFFERENTIAL_DRIVE A B C D\n");
     assert_eq!((robi.lcd.width, robi.lcd.height), (320, 240));
     assert_eq!(read_companion("r.toml", "[lcd]\nwidth_px = 480\nheight_px = 320\n", &mut robi), []);
     assert_eq!((robi.lcd.width, robi.lcd.height), (480, 320));
-    let wrong = read_companion("r.toml", "[lcd]\nwidth_px = 63\nheight_px = 1201\ndepth = 24\n", &mut robi);
-    assert_eq!(wrong.len(), 3, "{wrong:?}");
+    let diagnostics = read_companion("r.toml", "[lcd]\nwidth_px = 63\nheight_px = 1201\ndepth = 24\n", &mut robi);
+    assert_eq!(diagnostics.len(), 3, "{diagnostics:?}");
     assert_eq!((robi.lcd.width, robi.lcd.height), (480, 320), "what is wrong changes nothing");
 }

@@ -6,12 +6,12 @@ use crate::{Code, Span};
 
 /// Mistakes in one file. A mesh of a hundred thousand faces repeats its mistake in each; only the first is reported, with the number of
 /// further ones.
-pub(super) struct Faults {
+pub(super) struct Mistakes {
     file: String,
-    kinds: Vec<FaultKind>,
+    kinds: Vec<MistakeKind>,
 }
 
-struct FaultKind {
+struct MistakeKind {
     code: Code,
     span: Span,
     message: String,
@@ -19,7 +19,7 @@ struct FaultKind {
     count: usize,
 }
 
-impl Faults {
+impl Mistakes {
     pub(super) fn new(file: &str) -> Self {
         Self { file: file.to_owned(), kinds: Vec::new() }
     }
@@ -34,19 +34,19 @@ impl Faults {
     ) {
         match self.kinds.iter_mut().find(|kind| kind.code == code) {
             Some(kind) => kind.count += 1,
-            None => self.kinds.push(FaultKind { code, span: line.span(), message: message(), expected, count: 1 }),
+            None => self.kinds.push(MistakeKind { code, span: line.span(), message: message(), expected, count: 1 }),
         }
     }
 
     pub(super) fn finish(self) -> Vec<Diagnostic> {
         let mut sink = Sink::new(&self.file);
         for kind in self.kinds {
-            let others = match kind.count - 1 {
+            let suffix = match kind.count - 1 {
                 0 => String::new(),
                 1 => ", and so is 1 more line".to_owned(),
                 more => format!(", and so are {more} more lines"),
             };
-            sink.warn(kind.code, kind.span, kind.message + &others, kind.expected);
+            sink.warn(kind.code, kind.span, kind.message + &suffix, kind.expected);
         }
         sink.finish()
     }
