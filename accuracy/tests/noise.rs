@@ -10,8 +10,8 @@ use sim_core::RobotId;
 use sim_core::drive::{self, Command, DriveKind, Imperfection, Model};
 use sim_core::math::{hypot, ln, sin};
 use sim_core::noise::{
-    AngleErrors, AngleNoise, Events, ImageErrors, ImageNoise, MotionNoise, Purpose, RangeErrors, RangeKind, RangeNoise,
-    TwistNoise,
+    CompassErrors, CompassNoise, EventStreams, ImageErrors, ImageNoise, MotionNoise, Purpose, RangeErrors, RangeKind,
+    RangeNoise, TwistNoise,
 };
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Walls;
@@ -32,8 +32,8 @@ fn passes(what: &str, p: f64) {
     assert!(p > LEAST, "{what}: p = {p:e}");
 }
 
-fn events(purpose: Purpose, name: &str) -> Events {
-    Events::new(SEED, ROBOT, purpose, name)
+fn events(purpose: Purpose, name: &str) -> EventStreams {
+    EventStreams::new(SEED, ROBOT, purpose, name)
 }
 
 /// First normal number of each of `count` events.
@@ -134,7 +134,7 @@ fn the_tests_would_notice() {
 fn streams_of_neighbouring_keys_are_uncorrelated() {
     const PAIRS: u64 = 200_000;
     let of = |seed, robot, purpose, name: &str, step: u64| -> Vec<f64> {
-        let events = Events::new(seed, RobotId(robot), purpose, name);
+        let events = EventStreams::new(seed, RobotId(robot), purpose, name);
         (0..PAIRS).map(|index| events.at(index + step).normal()).collect()
     };
     let base = of(SEED, 1, Purpose::Range, "PSD_FRONT", 0);
@@ -243,10 +243,10 @@ fn the_bias_of_the_making_is_normal_between_sensors() {
 #[test]
 fn the_noise_of_the_sensor_itself_is_that_of_the_paper() {
     let errors = sensor(RangeNoise { device: 1.0, ..RangeNoise::default() });
-    let mut sample: Vec<f64> = (0..MILLION).map(|index| errors.own(index, 0.01, 0.002)).collect();
+    let mut sample: Vec<f64> = (0..MILLION).map(|index| errors.device_noise(index, 0.01, 0.002)).collect();
     passes("N = sigma G + m", normality(&mut sample, 0.002, 0.01));
     let half = sensor(RangeNoise { device: 0.5, ..RangeNoise::default() });
-    assert_eq!(half.own(7, 0.01, 0.002), 0.5 * errors.own(7, 0.01, 0.002));
+    assert_eq!(half.device_noise(7, 0.01, 0.002), 0.5 * errors.device_noise(7, 0.01, 0.002));
 }
 
 #[test]
@@ -285,7 +285,7 @@ fn every_kind_of_every_preset_reads_as_it_says() {
             let count = sample.len() as u64;
             passes(&format!("{what}: drop-outs"), binomial(MILLION - count, MILLION, model.dropout));
             if model.device > 0.0 {
-                let mut own: Vec<f64> = (0..MILLION).map(|index| errors.own(index, 0.01, 0.0)).collect();
+                let mut own: Vec<f64> = (0..MILLION).map(|index| errors.device_noise(index, 0.01, 0.0)).collect();
                 passes(&format!("{what}: noise of its own"), normality(&mut own, 0.0, 0.01 * model.device));
             }
             if sigma == 0.0 {
@@ -376,11 +376,11 @@ fn a_share_beyond_a_bound_and_a_lost_likelihood_are_those_of_a_sample() {
 fn compasses_of_every_preset_read_as_they_say() {
     for preset in presets().skip(1) {
         let model = preset.profile().compass;
-        let smooth = AngleNoise { step: 0.0, bias_sigma: 0.0, ..model };
-        let errors = AngleErrors::new(smooth, SEED, ROBOT, "COMPASS");
+        let smooth = CompassNoise { step: 0.0, bias_sigma: 0.0, ..model };
+        let errors = CompassErrors::new(smooth, SEED, ROBOT, "COMPASS");
         let mut sample: Vec<f64> = (0..MILLION).map(|index| errors.reading(index, 1.0)).collect();
         passes(preset.name, normality(&mut sample, 1.0 + model.bias, model.sigma));
-        let stepped = AngleErrors::new(AngleNoise { bias_sigma: 0.0, ..model }, SEED, ROBOT, "COMPASS");
+        let stepped = CompassErrors::new(CompassNoise { bias_sigma: 0.0, ..model }, SEED, ROBOT, "COMPASS");
         let sample: Vec<f64> = (0..MILLION).map(|index| stepped.reading(index, 1.0)).collect();
         passes(preset.name, cells(&sample, model.step, |x| normal_cdf((x - 1.0 - model.bias) / model.sigma)));
     }
@@ -388,8 +388,8 @@ fn compasses_of_every_preset_read_as_they_say() {
 
 #[test]
 fn the_bias_of_the_making_is_normal_between_compasses() {
-    let model = AngleNoise { bias: 0.02, bias_sigma: 0.05, ..AngleNoise::default() };
-    let offset = |robot| AngleErrors::new(model, SEED, RobotId(robot), "COMPASS").reading(0, 1.0) - 1.0;
+    let model = CompassNoise { bias: 0.02, bias_sigma: 0.05, ..CompassNoise::default() };
+    let offset = |robot| CompassErrors::new(model, SEED, RobotId(robot), "COMPASS").reading(0, 1.0) - 1.0;
     let mut sample: Vec<f64> = (1..=1_000_000).map(offset).collect();
     passes("bias", normality(&mut sample, 0.02, 0.05));
 }

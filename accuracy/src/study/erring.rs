@@ -8,7 +8,7 @@ use std::sync::Arc;
 use sim_core::RobotId;
 use sim_core::drive::{Command, Imperfection, Model, Motion};
 use sim_core::math;
-use sim_core::noise::{Events, Purpose, TwistNoise};
+use sim_core::noise::{EventStreams, Purpose, TwistNoise};
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Walls;
 use sim_core::time::{TICK, Time};
@@ -138,7 +138,7 @@ impl Case {
         let half = Wide::from(0.5);
         let kept = if self.lag > 0.0 { exp(-(Wide::from(0.01) / Wide::from(self.lag))) } else { Wide::default() };
         let Imperfection { diameters, slip, slip_deviation, command, odometry, .. } = self.imperfection;
-        let events = |purpose, name| Events::new(SEED, ME, purpose, name);
+        let events = |purpose, name| EventStreams::new(SEED, ME, purpose, name);
         let slips = events(Purpose::Command, "slip");
         let (of_command, of_odometry) = (events(Purpose::Command, ""), events(Purpose::Odometry, ""));
         let mut commands = commands().peekable();
@@ -168,7 +168,7 @@ impl Case {
             });
             let believed = twist(rates);
             let moves = believed.iter().any(|part| part.rounded() != 0.0);
-            let with = |base: [Wide; 2], noise: &TwistNoise, events: &Events| {
+            let with = |base: [Wide; 2], noise: &TwistNoise, events: &EventStreams| {
                 let mut stream = events.at(tick);
                 // The number for the sideways speed is drawn and not used.
                 let [ahead, _, round] = [(); 3].map(|()| stream.normal());

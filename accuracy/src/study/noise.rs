@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use sim_core::RobotId;
 use sim_core::math::{cos, ln};
-use sim_core::noise::{Events, Purpose, RangeErrors, RangeNoise, Stream};
+use sim_core::noise::{EventStreams, Purpose, RangeErrors, RangeNoise, Stream};
 use sim_core::time::Time;
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
@@ -83,8 +83,8 @@ fn run(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![figure] }
 }
 
-fn events() -> Events {
-    Events::new(SEED, RobotId(1), Purpose::Range, "PSD_FRONT")
+fn events() -> EventStreams {
+    EventStreams::new(SEED, RobotId(1), Purpose::Range, "PSD_FRONT")
 }
 
 /// Successive numbers from the stream of one event.

@@ -18,7 +18,7 @@ use crate::print::number::shortest;
 use crate::spec::{NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Preset};
 use crate::table::{Reader, Section};
 use sim_core::noise::RangeKind;
-use sim_core::noise::keys::{CAMERA, COMPASS, DRIVE, Keys as NoiseKeys, ODOMETRY, OWN, RADIO, RANGE};
+use sim_core::noise::keys::{CAMERA, COMPASS, DEVICE_NOISE, DRIVE, Keys as NoiseKeys, ODOMETRY, RADIO, RANGE};
 
 /// Noise of a scene or robot: `noise = "mild"`, `noise = "FILE.toml"` or an inline profile.
 pub(crate) const NOISE: Custom<NoiseRef> = Custom {
@@ -122,7 +122,9 @@ impl Errors {
     /// Name and description of the section's definition in the schema.
     fn definition(&self) -> (&'static str, &'static str) {
         match &self.0 {
-            NoiseSection::Range(kind) if !kind.has_own_noise() => ("RangeNoiseForm", "Errors of sensors of distance."),
+            NoiseSection::Range(kind) if !kind.has_device_noise() => {
+                ("RangeNoiseForm", "Errors of sensors of distance.")
+            }
             NoiseSection::Range(_) | NoiseSection::Sensor(_) => {
                 ("EchoNoiseForm", "Errors of sensors of distance whose type has noise of its own.")
             }
@@ -140,8 +142,8 @@ impl Errors {
             keys.iter().map(|key| (key.name, key.about, &key.quantity))
         }
         match &self.0 {
-            NoiseSection::Range(kind) if !kind.has_own_noise() => of(RANGE).collect(),
-            NoiseSection::Range(_) | NoiseSection::Sensor(_) => of(RANGE).chain(of(OWN)).collect(),
+            NoiseSection::Range(kind) if !kind.has_device_noise() => of(RANGE).collect(),
+            NoiseSection::Range(_) | NoiseSection::Sensor(_) => of(RANGE).chain(of(DEVICE_NOISE)).collect(),
             NoiseSection::Compass => of(COMPASS).collect(),
             NoiseSection::Camera => of(CAMERA).collect(),
             NoiseSection::Drive => of(DRIVE).collect(),
