@@ -217,7 +217,7 @@ fn blurred(sigma: f64, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
         sum
     };
     let weights: Vec<f64> = (-radius..=radius).map(|n| bessel(n.abs()) * math::exp(-2.0 * half)).collect();
-    let whole: f64 = weights.iter().sum();
+    let weight_sum: f64 = weights.iter().sum();
     let height = pixels.len() / width;
     let mirrored = |index: i64, size: usize| {
         let index = index.rem_euclid(2 * size as i64) as usize;
@@ -236,7 +236,7 @@ fn blurred(sigma: f64, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
         levels.extend([0, 1, 2].map(|channel| {
             let taps = weights.iter().zip(row - radius..);
             let sum: f64 = taps.map(|(weight, at)| weight * rows[mirrored(at, height) * width + column][channel]).sum();
-            (sum / (whole * whole)).round() as u8
+            (sum / (weight_sum * weight_sum)).round() as u8
         }));
     }
     levels
