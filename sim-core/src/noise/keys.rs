@@ -1,6 +1,6 @@
 //! The keys of a noise profile, with their units and ranges.
 
-use super::{Accessor, AngleNoise, ImageNoise, MotionNoise, RadioNoise, RangeNoise};
+use super::{Accessor, CompassNoise, ImageNoise, MotionNoise, RadioNoise, RangeNoise};
 use crate::unit::Quantity;
 
 /// A key of a section and the parameter of the model that it sets.
@@ -99,7 +99,7 @@ pub const DEVICE_NOISE: Keys<RangeNoise> = &[key(
 )];
 
 /// Keys of the compass.
-pub const COMPASS: Keys<AngleNoise> = &[
+pub const COMPASS: Keys<CompassNoise> = &[
     key(
         "sigma_deg",
         "Standard deviation of each reading in degrees.",

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{AngleNoise, ImageNoise, MotionNoise, RadioNoise, RangeNoise};
+use super::{CompassNoise, ImageNoise, MotionNoise, RadioNoise, RangeNoise};
 
 /// Kinds of devices that measure distances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -54,7 +54,7 @@ pub struct Profile {
     /// Changed parameters of individual distance sensors, by the sensor's name.
     pub sensors: BTreeMap<String, Vec<(Accessor<RangeNoise>, f64)>>,
     /// The compass.
-    pub compass: AngleNoise,
+    pub compass: CompassNoise,
     /// The camera.
     pub camera: ImageNoise,
     /// Drive and odometry.
