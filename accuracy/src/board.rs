@@ -54,8 +54,8 @@ impl Board {
 /// Points in a picture at which two dark and two light squares meet diagonally, with sub-pixel accuracy. Columns go to the right, rows
 /// downwards; the centre of the first pixel is at (0.5, 0.5).
 ///
-/// Finds saddle points of the brightness blurred by a Gaussian of 2.5 pixels. Newton's method refines candidates, at every other pixel, to zeros
-/// of the gradient. The four squares are symmetric under a half turn about their crossing, so the crossing remains the saddle point
+/// Finds saddle points of the brightness blurred by a Gaussian of 2.5 pixels. Newton's method refines candidates, at every other pixel, to
+/// zeros of the gradient. The four squares are symmetric under a half turn about their crossing, so the crossing remains the saddle point
 /// under any blur with that symmetry. The method is our choice.
 pub fn crossings(picture: &Picture<[u8; 3]>) -> Vec<DVec2> {
     let brightness = Brightness(picture);

@@ -1,8 +1,9 @@
 //! Fair comparisons of methods: the same parameter search for each method, held-out cases, and intervals of paired differences.
 //!
-//! [`tune`] searches the parameters of one method on training cases, with the same budget for all methods. It evaluates its result
-//! also with each parameter one step lower and one step higher, so no optimum is at the edge of a range, except where larger values of a
-//! parameter have no meaning. [`Difference`] compares two methods on cases that no search has used. The protocol is described in `docs/accuracy.md`.
+//! [`tune`] searches the parameters of one method on training cases, with the same budget for all methods. It evaluates its result also
+//! with each parameter one step lower and one step higher, so no optimum is at the edge of a range, except where larger values of a
+//! parameter have no meaning. [`Difference`] compares two methods on cases that no search has used. The protocol is described in
+//! `docs/accuracy.md`.
 
 use std::collections::HashMap;
 
@@ -170,8 +171,8 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
         Ok(())
     }
 
-    /// Returns true if the mean error of a setting is less than `factor` times that of the best setting. The comparison goes case by case and
-    /// stops early if the setting is clearly worse.
+    /// Returns true if the mean error of a setting is less than `factor` times that of the best setting. The comparison goes case by case
+    /// and stops early if the setting is clearly worse.
     fn is_better(&mut self, steps: &[i32], best: &[i32], factor: f64, cases: usize) -> Result<bool, TuneError> {
         let mut excesses = Vec::with_capacity(cases);
         for case in 0..cases {

@@ -1,9 +1,9 @@
 //! Reference for the sliding of a disc along walls, with which the core's closed forms are compared: an integrator in
 //! small steps.
 //!
-//! The integrator does not compute the instants at which contacts begin and end, as the core does. In each step, sweeps over the contacts (projected Gauss-Seidel)
-//! find contact forces that keep the disc out of the walls and are within their friction cones. The error falls with
-//! the length of the step.
+//! The integrator does not compute the instants at which contacts begin and end, as the core does. In each step, sweeps over the contacts
+//! (projected Gauss-Seidel) find contact forces that keep the disc out of the walls and are within their friction cones. The error falls
+//! with the length of the step.
 
 use glam::DVec2;
 use sim_core::contact::SKIN;

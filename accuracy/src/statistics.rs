@@ -75,8 +75,8 @@ pub fn kolmogorov(sample: &mut [f64], cdf: impl Fn(f64) -> f64) -> f64 {
     (1..100).map(term).sum::<f64>().clamp(0.0, 1.0)
 }
 
-/// Pearson's chi-squared test in the approximation of Wilson and Hilferty: p-value of `counts` under the hypothesis that their expected values
-/// are `expected`, which has the same sum. Adjacent classes are merged until each has an expected count of at least 10.
+/// Pearson's chi-squared test in the approximation of Wilson and Hilferty: p-value of `counts` under the hypothesis that their expected
+/// values are `expected`, which has the same sum. Adjacent classes are merged until each has an expected count of at least 10.
 ///
 /// # Panics
 /// If fewer than two classes remain, or the numbers of counts and expectations differ.

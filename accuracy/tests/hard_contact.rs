@@ -1,5 +1,5 @@
-//! Hard cases of contact: robots that start in contact, wedged robots and head-on collisions, at any speed, far from the origin, with any slot
-//! length.
+//! Hard cases of contact: robots that start in contact, wedged robots and head-on collisions, at any speed, far from the origin, with any
+//! slot length.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -51,8 +51,8 @@ fn contacts_ten_kilometres_away_are_exact() {
     }
 }
 
-/// Criterion: head on and from 1 um/s to 1 km/s, the robot stops one skin in front of the first of many walls, even if it would cross all of
-/// them within one slot.
+/// Criterion: head on and from 1 um/s to 1 km/s, the robot stops one skin in front of the first of many walls, even if it would cross all
+/// of them within one slot.
 #[test]
 fn first_of_many_walls_stops_the_robot_at_any_speed() {
     let walls: Vec<_> = (1..=50).map(|n| wall(0.2 * f64::from(n), -1.0, 0.2 * f64::from(n), 1.0)).collect();
@@ -159,8 +159,8 @@ fn wedged_robot_reverses_out_of_corners_of_any_angle() {
     }
 }
 
-/// Criterion: a robot drives 100 m through a gap that is 1 mm wider than itself, at the origin and 10 km away, without contact; if it starts
-/// 0.6 mm beside the middle line, it is stopped at the entrance.
+/// Criterion: a robot drives 100 m through a gap that is 1 mm wider than itself, at the origin and 10 km away, without contact; if it
+/// starts 0.6 mm beside the middle line, it is stopped at the entrance.
 #[test]
 fn robot_drives_through_a_gap_one_millimetre_wider() {
     let half_width = RADIUS + 0.5e-3;

@@ -153,7 +153,8 @@ fn million_turns_stay_on_the_circle() {
     assert!((state.path_length - v * at.seconds()).abs() < 1e-3 * 1e-6, "{} m", state.path_length);
 }
 
-/// Criterion: a course with curves 10 km from the origin ends within 1e-9 m of the same course at the origin (1e4 m are rounded to 2e-12 m).
+/// Criterion: a course with curves 10 km from the origin ends within 1e-9 m of the same course at the origin (1e4 m are rounded to 2e-12
+/// m).
 #[test]
 fn course_ten_kilometres_away_is_the_same() {
     let lagging_model = Model { wheel_lag: 0.05, axis_offset: 0.03, ..model() };

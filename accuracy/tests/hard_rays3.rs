@@ -1,5 +1,5 @@
-//! Hard cases of rays among triangles: rays through shared edges and corners, rays in the planes of triangles, and tiny triangles in a large
-//! world.
+//! Hard cases of rays among triangles: rays through shared edges and corners, rays in the planes of triangles, and tiny triangles in a
+//! large world.
 
 use accuracy::oracle;
 use accuracy::world::{Random, cuboid};

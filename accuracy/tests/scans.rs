@@ -193,7 +193,8 @@ fn tilted_rays_pass_over_low_walls_and_hit_the_floor() {
     let upright = |x: f64| Segment::new(DVec2::new(x, -5.0), DVec2::new(x, 5.0));
     let walls = Walls::new(vec![upright(1.0), upright(2.0), upright(4.0)]).with_heights(vec![0.1, 0.3, f64::INFINITY]);
     let world = World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty());
-    // Checks the reading of one ray along x from the origin. `expected` is the horizontal distance; `None`: no return within 9 m of the ray.
+    // Checks the reading of one ray along x from the origin. `expected` is the horizontal distance; `None`: no return within 9 m of the
+    // ray.
     let check_reading = |height: f64, tilt: f64, expected: Option<f64>| {
         let fan = Fan { sweep: 0.0, points: 1, tilt, height, range: 9.0 };
         let found = Scan::new(Mount::default(), fan).distances(&world, RobotId(1), &Pose::default(), Time::ZERO)[0];

@@ -196,7 +196,8 @@ mod tests {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), 14 + WITH_NOISE.len());
         let noisy: Vec<f64> = rows[14..].iter().map(|row| row.error).collect();
-        // A normal error with a standard deviation of 4 levels has a mean magnitude of 3.2; the mean of a hundred pictures is nearly the picture without noise.
+        // A normal error with a standard deviation of 4 levels has a mean magnitude of 3.2; the mean of a hundred pictures is nearly the
+        // picture without noise.
         assert!(noisy[0] > 3.0 && noisy[1] > 3.0 && noisy[1] < 4.0, "{noisy:?}");
         assert!((noisy[3] - rows[8].error).abs() < 0.2 && noisy[4] < 0.6 && noisy[4] < noisy[2], "{noisy:?}");
         for rows in rows[..14].chunks(7) {

@@ -86,8 +86,8 @@ fn views() -> Vec<View> {
     (0..VIEWS).map(|_| view()).collect()
 }
 
-/// The edge in a picture: its column as a linear function of the row, or its row as a linear function of the column if `is_level`; both from
-/// the upper left corner.
+/// The edge in a picture: its column as a linear function of the row, or its row as a linear function of the column if `is_level`; both
+/// from the upper left corner.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     is_level: bool,
@@ -249,7 +249,8 @@ mod tests {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), SAMPLES.len() + MODELS.len() * COUNTS.len());
         let errors: Vec<f64> = rows.iter().map(|row| row.error).collect();
-        // With one sample per pixel the error is at most half a pixel and a quarter on average; with s samples per side it is at most an s-th of this.
+        // With one sample per pixel the error is at most half a pixel and a quarter on average; with s samples per side it is at most an
+        // s-th of this.
         assert!(errors[0] < 0.3 && errors[3] < 0.04, "{errors:?}");
         assert!(errors[4..].chunks(3).all(|errors| errors[2] < 0.5 * errors[0] && errors[2] < 0.15), "{errors:?}");
     }

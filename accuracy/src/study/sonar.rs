@@ -147,11 +147,11 @@ fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
     std::iter::repeat_with(draw).take(count).collect()
 }
 
-/// Distance of the nearest detectable echo from a rough plane whose nearest point is at `nearest_distance` m, `off_axis` rad from the line of
-/// sight.
+/// Distance of the nearest detectable echo from a rough plane whose nearest point is at `nearest_distance` m, `off_axis` rad from the line
+/// of sight.
 ///
-/// A point of the plane at the incidence angle alpha is at the distance nearest_distance / cos(alpha), and at least off_axis - alpha from the
-/// line of sight. The smallest alpha with a detectable echo is searched from 0 on and refined by bisection.
+/// A point of the plane at the incidence angle alpha is at the distance nearest_distance / cos(alpha), and at least off_axis - alpha from
+/// the line of sight. The smallest alpha with a detectable echo is searched from 0 on and refined by bisection.
 fn nearest_echo(nearest_distance: f64, off_axis: f64) -> Option<f64> {
     let sonar = Sonar::srf08();
     let distance = |alpha: f64| nearest_distance / math::cos(alpha);
@@ -171,8 +171,8 @@ fn nearest_echo(nearest_distance: f64, off_axis: f64) -> Option<f64> {
     Some(distance(detected)).filter(|distance| *distance <= sonar.max)
 }
 
-/// Energy of an echo from `distance` m, `angle` rad from the line of sight; the surface reflects the fraction `reflectance` of the energy in
-/// this direction.
+/// Energy of an echo from `distance` m, `angle` rad from the line of sight; the surface reflects the fraction `reflectance` of the energy
+/// in this direction.
 fn energy(angle: f64, distance: f64, reflectance: f64) -> f64 {
     let angle_ratio = angle / Sonar::srf08().half_angle;
     let two_way_gain = math::exp(-4.0 * LN_2 * angle_ratio * angle_ratio);

@@ -116,8 +116,8 @@ impl SonarModel {
         (membership >= self.min_membership).then_some(Shadow { membership, height })
     }
 
-    /// Shadow with the errors of the distance (R): the supremum of S over `steps` heights around the cap. It serves as a comparison, since it
-    /// costs `steps` times as much.
+    /// Shadow with the errors of the distance (R): the supremum of S over `steps` heights around the cap. It serves as a comparison, since
+    /// it costs `steps` times as much.
     pub fn shadow_with_range(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, steps: usize) -> Option<Shadow> {
         let max_distance = measured * (1.0 + 2.0 * self.epsilon);
         let height = |step: usize| sonar.origin.z + max_distance * (2.0 * step as f64 / steps as f64 - 1.0);
@@ -147,8 +147,8 @@ impl SonarModel {
     }
 }
 
-/// Point above or below (x, y) on the cap of a reading, as the cosine of its angle from the line of sight and its height in m. `None` if there
-/// is no such point or if the cosine is not above 0.
+/// Point above or below (x, y) on the cap of a reading, as the cosine of its angle from the line of sight and its height in m. `None` if
+/// there is no such point or if the cosine is not above 0.
 pub fn cap_point(sonar: &SonarPose, measured: f64, x: f64, y: f64, side: Side) -> Option<(f64, f64)> {
     let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
     let square = measured * measured - dx * dx - dy * dy;

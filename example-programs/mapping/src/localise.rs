@@ -43,8 +43,8 @@ pub struct Belief {
 
 /// Half width of the window of poses, in standard deviations.
 const WINDOW: f64 = 3.0;
-/// Number of positions along x and along y. The steps are 0.75 standard deviations, at which the moments of a normal distribution are exact to
-/// 1e-4.
+/// Number of positions along x and along y. The steps are 0.75 standard deviations, at which the moments of a normal distribution are exact
+/// to 1e-4.
 const POSITIONS: usize = 9;
 /// Number of headings.
 const HEADINGS: usize = 13;
@@ -65,7 +65,8 @@ impl Belief {
         let mean = self.mean.then(&step);
         let offset = rotated(step.position.coords, self.mean.heading);
         let distance = offset.norm();
-        // The end of the motion turns about its start: by the heading error before the motion, and by half of the heading error of the motion.
+        // The end of the motion turns about its start: by the heading error before the motion, and by half of the heading error of the
+        // motion.
         let lever = Vector3::new(-offset.y, offset.x, 0.0);
         let jacobian = Matrix3::new(1.0, 0.0, lever.x, 0.0, 1.0, lever.y, 0.0, 0.0, 1.0);
         let heading_sigma = math::hypot(noise.turn * step.heading, noise.drift * distance);

@@ -197,7 +197,8 @@ mod tests {
     /// Walls along x whose ends are out of range.
     const CORRIDOR: [[f64; 4]; 2] = [[-1.0, 0.0, 6.9, 0.0], [-1.0, 1.5, 6.9, 1.5]];
 
-    /// Points on the walls, 5 cm apart, up to `range` from the robot at `pose` and in its frame, as from a scanner with a view of 360 degrees.
+    /// Points on the walls, 5 cm apart, up to `range` from the robot at `pose` and in its frame, as from a scanner with a view of 360
+    /// degrees.
     fn points(walls: &[[f64; 4]], pose: &Pose, range: f64) -> Vec<Vec<Point>> {
         let points_on = |wall: &[f64; 4]| {
             let (from, to) = (Point::new(wall[0], wall[1]), Point::new(wall[2], wall[3]));

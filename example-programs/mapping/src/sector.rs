@@ -37,9 +37,9 @@ pub struct Fan {
 /// Relation between the readings of two neighbours ("Sensor Number and Definitions").
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Relation {
-    /// d_A <= d_B <= d_A / cos a, where a is the angle of a sector: one straight wall can cause both readings. At the upper limit, the wall's
-    /// foot is at the far edge of A's sector, and B measures the wall at the near edge of its own sector. The paper prints "d_A cos a",
-    /// which no d_B satisfies.
+    /// d_A <= d_B <= d_A / cos a, where a is the angle of a sector: one straight wall can cause both readings. At the upper limit, the
+    /// wall's foot is at the far edge of A's sector, and B measures the wall at the near edge of its own sector. The paper prints "d_A cos
+    /// a", which no d_B satisfies.
     Continuous,
     /// d_A / cos a < d_B <= d_A + 2 r: too far apart for one wall, too near for the robot to pass.
     Interval,
@@ -97,8 +97,8 @@ pub const EQUAL_READINGS: f64 = 0.02;
 impl Fan {
     /// Relation between two neighbouring readings; `None` is a reading without an echo.
     ///
-    /// The distances are in metres from the rim, as the sonars measure them; the comparison uses distances from the robot's middle, where the
-    /// sectors meet.
+    /// The distances are in metres from the rim, as the sonars measure them; the comparison uses distances from the robot's middle, where
+    /// the sectors meet.
     pub fn relation(&self, a: Option<f64>, b: Option<f64>) -> Relation {
         let (Some(a), Some(b)) = (a, b) else { return Relation::Open };
         let (near, far) = (a.min(b) + self.radius, a.max(b) + self.radius);
@@ -283,8 +283,8 @@ pub struct Reading {
 
 /// Readings of all sonars at one instant.
 ///
-/// Its text has the robot's x, y and heading, then the distances from right to left with `-` for no echo, in metres and radians; printing and
-/// parsing are exact inverses.
+/// Its text has the robot's x, y and heading, then the distances from right to left with `-` for no echo, in metres and radians; printing
+/// and parsing are exact inverses.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Look {
     /// The robot's pose in the map's frame.

@@ -218,8 +218,8 @@ pub fn activations(
     partition.cells_within(sonar.origin.x, sonar.origin.y, east, north).filter_map(activation_of).collect()
 }
 
-/// Point of the plane at the measured distance from a sonar, in the direction of the point (x, y); `None` if that is at the sonar, or more than
-/// a cell away from the result.
+/// Point of the plane at the measured distance from a sonar, in the direction of the point (x, y); `None` if that is at the sonar, or more
+/// than a cell away from the result.
 fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64), cell: f64) -> Option<(f64, f64)> {
     let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
     let (square, nearest) = (dx * dx + dy * dy, (measured - cell).max(0.0));
@@ -374,8 +374,8 @@ impl Tsk {
         Some(variance.sqrt())
     }
 
-    /// Moves the partition so that `low` is its cell with the minimum x and y. The estimates of cells that leave it are discarded; new cells have
-    /// the prior.
+    /// Moves the partition so that `low` is its cell with the minimum x and y. The estimates of cells that leave it are discarded; new
+    /// cells have the prior.
     pub fn move_to(&mut self, low: CellIndex) {
         let before = self.partition;
         self.partition.low = low;

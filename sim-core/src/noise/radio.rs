@@ -74,8 +74,8 @@ mod tests {
     use crate::RobotId;
     use crate::noise::Purpose;
 
-    /// Fraction of the cells for which at least `count` correct bits come before an error. Gaps decrease with the cell, so bisection finds the
-    /// boundary.
+    /// Fraction of the cells for which at least `count` correct bits come before an error. Gaps decrease with the cell, so bisection finds
+    /// the boundary.
     fn fraction_with_gap(count: u64, ln_correct: f64) -> f64 {
         let (mut low, mut high) = (0, 1_u64 << 52);
         while low < high {

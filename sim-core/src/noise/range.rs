@@ -24,7 +24,8 @@ pub struct RangeNoise {
     pub sigma: f64,
     /// Standard deviation of each reading as a fraction of the distance.
     pub sigma_share: f64,
-    /// Coefficient k of a standard deviation k d^2 of each reading, 1/m, as of a sensor with a signal proportional to 1/d and constant noise.
+    /// Coefficient k of a standard deviation k d^2 of each reading, 1/m, as of a sensor with a signal proportional to 1/d and constant
+    /// noise.
     pub sigma_square: f64,
     /// Error of all readings of all sensors, m.
     pub bias: f64,
@@ -95,8 +96,8 @@ impl RangeErrors {
         }
     }
 
-    /// Noise N = sigma G + mean of the sensor model for the reading with this [index](EventStreams::index), times the factor `device` of the
-    /// noise model; G is standard normal. Source: France et al. (1999), section 4.3.
+    /// Noise N = sigma G + mean of the sensor model for the reading with this [index](EventStreams::index), times the factor `device` of
+    /// the noise model; G is standard normal. Source: France et al. (1999), section 4.3.
     pub fn device_noise(&self, index: u64, sigma: f64, mean: f64) -> f64 {
         if self.model.device == 0.0 {
             return 0.0;

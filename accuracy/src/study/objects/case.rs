@@ -198,8 +198,8 @@ fn rebound(delay: f64) -> Case {
     }
 }
 
-/// A disc hits a wall with friction and slips during the whole impact, so the tangential impulse is the coefficient of friction times the normal
-/// impulse.
+/// A disc hits a wall with friction and slips during the whole impact, so the tangential impulse is the coefficient of friction times the
+/// normal impulse.
 fn rough_wall(restitution: f64, delay: f64) -> Case {
     let (friction, seconds, start) = (0.1, 0.6, DVec2::new(1.2, 0.9));
     let gap = 0.4531 + start.x * delay;
@@ -271,7 +271,8 @@ fn impacts() -> [(&'static str, Impact); 5] {
     ]
 }
 
-/// Error of a collision as a function of the impact, the distance of the centres along x at the start (m), the duration (s), and the bodies.
+/// Error of a collision as a function of the impact, the distance of the centres along x at the start (m), the duration (s), and the
+/// bodies.
 type CollisionError = fn(&Impact, f64, f64, &Bodies) -> f64;
 
 fn collision(name: &'static str, impact: Impact, delay: f64, error: CollisionError) -> Case {
@@ -368,8 +369,8 @@ pub fn struck_crate() -> Trial {
 /// Duration of [`robot_and_heavy_crate`], s.
 pub const PUSH_SECONDS: f64 = 2.0;
 
-/// Relative error of the distance that a robot and a crate cover together. The robot (2 kg, traction 0.5) drives at 0.2 m/s against the crate
-/// (3 kg, friction 0.5), whose friction stops both. The trial runs in a world with slots of 50 ms.
+/// Relative error of the distance that a robot and a crate cover together. The robot (2 kg, traction 0.5) drives at 0.2 m/s against the
+/// crate (3 kg, friction 0.5), whose friction stops both. The trial runs in a world with slots of 50 ms.
 pub fn robot_and_heavy_crate() -> f64 {
     let (mass, crate_mass, speed, coefficient) = (2.0, 3.0, 0.2, 0.5);
     let common_speed = mass * speed / (mass + crate_mass);

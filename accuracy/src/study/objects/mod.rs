@@ -1,5 +1,5 @@
-//! `objects` and `objects-conserved`: sliding, rolling, colliding and pushed objects, compared with closed forms and with short steps of the
-//! solver.
+//! `objects` and `objects-conserved`: sliding, rolling, colliding and pushed objects, compared with closed forms and with short steps of
+//! the solver.
 
 mod case;
 mod impact;

@@ -76,8 +76,8 @@ fn measure(
     Part { rows, picture: Comparison { name, title, labels, x_scale, curves, points } }
 }
 
-/// Time from sending a message until its acknowledgement is visible, if neither is lost. Each takes its air time and is visible at the end of a
-/// slot at the earliest.
+/// Time from sending a message until its acknowledgement is visible, if neither is lost. Each takes its air time and is visible at the end
+/// of a slot at the earliest.
 fn round_trip(slot: Time) -> Time {
     let one_way = |bytes| air_time(bytes, BAUD).max(slot);
     one_way(BYTES) + one_way(ACK)
@@ -101,8 +101,8 @@ fn expected_throughput(errors: RadioNoise) -> (f64, f64) {
     (throughput, throughput * throughput * SIGMAS * deviation / (COUNT as f64).sqrt())
 }
 
-/// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the duration of the transfer, s. Corrupted messages are discarded, as by
-/// a perfect checksum.
+/// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the duration of the transfer, s. Corrupted messages are discarded, as
+/// by a perfect checksum.
 fn transfer_seconds(errors: RadioNoise, slot: Time) -> f64 {
     let model = RadioModel { baud: BAUD, ..RadioModel::default() };
     let mut channel = Channel::new(model, SEED, vec![errors; 2]);
