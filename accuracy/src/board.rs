@@ -99,9 +99,9 @@ const MARGIN: usize = 13;
 struct Brightness<'p>(&'p Picture<[u8; 3]>);
 
 impl Brightness<'_> {
-    /// First and second derivatives of the blurred brightness at `at`.
-    fn derivatives(&self, at: DVec2) -> (DVec2, DMat2) {
-        let (column, row) = (at.x.floor() as isize, at.y.floor() as isize);
+    /// First and second derivatives of the blurred brightness at `point`.
+    fn derivatives(&self, point: DVec2) -> (DVec2, DMat2) {
+        let (column, row) = (point.x.floor() as isize, point.y.floor() as isize);
         // The Gaussian is separable.
         let weights = |middle: isize, coordinate: f64| {
             (middle - TRUNCATION_RADIUS..=middle + TRUNCATION_RADIUS).map(move |pixel| {
@@ -110,9 +110,9 @@ impl Brightness<'_> {
                 (pixel as u32, weight, offset / (BLUR * BLUR))
             })
         };
-        let columns: Vec<_> = weights(column, at.x).collect();
+        let columns: Vec<_> = weights(column, point.x).collect();
         let (mut gradient, mut hessian) = (DVec2::ZERO, DMat2::ZERO);
-        for (row, row_weight, y) in weights(row, at.y) {
+        for (row, row_weight, y) in weights(row, point.y) {
             for &(column, column_weight, x) in &columns {
                 let light = row_weight * column_weight * f64::from(self.0.pixel(column, row)[1]);
                 gradient += light * DVec2::new(x, y);
@@ -125,19 +125,19 @@ impl Brightness<'_> {
 
     /// The saddle point nearest to `start`; `None` if there is none within three pixels.
     fn saddle(&self, start: DVec2) -> Option<DVec2> {
-        let mut at = start;
+        let mut point = start;
         for _ in 0..20 {
-            let (gradient, hessian) = self.derivatives(at);
+            let (gradient, hessian) = self.derivatives(point);
             let step = (hessian.determinant() < 0.0).then(|| hessian.inverse() * gradient)?;
-            at -= step;
-            if (at - start).abs().max_element() > 3.0 {
+            point -= step;
+            if (point - start).abs().max_element() > 3.0 {
                 return None;
             }
             if step.length() < 1e-9 {
                 break;
             }
         }
-        Some(at)
+        Some(point)
     }
 }
 
@@ -152,8 +152,8 @@ mod tests {
             [(DVec2::new(20.3, 15.8), 0.2), (DVec2::new(19.0, 16.25), 0.6), (DVec2::new(20.5, 15.5), 1.4)]
         {
             let (sin, cos) = math::sin_cos(turn);
-            let is_light = |at: DVec2| {
-                let local = DVec2::new(cos, -sin).rotate(at - crossing);
+            let is_light = |point: DVec2| {
+                let local = DVec2::new(cos, -sin).rotate(point - crossing);
                 local.x * local.y > 0.0
             };
             let pixel = |number: u32| {

@@ -45,13 +45,13 @@ fn point_of_an_edge(triangles: &[Triangle], random: &mut Random) -> DVec3 {
 
 #[test]
 fn no_ray_leaves_a_closed_mesh_through_an_edge() {
-    let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
+    let rotation = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
     let half = DVec3::new(2.0, 1.5, 1.25);
     let far = DVec3::new(1e4, -1e4, 0.0);
     let meshes = [
         ("box on the grid", cuboid(half, 4, |point| point), DVec3::ZERO),
         ("box on the grid, 10 km away", cuboid(half, 4, |point| point + far), far),
-        ("turned box", cuboid(half, 5, |point| turn * point), DVec3::ZERO),
+        ("turned box", cuboid(half, 5, |point| rotation * point), DVec3::ZERO),
         ("ring", torus(), DVec3::new(3.0, 0.0, 0.0)),
     ];
     let mut random = Random::new(61);

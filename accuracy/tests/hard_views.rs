@@ -67,7 +67,7 @@ fn camera_in_a_wall_shows_its_inside_and_camera_on_a_face_does_not_show_that_fac
     let mut random = Random::new(91);
     let inside = DVec3::new(0.03, 0.5, -0.25);
     let views: Vec<View> = (0..20)
-        .map(|turn| view(random_orientation(&mut random, inside), [PINHOLE, FISHEYE][turn % 2], [20, 15]))
+        .map(|number| view(random_orientation(&mut random, inside), [PINHOLE, FISHEYE][number % 2], [20, 15]))
         .collect();
     assert_agrees("inside", &scene, &views);
     let posed = scene.pose_at(&empty(), Time::ZERO);
@@ -96,11 +96,11 @@ fn faces_across_the_camera_plane_match_the_reference() {
         let faces: Vec<[DVec3; 3]> = (0..8).map(|_| [corner(), corner(), corner()]).collect();
         let scene = (scene, scenery(faces.iter().map(|face| mesh(&[*face]))));
         let views: Vec<View> = (0..6)
-            .map(|turn| {
+            .map(|number| {
                 let position = random.direction_in_space();
                 view(
                     random_orientation(&mut random, position),
-                    [PINHOLE, FISHEYE, Lens::Pinhole { fov: 2.9 }][turn % 3],
+                    [PINHOLE, FISHEYE, Lens::Pinhole { fov: 2.9 }][number % 3],
                     [20, 15],
                 )
             })
@@ -205,11 +205,11 @@ fn any_direction_of_the_sun_matches_the_reference() {
         let walls = Scenery::new(parts.collect(), floor().ground().cloned(), light, SKY);
         let mut random = Random::new(95);
         let views: Vec<View> = (0..8)
-            .map(|turn| {
+            .map(|number| {
                 let mut between = |low, high| random.between(low, high);
                 let position = DVec3::new(between(0.0, 4.0), between(0.0, 3.0), between(0.1, 2.0));
                 let pose = Pose3::from_angles(position, 0.0, between(-1.2, 0.0), between(-PI, PI));
-                view(pose, [PINHOLE, FISHEYE][turn % 2], [24, 18])
+                view(pose, [PINHOLE, FISHEYE][number % 2], [24, 18])
             })
             .collect();
         assert_agrees(&format!("walls, sun {direction}"), &walls, &views);
@@ -275,7 +275,7 @@ fn degenerate_faces_and_needles_match_the_reference() {
             });
         }
         let views: Vec<View> = (0..4)
-            .map(|turn| view(random_orientation(&mut random, DVec3::ZERO), [PINHOLE, FISHEYE][turn % 2], [24, 18]))
+            .map(|number| view(random_orientation(&mut random, DVec3::ZERO), [PINHOLE, FISHEYE][number % 2], [24, 18]))
             .collect();
         assert_agrees("needles", &scenery([mesh(&faces)]), &views);
     }
@@ -283,32 +283,32 @@ fn degenerate_faces_and_needles_match_the_reference() {
 
 #[test]
 fn closed_room_shows_no_sky() {
-    let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
+    let rotation = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
     let half = DVec3::new(2.0, 1.5, 1.25);
     let far = DVec3::new(1e4, -1e4, 0.0);
     let rooms = [
         ("on the grid", mesh(&cuboid(half, 4, |point| point)), DVec3::ZERO),
         ("on the grid, 14 km away", mesh(&cuboid(half, 4, |point| point + far)), far),
-        ("turned", mesh(&cuboid(half, 7, |point| turn * point)), DVec3::ZERO),
+        ("turned", mesh(&cuboid(half, 7, |point| rotation * point)), DVec3::ZERO),
     ];
     let mut random = Random::new(94);
     let mut camera = Camera::default();
     for (name, mesh, middle) in rooms {
         let scene = scenery([mesh]);
         let posed = scene.pose_at(&empty(), Time::ZERO);
-        for turn in 0..1000 {
+        for number in 0..1000 {
             // Every other view is from a grid position with a heading of n * 45 degrees, so edges pass through the centres of pixels.
-            let (offset, pose): (DVec3, Pose3) = if turn % 2 == 0 {
+            let (offset, pose): (DVec3, Pose3) = if number % 2 == 0 {
                 let offset = 0.25 * DVec3::new(random.below(5) as f64, random.below(5) as f64, random.below(3) as f64);
                 (
                     offset - DVec3::new(0.5, 0.5, 0.25),
-                    Pose3::from_angles(DVec3::ZERO, 0.0, 0.0, turn as f64 * FRAC_PI_4),
+                    Pose3::from_angles(DVec3::ZERO, 0.0, 0.0, number as f64 * FRAC_PI_4),
                 )
             } else {
                 (random.between(0.0, 1.0) * random.direction_in_space(), random_orientation(&mut random, DVec3::ZERO))
             };
-            let lens = [Lens::Pinhole { fov: FRAC_PI_2 }, Lens::Fisheye { fov: 4.0 }][turn / 2 % 2];
-            let size = [[25, 25], [32, 24]][turn / 4 % 2];
+            let lens = [Lens::Pinhole { fov: FRAC_PI_2 }, Lens::Fisheye { fov: 4.0 }][number / 2 % 2];
+            let size = [[25, 25], [32, 24]][number / 4 % 2];
             let view = view(Pose3 { position: middle + offset, ..pose }, lens, size);
             let holes =
                 camera.labels(&posed, &view, None).pixels().iter().filter(|label| **label == Label::Sky).count();

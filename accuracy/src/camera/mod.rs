@@ -126,14 +126,14 @@ impl<'s> Reference<'s> {
     }
 
     /// Sight at a point of the image (columns to the right, rows downwards from the upper left corner).
-    pub fn look(&self, view: &View, at: DVec2) -> Sight {
-        self.sights(view, at, 0.0)[0]
+    pub fn look(&self, view: &View, image_point: DVec2) -> Sight {
+        self.sights(view, image_point, 0.0)[0]
     }
 
     /// Sights at a point of the image: the nearest surface, and all surfaces whose distance exceeds the nearest
     /// distance by at most the fraction `slack`. Rounding decides which of several coincident surfaces is the nearest.
-    pub fn sights(&self, view: &View, at: DVec2, slack: f64) -> Vec<Sight> {
-        let Some(ray) = ray(view, at, true) else {
+    pub fn sights(&self, view: &View, image_point: DVec2, slack: f64) -> Vec<Sight> {
+        let Some(ray) = ray(view, image_point, true) else {
             let nothing = (Shown::Nothing, Label::Sky, f64::INFINITY);
             return vec![sight(nothing, [0.0; 3], false)];
         };
@@ -153,8 +153,8 @@ impl<'s> Reference<'s> {
         let nearest_hits = hits.into_iter().take_while(|(metres, _)| *metres <= max_distance);
         let mut sights: Vec<Sight> = nearest_hits
             .map(|(metres, hit)| match hit {
-                Hit::Ground => self.ground(view, at, metres),
-                Hit::Face(body, face) => self.face(view, at, body, face, metres),
+                Hit::Ground => self.ground(view, image_point, metres),
+                Hit::Face(body, face) => self.face(view, image_point, body, face, metres),
             })
             .collect();
         if sights.is_empty() {
@@ -180,13 +180,13 @@ impl<'s> Reference<'s> {
         mixed(sky.horizon.map(f64::from), sky.zenith.map(f64::from), ray.z.max(0.0))
     }
 
-    fn ground(&self, view: &View, at: DVec2, metres: f64) -> Sight {
-        let ray_around = rays_around(view, at);
-        let point = |at: DVec2| {
-            let (origin, ray) = (view.world_from_camera().position, ray_around(at));
+    fn ground(&self, view: &View, image_point: DVec2, metres: f64) -> Sight {
+        let ray_around = rays_around(view, image_point);
+        let point = |image_point: DVec2| {
+            let (origin, ray) = (view.world_from_camera().position, ray_around(image_point));
             (origin + ray * (origin.z / -ray.z)).truncate()
         };
-        let here = point(at);
+        let here = point(image_point);
         let mut colour = [0.0; 3];
         if let Some(ground) = self.posed.scenery().ground() {
             colour = ground.colour.map(f64::from);
@@ -196,7 +196,8 @@ impl<'s> Reference<'s> {
             {
                 colour = floor.colour.map(f64::from);
                 if let Some(texture) = &floor.texture {
-                    let texel = self.filtered(texture, at, false, |at| point(at) / floor.size);
+                    let texel =
+                        self.filtered(texture, image_point, false, |image_point| point(image_point) / floor.size);
                     colour = mixed(colour, [texel[0], texel[1], texel[2]], texel[3] / 255.0);
                 }
             }
@@ -210,31 +211,34 @@ impl<'s> Reference<'s> {
         sight((Shown::Ground, Label::Ground, metres), colour, is_sunlit)
     }
 
-    fn face(&self, view: &View, at: DVec2, body: &Body, face: &Face, metres: f64) -> Sight {
+    fn face(&self, view: &View, image_point: DVec2, body: &Body, face: &Face, metres: f64) -> Sight {
         let origin = view.world_from_camera().position;
-        let ray_around = rays_around(view, at);
-        let point = |at: DVec2| {
-            let ray = ray_around(at);
+        let ray_around = rays_around(view, image_point);
+        let point = |image_point: DVec2| {
+            let ray = ray_around(image_point);
             origin + ray * ((face.corners[0] - origin).dot(face.normal) / ray.dot(face.normal))
         };
-        let weights = |at: DVec2| face.barycentric(point(at));
+        let weights = |image_point: DVec2| face.barycentric(point(image_point));
         let tint = face.material.colour.map(|channel| 255.0 * f64::from(channel).clamp(0.0, 1.0));
         let colour = match (&face.material.texture, face.uv) {
             (Some(texture), Some(uv)) => {
-                let uv_at = |at: DVec2| weights(at).into_iter().zip(uv).map(|(weight, corner)| corner * weight).sum();
-                let [red, green, blue, opacity] = self.filtered(texture, at, true, uv_at);
+                let uv_at = |image_point: DVec2| {
+                    weights(image_point).into_iter().zip(uv).map(|(weight, corner)| corner * weight).sum()
+                };
+                let [red, green, blue, opacity] = self.filtered(texture, image_point, true, uv_at);
                 let tinted = [red * tint[0], green * tint[1], blue * tint[2]].map(|product| product / 255.0);
                 mixed(tint, tinted, opacity / 255.0)
             }
             _ => tint,
         };
         let blended = face.normals.map(|normals| {
-            let sum: DVec3 = weights(at).into_iter().zip(normals).map(|(weight, normal)| normal * weight).sum();
+            let sum: DVec3 =
+                weights(image_point).into_iter().zip(normals).map(|(weight, normal)| normal * weight).sum();
             sum.normalize_or(face.normal)
         });
         let side = if (origin - face.corners[0]).dot(face.normal) < 0.0 { -1.0 } else { 1.0 };
         let normal = side * blended.unwrap_or(face.normal);
-        let is_sunlit = self.is_sunlit(point(at), Some((body.part, face.number)));
+        let is_sunlit = self.is_sunlit(point(image_point), Some((body.part, face.number)));
         let colour = self.lit(colour, normal, is_sunlit);
         sight((Shown::Face(body.part, face.number), body.label, metres), colour, is_sunlit)
     }
@@ -263,11 +267,11 @@ impl<'s> Reference<'s> {
                 .any(|body| body.faces.iter().any(|face| is_hit(body, face)))
     }
 
-    /// Filtered colour of a texture around the point `at` of the picture; `uv_at` maps points of the picture to points of the texture.
+    /// Filtered colour of a texture around the point `image_point` of the picture; `uv_at` maps points of the picture to points of the texture.
     fn filtered(
         &self,
         texture: &Arc<Texture>,
-        at: DVec2,
+        image_point: DVec2,
         is_repeated: bool,
         uv_at: impl Fn(DVec2) -> DVec2,
     ) -> [f64; 4] {
@@ -275,7 +279,7 @@ impl<'s> Reference<'s> {
         let texels = DVec2::new(levels[0].width as f64, levels[0].height as f64);
         // Axes of the footprint, by central differences over 1/1000 pixel.
         let half = 5e-4;
-        let axis = |step: DVec2| (uv_at(at + step * half) - uv_at(at - step * half)) / (2.0 * half);
+        let axis = |step: DVec2| (uv_at(image_point + step * half) - uv_at(image_point - step * half)) / (2.0 * half);
         let mut axes = [axis(DVec2::X), axis(DVec2::Y)];
         axes.sort_by(|one, other| (*other * texels).length().total_cmp(&(*one * texels).length()));
         let [long, short] = axes.map(|axis| (axis * texels).length());
@@ -286,7 +290,7 @@ impl<'s> Reference<'s> {
         let offset = 0.5 * (1.0 - 1.0 / probes);
         let mut sum = [0.0; 4];
         for probe in [-offset, offset] {
-            let uv = uv_at(at) + axes[0] * probe;
+            let uv = uv_at(image_point) + axes[0] * probe;
             let colour = mixed(
                 levels[lower].interpolated(uv, is_repeated),
                 levels[upper].interpolated(uv, is_repeated),
@@ -320,10 +324,10 @@ fn sight((shown, label, depth): (Shown, Label, f64), colour: [f64; 3], is_sunlit
 }
 
 /// Unit vector of the ray through a point of the image, in the world frame; `None` outside the field of view of a lens if `has_edge`.
-fn ray(view: &View, at: DVec2, has_edge: bool) -> Option<DVec3> {
+fn ray(view: &View, image_point: DVec2, has_edge: bool) -> Option<DVec3> {
     let [width, height] = view.size().map(f64::from);
     // Offset to the left and up, in half widths of the image.
-    let offset = (DVec2::new(0.5 * width, 0.5 * height) - at) / (0.5 * width);
+    let offset = (DVec2::new(0.5 * width, 0.5 * height) - image_point) / (0.5 * width);
     let off_axis = |angle: f64| {
         let (sin, cos) = math::sin_cos(angle);
         let across = offset.normalize_or_zero() * sin;
@@ -345,12 +349,12 @@ fn ray(view: &View, at: DVec2, has_edge: bool) -> Option<DVec3> {
 /// Function that returns the rays through points around a pixel's centre. For a fisheye, rays are interpolated linearly between the
 /// neighbouring pixels, as in the definition of its footprints.
 fn rays_around(view: &View, middle: DVec2) -> impl Fn(DVec2) -> DVec3 {
-    let ray = move |at| ray(view, at, false).unwrap_or_default();
+    let ray = move |image_point| ray(view, image_point, false).unwrap_or_default();
     let change = move |step: DVec2| 0.5 * (ray(middle + step) - ray(middle - step));
-    move |at| match view.lens() {
-        Lens::Pinhole { .. } => ray(at),
+    move |image_point| match view.lens() {
+        Lens::Pinhole { .. } => ray(image_point),
         Lens::Fisheye { .. } => {
-            let offset = at - middle;
+            let offset = image_point - middle;
             ray(middle) + offset.x * change(DVec2::X) + offset.y * change(DVec2::Y)
         }
     }

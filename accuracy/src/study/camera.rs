@@ -72,9 +72,9 @@ fn compared_pixels([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> 
 fn error(reference: &Reference, views: &[View], mut colour: impl FnMut(&View, [u32; 2]) -> [f64; 3]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for view in views {
-        for at @ [column, row] in compared_pixels(view.size()) {
+        for pixel @ [column, row] in compared_pixels(view.size()) {
             let truth = reference.pixel(view, column, row, REFERENCE_SAMPLES).unwrap_or_default();
-            let found = colour(view, at);
+            let found = colour(view, pixel);
             sum += (0..3).map(|channel| (found[channel] - truth[channel]).abs()).sum::<f64>();
             count += 3.0;
         }
@@ -91,7 +91,7 @@ fn row(posed: &PosedScenery, shadows: bool, (size, samples): ([u32; 2], u32), ef
     });
     let pictures: Vec<_> = views.iter().map(|view| camera.colour(posed, view, None, samples)).collect();
     let picture_of =
-        |view: &View| views.iter().position(|other| other == view).map_or(&pictures[0], |at| &pictures[at]);
+        |view: &View| views.iter().position(|other| other == view).map_or(&pictures[0], |index| &pictures[index]);
     let error = error(&Reference::new(posed, None), &views, |view, [column, row]| {
         picture_of(view).pixel(column, row).map(f64::from)
     });
@@ -156,8 +156,8 @@ fn brute_force(posed: &PosedScenery, shadows: bool) -> Row {
     let time_of_pixel = nanoseconds(1, pixels.len() * views.len(), || {
         views
             .iter()
-            .flat_map(|view| pixels.iter().map(move |at| (view, *at)))
-            .map(|(view, at)| pixel_colour(view, at)[0])
+            .flat_map(|view| pixels.iter().map(move |pixel| (view, *pixel)))
+            .map(|(view, pixel)| pixel_colour(view, pixel)[0])
             .sum::<f64>()
     });
     Row {

@@ -228,14 +228,16 @@ fn blurred(sigma: f64, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
         let (column, row) = ((index % width) as i64, index / width);
         rows.push([0, 1, 2].map(|channel| {
             let taps = weights.iter().zip(column - radius..);
-            taps.map(|(weight, at)| weight * f64::from(pixels[row * width + mirrored(at, width)][channel])).sum::<f64>()
+            taps.map(|(weight, tap)| weight * f64::from(pixels[row * width + mirrored(tap, width)][channel]))
+                .sum::<f64>()
         }));
     }
     for index in 0..pixels.len() {
         let (column, row) = (index % width, (index / width) as i64);
         levels.extend([0, 1, 2].map(|channel| {
             let taps = weights.iter().zip(row - radius..);
-            let sum: f64 = taps.map(|(weight, at)| weight * rows[mirrored(at, height) * width + column][channel]).sum();
+            let sum: f64 =
+                taps.map(|(weight, tap)| weight * rows[mirrored(tap, height) * width + column][channel]).sum();
             (sum / (weight_sum * weight_sum)).round() as u8
         }));
     }
@@ -288,9 +290,9 @@ mod tests {
     #[test]
     fn errors_of_pixels_have_their_expected_size() {
         for (name, model) in MODELS {
-            let at = measured(&exact_picture(), model)[2];
+            let found = measured(&exact_picture(), model)[2];
             // With 14,400 channels, the relative standard error is below 1 %, but larger with rare white and black pixels.
-            assert!((at.mean / at.expected_mean - 1.0).abs() < 0.05, "{name}: {at:?}");
+            assert!((found.mean / found.expected_mean - 1.0).abs() < 0.05, "{name}: {found:?}");
         }
     }
 
@@ -300,7 +302,7 @@ mod tests {
         let wrong = ImageNoise { sigma: 1.03 * model.sigma, ..model };
         let table: Vec<Moments> = (0..=255).map(|level| Moments::of(&model, level)).collect();
         let difference = Moments::of(&wrong, 128).variance.sqrt() - table[128].variance.sqrt();
-        let at = measured(&exact_picture(), model)[3];
-        assert!(at.sigma < 0.3 * difference, "3 % of sigma is {difference} levels: {at:?}");
+        let found = measured(&exact_picture(), model)[3];
+        assert!(found.sigma < 0.3 * difference, "3 % of sigma is {difference} levels: {found:?}");
     }
 }

@@ -75,8 +75,8 @@ fn run(effort: Effort) -> Outcome {
             rows.push(row(case.name, format!("slots of {}", duration(*length)), error, time_ns));
         }
     }
-    let all = cases().pop().expect("there are cases");
-    let intervals = all.intervals();
+    let last_case = cases().pop().expect("there are cases");
+    let intervals = last_case.intervals();
     let [truth, _] = ends(&intervals);
     for (name, is_euler) in [("Euler", true), ("Runge-Kutta", false)] {
         for step in &LENGTHS[..3] {
@@ -84,7 +84,7 @@ fn run(effort: Effort) -> Outcome {
             let time_ns =
                 nanoseconds(effort.of(10), 1, || integrate(&intervals, step.seconds(), is_euler)) / DURATION.seconds();
             let setting = format!("steps of {}", duration(*step));
-            rows.push(row(&format!("{name}, {}", all.name), setting, truth.distance(&found), time_ns));
+            rows.push(row(&format!("{name}, {}", last_case.name), setting, truth.distance(&found), time_ns));
         }
     }
     rows.into()

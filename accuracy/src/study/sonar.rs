@@ -252,8 +252,9 @@ fn nearest_echo_in_room(
         let first = nearest_wall(segments, origin, direction, sonar.max, 0.0);
         let is_unobstructed = first.is_none_or(|(first, _)| first > distance - 1e-9);
         let inward = (0.5 * (segment.a + segment.b) - point).normalize_or_zero();
-        let beside = (point + 1e-7 * inward - origin).normalize_or_zero();
-        let is_seen = || nearest_wall(segments, origin, beside, sonar.max, 0.0).is_some_and(|(_, hit)| hit == wall);
+        let inner_direction = (point + 1e-7 * inward - origin).normalize_or_zero();
+        let is_seen =
+            || nearest_wall(segments, origin, inner_direction, sonar.max, 0.0).is_some_and(|(_, hit)| hit == wall);
         if distance <= sonar.max && is_unobstructed && (include_hidden || is_seen()) {
             add_echo(distance, wall, direction, (0.0..=1.0).contains(&fraction));
         }

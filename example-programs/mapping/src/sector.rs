@@ -504,8 +504,8 @@ mod tests {
     fn check_on_wall(lines: &[Line], foot: f64, distance: f64, tolerance: f64) {
         for line in lines {
             for point in [line.from, line.to] {
-                let off = point.coords.dot(&direction(foot)) - distance;
-                assert!(off.abs() <= tolerance, "foot at {foot}: {point} is {off} m off");
+                let error = point.coords.dot(&direction(foot)) - distance;
+                assert!(error.abs() <= tolerance, "foot at {foot}: {point} is {error} m off");
             }
         }
     }
@@ -666,10 +666,10 @@ mod tests {
             for (cell, probability) in map.probabilities().iter() {
                 // Walls at 0.05 and 2.05.
                 let centre = frame.centre(cell);
-                let off = 1.0 - (centre.x - 1.05).abs().max((centre.y - 1.05).abs());
+                let wall_distance = 1.0 - (centre.x - 1.05).abs().max((centre.y - 1.05).abs());
                 occupied += usize::from(*probability >= 0.6);
-                assert!(*probability < 0.6 || off.abs() < 0.15, "{centre} is occupied");
-                assert!(*probability > 0.4 || off > -0.05, "{centre} is free");
+                assert!(*probability < 0.6 || wall_distance.abs() < 0.15, "{centre} is occupied");
+                assert!(*probability > 0.4 || wall_distance > -0.05, "{centre} is free");
             }
             assert!(occupied >= 60, "{occupied} of 80 cells of the walls");
             assert_eq!(map.probabilities().at(Point::new(1.05, 1.05)), Some(&0.0));

@@ -204,16 +204,16 @@ fn rough_wall(restitution: f64, delay: f64) -> Case {
     let (friction, seconds, start) = (0.1, 0.6, DVec2::new(1.2, 0.9));
     let gap = 0.4531 + start.x * delay;
     let tangential_change = friction * (1.0 + restitution) * start.x;
-    let after = DVec2::new(-restitution * start.x, start.y - tangential_change);
+    let velocity_after = DVec2::new(-restitution * start.x, start.y - tangential_change);
     let omega = -tangential_change * RADIUS / (0.5 * RADIUS * RADIUS);
     let instant = gap / start.x;
-    let end = start * instant + after * (seconds - instant);
+    let end = start * instant + velocity_after * (seconds - instant);
     let properties = object(Shape::Disc { radius: RADIUS }, 0.5, FREE, restitution, friction);
     let name = if restitution > 0.0 { "a rough wall, restitution 0.5" } else { "a rough wall, inelastic" };
     let trial = Trial { walls: wall(gap + RADIUS), ..single_object(name, properties, (start, 0.0), seconds) };
     let error = move |(bodies, _): &End| {
         let state = bodies.state(ObjectId(1));
-        let velocity_error = (state.velocity - after).length().max((state.omega - omega).abs() * RADIUS);
+        let velocity_error = (state.velocity - velocity_after).length().max((state.omega - omega).abs() * RADIUS);
         let position_error = (state.world_from_object.position - end).length();
         (velocity_error / start.length()).max(position_error / (start.length() * seconds))
     };
