@@ -267,7 +267,8 @@ impl<'s> Reference<'s> {
                 .any(|body| body.faces.iter().any(|face| is_hit(body, face)))
     }
 
-    /// Filtered colour of a texture around the point `image_point` of the picture; `uv_at` maps points of the picture to points of the texture.
+    /// Filtered colour of a texture around the point `image_point` of the picture; `uv_at` maps points of the picture to points of the
+    /// texture.
     fn filtered(
         &self,
         texture: &Arc<Texture>,
