@@ -1,15 +1,16 @@
 //! Fair comparisons of methods: the same parameter search for each method, held-out cases, and intervals of paired differences.
 //!
-//! [`tune`] searches the parameters of one method on training cases, with a budget that is the same for all methods. It tries its result
-//! with each parameter one step lower and one step higher, so no optimum lies at the edge of a range; only the parameter's meaning limits
-//! its range. [`Difference`] compares two methods on cases that no search has used. The protocol is described in `docs/accuracy.md`.
+//! [`tune`] searches the parameters of one method on training cases, with the same budget for all methods. It evaluates its result also
+//! with each parameter one step lower and one step higher, so no optimum is at the edge of a range, except where larger values of a
+//! parameter have no meaning. [`Difference`] compares two methods on cases that no search has used. The protocol is described in
+//! `docs/accuracy.md`.
 
 use std::collections::HashMap;
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng as _, SeedableRng as _};
 
-/// Free parameter of a method: the values `start` times a power of `ratio`.
+/// Free parameter of a method; its values are `start` times powers of `ratio`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
     /// Name, with its unit.
@@ -18,15 +19,15 @@ pub struct Parameter {
     pub start: f64,
     /// Factor of one step, above 1.
     pub ratio: f64,
-    /// Maximum meaningful value (1 for a share), at which an optimum may lie; infinite without a limit.
+    /// Maximum meaningful value (1 for a fraction), at which an optimum may lie; infinite without a limit.
     pub most: f64,
-    /// A step is an improvement if it lowers the mean error by more than this share; a coarse step counts as two. The same for all methods
-    /// that have the parameter; larger for a parameter whose steps multiply the work.
+    /// A step is an improvement if it lowers the mean error by more than this fraction; a coarse step counts as two steps. The value is the
+    /// same for all methods with this parameter, and larger for a parameter whose steps multiply the computing time.
     pub gain: f64,
 }
 
 impl Parameter {
-    /// The value `step` steps from the start, `None` beyond the maximum.
+    /// The value after `step` steps from the start; `None` above the maximum.
     fn value(&self, step: i32) -> Option<f64> {
         let value = self.start * self.ratio.powi(step);
         (value <= self.most).then_some(value)
@@ -42,7 +43,7 @@ pub struct Search {
     pub few: usize,
     /// Maximum number of evaluations; one evaluation is one case with one setting.
     pub budget: usize,
-    /// Number of cases after which a setting is dropped if it is clearly worse, by two standard errors.
+    /// Number of cases after which a setting is rejected if it is worse by two standard errors.
     pub first: usize,
 }
 
@@ -82,22 +83,22 @@ pub enum TuneError {
 
 /// Searches for the setting of a method with the minimum mean error over the training cases.
 ///
-/// The method is a compass search: it moves each parameter two steps up and down on a few cases, then one step on all cases, as long as
-/// this lowers the error; it ends when no single step along any parameter does. The last parameter comes first: it should be the
-/// resolution, without which the other parameters have no sharp optimum. `error` returns the error of a setting in a case.
+/// A compass search moves each parameter two steps up and down on a few cases, then one step on all cases, as long as this lowers the
+/// error; it ends when no single step of any parameter lowers the error. The search begins with the last parameter, which should be the
+/// resolution: the optimum of the other parameters depends on it. `error` returns the error of a setting in a case.
 ///
 /// # Errors
 /// [`TuneError`].
 ///
 /// # Panics
-/// Without cases, with more `few` cases than cases, or if the start of a parameter is meaningless.
+/// If there are no cases, `few` exceeds `cases`, or the start of a parameter exceeds its maximum.
 pub fn tune(
     parameters: &[Parameter],
     search: Search,
     error: impl FnMut(&[f64], usize) -> f64,
 ) -> Result<Tuned, TuneError> {
     assert!((1..=search.cases).contains(&search.few), "training cases, and a few of them");
-    let mut trial = Trial { parameters, search, error, known: HashMap::new(), evaluations: 0 };
+    let mut trial = Trial { parameters, search, error, known_errors: HashMap::new(), evaluations: 0 };
     let mut best = vec![0; parameters.len()];
     for (stride, cases) in [(2, search.few), (1, search.cases)] {
         for case in 0..cases {
@@ -105,8 +106,13 @@ pub fn tune(
         }
         trial.descend(&mut best, stride, cases)?;
     }
-    let errors = trial.known[&best].clone();
-    Ok(Tuned { setting: trial.setting(&best), errors, evaluations: trial.evaluations, settings: trial.known.len() })
+    let errors = trial.known_errors[&best].clone();
+    Ok(Tuned {
+        setting: trial.setting(&best),
+        errors,
+        evaluations: trial.evaluations,
+        settings: trial.known_errors.len(),
+    })
 }
 
 /// Errors of the settings tried so far. A setting is a number of steps for each parameter.
@@ -115,7 +121,7 @@ struct Trial<'a, E> {
     search: Search,
     error: E,
     /// Known errors of each setting, for its first cases.
-    known: HashMap<Vec<i32>, Vec<f64>>,
+    known_errors: HashMap<Vec<i32>, Vec<f64>>,
     evaluations: usize,
 }
 
@@ -125,9 +131,9 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
         self.parameters.iter().zip(steps).map(value).collect()
     }
 
-    /// Evaluates the next case of a setting, unless it is known.
+    /// Evaluates the next case of a setting, unless its error is known. An error names the setting `best`.
     fn evaluate(&mut self, steps: &[i32], best: &[i32], case: usize) -> Result<(), TuneError> {
-        if self.known.get(steps).is_some_and(|errors| errors.len() > case) {
+        if self.known_errors.get(steps).is_some_and(|errors| errors.len() > case) {
             return Ok(());
         }
         if self.evaluations == self.search.budget {
@@ -139,46 +145,46 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
             return Err(TuneError::NotFinite { case, at: setting });
         }
         self.evaluations += 1;
-        self.known.entry(steps.to_vec()).or_default().push(error);
+        self.known_errors.entry(steps.to_vec()).or_default().push(error);
         Ok(())
     }
 
-    /// On the first `cases`, moves `best` by `stride` steps along one parameter after the other, as long as this is an improvement.
+    /// Moves `best` by `stride` steps of one parameter after the other, as long as this is an improvement on the first `cases` cases.
     fn descend(&mut self, best: &mut Vec<i32>, stride: i32, cases: usize) -> Result<(), TuneError> {
-        let ways: Vec<(usize, i32)> =
+        let moves: Vec<(usize, i32)> =
             (0..self.parameters.len()).rev().flat_map(|index| [(index, stride), (index, -stride)]).collect();
-        let (mut way, mut failed) = (0, 0);
-        while failed < ways.len() {
-            let (index, step) = ways[way];
+        let (mut move_index, mut failures) = (0, 0);
+        while failures < moves.len() {
+            let (index, step) = moves[move_index];
             let mut steps = best.clone();
             steps[index] += step;
             if self.parameters[index].value(steps[index]).is_some()
                 && self.is_better(&steps, best, (1.0 - self.parameters[index].gain).powi(stride), cases)?
             {
                 *best = steps;
-                failed = 0;
+                failures = 0;
             } else {
-                way = (way + 1) % ways.len();
-                failed += 1;
+                move_index = (move_index + 1) % moves.len();
+                failures += 1;
             }
         }
         Ok(())
     }
 
-    /// Returns true if the mean error of a setting is less than a share of the best setting's. Compares case by case, and stops when it
-    /// clearly is not.
-    fn is_better(&mut self, steps: &[i32], best: &[i32], share: f64, cases: usize) -> Result<bool, TuneError> {
-        let mut losses = Vec::with_capacity(cases);
+    /// Returns true if the mean error of a setting is less than `factor` times that of the best setting. The comparison goes case by case
+    /// and stops early if the setting is clearly worse.
+    fn is_better(&mut self, steps: &[i32], best: &[i32], factor: f64, cases: usize) -> Result<bool, TuneError> {
+        let mut excesses = Vec::with_capacity(cases);
         for case in 0..cases {
             self.evaluate(steps, best, case)?;
-            let wanted = share * self.known[best][case];
-            losses.push(self.known[steps][case] - wanted);
-            let (mean, error) = mean_and_standard_error(&losses);
-            if losses.len() >= self.search.first && mean > 2.0 * error {
+            let target = factor * self.known_errors[best][case];
+            excesses.push(self.known_errors[steps][case] - target);
+            let (mean, error) = mean_and_standard_error(&excesses);
+            if excesses.len() >= self.search.first && mean > 2.0 * error {
                 return Ok(false);
             }
         }
-        Ok(losses.iter().sum::<f64>() < 0.0)
+        Ok(excesses.iter().sum::<f64>() < 0.0)
     }
 }
 
@@ -186,15 +192,15 @@ impl<E: FnMut(&[f64], usize) -> f64> Trial<'_, E> {
 fn mean_and_standard_error(sample: &[f64]) -> (f64, f64) {
     let count = sample.len() as f64;
     let mean = sample.iter().sum::<f64>() / count;
-    let square = sample.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-    (mean, if count > 1.0 { (square / (count - 1.0) / count).sqrt() } else { f64::INFINITY })
+    let squares = sample.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+    (mean, if count > 1.0 { (squares / (count - 1.0) / count).sqrt() } else { f64::INFINITY })
 }
 
-/// Minimum number of pairs for an interval: the bootstrap of fewer pairs is unreliable.
-const MIN_PAIRS: usize = 10;
+/// Minimum number of values for a bootstrap interval; with fewer values it is unreliable.
+const MIN_VALUES: usize = 10;
 /// Number of resamples of the bootstrap.
 const RESAMPLES: usize = 10_000;
-/// Share of the resamples outside the interval, at each end.
+/// Fraction of the resamples below the interval, and of those above it.
 const TAIL: f64 = 0.025;
 
 /// Mean of a sample with a lower and an upper bound.
@@ -220,8 +226,8 @@ pub enum Ends {
 }
 
 impl Interval {
-    /// Interval of the mean of independent values: the 95 % percentile bootstrap (Efron 1979; 10,000 resamples, always the same), or the
-    /// range of fewer than ten values. The values of one cluster (room, robot) must be passed as one value, their mean.
+    /// Interval of the mean of independent values: the 95 % percentile bootstrap (Efron 1979; 10,000 resamples with a fixed seed), or
+    /// the range of fewer than ten values. Values of one cluster (room, robot) must be passed as one value, their mean.
     ///
     /// # Panics
     /// Without values.
@@ -229,7 +235,7 @@ impl Interval {
         assert!(!values.is_empty(), "values");
         let count = values.len();
         let mean = values.iter().sum::<f64>() / count as f64;
-        if count < MIN_PAIRS {
+        if count < MIN_VALUES {
             let low = values.iter().copied().fold(f64::INFINITY, f64::min);
             let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             return Self { mean, low, high, kind: Ends::Range };
@@ -262,7 +268,7 @@ pub enum Verdict {
     First,
     /// The second method has the smaller error.
     Second,
-    /// The cases do not decide.
+    /// The interval contains 0.
     Open,
 }
 
@@ -298,48 +304,48 @@ mod tests {
         Parameter { name: "p", start, ratio: 2.0, most: f64::INFINITY, gain: 0.001 }
     }
 
-    /// Error with the minimum value at `at`, in steps, and a different level in each case.
-    fn valley(value: f64, at: f64) -> f64 {
-        1.0 + (value.log2() - at).powi(2)
+    /// Error with its minimum at 2^`optimum`.
+    fn valley(value: f64, optimum: f64) -> f64 {
+        1.0 + (value.log2() - optimum).powi(2)
     }
 
     #[test]
-    fn the_optimum_is_found_wherever_it_lies() {
-        for at in [-9, -1, 0, 7, 10] {
+    fn tune_finds_the_optimum() {
+        for optimum in [-9, -1, 0, 7, 10] {
             let error = |setting: &[f64], case: usize| {
-                valley(setting[0], f64::from(at)) * valley(setting[1], -2.0) + case as f64
+                valley(setting[0], f64::from(optimum)) * valley(setting[1], -2.0) + case as f64
             };
             let tuned = tune(&[parameter(1.0), parameter(0.5)], SEARCH, error).expect("within the budget");
-            assert_eq!(tuned.setting, [2.0_f64.powi(at), 0.25]);
+            assert_eq!(tuned.setting, [2.0_f64.powi(optimum), 0.25]);
             assert_eq!((tuned.errors.len(), tuned.errors[0]), (12, 1.0));
             assert!(tuned.evaluations <= 1000 && tuned.settings >= 5);
         }
     }
 
-    /// The mistake of a list of partitions that ends where the error still falls.
+    /// An error that falls without end must not give an optimum at the edge of the range.
     #[test]
-    fn an_error_that_falls_for_ever_is_no_optimum() {
+    fn unbounded_descent_is_an_error() {
         let error = tune(&[parameter(1.0)], SEARCH, |setting, _| 1.0 / setting[0]).expect_err("no optimum");
         assert!(matches!(error, TuneError::NotEnclosed { budget: 1000, .. }), "{error}");
         let flat = tune(&[parameter(1.0)], SEARCH, |setting, _| 1.0 + 0.1 / setting[0]).expect("it stops falling");
         assert!(flat.setting[0] > 8.0 && flat.setting[0] < 512.0, "{flat:?}");
-        let share = Parameter { most: 1.0, ..parameter(0.25) };
-        let tuned = tune(&[share], SEARCH, |setting, _| 2.0 - setting[0]).expect("the edge has a meaning");
+        let fraction = Parameter { most: 1.0, ..parameter(0.25) };
+        let tuned = tune(&[fraction], SEARCH, |setting, _| 2.0 - setting[0]).expect("the edge has a meaning");
         assert_eq!(tuned.setting, [1.0]);
-        let error = tune(&[share], SEARCH, |_, case| if case == 3 { f64::NAN } else { 1.0 }).expect_err("NaN");
+        let error = tune(&[fraction], SEARCH, |_, case| if case == 3 { f64::NAN } else { 1.0 }).expect_err("NaN");
         assert_eq!(error, TuneError::NotFinite { case: 3, at: vec![0.25] });
     }
 
     #[test]
-    fn settings_that_are_clearly_worse_cost_few_evaluations() {
+    fn clearly_worse_settings_need_few_evaluations() {
         let error = |setting: &[f64], _| valley(setting[0], 0.0);
         let tuned = tune(&[parameter(1.0)], SEARCH, error).expect("an optimum");
-        // All cases of the best, the first six of its four neighbours: two coarse steps off, and one.
+        // All cases of the best setting; the first six cases of its four neighbours, which are one and two steps away.
         assert_eq!((tuned.evaluations, tuned.settings), (12 + 4 * 6, 5));
     }
 
     #[test]
-    fn an_interval_covers_the_mean_as_often_as_it_says() {
+    fn interval_has_its_nominal_coverage() {
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
         let covered = (0..200).filter(|_| {
@@ -347,13 +353,13 @@ mod tests {
             let Interval { low, high, .. } = Interval::of(&values);
             low < 0.5 && 0.5 < high
         });
-        // 95 % of 200, three standard deviations of the binomial, and a little for 40 values.
+        // 95 % of 200, within three standard deviations of the binomial distribution, slightly widened since there are only 40 values.
         let covered = covered.count();
         assert!((178..=200).contains(&covered), "{covered}");
     }
 
     #[test]
-    fn few_values_give_a_range_and_pairs_a_verdict() {
+    fn few_values_give_a_range_and_differences_give_a_verdict() {
         let few = Interval::of(&[3.0, 1.0, 2.0]);
         assert_eq!(few, Interval { mean: 2.0, low: 1.0, high: 3.0, kind: Ends::Range });
         let level: Vec<f64> = (0..20).map(f64::from).collect();

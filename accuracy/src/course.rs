@@ -1,4 +1,4 @@
-//! A long drive, computed by the core and by the integrators of other simulators, and its end pose to 30 digits.
+//! A long drive, computed by the core and by the integrators of other simulators; its end pose is known to 30 digits.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -18,9 +18,9 @@ use crate::world::Random;
 /// One drive of a course: a straight line, a curve or a turn on the spot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
-    /// Arc length, m, and angle, rad.
+    /// Displacement: arc length, m, and angle, rad.
     pub displacement: Twist,
-    /// Duration in whole seconds, so that the drive begins and ends with a step of every integrator.
+    /// Duration in whole seconds, so that the drive begins and ends at the end of a step of every integrator.
     pub seconds: u32,
 }
 
@@ -29,14 +29,14 @@ pub struct Drive {
 pub struct Course(pub Vec<Drive>);
 
 impl Course {
-    /// 600 s of drives of 1 to 8 s, cycling through straight line, curve and turn on the spot, drawn with a fixed seed: up to 0.5 m/s
-    /// and 2 rad/s, forwards and backwards.
+    /// A course of 600 s: straight lines, curves and turns on the spot in turn, of 1 to 8 s each, with random speeds of up to 0.5 m/s
+    /// and 2 rad/s, forwards and backwards; the seed is fixed.
     pub fn ten_minutes() -> Self {
         let mut random = Random::new(600);
         let mut drives = Vec::new();
-        let mut left = 600;
-        while left > 0 {
-            let seconds = (1 + random.below(8) as u32).min(left);
+        let mut remaining = 600;
+        while remaining > 0 {
+            let seconds = (1 + random.below(8) as u32).min(remaining);
             let (speed, turn) = (random.between(-0.5, 0.5), random.between(-2.0, 2.0));
             let twist = match drives.len() % 3 {
                 0 => Twist::new(speed, 0.0),
@@ -44,22 +44,22 @@ impl Course {
                 _ => Twist::new(0.0, turn),
             };
             drives.push(Drive { displacement: twist.scaled(f64::from(seconds)), seconds });
-            left -= seconds;
+            remaining -= seconds;
         }
         Self(drives)
     }
 
-    /// The first `seconds` of this course; the last drive is cut short.
+    /// The first `seconds` of this course; the last drive is shortened.
     pub fn first(&self, seconds: u32) -> Self {
-        let mut left = seconds;
+        let mut remaining = seconds;
         let mut drives = Vec::new();
         for drive in &self.0 {
-            let part = drive.seconds.min(left);
-            if part > 0 {
-                let share = f64::from(part) / f64::from(drive.seconds);
-                drives.push(Drive { displacement: drive.displacement.scaled(share), seconds: part });
+            let kept_seconds = drive.seconds.min(remaining);
+            if kept_seconds > 0 {
+                let fraction = f64::from(kept_seconds) / f64::from(drive.seconds);
+                drives.push(Drive { displacement: drive.displacement.scaled(fraction), seconds: kept_seconds });
             }
-            left -= part;
+            remaining -= kept_seconds;
         }
         Self(drives)
     }
@@ -69,7 +69,7 @@ impl Course {
         self.0.iter().map(|drive| drive.seconds).sum()
     }
 
-    /// End pose of the course: the closed form of each drive, computed with 30 digits.
+    /// End pose of the course by the closed form of each drive, with 30 digits.
     pub fn end(&self) -> End {
         let mut end = End::default();
         for Drive { displacement: Twist { vx, vy, omega }, .. } in &self.0 {
@@ -89,12 +89,12 @@ impl Course {
     }
 }
 
-/// Pose with 30 digits.
+/// End pose with 30 digits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct End {
-    /// Position, m.
+    /// x of the position, m.
     pub x: Wide,
-    /// Position, m.
+    /// y of the position, m.
     pub y: Wide,
     /// Heading including whole turns, rad.
     pub heading: Wide,
@@ -117,10 +117,10 @@ impl End {
 /// Shortest interval between two queries of the pose.
 const MIN_QUERY_INTERVAL: Time = Time(100);
 
-/// True pose at the end of the course as the core drives it in slots of length `slot`, in a world without walls.
+/// True pose at the end of the course by the core, in slots of length `slot` and in a world without walls.
 ///
-/// Each drive is commanded when the previous one has ended. The pose is queried after each slot; if slots are shorter
-/// than 100 us, after every 100 us.
+/// Each drive is commanded when the previous one has ended. The pose is queried after each slot, or after every 100 us if
+/// slots are shorter.
 ///
 /// # Panics
 /// If a drive of the course is not finite.
@@ -128,24 +128,24 @@ pub fn core(course: &Course, slot: Time) -> Pose {
     let walls = Arc::new(Walls::new(Vec::new()));
     let mut motion = Motion::new(RobotId(1), Arc::new(model()), Arc::clone(&walls), Pose::default());
     let mut world = World::new(walls, slot, [&mut motion]);
-    let (mut now, mut asked) = (Time::ZERO, Time::ZERO);
+    let (mut now, mut last_query) = (Time::ZERO, Time::ZERO);
     for drive in &course.0 {
         let command = Command::Drive { displacement: drive.displacement, duration: f64::from(drive.seconds) };
         motion.command(now, command, &[]).expect("a drive within the limits");
         now = motion.drive_end().expect("nothing is in the way");
         while world.slot_end() <= now {
             world.advance(&mut [&mut motion]);
-            if world.slot_start() - asked >= MIN_QUERY_INTERVAL {
-                asked = world.slot_start();
-                motion.pose(asked);
+            if world.slot_start() - last_query >= MIN_QUERY_INTERVAL {
+                last_query = world.slot_start();
+                motion.pose(last_query);
             }
         }
     }
     motion.pose(now)
 }
 
-/// End pose by Euler's method in steps of `step` seconds, which must divide a second: heading and speed are held at their
-/// values at the start of the step.
+/// End pose by Euler's method in steps of `step` seconds, which must divide a second: heading and speed in a step are
+/// those at its start.
 pub fn euler(course: &Course, step: f64) -> Pose {
     integrate(course, step, |twist, heading, step| velocity(twist, heading) * step)
 }
@@ -166,40 +166,44 @@ fn velocity(twist: Twist, heading: f64) -> DVec2 {
     DVec2::new(cos, sin).rotate(DVec2::new(twist.vx, twist.vy))
 }
 
-fn integrate(course: &Course, step: f64, gain: impl Fn(Twist, f64, f64) -> DVec2) -> Pose {
+/// End pose by steps of `step` seconds; `displacement` returns the displacement in a step for (twist, heading, step).
+fn integrate(course: &Course, step: f64, displacement: impl Fn(Twist, f64, f64) -> DVec2) -> Pose {
     let (mut position, mut heading) = (DVec2::ZERO, 0.0_f64);
     for drive in &course.0 {
         let seconds = f64::from(drive.seconds);
         let twist = drive.displacement.scaled(1.0 / seconds);
         let steps = (seconds / step).round() as u64;
         for _ in 0..steps {
-            position += gain(twist, heading, step);
+            position += displacement(twist, heading, step);
             heading += step * twist.omega;
         }
     }
     Pose { position, ..Pose::new(0.0, 0.0, heading) }
 }
 
-/// End pose by the robot's own odometry, which reads the encoders every `period` and treats the motion in between as an
-/// arc. Encoders count whole ticks, `ticks_per_turn` for each turn of a wheel, or are exact if that is `None`.
+/// End pose by odometry that reads the encoders every `period` and treats the motion between two readings as an
+/// arc. Encoders have `ticks_per_turn` counts for each turn of a wheel, or are exact if it is `None`.
 ///
 /// # Panics
 /// If a drive of the course is not finite.
 pub fn odometry(course: &Course, period: Time, ticks_per_turn: Option<f64>) -> Pose {
     let model = Model { ticks_per_turn: ticks_per_turn.unwrap_or(1.0), ..model() };
-    let per_tick = 2.0 * PI / model.ticks_per_turn;
+    let angle_per_tick = 2.0 * PI / model.ticks_per_turn;
     let mut motion =
         Motion::new(RobotId(1), Arc::new(model.clone()), Arc::new(Walls::new(Vec::new())), Pose::default());
     let mut world = World::new(Arc::new(Walls::new(Vec::new())), period, [&mut motion]);
-    let (mut pose, mut last) = (Pose::default(), [0.0; 4]);
+    let (mut pose, mut last_angles) = (Pose::default(), [0.0; 4]);
     let mut now = Time::ZERO;
-    let mut read = |motion: &mut Motion, at: Time| {
+    let mut read_encoders = |motion: &mut Motion, at: Time| {
         let angles = motion.wheel_angles(at);
-        let angles =
-            if ticks_per_turn.is_some() { angles.map(|angle| (angle / per_tick).floor() * per_tick) } else { angles };
-        let turned = std::array::from_fn(|i| angles[i] - last[i]);
-        last = angles;
-        pose = pose.moved(model.twist_from_wheels(&turned, 0.0));
+        let angles = if ticks_per_turn.is_some() {
+            angles.map(|angle| (angle / angle_per_tick).floor() * angle_per_tick)
+        } else {
+            angles
+        };
+        let rotations = std::array::from_fn(|i| angles[i] - last_angles[i]);
+        last_angles = angles;
+        pose = pose.moved(model.twist_from_wheels(&rotations, 0.0));
         pose
     };
     for drive in &course.0 {
@@ -208,11 +212,11 @@ pub fn odometry(course: &Course, period: Time, ticks_per_turn: Option<f64>) -> P
         now = motion.drive_end().expect("nothing is in the way");
         while world.slot_end() <= now {
             let end = world.slot_end();
-            read(&mut motion, end);
+            read_encoders(&mut motion, end);
             world.advance(&mut [&mut motion]);
         }
     }
-    read(&mut motion, now)
+    read_encoders(&mut motion, now)
 }
 
 /// Small differential drive that is fast enough for any course.
@@ -240,7 +244,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_core_ends_where_the_course_does_whatever_the_slot() {
+    fn core_is_exact_for_any_slot_length() {
         let course = Course::ten_minutes();
         assert_eq!(course.seconds(), 600);
         let end = course.end();
@@ -255,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn integrators_come_nearer_with_their_order() {
+    fn integrators_converge_with_their_order() {
         let course = Course::ten_minutes().first(60);
         let end = course.end();
         assert!(end.distance(&core(&course, Time(10_000))) < 1e-13);
@@ -268,11 +272,11 @@ mod tests {
     }
 
     #[test]
-    fn odometry_is_off_by_ticks_only() {
+    fn odometry_error_comes_from_ticks_only() {
         let course = Course::ten_minutes().first(60);
         let end = course.end();
         let exact = end.distance(&odometry(&course, Time(10_000), None));
-        // The end of a drive is known to within a microsecond, so one period covers parts of two drives.
+        // The time at the end of a drive is rounded to a microsecond, so one period contains parts of two drives.
         assert!(exact < 1e-7, "arcs of constant twist lose nothing: {exact} m");
         let [fine, coarse] = [10_000.0, 100.0].map(|ticks| end.distance(&odometry(&course, Time(10_000), Some(ticks))));
         assert!(fine < coarse && fine > exact && coarse < 0.2, "{fine} and {coarse} m");

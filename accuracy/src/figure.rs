@@ -1,4 +1,4 @@
-//! Charts: curves over a pair of axes, rendered by the caller.
+//! Descriptions of charts (curves over a pair of axes), which the caller renders.
 
 #[cfg(feature = "studies")]
 use crate::study::Row;
@@ -57,8 +57,8 @@ pub struct Series {
 
 #[cfg(feature = "studies")]
 impl Figure {
-    /// Error against time of these rows, both on logarithmic axes: one curve per method, with points in the order of the rows. A method
-    /// whose settings do not trade error for time gets only dots.
+    /// Chart of error against time, both on logarithmic axes, with one curve for each method and its points in the order of the rows. If
+    /// error and time of a method are not monotonic, its points are not connected.
     ///
     /// `None` without rows. All rows must belong to one study.
     pub fn of_rows(title: &str, rows: &[Row]) -> Option<Self> {
@@ -74,11 +74,11 @@ impl Figure {
             }
         }
         for Series { mark, points, .. } in &mut series {
-            // Tolerates a fifth for errors of measured times.
-            let goes = |by: f64| points.windows(2).all(|pair| by * (pair[1].0 / pair[0].0).log2() > -0.25);
+            // The tolerance of about a fifth is for errors of measured times.
+            let is_monotonic = |sign: f64| points.windows(2).all(|pair| sign * (pair[1].0 / pair[0].0).log2() > -0.25);
             let times = || points.iter().map(|point| point.0);
             let is_wide = times().fold(0.0, f64::max) > 1.5 * times().fold(f64::INFINITY, f64::min);
-            *mark = if is_wide && (goes(1.0) || goes(-1.0)) { Mark::LineAndDots } else { Mark::Dots };
+            *mark = if is_wide && (is_monotonic(1.0) || is_monotonic(-1.0)) { Mark::LineAndDots } else { Mark::Dots };
         }
         Some(Self {
             name: first.study.to_owned(),
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_method_is_a_curve() {
+    fn each_method_becomes_a_curve() {
         let row = |method: &str, time_ns, error| Row {
             study: "s",
             method: method.to_owned(),

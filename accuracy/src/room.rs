@@ -1,4 +1,4 @@
-//! A furnished room: the common test scene of all renderers.
+//! A furnished room, the common test scene for all renderers.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -13,13 +13,13 @@ use crate::world::Random;
 
 /// Side of the room, m.
 pub const SIDE: f64 = 8.0;
-/// Height of its walls, m.
+/// Height of the walls, m.
 const HEIGHT: f64 = 2.5;
 /// Number of boxes in the room, of 12 triangles each.
 const BOXES: usize = 99;
 /// Height of the cameras, m.
 const EYE: f64 = 0.25;
-/// Pixels along a texture's side; a texture covers one square metre.
+/// Number of texels along a texture's side; a texture covers one square metre.
 const TEXELS: u32 = 256;
 
 /// The cameras' horizontal field of view, rad.
@@ -44,27 +44,27 @@ impl Stand {
     }
 }
 
-/// 1,200 triangles with four textures: a square room with walls and a floor of two halves, and 99 boxes on the floor.
+/// Mesh of 1,200 triangles with four textures: a square room with walls, a floor of two halves, and 99 boxes on the floor.
 pub fn room() -> Mesh {
     let mut mesh = Mesh { materials: (0..4).map(material).collect(), ..Mesh::default() };
     let (half, near, far) = (0.5 * SIDE, DVec2::ZERO, DVec2::splat(SIDE));
     for start in [0.0, half] {
         let corner = |x: f64, y: f64| DVec3::new(start + x, y, 0.0);
-        push_square(&mut mesh, 0, [corner(0.0, 0.0), corner(half, 0.0), corner(half, SIDE), corner(0.0, SIDE)]);
+        push_rectangle(&mut mesh, 0, [corner(0.0, 0.0), corner(half, 0.0), corner(half, SIDE), corner(0.0, SIDE)]);
     }
     let corners = [near, DVec2::new(0.0, SIDE), far, DVec2::new(SIDE, 0.0)];
     for wall in 0..4 {
-        push_upright(&mut mesh, 1, corners[wall], corners[(wall + 1) % 4], HEIGHT);
+        push_wall(&mut mesh, 1, corners[wall], corners[(wall + 1) % 4], HEIGHT);
     }
     for block in blocks() {
         let corners = block.corners();
         let material = block.material;
         for side in 0..4 {
-            push_upright(&mut mesh, material, corners[side], corners[(side + 1) % 4], block.height);
+            push_wall(&mut mesh, material, corners[side], corners[(side + 1) % 4], block.height);
         }
         let [a, b, c, d] = corners;
-        push_square(&mut mesh, material, [a, b, c, d].map(|corner| corner.extend(block.height)));
-        push_square(&mut mesh, material, [a, d, c, b].map(|corner| corner.extend(0.0)));
+        push_rectangle(&mut mesh, material, [a, b, c, d].map(|corner| corner.extend(block.height)));
+        push_rectangle(&mut mesh, material, [a, d, c, b].map(|corner| corner.extend(0.0)));
     }
     mesh
 }
@@ -86,11 +86,11 @@ pub fn stands(count: usize) -> Vec<Stand> {
     let blocks = blocks();
     let mut stand = || {
         loop {
-            let place = DVec2::new(random.between(0.5, SIDE - 0.5), random.between(0.5, SIDE - 0.5));
+            let position = DVec2::new(random.between(0.5, SIDE - 0.5), random.between(0.5, SIDE - 0.5));
             let forward = random.direction();
-            if blocks.iter().all(|block| block.is_clear_of(place, 0.2)) {
+            if blocks.iter().all(|block| block.is_clear_of(position, 0.2)) {
                 return Stand {
-                    eye: place.extend(EYE),
+                    eye: position.extend(EYE),
                     forward: forward.extend(0.0),
                     left: forward.perp().extend(0.0),
                 };
@@ -103,9 +103,10 @@ pub fn stands(count: usize) -> Vec<Stand> {
 /// A box on the floor.
 struct Block {
     centre: DVec2,
-    /// Half sizes along its own axes; the first axis is `along`.
+    /// Half sizes along the axes of the box.
     half: DVec2,
-    along: DVec2,
+    /// Unit vector along the first axis.
+    axis: DVec2,
     height: f64,
     material: u32,
 }
@@ -117,7 +118,7 @@ fn blocks() -> Vec<Block> {
         Block {
             centre: DVec2::new(random.between(0.5, SIDE - 0.5), random.between(0.5, SIDE - 0.5)),
             half: DVec2::new(random.between(0.05, 0.3), random.between(0.05, 0.3)),
-            along: DVec2::new(cos, sin),
+            axis: DVec2::new(cos, sin),
             height: random.between(0.1, 0.8),
             material: 2 + number % 2,
         }
@@ -126,26 +127,27 @@ fn blocks() -> Vec<Block> {
 }
 
 impl Block {
-    /// Corners seen from above, counter-clockwise.
+    /// Corners in counter-clockwise order, seen from above.
     fn corners(&self) -> [DVec2; 4] {
-        let (x, y) = (self.along * self.half.x, self.along.perp() * self.half.y);
+        let (x, y) = (self.axis * self.half.x, self.axis.perp() * self.half.y);
         [self.centre - x - y, self.centre + x - y, self.centre + x + y, self.centre - x + y]
     }
 
-    fn is_clear_of(&self, place: DVec2, distance: f64) -> bool {
-        let offset = place - self.centre;
-        let aside = DVec2::new(offset.dot(self.along).abs(), offset.dot(self.along.perp()).abs()) - self.half;
-        aside.max_element() > distance
+    /// Returns true if a point is more than `distance` m outside a side of the box.
+    fn is_clear_of(&self, point: DVec2, distance: f64) -> bool {
+        let offset = point - self.centre;
+        let outside = DVec2::new(offset.dot(self.axis).abs(), offset.dot(self.axis.perp()).abs()) - self.half;
+        outside.max_element() > distance
     }
 }
 
 /// Adds an upright rectangle on the line from `from` to `to`, visible from the right of that line.
-fn push_upright(mesh: &mut Mesh, material: u32, from: DVec2, to: DVec2, height: f64) {
-    push_square(mesh, material, [from.extend(0.0), to.extend(0.0), to.extend(height), from.extend(height)]);
+fn push_wall(mesh: &mut Mesh, material: u32, from: DVec2, to: DVec2, height: f64) {
+    push_rectangle(mesh, material, [from.extend(0.0), to.extend(0.0), to.extend(height), from.extend(height)]);
 }
 
-/// Adds a rectangle by its corners, counter-clockwise as seen, the texture's horizontal axis along the first side.
-fn push_square(mesh: &mut Mesh, material: u32, corners: [DVec3; 4]) {
+/// Adds a rectangle with these corners, counter-clockwise on its visible side. The texture's horizontal axis is along the first side.
+fn push_rectangle(mesh: &mut Mesh, material: u32, corners: [DVec3; 4]) {
     let first = mesh.positions.len() as u32;
     mesh.positions.extend(corners);
     let (width, height) = ((corners[1] - corners[0]).length(), (corners[3] - corners[0]).length());
@@ -158,7 +160,7 @@ fn push_square(mesh: &mut Mesh, material: u32, corners: [DVec3; 4]) {
 
 fn material(number: u32) -> Material {
     let name = ["tiles", "bricks", "boards", "cardboard"][number as usize].to_owned();
-    let pixels = (0..TEXELS * TEXELS).map(|place| texel(number, place % TEXELS, place / TEXELS)).collect();
+    let pixels = (0..TEXELS * TEXELS).map(|index| texel(number, index % TEXELS, index / TEXELS)).collect();
     let texture = Texture::new(TEXELS, TEXELS, pixels).map(Arc::new);
     Material { name, colour: [1.0; 3], opacity: 1.0, texture }
 }

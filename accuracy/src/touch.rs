@@ -1,5 +1,5 @@
-//! Contacts of a disc with walls at instants given by a formula, found by the core and by a simulator that works in
-//! steps.
+//! Contacts of a disc with walls at known instants, computed by the core and by a simulator that tests for overlap after
+//! each step.
 
 use std::f64::consts::PI;
 
@@ -10,12 +10,12 @@ use sim_core::scene::Segment;
 use crate::oracle;
 use crate::world::Random;
 
-/// Way in which a disc approaches its contact.
+/// Kind of motion with which a disc approaches its contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Approach {
     /// Straight, along the wall's normal.
     HeadOn,
-    /// Straight, up to 80 degrees off the normal.
+    /// Straight, at up to 80 degrees from the wall's normal.
     Oblique,
     /// On an arc, against the middle of a wall.
     Arc,
@@ -38,26 +38,26 @@ impl Approach {
     }
 }
 
-/// A disc on its way to a wall.
+/// A disc that moves towards a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Case {
     /// The wall that the disc reaches.
     pub wall: Segment,
     /// The disc's centre and its heading at the start.
     pub start: Pose,
-    /// Its constant twist.
+    /// The disc's constant twist.
     pub twist: Twist,
-    /// Its radius, m.
+    /// The disc's radius, m.
     pub radius: f64,
-    /// Seconds until the gap has shrunk to the skin, by the formula.
+    /// Exact time at which the gap has shrunk to the skin, s.
     pub instant: f64,
 }
 
 impl Case {
     /// Draws a case at random: a contact within several seconds, with start coordinates of at most 5 m.
     ///
-    /// The instant is chosen first; the wall is then placed where the disc is at that instant, so that no formula must
-    /// be inverted. Cases in which the disc touches the wall earlier are drawn again.
+    /// The instant is chosen first, and the wall is placed where it touches the disc at that instant, so the instant is exact.
+    /// Cases in which the disc touches the wall earlier are drawn again.
     pub fn draw(random: &mut Random, approach: Approach) -> Self {
         loop {
             let case = Self::draw_any(random, approach);
@@ -72,6 +72,7 @@ impl Case {
         }
     }
 
+    /// Draws a case in which the disc may touch the wall earlier.
     fn draw_any(random: &mut Random, approach: Approach) -> Self {
         let radius = random.between(0.05, 0.3);
         let speed = random.between(0.1, 1.0);
@@ -92,30 +93,30 @@ impl Case {
         let start = Pose::new(random.between(-5.0, 5.0), random.between(-5.0, 5.0), random.between(-PI, PI));
         let at_contact = start.moved(twist.scaled(instant));
         // Angle between the direction of motion at the contact and the direction to the touched point.
-        let off = match approach {
+        let angle = match approach {
             Approach::HeadOn => 0.0,
             Approach::Oblique => random.between(-1.4, 1.4),
             Approach::Arc | Approach::ArcToCorner => random.between(-1.0, 1.0),
         };
-        let towards = at_contact.heading.turned(off).direction();
+        let towards = at_contact.heading.turned(angle).direction();
         let point = at_contact.position + towards * (radius + SKIN);
         let wall = match approach {
-            // The wall leads away from the disc.
+            // The wall extends away from the disc.
             Approach::ArcToCorner => Segment::new(point, point + towards * 0.1),
             _ => Segment::new(point - towards.perp() * 0.5, point + towards.perp() * 0.5),
         };
         Self { wall, start, twist, radius, instant }
     }
 
-    /// Instant of the contact that the core finds, in seconds.
+    /// Instant of the contact by the core, in seconds.
     pub fn by_core(&self) -> Option<f64> {
         let path = Path::new(&self.start, self.twist);
         first_contact(&path, self.radius, &self.wall, f64::INFINITY).map(|contact| contact.seconds)
     }
 
-    /// Instant of the contact for a simulator that tests for overlap after each step of `step` seconds: the end of the
-    /// first step with an overlap. `None` without an overlap within `horizon` seconds: the disc has passed through the
-    /// wall.
+    /// Instant of the contact by a simulator that tests for overlap after each step of `step` seconds: the end of the
+    /// first step with an overlap. `None` if there is no overlap within `horizon` seconds, since the disc has passed through
+    /// the wall.
     pub fn by_steps(&self, step: f64, horizon: f64) -> Option<f64> {
         let is_touching = |seconds: f64| {
             let centre = self.start.moved(self.twist.scaled(seconds)).position;
@@ -130,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_core_finds_the_instant_of_the_formula() {
+    fn core_finds_the_exact_instant() {
         let mut random = Random::new(3);
         for approach in Approach::ALL {
             for _ in 0..500 {
@@ -143,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_find_it_late_by_up_to_one() {
+    fn steps_find_the_contact_up_to_one_step_late() {
         let mut random = Random::new(4);
         let mut missed = 0;
         for approach in Approach::ALL {

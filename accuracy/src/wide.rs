@@ -1,11 +1,11 @@
-//! Double-double numbers of about 32 digits, for references that must not suffer from rounding.
+//! Double-double numbers of about 32 digits, for references with negligible rounding errors.
 //!
 //! Source: Dekker, A floating-point technique for extending the available precision, 1971.
 
 use std::f64::consts::FRAC_PI_2;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Number as the sum of two `f64`, the second at most half a unit in the last place of the first.
+/// Number as the sum of two `f64`; the second is at most half a unit in the last place of the first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wide {
     high: f64,
@@ -24,22 +24,22 @@ impl Wide {
     /// Sum of two `f64` including its rounding error.
     fn of_sum(a: f64, b: f64) -> Self {
         let high = a + b;
-        let part = high - a;
-        Self { high, low: (a - (high - part)) + (b - part) }
+        let added = high - a;
+        Self { high, low: (a - (high - added)) + (b - added) }
     }
 
     /// Sine and cosine of an angle in radians; error 1e-31, plus 1e-33 per quarter turn.
     pub fn sin_cos(self) -> (Self, Self) {
         let quarters = (self.high / FRAC_PI_2).round();
-        let rest = self - HALF_PI * Self::from(quarters);
-        let square = rest * rest;
-        // Taylor series of both from their last terms on: (pi/4)^28 / 28! is 1e-33.
+        let remainder = self - HALF_PI * Self::from(quarters);
+        let square = remainder * remainder;
+        // Taylor series of sine and cosine, summed from the last term: (pi/4)^28 / 28! is 1e-33.
         let series = |first: i32| {
             (first..=28).rev().filter(|power| (power - first) % 2 == 0).fold(Self::default(), |sum, power| {
                 Self::from(1.0) - sum * square / Self::from(f64::from((power + 1) * (power + 2)))
             })
         };
-        let (sin, cos) = (rest * series(1), series(0));
+        let (sin, cos) = (remainder * series(1), series(0));
         match quarters.rem_euclid(4.0) as u8 {
             0 => (sin, cos),
             1 => (cos, -sin),
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn arithmetic_keeps_what_a_double_loses() {
+    fn arithmetic_keeps_digits_that_f64_loses() {
         let third = Wide::from(1.0) / Wide::from(3.0);
         assert_close(third * Wide::from(3.0), Wide::from(1.0), 1e-31);
         assert_eq!((Wide::from(1.0) + Wide::from(1e-25) - Wide::from(1.0)).high, 1e-25);
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn sine_and_cosine_are_those_of_the_textbook() {
+    fn sine_and_cosine_match_published_values() {
         // sin 1 and cos 1 to 32 digits, as sums of two doubles.
         let (sin, cos) = Wide::from(1.0).sin_cos();
         assert_close(sin, Wide { high: 0.841_470_984_807_896_5, low: 1.776_845_092_935_536e-18 }, 1e-31);

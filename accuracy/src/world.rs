@@ -59,8 +59,8 @@ pub fn empty() -> World {
     World::new(Arc::new(Walls::new(Vec::new())), Time::from_millis(50), std::iter::empty())
 }
 
-/// A closed square room of `side` metres with its lower left corner at `corner`, and `boxes` boxes in it with sides of
-/// 0.2 to 1 m, turned at random, which may overlap: 4 walls each.
+/// A closed square room of `side` metres with its lower left corner at `corner`. It contains `boxes` boxes, of 4 walls each, with sides
+/// of 0.2 to 1 m and random orientations, which may overlap.
 pub fn room_with_boxes(seed: u64, corner: DVec2, side: f64, boxes: usize) -> Vec<Segment> {
     let mut random = Random::new(seed);
     let room = Bounds { min: corner, max: corner + DVec2::splat(side) };
@@ -78,16 +78,16 @@ pub fn room_with_boxes(seed: u64, corner: DVec2, side: f64, boxes: usize) -> Vec
 /// a wall of one cell's length on each inner edge with probability 0.5.
 pub fn maze(seed: u64, corner: DVec2, size: usize, cell: f64) -> Vec<Segment> {
     let mut random = Random::new(seed);
-    let at = |column: usize, row: usize| corner + DVec2::new(column as f64, row as f64) * cell;
+    let corner_at = |column: usize, row: usize| corner + DVec2::new(column as f64, row as f64) * cell;
     let mut walls = Vec::new();
     for line in 0..=size {
-        for along in 0..size {
-            let border = line == 0 || line == size;
-            if border || random.chance(0.5) {
-                walls.push(Segment::new(at(line, along), at(line, along + 1)));
+        for position in 0..size {
+            let is_border = line == 0 || line == size;
+            if is_border || random.chance(0.5) {
+                walls.push(Segment::new(corner_at(line, position), corner_at(line, position + 1)));
             }
-            if border || random.chance(0.5) {
-                walls.push(Segment::new(at(along, line), at(along + 1, line)));
+            if is_border || random.chance(0.5) {
+                walls.push(Segment::new(corner_at(position, line), corner_at(position + 1, line)));
             }
         }
     }
@@ -104,18 +104,18 @@ pub fn extruded(walls: &[Segment]) -> Vec<[DVec3; 3]> {
     walls.iter().flat_map(side).collect()
 }
 
-/// Faces of a box around the origin with these half sizes, each divided into `squares` by `squares` squares of two triangles;
-/// `place` transforms its points.
-pub fn cuboid(half: DVec3, squares: u32, place: impl Fn(DVec3) -> DVec3) -> Vec<[DVec3; 3]> {
-    let share = |step: u32| (2.0 * f64::from(step) - f64::from(squares)) / f64::from(squares);
+/// Faces of a box around the origin with these half sizes. Each face is divided into `squares` by `squares` squares of two triangles;
+/// `transform` is applied to all points.
+pub fn cuboid(half: DVec3, squares: u32, transform: impl Fn(DVec3) -> DVec3) -> Vec<[DVec3; 3]> {
+    let coordinate = |step: u32| (2.0 * f64::from(step) - f64::from(squares)) / f64::from(squares);
     let mut triangles = Vec::new();
     for axis in 0..3 {
         for side in [-1.0, 1.0] {
             let corner = |column: u32, row: u32| {
-                let mut shares = DVec3::splat(side);
-                shares[(axis + 1) % 3] = share(column);
-                shares[(axis + 2) % 3] = share(row);
-                place(shares * half)
+                let mut coordinates = DVec3::splat(side);
+                coordinates[(axis + 1) % 3] = coordinate(column);
+                coordinates[(axis + 2) % 3] = coordinate(row);
+                transform(coordinates * half)
             };
             for cell in 0..squares * squares {
                 let (column, row) = (cell % squares, cell / squares);

@@ -1,4 +1,4 @@
-//! Pictures of cameras against the slow reference: every pixel equal to within a grey level, except on silhouettes.
+//! Pictures of cameras, compared with the slow reference: every pixel is equal within a grey level, except on silhouettes.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -57,7 +57,7 @@ fn names(folder: &str) -> Vec<String> {
     names
 }
 
-/// All scenes, and all worlds as scenes without robots.
+/// All sample scenes, and all sample worlds as scenes without robots.
 fn scenes() -> Vec<(String, SceneSpec)> {
     let disk = Disk(root().to_string_lossy().into_owned());
     let scene = &|folder: &str, name: String| {
@@ -84,25 +84,25 @@ fn world(scene: &SceneSpec) -> World {
     World::new(Arc::clone(&walls), Time::from_millis(50), &mut motions).with_objects(objects)
 }
 
-/// View from a random point over the floor, every other one from a robot, and that robot.
-fn any_view(random: &mut Random, scene: &SceneSpec, number: usize, size: [u32; 2]) -> (View, Option<RobotId>) {
+/// Random view number `number`, and the robot whose camera it is: every other view is from a robot, the others from points above the floor.
+fn random_view(random: &mut Random, scene: &SceneSpec, number: usize, size: [u32; 2]) -> (View, Option<RobotId>) {
     let lens = LENSES[number / 2 % 2];
-    let [roll, pitch, yaw] = [0.3, 0.6, PI].map(|most| random.between(-most, most));
+    let [roll, pitch, yaw] = [0.3, 0.6, PI].map(|max| random.between(-max, max));
     let floor = scene.world.floor;
-    let mut anywhere =
+    let mut random_point =
         || DVec3::new(random.between(0.0, floor.x), random.between(0.0, floor.y), random.between(0.02, 1.5));
     let robots = &scene.robots;
-    let (from, by) = if number.is_multiple_of(2) || robots.is_empty() {
-        (anywhere(), None)
+    let (position, by) = if number.is_multiple_of(2) || robots.is_empty() {
+        (random_point(), None)
     } else {
         let robot = &robots[random.below(robots.len())];
         (robot.start.position.extend(0.12), Some(robot.id))
     };
-    let pose = Pose3::from_angles(from, roll, if by.is_some() { 0.3 * pitch } else { pitch }, yaw);
+    let pose = Pose3::from_angles(position, roll, if by.is_some() { 0.3 * pitch } else { pitch }, yaw);
     (View::new(pose, lens, size).expect("a view"), by)
 }
 
-fn agreement_of(posed: &PosedScenery, views: impl IntoIterator<Item = (View, Option<RobotId>)>) -> Agreement {
+fn compare(posed: &PosedScenery, views: impl IntoIterator<Item = (View, Option<RobotId>)>) -> Agreement {
     let mut reference = Reference::new(posed, None);
     let mut camera = Camera::default();
     let mut agreement = Agreement::default();
@@ -114,39 +114,39 @@ fn agreement_of(posed: &PosedScenery, views: impl IntoIterator<Item = (View, Opt
 }
 
 #[test]
-fn sample_worlds_look_as_the_reference_says() {
-    let mut all = Agreement::default();
-    for (place, (name, mut scene)) in scenes().into_iter().enumerate() {
-        // Every other scene with shadows, regardless of its own setting.
-        scene.world.looks.light.shadows |= place % 2 == 1;
+fn sample_worlds_match_the_reference() {
+    let mut total = Agreement::default();
+    for (index, (name, mut scene)) in scenes().into_iter().enumerate() {
+        // Every other scene has shadows, regardless of its setting.
+        scene.world.looks.light.shadows |= index % 2 == 1;
         let disk = Disk(root().to_string_lossy().into_owned());
         let scenery = build::scenery(&scene, &mut MeshReader::new(&disk));
         let world = world(&scene);
         let posed = scenery.pose_at(&world, Time::ZERO);
         let mut random = Random::new(72);
-        let views = (0..VIEWS).map(|number| any_view(&mut random, &scene, number, [16, 12]));
-        let agreement = agreement_of(&posed, views);
+        let views = (0..VIEWS).map(|number| random_view(&mut random, &scene, number, [16, 12]));
+        let agreement = compare(&posed, views);
         println!("{name}: {} of {} pixels differ", agreement.differing, agreement.pixels);
         agreement.assert_right(&name);
-        all += agreement;
+        total += agreement;
     }
-    println!("all: {} of {} pixels differ", all.differing, all.pixels);
-    assert!(all.share() < 1e-3, "{}", all.share());
+    println!("all: {} of {} pixels differ", total.differing, total.pixels);
+    assert!(total.share() < 1e-3, "{}", total.share());
 }
 
 #[test]
-fn a_furnished_room_looks_as_the_reference_says() {
+fn furnished_room_matches_the_reference() {
     for shadows in [false, true] {
         let scenery = room::scenery(Light { shadows, ..room::light() });
         let posed = scenery.pose_at(&empty(), Time::ZERO);
         let mut random = Random::new(71);
         let mut view = |number: usize| {
-            let from = DVec3::new(random.between(0.2, 7.8), random.between(0.2, 7.8), random.between(0.1, 1.5));
-            let [roll, pitch, yaw] = [0.3, 0.6, PI].map(|most| random.between(-most, most));
-            let pose = Pose3::from_angles(from, roll, pitch, yaw);
+            let position = DVec3::new(random.between(0.2, 7.8), random.between(0.2, 7.8), random.between(0.1, 1.5));
+            let [roll, pitch, yaw] = [0.3, 0.6, PI].map(|max| random.between(-max, max));
+            let pose = Pose3::from_angles(position, roll, pitch, yaw);
             (View::new(pose, LENSES[number % 2], [24, 18]).expect("a view"), None)
         };
-        let agreement = agreement_of(&posed, (0..80).map(&mut view));
+        let agreement = compare(&posed, (0..80).map(&mut view));
         println!("shadows {shadows}: {} of {} pixels differ", agreement.differing, agreement.pixels);
         agreement.assert_right("room");
         assert!(agreement.share() < 0.005, "{}", agreement.share());

@@ -1,4 +1,5 @@
-//! Hard cases of contact: robots that start in contact, wedged robots, head-on collisions, at any speed, far from the origin, in any slot.
+//! Hard cases of contact: robots that start in contact, wedged robots and head-on collisions, at any speed, far from the origin, with any
+//! slot length.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -24,25 +25,25 @@ fn wall(ax: f64, ay: f64, bx: f64, by: f64) -> Segment {
 }
 
 fn robot(walls: &[Segment], start: Pose) -> Motion {
-    let racer = Model { max_wheel_rate: 1e9, ..model() };
-    Motion::new(RobotId(1), Arc::new(racer), Arc::new(Walls::new(walls.to_vec())), start)
+    let fast_model = Model { max_wheel_rate: 1e9, ..model() };
+    Motion::new(RobotId(1), Arc::new(fast_model), Arc::new(Walls::new(walls.to_vec())), start)
 }
 
 fn drive(length: f64, angle: f64, duration: f64) -> Command {
     Command::Drive { displacement: Twist::new(length, angle), duration }
 }
 
-/// Criterion: contacts with a closed form are found at its instant, 10 km from the origin within the rounding of 1e4 m (2e-12 m)
-/// divided by the speed of approach.
+/// Criterion: 10 km from the origin, contacts are found at their exact instants within the rounding of 1e4 m (2e-12 m) divided by the
+/// speed of approach.
 #[test]
-fn ten_kilometres_away_contacts_are_where_they_should_be() {
+fn contacts_ten_kilometres_away_are_exact() {
     let mut random = Random::new(21);
-    let away = DVec2::new(-1e4, 1e4);
+    let offset = DVec2::new(-1e4, 1e4);
     for approach in Approach::ALL {
         for _ in 0..300 {
             let case = Case::draw(&mut random, approach);
-            let start = Pose { position: case.start.position + away, ..case.start };
-            let wall = Segment::new(case.wall.a + away, case.wall.b + away);
+            let start = Pose { position: case.start.position + offset, ..case.start };
+            let wall = Segment::new(case.wall.a + offset, case.wall.b + offset);
             let found = first_contact(&Path::new(&start, case.twist), case.radius, &wall, f64::INFINITY);
             let found = found.unwrap_or_else(|| panic!("missed {case:?}")).seconds;
             assert!((found - case.instant).abs() < 1e-8, "{found} for {case:?}");
@@ -50,10 +51,10 @@ fn ten_kilometres_away_contacts_are_where_they_should_be() {
     }
 }
 
-/// Criterion: from 1 um/s to 1 km/s, head on, the robot stops one skin before the first wall of many, never behind one, even if it
-/// would cross all of them within one slot.
+/// Criterion: head on and from 1 um/s to 1 km/s, the robot stops one skin in front of the first of many walls, even if it would cross all
+/// of them within one slot.
 #[test]
-fn at_any_speed_the_first_of_many_walls_stops_the_robot_in_one_slot() {
+fn first_of_many_walls_stops_the_robot_at_any_speed() {
     let walls: Vec<_> = (1..=50).map(|n| wall(0.2 * f64::from(n), -1.0, 0.2 * f64::from(n), 1.0)).collect();
     for slot in [1_000, 50_000, 1_000_000] {
         for speed in [1e-6, 0.1, 1.0, 50.0, 1e3] {
@@ -73,17 +74,17 @@ fn at_any_speed_the_first_of_many_walls_stops_the_robot_in_one_slot() {
     }
 }
 
-/// Criterion: two robots head on, at speeds that would swap them within one slot, stop a skin apart, the faster having travelled
-/// farther; the middle of the contact divides the distance in the ratio of their speeds within a micrometre.
+/// Criterion: two robots that meet head on, at speeds that would swap them within one slot, stop a skin apart. The distances that they
+/// travelled have the ratio of their speeds, within a micrometre.
 #[test]
-fn robots_head_on_rest_a_skin_apart_at_any_speed_and_slot() {
+fn head_on_robots_stop_a_skin_apart_at_any_speed_and_slot() {
     for slot in [1_000, 50_000, 1_000_000] {
         for (left, right) in [(0.5, 0.5), (100.0, 1.0), (1e3, 1e3), (1e-3, 1e3), (0.7, 0.0)] {
             let walls = Arc::new(Walls::new(vec![]));
-            let racer = Arc::new(Model { max_wheel_rate: 1e9, ..model() });
+            let fast_model = Arc::new(Model { max_wheel_rate: 1e9, ..model() });
             let mut motions = [
-                Motion::new(RobotId(1), Arc::clone(&racer), Arc::clone(&walls), Pose::new(-1.0, 0.0, 0.0)),
-                Motion::new(RobotId(2), racer, Arc::clone(&walls), Pose::new(1.0, 0.0, PI)),
+                Motion::new(RobotId(1), Arc::clone(&fast_model), Arc::clone(&walls), Pose::new(-1.0, 0.0, 0.0)),
+                Motion::new(RobotId(2), fast_model, Arc::clone(&walls), Pose::new(1.0, 0.0, PI)),
             ];
             let mut world = World::new(walls, Time(slot), &mut motions);
             for (motion, speed) in motions.iter_mut().zip([left, right]) {
@@ -98,23 +99,23 @@ fn robots_head_on_rest_a_skin_apart_at_any_speed_and_slot() {
             let at = world.slot_start();
             let [a, b] = motions.each_mut().map(|motion| motion.pose(at).position.x);
             assert!(((b - a - 2.0 * RADIUS) - SKIN).abs() < 2e-9, "gap at {left} and {right} m/s");
-            let way = (2.0 - 2.0 * RADIUS - SKIN) * left / (left + right);
-            assert!((a + 1.0 - way).abs() < 1e-6, "{a} for {way} at {left} and {right} m/s");
+            let expected = (2.0 - 2.0 * RADIUS - SKIN) * left / (left + right);
+            assert!((a + 1.0 - expected).abs() < 1e-6, "{a} for {expected} at {left} and {right} m/s");
         }
     }
 }
 
-/// Criterion: a robot that starts in contact, or up to its centre in a wall, moves as far as commanded in directions that lead
-/// away, and not at all in those that lead deeper.
+/// Criterion: a robot that starts in contact, or nearly up to its centre in a wall, moves as far as commanded in directions that lead
+/// away from the wall, and not at all in those that lead deeper.
 #[test]
-fn robots_that_start_in_contact_may_leave_and_not_sink_in() {
+fn robots_that_start_in_contact_move_only_away() {
     let walls = [wall(-5.0, 0.0, 5.0, 0.0)];
     for depth in [-SKIN, 0.0, 1e-9, 0.01, 0.079] {
-        for eighth in 0..8 {
-            let heading = f64::from(eighth) * PI / 4.0;
+        for direction in 0..8 {
+            let heading = f64::from(direction) * PI / 4.0;
             let mut motion = robot(&walls, Pose::new(0.0, RADIUS - depth, heading));
             motion.command(Time(9), drive(0.3, 0.0, 1.0), &[]).expect("sound");
-            let is_away = eighth <= 4;
+            let is_away = direction <= 4;
             assert_eq!(motion.drive_end().is_some(), is_away, "depth {depth}, heading {heading}");
             let moved = (motion.pose(Time(3_000_000)).position - DVec2::new(0.0, RADIUS - depth)).length();
             assert!(
@@ -129,10 +130,10 @@ fn robots_that_start_in_contact_may_leave_and_not_sink_in() {
     }
 }
 
-/// Criterion: in corners from 2 to 178 degrees the robot stops a skin from both walls or, along the bisector, from the nearer one; it
-/// reverses out by the commanded distance; it can turn there any number of times.
+/// Criterion: in corners from 2 to 178 degrees, a robot that drives along the bisector stops a skin from both walls. It can then turn any
+/// number of times, and reverses out by the commanded distance.
 #[test]
-fn wedged_in_corners_of_every_angle_a_robot_comes_out() {
+fn wedged_robot_reverses_out_of_corners_of_any_angle() {
     for degrees in [2.0, 10.0, 45.0, 60.0, 90.0, 120.0, 178.0_f64] {
         let half = 0.5 * degrees.to_radians();
         let (sin, cos) = sim_core::math::sin_cos(half);
@@ -158,43 +159,43 @@ fn wedged_in_corners_of_every_angle_a_robot_comes_out() {
     }
 }
 
-/// Criterion: a robot drives 100 m to its mark through a gap 1 mm wider than itself, at the origin and 10 km away, with no contact;
-/// 0.6 mm off the middle it is stopped at the entrance.
+/// Criterion: a robot drives 100 m through a gap that is 1 mm wider than itself, at the origin and 10 km away, without contact; if it
+/// starts 0.6 mm beside the middle line, it is stopped at the entrance.
 #[test]
-fn a_gap_of_a_millimetre_more_lets_a_robot_through_for_a_hundred_metres() {
-    let half = RADIUS + 0.5e-3;
-    for (away, angle) in [(DVec2::ZERO, 0.0), (DVec2::new(1e4, 1e4), 0.7), (DVec2::new(-1e4, 3.0), -2.9)] {
-        let frame = Pose { position: away, ..Pose::new(0.0, 0.0, angle) };
-        let place = |x: f64, y: f64| frame.transform_point(DVec2::new(x, y));
+fn robot_drives_through_a_gap_one_millimetre_wider() {
+    let half_width = RADIUS + 0.5e-3;
+    for (offset, angle) in [(DVec2::ZERO, 0.0), (DVec2::new(1e4, 1e4), 0.7), (DVec2::new(-1e4, 3.0), -2.9)] {
+        let frame = Pose { position: offset, ..Pose::new(0.0, 0.0, angle) };
+        let point = |x: f64, y: f64| frame.transform_point(DVec2::new(x, y));
         let walls = [
-            Segment::new(place(1.0, half), place(110.0, half)),
-            Segment::new(place(1.0, -half), place(110.0, -half)),
-            Segment::new(place(1.0, half), place(1.0, 2.0)),
-            Segment::new(place(1.0, -half), place(1.0, -2.0)),
+            Segment::new(point(1.0, half_width), point(110.0, half_width)),
+            Segment::new(point(1.0, -half_width), point(110.0, -half_width)),
+            Segment::new(point(1.0, half_width), point(1.0, 2.0)),
+            Segment::new(point(1.0, -half_width), point(1.0, -2.0)),
         ];
-        let mut through = robot(&walls, frame);
-        through.command(Time::ZERO, drive(100.0, 0.0, 100.0), &[]).expect("sound");
-        let end = through.drive_end().expect("the gap is wide enough");
-        assert_eq!(through.contacts(end), 0);
-        let gap = oracle::clearance(&walls, through.pose(end).position, RADIUS);
+        let mut centred = robot(&walls, frame);
+        centred.command(Time::ZERO, drive(100.0, 0.0, 100.0), &[]).expect("sound");
+        let end = centred.drive_end().expect("the gap is wide enough");
+        assert_eq!(centred.contacts(end), 0);
+        let gap = oracle::clearance(&walls, centred.pose(end).position, RADIUS);
         assert!((gap - 0.5e-3).abs() < 1e-10, "gap {gap}");
-        let mut beside = robot(&walls, Pose { position: place(0.0, 0.6e-3), ..frame });
-        beside.command(Time::ZERO, drive(100.0, 0.0, 100.0), &[]).expect("sound");
-        assert_eq!(beside.drive_end(), None);
-        let gap = oracle::clearance(&walls, beside.pose(Time(200_000_000)).position, RADIUS);
+        let mut off_centre = robot(&walls, Pose { position: point(0.0, 0.6e-3), ..frame });
+        off_centre.command(Time::ZERO, drive(100.0, 0.0, 100.0), &[]).expect("sound");
+        assert_eq!(off_centre.drive_end(), None);
+        let gap = oracle::clearance(&walls, off_centre.pose(Time(200_000_000)).position, RADIUS);
         assert!((gap - SKIN).abs() < 1e-11, "gap {gap}");
     }
 }
 
-/// Criterion: a robot that executes a thousand random drives among boxes is never nearer to a wall than the skin, less the rounding
-/// of 1e-12 m, and its end pose has the same bits in slots of 1 ms and of 1 s.
+/// Criterion: in a thousand random drives among boxes, a robot is never nearer to a wall than the skin, except for rounding of 1e-12 m; its
+/// poses have the same bits in slots of 1 ms and of 1 s.
 #[test]
-fn a_thousand_drives_among_boxes_never_touch_more_than_the_skin() {
+fn thousand_drives_among_boxes_keep_the_skin() {
     let walls = room_with_boxes(3, DVec2::splat(-2.0), 4.0, 12);
     let mut random = Random::new(8);
     let start = (0..10_000)
         .map(|_| DVec2::new(random.between(-1.8, 1.8), random.between(-1.8, 1.8)))
-        .find(|place| oracle::clearance(&walls, *place, RADIUS) > 0.01)
+        .find(|point| oracle::clearance(&walls, *point, RADIUS) > 0.01)
         .expect("a free place");
     let drives: Vec<_> = (0..1_000)
         .map(|_| {

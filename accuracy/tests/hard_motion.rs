@@ -1,4 +1,4 @@
-//! Hard cases of motion: extreme values of doubles, very long durations, far from the origin, slots from a microsecond to a second.
+//! Hard cases of motion: extreme numbers, very long durations, positions far from the origin, slots from a microsecond to a second.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -21,8 +21,8 @@ fn robot(model: Model, walls: Vec<Segment>, start: Pose) -> Motion {
 }
 
 fn room(corner: DVec2, size: f64) -> Vec<Segment> {
-    let at = |x: f64, y: f64| corner + DVec2::new(x, y) * size;
-    let corners = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
+    let point = |x: f64, y: f64| corner + DVec2::new(x, y) * size;
+    let corners = [point(0.0, 0.0), point(1.0, 0.0), point(1.0, 1.0), point(0.0, 1.0)];
     (0..4).map(|i| Segment::new(corners[i], corners[(i + 1) % 4])).collect()
 }
 
@@ -43,9 +43,9 @@ fn imperfection() -> Imperfection {
     }
 }
 
-/// States at and between the commands of a script, for one robot in a small room with slots of `slot`.
-fn script(mut motion: Motion, slot: Time) -> Vec<State> {
-    let mut world = World::new(motion_walls(), slot, [&mut motion]);
+/// States at and between a fixed sequence of commands, for one robot in a small room with slots of `slot`.
+fn run_commands(mut motion: Motion, slot: Time) -> Vec<State> {
+    let mut world = World::new(small_room(), slot, [&mut motion]);
     let commands = [
         (1, drive(0.01, 0.0, 0.04)),
         (45_000, drive(0.004, 0.3, 0.0)),
@@ -70,19 +70,19 @@ fn script(mut motion: Motion, slot: Time) -> Vec<State> {
     states
 }
 
-fn motion_walls() -> Arc<Walls> {
+fn small_room() -> Arc<Walls> {
     Arc::new(Walls::new(room(DVec2::splat(-0.1), 0.2)))
 }
 
-/// Criterion: equality of all bits of poses, odometry, wheels and path, for straight lines, curves, turns, speeds, walls,
-/// motors; with lag, controllers, controllers of wheels and imperfections.
+/// Criterion: all bits of poses, odometry, wheels and path are equal, for straight lines, curves, turns, speeds, walls and
+/// motors, with lag, controllers, wheel controllers and imperfections.
 #[test]
-fn poses_are_equal_to_the_bit_in_slots_of_a_microsecond_to_a_second() {
-    let lame = Model { wheel_lag: 0.04, axis_offset: 0.01, ..model() };
+fn states_have_equal_bits_for_any_slot_length() {
+    let lagging_model = Model { wheel_lag: 0.04, axis_offset: 0.01, ..model() };
     let omni = Model { kind: DriveKind::Omni, ..model() };
-    let new = |model: Model| Motion::new(RobotId(1), Arc::new(model), motion_walls(), Pose::new(0.0, -0.01, 0.7));
+    let new = |model: Model| Motion::new(RobotId(1), Arc::new(model), small_room(), Pose::new(0.0, -0.01, 0.7));
     let controlled = || {
-        let mut motion = new(lame.clone());
+        let mut motion = new(lagging_model.clone());
         motion.start_control(Time::ZERO, Gains { vv: 3.0, tv: 0.2, vw: 3.0, tw: 0.2 }).expect("sound");
         motion.start_wheel_control(Time::ZERO, 0, Pid { p: 2.0, i: 30.0, d: 0.001 }).expect("sound");
         motion
@@ -90,35 +90,35 @@ fn poses_are_equal_to_the_bit_in_slots_of_a_microsecond_to_a_second() {
     let imperfect = |motion: Motion| motion.with_imperfection(5, imperfection()).expect("sound");
     let robots: [(&str, Motion); 6] = [
         ("plain", new(model())),
-        ("lag", new(lame.clone())),
+        ("lag", new(lagging_model.clone())),
         ("controllers", controlled()),
         ("imperfect", imperfect(new(model()))),
         ("imperfect controllers", imperfect(controlled())),
         ("imperfect omni", imperfect(new(omni))),
     ];
     for (name, motion) in robots {
-        let reference = script(motion.clone(), Time(50_000));
+        let reference = run_commands(motion.clone(), Time(50_000));
         assert!(reference.iter().any(|state| state.path_length > 0.0));
         for slot in [1, 17, 1_000, 9_999, 10_000, 200_000, 1_000_000] {
-            assert!(script(motion.clone(), Time(slot)) == reference, "{name} in slots of {slot} us");
+            assert!(run_commands(motion.clone(), Time(slot)) == reference, "{name} in slots of {slot} us");
         }
     }
 }
 
 /// Criterion: a drive ends at its angle and arc length to 1e-12 m, from 1e-300 to 1e4 rad/s, in both directions.
 #[test]
-fn drives_of_every_turning_speed_end_at_their_arcs() {
-    let racer = Model { max_wheel_rate: 1e9, ..model() };
+fn drives_end_exactly_at_any_turning_speed() {
+    let fast_model = Model { max_wheel_rate: 1e9, ..model() };
     for exponent in -300..=4 {
         for sign in [1.0, -1.0] {
             let omega = sign * 10.0_f64.powi(exponent);
-            let mut motion = robot(racer.clone(), vec![], Pose::default());
+            let mut motion = robot(fast_model.clone(), vec![], Pose::default());
             motion.command(Time(7), drive(1.0, 2.0 * omega, 2.0), &[]).expect("sound");
             let end = motion.drive_end().expect("an end");
             assert!((end - Time(2_000_007)).0.abs() <= 1, "{end:?} at {omega} rad/s");
             let pose = motion.pose(end);
             assert!((pose.heading.radians() - 2.0 * omega).abs() <= 4e-16 * (2.0 * omega).abs().max(1.0));
-            // Chord and half angle, in 30 digits above the limit up to which the series is exact.
+            // End of the arc: for small angles by the series, otherwise with 30 digits.
             let angle = 2.0 * omega;
             let expected = if angle.abs() < 1e-5 {
                 DVec2::new(1.0 - angle * angle / 6.0, angle / 2.0)
@@ -132,10 +132,10 @@ fn drives_of_every_turning_speed_end_at_their_arcs() {
     }
 }
 
-/// Criterion: after a million rounds of a circle in one piece, and of a spiral of a million curves, the position is exact up
-/// to the rounding of the commanded rate times the time.
+/// Criterion: after a million turns on a circle in one piece of motion, the position is exact up to the rounding of the
+/// commanded rate times the time.
 #[test]
-fn a_million_rounds_of_a_circle_stay_on_it() {
+fn million_turns_stay_on_the_circle() {
     let mut motion = robot(Model { axis_offset: 0.02, ..model() }, vec![], Pose::new(3.0, 4.0, 0.2));
     let (v, omega) = (0.4, 2.5);
     motion.command(Time::ZERO, Command::Twist(Twist::new(v, omega)), &[]).expect("sound");
@@ -153,12 +153,13 @@ fn a_million_rounds_of_a_circle_stay_on_it() {
     assert!((state.path_length - v * at.seconds()).abs() < 1e-3 * 1e-6, "{} m", state.path_length);
 }
 
-/// Criterion: 10 km from the origin a drive with curves ends as at the origin to 1e-9 m, the rounding of 1e4 m being 2e-12 m.
+/// Criterion: a course with curves 10 km from the origin ends within 1e-9 m of the same course at the origin (1e4 m are rounded to 2e-12
+/// m).
 #[test]
-fn ten_kilometres_away_a_course_is_the_same() {
-    let lame = Model { wheel_lag: 0.05, axis_offset: 0.03, ..model() };
+fn course_ten_kilometres_away_is_the_same() {
+    let lagging_model = Model { wheel_lag: 0.05, axis_offset: 0.03, ..model() };
     for (model, imperfection) in
-        [(model(), Imperfection::default()), (lame, Imperfection::default()), (model(), imperfection())]
+        [(model(), Imperfection::default()), (lagging_model, Imperfection::default()), (model(), imperfection())]
     {
         let run = |offset: DVec2| {
             let start = Pose { position: offset, ..Pose::new(0.0, 0.0, 0.3) };
@@ -178,9 +179,9 @@ fn ten_kilometres_away_a_course_is_the_same() {
     }
 }
 
-/// Criterion: a million moves of a micrometre add up to a metre, within the rounding of each; forwards and back returns to the start.
+/// Criterion: a million drives of a micrometre add up to a metre, within their rounding; a drive back by a metre returns to the start.
 #[test]
-fn a_million_moves_of_a_micrometre_are_a_metre() {
+fn million_drives_of_a_micrometre_add_up_to_a_metre() {
     let mut motion = robot(model(), vec![], Pose::new(0.0, 0.0, 0.5));
     let mut world = World::new(Arc::new(Walls::new(vec![])), Time::from_millis(50), [&mut motion]);
     let mut at = Time::ZERO;
@@ -199,13 +200,13 @@ fn a_million_moves_of_a_micrometre_are_a_metre() {
     assert!(motion.pose(end).position.length() < 1e-10);
 }
 
-/// Criterion: moves of zero length end at once without motion, also with lag, controllers and imperfections; moves of
-/// negative length go back as far as the same positive move goes forwards.
+/// Criterion: drives of zero length end within two ticks without motion, also with lag and imperfections. Drives of negative length go
+/// back as far as those of the same positive length go forwards.
 #[test]
-fn moves_of_nothing_and_backwards_end_for_every_kind_of_robot() {
-    let lame = Model { wheel_lag: 0.05, ..model() };
+fn zero_and_negative_drives_end() {
+    let lagging_model = Model { wheel_lag: 0.05, ..model() };
     for (model, imperfection) in
-        [(model(), Imperfection::default()), (lame, Imperfection::default()), (model(), imperfection())]
+        [(model(), Imperfection::default()), (lagging_model, Imperfection::default()), (model(), imperfection())]
     {
         let new = || robot(model.clone(), vec![], Pose::default()).with_imperfection(8, imperfection).expect("sound");
         for (length, angle) in [(0.0, 0.0), (-0.0, -0.0), (5e-324, 0.0), (0.0, -5e-324), (1e-300, 1e-300)] {
@@ -227,13 +228,13 @@ fn moves_of_nothing_and_backwards_end_for_every_kind_of_robot() {
     }
 }
 
-/// Criterion: controllers that demand more than the wheels can do reach the limit and no more, and afterwards reach a set speed
-/// within it in less than 0.3 s: no integrator windup. Gains of any size leave all numbers finite.
+/// Criterion: controllers that demand more than the maximum speed reach it and do not exceed it. Afterwards they reach a lower commanded
+/// speed in less than 0.3 s, so there is no integrator windup. With gains of any size all numbers stay finite.
 #[test]
-fn saturated_controllers_stay_within_the_limit_and_come_back() {
-    let lame = Model { wheel_lag: 0.06, max_wheel_rate: 20.0, ..model() };
+fn saturated_controllers_keep_the_limit_and_recover() {
+    let lagging_model = Model { wheel_lag: 0.06, max_wheel_rate: 20.0, ..model() };
     let limit = 0.5; // m/s
-    let mut motion = robot(lame.clone(), vec![], Pose::default());
+    let mut motion = robot(lagging_model.clone(), vec![], Pose::default());
     motion.start_control(Time::ZERO, Gains { vv: 3.0, tv: 0.1, vw: 3.0, tw: 0.1 }).expect("sound");
     motion.command(Time::ZERO, Command::Twist(Twist::new(40.0, 0.0)), &[]).expect("sound");
     for second in 1..=60 {
@@ -244,14 +245,14 @@ fn saturated_controllers_stay_within_the_limit_and_come_back() {
     motion.command(at, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("sound");
     let speed = motion.speed(at + Time(300_000)).vx;
     assert!((speed - 0.1).abs() < 0.02, "{speed} m/s");
-    // A drive beyond the limit takes longer and ends at its mark.
+    // A drive that demands more than the limit takes longer and ends at its target.
     motion.command(at + Time(1_000_000), drive(0.5, 0.0, 1e-9), &[]).expect("sound");
     let before = motion.path_length(at + Time(1_000_000));
     let end = motion.drive_end().expect("an end");
     assert!((motion.path_length(end) - before - 0.5).abs() < 1e-9 && end > at + Time(1_900_000));
     for factor in [0.0, 1e-300, 1e12] {
         for integral_time in [1e-12, 1.0, 1e12] {
-            let mut motion = robot(lame.clone(), room(DVec2::splat(-1.0), 2.0), Pose::default());
+            let mut motion = robot(lagging_model.clone(), room(DVec2::splat(-1.0), 2.0), Pose::default());
             let gains = Gains { vv: factor, tv: integral_time, vw: factor, tw: integral_time };
             motion.start_control(Time::ZERO, gains).expect("sound");
             motion.command(Time::ZERO, Command::Twist(Twist::new(0.3, 0.5)), &[]).expect("sound");
@@ -265,9 +266,9 @@ fn saturated_controllers_stay_within_the_limit_and_come_back() {
     }
 }
 
-/// Criterion: a robot that has stood for a year then moves exactly as at the start.
+/// Criterion: after a year at rest, a robot moves exactly as at the start.
 #[test]
-fn a_year_later_a_drive_is_the_same() {
+fn drive_after_a_year_is_the_same() {
     let year = Time(365 * 86_400 * 1_000_000);
     let ends = [Time::ZERO, year].map(|start| {
         let mut motion = robot(model(), vec![], Pose::new(0.0, 0.0, PI / 3.0));

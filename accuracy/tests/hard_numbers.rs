@@ -1,6 +1,6 @@
-//! NaN, infinities and extreme doubles as every number of a motion's and a world's interface.
+//! NaN, infinities and extreme numbers as arguments of all functions of motions and worlds.
 //!
-//! Criterion: each is rejected, or accepted with all poses finite; afterwards the robot drives to its mark.
+//! Criterion: each number is rejected, or accepted with all poses finite; afterwards the robot drives to its target.
 
 use std::sync::Arc;
 
@@ -14,7 +14,8 @@ use sim_core::time::Time;
 use sim_core::world::{Ray, World};
 use sim_core::{ObjectId, RobotId};
 
-const UGLY: [f64; 18] = [
+/// Numbers that are not finite or extreme.
+const EXTREME_NUMBERS: [f64; 18] = [
     f64::NAN,
     f64::INFINITY,
     f64::NEG_INFINITY,
@@ -60,22 +61,22 @@ fn is_finite(motion: &mut Motion, at: Time) -> bool {
 }
 
 /// Call to a robot with an extreme number; returns true if the number was accepted.
-type Question = Box<dyn Fn(&mut Motion, Time, f64) -> bool>;
+type Call = Box<dyn Fn(&mut Motion, Time, f64) -> bool>;
 
-fn command(make: impl Fn(f64) -> Command + 'static) -> Question {
-    Box::new(move |motion, at, number| motion.command(at, make(number), &[]).is_ok())
+fn command(command_of: impl Fn(f64) -> Command + 'static) -> Call {
+    Box::new(move |motion, at, number| motion.command(at, command_of(number), &[]).is_ok())
 }
 
-fn questions() -> Vec<(&'static str, Question)> {
+fn calls() -> Vec<(&'static str, Call)> {
     let twist = |vx, vy, omega| Twist { vx, vy, omega };
     let drive = |displacement, duration| Command::Drive { displacement, duration };
-    let gains = |place: usize, number: f64| {
+    let gains = |index: usize, number: f64| {
         let mut values = [2.0, 0.3, 2.0, 0.3];
-        values[place] = number;
+        values[index] = number;
         let [vv, tv, vw, tw] = values;
         Gains { vv, tv, vw, tw }
     };
-    let mut all: Vec<(&'static str, Question)> = vec![
+    let mut calls: Vec<(&'static str, Call)> = vec![
         ("wheels", command(|n| Command::Wheels([n, 1.0, 1.0, 1.0]))),
         ("all wheels", command(|n| Command::Wheels([n; 4]))),
         ("wheel", command(|n| Command::Wheel { wheel: 0, rate: n })),
@@ -96,62 +97,70 @@ fn questions() -> Vec<(&'static str, Question)> {
         ("odometry y", Box::new(|motion, at, n| motion.set_odometry(at, Pose::new(0.0, n, 0.0)).is_ok())),
         ("odometry phi", Box::new(|motion, at, n| motion.set_odometry(at, Pose::new(0.0, 0.0, n)).is_ok())),
     ];
-    for place in 0..4 {
-        all.push(("gains", Box::new(move |motion, at, n| motion.start_control(at, gains(place, n)).is_ok())));
+    for index in 0..4 {
+        calls.push(("gains", Box::new(move |motion, at, n| motion.start_control(at, gains(index, n)).is_ok())));
     }
-    for place in 0..3 {
+    for index in 0..3 {
         let pid = move |n: f64| {
             let mut values = [2.0, 1.0, 0.01];
-            values[place] = n;
+            values[index] = n;
             Pid { p: values[0], i: values[1], d: values[2] }
         };
-        all.push(("pid", Box::new(move |motion, at, n| motion.start_wheel_control(at, 0, pid(n)).is_ok())));
+        calls.push(("pid", Box::new(move |motion, at, n| motion.start_wheel_control(at, 0, pid(n)).is_ok())));
     }
-    all
+    calls
 }
 
 #[test]
-fn every_number_of_a_motion_is_refused_or_leaves_all_finite() {
-    for (name, ask) in questions() {
-        for number in UGLY {
-            for (place, mut motion) in robots().into_iter().enumerate() {
-                let begin = Time(3);
-                motion.command(begin, Command::Twist(Twist::new(0.1, 0.05)), &[]).expect("sound");
-                motion.start_wheel_control(begin, 0, Pid { p: 1.0, i: 1.0, d: 0.0 }).expect("sound");
+fn motion_rejects_extreme_numbers_or_stays_finite() {
+    for (name, call) in calls() {
+        for number in EXTREME_NUMBERS {
+            for (robot, mut motion) in robots().into_iter().enumerate() {
+                let start = Time(3);
+                motion.command(start, Command::Twist(Twist::new(0.1, 0.05)), &[]).expect("sound");
+                motion.start_wheel_control(start, 0, Pid { p: 1.0, i: 1.0, d: 0.0 }).expect("sound");
                 let at = Time(33_333);
                 let (revision, before) = (motion.revision(), motion.state(at));
-                let is_taken = ask(&mut motion, at, number);
-                let what = format!("{name} {number} of robot {place}");
-                assert!(!is_taken || number.is_finite() || name.ends_with("phi"), "{what} was taken");
-                if !is_taken {
-                    assert_eq!((motion.revision(), motion.state(at)), (revision, before), "{what} changed something");
+                let is_accepted = call(&mut motion, at, number);
+                let context = format!("{name} {number} of robot {robot}");
+                assert!(!is_accepted || number.is_finite() || name.ends_with("phi"), "{context} was taken");
+                if !is_accepted {
+                    assert_eq!(
+                        (motion.revision(), motion.state(at)),
+                        (revision, before),
+                        "{context} changed something"
+                    );
                 }
-                // Up to a day ahead without ticks, which includes the ends of drives.
+                // Without lag there are no ticks, so the test looks a day ahead, beyond the ends of drives.
                 let ahead = if motion.model().wheel_lag > 0.0 { 1_000_000 } else { 86_400_000_000 };
-                for later in [0, 1, 10_000, 500_000, ahead] {
-                    assert!(is_finite(&mut motion, at + Time(later)), "{what}: {:?}", motion.state(at + Time(later)));
+                for delay in [0, 1, 10_000, 500_000, ahead] {
+                    assert!(
+                        is_finite(&mut motion, at + Time(delay)),
+                        "{context}: {:?}",
+                        motion.state(at + Time(delay))
+                    );
                 }
                 motion.contacts(at + Time(ahead));
-                // Once back, the robot drives as usual.
-                let back = at + Time(ahead);
-                motion.stop_control(back);
-                motion.stop_wheel_control(back, 0).expect("a wheel");
-                motion.place(back, Pose::default()).expect("sound");
-                motion.set_odometry(back, Pose::default()).expect("sound");
+                // After a reset, the robot drives as usual.
+                let reset_time = at + Time(ahead);
+                motion.stop_control(reset_time);
+                motion.stop_wheel_control(reset_time, 0).expect("a wheel");
+                motion.place(reset_time, Pose::default()).expect("sound");
+                motion.set_odometry(reset_time, Pose::default()).expect("sound");
                 let drive = Command::Drive { displacement: Twist::new(0.5, 0.5), duration: 1.0 };
-                motion.command(back, drive, &[]).expect("sound");
-                let end = motion.drive_end().unwrap_or_else(|| panic!("{what}: the drive has no end"));
-                let mark = Pose::default().moved(Twist::new(0.5, 0.5)).position;
+                motion.command(reset_time, drive, &[]).expect("sound");
+                let end = motion.drive_end().unwrap_or_else(|| panic!("{context}: the drive has no end"));
+                let target = Pose::default().moved(Twist::new(0.5, 0.5)).position;
                 let found = motion.odometry(end).position;
                 // With a lag a curve deviates slightly.
-                assert!((found - mark).length() < 0.02, "{what}: {found} for {mark}");
+                assert!((found - target).length() < 0.02, "{context}: {found} for {target}");
             }
         }
     }
 }
 
 #[test]
-fn every_number_of_a_world_is_refused_or_leaves_all_finite() {
+fn world_rejects_extreme_numbers_or_stays_finite() {
     let ball = Arc::new(Properties {
         mass: 0.1,
         centre_of_mass: DVec2::ZERO,
@@ -161,18 +170,18 @@ fn every_number_of_a_world_is_refused_or_leaves_all_finite() {
         contact_friction: 0.3,
         lift: 0.0,
     });
-    for number in UGLY {
+    for number in EXTREME_NUMBERS {
         let walls = Arc::new(Walls::new(vec![Segment::new(DVec2::new(2.0, -3.0), DVec2::new(2.0, 3.0))]));
         let mut motion = Motion::new(RobotId(1), Arc::new(model()), walls.clone(), Pose::default());
         let world = World::new(walls, Time::from_millis(50), [&mut motion]);
         let mut world = world.with_objects([(ball.clone(), Pose::new(0.5, 0.5, 0.0))]);
         let object = ObjectId(1);
-        for place in [Pose::new(number, 0.5, 0.0), Pose::new(0.5, number, 0.0), Pose::new(0.5, 0.5, number)] {
-            let is_taken = world.place_object(object, place).is_ok();
-            assert!(!is_taken || place.position.is_finite(), "{place:?}");
+        for pose in [Pose::new(number, 0.5, 0.0), Pose::new(0.5, number, 0.0), Pose::new(0.5, 0.5, number)] {
+            let is_accepted = world.place_object(object, pose).is_ok();
+            assert!(!is_accepted || pose.position.is_finite(), "{pose:?}");
             world.advance(&mut [&mut motion]);
-            let pose = world.object_pose(object, world.slot_start());
-            assert!(pose.position.is_finite() && pose.heading.remainder().is_finite(), "{pose:?} after {place:?}");
+            let found = world.object_pose(object, world.slot_start());
+            assert!(found.position.is_finite() && found.heading.remainder().is_finite(), "{found:?} after {pose:?}");
         }
         world.place_object(object, Pose::new(0.5, 0.5, 0.0)).expect("sound");
         world.advance(&mut [&mut motion]);

@@ -1,5 +1,5 @@
-//! Hard cases of rays among walls, by their effect on a robot: nothing is seen through a wall, nothing is lost, no
-//! reading depends on the world's origin.
+//! Hard cases of rays among walls: no ray passes through a wall, no wall is missed, and readings do not depend on the
+//! world's origin.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +8,7 @@ use glam::DVec2;
 use sim_core::math;
 use sim_core::scene::{Bounds, Segment, WallId, Walls};
 
-/// Corners of a polygon around `centre`, counter-clockwise, each visible from there, 0.5 to 2 m away.
+/// Corners of a polygon around `centre` in counter-clockwise order; each is visible from `centre` and 0.5 to 2 m away.
 fn corners(random: &mut Random, centre: DVec2, count: usize) -> Vec<DVec2> {
     let spacing = TAU / count as f64;
     (0..count)
@@ -20,30 +20,30 @@ fn corners(random: &mut Random, centre: DVec2, count: usize) -> Vec<DVec2> {
 }
 
 /// Closed polygon with these corners.
-fn closed(corners: &[DVec2]) -> Vec<Segment> {
-    (0..corners.len()).map(|at| Segment::new(corners[at], corners[(at + 1) % corners.len()])).collect()
+fn closed_polygon(corners: &[DVec2]) -> Vec<Segment> {
+    (0..corners.len()).map(|index| Segment::new(corners[index], corners[(index + 1) % corners.len()])).collect()
 }
 
-/// Number `ulps` units in the last place above `value`.
+/// Number that is `ulps` units in the last place above `value`.
 fn nudged(value: f64, ulps: i64) -> f64 {
     (0..ulps.abs()).fold(value, |value, _| if ulps > 0 { value.next_up() } else { value.next_down() })
 }
 
-/// Point after a rotation and a translation.
-fn placed(point: DVec2, turn: f64, offset: DVec2) -> DVec2 {
+/// Point after a rotation by `turn` and a translation by `offset`.
+fn transformed(point: DVec2, turn: f64, offset: DVec2) -> DVec2 {
     let (sin, cos) = math::sin_cos(turn);
     DVec2::new(cos, sin).rotate(point) + offset
 }
 
 #[test]
-fn of_a_million_rays_none_leaves_a_closed_polygon() {
+fn no_ray_leaves_a_closed_polygon() {
     let mut random = Random::new(41);
     let mut rays = 0;
-    // Units in the last place: 2e-16 m, 2e-12 m and 1e-10 m.
+    // The units in the last place of these coordinates are 2e-16 m, 2e-12 m and 1e-10 m.
     for centre in [DVec2::ZERO, DVec2::new(1e4, -1e4), DVec2::new(-1e6, 1e6)] {
         for count in [3, 4, 5, 17, 60, 300, 1500] {
             let corners = corners(&mut random, centre, count);
-            let walls = Walls::new(closed(&corners));
+            let walls = Walls::new(closed_polygon(&corners));
             for round in 0..50_000 {
                 let origin =
                     if round % 2 == 0 { centre } else { centre + random.direction() * random.between(0.0, 0.05) };
@@ -66,8 +66,8 @@ fn of_a_million_rays_none_leaves_a_closed_polygon() {
                 });
                 assert!(hit.distance <= 2.1, "{count} corners, at {kind}: {hit:?}");
                 // Hit to within 8 units in the last place of 10^6 m.
-                let off = walls.segment(hit.wall).distance(origin + direction * hit.distance);
-                assert!(off < 4e-9, "{count} corners, at {kind}: {off} m beside the wall");
+                let error = walls.segment(hit.wall).distance(origin + direction * hit.distance);
+                assert!(error < 4e-9, "{count} corners, at {kind}: {error} m beside the wall");
                 rays += 1;
             }
         }
@@ -76,60 +76,60 @@ fn of_a_million_rays_none_leaves_a_closed_polygon() {
 }
 
 #[test]
-fn a_slit_of_a_nanometre_is_seen_through_to_its_end() {
+fn ray_passes_through_a_slit_of_a_nanometre() {
     let mut random = Random::new(42);
     for _ in 0..2_000 {
         let (turn, offset) =
             (random.between(-4.0, 4.0), DVec2::new(random.between(-9.0, 9.0), random.between(-9.0, 9.0)));
-        let place = |x: f64, y: f64| placed(DVec2::new(x, y), turn, offset);
-        let half = 0.5e-9;
+        let point = |x: f64, y: f64| transformed(DVec2::new(x, y), turn, offset);
+        let half_width = 0.5e-9;
         let walls = Walls::new(vec![
-            Segment::new(place(1.0, half), place(9.0, half)),
-            Segment::new(place(9.0, -half), place(1.0, -half)),
-            Segment::new(place(10.0, -1.0), place(10.0, 1.0)),
+            Segment::new(point(1.0, half_width), point(9.0, half_width)),
+            Segment::new(point(9.0, -half_width), point(1.0, -half_width)),
+            Segment::new(point(10.0, -1.0), point(10.0, 1.0)),
         ]);
-        let direction = placed(DVec2::X, turn, DVec2::ZERO);
-        let through = walls.cast(place(0.0, 0.0), direction, 20.0).expect("the end is closed");
+        let direction = transformed(DVec2::X, turn, DVec2::ZERO);
+        let through = walls.cast(point(0.0, 0.0), direction, 20.0).expect("the end is closed");
         assert_eq!(through.wall, WallId(2), "turned by {turn}");
         assert!((through.distance - 10.0).abs() < 1e-9, "within 1 nm: {through:?}");
-        let inside = walls.cast(place(5.0, 0.0), direction, 20.0).expect("the end is closed");
+        let inside = walls.cast(point(5.0, 0.0), direction, 20.0).expect("the end is closed");
         assert!((inside.distance - 5.0).abs() < 1e-9, "within 1 nm: {inside:?}");
-        // Seen across, these are two walls with a nanometre between them.
-        let left = placed(DVec2::Y, turn, DVec2::ZERO);
-        let across = walls.cast(place(5.0, -1.0), left, 20.0).expect("a wall");
+        // Rays across the slit hit its two walls, which are a nanometre apart.
+        let left = transformed(DVec2::Y, turn, DVec2::ZERO);
+        let across = walls.cast(point(5.0, -1.0), left, 20.0).expect("a wall");
         assert_eq!(across.wall, WallId(1));
-        assert!((across.distance - (1.0 - half)).abs() < 1e-12, "within 1 pm: {across:?}");
-        let within = walls.cast(place(5.0, 0.0), left, 20.0).expect("a wall");
-        assert!((within.distance - half).abs() < 1e-13, "within 0.1 pm: {within:?}");
+        assert!((across.distance - (1.0 - half_width)).abs() < 1e-12, "within 1 pm: {across:?}");
+        let from_inside = walls.cast(point(5.0, 0.0), left, 20.0).expect("a wall");
+        assert!((from_inside.distance - half_width).abs() < 1e-13, "within 0.1 pm: {from_inside:?}");
     }
 }
 
 #[test]
-fn a_wall_met_at_a_grazing_angle_is_met_where_it_is() {
-    // A ray from y = 0 that falls by `angle` a metre hits the wall along y = -h at h / angle. All numbers are powers of two and
-    // exact. The direction's length differs from 1 by angle^2 / 2 < 2^-41.
+fn grazing_rays_hit_a_wall_at_the_right_distance() {
+    // A ray from y = 0 that falls by `angle` per metre hits the wall along y = -h at h / angle. All numbers are powers of two, so they
+    // are exact. The direction's length differs from 1 by angle^2 / 2 < 2^-41.
     for exponent in 20..45 {
         let angle = 1.0 / (1_u64 << exponent) as f64;
         for metres in [1.0, 4.0, 16.0] {
             let height = metres * angle;
             let walls = Walls::new(vec![Segment::new(DVec2::new(-1.0, -height), DVec2::new(20.0, -height))]);
             let hit = walls.cast(DVec2::ZERO, DVec2::new(1.0, -angle), 30.0).expect("the wall lies across the ray");
-            // Rounding by 2^-53 of the wall's length moves the hit by that over the angle, or the ray starts on the wall.
-            let off = 32.0 * f64::EPSILON / angle + 1e-9;
+            // Rounding by 2^-53 of the wall's length moves the hit by this distance over the angle, or the ray starts on the wall.
+            let tolerance = 32.0 * f64::EPSILON / angle + 1e-9;
             let starts_on = height <= 64.0 * 21.0 * f64::EPSILON && hit.distance == 0.0;
-            assert!((hit.distance - metres).abs() <= off || starts_on, "angle {angle}: {hit:?} for {metres}");
+            assert!((hit.distance - metres).abs() <= tolerance || starts_on, "angle {angle}: {hit:?} for {metres}");
         }
     }
 }
 
 #[test]
-fn of_walls_in_one_place_the_first_is_met_and_points_change_nothing() {
+fn first_of_coincident_walls_is_hit_and_points_are_ignored() {
     let mut random = Random::new(43);
     let room = Bounds { min: DVec2::ZERO, max: DVec2::splat(20.0) };
     let single = world::room_with_boxes(7, DVec2::ZERO, 20.0, 40);
     let points = single.iter().map(|wall| Segment::new(wall.a, wall.a));
-    let many = [&single[..], &single[..], &single[..]].concat().into_iter().chain(points).collect();
-    let (single, many) = (Walls::new(single), Walls::new(many));
+    let multiple = [&single[..], &single[..], &single[..]].concat().into_iter().chain(points).collect();
+    let (single, multiple) = (Walls::new(single), Walls::new(multiple));
     for round in 0..40_000 {
         let origin = random.point_in(room);
         let direction = if round % 2 == 0 {
@@ -137,7 +137,7 @@ fn of_walls_in_one_place_the_first_is_met_and_points_change_nothing() {
         } else {
             (single.segments()[random.below(single.len())].b - origin).normalize_or(DVec2::X)
         };
-        let (one, other) = (single.cast(origin, direction, 30.0), many.cast(origin, direction, 30.0));
+        let (one, other) = (single.cast(origin, direction, 30.0), multiple.cast(origin, direction, 30.0));
         let (one, other) = (one.expect("a closed room"), other.expect("a closed room"));
         assert!((one.distance - other.distance).abs() < 1e-12, "within 1 pm: {one:?}, {other:?}");
         // At a corner, rounding decides which of its walls is nearer.
@@ -146,22 +146,22 @@ fn of_walls_in_one_place_the_first_is_met_and_points_change_nothing() {
 }
 
 #[test]
-fn readings_do_not_depend_on_where_the_world_begins() {
-    // Coordinates are multiples of 2^-20 m, so that the world can be moved by 10 km, 1,000 km and 10^6 km without rounding.
-    let grain = (1 << 20) as f64;
-    let snapped = |point: DVec2| (point * grain).round() / grain;
+fn readings_do_not_depend_on_the_origin() {
+    // Coordinates are multiples of 2^-20 m, so that the world can be moved by about 10 km, 1,000 km and 10^6 km without rounding.
+    let resolution = (1 << 20) as f64;
+    let rounded = |point: DVec2| (point * resolution).round() / resolution;
     let scene: Vec<Segment> = world::room_with_boxes(5, DVec2::ZERO, 20.0, 74)
         .iter()
-        .map(|wall| Segment::new(snapped(wall.a), snapped(wall.b)))
+        .map(|wall| Segment::new(rounded(wall.a), rounded(wall.b)))
         .collect();
     let near = Walls::new(scene.clone());
-    // Tolerance of 8 units in the last place of the offset: a ray that passes a corner within it may hit.
+    // A ray that passes a corner within a few units in the last place of the offset may hit it.
     for (offset, ulp) in [(8192.0, 1e-12), (1_048_576.0, 2.4e-10), (1_073_741_824.0, 2.4e-7)] {
         let offset = DVec2::new(offset, -offset);
         let far = Walls::new(scene.iter().map(|wall| Segment::new(wall.a + offset, wall.b + offset)).collect());
         let mut random = Random::new(44);
         for _ in 0..20_000 {
-            let origin = snapped(random.point_in(Bounds { min: DVec2::ZERO, max: DVec2::splat(20.0) }));
+            let origin = rounded(random.point_in(Bounds { min: DVec2::ZERO, max: DVec2::splat(20.0) }));
             let direction = random.direction();
             let (one, other) = (near.cast(origin, direction, 40.0), far.cast(origin + offset, direction, 40.0));
             if one == other {
@@ -169,16 +169,16 @@ fn readings_do_not_depend_on_where_the_world_begins() {
             }
             let hit = other.expect("a closed room");
             let wall = near.segment(hit.wall);
-            let beside = wall.distance(origin + direction * hit.distance);
-            assert!(beside <= 32.0 * ulp, "{one:?}, {other:?}: {beside} m beside the wall");
-            let end = [wall.a, wall.b, origin].into_iter().map(|end| direction.perp_dot(end - origin).abs());
-            assert!(end.fold(f64::INFINITY, f64::min) <= 32.0 * ulp, "not a corner: {one:?}, {other:?}");
+            let error = wall.distance(origin + direction * hit.distance);
+            assert!(error <= 32.0 * ulp, "{one:?}, {other:?}: {error} m beside the wall");
+            let distances = [wall.a, wall.b, origin].into_iter().map(|end| direction.perp_dot(end - origin).abs());
+            assert!(distances.fold(f64::INFINITY, f64::min) <= 32.0 * ulp, "not a corner: {one:?}, {other:?}");
         }
     }
 }
 
 #[test]
-fn a_range_ends_where_it_says() {
+fn range_limit_is_exact() {
     let mut random = Random::new(45);
     let walls = Walls::new(world::maze(3, DVec2::new(-2.0, 0.3), 12, 0.36));
     let bounds = walls.bounds().expect("walls");
@@ -193,14 +193,14 @@ fn a_range_ends_where_it_says() {
         }
     }
     // For an origin on a wall, no range is too short.
-    let on = walls.segments()[0].a;
+    let origin = walls.segments()[0].a;
     for range in [0.0, f64::from_bits(1), 1e-12] {
-        assert_eq!(walls.cast(on, DVec2::X, range).map(|hit| hit.distance), Some(0.0), "range {range}");
+        assert_eq!(walls.cast(origin, DVec2::X, range).map(|hit| hit.distance), Some(0.0), "range {range}");
     }
 }
 
-/// Extreme and unusual numbers, as faulty programs and files produce them.
-const ODD: [f64; 14] = [
+/// Extreme and unusual numbers, such as faulty programs and files contain.
+const ODD_NUMBERS: [f64; 14] = [
     f64::NAN,
     f64::INFINITY,
     f64::NEG_INFINITY,
@@ -218,49 +218,49 @@ const ODD: [f64; 14] = [
 ];
 
 #[test]
-fn no_number_hangs_or_panics_or_invents_a_wall() {
+fn odd_numbers_give_no_false_hits() {
     let walls = Walls::new(world::room_with_boxes(2, DVec2::splat(-1.0), 2.0, 20));
-    let mut met = 0;
-    for x in ODD {
-        for y in ODD {
-            for dx in ODD {
-                for dy in ODD {
-                    for range in ODD {
+    let mut hit_count = 0;
+    for x in ODD_NUMBERS {
+        for y in ODD_NUMBERS {
+            for dx in ODD_NUMBERS {
+                for dy in ODD_NUMBERS {
+                    for range in ODD_NUMBERS {
                         let found = walls.cast(DVec2::new(x, y), DVec2::new(dx, dy), range);
-                        let unit = (math::hypot(dx, dy) - 1.0).abs() < 1e-5;
-                        let is_ray = x.is_finite() && y.is_finite() && unit && range >= 0.0;
+                        let is_unit_vector = (math::hypot(dx, dy) - 1.0).abs() < 1e-5;
+                        let is_ray = x.is_finite() && y.is_finite() && is_unit_vector && range >= 0.0;
                         assert!(is_ray || found.is_none(), "({x}, {y}) along ({dx}, {dy}), {range}: {found:?}");
                         if let Some(hit) = found {
                             assert!((0.0..=range).contains(&hit.distance), "{hit:?} within {range}");
-                            met += 1;
+                            hit_count += 1;
                         }
                     }
                 }
             }
         }
     }
-    assert!(met > 100, "{met} of the odd rays meet a wall");
+    assert!(hit_count > 100, "{hit_count} of the odd rays meet a wall");
 }
 
 #[test]
-fn walls_without_numbers_hide_no_others() {
+fn odd_walls_do_not_hide_other_walls() {
     let good = Segment::new(DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0));
-    for a in ODD {
-        for b in ODD {
+    for a in ODD_NUMBERS {
+        for b in ODD_NUMBERS {
             let odd = [
                 Segment::new(DVec2::new(a, 3.0), DVec2::new(b, 3.0)),
                 Segment::new(DVec2::new(-5.0, a), DVec2::new(-5.0, b)),
                 Segment::new(DVec2::new(a, 7.0), DVec2::new(7.0, b)),
             ];
-            for (turn, odd) in odd.into_iter().enumerate() {
+            for (index, odd) in odd.into_iter().enumerate() {
                 let walls = Walls::new(vec![odd, good]);
                 let hit = walls.cast(DVec2::new(0.0, 0.5), DVec2::X, 2.0);
                 // The odd wall itself may cross the ray before the good one; for a wall 10^15 m long, 2 m are
                 // below rounding.
-                let is_in_way = turn == 2 || odd.length() > 1e15;
-                let is_odd = is_in_way && hit.is_some_and(|hit| hit.wall == WallId(0) && hit.distance <= 1.0);
-                let is_good = hit.is_some_and(|hit| hit.wall == WallId(1) && (hit.distance - 1.0).abs() < 1e-9);
-                assert!(is_good || is_odd, "{odd:?}: {hit:?}");
+                let may_block = index == 2 || odd.length() > 1e15;
+                let is_odd_wall = may_block && hit.is_some_and(|hit| hit.wall == WallId(0) && hit.distance <= 1.0);
+                let is_good_wall = hit.is_some_and(|hit| hit.wall == WallId(1) && (hit.distance - 1.0).abs() < 1e-9);
+                assert!(is_good_wall || is_odd_wall, "{odd:?}: {hit:?}");
             }
         }
     }

@@ -1,4 +1,5 @@
-//! Hard cases of rays among triangles: through shared edges and corners, within their planes, tiny ones in a large world.
+//! Hard cases of rays among triangles: rays through shared edges and corners, rays in the planes of triangles, and tiny triangles in a
+//! large world.
 
 use accuracy::oracle;
 use accuracy::world::{Random, cuboid};
@@ -11,12 +12,12 @@ type Triangle = [DVec3; 3];
 /// Tolerance of distances, m.
 const TOLERANCE: f64 = 1e-9;
 
-/// Surface of squares that is closed in both directions; `at` maps column and row to a point.
-fn closed(columns: usize, rows: usize, at: impl Fn(usize, usize) -> DVec3) -> Vec<Triangle> {
+/// Surface of squares that is closed in both directions; `point` maps column and row to a point.
+fn closed_surface(columns: usize, rows: usize, point: impl Fn(usize, usize) -> DVec3) -> Vec<Triangle> {
     let square = |cell: usize| {
         let (column, row) = (cell % columns, cell / columns);
         let (next, above) = ((column + 1) % columns, (row + 1) % rows);
-        let [a, b, c, d] = [at(column, row), at(next, row), at(column, above), at(next, above)];
+        let [a, b, c, d] = [point(column, row), point(next, row), point(column, above), point(next, above)];
         [[a, b, d], [a, d, c]]
     };
     (0..columns * rows).flat_map(square).collect()
@@ -25,14 +26,14 @@ fn closed(columns: usize, rows: usize, at: impl Fn(usize, usize) -> DVec3) -> Ve
 /// Torus with a tube of radius 1 m around a circle of 3 m.
 fn torus() -> Vec<Triangle> {
     let angle = |number: usize, count: usize| std::f64::consts::TAU * number as f64 / count as f64;
-    closed(24, 12, |column, row| {
+    closed_surface(24, 12, |column, row| {
         let ((sin, cos), (up, out)) = (math::sin_cos(angle(column, 24)), math::sin_cos(angle(row, 12)));
         DVec3::new((3.0 + out) * cos, (3.0 + out) * sin, up)
     })
 }
 
 /// Corner, edge midpoint, quarter point or random point of a random triangle's edge.
-fn on_an_edge(triangles: &[Triangle], random: &mut Random) -> DVec3 {
+fn point_of_an_edge(triangles: &[Triangle], random: &mut Random) -> DVec3 {
     let [a, b, c] = triangles[random.below(triangles.len())];
     match random.below(4) {
         0 => a,
@@ -43,21 +44,21 @@ fn on_an_edge(triangles: &[Triangle], random: &mut Random) -> DVec3 {
 }
 
 #[test]
-fn of_millions_of_rays_none_leaves_a_closed_mesh_through_an_edge() {
-    let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
+fn no_ray_leaves_a_closed_mesh_through_an_edge() {
+    let rotation = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
     let half = DVec3::new(2.0, 1.5, 1.25);
     let far = DVec3::new(1e4, -1e4, 0.0);
     let meshes = [
-        ("box on the grid", cuboid(half, 4, |at| at), DVec3::ZERO),
-        ("box on the grid, 10 km away", cuboid(half, 4, |at| at + far), far),
-        ("turned box", cuboid(half, 5, |at| turn * at), DVec3::ZERO),
+        ("box on the grid", cuboid(half, 4, |point| point), DVec3::ZERO),
+        ("box on the grid, 10 km away", cuboid(half, 4, |point| point + far), far),
+        ("turned box", cuboid(half, 5, |point| rotation * point), DVec3::ZERO),
         ("ring", torus(), DVec3::new(3.0, 0.0, 0.0)),
     ];
     let mut random = Random::new(61);
     for (name, triangles, inside) in meshes {
         let index = MeshIndex::new(&triangles);
         for ray in 0..500_000 {
-            // Every other ray starts at a grid point, as robots on a grid do.
+            // Every other ray starts at a grid point.
             let offset = if ray % 2 == 0 {
                 DVec3::new(random.below(5) as f64, random.below(5) as f64, random.below(3) as f64)
                     - DVec3::new(2.0, 2.0, 1.0)
@@ -65,23 +66,23 @@ fn of_millions_of_rays_none_leaves_a_closed_mesh_through_an_edge() {
                 DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0))
             };
             let origin = inside + 0.25 * offset;
-            let target = on_an_edge(&triangles, &mut random);
-            let way = target - origin;
-            let hit = index.cast(origin, way.normalize_or(DVec3::X), f64::INFINITY);
+            let target = point_of_an_edge(&triangles, &mut random);
+            let to_target = target - origin;
+            let hit = index.cast(origin, to_target.normalize_or(DVec3::X), f64::INFINITY);
             // A ray inside the ring may miss a surface that it only grazes.
-            let farthest = if name == "ring" { f64::INFINITY } else { way.length() + TOLERANCE };
+            let farthest = if name == "ring" { f64::INFINITY } else { to_target.length() + TOLERANCE };
             assert!(hit.is_some_and(|hit| hit.distance <= farthest), "{name}: {hit:?} from {origin} to {target}");
         }
     }
 }
 
 #[test]
-fn rays_along_an_axis_pass_a_box_of_squares_only_outside() {
+fn rays_along_an_axis_miss_a_box_only_outside() {
     let half = DVec3::splat(2.0);
-    let index = MeshIndex::new(&cuboid(half, 4, |at| at));
-    // Origins at the squares' corners and half-way between, out to beyond the box: some rays lie within the planes of faces.
-    for place in 0..21 * 21 {
-        let (u, v) = (f64::from(place % 21) * 0.25 - 2.5, f64::from(place / 21) * 0.25 - 2.5);
+    let index = MeshIndex::new(&cuboid(half, 4, |point| point));
+    // Origins at the squares' corners and half-way between them, up to beyond the box: some rays lie in the planes of faces.
+    for index in 0..21 * 21 {
+        let (u, v) = (f64::from(index % 21) * 0.25 - 2.5, f64::from(index / 21) * 0.25 - 2.5);
         for axis in 0..3 {
             let mut origin = DVec3::ZERO;
             origin[(axis + 1) % 3] = u;
@@ -97,7 +98,7 @@ fn rays_along_an_axis_pass_a_box_of_squares_only_outside() {
 }
 
 #[test]
-fn tiny_things_are_met_in_a_wide_world() {
+fn tiny_boxes_are_hit_in_a_large_world() {
     let mut random = Random::new(62);
     let ground = |z: f64| {
         let corner = |x: f64, y: f64| DVec3::new(1e4 * x, 1e4 * y, z);
@@ -107,22 +108,22 @@ fn tiny_things_are_met_in_a_wide_world() {
         ]
     };
     let mut triangles = ground(-1.0).to_vec();
-    let places: Vec<DVec3> = (0..40)
+    let positions: Vec<DVec3> = (0..40)
         .map(|_| DVec3::new(random.between(-9e3, 9e3), random.between(-9e3, 9e3), random.between(0.0, 2.0)))
         .collect();
     // Boxes of 2 mm spread over 20 km.
-    for place in &places {
-        triangles.extend(cuboid(DVec3::splat(1e-3), 1, |at| at + *place));
+    for position in &positions {
+        triangles.extend(cuboid(DVec3::splat(1e-3), 1, |point| point + *position));
     }
     let index = MeshIndex::new(&triangles);
-    for place in places {
+    for position in positions {
         for _ in 0..50 {
-            let target = place + 9e-4 * random.direction_in_space();
-            let origin = place + random.between(0.01, 5.0) * random.direction_in_space();
-            let way = target - origin;
-            let hit = index.cast(origin, way.normalize_or(DVec3::X), f64::INFINITY).expect("it is there");
+            let target = position + 9e-4 * random.direction_in_space();
+            let origin = position + random.between(0.01, 5.0) * random.direction_in_space();
+            let to_target = target - origin;
+            let hit = index.cast(origin, to_target.normalize_or(DVec3::X), f64::INFINITY).expect("it is there");
             let (truth, number) =
-                oracle::nearest_triangle(&triangles, origin, way.normalize_or(DVec3::X), f64::INFINITY, 1e-11)
+                oracle::nearest_triangle(&triangles, origin, to_target.normalize_or(DVec3::X), f64::INFINITY, 1e-11)
                     .expect("so is it here");
             assert!((hit.distance - truth).abs() < TOLERANCE, "{hit:?} for {truth}, triangle {number}");
         }
@@ -130,7 +131,7 @@ fn tiny_things_are_met_in_a_wide_world() {
 }
 
 #[test]
-fn few_triangles_are_a_mesh() {
+fn meshes_of_few_triangles_match_brute_force() {
     assert_eq!(MeshIndex::new(&[]).cast(DVec3::ZERO, DVec3::X, f64::INFINITY), None);
     let mut random = Random::new(63);
     for count in 1..20 {
@@ -139,14 +140,12 @@ fn few_triangles_are_a_mesh() {
         let index = MeshIndex::new(&triangles);
         for _ in 0..500 {
             let (origin, direction) = (5.0 * random.direction_in_space(), random.direction_in_space());
-            let by_all =
-                |wider| oracle::nearest_triangle(&triangles, origin, direction, 20.0, wider).map_or(20.0, |met| met.0);
+            let brute_force = |margin| {
+                oracle::nearest_triangle(&triangles, origin, direction, 20.0, margin).map_or(20.0, |hit| hit.0)
+            };
             let distance = index.cast(origin, direction, 20.0).map_or(20.0, |hit| hit.distance);
-            let (least, most) = (by_all(1e-10) - TOLERANCE, by_all(-1e-10) + TOLERANCE);
-            assert!(
-                distance >= least && distance <= most,
-                "{distance}, not in [{least}, {most}]: {origin} {direction}"
-            );
+            let (min, max) = (brute_force(1e-10) - TOLERANCE, brute_force(-1e-10) + TOLERANCE);
+            assert!(distance >= min && distance <= max, "{distance}, not in [{min}, {max}]: {origin} {direction}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Views that are hard to render, compared with the slow reference unless a simpler criterion exists.
+//! Views that are hard to render, compared with the slow reference or tested by a simpler criterion.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::sync::Arc;
@@ -29,7 +29,7 @@ fn mesh(triangles: &[[DVec3; 3]]) -> Mesh {
     }
 }
 
-/// Scenery of these meshes only.
+/// Scenery that consists only of these meshes.
 fn scenery(meshes: impl IntoIterator<Item = Mesh>) -> Scenery {
     let part = |(number, mesh)| Part {
         mesh: Arc::new(mesh),
@@ -40,40 +40,42 @@ fn scenery(meshes: impl IntoIterator<Item = Mesh>) -> Scenery {
 }
 
 /// Asserts that each view agrees with the reference.
-fn assert_agrees(what: &str, scenery: &Scenery, views: &[View]) -> Agreement {
+fn assert_agrees(context: &str, scenery: &Scenery, views: &[View]) -> Agreement {
     let posed = scenery.pose_at(&empty(), Time::ZERO);
     let reference = Reference::new(&posed, None);
     let mut camera = Camera::default();
-    let mut all = Agreement::default();
+    let mut total = Agreement::default();
     for view in views {
         let agreement = Agreement::of(&Shot::take(&mut camera, &posed, view, None), &reference, view);
-        agreement.assert_right(&format!("{what}, {view:?}"));
-        all += agreement;
+        agreement.assert_right(&format!("{context}, {view:?}"));
+        total += agreement;
     }
-    println!("{what}: {} of {} pixels differ", all.differing, all.pixels);
-    all
+    println!("{context}: {} of {} pixels differ", total.differing, total.pixels);
+    total
 }
 
-fn turned(random: &mut Random, from: DVec3) -> Pose3 {
-    let [roll, pitch, yaw] = [PI, FRAC_PI_2, PI].map(|most| random.between(-most, most));
-    Pose3::from_angles(from, roll, pitch, yaw)
+/// Pose at `position` with a random orientation.
+fn random_orientation(random: &mut Random, position: DVec3) -> Pose3 {
+    let [roll, pitch, yaw] = [PI, FRAC_PI_2, PI].map(|max| random.between(-max, max));
+    Pose3::from_angles(position, roll, pitch, yaw)
 }
 
 #[test]
-fn a_camera_in_a_wall_sees_its_inside_and_one_that_touches_it_does_not_see_that_face() {
-    let wall = |x: f64| mesh(&cuboid(DVec3::new(0.1, 2.0, 1.0), 1, |at| at + DVec3::X * x));
+fn camera_in_a_wall_shows_its_inside_and_camera_on_a_face_does_not_show_that_face() {
+    let wall = |x: f64| mesh(&cuboid(DVec3::new(0.1, 2.0, 1.0), 1, |point| point + DVec3::X * x));
     let scene = scenery([wall(0.0), wall(3.0)]);
     let mut random = Random::new(91);
     let inside = DVec3::new(0.03, 0.5, -0.25);
-    let views: Vec<View> =
-        (0..20).map(|turn| view(turned(&mut random, inside), [PINHOLE, FISHEYE][turn % 2], [20, 15])).collect();
+    let views: Vec<View> = (0..20)
+        .map(|number| view(random_orientation(&mut random, inside), [PINHOLE, FISHEYE][number % 2], [20, 15]))
+        .collect();
     assert_agrees("inside", &scene, &views);
     let posed = scene.pose_at(&empty(), Time::ZERO);
     let mut camera = Camera::default();
     for view in &views {
         assert!(camera.labels(&posed, view, None).pixels().iter().all(|label| *label == Label::Wall(0)));
     }
-    // Camera on the face at x = 0.1: ahead is the other wall, behind is the back of this one.
+    // The camera is on the face at x = 0.1. In front of it is the other wall, behind it the opposite face of this wall.
     let touching = DVec3::new(0.1, 0.5, -0.25);
     let views = [0.0, 0.3, PI, 2.0].map(|yaw| view(Pose3::from_angles(touching, 0.0, 0.0, yaw), PINHOLE, [20, 15]));
     assert_agrees("touching", &scene, &views);
@@ -86,7 +88,7 @@ fn a_camera_in_a_wall_sees_its_inside_and_one_that_touches_it_does_not_see_that_
 }
 
 #[test]
-fn faces_may_lie_across_the_cameras_plane() {
+fn faces_across_the_camera_plane_match_the_reference() {
     let mut random = Random::new(92);
     // Large triangles around the camera, with corners in front of and behind it.
     for scene in 0..12 {
@@ -94,9 +96,13 @@ fn faces_may_lie_across_the_cameras_plane() {
         let faces: Vec<[DVec3; 3]> = (0..8).map(|_| [corner(), corner(), corner()]).collect();
         let scene = (scene, scenery(faces.iter().map(|face| mesh(&[*face]))));
         let views: Vec<View> = (0..6)
-            .map(|turn| {
-                let from = random.direction_in_space();
-                view(turned(&mut random, from), [PINHOLE, FISHEYE, Lens::Pinhole { fov: 2.9 }][turn % 3], [20, 15])
+            .map(|number| {
+                let position = random.direction_in_space();
+                view(
+                    random_orientation(&mut random, position),
+                    [PINHOLE, FISHEYE, Lens::Pinhole { fov: 2.9 }][number % 3],
+                    [20, 15],
+                )
             })
             .collect();
         assert_agrees(&format!("scene {}", scene.0), &scene.1, &views);
@@ -106,7 +112,7 @@ fn faces_may_lie_across_the_cameras_plane() {
 /// A floor of 4 m by 3 m with an image and two spots.
 fn floor() -> Scenery {
     let pixels =
-        (0..64).map(|place| if (place % 8 + place / 8) % 2 == 0 { [250, 240, 30, 255] } else { [20, 40, 90, 255] });
+        (0..64).map(|index| if (index % 8 + index / 8) % 2 == 0 { [250, 240, 30, 255] } else { [20, 40, 90, 255] });
     let texture = Texture::new(8, 8, pixels.collect()).map(Arc::new);
     let spot = |x: f64, radius: f64| Spot { centre: DVec2::new(x, 1.0), radius, colour: [255, 0, 0, 128] };
     let ground = Ground {
@@ -114,51 +120,51 @@ fn floor() -> Scenery {
         floor: Some(Floor { size: DVec2::new(4.0, 3.0), colour: [255; 3], texture }),
         spots: vec![spot(1.0, 0.3), spot(1.25, 0.2)],
     };
-    let pole = mesh(&cuboid(DVec3::new(0.05, 0.05, 0.5), 1, |at| at + DVec3::new(2.0, 1.5, 0.5)));
+    let pole = mesh(&cuboid(DVec3::new(0.05, 0.05, 0.5), 1, |point| point + DVec3::new(2.0, 1.5, 0.5)));
     let part = Part { mesh: Arc::new(pole), label: Label::Fixed(0), attachment: Attachment::Fixed(Pose3::IDENTITY) };
     Scenery::new(vec![part], Some(ground), room::light(), SKY)
 }
 
 #[test]
-fn a_camera_may_look_straight_up_or_down_or_graze_the_floor() {
-    let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+fn vertical_and_grazing_views_match_the_reference() {
+    let point = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
     let mut views = Vec::new();
     for lens in [PINHOLE, FISHEYE] {
         for pitch in [-FRAC_PI_2, FRAC_PI_2] {
             for (roll, yaw) in [(0.0, 0.0), (0.0, FRAC_PI_2), (1.0, 2.0)] {
-                views.push(view(Pose3::from_angles(at(1.5, 1.25, 0.6), roll, pitch, yaw), lens, [20, 15]));
+                views.push(view(Pose3::from_angles(point(1.5, 1.25, 0.6), roll, pitch, yaw), lens, [20, 15]));
             }
         }
         for height in [1e-6, 1e-3, 0.02, 500.0, 1e5] {
             for yaw in [0.0, 0.5] {
-                views.push(view(Pose3::from_angles(at(0.5, 1.0, height), 0.0, -1e-3, yaw), lens, [20, 15]));
+                views.push(view(Pose3::from_angles(point(0.5, 1.0, height), 0.0, -1e-3, yaw), lens, [20, 15]));
             }
         }
-        // Below the floor, which is visible only from above.
-        views.push(view(Pose3::from_angles(at(1.0, 1.0, -0.5), 0.0, 0.3, 0.5), lens, [20, 15]));
-        views.push(view(Pose3::from_angles(at(1.0, 1.0, 0.0), 0.0, -0.3, 0.5), lens, [20, 15]));
+        // Cameras below the floor and on it; the floor is visible only from above.
+        views.push(view(Pose3::from_angles(point(1.0, 1.0, -0.5), 0.0, 0.3, 0.5), lens, [20, 15]));
+        views.push(view(Pose3::from_angles(point(1.0, 1.0, 0.0), 0.0, -0.3, 0.5), lens, [20, 15]));
     }
-    let all = assert_agrees("floor", &floor(), &views);
-    assert!(all.share() < 0.03, "{}", all.share());
+    let agreement = assert_agrees("floor", &floor(), &views);
+    assert!(agreement.share() < 0.03, "{}", agreement.share());
 }
 
 #[test]
-fn far_from_the_origin_things_look_as_they_do_there() {
-    // Powers of two: the offset itself is not rounded.
+fn pictures_do_not_depend_on_the_origin() {
+    // Powers of two, so the offset is not rounded.
     let far = DVec3::new(16_384.0, -8192.0, 0.0);
     let mesh = room::room();
-    let part = |place: DVec3| Part {
+    let part = |position: DVec3| Part {
         mesh: Arc::new(mesh.clone()),
         label: Label::Fixed(0),
-        attachment: Attachment::Fixed(Pose3 { position: place, ..Pose3::IDENTITY }),
+        attachment: Attachment::Fixed(Pose3 { position, ..Pose3::IDENTITY }),
     };
-    let [here, there] = [DVec3::ZERO, far].map(|place| Scenery::new(vec![part(place)], None, room::light(), SKY));
+    let [here, there] = [DVec3::ZERO, far].map(|position| Scenery::new(vec![part(position)], None, room::light(), SKY));
     let (here, there) = (here.pose_at(&empty(), Time::ZERO), there.pose_at(&empty(), Time::ZERO));
     let reference = Reference::new(&here, None);
     let mut camera = Camera::default();
     for (number, stand) in room::stands(12).into_iter().enumerate() {
-        let view = |place: DVec3| {
-            view(Pose3 { position: stand.eye + place, ..stand.pose() }, [PINHOLE, FISHEYE][number % 2], [32, 24])
+        let view = |offset: DVec3| {
+            view(Pose3 { position: stand.eye + offset, ..stand.pose() }, [PINHOLE, FISHEYE][number % 2], [32, 24])
         };
         let shot = Shot::take(&mut camera, &there, &view(far), None);
         Agreement::of(&shot, &reference, &view(DVec3::ZERO)).assert_right("18 km away");
@@ -166,8 +172,8 @@ fn far_from_the_origin_things_look_as_they_do_there() {
 }
 
 #[test]
-fn the_sun_may_stand_anywhere() {
-    let towards = [
+fn any_direction_of_the_sun_matches_the_reference() {
+    let directions = [
         DVec3::Z,
         DVec3::new(1.0, 0.0, 0.0175),
         DVec3::new(0.0, -1.0, 0.05),
@@ -176,15 +182,15 @@ fn the_sun_may_stand_anywhere() {
         DVec3::X,
         DVec3::new(0.3, -0.2, -0.9),
     ];
-    for towards in towards.map(|towards| towards.normalize_or(DVec3::Z)) {
-        // The room, from inside and from above.
-        let light = Light { sun_direction: towards, ..room::light() };
+    for direction in directions.map(|direction| direction.normalize_or(DVec3::Z)) {
+        // Views of the room from inside and from above.
+        let light = Light { sun_direction: direction, ..room::light() };
         let above = View::look_at(DVec3::new(4.0, 3.0, 9.0), DVec3::new(4.0, 4.0, 0.0)).expect("another place");
         let mut views = vec![view(above, PINHOLE, [32, 24])];
-        let within = room::stands(4).into_iter().zip([PINHOLE, FISHEYE, PINHOLE, FISHEYE]);
-        views.extend(within.map(|(stand, lens)| view(stand.pose(), lens, [24, 18])));
-        assert_agrees(&format!("room, sun {towards}"), &room::scenery(light), &views);
-        // Thin walls on the floor, edge to edge, one of them exactly in the sun's direction.
+        let inside = room::stands(4).into_iter().zip([PINHOLE, FISHEYE, PINHOLE, FISHEYE]);
+        views.extend(inside.map(|(stand, lens)| view(stand.pose(), lens, [24, 18])));
+        assert_agrees(&format!("room, sun {direction}"), &room::scenery(light), &views);
+        // Thin walls on the floor with common edges; for some directions one wall is parallel to the sun's rays.
         let sheet = |from: DVec2, to: DVec2| {
             let [a, b] = [from, to].map(|end| end.extend(0.0));
             let [c, d] = [b, a].map(|foot| foot + 0.5 * DVec3::Z);
@@ -199,19 +205,19 @@ fn the_sun_may_stand_anywhere() {
         let walls = Scenery::new(parts.collect(), floor().ground().cloned(), light, SKY);
         let mut random = Random::new(95);
         let views: Vec<View> = (0..8)
-            .map(|turn| {
+            .map(|number| {
                 let mut between = |low, high| random.between(low, high);
-                let from = DVec3::new(between(0.0, 4.0), between(0.0, 3.0), between(0.1, 2.0));
-                let pose = Pose3::from_angles(from, 0.0, between(-1.2, 0.0), between(-PI, PI));
-                view(pose, [PINHOLE, FISHEYE][turn % 2], [24, 18])
+                let position = DVec3::new(between(0.0, 4.0), between(0.0, 3.0), between(0.1, 2.0));
+                let pose = Pose3::from_angles(position, 0.0, between(-1.2, 0.0), between(-PI, PI));
+                view(pose, [PINHOLE, FISHEYE][number % 2], [24, 18])
             })
             .collect();
-        assert_agrees(&format!("walls, sun {towards}"), &walls, &views);
+        assert_agrees(&format!("walls, sun {direction}"), &walls, &views);
     }
 }
 
 #[test]
-fn pictures_may_be_a_pixel_or_two_millions() {
+fn pictures_of_any_size_match_the_reference() {
     let scene = room::scenery(room::light());
     let posed = scene.pose_at(&empty(), Time::ZERO);
     let reference = Reference::new(&posed, None);
@@ -235,7 +241,7 @@ fn pictures_may_be_a_pixel_or_two_millions() {
 }
 
 #[test]
-fn lenses_may_be_as_wide_as_they_can() {
+fn extreme_fields_of_view_match_the_reference() {
     let scene = room::scenery(room::light());
     let stand = room::stands(3)[2];
     let pose = stand.pose();
@@ -252,7 +258,7 @@ fn lenses_may_be_as_wide_as_they_can() {
 }
 
 #[test]
-fn faces_without_area_are_not_seen_and_needles_are() {
+fn degenerate_faces_and_needles_match_the_reference() {
     let mut random = Random::new(93);
     for _ in 0..10 {
         let mut faces = Vec::new();
@@ -268,40 +274,41 @@ fn faces_without_area_are_not_seen_and_needles_are() {
                 _ => [a, b, b + 0.05 * tiny],
             });
         }
-        let views: Vec<View> =
-            (0..4).map(|turn| view(turned(&mut random, DVec3::ZERO), [PINHOLE, FISHEYE][turn % 2], [24, 18])).collect();
+        let views: Vec<View> = (0..4)
+            .map(|number| view(random_orientation(&mut random, DVec3::ZERO), [PINHOLE, FISHEYE][number % 2], [24, 18]))
+            .collect();
         assert_agrees("needles", &scenery([mesh(&faces)]), &views);
     }
 }
 
 #[test]
-fn no_sky_shows_through_a_closed_room() {
-    let turn = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
+fn closed_room_shows_no_sky() {
+    let rotation = DMat3::from_cols_array(&[2.0, 2.0, -1.0, -1.0, 2.0, 2.0, 2.0, -1.0, 2.0]) * (1.0 / 3.0);
     let half = DVec3::new(2.0, 1.5, 1.25);
     let far = DVec3::new(1e4, -1e4, 0.0);
     let rooms = [
-        ("on the grid", mesh(&cuboid(half, 4, |at| at)), DVec3::ZERO),
-        ("on the grid, 14 km away", mesh(&cuboid(half, 4, |at| at + far)), far),
-        ("turned", mesh(&cuboid(half, 7, |at| turn * at)), DVec3::ZERO),
+        ("on the grid", mesh(&cuboid(half, 4, |point| point)), DVec3::ZERO),
+        ("on the grid, 14 km away", mesh(&cuboid(half, 4, |point| point + far)), far),
+        ("turned", mesh(&cuboid(half, 7, |point| rotation * point)), DVec3::ZERO),
     ];
     let mut random = Random::new(94);
     let mut camera = Camera::default();
     for (name, mesh, middle) in rooms {
         let scene = scenery([mesh]);
         let posed = scene.pose_at(&empty(), Time::ZERO);
-        for turn in 0..1000 {
-            // Every other view from the position and heading of robots on a grid: edges fall on the centres of pixels.
-            let (offset, pose): (DVec3, Pose3) = if turn % 2 == 0 {
+        for number in 0..1000 {
+            // Every other view is from a grid position with a heading of n * 45 degrees, so edges pass through the centres of pixels.
+            let (offset, pose): (DVec3, Pose3) = if number % 2 == 0 {
                 let offset = 0.25 * DVec3::new(random.below(5) as f64, random.below(5) as f64, random.below(3) as f64);
                 (
                     offset - DVec3::new(0.5, 0.5, 0.25),
-                    Pose3::from_angles(DVec3::ZERO, 0.0, 0.0, turn as f64 * FRAC_PI_4),
+                    Pose3::from_angles(DVec3::ZERO, 0.0, 0.0, number as f64 * FRAC_PI_4),
                 )
             } else {
-                (random.between(0.0, 1.0) * random.direction_in_space(), turned(&mut random, DVec3::ZERO))
+                (random.between(0.0, 1.0) * random.direction_in_space(), random_orientation(&mut random, DVec3::ZERO))
             };
-            let lens = [Lens::Pinhole { fov: FRAC_PI_2 }, Lens::Fisheye { fov: 4.0 }][turn / 2 % 2];
-            let size = [[25, 25], [32, 24]][turn / 4 % 2];
+            let lens = [Lens::Pinhole { fov: FRAC_PI_2 }, Lens::Fisheye { fov: 4.0 }][number / 2 % 2];
+            let size = [[25, 25], [32, 24]][number / 4 % 2];
             let view = view(Pose3 { position: middle + offset, ..pose }, lens, size);
             let holes =
                 camera.labels(&posed, &view, None).pixels().iter().filter(|label| **label == Label::Sky).count();
@@ -311,10 +318,10 @@ fn no_sky_shows_through_a_closed_room() {
 }
 
 #[test]
-fn a_camera_remembers_nothing() {
+fn camera_has_no_state_between_pictures() {
     let scene = room::scenery(Light { shadows: true, ..room::light() });
     let posed = scene.pose_at(&empty(), Time::ZERO);
-    let (mut one, mut shared) = (Camera::default(), Camera::default());
+    let (mut colour_camera, mut depth_camera) = (Camera::default(), Camera::default());
     let views: Vec<View> = room::stands(6)
         .into_iter()
         .zip([[40, 30], [7, 5], [64, 64], [1, 1], [33, 17], [40, 30]])
@@ -325,9 +332,9 @@ fn a_camera_remembers_nothing() {
         for view in &views {
             for samples in [1, 3] {
                 let fresh = Camera::default().colour(&posed, view, None, samples);
-                assert_eq!(one.colour(&posed, view, None, samples), fresh);
+                assert_eq!(colour_camera.colour(&posed, view, None, samples), fresh);
             }
-            let (depth, labels) = (shared.depth(&posed, view, None), shared.labels(&posed, view, None));
+            let (depth, labels) = (depth_camera.depth(&posed, view, None), depth_camera.labels(&posed, view, None));
             assert_eq!(depth, Camera::default().depth(&posed, view, None));
             assert_eq!(labels, Camera::default().labels(&posed, view, None));
         }
@@ -335,7 +342,7 @@ fn a_camera_remembers_nothing() {
 }
 
 #[test]
-fn nothing_at_all_is_sky() {
+fn empty_scenery_shows_only_sky() {
     let scene = scenery([]);
     let posed = scene.pose_at(&empty(), Time::ZERO);
     let up = view(Pose3::from_angles(DVec3::ZERO, 0.0, FRAC_PI_2, 0.0), PINHOLE, [3, 3]);

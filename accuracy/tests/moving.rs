@@ -1,4 +1,4 @@
-//! The index of moving bodies against brute force over all of them.
+//! The index of moving bodies, compared with brute force over all bodies.
 
 use accuracy::world::Random;
 use glam::DVec2;
@@ -11,10 +11,13 @@ fn meets(bounds: &Bounds, origin: DVec2, direction: DVec2, range: f64, margin: f
     let half = 0.5 * (bounds.max - bounds.min) + DVec2::splat(margin);
     let from_centre = origin - 0.5 * (bounds.min + bounds.max);
     let end = from_centre + direction * range;
-    let apart_along = |low: f64, high: f64, reach: f64| low.min(high) > reach || low.max(high) < -reach;
-    let across = direction.perp_dot(from_centre).abs();
-    let reach_across = half.x * direction.y.abs() + half.y * direction.x.abs();
-    !(apart_along(from_centre.x, end.x, half.x) || apart_along(from_centre.y, end.y, half.y) || across > reach_across)
+    let is_separated =
+        |low: f64, high: f64, half_extent: f64| low.min(high) > half_extent || low.max(high) < -half_extent;
+    let distance = direction.perp_dot(from_centre).abs();
+    let max_distance = half.x * direction.y.abs() + half.y * direction.x.abs();
+    !(is_separated(from_centre.x, end.x, half.x)
+        || is_separated(from_centre.y, end.y, half.y)
+        || distance > max_distance)
 }
 
 fn check(list: &[(RobotId, Bounds)], rays: &[(DVec2, DVec2, f64)], queries: &[Bounds]) {
@@ -31,13 +34,13 @@ fn check(list: &[(RobotId, Bounds)], rays: &[(DVec2, DVec2, f64)], queries: &[Bo
         });
         found.sort();
         for (id, bounds) in &sorted {
-            let times = found.iter().filter(|&other| other == id).count();
-            // Bodies that the ray misses by less than their size may be visited, too.
+            let count = found.iter().filter(|&other| other == id).count();
+            // Bodies that the ray misses by less than their size may also be visited.
             let size = (bounds.max - bounds.min).length();
             let (must, may) = [-1e-9, 1e-9 + size].map(|margin| meets(bounds, origin, direction, range, margin)).into();
             assert!(
-                times <= usize::from(may) && times >= usize::from(must),
-                "{id} {times} times on the ray from {origin} along {direction}, {range} m: {bounds:?}"
+                count <= usize::from(may) && count >= usize::from(must),
+                "{id} {count} times on the ray from {origin} along {direction}, {range} m: {bounds:?}"
             );
         }
     }
@@ -53,24 +56,24 @@ fn check(list: &[(RobotId, Bounds)], rays: &[(DVec2, DVec2, f64)], queries: &[Bo
     }
     found.sort();
     let mut expected = Vec::new();
-    for (place, (one, bounds)) in sorted.iter().enumerate() {
-        let later = sorted[place + 1..].iter().filter(|other| other.1.overlaps(bounds));
+    for (index, (one, bounds)) in sorted.iter().enumerate() {
+        let later = sorted[index + 1..].iter().filter(|other| other.1.overlaps(bounds));
         expected.extend(later.map(|(other, _)| (*one, *other)));
     }
     assert_eq!(found, expected);
 }
 
 #[test]
-fn random_crowds_agree_with_brute_force() {
+fn random_bodies_match_brute_force() {
     for (seed, corner) in (0..).zip([DVec2::ZERO, DVec2::new(-5.0, -5.0), DVec2::new(1e4, -1e4)]) {
         let mut random = Random::new(seed);
         let arena = Bounds { min: corner, max: corner + DVec2::splat(10.0) };
-        // In the last crowd, one body in twenty is as large as the arena.
+        // In the second set, one body in twenty is nearly as large as the arena.
         for large in [0.0, 0.05] {
             let list: Vec<_> = (0..200)
-                .map(|place| {
+                .map(|index| {
                     let radius = if random.chance(large) { random.between(1.0, 10.0) } else { 0.1 };
-                    (RobotId::from_index(place), Bounds::of_disc(random.point_in(arena), radius))
+                    (RobotId::from_index(index), Bounds::of_disc(random.point_in(arena), radius))
                 })
                 .collect();
             let rays: Vec<_> = (0..1000)
@@ -90,17 +93,17 @@ fn point() -> impl Strategy<Value = DVec2> {
 
 fn bounds() -> impl Strategy<Value = Bounds> {
     (point(), point(), 0.0..1.0_f64)
-        .prop_map(|(one, other, share)| Bounds::of_points([one, one.lerp(other, share * share * share)]))
+        .prop_map(|(one, other, fraction)| Bounds::of_points([one, one.lerp(other, fraction * fraction * fraction)]))
 }
 
 proptest! {
     #[test]
-    fn any_crowd_agrees_with_brute_force(
+    fn arbitrary_bodies_match_brute_force(
         bodies in prop::collection::vec(bounds(), 0..40),
         rays in prop::collection::vec((point(), -4..=4_i32, -4..=4_i32, 0.0..8.0_f64), 10),
         queries in prop::collection::vec(bounds(), 10),
     ) {
-        // In descending order of the ids: the index sorts them.
+        // The bodies are in descending order of their ids; the index sorts them.
         let list: Vec<_> = (0..bodies.len()).rev().map(RobotId::from_index).zip(bodies).collect();
         let rays: Vec<_> = rays
             .into_iter()

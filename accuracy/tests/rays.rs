@@ -1,4 +1,4 @@
-//! The ray index of the core against brute force, over random and degenerate scenes.
+//! The ray index of the core, compared with brute force in random and degenerate scenes.
 
 use accuracy::oracle;
 use accuracy::world::{self, Random};
@@ -10,18 +10,18 @@ use sim_core::scene::{Bounds, Segment, WallId, Walls};
 /// Tolerance of a reading against brute force, in metres.
 const TOLERANCE: f64 = 1e-9;
 
-/// Checks one ray: the hit is not farther than with walls slightly too short, and not nearer than with walls slightly too long.
-/// Away from the ends of walls the two are equal.
+/// Checks one ray: the hit is not farther than with slightly shortened walls, and not nearer than with slightly extended walls.
+/// Away from the ends of walls these two distances are equal.
 fn check(walls: &Walls, origin: DVec2, direction: DVec2, range: f64) {
     let found = walls.cast(origin, direction, range);
     let distance = found.map_or(f64::INFINITY, |hit| hit.distance);
-    let brute = |range, longer| {
-        oracle::nearest_wall(walls.segments(), origin, direction, range, longer).map_or(f64::INFINITY, |hit| hit.0)
+    let brute_force = |range, extension| {
+        oracle::nearest_wall(walls.segments(), origin, direction, range, extension).map_or(f64::INFINITY, |hit| hit.0)
     };
-    let (least, most) = (brute(range + TOLERANCE, 1e-10), brute(range - TOLERANCE, -1e-10));
+    let (min, max) = (brute_force(range + TOLERANCE, 1e-10), brute_force(range - TOLERANCE, -1e-10));
     assert!(
-        least * (1.0 - 1e-14) - TOLERANCE <= distance && distance * (1.0 - 1e-14) <= most + TOLERANCE,
-        "from {origin} along {direction}, {range} m: {found:?}, brute force {least} to {most}"
+        min * (1.0 - 1e-14) - TOLERANCE <= distance && distance * (1.0 - 1e-14) <= max + TOLERANCE,
+        "from {origin} along {direction}, {range} m: {found:?}, brute force {min} to {max}"
     );
     if let Some(hit) = found {
         let end = origin + direction * hit.distance;
@@ -32,13 +32,13 @@ fn check(walls: &Walls, origin: DVec2, direction: DVec2, range: f64) {
     }
 }
 
-/// Direction from `origin` to `target`, as exact as doubles permit.
-fn aimed(origin: DVec2, target: DVec2) -> Option<DVec2> {
+/// Unit vector from `origin` to `target`, within rounding.
+fn direction_to(origin: DVec2, target: DVec2) -> Option<DVec2> {
     (target - origin).try_normalize()
 }
 
 #[test]
-fn random_rays_agree_with_brute_force() {
+fn random_rays_match_brute_force() {
     for (seed, corner) in (0..).zip([DVec2::ZERO, DVec2::new(-10.0, -3.0), DVec2::new(1e4, -1e4)]) {
         let room = Bounds { min: corner, max: corner + DVec2::splat(20.0) };
         for scene in [world::room_with_boxes(seed, corner, 20.0, 74), world::maze(seed, corner, 12, 20.0 / 12.0)] {
@@ -54,8 +54,8 @@ fn random_rays_agree_with_brute_force() {
 }
 
 #[test]
-fn no_ray_slips_through_a_corner() {
-    // 0.18 m is the cell size of a micro-mouse maze; a robot stands in the middle of a cell, at a crossing, or anywhere.
+fn no_ray_passes_through_a_corner() {
+    // 0.18 m is the cell size of a micro-mouse maze. Rays begin in the middle of a cell, on a border or corner of cells, or anywhere.
     for (seed, corner) in (10..).zip([DVec2::ZERO, DVec2::new(0.1, -0.7), DVec2::new(-1e4, 1e4)]) {
         for cell in [0.18, 1.0] {
             let size = 12;
@@ -69,7 +69,7 @@ fn no_ray_slips_through_a_corner() {
                     random.point_in(walls.bounds().unwrap())
                 };
                 let wall = &walls.segments()[random.below(walls.len())];
-                let Some(direction) = aimed(origin, wall.a) else { continue };
+                let Some(direction) = direction_to(origin, wall.a) else { continue };
                 let distance = (wall.a - origin).length();
                 let hit = walls.cast(origin, direction, f64::INFINITY);
                 assert!(
@@ -78,8 +78,8 @@ fn no_ray_slips_through_a_corner() {
                     wall.a
                 );
                 check(&walls, origin, direction, f64::INFINITY);
-                // Aimed slightly beside the corner, where only one of its walls is hit, and along the axes.
-                check(&walls, origin, aimed(origin, wall.a + DVec2::splat(1e-7)).unwrap(), f64::INFINITY);
+                // Rays slightly beside the corner, where only one of its walls is hit, and rays along the axes.
+                check(&walls, origin, direction_to(origin, wall.a + DVec2::splat(1e-7)).unwrap(), f64::INFINITY);
                 for axis in [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y] {
                     check(&walls, origin, axis, 2.0);
                 }
@@ -89,20 +89,20 @@ fn no_ray_slips_through_a_corner() {
 }
 
 #[test]
-fn a_closed_polygon_holds_every_ray_aimed_at_its_corners() {
+fn rays_at_corners_do_not_leave_a_closed_polygon() {
     for (centre, radius) in [(DVec2::ZERO, 1.0), (DVec2::new(1e4, 1e4), 3.0), (DVec2::new(5.0, -2.0), 1e-3)] {
         for corners in [3_u32, 4, 7, 64, 1000] {
             let corner = |number: u32| {
                 let (sin, cos) = math::sin_cos(f64::from(number % corners) * 1.234_567 % std::f64::consts::TAU);
                 centre + DVec2::new(cos, sin) * radius
             };
-            // Star polygon: its walls cross, but each corner is shared by two of them.
+            // A star polygon: its walls cross, and each corner belongs to two walls.
             let walls = Walls::new((0..corners).map(|n| Segment::new(corner(n), corner(n + 1))).collect());
             let mut random = Random::new(u64::from(corners));
             for _ in 0..500 {
                 let target = corner(random.below(corners as usize) as u32);
                 let origin = centre + random.direction() * random.between(0.0, 1e-3 * radius);
-                let Some(direction) = aimed(origin, target) else { continue };
+                let Some(direction) = direction_to(origin, target) else { continue };
                 let distance = (target - origin).length();
                 let hit = walls.cast(origin, direction, 2.0 * radius);
                 assert!(
@@ -120,25 +120,25 @@ fn rays_along_walls_end_at_the_nearer_end() {
     for corner in [DVec2::ZERO, DVec2::new(3.0, 70.0), DVec2::new(-1e4, 1e4)] {
         for _ in 0..5_000 {
             let (start, direction) = (corner + random.direction() * random.between(0.0, 9.0), random.direction());
-            let [before, first, second] = [(); 3].map(|()| random.between(0.1, 5.0));
-            let (near, far) = (start + direction * before, start + direction * (before + first));
+            let [gap_before, length, gap_after] = [(); 3].map(|()| random.between(0.1, 5.0));
+            let (near, far) = (start + direction * gap_before, start + direction * (gap_before + length));
             let ends = if random.chance(0.5) { (near, far) } else { (far, near) };
             let walls = Walls::new(vec![Segment::new(ends.0, ends.1)]);
             let distance = |origin: DVec2, direction| walls.cast(origin, direction, 20.0).map(|hit| hit.distance);
             let forward = distance(start, direction).expect("the wall is ahead");
-            assert!((forward - before).abs() < TOLERANCE, "{forward} m, expected {before}");
-            let end = far + direction * second;
+            assert!((forward - gap_before).abs() < TOLERANCE, "{forward} m, expected {gap_before}");
+            let end = far + direction * gap_after;
             let backward = distance(end, -direction).expect("the wall is ahead");
-            assert!((backward - second).abs() < TOLERANCE, "{backward} m, expected {second}");
+            assert!((backward - gap_after).abs() < TOLERANCE, "{backward} m, expected {gap_after}");
             assert_eq!(distance(start, -direction), None);
-            let within = start + direction * (before + 0.5 * first);
-            assert_eq!((distance(within, direction), distance(within, -direction)), (Some(0.0), Some(0.0)));
+            let inside = start + direction * (gap_before + 0.5 * length);
+            assert_eq!((distance(inside, direction), distance(inside, -direction)), (Some(0.0), Some(0.0)));
         }
     }
 }
 
 #[test]
-fn from_on_a_wall_every_ray_reads_0() {
+fn rays_that_begin_on_a_wall_have_distance_0() {
     let mut random = Random::new(6);
     for corner in [DVec2::ZERO, DVec2::new(1e4, -1e4)] {
         let walls = Walls::new(world::room_with_boxes(3, corner, 20.0, 74));
@@ -149,15 +149,15 @@ fn from_on_a_wall_every_ray_reads_0() {
                 1 => wall.b,
                 _ => wall.a + (wall.b - wall.a) * random.between(0.0, 1.0),
             };
-            let direction = if random.chance(0.2) { aimed(wall.a, wall.b).unwrap() } else { random.direction() };
+            let direction = if random.chance(0.2) { direction_to(wall.a, wall.b).unwrap() } else { random.direction() };
             assert_eq!(walls.cast(origin, direction, 2.0).map(|hit| hit.distance), Some(0.0), "on {wall:?}");
         }
     }
 }
 
 #[test]
-fn walls_on_the_borders_of_cells_are_never_lost() {
-    // Rows of walls at all pitches: some walls and some rays coincide with borders of grid cells.
+fn walls_on_cell_borders_are_hit() {
+    // Parallel walls with many spacings, so that some walls and some rays coincide with borders of the index's cells.
     for lines in 2..40_u32 {
         let pitch = 1.0 / f64::from(lines);
         let horizontal = (0..=lines).map(|line| {
@@ -167,25 +167,25 @@ fn walls_on_the_borders_of_cells_are_never_lost() {
         let upright: Vec<_> = horizontal.clone().map(|wall| Segment::new(wall.a.yx(), wall.b.yx())).collect();
         let walls = Walls::new(horizontal.chain(upright).collect());
         for line in 0..=lines {
-            let along = f64::from(line) * pitch;
+            let coordinate = f64::from(line) * pitch;
             for (origin, direction) in [
-                (DVec2::new(-1.0, along), DVec2::X),
-                (DVec2::new(2.0, along), DVec2::NEG_X),
-                (DVec2::new(along, -1.0), DVec2::Y),
-                (DVec2::new(along, 2.0), DVec2::NEG_Y),
+                (DVec2::new(-1.0, coordinate), DVec2::X),
+                (DVec2::new(2.0, coordinate), DVec2::NEG_X),
+                (DVec2::new(coordinate, -1.0), DVec2::Y),
+                (DVec2::new(coordinate, 2.0), DVec2::NEG_Y),
             ] {
                 let hit = walls.cast(origin, direction, 3.0).map(|hit| hit.distance);
                 assert_eq!(hit, Some(1.0), "{lines} lines, from {origin} along {direction}");
             }
-            let diagonal = aimed(DVec2::new(along - 1.0, -1.0), DVec2::new(along, 0.0)).unwrap();
-            let hit = walls.cast(DVec2::new(along - 1.0, -1.0), diagonal, 3.0).map(|hit| hit.distance);
+            let diagonal = direction_to(DVec2::new(coordinate - 1.0, -1.0), DVec2::new(coordinate, 0.0)).unwrap();
+            let hit = walls.cast(DVec2::new(coordinate - 1.0, -1.0), diagonal, 3.0).map(|hit| hit.distance);
             assert!(hit.is_some_and(|metres| (metres - 2.0_f64.sqrt()).abs() < TOLERANCE), "{lines} lines: {hit:?}");
         }
     }
 }
 
 #[test]
-fn degenerate_scenes_cost_little_and_answer_right() {
+fn degenerate_scenes_match_brute_force() {
     let point = Segment::new(DVec2::new(3.0, 4.0), DVec2::new(3.0, 4.0));
     let direction = DVec2::new(0.6, 0.8);
     for scene in [vec![point], vec![point; 1000]] {
@@ -194,7 +194,7 @@ fn degenerate_scenes_cost_little_and_answer_right() {
         assert!((hit.distance - 5.0).abs() < TOLERANCE && hit.wall == WallId(0), "{hit:?}");
         assert_eq!(walls.cast(DVec2::ZERO, DVec2::X, 9.0), None);
     }
-    // 300 walls of a millimetre, two of them 20,000 km apart; all walls on one line; and walls of 10^50 m among them.
+    // Scenes of 300 walls of a millimetre: with two more walls that are far away, all on one line, and with another wall of 10^50 m.
     let mut random = Random::new(9);
     let tiny = |random: &mut Random, centre: DVec2| {
         let half = random.direction() * 5e-4;
@@ -203,7 +203,7 @@ fn degenerate_scenes_cost_little_and_answer_right() {
     let mut far: Vec<_> = (0..300).map(|_| random.direction()).collect();
     far.extend([DVec2::splat(-1e7), DVec2::splat(1e7)]);
     let far: Vec<_> = far.into_iter().map(|centre| tiny(&mut random, centre)).collect();
-    let line: Vec<_> = (0..300).map(|place| tiny(&mut random, DVec2::new(f64::from(place) * 30.0, 0.0))).collect();
+    let line: Vec<_> = (0..300).map(|index| tiny(&mut random, DVec2::new(f64::from(index) * 30.0, 0.0))).collect();
     let mut huge = line.clone();
     huge.push(Segment::new(DVec2::new(-1e50, 1e49), DVec2::new(1e50, 1e49)));
     for scene in [far, line, huge] {
@@ -211,14 +211,14 @@ fn degenerate_scenes_cost_little_and_answer_right() {
         for _ in 0..300 {
             let wall = walls.segments()[random.below(300)];
             let origin = wall.a + random.direction();
-            check(&walls, origin, aimed(origin, wall.nearest_point(origin)).unwrap(), 2.0);
+            check(&walls, origin, direction_to(origin, wall.nearest_point(origin)).unwrap(), 2.0);
             check(&walls, origin, random.direction(), f64::INFINITY);
         }
     }
 }
 
 #[test]
-fn rays_from_far_away_still_arrive() {
+fn rays_from_far_away_hit_a_wall() {
     let walls = Walls::new(vec![Segment::new(DVec2::new(0.0, -1.0), DVec2::new(0.0, 1.0))]);
     for far in [1e3, 1e6, 1e9, 1e12, 1e15] {
         let hit = walls.cast(DVec2::new(-far, 0.25), DVec2::X, f64::INFINITY);
@@ -228,7 +228,7 @@ fn rays_from_far_away_still_arrive() {
     assert_eq!(walls.cast(DVec2::splat(f64::MAX), DVec2::X, f64::INFINITY), None);
 }
 
-/// Coordinates that coincide with each other, with borders of grid cells, and with the limits of doubles.
+/// Coordinates on a coarse grid, random coordinates, and arbitrary numbers.
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => (-8..=8_i32).prop_map(|steps| f64::from(steps) * 0.25),
@@ -243,17 +243,17 @@ fn point() -> impl Strategy<Value = DVec2> {
 
 proptest! {
     #[test]
-    fn any_scene_agrees_with_brute_force(
+    fn arbitrary_scenes_match_brute_force(
         ends in prop::collection::vec((point(), point()), 0..40),
         rays in prop::collection::vec((point(), -4..=4_i32, -4..=4_i32, 0.0..8.0_f64), 20),
     ) {
         let segments: Vec<_> = ends.iter().map(|&(a, b)| Segment::new(a, b)).collect();
-        let in_reach = |point: DVec2| point.abs().max_element() <= 2.0;
-        let comparable = segments.iter().all(|segment| in_reach(segment.a) && in_reach(segment.b));
+        let is_near_origin = |point: DVec2| point.abs().max_element() <= 2.0;
+        let is_comparable = segments.iter().all(|segment| is_near_origin(segment.a) && is_near_origin(segment.b));
         let walls = Walls::new(segments);
         for (origin, dx, dy, range) in rays {
             let Some(direction) = DVec2::new(f64::from(dx), f64::from(dy)).try_normalize() else { continue };
-            if comparable && in_reach(origin) {
+            if is_comparable && is_near_origin(origin) {
                 check(&walls, origin, direction, range);
             } else if let Some(hit) = walls.cast(origin, direction, range) {
                 prop_assert!((0.0..=range).contains(&hit.distance), "{:?}", hit);
@@ -262,7 +262,7 @@ proptest! {
     }
 
     #[test]
-    fn any_query_visits_what_it_should(
+    fn query_visits_walls_with_an_end_in_the_rectangle(
         ends in prop::collection::vec((point(), point()), 0..40),
         corners in (point(), point()),
     ) {
@@ -273,9 +273,9 @@ proptest! {
         walls.for_each_in(bounds, |id, _| visited.push(id));
         prop_assert!(visited.is_sorted_by(|one, other| one < other), "{:?}", visited);
         for (number, segment) in (0..).zip(walls.segments()) {
-            let usable = [segment.a, segment.b].iter().all(|end| end.abs().cmple(DVec2::splat(1e100)).all());
-            let touches = usable && (bounds.contains(segment.a) || bounds.contains(segment.b));
-            prop_assert!(!touches || visited.contains(&WallId(number)), "{:?} in {:?}", segment, bounds);
+            let is_usable = [segment.a, segment.b].iter().all(|end| end.abs().cmple(DVec2::splat(1e100)).all());
+            let must_be_visited = is_usable && (bounds.contains(segment.a) || bounds.contains(segment.b));
+            prop_assert!(!must_be_visited || visited.contains(&WallId(number)), "{:?} in {:?}", segment, bounds);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The core's scanner against brute force: every ray, over walls, robots and objects, as they are at the time of the call.
+//! The core's scanner, compared with brute force for every ray, over walls, robots and objects at the time of the call.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -41,8 +41,8 @@ fn model() -> Model {
     }
 }
 
-/// Distance along a ray to a disc, in metres; 0 from inside. Source: the quadratic equation of ray and circle.
-fn to_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<f64> {
+/// Distance along a ray to a disc, in metres, by the quadratic equation; 0 if the ray begins inside.
+fn distance_to_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Option<f64> {
     let from_centre = origin - centre;
     let c = from_centre.length_squared() - radius * radius;
     if c <= 0.0 {
@@ -53,14 +53,14 @@ fn to_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64) -> Optio
     (discriminant >= 0.0 && half_b < 0.0).then(|| -half_b - discriminant.sqrt())
 }
 
-/// Direction in the world frame of ray `ray` of `points`, by its documented definition.
+/// Direction of ray `ray` of `points` in the world frame, as documented.
 fn direction(heading: f64, sweep: f64, points: u32, ray: u32) -> DVec2 {
     let steps = if sweep > TAU - 1e-9 || points.is_multiple_of(2) { points } else { points - 1 };
-    let left = sweep / f64::from(steps.max(1)) * (f64::from(points / 2) - f64::from(ray));
-    DVec2::new(math::cos(heading + left), math::sin(heading + left))
+    let angle = sweep / f64::from(steps.max(1)) * (f64::from(points / 2) - f64::from(ray));
+    DVec2::new(math::cos(heading + angle), math::sin(heading + angle))
 }
 
-/// Expected reading of a horizontal scan: by brute force over walls slightly longer or shorter, robots and discs.
+/// Expected readings of a horizontal scan, by brute force over robots, discs and walls that are slightly extended or shortened.
 struct Truth<'a> {
     walls: &'a [Segment],
     robots: Vec<Body>,
@@ -69,30 +69,30 @@ struct Truth<'a> {
 }
 
 impl Truth<'_> {
-    fn check(&self, origin: DVec2, direction: DVec2, found: Option<f64>, what: &str) {
+    fn check(&self, origin: DVec2, direction: DVec2, found: Option<f64>, context: &str) {
         let bodies = self.robots.iter().map(|body| (body.centre, body.radius)).chain(self.discs.iter().copied());
         let bodies: Vec<_> = bodies.collect();
-        let nearest = |longer: f64, larger: f64| {
-            let wall = oracle::nearest_wall(self.walls, origin, direction, 1e9, longer).map(|hit| hit.0);
-            let body =
-                bodies.iter().filter_map(|&(centre, radius)| to_disc(origin, direction, centre, radius + larger));
+        let nearest = |extension: f64, enlargement: f64| {
+            let wall = oracle::nearest_wall(self.walls, origin, direction, 1e9, extension).map(|hit| hit.0);
+            let body = bodies
+                .iter()
+                .filter_map(|&(centre, radius)| distance_to_disc(origin, direction, centre, radius + enlargement));
             body.chain(wall).fold(f64::INFINITY, f64::min)
         };
-        let (least, most) = (nearest(1e-9, 1e-12), nearest(-1e-9, -1e-12));
+        let (min, max) = (nearest(1e-9, 1e-12), nearest(-1e-9, -1e-12));
         match found {
-            // For a grazed disc, shrinking it moves the hit away by the square root of the change.
+            // If the ray grazes a disc, shrinking the disc moves the hit by the square root of the change.
             Some(metres) => assert!(
-                least - TOLERANCE <= metres
-                    && metres <= most.min(self.range) + 1e-5_f64.min(TOLERANCE + (most - least)),
-                "{what}: {metres} for {least} to {most}"
+                min - TOLERANCE <= metres && metres <= max.min(self.range) + 1e-5_f64.min(TOLERANCE + (max - min)),
+                "{context}: {metres} for {min} to {max}"
             ),
-            None => assert!(most > self.range - TOLERANCE, "{what}: nothing for {least} to {most}"),
+            None => assert!(max > self.range - TOLERANCE, "{context}: nothing for {min} to {max}"),
         }
     }
 }
 
 #[test]
-fn scans_of_rooms_agree_with_brute_force_at_every_heading() {
+fn scans_of_rooms_match_brute_force() {
     for (seed, corner) in (0..).zip([DVec2::ZERO, DVec2::new(-300.0, 40.0)]) {
         for scene in [world::room_with_boxes(seed, corner, SIDE, 12), world::maze(seed, corner, 10, 0.6)] {
             let walls = Arc::new(Walls::new(scene));
@@ -123,16 +123,16 @@ fn scans_of_rooms_agree_with_brute_force_at_every_heading() {
 }
 
 #[test]
-fn scans_see_what_moves_where_it_is_at_the_call() {
+fn scans_detect_moving_bodies_at_the_time_of_the_call() {
     let mut random = Random::new(77);
     for round in 0..6 {
         let walls = Arc::new(Walls::new(world::room_with_boxes(round, DVec2::ZERO, SIDE, 0)));
         let model = Arc::new(model());
         let mut motions: Vec<_> = (0..12)
-            .map(|place| {
-                let (column, row) = (place % 4, place / 4);
+            .map(|index| {
+                let (column, row) = (index % 4, index / 4);
                 let pose = Pose::new(1.0 + column as f64, 1.0 + 1.3 * row as f64, random.between(-PI, PI));
-                Motion::new(RobotId::from_index(place), Arc::clone(&model), Arc::clone(&walls), pose)
+                Motion::new(RobotId::from_index(index), Arc::clone(&model), Arc::clone(&walls), pose)
             })
             .collect();
         let ball = Arc::new(Properties {
@@ -158,12 +158,12 @@ fn scans_see_what_moves_where_it_is_at_the_call() {
             }
             for call in 0..4 {
                 let at = world.slot_start() + Time(call * 12_345);
-                let by = random.below(motions.len());
-                let id = RobotId::from_index(by);
-                let pose = motions[by].pose(at);
+                let scanner_index = random.below(motions.len());
+                let id = RobotId::from_index(scanner_index);
+                let pose = motions[scanner_index].pose(at);
                 let fan = Fan { sweep: TAU, points: 360, tilt: 0.0, height: 0.1, range: f64::INFINITY };
                 let found = Scan::new(Mount::default(), fan).distances(&world, id, &pose, at);
-                // Motion published at the instant; the rays must agree for every robot.
+                // The truth uses the published motion of the other robots.
                 let others = (0..motions.len()).map(RobotId::from_index).filter(|other| *other != id);
                 let truth = Truth {
                     walls: walls.segments(),
@@ -171,7 +171,7 @@ fn scans_see_what_moves_where_it_is_at_the_call() {
                     discs: (1..=3).map(|n| (world.object_pose(ObjectId(n), at).position, 0.05)).collect(),
                     range: f64::INFINITY,
                 };
-                // In the first slot and after a placement the published motion differs from the true one.
+                // The published motion equals the true one except in the first slot and after a placement.
                 if slot > 0 && slot != 4 {
                     for body in &truth.robots {
                         let centre = motions[body.robot.index()].pose(at).position;
@@ -189,12 +189,13 @@ fn scans_see_what_moves_where_it_is_at_the_call() {
 }
 
 #[test]
-fn tilted_rays_pass_over_low_walls_and_end_at_the_floor() {
+fn tilted_rays_pass_over_low_walls_and_hit_the_floor() {
     let upright = |x: f64| Segment::new(DVec2::new(x, -5.0), DVec2::new(x, 5.0));
     let walls = Walls::new(vec![upright(1.0), upright(2.0), upright(4.0)]).with_heights(vec![0.1, 0.3, f64::INFINITY]);
     let world = World::new(Arc::new(walls), Time::from_millis(50), std::iter::empty());
-    // One ray along x from the origin: its expected horizontal distance, `None` for no return within 9 m of the ray.
-    let reads = |height: f64, tilt: f64, expected: Option<f64>| {
+    // Checks the reading of one ray along x from the origin. `expected` is the horizontal distance; `None`: no return within 9 m of the
+    // ray.
+    let check_reading = |height: f64, tilt: f64, expected: Option<f64>| {
         let fan = Fan { sweep: 0.0, points: 1, tilt, height, range: 9.0 };
         let found = Scan::new(Mount::default(), fan).distances(&world, RobotId(1), &Pose::default(), Time::ZERO)[0];
         let expected = expected.map(|horizontal| horizontal / math::cos(tilt));
@@ -205,33 +206,33 @@ fn tilted_rays_pass_over_low_walls_and_end_at_the_floor() {
             _ => assert_eq!(found, expected, "{height} m, {tilt}"),
         }
     };
-    reads(0.05, 0.0, Some(1.0));
-    reads(0.1, 0.0, Some(1.0));
-    reads(0.2, 0.0, Some(2.0));
-    reads(0.5, 0.0, Some(4.0));
-    // Upwards from 5 cm: passes over the first wall from 5 cm per metre on, over the second from 12.5 cm per metre on.
+    check_reading(0.05, 0.0, Some(1.0));
+    check_reading(0.1, 0.0, Some(1.0));
+    check_reading(0.2, 0.0, Some(2.0));
+    check_reading(0.5, 0.0, Some(4.0));
+    // A rising ray from 5 cm passes over the first wall if it rises by more than 5 cm per metre, over the second above 12.5 cm per metre.
     let slope = |rise: f64| math::atan(rise);
-    reads(0.05, slope(0.049), Some(1.0));
-    reads(0.05, slope(0.051), Some(2.0));
-    reads(0.05, slope(0.126), Some(4.0));
-    reads(0.05, slope(2.0), Some(4.0));
-    // 4 m on the floor are 9 m along a ray at 63.6 degrees.
-    reads(0.05, slope(2.1), None);
-    // Downwards from 20 cm: passes over the first wall, hits the second or the floor before it.
-    reads(0.2, -slope(0.09), Some(2.0));
-    reads(0.2, -slope(0.0999), Some(2.0));
-    reads(0.2, -slope(0.1001), Some(1.0));
-    reads(0.2, -slope(0.11), Some(1.0));
-    reads(0.2, -slope(0.25), Some(0.8));
-    reads(0.0, -0.1, Some(0.0));
-    // Hits the floor only beyond its range.
+    check_reading(0.05, slope(0.049), Some(1.0));
+    check_reading(0.05, slope(0.051), Some(2.0));
+    check_reading(0.05, slope(0.126), Some(4.0));
+    check_reading(0.05, slope(2.0), Some(4.0));
+    // A horizontal distance of 4 m is 9 m along a ray at 63.6 degrees.
+    check_reading(0.05, slope(2.1), None);
+    // A falling ray from 20 cm hits the first wall, or passes over it and hits the second wall or the floor in front of it.
+    check_reading(0.2, -slope(0.09), Some(2.0));
+    check_reading(0.2, -slope(0.0999), Some(2.0));
+    check_reading(0.2, -slope(0.1001), Some(1.0));
+    check_reading(0.2, -slope(0.11), Some(1.0));
+    check_reading(0.2, -slope(0.25), Some(0.8));
+    check_reading(0.0, -0.1, Some(0.0));
+    // This ray reaches the floor only beyond its range.
     let fan = Fan { sweep: 0.0, points: 1, tilt: -0.01, height: 0.5, range: 3.0 };
     let found = Scan::new(Mount::default(), fan).distances(&world, RobotId(1), &Pose::default(), Time::ZERO);
     assert_eq!(found, [None]);
 }
 
 #[test]
-fn a_tilted_scan_of_a_bare_room_is_a_cone() {
+fn tilted_scan_equals_a_level_scan_divided_by_the_cosine() {
     let mut random = Random::new(3);
     let walls = Arc::new(Walls::new(world::room_with_boxes(1, DVec2::ZERO, SIDE, 8)));
     let world = World::new(Arc::clone(&walls), Time::from_millis(50), std::iter::empty());
@@ -245,9 +246,9 @@ fn a_tilted_scan_of_a_bare_room_is_a_cone() {
         let tilted = Scan::new(Mount::default(), fan(tilt, range));
         let level = level.distances(&world, RobotId(1), &pose, Time::ZERO);
         let tilted = tilted.distances(&world, RobotId(1), &pose, Time::ZERO);
-        for (flat, found) in level.into_iter().zip(tilted) {
+        for (horizontal, found) in level.into_iter().zip(tilted) {
             let floor = if tilt < 0.0 { height / math::tan(-tilt) } else { f64::INFINITY };
-            let expected = flat.expect("walls all around").min(floor) / math::cos(tilt);
+            let expected = horizontal.expect("walls all around").min(floor) / math::cos(tilt);
             match found {
                 Some(metres) => assert!((metres - expected).abs() < TOLERANCE && metres <= range, "{expected}"),
                 None => assert!(expected > range - TOLERANCE, "{expected} of {range}"),

@@ -11,14 +11,14 @@ use super::{Reference, Sight};
 pub struct Shot {
     /// Red, green and blue, one sample per pixel.
     pub colour: Picture<[u8; 3]>,
-    /// Metres along the line of sight.
+    /// Depth along the line of sight, m.
     pub depth: Picture<f32>,
     /// Label of the surface at each pixel.
     pub labels: Picture<Label>,
 }
 
 impl Shot {
-    /// Takes the pictures with the core's camera.
+    /// Renders the pictures with the core's camera.
     pub fn take(camera: &mut Camera, posed: &PosedScenery, view: &View, by: Option<RobotId>) -> Self {
         Self {
             colour: camera.colour(posed, view, by, 1),
@@ -33,11 +33,11 @@ impl Shot {
 pub struct Agreement {
     /// Number of pixels compared.
     pub pixels: usize,
-    /// Number of pixels that differ from the reference at the pixel's centre: another label, a depth error above [`DEPTH`], or a colour
-    /// error of more than one grey level.
+    /// Number of pixels that differ from the reference at the pixel's centre: by another label, a depth error above [`DEPTH`], or a
+    /// colour error of more than one grey level.
     pub differing: usize,
-    /// Differing pixels that the reference cannot explain: their values lie outside the range of the reference's values
-    /// within [`NEAR`] of the pixel's centre. That range includes surfaces that coincide with the nearest one.
+    /// Differing pixels that the reference cannot explain: their values are outside the range of the reference's values
+    /// at points within [`NEAR`] of the pixel's centre. This range includes surfaces that coincide with the nearest one.
     pub wrong: Vec<Wrong>,
 }
 
@@ -52,12 +52,12 @@ pub struct Wrong {
     pub truth: Sight,
 }
 
-/// Distance from a pixel's centre, in pixels, within which either side of a silhouette is accepted.
+/// Distance of a silhouette from a pixel's centre, in pixels, up to which either of its sides is accepted.
 pub const NEAR: f64 = 0.01;
-/// Tolerance of depths, relative.
+/// Relative tolerance of depths.
 pub const DEPTH: f64 = 1e-5;
-/// Relative difference of depths up to which rounding decides which surface is nearer.
-const RIVAL: f64 = 1e-6;
+/// Relative difference of depths up to which two surfaces are treated as coincident, since rounding decides which is nearer.
+const COINCIDENT: f64 = 1e-6;
 
 impl Agreement {
     /// Compares every pixel of `shot` with the reference.
@@ -80,9 +80,9 @@ impl Agreement {
                 continue;
             }
             agreement.differing += 1;
-            let steps = || [-NEAR, 0.0, NEAR].into_iter();
-            let places = steps().flat_map(|x| steps().map(move |y| middle + DVec2::new(x, y)));
-            let sights: Vec<Sight> = places.flat_map(|place| reference.sights(view, place, RIVAL)).collect();
+            let offsets = || [-NEAR, 0.0, NEAR].into_iter();
+            let points = offsets().flat_map(|x| offsets().map(move |y| middle + DVec2::new(x, y)));
+            let sights: Vec<Sight> = points.flat_map(|point| reference.sights(view, point, COINCIDENT)).collect();
             if !is_within(found, &sights) {
                 agreement.wrong.push(Wrong { at, found, truth });
             }
@@ -93,14 +93,14 @@ impl Agreement {
     /// Asserts that no pixel is wrong.
     ///
     /// # Panics
-    /// If a pixel is wrong, naming `what` was compared and the first wrong pixel.
+    /// If a pixel is wrong; the message contains `what` was compared and the first wrong pixel.
     pub fn assert_right(&self, what: &str) {
         if let Some(wrong) = self.wrong.first() {
             panic!("{what}: {} of {} pixels are wrong: {wrong:?}", self.wrong.len(), self.pixels);
         }
     }
 
-    /// Share of the pixels that differ.
+    /// Fraction of the pixels that differ.
     pub fn share(&self) -> f64 {
         self.differing as f64 / self.pixels.max(1) as f64
     }
@@ -114,17 +114,17 @@ impl AddAssign for Agreement {
     }
 }
 
-/// Returns true if a pixel lies within the range of these sights, up to the tolerances.
+/// Returns true if the label of a pixel occurs among the sights, and depth and colours are in their range, within the tolerances.
 fn is_within((colour, depth, label): ([u8; 3], f32, Label), sights: &[Sight]) -> bool {
-    let is_between = |value: f64, slack: f64, of: &dyn Fn(&Sight) -> f64| {
-        let least = sights.iter().map(of).fold(f64::INFINITY, f64::min);
-        let most = sights.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
-        value >= least - slack && value <= most + slack
+    let is_in_range = |value: f64, slack: f64, property: &dyn Fn(&Sight) -> f64| {
+        let min = sights.iter().map(property).fold(f64::INFINITY, f64::min);
+        let max = sights.iter().map(property).fold(f64::NEG_INFINITY, f64::max);
+        value >= min - slack && value <= max + slack
     };
     let depth = f64::from(depth);
     let slack = if depth.is_finite() { DEPTH * depth } else { 0.0 };
     sights.iter().any(|sight| sight.label == label)
-        && is_between(depth, slack, &|sight| sight.depth)
+        && is_in_range(depth, slack, &|sight| sight.depth)
         && (0..3)
-            .all(|channel| is_between(f64::from(colour[channel]), 1.0, &|sight| (sight.colour[channel] + 0.5).floor()))
+            .all(|channel| is_in_range(f64::from(colour[channel]), 1.0, &|sight| (sight.colour[channel] + 0.5).floor()))
 }

@@ -17,16 +17,16 @@ const SETTINGS: [([u32; 2], u32); 6] =
     [([80, 60], 1), ([160, 120], 1), ([320, 240], 1), ([160, 120], 2), ([160, 120], 3), ([160, 120], 4)];
 /// Numbers of pictures with noise, and samples along a pixel's side in each.
 const WITH_NOISE: [(u64, u32); 5] = [(1, 1), (1, 4), (10, 4), (100, 1), (100, 4)];
-/// Noise of a pixel in the preset `real`, without the blur of its lens, which is no error of the picture's mean over a pixel.
+/// Noise of a pixel in the preset `real`, without the blur of the lens, which the mean of many pictures does not remove.
 const NOISE: ImageNoise =
     ImageNoise { blur: 0.0, sigma: 4.0, salt_and_pepper: 0.000_5, salt: 0.5, hundreds_and_thousands: 0.0 };
 const SEED: u64 = 264_000;
 /// Number of views of the room.
 const VIEWS: usize = 6;
 /// Samples along a pixel's side for the reference.
-const TRUTH: u32 = 12;
+const REFERENCE_SAMPLES: u32 = 12;
 /// Maximum number of pixels compared per view.
-const PIXELS: usize = 60;
+const MAX_PIXELS: usize = 60;
 
 fn run(effort: Effort) -> Outcome {
     let mut rows = Vec::new();
@@ -43,8 +43,8 @@ fn run(effort: Effort) -> Outcome {
     rows.into()
 }
 
-fn method(by: &str, shadows: bool) -> String {
-    format!("{by}, {} shadows", if shadows { "with" } else { "without" })
+fn method(name: &str, shadows: bool) -> String {
+    format!("{name}, {} shadows", if shadows { "with" } else { "without" })
 }
 
 fn views(size: [u32; 2]) -> Vec<View> {
@@ -52,9 +52,9 @@ fn views(size: [u32; 2]) -> Vec<View> {
     room::stands(VIEWS).into_iter().filter_map(|stand| view(stand).ok()).collect()
 }
 
-/// Columns and rows of the compared pixels, spread over the image: rows at equal intervals; from each row to the next, a step along the
-/// columns that is coprime to the width and near its golden section, so that no column is compared twice.
-fn places([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+/// Columns and rows of the compared pixels, spread over the image. The rows are at equal intervals. From one row to the next, the column
+/// changes by a step that is coprime to the width and near its golden section, so that no column is compared twice.
+fn compared_pixels([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
     let coprime = |step: &u32| {
         let (mut a, mut b) = (width, *step);
         while b > 0 {
@@ -64,17 +64,17 @@ fn places([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
     };
     let golden = f64::from(width) * 0.618_034;
     let step = (golden as u32..=width).find(coprime).unwrap_or(1);
-    let count = (PIXELS as u32).min(width).min(height);
+    let count = (MAX_PIXELS as u32).min(width).min(height);
     (0..count).map(move |k| [(step / 2 + k * step) % width, (2 * k + 1) * height / (2 * count)])
 }
 
-/// Mean difference of colours from the reference, in grey levels.
+/// Mean difference of colours from the reference over the compared pixels, in grey levels.
 fn error(reference: &Reference, views: &[View], mut colour: impl FnMut(&View, [u32; 2]) -> [f64; 3]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for view in views {
-        for at @ [column, row] in places(view.size()) {
-            let truth = reference.pixel(view, column, row, TRUTH).unwrap_or_default();
-            let found = colour(view, at);
+        for pixel @ [column, row] in compared_pixels(view.size()) {
+            let truth = reference.pixel(view, column, row, REFERENCE_SAMPLES).unwrap_or_default();
+            let found = colour(view, pixel);
             sum += (0..3).map(|channel| (found[channel] - truth[channel]).abs()).sum::<f64>();
             count += 3.0;
         }
@@ -91,7 +91,7 @@ fn row(posed: &PosedScenery, shadows: bool, (size, samples): ([u32; 2], u32), ef
     });
     let pictures: Vec<_> = views.iter().map(|view| camera.colour(posed, view, None, samples)).collect();
     let picture_of =
-        |view: &View| views.iter().position(|other| other == view).map_or(&pictures[0], |at| &pictures[at]);
+        |view: &View| views.iter().position(|other| other == view).map_or(&pictures[0], |index| &pictures[index]);
     let error = error(&Reference::new(posed, None), &views, |view, [column, row]| {
         picture_of(view).pixel(column, row).map(f64::from)
     });
@@ -151,20 +151,20 @@ fn noisy(posed: &PosedScenery, count: u64, samples: u32) -> Row {
 fn brute_force(posed: &PosedScenery, shadows: bool) -> Row {
     let size @ [width, height] = [160, 120];
     let (views, reference) = (views(size), Reference::new(posed, None));
-    let look = |view: &View, [column, row]: [u32; 2]| reference.pixel(view, column, row, 1).unwrap_or_default();
-    let pixels: Vec<[u32; 2]> = places(size).collect();
+    let pixel_colour = |view: &View, [column, row]: [u32; 2]| reference.pixel(view, column, row, 1).unwrap_or_default();
+    let pixels: Vec<[u32; 2]> = compared_pixels(size).collect();
     let time_of_pixel = nanoseconds(1, pixels.len() * views.len(), || {
         views
             .iter()
-            .flat_map(|view| pixels.iter().map(move |at| (view, *at)))
-            .map(|(view, at)| look(view, at)[0])
+            .flat_map(|view| pixels.iter().map(move |pixel| (view, *pixel)))
+            .map(|(view, pixel)| pixel_colour(view, pixel)[0])
             .sum::<f64>()
     });
     Row {
         study: STUDY.name,
         method: method("all faces", shadows),
         setting: format!("{width} x {height}"),
-        error: error(&reference, &views, look),
+        error: error(&reference, &views, pixel_colour),
         unit: "grey levels",
         time_ns: time_of_pixel * f64::from(width * height),
         per: "picture",
@@ -176,33 +176,34 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_compared_pixels_are_spread_over_the_image() {
+    fn compared_pixels_are_spread_over_the_image() {
         for (size @ [width, height], _) in SETTINGS {
-            let places: Vec<[u32; 2]> = places(size).collect();
-            assert_eq!(places.len(), PIXELS);
-            // Each ninth of the image has its share, up to one or two.
+            let compared_pixels: Vec<[u32; 2]> = compared_pixels(size).collect();
+            assert_eq!(compared_pixels.len(), MAX_PIXELS);
+            // Each ninth of the image has a ninth of the pixels, within one or two.
             for (left, top) in (0..9).map(|ninth| (ninth % 3, ninth / 3)) {
                 let is_in = |[x, y]: &&[u32; 2]| x * 3 / width == left && y * 3 / height == top;
-                let count = places.iter().filter(is_in).count();
+                let count = compared_pixels.iter().filter(is_in).count();
                 assert!((5..=8).contains(&count), "{size:?}: {count} at {left}, {top}");
             }
-            let columns: std::collections::BTreeSet<u32> = places.iter().map(|[x, _]| *x).collect();
-            assert_eq!(columns.len(), PIXELS, "{size:?}");
+            let columns: std::collections::BTreeSet<u32> = compared_pixels.iter().map(|[x, _]| *x).collect();
+            assert_eq!(columns.len(), MAX_PIXELS, "{size:?}");
         }
     }
 
     #[test]
-    fn samples_bring_a_picture_nearer_to_the_truth() {
+    fn more_samples_reduce_the_error() {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), 14 + WITH_NOISE.len());
         let noisy: Vec<f64> = rows[14..].iter().map(|row| row.error).collect();
-        // A normal error of 4 levels has a mean size of 3.2; the mean of a hundred pictures is nearly the picture without noise.
+        // A normal error with a standard deviation of 4 levels has a mean magnitude of 3.2; the mean of a hundred pictures is nearly the
+        // picture without noise.
         assert!(noisy[0] > 3.0 && noisy[1] > 3.0 && noisy[1] < 4.0, "{noisy:?}");
         assert!((noisy[3] - rows[8].error).abs() < 0.2 && noisy[4] < 0.6 && noisy[4] < noisy[2], "{noisy:?}");
         for rows in rows[..14].chunks(7) {
-            let [of_one, of_four, brute_force] = [1, 5, 6].map(|place| rows[place].error);
-            assert!(of_four < 0.5 * of_one, "{of_four} for {of_one}");
-            assert!((of_one - brute_force).abs() < 0.5, "rounded to whole levels: {of_one}, {brute_force}");
+            let [one_sample, sixteen_samples, brute_force] = [1, 5, 6].map(|index| rows[index].error);
+            assert!(sixteen_samples < 0.5 * one_sample, "{sixteen_samples} for {one_sample}");
+            assert!((one_sample - brute_force).abs() < 0.5, "rounded to whole levels: {one_sample}, {brute_force}");
         }
     }
 }

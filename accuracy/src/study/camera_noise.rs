@@ -1,10 +1,10 @@
 //! `camera-noise`: mean and standard deviation of each pixel over many pictures with noise, compared with the closed forms of the noise
 //! model.
 //!
-//! The picture without noise shows the room with its shadows. The closed form blurs it with a kernel of its own (power series of the
-//! Bessel functions), and then sums over the 256 levels: the normal distribution, rounded and clamped, mixed with the pixels of salt and
-//! pepper and of random colours. Random sampling alone gives errors that fall with the square root of the number of pictures; another
-//! distribution would end this.
+//! The picture without noise shows the room with its shadows. The closed form blurs it with a separately computed kernel (power series of
+//! the Bessel functions) and then sums over the 256 levels. The distribution of the levels is the normal distribution, rounded and clamped,
+//! mixed with salt and pepper and with random colours. If the distribution is right, the errors fall with the square root of the
+//! number of pictures; otherwise they stop falling.
 
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -32,7 +32,7 @@ pub const MODELS: [(&str, ImageNoise); 2] = [
     ("real", ImageNoise { blur: 0.6, sigma: 4.0, salt_and_pepper: 0.000_5, salt: 0.5, hundreds_and_thousands: 0.0 }),
     ("harsh", ImageNoise { blur: 1.5, sigma: 12.0, salt_and_pepper: 0.01, salt: 0.5, hundreds_and_thousands: 0.005 }),
 ];
-/// Numbers of pictures; the pictures of a number are among those of the next.
+/// Numbers of pictures; each series of pictures begins with those of the previous one.
 const COUNTS: [u64; 4] = [1, 10, 100, 1_000];
 const SIZE: [u32; 2] = [80, 60];
 const SEED: u64 = 264_001;
@@ -43,29 +43,37 @@ fn run(_: Effort) -> Outcome {
     let mut series = Vec::new();
     for (name, model) in MODELS {
         let measured = measured(&exact, model);
-        for (what, errors, expected) in [
-            ("mean of each channel", measured.map(|at| at.mean), measured.map(|at| at.expected_mean)),
-            ("deviation of all channels", measured.map(|at| at.spread), measured.map(|at| at.expected_spread)),
+        for (quantity, errors, expected) in [
+            (
+                "mean of each channel",
+                measured.map(|deviation| deviation.mean),
+                measured.map(|deviation| deviation.expected_mean),
+            ),
+            (
+                "deviation of all channels",
+                measured.map(|deviation| deviation.sigma),
+                measured.map(|deviation| deviation.expected_sigma),
+            ),
         ] {
             // One picture has no standard deviation.
-            let first = usize::from(what.starts_with("deviation"));
-            let method = format!("{what}, `{name}`");
+            let first = usize::from(quantity.starts_with("deviation"));
+            let method = format!("{quantity}, `{name}`");
             let points =
                 |values: [f64; COUNTS.len()]| COUNTS.map(|count| count as f64).into_iter().zip(values).skip(first);
             series.push(Series { name: method.clone(), mark: Mark::LineAndDots, points: points(errors).collect() });
             let line = points(expected).collect();
             series.push(Series { name: format!("{method}, expected"), mark: Mark::Line, points: line });
-            for at in first..COUNTS.len() {
+            for index in first..COUNTS.len() {
                 rows.push(Row {
                     study: STUDY.name,
                     method: method.clone(),
-                    setting: match COUNTS[at] {
+                    setting: match COUNTS[index] {
                         1 => "1 picture".to_owned(),
                         count => format!("{count} pictures"),
                     },
-                    error: errors[at],
+                    error: errors[index],
                     unit: "grey levels",
-                    time_ns: measured[at].time_ns,
+                    time_ns: measured[index].time_ns,
                     per: "series of pictures",
                 });
             }
@@ -97,12 +105,12 @@ fn exact_picture() -> Picture<[u8; 3]> {
 struct Deviation {
     /// Root mean square difference of the channels' means.
     mean: f64,
-    /// `mean` by random sampling alone.
+    /// Expected value of `mean` with the right distribution.
     expected_mean: f64,
-    /// Difference of the standard deviation, pooled over all channels.
-    spread: f64,
-    /// Mean of `spread` by random sampling alone.
-    expected_spread: f64,
+    /// Error of the standard deviation, pooled over all channels.
+    sigma: f64,
+    /// Expected value of `spread` with the right distribution.
+    expected_sigma: f64,
     /// Time of the exposures, ns.
     time_ns: f64,
 }
@@ -136,31 +144,31 @@ fn measured(exact: &Picture<[u8; 3]>, model: ImageNoise) -> [Deviation; COUNTS.l
 
 fn deviation(sums: &[(f64, f64)], truth: &[&Moments], count: f64) -> Deviation {
     let channels = truth.len() as f64;
-    let over = |term: &dyn Fn(f64, f64, &Moments) -> f64| {
+    let mean_over_channels = |term: &dyn Fn(f64, f64, &Moments) -> f64| {
         let terms = sums.iter().zip(truth).map(|((sum, squares), truth)| term(*sum, *squares, truth));
         terms.sum::<f64>() / channels
     };
-    let mean = over(&|sum, _, truth| (sum / count - truth.mean) * (sum / count - truth.mean)).sqrt();
-    let variance = over(&|_, _, truth| truth.variance);
+    let mean = mean_over_channels(&|sum, _, truth| (sum / count - truth.mean) * (sum / count - truth.mean)).sqrt();
+    let variance = mean_over_channels(&|_, _, truth| truth.variance);
     let expected_mean = (variance / count).sqrt();
     if count == 1.0 {
         return Deviation { mean, expected_mean, ..Deviation::default() };
     }
-    let found = over(&|sum, squares, _| (squares - sum * sum / count) / (count - 1.0));
-    // The variance of a sample's variance; a normal error of standard deviation s has a mean size of sqrt(2 / pi) s.
-    let of_sample =
+    let found = mean_over_channels(&|sum, squares, _| (squares - sum * sum / count) / (count - 1.0));
+    // Variance of a sample variance. A normal error with the standard deviation s has a mean magnitude of sqrt(2 / pi) s.
+    let variance_of_variance =
         |truth: &Moments| (truth.fourth - truth.variance * truth.variance * (count - 3.0) / (count - 1.0)) / count;
-    let of_pool = (over(&|_, _, truth| of_sample(truth)) / channels).sqrt();
+    let pooled_error = (mean_over_channels(&|_, _, truth| variance_of_variance(truth)) / channels).sqrt();
     Deviation {
         mean,
         expected_mean,
-        spread: (found.sqrt() - variance.sqrt()).abs(),
-        expected_spread: (2.0 / PI).sqrt() * of_pool / (2.0 * variance.sqrt()),
+        sigma: (found.sqrt() - variance.sqrt()).abs(),
+        expected_sigma: (2.0 / PI).sqrt() * pooled_error / (2.0 * variance.sqrt()),
         time_ns: 0.0,
     }
 }
 
-/// Mean, variance and fourth central moment of a channel that is exposed with noise, in grey levels.
+/// Mean, variance and fourth central moment of the level of a channel with noise, in grey levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Moments {
     mean: f64,
@@ -169,10 +177,10 @@ struct Moments {
 }
 
 impl Moments {
-    /// Closed form for a channel of `level` after the blur.
+    /// Closed form for a channel whose level after the blur is `level`.
     fn of(model: &ImageNoise, level: u8) -> Self {
         let level = f64::from(level);
-        // A level k is found if the normal number lies within half a level of it; the outermost levels take the tails.
+        // The level is k if the normal number is within half a level of k; the lowest and the highest level include the tails.
         let below = |edge: f64| normal_cdf((edge - level) / model.sigma);
         let normal = |k: f64| {
             let high = if k == 255.0 { 1.0 } else { below(k + 0.5) };
@@ -185,10 +193,11 @@ impl Moments {
         };
         let (hit, random) = (model.salt_and_pepper, model.hundreds_and_thousands);
         let probability = |k: f64| (1.0 - random) * ((1.0 - hit) * normal(k) + hit * extremes(k)) + random / 256.0;
-        let over = |term: &dyn Fn(f64) -> f64| (0..=255).map(|k| probability(k.into()) * term(k.into())).sum::<f64>();
-        let mean = over(&|k| k);
+        let expectation =
+            |term: &dyn Fn(f64) -> f64| (0..=255).map(|k| probability(k.into()) * term(k.into())).sum::<f64>();
+        let mean = expectation(&|k| k);
         let squared = |k: f64| (k - mean) * (k - mean);
-        Self { mean, variance: over(&squared), fourth: over(&|k| squared(k) * squared(k)) }
+        Self { mean, variance: expectation(&squared), fourth: expectation(&|k| squared(k) * squared(k)) }
     }
 }
 
@@ -208,26 +217,28 @@ fn blurred(sigma: f64, width: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
         sum
     };
     let weights: Vec<f64> = (-radius..=radius).map(|n| bessel(n.abs()) * math::exp(-2.0 * half)).collect();
-    let whole: f64 = weights.iter().sum();
+    let weight_sum: f64 = weights.iter().sum();
     let height = pixels.len() / width;
-    let mirrored = |at: i64, size: usize| {
-        let at = at.rem_euclid(2 * size as i64) as usize;
-        at.min(2 * size - 1 - at)
+    let mirrored = |index: i64, size: usize| {
+        let index = index.rem_euclid(2 * size as i64) as usize;
+        index.min(2 * size - 1 - index)
     };
     let (mut levels, mut rows) = (Vec::new(), Vec::new());
-    for place in 0..pixels.len() {
-        let (column, row) = ((place % width) as i64, place / width);
+    for index in 0..pixels.len() {
+        let (column, row) = ((index % width) as i64, index / width);
         rows.push([0, 1, 2].map(|channel| {
             let taps = weights.iter().zip(column - radius..);
-            taps.map(|(weight, at)| weight * f64::from(pixels[row * width + mirrored(at, width)][channel])).sum::<f64>()
+            taps.map(|(weight, tap)| weight * f64::from(pixels[row * width + mirrored(tap, width)][channel]))
+                .sum::<f64>()
         }));
     }
-    for place in 0..pixels.len() {
-        let (column, row) = (place % width, (place / width) as i64);
+    for index in 0..pixels.len() {
+        let (column, row) = (index % width, (index / width) as i64);
         levels.extend([0, 1, 2].map(|channel| {
             let taps = weights.iter().zip(row - radius..);
-            let sum: f64 = taps.map(|(weight, at)| weight * rows[mirrored(at, height) * width + column][channel]).sum();
-            (sum / (whole * whole)).round() as u8
+            let sum: f64 =
+                taps.map(|(weight, tap)| weight * rows[mirrored(tap, height) * width + column][channel]).sum();
+            (sum / (weight_sum * weight_sum)).round() as u8
         }));
     }
     levels
@@ -240,14 +251,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_models_are_those_of_the_presets() {
+    fn models_match_the_presets() {
         for (name, model) in MODELS {
             assert_eq!(sim_format::preset(name).expect("a preset").profile().camera, model, "{name}");
         }
     }
 
     #[test]
-    fn moments_are_known_by_hand() {
+    fn moments_match_values_by_hand() {
         let exact = ImageNoise { sigma: 1e-9, ..ImageNoise::default() };
         assert_eq!(Moments::of(&exact, 70), Moments { mean: 70.0, variance: 0.0, fourth: 0.0 });
         let salt = Moments::of(&ImageNoise { salt_and_pepper: 1.0, ..exact }, 70);
@@ -255,7 +266,7 @@ mod tests {
         let colours = Moments::of(&ImageNoise { hundreds_and_thousands: 1.0, ..exact }, 70);
         // A discrete uniform distribution: (256^2 - 1) / 12.
         assert!((colours.mean - 127.5).abs() < 1e-9 && (colours.variance - 5_461.25).abs() < 1e-6, "{colours:?}");
-        // Rounding adds a twelfth of a level's square; a level at the end loses half of its distribution.
+        // Rounding adds 1/12 to the variance; at the lowest level, half of the distribution is clamped.
         let middle = Moments::of(&ImageNoise { sigma: 4.0, ..exact }, 128);
         assert!((middle.variance - 16.0 - 1.0 / 12.0).abs() < 1e-6, "{middle:?}");
         let end = Moments::of(&ImageNoise { sigma: 4.0, ..exact }, 0).mean;
@@ -263,34 +274,35 @@ mod tests {
     }
 
     #[test]
-    fn both_blurs_give_the_same_levels() {
+    fn blur_matches_the_simulators() {
         let exact = exact_picture();
         for (_, model) in MODELS {
-            let ours = blurred(model.blur, SIZE[0] as usize, exact.pixels());
-            let mut cores = exact.pixels().to_vec();
-            blur(model.blur, SIZE[0] as usize, &mut cores);
-            let differing = ours.iter().zip(cores.as_flattened()).filter(|(ours, core)| ours != core).count();
-            // Single precision may round a sum in the middle between two levels otherwise.
-            assert!(differing < ours.len() / 1_000, "{differing} of {}", ours.len());
+            let expected = blurred(model.blur, SIZE[0] as usize, exact.pixels());
+            let mut found = exact.pixels().to_vec();
+            blur(model.blur, SIZE[0] as usize, &mut found);
+            let differing =
+                expected.iter().zip(found.as_flattened()).filter(|(expected, found)| expected != found).count();
+            // In single precision, a sum near the middle between two levels may be rounded to the other level.
+            assert!(differing < expected.len() / 1_000, "{differing} of {}", expected.len());
         }
     }
 
     #[test]
-    fn pixels_err_as_much_as_random_sampling_alone_does() {
+    fn errors_of_pixels_have_their_expected_size() {
         for (name, model) in MODELS {
-            let at = measured(&exact_picture(), model)[2];
-            // Of 14,400 channels: the relative standard error is below 1 %, more with rare white and black pixels.
-            assert!((at.mean / at.expected_mean - 1.0).abs() < 0.05, "{name}: {at:?}");
+            let found = measured(&exact_picture(), model)[2];
+            // With 14,400 channels, the relative standard error is below 1 %, but larger with rare white and black pixels.
+            assert!((found.mean / found.expected_mean - 1.0).abs() < 0.05, "{name}: {found:?}");
         }
     }
 
     #[test]
-    fn a_wrong_closed_form_shows() {
+    fn wrong_sigma_is_detected() {
         let (_, model) = MODELS[0];
         let wrong = ImageNoise { sigma: 1.03 * model.sigma, ..model };
         let table: Vec<Moments> = (0..=255).map(|level| Moments::of(&model, level)).collect();
-        let off = Moments::of(&wrong, 128).variance.sqrt() - table[128].variance.sqrt();
-        let at = measured(&exact_picture(), model)[3];
-        assert!(at.spread < 0.3 * off, "3 % of sigma is {off} levels: {at:?}");
+        let difference = Moments::of(&wrong, 128).variance.sqrt() - table[128].variance.sqrt();
+        let found = measured(&exact_picture(), model)[3];
+        assert!(found.sigma < 0.3 * difference, "3 % of sigma is {difference} levels: {found:?}");
     }
 }

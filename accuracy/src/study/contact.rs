@@ -9,7 +9,7 @@ pub const STUDY: Study =
 
 /// Step lengths of the simulator that tests for overlap after each step, s.
 const STEPS: [f64; 6] = [0.2, 0.05, 0.01, 1e-3, 1e-4, 1e-5];
-/// Time after the contact within which it must be found, s.
+/// Maximum delay after the exact instant at which a contact is found, s.
 const HORIZON: f64 = 1.0;
 
 fn run(effort: Effort) -> Outcome {
@@ -27,10 +27,10 @@ fn run(effort: Effort) -> Outcome {
         // Short steps take longer, so there are fewer cases.
         let count = ((effort.of(1_000) as f64 * step.sqrt()) as usize).clamp(8, 400);
         let cases: Vec<Case> = (0..count).map(|_| Case::draw(&mut random, Approach::Oblique)).collect();
-        let lateness = |case: &Case| {
+        let delay = |case: &Case| {
             case.by_steps(step, case.instant + HORIZON).map_or(HORIZON, |instant| (instant - case.instant).abs())
         };
-        let error = cases.iter().map(lateness).fold(0.0, f64::max);
+        let error = cases.iter().map(delay).fold(0.0, f64::max);
         let time_ns = nanoseconds(1, cases.len(), || {
             cases.iter().filter_map(|case| case.by_steps(step, case.instant + HORIZON)).sum::<f64>()
         });
@@ -48,12 +48,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_closed_form_knows_the_instant_and_steps_find_it_late() {
+    fn closed_form_is_exact_and_steps_are_late() {
         let rows = run(Effort::Quick).rows;
-        let of = |method: &str| rows.iter().filter(|row| row.method == method).map(|row| row.error).collect::<Vec<_>>();
+        let errors =
+            |method: &str| rows.iter().filter(|row| row.method == method).map(|row| row.error).collect::<Vec<_>>();
         // Within a nanosecond: a nanometre at 1 m/s.
-        assert!(of("closed form").iter().all(|error| *error < 1e-9), "{:?}", of("closed form"));
-        for (error, step) in of("overlap after each step").into_iter().zip(STEPS) {
+        assert!(errors("closed form").iter().all(|error| *error < 1e-9), "{:?}", errors("closed form"));
+        for (error, step) in errors("overlap after each step").into_iter().zip(STEPS) {
             assert!(error > 0.5 * step && error <= HORIZON, "{error} s late with steps of {step} s");
         }
     }

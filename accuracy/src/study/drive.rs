@@ -19,8 +19,8 @@ pub const ODOMETRY: Study = Study {
     run: odometry,
 };
 
-/// Lengths of slots and steps, us; each divides a second. Runge-Kutta starts with the second length: at the first, rounding dominates its
-/// error, and it takes longest.
+/// Lengths of slots and steps, us; each divides a second. Runge-Kutta is not run with the first one, at which it takes longest and rounding
+/// dominates its error.
 const SLOTS: [i64; 10] = [1, 10, 100, 1_000, 5_000, 10_000, 50_000, 100_000, 200_000, 1_000_000];
 
 fn drive(effort: Effort) -> Outcome {
@@ -121,27 +121,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lengths_have_the_unit_that_suits_them() {
+    fn durations_have_a_suitable_unit() {
         assert_eq!([1, 5_000, 1_000_000].map(duration), ["1 us", "5 ms", "1 s"]);
     }
 
     #[test]
-    fn the_closed_form_has_one_error_at_every_slot_and_that_of_euler_grows_with_it() {
+    fn error_of_the_closed_form_is_constant_and_that_of_euler_grows() {
         // The second drive is a curve.
         let course = Course(Course::ten_minutes().0[1..].to_vec()).first(2);
         let rows = drives(&course, Effort::Quick);
         let errors = |method: &str| -> Vec<f64> {
             rows.iter().filter(|row| row.method == method).map(|row| row.error).collect()
         };
-        let ours = errors("closed-form");
-        assert_eq!(ours.len(), SLOTS.len());
-        assert!(ours.iter().all(|error| *error == ours[0] && *error < 1e-9), "{ours:?}");
+        let closed_form = errors("closed-form");
+        assert_eq!(closed_form.len(), SLOTS.len());
+        assert!(closed_form.iter().all(|error| *error == closed_form[0] && *error < 1e-9), "{closed_form:?}");
         let euler = errors("Euler");
         assert!(euler.is_sorted() && euler[0] > 1e-9 && euler[9] > 0.1 * euler[8], "{euler:?}");
     }
 
     #[test]
-    fn encoders_lose_what_they_do_not_count() {
+    fn error_grows_with_coarser_encoders() {
         let course = Course::ten_minutes().first(30);
         let end = course.end();
         let error = |ticks| odometry_row(&course, &end, "", 10_000, ticks, Effort::Quick).error;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use sim_core::RobotId;
 use sim_core::drive::{Command, Imperfection, Model, Motion};
 use sim_core::math;
-use sim_core::noise::{Events, Purpose, TwistNoise};
+use sim_core::noise::{EventStreams, Purpose, TwistNoise};
 use sim_core::pose::{Pose, Twist};
 use sim_core::scene::Walls;
 use sim_core::time::{TICK, Time};
@@ -21,18 +21,20 @@ use crate::wide::Wide;
 pub const STUDY: Study =
     Study { name: "erring", title: "Position after a minute of driving with wheel lag and noise", run };
 
-const SPAN: Time = Time::from_millis(60_000);
+/// Duration of the drive.
+const DURATION: Time = Time::from_millis(60_000);
 const SEED: u64 = 2718;
 const ME: RobotId = RobotId(1);
-/// Speed and turning speed of the commands, in turn.
+/// Cycle of the commands' speeds, m/s, and turning speeds, rad/s.
 const TWISTS: [(f64, f64); 5] = [(0.3, 0.0), (0.2, 0.9), (-0.1, -0.4), (0.25, -0.7), (0.0, 1.1)];
-/// First command and time between commands: no command is given at a tick.
-const FIRST: Time = Time(3_217);
-const BETWEEN: Time = Time(1_303_331);
-/// Slots and steps.
+/// Time of the first command; no command is at a tick.
+const FIRST_COMMAND: Time = Time(3_217);
+/// Time between commands.
+const COMMAND_INTERVAL: Time = Time(1_303_331);
+/// Lengths of slots and steps.
 const LENGTHS: [Time; 4] = [Time(100), Time(1_000), Time(10_000), Time(50_000)];
 
-/// The case of all errors together, the last one.
+/// Name of the last case, with all errors.
 const ALL_ERRORS: &str = "lag and noise";
 
 /// A robot with errors.
@@ -55,8 +57,8 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Constant twists from one instant to the next, of the body and of its odometry: speed and turning speed.
-struct Stretch {
+/// A time interval with constant speed and turning speed of the robot, and of its odometry.
+struct Interval {
     seconds: f64,
     truth: [Wide; 2],
     odometry: [Wide; 2],
@@ -65,24 +67,24 @@ struct Stretch {
 fn run(effort: Effort) -> Outcome {
     let mut rows = Vec::new();
     for case in cases() {
-        let ends = ends(&case.stretches());
+        let ends = ends(&case.intervals());
         let lengths = if case.name == ALL_ERRORS { &LENGTHS[..] } else { &LENGTHS[3..] };
         for length in lengths {
             let error = case.error(&ends, *length);
-            let time_ns = nanoseconds(effort.of(10), 1, || case.by_core(*length).0) / SPAN.seconds();
+            let time_ns = nanoseconds(effort.of(10), 1, || case.by_core(*length).0) / DURATION.seconds();
             rows.push(row(case.name, format!("slots of {}", duration(*length)), error, time_ns));
         }
     }
-    let all = cases().pop().expect("there are cases");
-    let stretches = all.stretches();
-    let [truth, _] = ends(&stretches);
+    let last_case = cases().pop().expect("there are cases");
+    let intervals = last_case.intervals();
+    let [truth, _] = ends(&intervals);
     for (name, is_euler) in [("Euler", true), ("Runge-Kutta", false)] {
         for step in &LENGTHS[..3] {
-            let found = integrate(&stretches, step.seconds(), is_euler);
+            let found = integrate(&intervals, step.seconds(), is_euler);
             let time_ns =
-                nanoseconds(effort.of(10), 1, || integrate(&stretches, step.seconds(), is_euler)) / SPAN.seconds();
+                nanoseconds(effort.of(10), 1, || integrate(&intervals, step.seconds(), is_euler)) / DURATION.seconds();
             let setting = format!("steps of {}", duration(*step));
-            rows.push(row(&format!("{name}, {}", all.name), setting, truth.distance(&found), time_ns));
+            rows.push(row(&format!("{name}, {}", last_case.name), setting, truth.distance(&found), time_ns));
         }
     }
     rows.into()
@@ -99,7 +101,10 @@ fn duration(length: Time) -> String {
 
 fn commands() -> impl Iterator<Item = (Time, Twist)> {
     let twists = TWISTS.iter().cycle().map(|(v, w)| Twist::new(*v, *w));
-    (0..).map(|index| Time(FIRST.0 + index * BETWEEN.0)).zip(twists).take_while(|(at, _)| *at < SPAN)
+    (0..)
+        .map(|index| Time(FIRST_COMMAND.0 + index * COMMAND_INTERVAL.0))
+        .zip(twists)
+        .take_while(|(at, _)| *at < DURATION)
 }
 
 impl Case {
@@ -109,8 +114,8 @@ impl Case {
 
     /// Error of the simulator's final pose or of its odometry, whichever is larger, m.
     fn error(&self, [truth, odometry]: &[End; 2], slot: Time) -> f64 {
-        let (pose, by_wheels) = self.by_core(slot);
-        truth.distance(&pose).max(odometry.distance(&by_wheels))
+        let (pose, found_odometry) = self.by_core(slot);
+        truth.distance(&pose).max(odometry.distance(&found_odometry))
     }
 
     /// True pose and odometry at the end, by the simulator.
@@ -121,82 +126,85 @@ impl Case {
             .expect("errors within their ranges");
         let mut world = World::new(walls, slot, [&mut motion]);
         let mut commands = commands().peekable();
-        while world.slot_start() < SPAN {
+        while world.slot_start() < DURATION {
             let end = world.slot_end();
             while let Some((at, twist)) = commands.next_if(|(at, _)| *at < end) {
                 motion.command(at, Command::Twist(twist), &[]).expect("a twist within the limits");
             }
             world.advance(&mut [&mut motion]);
         }
-        (motion.pose(SPAN), motion.odometry(SPAN))
+        (motion.pose(DURATION), motion.odometry(DURATION))
     }
 
-    /// The twists of the whole minute.
-    fn stretches(&self) -> Vec<Stretch> {
+    /// The twists of the whole drive.
+    fn intervals(&self) -> Vec<Interval> {
         let model = self.model();
         let (radius, track) = (Wide::from(0.5) * Wide::from(model.wheel_diameter), Wide::from(model.track));
-        let half = Wide::from(0.5);
-        let kept = if self.lag > 0.0 { exp(-(Wide::from(0.01) / Wide::from(self.lag))) } else { Wide::default() };
+        let one_half = Wide::from(0.5);
+        let lag_factor = if self.lag > 0.0 { exp(-(Wide::from(0.01) / Wide::from(self.lag))) } else { Wide::default() };
         let Imperfection { diameters, slip, slip_deviation, command, odometry, .. } = self.imperfection;
-        let events = |purpose, name| Events::new(SEED, ME, purpose, name);
-        let slips = events(Purpose::Command, "slip");
-        let (of_command, of_odometry) = (events(Purpose::Command, ""), events(Purpose::Odometry, ""));
+        let streams = |purpose, name| EventStreams::new(SEED, ME, purpose, name);
+        let slip_streams = streams(Purpose::Command, "slip");
+        let (command_streams, odometry_streams) = (streams(Purpose::Command, ""), streams(Purpose::Odometry, ""));
         let mut commands = commands().peekable();
-        let (mut set, mut rates) = ([Wide::default(); 2], [Wide::default(); 2]);
-        let mut stretches = Vec::new();
+        let (mut commanded_rates, mut rates) = ([Wide::default(); 2], [Wide::default(); 2]);
+        let mut intervals = Vec::new();
         let mut now = Time::ZERO;
-        while now < SPAN {
+        while now < DURATION {
             if self.lag > 0.0 && now.0 % TICK.0 == 0 {
-                rates = std::array::from_fn(|side| set[side] + kept * (rates[side] - set[side]));
+                rates = std::array::from_fn(|side| {
+                    commanded_rates[side] + lag_factor * (rates[side] - commanded_rates[side])
+                });
             }
             if let Some((_, twist)) = commands.next_if(|(at, _)| *at == now) {
-                let (v, turn) = (Wide::from(twist.vx), half * track * Wide::from(twist.omega));
-                set = [(v - turn) / radius, (v + turn) / radius];
+                let (v, turn) = (Wide::from(twist.vx), one_half * track * Wide::from(twist.omega));
+                commanded_rates = [(v - turn) / radius, (v + turn) / radius];
                 if self.lag == 0.0 {
-                    rates = set;
+                    rates = commanded_rates;
                 }
             }
             let next_tick = Time((now.0 / TICK.0 + 1) * TICK.0);
-            let next = commands.peek().map_or(next_tick, |(at, _)| next_tick.min(*at)).min(SPAN);
-            let twist = |[left, right]: [Wide; 2]| [half * radius * (left + right), radius * (right - left) / track];
+            let next = commands.peek().map_or(next_tick, |(at, _)| next_tick.min(*at)).min(DURATION);
+            let twist =
+                |[left, right]: [Wide; 2]| [one_half * radius * (left + right), radius * (right - left) / track];
             let tick = (now.0 / TICK.0) as u64;
-            let mut stream = slips.at(tick);
+            let mut stream = slip_streams.at(tick);
             let ground = std::array::from_fn(|side| {
-                let drawn = if slip_deviation > 0.0 { slip_deviation * stream.normal() } else { 0.0 };
+                let random_slip = if slip_deviation > 0.0 { slip_deviation * stream.normal() } else { 0.0 };
                 let one = Wide::from(1.0);
-                rates[side] * (one + Wide::from(diameters[side])) * (one - (Wide::from(slip) + Wide::from(drawn)))
+                rates[side] * (one + Wide::from(diameters[side])) * (one - (Wide::from(slip) + Wide::from(random_slip)))
             });
-            let believed = twist(rates);
-            let moves = believed.iter().any(|part| part.rounded() != 0.0);
-            let with = |base: [Wide; 2], noise: &TwistNoise, events: &Events| {
-                let mut stream = events.at(tick);
-                // The number for the sideways speed is drawn and not used.
-                let [ahead, _, round] = [(); 3].map(|()| stream.normal());
-                let [v, w] = believed.map(Wide::rounded);
-                let noises = [
-                    math::hypot(noise.speed, noise.speed_share * v) * ahead,
-                    math::hypot(noise.turn, noise.turn_share * w) * round,
+            let nominal = twist(rates);
+            let is_moving = nominal.iter().any(|part| part.rounded() != 0.0);
+            let with_noise = |base: [Wide; 2], noise: &TwistNoise, streams: &EventStreams| {
+                let mut stream = streams.at(tick);
+                // The random number for the sideways speed is drawn but not used.
+                let [speed_draw, _, turn_draw] = [(); 3].map(|()| stream.normal());
+                let [v, w] = nominal.map(Wide::rounded);
+                let errors = [
+                    math::hypot(noise.speed, noise.speed_share * v) * speed_draw,
+                    math::hypot(noise.turn, noise.turn_share * w) * turn_draw,
                 ];
-                if moves { [0, 1].map(|part| base[part] + Wide::from(noises[part])) } else { base }
+                if is_moving { [0, 1].map(|part| base[part] + Wide::from(errors[part])) } else { base }
             };
-            stretches.push(Stretch {
+            intervals.push(Interval {
                 seconds: (next - now).seconds(),
-                truth: with(twist(ground), &command, &of_command),
-                odometry: with(believed, &odometry, &of_odometry),
+                truth: with_noise(twist(ground), &command, &command_streams),
+                odometry: with_noise(nominal, &odometry, &odometry_streams),
             });
             now = next;
         }
-        stretches
+        intervals
     }
 }
 
-/// End poses of the body and of its odometry: the arc of each stretch with 30 digits.
-fn ends(stretches: &[Stretch]) -> [End; 2] {
+/// End poses of the robot and of its odometry, from the arcs of all intervals with 30 digits.
+fn ends(intervals: &[Interval]) -> [End; 2] {
     let mut ends = [End::default(); 2];
-    for stretch in stretches {
-        // Whole microseconds, exactly.
-        let seconds = Wide::from((stretch.seconds * 1e6).round()) / Wide::from(1e6);
-        for (end, [v, w]) in ends.iter_mut().zip([stretch.truth, stretch.odometry]) {
+    for interval in intervals {
+        // Durations are whole microseconds, which this conversion makes exact.
+        let seconds = Wide::from((interval.seconds * 1e6).round()) / Wide::from(1e6);
+        for (end, [v, w]) in ends.iter_mut().zip([interval.truth, interval.odometry]) {
             let (sin, cos) = end.heading.sin_cos();
             let angle = w * seconds;
             end.heading = end.heading + angle;
@@ -213,13 +221,13 @@ fn ends(stretches: &[Stretch]) -> [End; 2] {
     ends
 }
 
-/// End pose of the body by the methods of Euler or of Runge and Kutta in steps of at most `step` s.
-fn integrate(stretches: &[Stretch], step: f64, is_euler: bool) -> Pose {
+/// End pose of the robot by the method of Euler or of Runge and Kutta, in steps of at most `step` s.
+fn integrate(intervals: &[Interval], step: f64, is_euler: bool) -> Pose {
     let (mut x, mut y, mut heading) = (0.0, 0.0, 0.0_f64);
-    for stretch in stretches {
-        let [v, w] = stretch.truth.map(Wide::rounded);
-        let steps = (stretch.seconds / step - 1e-9).ceil().max(1.0);
-        let step = stretch.seconds / steps;
+    for interval in intervals {
+        let [v, w] = interval.truth.map(Wide::rounded);
+        let steps = (interval.seconds / step - 1e-9).ceil().max(1.0);
+        let step = interval.seconds / steps;
         for _ in 0..steps as u64 {
             let (sin, cos) = math::sin_cos(heading);
             let next = heading + w * step;
@@ -238,7 +246,7 @@ fn integrate(stretches: &[Stretch], step: f64, is_euler: bool) -> Pose {
     Pose::new(x, y, heading)
 }
 
-/// Exponential function of a number between -1 and 0, by its series.
+/// Exponential function of a number between -1 and 0, by its power series.
 fn exp(x: Wide) -> Wide {
     let one = Wide::from(1.0);
     (1..=30).rev().fold(one, |sum, power| one + x * sum / Wide::from(f64::from(power)))
@@ -249,21 +257,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_exponential_is_that_of_the_textbook() {
+    fn exp_matches_published_values() {
         assert!((exp(Wide::from(-1.0)).rounded() - 0.367_879_441_171_442_33).abs() < 1e-16);
         assert_eq!(exp(Wide::default()).rounded(), 1.0);
     }
 
     #[test]
-    fn erring_drives_end_where_the_reference_does_in_slots_of_any_length() {
+    fn core_matches_the_reference_for_any_slot_length() {
         for case in cases() {
-            let ends = ends(&case.stretches());
-            let (pose, by_wheels) = case.by_core(LENGTHS[3]);
-            // Rounding of 6,000 ticks.
+            let ends = ends(&case.intervals());
+            let (pose, found_odometry) = case.by_core(LENGTHS[3]);
+            // The tolerance is the rounding of 6,000 ticks.
             let error = case.error(&ends, LENGTHS[3]);
             assert!(error < 1e-12, "{}: {error}", case.name);
-            assert!(ends[0].distance(&by_wheels) > 0.1 || case.name == "lag", "{}: errors have no effect", case.name);
-            assert_eq!(case.by_core(LENGTHS[1]), (pose, by_wheels), "{}", case.name);
+            assert!(
+                ends[0].distance(&found_odometry) > 0.1 || case.name == "lag",
+                "{}: errors have no effect",
+                case.name
+            );
+            assert_eq!(case.by_core(LENGTHS[1]), (pose, found_odometry), "{}", case.name);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The three sensors of France et al. (1999) on one sweep of a walking robot's leg over a floor and a step.
+//! Readings of the three sensors of France et al. (1999) on the leg of a robot that walks on a floor towards a step.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -16,14 +16,14 @@ use sim_core::{
     world::{Ray, Space, World},
 };
 
-/// Readings of the three sensors at one instant of the walk, all mounted at the same point of the leg.
+/// Readings at one instant of the walk; the three sensors are at the same point of the leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Time since the start of the walk, s.
     pub seconds: f64,
-    /// Distance along the ray to the surface it hits, m.
+    /// Distance along the ray to the surface that it hits, m.
     pub exact: f64,
-    /// Incidence angle: between the ray and the surface normal, rad.
+    /// Incidence angle, rad.
     pub incidence: f64,
     /// True if the ray hits the step, false for the floor.
     pub is_on_step: bool,
@@ -39,65 +39,65 @@ pub struct Sample {
 pub const WALK: f64 = 12.0;
 /// Speed of the robot, m/s.
 const SPEED: f64 = 0.1;
-/// Duration of a step of the gait, s.
-const GAIT: f64 = 1.5;
-/// Distance from the start of the walk to the step, m.
-const STEP_AT: f64 = 2.0;
+/// Period of the gait, s.
+const GAIT_PERIOD: f64 = 1.5;
+/// x of the step, m; the walk starts at 0.
+const STEP_X: f64 = 2.0;
 /// Height of the step, m.
 const STEP_HEIGHT: f64 = 0.25;
 
 /// Samples of the walk, `period` seconds apart.
 ///
-/// The shin hangs from the knee, 0.45 m above the floor, and swings about it; the sensor sits 0.15 m down the shin and looks ahead. The
-/// shin swings so that the ray hits the floor at incidence angles from 33 to 78 degrees, as in the paper, while the robot approaches a
-/// step. The readings have no noise.
+/// The shin hangs from the knee, 0.45 m above the floor, and swings about it; the sensors are 0.15 m below the knee and point ahead. The
+/// swing gives incidence angles on the floor from 33 to 78 degrees, as in the paper, while the robot approaches a step. The readings have
+/// no noise.
 ///
-/// Source: France et al. 1999, section 6.3 (three sensors, the range of incidence angles); dimensions of robot, gait and step: our
+/// Source: France et al. 1999, section 6.3 (the sensors and the range of incidence angles). The dimensions of robot, gait and step are our
 /// choice.
 ///
 /// # Panics
 /// Never: each ray hits the floor or the step.
 pub fn walk(period: f64) -> Vec<Sample> {
-    let world = stairs();
-    let at_knee = Pose3 { position: DVec3::new(0.0, 0.0, 0.45), ..Pose3::IDENTITY };
-    let shin = [Link { parent: None, origin: at_knee, axis: DVec3::Y, joint: Some(0) }];
+    let world = world_with_step();
+    let robot_from_knee = Pose3 { position: DVec3::new(0.0, 0.0, 0.45), ..Pose3::IDENTITY };
+    let shin = [Link { parent: None, origin: robot_from_knee, axis: DVec3::Y, joint: Some(0) }];
     let mount = Pose3 { position: DVec3::new(0.0, 0.0, -0.15), ..Pose3::IDENTITY };
     let count = (WALK / period) as usize;
-    let at_time = |seconds: f64| {
+    let sample_at = |seconds: f64| {
         // A positive pitch about y lowers the shin's x axis.
-        let dip = (34.5 + 22.5 * math::sin(TAU * seconds / GAIT)) / 180.0 * PI;
+        let pitch = (34.5 + 22.5 * math::sin(TAU * seconds / GAIT_PERIOD)) / 180.0 * PI;
         let world_from_robot = Pose::new(SPEED * seconds, 0.0, 0.0);
-        let posture = Posture { world_from_robot, links: &shin, angles: &[dip], lift: 0.0 };
+        let posture = Posture { world_from_robot, links: &shin, angles: &[pitch], lift: 0.0 };
         let read = |model| {
             let sensor = RangeSensor { mount, link: Some(0), model };
             let reading = sensor.read(&world, ROBOT, &posture, Time::ZERO, 0.0);
             reading.distance.expect("these sensors always read a distance")
         };
         let ray = posture.world_from(&mount, Some(0));
-        let met = world
+        let hit = world
             .cast(ROBOT, &Ray::new(ray.position, ray.forward(), 9.0), Time::ZERO)
             .expect("the ray falls onto something");
         Sample {
             seconds,
-            exact: met.distance,
-            incidence: incidence(ray.forward(), met.face.expect("a ray in space meets faces").normal),
-            is_on_step: met.thing != Thing::Floor,
+            exact: hit.distance,
+            incidence: incidence(ray.forward(), hit.face.expect("a ray in space meets faces").normal),
+            is_on_step: hit.thing != Thing::Floor,
             laser: read(RangeModel::Laser(Echo::LASER)),
             ultrasonic: read(RangeModel::Ultrasonic(Echo::ULTRASONIC)),
             reflectance: read(RangeModel::Reflectance(Echo::REFLECTANCE)),
         }
     };
-    (0..count).map(|index| at_time(index as f64 * period)).collect()
+    (0..count).map(|index| sample_at(index as f64 * period)).collect()
 }
 
 const ROBOT: RobotId = RobotId(1);
 
-/// World of a floor with a step across the robot's path.
-fn stairs() -> World {
+/// World with a floor and a step across the robot's path.
+fn world_with_step() -> World {
     let half = DVec2::new(0.5, 2.0);
     let solid = Solid::Prism {
         footprint: Shape::Rectangle { half },
-        body_from_footprint: Pose::new(STEP_AT + half.x, 0.0, 0.0),
+        body_from_footprint: Pose::new(STEP_X + half.x, 0.0, 0.0),
         bottom: 0.0,
         top: STEP_HEIGHT,
     };

@@ -1,8 +1,8 @@
 //! `legs`: closure of the chains of legs, and slip of standing feet, over walks of the biped and of ALDURO.
 //!
-//! Trigonometry of our own computes each foot from the joint angles. Standing feet are compared with their footholds, with their
-//! place at touch-down and with the floor, swinging feet with the path of the gait. Joint angles that are interpolated between samples
-//! are the other method.
+//! The study computes each foot from the joint angles with its own trigonometry. Standing feet are compared with their footholds, with
+//! their position at touch-down and with the floor, swinging feet with the path of the gait. The method for comparison interpolates joint
+//! angles between samples.
 
 use std::sync::Arc;
 
@@ -22,24 +22,25 @@ use crate::figure::{Figure, Mark, Scale, Series};
 pub const STUDY: Study =
     Study { name: "legs", title: "Closure of leg chains and slip of standing feet over walks of 20 s", run };
 
-/// Duration of a walk, s, and the interval of its postures.
+/// Duration of a walk, s.
 const SECONDS: f64 = 20.0;
-const POSTURE: Time = Time::from_millis(1);
+/// Interval between the postures of a walk.
+const POSTURE_INTERVAL: Time = Time::from_millis(1);
 /// Intervals of the samples between which joint angles are interpolated.
 const SAMPLES: [Time; 5] =
     [Time::from_millis(2), Time::from_millis(5), Time::from_millis(10), Time::from_millis(20), Time::from_millis(50)];
-/// Time between two commands of the walk with changes: it is no multiple of a gait's instants.
-const CHANGE: Time = Time(1_234_567);
+/// Time between two commands of the walk with changes; not a simple fraction of a gait's period.
+const COMMAND_INTERVAL: Time = Time(1_234_567);
 
 /// A robot with legs and its limits.
 struct Walker {
     name: &'static str,
     legs: Arc<Legs>,
-    /// Greatest speed, m/s, and turning speed, rad/s.
+    /// Maximum speed, m/s, and turning speed, rad/s.
     limits: [f64; 2],
 }
 
-/// A walk: twists as shares of the limits, in turn.
+/// A walk: a cycle of twists (vx, vy, omega) as fractions of the limits.
 type Course = &'static [[f64; 3]];
 
 const AHEAD: Course = &[[0.9, 0.0, 0.0]];
@@ -58,9 +59,9 @@ const COURSES: [(&str, Course); 6] = [
 /// Maximum errors of a walk, m.
 #[derive(Clone, Copy, Debug, Default)]
 struct Errors {
-    /// Distance of a standing foot's contact point, by its joint angles, from its foothold.
+    /// Distance of a standing foot's contact point, computed from the joint angles, from its foothold.
     closure: f64,
-    /// Distance of a standing foot from where it touched down.
+    /// Distance of a standing foot from its position at touch-down.
     slip: f64,
     /// Height of a standing foot's contact point above or below the floor, or depth of a heel, toe or tip in the floor.
     floor: f64,
@@ -74,10 +75,10 @@ type Measure = (&'static str, fn(&Errors) -> f64);
 impl Errors {
     /// Measures of the tables.
     const MEASURES: [Measure; 4] = [
-        ("standing feet, from the foothold", |all| all.closure),
-        ("standing feet, slip", |all| all.slip),
-        ("feet and floor", |all| all.floor),
-        ("swinging feet, from the gait's path", |all| all.swing),
+        ("standing feet, from the foothold", |errors| errors.closure),
+        ("standing feet, slip", |errors| errors.slip),
+        ("feet and floor", |errors| errors.floor),
+        ("swinging feet, from the gait's path", |errors| errors.swing),
     ];
 }
 
@@ -85,11 +86,11 @@ fn run(effort: Effort) -> Outcome {
     let mut rows = Vec::new();
     let mut figures = Vec::new();
     for walker in [biped(), alduro()] {
-        let all: Vec<Errors> = COURSES.iter().map(|(_, course)| walker.errors(course, None)).collect();
+        let errors_of_walks: Vec<Errors> = COURSES.iter().map(|(_, course)| walker.errors(course, None)).collect();
         let times: Vec<f64> = COURSES.iter().map(|(_, course)| walker.time(course, None, effort)).collect();
-        for (measure, of) in Errors::MEASURES {
-            for (((course, _), errors), time_ns) in COURSES.iter().zip(&all).zip(&times) {
-                rows.push(row(format!("{}: {measure}", walker.name), (*course).to_owned(), of(errors), *time_ns));
+        for (measure, value) in Errors::MEASURES {
+            for (((course, _), errors), time_ns) in COURSES.iter().zip(&errors_of_walks).zip(&times) {
+                rows.push(row(format!("{}: {measure}", walker.name), (*course).to_owned(), value(errors), *time_ns));
             }
         }
         for sample in SAMPLES {
@@ -98,7 +99,7 @@ fn run(effort: Effort) -> Outcome {
             let time_ns = walker.time(CURVE, Some(sample), effort);
             rows.push(row(format!("{}: interpolated angles, slip", walker.name), setting, slip, time_ns));
         }
-        figures.push(heights(&walker));
+        figures.push(height_figure(&walker));
     }
     Outcome { rows, figures }
 }
@@ -107,15 +108,15 @@ fn row(method: String, setting: String, error: f64, time_ns: f64) -> Row {
     Row { study: STUDY.name, method, setting, error, unit: "m", time_ns, per: "posture" }
 }
 
-/// Gives the command, if any, of the last interval between postures before `at`.
+/// Gives the command that is due between `at` and the previous posture, if any.
 fn command(course: Course, motion: &mut Motion, at: Time) {
-    let (index, count) = (at.0.div_euclid(CHANGE.0), course.len() as i64);
-    let is_due = at.0 - index * CHANGE.0 < POSTURE.0 && (index == 0 || count > 1);
+    let (index, count) = (at.0.div_euclid(COMMAND_INTERVAL.0), course.len() as i64);
+    let is_due = at.0 - index * COMMAND_INTERVAL.0 < POSTURE_INTERVAL.0 && (index == 0 || count > 1);
     if is_due {
         let (speed, turn) = (motion.model().max_speed, motion.model().max_turn);
-        let [ahead, aside, round] = course[(index % count) as usize];
-        let twist = Twist { vx: ahead * speed, vy: aside * speed, omega: round * turn };
-        motion.command(Time(index * CHANGE.0), Command::Twist(twist), &[]).expect("legs obey any twist");
+        let [vx, vy, omega] = course[(index % count) as usize];
+        let twist = Twist { vx: vx * speed, vy: vy * speed, omega: omega * turn };
+        motion.command(Time(index * COMMAND_INTERVAL.0), Command::Twist(twist), &[]).expect("legs obey any twist");
     }
 }
 
@@ -134,53 +135,53 @@ impl Walker {
             .with_legs(Arc::clone(&self.legs), Arc::new(Ground::Flat))
     }
 
-    /// Greatest errors of a walk, with the exact postures, or with joint angles interpolated between samples.
+    /// Maximum errors of a walk with the exact postures, or with joint angles interpolated between samples.
     fn errors(&self, course: Course, sample: Option<Time>) -> Errors {
         let mut motion = self.motion();
         let mut postures = Postures::new(sample);
         let mut errors = Errors::default();
-        // Where the ankle was over the sole at touch-down, on the floor.
-        let mut touched: Vec<Option<DVec3>> = vec![None; self.legs.legs.len()];
-        for index in 0..(SECONDS / POSTURE.seconds()) as i64 {
-            let at = Time(index * POSTURE.0);
+        // Point of the sole under the ankle at touch-down.
+        let mut touch_downs: Vec<Option<DVec3>> = vec![None; self.legs.legs.len()];
+        for index in 0..(SECONDS / POSTURE_INTERVAL.seconds()) as i64 {
+            let at = Time(index * POSTURE_INTERVAL.0);
             command(course, &mut motion, at);
             let pose = motion.pose(at);
             let exact = motion.stance(at);
             let (joints, lift) = postures.at(&mut motion, at, &exact);
             let mut first = 0;
-            for ((leg, foot), touched) in self.legs.legs.iter().zip(&exact.feet).zip(&mut touched) {
+            for ((leg, foot), touch_down) in self.legs.legs.iter().zip(&exact.feet).zip(&mut touch_downs) {
                 let angles = &joints[first..first + leg.joint_count()];
                 first += leg.joint_count();
-                let point_of = |ahead| in_world(&pose, lift, sole_point(leg, angles, ahead));
-                let point = point_of(foot.sole.from_ankle);
-                let off = (point - foot.point).length();
+                let sole_in_world = |from_ankle| in_world(&pose, lift, sole_point(leg, angles, from_ankle));
+                let point = sole_in_world(foot.sole.from_ankle);
+                let distance = (point - foot.point).length();
                 let ends = leg.foot.map_or([0.0, 0.0], |foot| [-foot.heel, foot.toe]);
-                errors.floor = ends.iter().fold(errors.floor, |depth, end| depth.max(-point_of(*end).z));
+                errors.floor = ends.iter().fold(errors.floor, |depth, end| depth.max(-sole_in_world(*end).z));
                 if !foot.is_down {
-                    errors.swing = errors.swing.max(off);
-                    *touched = None;
+                    errors.swing = errors.swing.max(distance);
+                    *touch_down = None;
                     continue;
                 }
-                errors.closure = errors.closure.max(off);
+                errors.closure = errors.closure.max(distance);
                 errors.floor = errors.floor.max(point.z.abs());
-                // The sole turns about its heel or toe in a vertical plane, of the direction of the yaw.
+                // The sole turns about its heel or toe in the vertical plane through the yaw's direction.
                 let direction = DVec2::from_angle(pose.heading.radians() + angles[0]).extend(0.0);
-                let place = point - foot.sole.from_ankle * direction;
-                errors.slip = errors.slip.max((place - *touched.get_or_insert(place)).length());
+                let under_ankle = point - foot.sole.from_ankle * direction;
+                errors.slip = errors.slip.max((under_ankle - *touch_down.get_or_insert(under_ankle)).length());
             }
         }
         errors
     }
 
-    /// Time of one posture in a walk, with the points of its feet, ns.
+    /// Computing time of one posture in a walk, ns.
     fn time(&self, course: Course, sample: Option<Time>, effort: Effort) -> f64 {
-        let count = (SECONDS / POSTURE.seconds()) as i64;
+        let count = (SECONDS / POSTURE_INTERVAL.seconds()) as i64;
         let walk = || {
             let mut motion = self.motion();
             let mut postures = Postures::new(sample);
             let mut sum = 0.0;
             for index in 0..count {
-                let at = Time(index * POSTURE.0);
+                let at = Time(index * POSTURE_INTERVAL.0);
                 command(course, &mut motion, at);
                 let joints = match sample {
                     None => motion.stance(at).joints,
@@ -194,42 +195,44 @@ impl Walker {
     }
 }
 
-/// Joint angles and lift: exact, or interpolated between samples.
+/// Joint angles and lift, exact or interpolated between samples.
 struct Postures {
-    every: Option<Time>,
+    /// Interval between samples; `None` for exact postures.
+    sample_interval: Option<Time>,
+    /// Index of the interval, and the stances at its ends.
     samples: Option<(i64, Stance, Stance)>,
 }
 
 impl Postures {
-    fn new(every: Option<Time>) -> Self {
-        Self { every, samples: None }
+    fn new(sample_interval: Option<Time>) -> Self {
+        Self { sample_interval, samples: None }
     }
 
     fn at(&mut self, motion: &mut Motion, at: Time, exact: &Stance) -> (Vec<f64>, f64) {
-        let Some(every) = self.every else { return (exact.joints.clone(), exact.lift) };
-        let index = at.0.div_euclid(every.0);
-        if self.samples.as_ref().is_none_or(|(held, ..)| *held != index) {
-            let mut stance = |index: i64| motion.stance(Time(index * every.0));
+        let Some(interval) = self.sample_interval else { return (exact.joints.clone(), exact.lift) };
+        let index = at.0.div_euclid(interval.0);
+        if self.samples.as_ref().is_none_or(|(stored, ..)| *stored != index) {
+            let mut stance = |index: i64| motion.stance(Time(index * interval.0));
             let before = stance(index);
             self.samples = Some((index, before, stance(index + 1)));
         }
         let (_, before, after) = self.samples.as_ref().expect("samples have been taken");
-        let share = (at.0 - index * every.0) as f64 / every.0 as f64;
-        let between = |from: f64, to: f64| from + share * (to - from);
-        let joints = before.joints.iter().zip(&after.joints).map(|(from, to)| between(*from, *to)).collect();
-        (joints, between(before.lift, after.lift))
+        let fraction = (at.0 - index * interval.0) as f64 / interval.0 as f64;
+        let interpolated = |from: f64, to: f64| from + fraction * (to - from);
+        let joints = before.joints.iter().zip(&after.joints).map(|(from, to)| interpolated(*from, *to)).collect();
+        (joints, interpolated(before.lift, after.lift))
     }
 }
 
-/// Point of the sole `ahead` of the ankle, or the tip of a leg without a foot, in the robot's frame.
-fn sole_point(leg: &Leg, angles: &[f64], ahead: f64) -> DVec3 {
+/// Point of the sole `from_ankle` m in front of the ankle, or the tip of a leg without a foot, in the robot's frame.
+fn sole_point(leg: &Leg, angles: &[f64], from_ankle: f64) -> DVec3 {
     let (pitch, knee) = (angles[2], angles[3]);
-    // In the plane of the leg: x ahead, y up.
+    // In the plane of the leg: x forwards, y up.
     let hanging = |angle: f64| DVec2::new(math::sin(angle), -math::cos(angle));
     let mut point = hanging(pitch) * leg.thigh + hanging(pitch - knee) * leg.shank;
     if let Some(foot) = leg.foot {
         let tilt = pitch - knee + angles[4];
-        point += DVec2::new(math::cos(tilt), math::sin(tilt)) * ahead + hanging(tilt) * foot.height;
+        point += DVec2::new(math::cos(tilt), math::sin(tilt)) * from_ankle + hanging(tilt) * foot.height;
     }
     let (sin_roll, cos_roll) = math::sin_cos(angles[1]);
     let (sin_yaw, cos_yaw) = math::sin_cos(angles[0]);
@@ -241,8 +244,8 @@ fn in_world(pose: &Pose, lift: f64, point: DVec3) -> DVec3 {
     pose.transform_point(point.truncate()).extend(point.z + lift)
 }
 
-/// Heights of the feet's points by joint angles over two periods of a steady walk.
-fn heights(walker: &Walker) -> Figure {
+/// Chart of the heights of the feet's contact points, from the joint angles, over two periods of a steady walk.
+fn height_figure(walker: &Walker) -> Figure {
     let mut motion = walker.motion();
     command(AHEAD, &mut motion, Time::ZERO);
     let period = walker.legs.gaits[0].period;
@@ -327,23 +330,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn standing_feet_keep_their_place_on_the_floor() {
+    fn standing_feet_do_not_slip() {
         for walker in [biped(), alduro()] {
             for (name, course) in COURSES {
                 let errors = walker.errors(course, None);
                 // Rounding, at coordinates of up to 30 m.
-                for (measure, of) in &Errors::MEASURES[..3] {
-                    let found = of(&errors);
+                for (measure, value) in &Errors::MEASURES[..3] {
+                    let found = value(&errors);
                     assert!(found < 1e-13, "{} {name}: {measure}: {found}", walker.name);
                 }
-                // The length of a foot: a swinging foot may stay behind its path, but not miss it.
+                // The length of a foot: a swinging foot may lag behind the path of the gait.
                 assert!(errors.swing < 0.2, "{} {name}: {}", walker.name, errors.swing);
             }
         }
     }
 
     #[test]
-    fn interpolated_angles_slip_less_the_closer_their_samples() {
+    fn slip_of_interpolated_angles_falls_with_the_sample_interval() {
         for walker in [biped(), alduro()] {
             let slips = SAMPLES.map(|sample| walker.errors(CURVE, Some(sample)).slip);
             assert!(slips.is_sorted() && slips[0] > 1e-8, "{}: {slips:?}", walker.name);

@@ -1,8 +1,8 @@
-//! `maps`: cells that maps from sonars have right, against the computing time of the map.
+//! `maps`: fraction of wrong or unknown cells in maps from sonars, against the computing time of the map.
 //!
 //! A ring of twelve sonars, with the noise of the preset `real`, stops at random places of rooms with boxes, and makes two scans at each
-//! stop, half a sector apart. All methods of `mapping` build their maps from the same readings at exact poses. The error is the share of
-//! free cells and surfaces that the map does not have right, as a mean over the rooms.
+//! stop, half a sector apart. All methods of `mapping` build their maps from the same readings at exact poses. The error is the fraction
+//! of free cells and surfaces that are wrong or unknown in the map, as a mean over the rooms.
 
 use std::f64::consts::{FRAC_PI_6, TAU};
 use std::sync::Arc;
@@ -35,13 +35,14 @@ pub const STUDY: Study = Study { name: "maps", title: "Maps from sonars: cells t
 const STOPS: [usize; 5] = [1, 3, 10, 30, 100];
 /// Side of a cell, m.
 const CELL: f64 = 0.05;
-/// Sides of cells, m, with [`STOPS_OF_CELLS`] stops.
+/// Sides of cells, m, that are compared.
 const CELLS: [f64; 4] = [0.2, 0.1, 0.05, 0.025];
-const STOPS_OF_CELLS: usize = 30;
+/// Number of stops in the comparison of cell sizes.
+const CELL_SIZE_STOPS: usize = 30;
 /// Readings at a stop: two scans of [`SONARS`].
 const READINGS: usize = 2 * SONARS;
 const SONARS: usize = 12;
-/// The sonars of `robis/sectors.toml`, all around.
+/// The sonars of `robis/sectors.toml`, on the whole rim.
 const FAN: Fan = Fan { sector: FRAC_PI_6, radius: 0.12, nearest: 0.03, farthest: 4.0 };
 const BEAM: Beam = Beam { half_angle: 0.5 * FAN.sector, nearest: FAN.nearest, farthest: FAN.farthest };
 /// Noise of the sonars in the preset `real`; a test compares it with the preset.
@@ -63,10 +64,10 @@ const SIDE: f64 = 5.0;
 const BOXES: usize = 5;
 const SEED: u64 = 264_100;
 const ROOMS: usize = 20;
-/// Height of the sonars, m: no echo from the floor.
+/// Height of the sonars, m, large enough that the floor returns no echo.
 const HEIGHT: f64 = 40.0;
 
-/// A way to build maps: its name, and the probabilities of all cells from the readings of all stops.
+/// A method to build maps: its name, and a function that returns the probabilities of all cells from the readings of all stops.
 type Method = (&'static str, fn(&Frame, &[Vec<Reading>]) -> Grid<f64>);
 
 const METHODS: [Method; 5] = [
@@ -83,25 +84,26 @@ const METHODS: [Method; 5] = [
         map.probabilities().clone()
     }),
     ("Wu et al., log-odds for Eq. 4", |frame, stops| {
-        // Certain cells weigh as much as the most certain echo that is not the body itself.
-        const SUREST: f64 = 0.99;
+        // Limits the probability of the robot's cells, which is 0, to that of the most certain echo.
+        const MAX_PROBABILITY: f64 = 0.99;
         let mut map = LogOddsGrid::new(*frame);
         for readings in stops {
             for (cell, probability) in local_map(frame, &FAN, Raster::PointByPoint, readings).iter() {
-                map.add(cell, log_odds(probability.clamp(1.0 - SUREST, SUREST)));
+                map.add(cell, log_odds(probability.clamp(1.0 - MAX_PROBABILITY, MAX_PROBABILITY)));
             }
         }
         map.probabilities()
     }),
 ];
 
+/// Probabilities of a plain sonar grid.
 fn plain(frame: &Frame, stops: &[Vec<Reading>], silence: Silence) -> Grid<f64> {
     let mut map = SonarGrid::new(*frame, BEAM, silence);
     echoes(stops).for_each(|echo| map.add(echo));
     map.probabilities()
 }
 
-/// The readings as the sonars on the rim hear them.
+/// The readings as echoes of the sonars on the rim.
 fn echoes(stops: &[Vec<Reading>]) -> impl Iterator<Item = Echo> {
     stops.iter().flatten().map(|reading| {
         let position = reading.axis.outward(Point::new(FAN.radius, 0.0));
@@ -113,18 +115,18 @@ fn run(effort: Effort) -> Outcome {
     let rooms: Vec<Room> = (0..effort.of(ROOMS) as u64).map(|number| Room::new(SEED + number)).collect();
     let (mut rows, mut series) = (Vec::new(), Vec::new());
     for (name, build) in METHODS {
-        let of_stops: Vec<Row> =
+        let stop_rows: Vec<Row> =
             STOPS.iter().map(|stops| row(name, build, &rooms, *stops, CELL, format!("{stops} stops"))).collect();
         let readings = STOPS.iter().map(|stops| (stops * READINGS) as f64);
-        let points = readings.zip(&of_stops).map(|(readings, row)| (readings, row.error)).collect();
+        let points = readings.zip(&stop_rows).map(|(readings, row)| (readings, row.error)).collect();
         series.push(Series { name: name.to_owned(), mark: Mark::LineAndDots, points });
-        rows.extend(of_stops);
+        rows.extend(stop_rows);
     }
     for (name, build) in METHODS {
-        let method = format!("{name}, {STOPS_OF_CELLS} stops");
+        let method = format!("{name}, {CELL_SIZE_STOPS} stops");
         rows.extend(CELLS.map(|cell| {
             let setting = format!("cells of {} mm", 1e3 * cell);
-            row(&method, build, &rooms, STOPS_OF_CELLS, cell, setting)
+            row(&method, build, &rooms, CELL_SIZE_STOPS, cell, setting)
         }));
     }
     let figure = Figure {
@@ -154,32 +156,32 @@ fn row(
         maps = rooms.iter().map(|room| build(&frame, &room.stops[..stops])).collect();
     });
     let error =
-        maps.iter().zip(&truths).map(|(map, truth)| share_not_right(map, truth)).sum::<f64>() / rooms.len() as f64;
+        maps.iter().zip(&truths).map(|(map, truth)| wrong_fraction(map, truth)).sum::<f64>() / rooms.len() as f64;
     Row { study: STUDY.name, method: method.to_owned(), setting, error, unit: "of the cells", time_ns, per: "map" }
 }
 
-/// Share of the free cells and surfaces that are unknown or wrong in a map.
-fn share_not_right(map: &Grid<f64>, truth: &Grid<Truth>) -> f64 {
-    let (mut all, mut right) = (0, 0);
+/// Fraction of the free cells and surfaces that are unknown or wrong in a map.
+fn wrong_fraction(map: &Grid<f64>, truth: &Grid<Truth>) -> f64 {
+    let (mut count, mut right) = (0, 0);
     for (probability, truth) in map.values().iter().zip(truth.values()) {
         let expected = match truth {
             Truth::Free => Occupancy::Free,
             Truth::Surface => Occupancy::Occupied,
             Truth::Hidden => continue,
         };
-        all += 1;
+        count += 1;
         right += usize::from(Occupancy::of(*probability) == expected);
     }
-    1.0 - f64::from(right as u32) / f64::from(all as u32)
+    1.0 - f64::from(right as u32) / f64::from(count as u32)
 }
 
-/// Cells of a room and of a margin of 20 cm. The outer walls go through the middles of cells of 5 cm.
+/// Frame of a room with a margin of 20 cm. The outer walls go through the middles of cells of 5 cm.
 fn frame(cell: f64) -> Frame {
     let margin = 0.2 + 0.5 * CELL;
     Frame::covering(Point::new(-margin, -margin), Point::new(SIDE + margin, SIDE + margin), cell)
 }
 
-/// Ground truth: cells that are connected in the largest region without a wall are free, cells of walls beside them surfaces.
+/// Ground truth: the largest connected region of cells without a wall is free, and wall cells next to it are surfaces.
 fn truth(walls: &[Segment], frame: &Frame) -> Grid<Truth> {
     let mut is_wall = Grid::new(*frame, false);
     for wall in walls {
@@ -187,26 +189,26 @@ fn truth(walls: &[Segment], frame: &Frame) -> Grid<Truth> {
             is_wall[cell] = true;
         }
     }
-    // Beyond the outer walls is no room.
+    // Cells outside the outer walls are excluded.
     let inside = |cell: Cell| {
         let centre = frame.centre(cell);
         (0.0..SIDE).contains(&centre.x) && (0.0..SIDE).contains(&centre.y)
     };
     let mut region = Grid::new(*frame, false);
-    let mut seen = Grid::new(*frame, false);
-    let mut most = 0;
+    let mut visited = Grid::new(*frame, false);
+    let mut max_count = 0;
     for start in frame.cells().filter(|cell| inside(*cell)) {
-        if is_wall[start] || seen[start] {
+        if is_wall[start] || visited[start] {
             continue;
         }
         let costs = astar::costs(frame, |cell| (inside(cell) && !is_wall[cell]).then_some(1.0), start);
-        let found = costs.map(|cost| cost.is_finite());
-        for (seen, found) in seen.values_mut().iter_mut().zip(found.values()) {
-            *seen |= found;
+        let connected = costs.map(|cost| cost.is_finite());
+        for (visited, connected) in visited.values_mut().iter_mut().zip(connected.values()) {
+            *visited |= connected;
         }
-        let count = found.values().iter().filter(|found| **found).count();
-        if count > most {
-            (most, region) = (count, found);
+        let count = connected.values().iter().filter(|is_connected| **is_connected).count();
+        if count > max_count {
+            (max_count, region) = (count, connected);
         }
     }
     Grid::from_fn(*frame, |cell| {
@@ -232,40 +234,41 @@ impl Room {
         let space = Space { floor: None, walls: vec![Surface::ROUGH; walls.len()], ..Space::default() };
         let world = World::new(Arc::new(Walls::new(walls.clone())), Time::from_millis(50), std::iter::empty());
         let world = world.with_space(space);
-        let most = STOPS[STOPS.len() - 1];
+        let max_stops = STOPS[STOPS.len() - 1];
         let frame = frame(CELL);
         let truth = truth(&walls, &frame);
         let bounds = Bounds { min: DVec2::ZERO, max: DVec2::splat(SIDE) };
         let mut random = Random::new(seed);
         let mut stops = Vec::new();
-        while stops.len() < most {
-            let place = random.point_in(bounds);
+        while stops.len() < max_stops {
+            let position = random.point_in(bounds);
             let heading = random.between(0.0, TAU);
-            let is_free = truth.at(Point::new(place.x, place.y)) == Some(&Truth::Free);
-            if is_free && walls.iter().all(|wall| distance(wall, place) > FAN.radius + 0.03) {
-                stops.push(stop(&world, seed, stops.len(), place, heading));
+            let is_free = truth.at(Point::new(position.x, position.y)) == Some(&Truth::Free);
+            if is_free && walls.iter().all(|wall| distance(wall, position) > FAN.radius + 0.03) {
+                stops.push(stop(&world, seed, stops.len(), position, heading));
             }
         }
         Self { walls, stops }
     }
 }
 
-fn distance(wall: &Segment, place: DVec2) -> f64 {
+/// Distance of a point from a wall, m.
+fn distance(wall: &Segment, point: DVec2) -> f64 {
     let along = wall.b - wall.a;
-    let share = ((place - wall.a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-    (wall.a + share * along - place).length()
+    let fraction = ((point - wall.a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    (wall.a + fraction * along - point).length()
 }
 
-/// Two scans at a place, the second after a turn by half a sector.
-fn stop(world: &World, seed: u64, number: usize, place: DVec2, heading: f64) -> Vec<Reading> {
+/// Readings of a stop: two scans, the second after a turn by half a sector.
+fn stop(world: &World, seed: u64, number: usize, position: DVec2, heading: f64) -> Vec<Reading> {
     let sonar = Sonar { half_angle: BEAM.half_angle, max: FAN.farthest, ..Sonar::srf08() };
     let reading = |index: usize| {
-        let (scan, which) = (index / SONARS, index % SONARS);
-        let axis = Pose::new(place.x, place.y, heading + FAN.sector * (which as f64 + 0.5 * scan as f64));
+        let (scan, sonar_index) = (index / SONARS, index % SONARS);
+        let axis = Pose::new(position.x, position.y, heading + FAN.sector * (sonar_index as f64 + 0.5 * scan as f64));
         let rim = axis.outward(Point::new(FAN.radius, 0.0));
         let pose = Pose3::from_angles(DVec3::new(rim.x, rim.y, HEIGHT), 0.0, 0.0, axis.heading);
         let exact = RangeModel::Sonar(sonar).read(world, RobotId(1), &pose, Time::ZERO, 0.0).distance;
-        let errors = RangeErrors::new(NOISE, seed, RobotId(1), &format!("SONAR_{which}"));
+        let errors = RangeErrors::new(NOISE, seed, RobotId(1), &format!("SONAR_{sonar_index}"));
         let event = (2 * number + scan) as u64;
         Reading { axis, distance: errors.reading(event, Time::ZERO, [FAN.nearest, FAN.farthest], exact) }
     };
@@ -279,36 +282,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_noise_is_that_of_the_preset() {
+    fn noise_matches_the_preset() {
         let real = sim_format::preset("real").expect("a preset").profile();
         assert_eq!(real.range(RangeKind::Sonar, ""), NOISE);
     }
 
     #[test]
-    fn the_truth_of_a_box_in_a_room_is_counted_by_hand() {
+    fn truth_of_a_box_matches_a_count_by_hand() {
         let corners = [(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0)].map(|(x, y)| DVec2::new(x + 0.05, y + 0.05));
         let mut walls: Vec<Segment> = (0..4).map(|side| Segment::new(corners[side], corners[(side + 1) % 4])).collect();
         let outer = [(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE)].map(|(x, y)| DVec2::new(x, y));
         walls.extend((0..4).map(|side| Segment::new(outer[side], outer[(side + 1) % 4])));
         let truth = truth(&walls, &frame(CELL));
         let count = |kind| truth.values().iter().filter(|truth| **truth == kind).count();
-        // 101 cells from wall to wall, 99 of them free, except for a box of 21 cells; its inside is hidden.
+        // 99 by 99 cells between the walls are free, except for a box of 21 by 21 cells, whose inside is hidden.
         assert_eq!(count(Truth::Free), 99 * 99 - 21 * 21);
         assert_eq!(count(Truth::Surface), 4 * 100 + 4 * 20);
         assert_eq!(truth.at(Point::new(1.5, 1.5)), Some(&Truth::Hidden));
     }
 
     #[test]
-    fn a_map_is_right_as_far_as_it_says_the_truth() {
+    fn wrong_fraction_counts_wrong_and_unknown_cells() {
         let frame = Frame::new(Point::origin(), 1.0, 4, 1);
         let truth = Grid::from_fn(frame, |cell| [Truth::Free, Truth::Free, Truth::Surface, Truth::Hidden][cell.column]);
-        let share = |values: [f64; 4]| share_not_right(&Grid::from_fn(frame, |cell| values[cell.column]), &truth);
-        assert_eq!(share([0.0, 0.1, 0.9, 0.0]), 0.0);
-        assert!((share([0.5, 0.1, 0.1, 1.0]) - 2.0 / 3.0).abs() < 1e-12);
+        let fraction = |values: [f64; 4]| wrong_fraction(&Grid::from_fn(frame, |cell| values[cell.column]), &truth);
+        assert_eq!(fraction([0.0, 0.1, 0.9, 0.0]), 0.0);
+        assert!((fraction([0.5, 0.1, 0.1, 1.0]) - 2.0 / 3.0).abs() < 1e-12);
     }
 
     #[test]
-    fn more_readings_make_better_maps() {
+    fn more_readings_reduce_the_error() {
         let rooms = [Room::new(SEED)];
         for (name, build) in METHODS {
             let [one, many] = [1, 30].map(|stops| row(name, build, &rooms, stops, CELL, String::new()).error);

@@ -1,4 +1,4 @@
-//! Studies: measure error and time of several methods for one task at several settings.
+//! Studies: each measures error and time of several methods for one task at several settings.
 //!
 //! Errors depend only on the code and are the same in every run; times depend on the machine. The caller makes tables, files and pictures
 //! from the [`Outcome`]s.
@@ -58,7 +58,7 @@ pub struct Row {
     pub method: String,
     /// Setting, with its unit: `slot of 50 ms`.
     pub setting: String,
-    /// Distance from the truth, in `unit`; finite and not negative. The maximum over all cases, unless the study states otherwise.
+    /// Error, in `unit`; finite and not negative. It is the maximum over all cases, unless the study states otherwise.
     pub error: f64,
     /// Unit of the error.
     pub unit: &'static str,

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use sim_core::RobotId;
 use sim_core::math::{cos, ln};
-use sim_core::noise::{Events, Purpose, RangeErrors, RangeNoise, Stream};
+use sim_core::noise::{EventStreams, Purpose, RangeErrors, RangeNoise, Stream};
 use sim_core::time::Time;
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
@@ -19,14 +19,14 @@ use crate::statistics::{kolmogorov_distance, normal_cdf};
 pub const STUDY: Study =
     Study { name: "noise", title: "Random numbers: distance from their distribution, and what one costs", run };
 
-/// Sample sizes; each sample is a prefix of the next.
+/// Sample sizes; each sample begins with the previous one.
 const COUNTS: [usize; 5] = [100, 1_000, 10_000, 100_000, 1_000_000];
 const SEED: u64 = 42;
 
-/// Settings as named in the rows.
+/// Names of the settings in the rows.
 const SETTINGS: [&str; COUNTS.len()] = ["1e2 numbers", "1e3 numbers", "1e4 numbers", "1e5 numbers", "1e6 numbers"];
 
-/// Method of drawing numbers: its name, its distribution, and a function that draws a given count.
+/// Method of drawing numbers: name, distribution, and a function that draws a number of numbers.
 struct Method {
     name: &'static str,
     cdf: fn(f64) -> f64,
@@ -34,24 +34,25 @@ struct Method {
 }
 
 const METHODS: [Method; 6] = [
-    Method { name: "uniform", cdf: |x| x.clamp(0.0, 1.0), draw: |count| in_turn(1, count, Stream::unit) },
-    Method { name: "normal by the quantile", cdf: normal_cdf, draw: |count| in_turn(2, count, Stream::normal) },
-    Method { name: "normal, stream per event", cdf: normal_cdf, draw: of_events },
+    Method { name: "uniform", cdf: |x| x.clamp(0.0, 1.0), draw: |count| successive(1, count, Stream::unit) },
+    Method { name: "normal by the quantile", cdf: normal_cdf, draw: |count| successive(2, count, Stream::normal) },
+    Method { name: "normal, stream per event", cdf: normal_cdf, draw: first_of_events },
     Method { name: "reading of a sensor", cdf: |x| normal_cdf((x - DISTANCE) / SIGMA), draw: readings },
-    Method { name: "normal of Box and Muller", cdf: normal_cdf, draw: |count| in_turn(3, count, box_muller) },
-    Method { name: "sum of twelve uniform", cdf: normal_cdf, draw: |count| in_turn(4, count, sum_of_twelve) },
+    Method { name: "normal of Box and Muller", cdf: normal_cdf, draw: |count| successive(3, count, box_muller) },
+    Method { name: "sum of twelve uniform", cdf: normal_cdf, draw: |count| successive(4, count, sum_of_twelve) },
 ];
 
-/// Distance of the target, and standard deviation of the sensor's readings, m.
+/// Distance of the target, m.
 const DISTANCE: f64 = 2.0;
+/// Standard deviation of the sensor's readings, m.
 const SIGMA: f64 = 0.01;
 
 fn run(effort: Effort) -> Outcome {
-    let most = COUNTS[COUNTS.len() - 1];
+    let max_count = COUNTS[COUNTS.len() - 1];
     let mut rows = Vec::new();
     let mut series = Vec::new();
     for Method { name, cdf, draw } in METHODS {
-        let sample = draw(most);
+        let sample = draw(max_count);
         let time_ns = nanoseconds(effort.of(100), 10_000, || draw(10_000));
         let mut points = Vec::new();
         for (count, setting) in COUNTS.into_iter().zip(SETTINGS) {
@@ -83,20 +84,20 @@ fn run(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![figure] }
 }
 
-fn events() -> Events {
-    Events::new(SEED, RobotId(1), Purpose::Range, "PSD_FRONT")
+fn streams() -> EventStreams {
+    EventStreams::new(SEED, RobotId(1), Purpose::Range, "PSD_FRONT")
 }
 
 /// Successive numbers from the stream of one event.
-fn in_turn(event: u64, count: usize, mut next: impl FnMut(&mut Stream) -> f64) -> Vec<f64> {
-    let mut stream = events().at(event);
+fn successive(event: u64, count: usize, mut next: impl FnMut(&mut Stream) -> f64) -> Vec<f64> {
+    let mut stream = streams().at(event);
     (0..count).map(|_| next(&mut stream)).collect()
 }
 
 /// First number of each of `count` events.
-fn of_events(count: usize) -> Vec<f64> {
-    let events = events();
-    (0..count as u64).map(|index| events.at(index).normal()).collect()
+fn first_of_events(count: usize) -> Vec<f64> {
+    let streams = streams();
+    (0..count as u64).map(|index| streams.at(index).normal()).collect()
 }
 
 /// Readings of a PSD with Gaussian noise.
@@ -106,7 +107,7 @@ fn readings(count: usize) -> Vec<f64> {
     (0..count as u64).filter_map(read).collect()
 }
 
-/// One of the two normal numbers that the method makes from two uniform numbers.
+/// One of the two normal numbers that the method of Box and Muller computes from two uniform numbers.
 fn box_muller(stream: &mut Stream) -> f64 {
     let (radius, angle) = (1.0 - stream.unit(), stream.unit());
     (-2.0 * ln(radius)).sqrt() * cos(2.0 * PI * angle)
@@ -122,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn all_but_the_sum_of_twelve_come_as_near_as_they_should() {
+    fn all_methods_but_the_sum_of_twelve_follow_their_distribution() {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), METHODS.len() * COUNTS.len());
         let last =

@@ -22,14 +22,14 @@ fn run(effort: Effort) -> Outcome {
     let mut series = vec![curve("exact distance", &samples, |sample| sample.exact)];
     for (method, read, max) in SENSORS {
         for (ground, on_step) in [("floor", false), ("step", true)] {
-            let there: Vec<&Sample> = samples.iter().filter(|sample| sample.is_on_step == on_step).collect();
-            let seen: Vec<&&Sample> = there.iter().filter(|sample| read(sample) < max).collect();
-            let off = |sample: &&&Sample| (read(sample) - sample.exact).abs();
+            let samples_there: Vec<&Sample> = samples.iter().filter(|sample| sample.is_on_step == on_step).collect();
+            let with_echo: Vec<&&Sample> = samples_there.iter().filter(|sample| read(sample) < max).collect();
+            let absolute_error = |sample: &&&Sample| (read(sample) - sample.exact).abs();
             rows.push(Row {
                 study: STUDY.name,
                 method: method.to_owned(),
-                setting: format!("{ground}: an echo in {} of {} samples", seen.len(), there.len()),
-                error: seen.iter().map(off).fold(0.0, f64::max),
+                setting: format!("{ground}: an echo in {} of {} samples", with_echo.len(), samples_there.len()),
+                error: with_echo.iter().map(absolute_error).fold(0.0, f64::max),
                 unit: "m",
                 time_ns,
                 per: "reading",
@@ -51,7 +51,7 @@ fn run(effort: Effort) -> Outcome {
 
 type Read = fn(&Sample) -> f64;
 
-/// Names, readings, and the reading when out of range, m.
+/// Name, reading, and reading without an echo (m) of each sensor.
 const SENSORS: [(&str, Read, f64); 3] = [
     ("laser", |sample| sample.laser, 2.0),
     ("ultrasonic", |sample| sample.ultrasonic, 1.0),
@@ -68,11 +68,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_ultrasonic_sensor_sees_only_the_step_and_the_reflectance_reads_too_far() {
+    fn ultrasonic_detects_only_the_step_and_reflectance_reads_too_far() {
         let rows = run(Effort::Quick).rows;
         let row = |method: &str, ground: &str| {
-            let is_it = |row: &&Row| row.method == method && row.setting.starts_with(ground);
-            rows.iter().find(is_it).unwrap_or_else(|| panic!("{method} on the {ground}"))
+            let matches_row = |row: &&Row| row.method == method && row.setting.starts_with(ground);
+            rows.iter().find(matches_row).unwrap_or_else(|| panic!("{method} on the {ground}"))
         };
         assert!(row("ultrasonic", "floor").setting.contains("in 0 of"));
         assert!(!row("ultrasonic", "step").setting.contains("in 0 of"));

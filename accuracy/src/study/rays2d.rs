@@ -1,11 +1,11 @@
-//! `rays-2d`: rays among walls, by the spatial index, by brute force in double precision, and by brute force in single precision.
+//! `rays-2d`: distances along rays to walls, by the spatial index and by brute force in double and in single precision.
 
 use glam::{DVec2, Vec2};
 use sim_core::scene::{Bounds, Segment, Walls};
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::oracle;
-use crate::wide::Wide;
+use crate::to_wide::Wide;
 use crate::world::{self, Random};
 
 pub const STUDY: Study =
@@ -13,7 +13,7 @@ pub const STUDY: Study =
 
 /// Numbers of boxes in the room. Each box has 4 walls; the room adds 4 more.
 const BOXES: [usize; 5] = [2, 24, 74, 249, 2_499];
-/// Floor area per wall, square metres: 300 walls in a room of 20 m.
+/// Floor area per wall, m^2: that of 300 walls in a room of 20 m.
 const AREA: f64 = 400.0 / 300.0;
 /// Range of the rays, m.
 const RANGE: f64 = 30.0;
@@ -38,9 +38,9 @@ fn measure_room(effort: Effort, boxes: usize) -> [Row; METHODS] {
     let count = 4 * (boxes + 1);
     let side = (AREA * count as f64).sqrt();
     let segments = world::room_with_boxes(51, DVec2::ZERO, side, boxes);
-    // Fewer brute-force rays with more walls, so that each setting takes about equally long.
+    // With more walls there are fewer rays, so that each setting takes about the same time.
     let cases = cases(&segments, side, effort.of(10_000).min(effort.of(20_000_000) / count));
-    let few = &cases[..cases.len().min(effort.of(300_000) / count).max(10)];
+    let brute_force_cases = &cases[..cases.len().min(effort.of(300_000) / count).max(10)];
     let measured = |method: &str, cases: &[Case], cast: &dyn Fn(&Case) -> f64| {
         let error = cases.iter().map(|case| (cast(case) - case.truth).abs()).fold(0.0, f64::max);
         let time_ns = nanoseconds(effort.of(50), cases.len(), || cases.iter().map(cast).sum::<f64>());
@@ -53,10 +53,10 @@ fn measure_room(effort: Effort, boxes: usize) -> [Row; METHODS] {
         measured("index", &cases, &|case| {
             walls.cast(case.origin, case.direction, RANGE).map_or(RANGE, |hit| hit.distance)
         }),
-        measured("brute-force", few, &|case| {
+        measured("brute-force", brute_force_cases, &|case| {
             oracle::nearest_wall(&segments, case.origin, case.direction, RANGE, 0.0).map_or(RANGE, |(metres, _)| metres)
         }),
-        measured("single precision", few, &|case| {
+        measured("single precision", brute_force_cases, &|case| {
             let (origin, direction) = (case.origin.as_vec2(), case.direction.as_vec2());
             let distances = single.iter().filter_map(|wall| cast_f32(wall, origin, direction));
             f64::from(distances.fold(RANGE as f32, f32::min))
@@ -84,17 +84,17 @@ fn cast_f32(&[a, b]: &[Vec2; 2], origin: Vec2, direction: Vec2) -> Option<f32> {
     (t >= 0.0 && (0.0..=1.0).contains(&u)).then_some(t)
 }
 
-/// Distance along the ray to a wall, in double-double arithmetic (32 digits). Skips walls that the ray misses by more than a micrometre in
-/// double precision.
+/// Distance along the ray to a wall, in double-double arithmetic (32 digits). Skips walls that the ray misses by more than a micrometre
+/// in double precision.
 fn exact(wall: &Segment, origin: DVec2, direction: DVec2) -> Option<f64> {
     oracle::nearest_wall(std::slice::from_ref(wall), origin, direction, RANGE, 1e-6)?;
-    let wide = |point: DVec2| [point.x, point.y].map(Wide::from);
-    let minus = |[ax, ay]: [Wide; 2], [bx, by]: [Wide; 2]| [ax - bx, ay - by];
+    let to_wide = |point: DVec2| [point.x, point.y].map(Wide::from);
+    let difference = |[ax, ay]: [Wide; 2], [bx, by]: [Wide; 2]| [ax - bx, ay - by];
     let cross = |[ax, ay]: [Wide; 2], [bx, by]: [Wide; 2]| ax * by - ay * bx;
-    let (to_wall, along) = (minus(wide(wall.a), wide(origin)), minus(wide(wall.b), wide(wall.a)));
-    let determinant = cross(wide(direction), along);
+    let (to_wall, along) = (difference(to_wide(wall.a), to_wide(origin)), difference(to_wide(wall.b), to_wide(wall.a)));
+    let determinant = cross(to_wide(direction), along);
     let t = (cross(to_wall, along) / determinant).rounded();
-    let u = (cross(to_wall, wide(direction)) / determinant).rounded();
+    let u = (cross(to_wall, to_wide(direction)) / determinant).rounded();
     (t >= 0.0 && (0.0..=1.0).contains(&u)).then_some(t)
 }
 
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_index_is_exact_within_rounding_and_single_precision_is_not() {
+    fn index_is_exact_within_rounding_and_single_precision_is_not() {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), METHODS * BOXES.len());
         for row in &rows {
@@ -111,13 +111,13 @@ mod tests {
             let bound = if row.method == "single precision" { 0.1 } else { 1e-11 };
             assert!(row.error < bound && row.time_ns > 0.0, "{row:?}");
         }
-        let worst =
+        let max_error =
             |method: &str| rows.iter().filter(|row| row.method == method).map(|row| row.error).fold(0.0, f64::max);
-        assert!(worst("single precision") > 1e5 * worst("index"), "{rows:?}");
+        assert!(max_error("single precision") > 1e5 * max_error("index"), "{rows:?}");
     }
 
     #[test]
-    fn the_reference_is_right_to_the_last_digit() {
+    fn reference_is_exact() {
         let wall = Segment::new(DVec2::new(3.0, -1.0), DVec2::new(3.0, 5.0));
         assert_eq!(exact(&wall, DVec2::ZERO, DVec2::X), Some(3.0));
         assert_eq!(exact(&wall, DVec2::ZERO, DVec2::new(0.6, 0.8)), Some(3.0 / 0.6));

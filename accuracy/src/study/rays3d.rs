@@ -1,4 +1,4 @@
-//! `rays-3d`: rays among triangles, by the index and by brute force; and the same walls in two and in three dimensions.
+//! `rays-3d`: distances along rays to triangles, by the index and by brute force, and to the same walls in two and in three dimensions.
 
 use glam::{DVec2, DVec3};
 use sim_core::scene::{Bounds, MeshIndex, Segment, Walls};
@@ -12,7 +12,7 @@ pub const STUDY: Study =
 
 /// Numbers n of squares along an edge of each of the six faces of the room, which has 12 n^2 triangles.
 const SQUARES: [u32; 4] = [3, 9, 29, 91];
-/// Numbers of boxes in the room, of 4 walls each in addition to the room's own.
+/// Numbers of boxes in the room with boxes; each has 4 walls.
 const BOXES: [usize; 4] = [4, 24, 249, 2_499];
 /// Half sizes of the room, m.
 const HALF: DVec3 = DVec3::new(2.0, 1.5, 1.25);
@@ -34,7 +34,7 @@ struct Case {
     truth: f64,
 }
 
-/// Error and time of `cast`, which returns metres. `None`, a ray without a hit, counts as a hit at the range.
+/// Row with the error and the time of `cast`, which returns metres. `None`, for a ray without a hit, is treated as a hit at the range.
 fn row(method: &str, setting: String, effort: Effort, cases: &[Case], cast: impl Fn(&Case) -> Option<f64>) -> Row {
     let distance = |case: &Case| cast(case).unwrap_or(RANGE);
     let error = |case: &Case| (distance(case) - case.truth.min(RANGE)).abs();
@@ -43,24 +43,24 @@ fn row(method: &str, setting: String, effort: Effort, cases: &[Case], cast: impl
     Row { study: STUDY.name, method: method.to_owned(), setting, error, unit: "m", time_ns, per: "ray" }
 }
 
-/// Rays from random points in the room in random directions.
+/// Rows for rays from random points in the room in random directions.
 fn in_room(effort: Effort, squares: u32) -> [Row; 2] {
-    let triangles = world::cuboid(HALF, squares, turned);
+    let triangles = world::cuboid(HALF, squares, world_from_room);
     let setting = format!("{} triangles", triangles.len());
     let index = MeshIndex::new(&triangles);
     let by_index = row("index", setting.clone(), effort, &room_cases(effort.of(20_000)), |case| {
         index.cast(case.origin, case.direction, RANGE).map(|hit| hit.distance)
     });
-    // Fewer rays with more triangles, so that each setting takes about equally long.
-    let few = room_cases((effort.of(1_000_000) / triangles.len()).clamp(5, 1_000));
-    let by_all = row("brute-force", setting, effort, &few, |case| {
+    // With more triangles there are fewer rays, so that each setting takes about the same time.
+    let brute_force_cases = room_cases((effort.of(1_000_000) / triangles.len()).clamp(5, 1_000));
+    let by_brute_force = row("brute-force", setting, effort, &brute_force_cases, |case| {
         oracle::nearest_triangle(&triangles, case.origin, case.direction, RANGE, 1e-12).map(|(metres, _)| metres)
     });
-    [by_index, by_all]
+    [by_index, by_brute_force]
 }
 
-/// Rotates a point of the room's own frame about all axes; only a division by 3 rounds.
-fn turned(local: DVec3) -> DVec3 {
+/// Transforms a point from the room's frame to the world frame by a rotation whose only rounding is a division by 3.
+fn world_from_room(local: DVec3) -> DVec3 {
     let DVec3 { x, y, z } = local;
     DVec3::new(2.0 * x - y + 2.0 * z, 2.0 * x + 2.0 * y - z, -x + 2.0 * y + 2.0 * z) / 3.0
 }
@@ -68,17 +68,21 @@ fn turned(local: DVec3) -> DVec3 {
 fn room_cases(count: usize) -> Vec<Case> {
     let mut random = Random::new(41);
     let mut case = || {
-        let share = DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+        let fractions = DVec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0));
         let direction = random.direction_in_space().normalize_or(DVec3::X);
-        // Distance to the nearest of the three walls ahead.
-        let origin = 0.99 * share * HALF;
-        let ahead = (HALF.copysign(direction) - origin) / direction;
-        Case { origin: turned(origin), direction: turned(direction), truth: ahead.min_element() }
+        // The ray hits the nearest of the three faces in its direction.
+        let origin = 0.99 * fractions * HALF;
+        let wall_distances = (HALF.copysign(direction) - origin) / direction;
+        Case {
+            origin: world_from_room(origin),
+            direction: world_from_room(direction),
+            truth: wall_distances.min_element(),
+        }
     };
     (0..count).map(|_| case()).collect()
 }
 
-/// The same rays at a height of 0.5 m among the same walls, as segments in the plane and as triangles.
+/// Rows for rays at a height of 0.5 m among walls, as segments in the plane and as triangles.
 fn among_walls(effort: Effort, boxes: usize) -> [Row; 2] {
     let segments = world::room_with_boxes(42, DVec2::ZERO, SIDE, boxes);
     let cases = wall_cases(&segments, effort.of(5_000));
@@ -106,7 +110,7 @@ fn wall_cases(walls: &[Segment], count: usize) -> Vec<Case> {
     (0..count).map(|_| case()).collect()
 }
 
-/// Rows of the pairs, sorted by method: first the first row of each pair, then the second rows.
+/// Rows of the pairs, sorted by method: the first rows of all pairs, then the second rows.
 fn by_method(pairs: impl Iterator<Item = [Row; 2]>) -> impl Iterator<Item = Row> {
     let (first, second): (Vec<_>, Vec<_>) = pairs.map(|[first, second]| (first, second)).unzip();
     first.into_iter().chain(second)
@@ -125,13 +129,13 @@ mod tests {
     }
 
     #[test]
-    fn the_room_has_its_faces_around_its_middle() {
-        let [small, large] = [1, 5].map(|squares| world::cuboid(HALF, squares, turned));
+    fn room_has_the_surface_area_of_its_sides() {
+        let [small, large] = [1, 5].map(|squares| world::cuboid(HALF, squares, world_from_room));
         assert_eq!((small.len(), large.len()), (12, 300));
         let area = |triangles: &[[DVec3; 3]]| -> f64 {
             triangles.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum()
         };
-        // 4 m by 3 m by 2.5 m.
+        // The room is 4 m by 3 m by 2.5 m.
         for triangles in [small, large] {
             assert!((area(&triangles) - 2.0 * (12.0 + 7.5 + 10.0)).abs() < 1e-12, "{}", area(&triangles));
         }

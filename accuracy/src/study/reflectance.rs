@@ -19,7 +19,7 @@ pub const STUDY: Study = Study {
 const MAX: f64 = 1.0;
 /// Signals as exponents of ten, 1/m.
 const EXPONENTS: [i32; 9] = [3, 1, -1, -3, -5, -7, -9, -12, -16];
-/// Number of signals at each setting, from the setting to ten times the setting.
+/// Number of signals at each setting, from the setting's signal to ten times that signal.
 const SIGNALS: usize = 1_000;
 
 /// Distance (m) from a signal (1/m) and a maximum distance (m).
@@ -32,10 +32,11 @@ fn run(effort: Effort) -> Outcome {
     for (method, root) in methods {
         let mut points = Vec::new();
         for exponent in EXPONENTS {
-            let least = power_of_ten(exponent);
-            let signals: Vec<f64> = (0..SIGNALS).map(|i| least * (1.0 + 9.0 * i as f64 / SIGNALS as f64)).collect();
+            let min_signal = power_of_ten(exponent);
+            let signals: Vec<f64> =
+                (0..SIGNALS).map(|i| min_signal * (1.0 + 9.0 * i as f64 / SIGNALS as f64)).collect();
             let error = signals.iter().map(|s| (root(*s, MAX) - distance_of(*s)).abs()).fold(0.0, f64::max);
-            points.push((least, error));
+            points.push((min_signal, error));
             let recover_all = || signals.iter().map(|signal| root(*signal, MAX)).sum::<f64>();
             rows.push(Row {
                 study: STUDY.name,
@@ -67,18 +68,18 @@ fn power_of_ten(exponent: i32) -> f64 {
     if exponent < 0 { 1.0 / power } else { power }
 }
 
-/// Reference distance d of a signal s: Newton's method for the remainder u = max - d of u = s (max - u)^2, which stays accurate
-/// where d would lose digits.
+/// Reference distance d for a signal s: Newton's method for u = max - d with the equation u = s (max - u)^2, which keeps digits
+/// that an equation for d would lose.
 fn distance_of(signal: f64) -> f64 {
-    let mut missing = 0.0;
+    let mut u = 0.0;
     for _ in 0..100 {
-        let left = MAX - missing;
-        missing -= (missing - signal * left * left) / (1.0 + 2.0 * signal * left);
+        let distance = MAX - u;
+        u -= (u - signal * distance * distance) / (1.0 + 2.0 * signal * distance);
     }
-    MAX - missing
+    MAX - u
 }
 
-/// Positive root as printed in the paper; 0 / 0 without a signal.
+/// Positive root as printed in the paper; NaN for the signal 0.
 fn printed_root(signal: f64, max: f64) -> f64 {
     ((1.0 + 4.0 * signal * max).sqrt() - 1.0) / (2.0 * signal)
 }
@@ -88,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_printed_root_loses_its_digits_and_ours_does_not() {
+    fn printed_root_loses_digits_and_stable_root_does_not() {
         let rows = run(Effort::Quick).rows;
         let errors = |method: &str| -> Vec<f64> {
             rows.iter().filter(|row| row.method == method).map(|row| row.error).collect()

@@ -1,8 +1,8 @@
 //! `shadow`: edges of shadows in pictures, with and without noise, compared with their projection.
 //!
-//! A screen stands on grey ground, and cameras above the ground look down at the edge of its shadow. The truth is plane geometry: the top of
-//! the screen, moved along the sun's rays to the ground and projected. In a picture, the edge's place in a row (or column) is the number of
-//! dark pixels, each counted by its grey level, so that half-covered pixels count half.
+//! A screen stands on grey ground, and cameras above the ground look down at the edge of its shadow. The truth is geometry: the top edge
+//! of the screen, projected along the sun's rays onto the ground and then into the picture. In a picture, the edge's position in a row (or
+//! column) is the sum of the pixels' dark fractions, computed from their grey levels, so a half-covered pixel adds a half.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ const COUNTS: [u64; 3] = [1, 10, 100];
 const SIZE: [u32; 2] = [80, 60];
 const VIEWS: usize = 8;
 const SEED: u64 = 264_002;
-/// Pixels to both sides of an edge in which it is looked for.
+/// Number of pixels on each side of an edge from which its position is measured.
 const WINDOW: f64 = 8.0;
 /// Grey level of the ground under full light. Its levels in the sun (176) and in the shadow (80) are whole numbers.
 const GREY: u8 = 200;
@@ -67,30 +67,31 @@ fn scenery() -> Scenery {
     Scenery::new(vec![part], Some(ground), LIGHT, Sky { horizon: [200, 210, 230], zenith: [90, 140, 220] })
 }
 
-/// Point of the shadow's edge below the top of the screen at `x`, m.
+/// Point of the shadow's edge that the top of the screen at `x` m casts.
 fn edge(x: f64) -> DVec3 {
     let top = DVec3::new(x, 0.0, HEIGHT);
     top - LIGHT.sun_direction * (HEIGHT / LIGHT.sun_direction.z)
 }
 
-/// Cameras 0.3 to 0.4 m above the ground that look steeply down at points of the edge, from all sides.
+/// Views of cameras 0.3 to 0.4 m above the ground that look steeply down at points of the edge from all sides.
 fn views() -> Vec<View> {
     let mut random = Random::new(SEED);
     let mut view = || {
         let target = edge(random.between(-5.0, 5.0));
-        let aside = random.direction() * random.between(0.02, 0.1);
-        let from = target + aside.extend(random.between(0.3, 0.4));
-        let pose = View::look_at(from, target).expect("two points");
+        let offset = random.direction() * random.between(0.02, 0.1);
+        let position = target + offset.extend(random.between(0.3, 0.4));
+        let pose = View::look_at(position, target).expect("two points");
         View::new(pose, Lens::Pinhole { fov: FIELD }, SIZE).expect("a view")
     };
     (0..VIEWS).map(|_| view()).collect()
 }
 
-/// The edge in a picture: columns as a linear function of rows, or rows of columns if `is_level`, from the upper left corner.
+/// The edge in a picture: its column as a linear function of the row, or its row as a linear function of the column if `is_level`; both
+/// from the upper left corner.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     is_level: bool,
-    /// Place on the first axis where the second is 0, pixels.
+    /// Value of the function at 0, pixels.
     start: f64,
     slope: f64,
     /// True if pixels of smaller index are in the shadow.
@@ -108,9 +109,9 @@ impl Line {
             DVec2::new(0.5 * width - focal * local.y / local.x, 0.5 * height - focal * local.z / local.x)
         };
         // Two points of the edge on both sides of the camera, and a point of the shadow between them.
-        let at = position.x - edge(0.0).x;
-        let [a, b] = [at - 0.1, at + 0.1].map(|x| project(edge(x)));
-        let dark = project(edge(at) + DVec3::new(0.0, 0.01, 0.0));
+        let x = position.x - edge(0.0).x;
+        let [a, b] = [x - 0.1, x + 0.1].map(|x| project(edge(x)));
+        let dark = project(edge(x) + DVec3::new(0.0, 0.01, 0.0));
         let along = b - a;
         let is_level = along.x.abs() > along.y.abs();
         let [a, b, dark] = [a, b, dark].map(|point| if is_level { DVec2::new(point.y, point.x) } else { point });
@@ -119,34 +120,34 @@ impl Line {
         Self { is_level, start, slope, is_dark_first: dark.x < start + slope * dark.y }
     }
 
-    /// Place of the edge in row (or column) `index`, pixels.
-    fn place(&self, index: u32) -> f64 {
+    /// Position of the edge in row (or column) `index`, pixels.
+    fn position(&self, index: u32) -> f64 {
         self.start + self.slope * (f64::from(index) + 0.5)
     }
 }
 
 /// Mean distance, in pixels, between the edges in pictures and their projections; `level` returns the grey level of a view's pixel.
 fn error(views: &[View], level: impl Fn(usize, [u32; 2]) -> f64) -> f64 {
-    let [dark, bright] =
-        [LIGHT.ambient, LIGHT.ambient + LIGHT.diffuse * LIGHT.sun_direction.z].map(|share| share * f64::from(GREY));
+    let [dark, bright] = [LIGHT.ambient, LIGHT.ambient + LIGHT.diffuse * LIGHT.sun_direction.z]
+        .map(|brightness| brightness * f64::from(GREY));
     let (mut sum, mut count) = (0.0, 0.0);
     for (number, view) in views.iter().enumerate() {
         let line = Line::of(view);
         let [width, height] = view.size();
         let (across, along) = if line.is_level { (height, width) } else { (width, height) };
         for index in 0..along {
-            let place = line.place(index);
-            let (first, last) = ((place - WINDOW).floor(), (place + WINDOW).ceil());
+            let position = line.position(index);
+            let (first, last) = ((position - WINDOW).floor(), (position + WINDOW).ceil());
             if first < 0.0 || last > f64::from(across) {
                 continue;
             }
-            let shares = (first as u32..last as u32).map(|at| {
-                let pixel = if line.is_level { [index, at] } else { [at, index] };
+            let dark_fractions = (first as u32..last as u32).map(|coordinate| {
+                let pixel = if line.is_level { [index, coordinate] } else { [coordinate, index] };
                 (bright - level(number, pixel)) / (bright - dark)
             });
-            let in_shadow: f64 = shares.sum();
+            let in_shadow: f64 = dark_fractions.sum();
             let found = if line.is_dark_first { first + in_shadow } else { last - in_shadow };
-            sum += (found - place).abs();
+            sum += (found - position).abs();
             count += 1.0;
         }
     }
@@ -157,6 +158,7 @@ fn row(method: String, setting: String, error: f64, time_ns: f64) -> Row {
     Row { study: STUDY.name, method, setting, error, unit: "pixels", time_ns, per: "series of pictures" }
 }
 
+/// The edge in pictures without noise.
 fn exact(posed: &PosedScenery, views: &[View], samples: u32, effort: Effort) -> Row {
     let mut camera = Camera::default();
     let time_ns = nanoseconds(effort.of(50), views.len(), || {
@@ -167,7 +169,7 @@ fn exact(posed: &PosedScenery, views: &[View], samples: u32, effort: Effort) -> 
     row("without noise".to_owned(), format!("{samples} x {samples} samples"), error, time_ns)
 }
 
-/// The edge in the mean of `count` pictures with noise.
+/// The edge in means of `count` pictures with noise.
 fn noisy(posed: &PosedScenery, views: &[View], name: &str, model: ImageNoise, count: u64) -> Row {
     let width = SIZE[0] as usize;
     let mut camera = Camera::default();
@@ -202,52 +204,53 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_edge_is_projected_where_rays_meet_it() {
+    fn projected_edge_matches_rays() {
         for view in views() {
             let line = Line::of(&view);
             for index in [0, 20, 40] {
                 let along = f64::from(index) + 0.5;
-                let at = |off: f64| {
-                    let across = line.place(index) + off;
-                    let place = if line.is_level { DVec2::new(along, across) } else { DVec2::new(across, along) };
-                    let ray = view.direction(place).expect("a pinhole");
+                let ground_point = |offset: f64| {
+                    let across = line.position(index) + offset;
+                    let point = if line.is_level { DVec2::new(along, across) } else { DVec2::new(across, along) };
+                    let ray = view.direction(point).expect("a pinhole");
                     let origin = view.world_from_camera().position;
                     origin + ray * (origin.z / -ray.z)
                 };
-                // The edge is parallel to the screen, in y at this place, and shadow lies between both.
-                assert!((at(0.0).y - edge(0.0).y).abs() < 1e-12, "{:?}", at(0.0));
+                // The edge is parallel to the screen, and the shadow lies between them.
+                assert!((ground_point(0.0).y - edge(0.0).y).abs() < 1e-12, "{:?}", ground_point(0.0));
                 let dark = if line.is_dark_first { -1.0 } else { 1.0 };
-                assert!(at(dark).y > edge(0.0).y && at(-dark).y < edge(0.0).y);
+                assert!(ground_point(dark).y > edge(0.0).y && ground_point(-dark).y < edge(0.0).y);
             }
         }
     }
 
     #[test]
-    fn the_edge_is_measured_where_areas_put_it() {
-        // Pixels of exact areas, from a hundred columns each, and then moved by a quarter of a pixel.
+    fn measured_edge_matches_exact_areas() {
+        // Pixels with exact areas, from 200 samples each; then with an edge moved by a quarter of a pixel.
         let views = views();
         let lines: Vec<Line> = views.iter().map(Line::of).collect();
-        let area = |moved: f64| {
+        let mean_error = |shift: f64| {
             error(&views, |number, [column, row]| {
                 let line = lines[number];
-                let (at, index) = if line.is_level { (row, column) } else { (column, row) };
+                let (coordinate, index) = if line.is_level { (row, column) } else { (column, row) };
                 let cuts = (0..200)
-                    .map(|part| line.start + moved + line.slope * (f64::from(index) + (f64::from(part) + 0.5) / 200.0));
-                let below = cuts.map(|cut| (cut - f64::from(at)).clamp(0.0, 1.0)).sum::<f64>() / 200.0;
+                    .map(|part| line.start + shift + line.slope * (f64::from(index) + (f64::from(part) + 0.5) / 200.0));
+                let below = cuts.map(|cut| (cut - f64::from(coordinate)).clamp(0.0, 1.0)).sum::<f64>() / 200.0;
                 let dark = if line.is_dark_first { below } else { 1.0 - below };
                 176.0 - 96.0 * dark
             })
         };
-        assert!(area(0.0) < 1e-9, "{}", area(0.0));
-        assert!((area(0.25) - 0.25).abs() < 1e-9, "{}", area(0.25));
+        assert!(mean_error(0.0) < 1e-9, "{}", mean_error(0.0));
+        assert!((mean_error(0.25) - 0.25).abs() < 1e-9, "{}", mean_error(0.25));
     }
 
     #[test]
-    fn samples_and_pictures_bring_the_edge_to_its_place() {
+    fn more_samples_and_pictures_reduce_the_error() {
         let rows = run(Effort::Quick).rows;
         assert_eq!(rows.len(), SAMPLES.len() + MODELS.len() * COUNTS.len());
         let errors: Vec<f64> = rows.iter().map(|row| row.error).collect();
-        // A sample per pixel is at most half a pixel off, a quarter on average; s samples per side an s-th of this or less.
+        // With one sample per pixel the error is at most half a pixel and a quarter on average; with s samples per side it is at most an
+        // s-th of this.
         assert!(errors[0] < 0.3 && errors[3] < 0.04, "{errors:?}");
         assert!(errors[4..].chunks(3).all(|errors| errors[2] < 0.5 * errors[0] && errors[2] < 0.15), "{errors:?}");
     }

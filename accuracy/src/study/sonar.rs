@@ -29,9 +29,9 @@ pub const STUDY: Study =
 const RAYS: [u32; 7] = [4, 16, 64, 256, 1_024, 4_096, 16_384];
 /// Number of rays of the reference for rooms; they are about 1e-4 rad apart.
 const REFERENCE_RAYS: u32 = 30_000;
-/// Half of the angle over which the reference's rays are spread, rad: echoes from larger angles are inaudible.
+/// Maximum angle of the reference's rays from the line of sight, rad; echoes from larger angles are below the threshold.
 const REFERENCE_HALF_ANGLE: f64 = 1.5;
-/// Height of the sensor above the floor, m, large enough that a pitched sensor does not hear the floor.
+/// Height of the sensor above the floor, m, large enough that the floor returns no echo to a pitched sensor.
 const HEIGHT: f64 = 40.0;
 const ME: RobotId = RobotId(1);
 
@@ -41,10 +41,10 @@ fn run(effort: Effort) -> Outcome {
     let pitched = slanting_walls(count, 0.5);
     let rooms = rooms(count);
     let methods: [(&str, &[Case], Method); 4] = [
-        ("level, slanting wall", &level, listen),
-        ("pitched, slanting wall", &pitched, listen),
-        ("level, room", &rooms, listen),
-        ("rays only, room", &rooms, rays_alone),
+        ("level, slanting wall", &level, read_sonar),
+        ("pitched, slanting wall", &pitched, read_sonar),
+        ("level, room", &rooms, read_sonar),
+        ("rays only, room", &rooms, read_rays_only),
     ];
     let mut rows = Vec::new();
     let mut series = Vec::new();
@@ -68,7 +68,7 @@ fn run(effort: Effort) -> Outcome {
 
 type Method = fn(&Case, &Sonar) -> Option<f64>;
 
-/// Row of the mean error over the cases and of the time per reading. A missing echo counts as a reading of `sonar.max`.
+/// Row of the mean error over the cases and of the time per reading. A missing echo is treated as a reading of `sonar.max`.
 fn row(method: &str, cases: &[Case], rays: u32, read: Method) -> Row {
     let sonar = Sonar { rays, ..Sonar::srf08() };
     let absolute_error =
@@ -96,16 +96,17 @@ struct Case {
     truth: Option<f64>,
 }
 
-fn listen(case: &Case, sonar: &Sonar) -> Option<f64> {
+/// Reading of the core's sonar.
+fn read_sonar(case: &Case, sonar: &Sonar) -> Option<f64> {
     RangeModel::Sonar(*sonar).read(&case.world, ME, &case.world_from_sensor, Time::ZERO, 0.0).distance
 }
 
 /// Nearest echo along rays spread evenly over the horizontal plane in front of a level sensor.
-fn rays_alone(case: &Case, sonar: &Sonar) -> Option<f64> {
+fn read_rays_only(case: &Case, sonar: &Sonar) -> Option<f64> {
     let Pose3 { position, rotation } = case.world_from_sensor;
     let mut nearest = None;
     for ray in 0..sonar.rays {
-        let angle = angle_of(ray, sonar.rays);
+        let angle = ray_angle(ray, sonar.rays);
         let (sin, cos) = math::sin_cos(angle);
         let direction = rotation.x_axis * cos + rotation.y_axis * sin;
         let ray = Ray::new(position, direction, nearest.unwrap_or(sonar.max));
@@ -120,7 +121,7 @@ fn rays_alone(case: &Case, sonar: &Sonar) -> Option<f64> {
 }
 
 /// Angle between ray number `ray` of `rays` and the line of sight, rad.
-fn angle_of(ray: u32, rays: u32) -> f64 {
+fn ray_angle(ray: u32, rays: u32) -> f64 {
     REFERENCE_HALF_ANGLE * ((f64::from(ray) + 0.5) / f64::from(rays) * 2.0 - 1.0)
 }
 
@@ -140,44 +141,45 @@ fn slanting_walls(count: usize, pitch: f64) -> Vec<Case> {
         Case {
             world: Arc::new(world(walls, vec![Surface::ROUGH])),
             world_from_sensor: Pose3::from_angles(DVec3::new(0.0, 0.0, HEIGHT), 0.0, pitch, 0.0),
-            truth: nearest_audible(nearest_distance, off_axis),
+            truth: nearest_echo(nearest_distance, off_axis),
         }
     };
     std::iter::repeat_with(draw).take(count).collect()
 }
 
-/// Nearest audible distance of a rough plane whose nearest point is `nearest_distance` metres away, `off_axis` rad off the line of sight.
+/// Distance of the nearest detectable echo from a rough plane whose nearest point is at `nearest_distance` m, `off_axis` rad from the line
+/// of sight.
 ///
-/// A point of the plane at incidence angle alpha is nearest_distance / cos(alpha) away, and at least off_axis - alpha off the line of
-/// sight: the smallest audible alpha is searched from 0 on and refined by bisection.
-fn nearest_audible(nearest_distance: f64, off_axis: f64) -> Option<f64> {
+/// A point of the plane at the incidence angle alpha is at the distance nearest_distance / cos(alpha), and at least off_axis - alpha from
+/// the line of sight. The smallest alpha with a detectable echo is searched from 0 on and refined by bisection.
+fn nearest_echo(nearest_distance: f64, off_axis: f64) -> Option<f64> {
     let sonar = Sonar::srf08();
     let distance = |alpha: f64| nearest_distance / math::cos(alpha);
-    let is_heard = |alpha: f64| energy(off_axis - alpha, distance(alpha), math::cos(alpha)) >= sonar.threshold;
+    let is_detected = |alpha: f64| energy(off_axis - alpha, distance(alpha), math::cos(alpha)) >= sonar.threshold;
     let steps = 10_000;
     let alphas = (0..=steps).map(|step| off_axis * f64::from(step) / f64::from(steps));
-    let first = alphas.clone().position(is_heard)?;
+    let first = alphas.clone().position(is_detected)?;
     let alphas: Vec<f64> = alphas.collect();
-    let mut heard = alphas[first];
+    let mut detected = alphas[first];
     if first > 0 {
-        let mut unheard = alphas[first - 1];
+        let mut undetected = alphas[first - 1];
         for _ in 0..100 {
-            let middle = 0.5 * (heard + unheard);
-            *(if is_heard(middle) { &mut heard } else { &mut unheard }) = middle;
+            let middle = 0.5 * (detected + undetected);
+            *(if is_detected(middle) { &mut detected } else { &mut undetected }) = middle;
         }
     }
-    Some(distance(heard)).filter(|distance| *distance <= sonar.max)
+    Some(distance(detected)).filter(|distance| *distance <= sonar.max)
 }
 
-/// Energy of an echo from `distance` m, `angle` rad off the line of sight, from a surface that reflects the share `reflectance` of the
-/// energy in this direction.
+/// Energy of an echo from `distance` m, `angle` rad from the line of sight; the surface reflects the fraction `reflectance` of the energy
+/// in this direction.
 fn energy(angle: f64, distance: f64, reflectance: f64) -> f64 {
     let angle_ratio = angle / Sonar::srf08().half_angle;
     let two_way_gain = math::exp(-4.0 * LN_2 * angle_ratio * angle_ratio);
     if angle.abs() > FRAC_PI_2 { 0.0 } else { two_way_gain * reflectance / (distance * distance) }
 }
 
-/// Sensors in rooms of 6 m with 12 boxes, every other wall 80 % specular.
+/// Cases of sensors in rooms of 6 m with 12 boxes; every other wall is 80 % specular.
 fn rooms(count: usize) -> Vec<Case> {
     let mut random = Random::new(9);
     let smooth = Surface { reflectivity: 0.9, specular: 0.8 };
@@ -195,9 +197,9 @@ fn rooms(count: usize) -> Vec<Case> {
             let forward = random.direction();
             let yaw = math::atan2(forward.y, forward.x);
             let truths = [true, false]
-                .map(|include_hidden| heard_in_room(&segments, &surfaces, origin, forward, include_hidden));
-            // Whether the hidden wall of a corner returns an echo is a matter of definition: cases in which it changes the reading are
-            // skipped.
+                .map(|include_hidden| nearest_echo_in_room(&segments, &surfaces, origin, forward, include_hidden));
+            // Whether the hidden wall of a corner returns an echo is a matter of definition, so cases in which it changes the reading
+            // are skipped.
             if truths[0] != truths[1] {
                 continue;
             }
@@ -213,8 +215,8 @@ fn rooms(count: usize) -> Vec<Case> {
 
 /// Nearest echo in a room of upright walls, by brute force.
 ///
-/// A corner belongs to two walls, one of which may be hidden; with `include_hidden` the hidden wall returns an echo as well.
-fn heard_in_room(
+/// A corner belongs to two walls, one of which may be hidden; with `include_hidden` the hidden wall also returns an echo.
+fn nearest_echo_in_room(
     segments: &[Segment],
     surfaces: &[Surface],
     origin: DVec2,
@@ -223,7 +225,7 @@ fn heard_in_room(
 ) -> Option<f64> {
     let sonar = Sonar::srf08();
     let mut nearest: Option<f64> = None;
-    let mut hear = |distance: f64, wall: usize, direction: DVec2, is_perpendicular: bool| {
+    let mut add_echo = |distance: f64, wall: usize, direction: DVec2, is_perpendicular: bool| {
         let along = segments[wall].b - segments[wall].a;
         let cos = (direction.perp_dot(along) / along.length()).abs();
         let Surface { reflectivity, specular } = surfaces[wall];
@@ -234,26 +236,27 @@ fn heard_in_room(
         }
     };
     for ray in 0..REFERENCE_RAYS {
-        let (sin, cos) = math::sin_cos(angle_of(ray, REFERENCE_RAYS));
+        let (sin, cos) = math::sin_cos(ray_angle(ray, REFERENCE_RAYS));
         let direction = forward.rotate(DVec2::new(cos, sin));
         if let Some((distance, wall)) = nearest_wall(segments, origin, direction, sonar.max, 0.0) {
-            hear(distance, wall, direction, false);
+            add_echo(distance, wall, direction, false);
         }
     }
     for (wall, segment) in segments.iter().enumerate() {
         let along = segment.b - segment.a;
-        let share = (origin - segment.a).dot(along) / along.length_squared();
-        let point = segment.a + share.clamp(0.0, 1.0) * along;
+        let fraction = (origin - segment.a).dot(along) / along.length_squared();
+        let point = segment.a + fraction.clamp(0.0, 1.0) * along;
         let (distance, direction) = ((point - origin).length(), (point - origin).normalize_or_zero());
         // Tolerance of a nanometre for walls that share the point. A second ray aims 0.1 um from the point along the wall: if it hits
         // another wall, this one is hidden.
         let first = nearest_wall(segments, origin, direction, sonar.max, 0.0);
         let is_unobstructed = first.is_none_or(|(first, _)| first > distance - 1e-9);
         let inward = (0.5 * (segment.a + segment.b) - point).normalize_or_zero();
-        let beside = (point + 1e-7 * inward - origin).normalize_or_zero();
-        let is_seen = || nearest_wall(segments, origin, beside, sonar.max, 0.0).is_some_and(|(_, hit)| hit == wall);
+        let inner_direction = (point + 1e-7 * inward - origin).normalize_or_zero();
+        let is_seen =
+            || nearest_wall(segments, origin, inner_direction, sonar.max, 0.0).is_some_and(|(_, hit)| hit == wall);
         if distance <= sonar.max && is_unobstructed && (include_hidden || is_seen()) {
-            hear(distance, wall, direction, (0.0..=1.0).contains(&share));
+            add_echo(distance, wall, direction, (0.0..=1.0).contains(&fraction));
         }
     }
     nearest
@@ -270,21 +273,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_error_converges_with_the_number_of_rays() {
+    fn error_converges_with_the_number_of_rays() {
         // In the plane the error falls with 1/rays, in space with 1/sqrt(rays).
         for (pitch, limits) in [(0.0, [(64, 0.1), (4_096, 2e-3)]), (0.5, [(64, 0.3), (4_096, 0.03)])] {
             let cases = slanting_walls(60, pitch);
             for (rays, limit) in limits {
-                let row = row("", &cases, rays, listen);
+                let row = row("", &cases, rays, read_sonar);
                 assert!(row.error > 0.0 && row.error < limit, "{} m off with {rays} rays, pitched {pitch}", row.error);
             }
         }
     }
 
     #[test]
-    fn the_truth_about_a_room_is_what_many_rays_hear() {
+    fn reading_in_a_room_matches_the_reference() {
         let rooms = rooms(40);
-        let [ours, alone] = [listen as Method, rays_alone].map(|read| row("", &rooms, 4_096, read).error);
-        assert!(ours < 1e-3 && alone > ours, "{ours} and {alone} m");
+        let [core_error, rays_only_error] =
+            [read_sonar as Method, read_rays_only].map(|read| row("", &rooms, 4_096, read).error);
+        assert!(core_error < 1e-3 && rays_only_error > core_error, "{core_error} and {rays_only_error} m");
     }
 }

@@ -1,8 +1,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Wall-clock time in nanoseconds per item, where one call of `work` processes `count` items: the fastest of `repeats` calls, since
-/// other load of the machine only adds time.
+/// Wall-clock time in nanoseconds per item, of the fastest of `repeats` calls of `work`, since other load of the machine only
+/// adds time. One call processes `count` items.
 pub fn nanoseconds<R>(repeats: usize, count: usize, mut work: impl FnMut() -> R) -> f64 {
     let mut best = f64::INFINITY;
     for _ in 0..repeats.max(1) {
@@ -18,7 +18,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn work_is_called_once_for_each_repeat() {
+    fn work_is_called_once_per_repeat() {
         let mut calls = 0;
         let time = nanoseconds(3, 10, || calls += 1);
         assert_eq!(calls, 3);

@@ -145,7 +145,7 @@ impl Planner {
             ..Settings::default()
         };
         // Without the edge of the beam, where a single reading is uncertain and would close gaps.
-        let model = SonarModel { least: 0.25, ..SonarModel::srf08() };
+        let model = SonarModel { min_membership: 0.25, ..SonarModel::srf08() };
         let map = LocalMap::new(CELL, MAP_HALF_WIDTH, model, settings);
         Self { map, corrections, heading, velocity: Vector2::zeros() }
     }

@@ -1,11 +1,11 @@
 //! Shortest paths on grids: A* and Dijkstra over eight neighbours.
 //!
-//! A step leads to one of the eight neighbours; a diagonal step requires that both cells beside it may be entered, so no corner is
-//! cut. A step costs its length in metres times the factor of the cell that it enters. The choice among equally cheap paths is
-//! deterministic.
+//! A step leads to one of the eight neighbours; a diagonal step requires that both cells beside it may be entered, so paths do
+//! not cut corners. The cost of a step is its length in metres times the factor of the cell that it enters. The choice among paths of
+//! equal cost is deterministic.
 //!
-//! For clearance, `factor` refuses cells that are too near to obstacles (see [`distance`](crate::distance)) and raises the cost of
-//! cells that are nearly too near.
+//! For clearance, let `factor` return `None` for cells that are too near to obstacles (see [`distance`](crate::distance)), and higher
+//! costs for cells that are nearly too near.
 //!
 //! Source: Hart, Nilsson & Raphael 1968; the rule about corners is our choice.
 
@@ -18,25 +18,25 @@ use crate::grid::{Cell, Frame, Grid};
 /// A path from cell to neighbouring cell.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Path {
-    /// The cells, the start and the goal among them.
+    /// The cells, from the start to the goal, both included.
     pub cells: Vec<Cell>,
-    /// The sum of the costs of its steps, in metres where all factors are 1.
+    /// The sum of the costs of the steps; the length in metres if all factors are 1.
     pub cost: f64,
 }
 
-/// A cheapest path from `start` to `goal`; `None` where there is none.
+/// A path of minimum cost from `start` to `goal`; `None` if there is no path.
 ///
-/// `factor` is the cost of a step into a cell per metre of its length, at least 1, or `None` if the cell must not be entered. It is never
+/// `factor` is the cost per metre of a step into a cell, at least 1, or `None` if the cell must not be entered. It is never
 /// called for the start, so that a robot can leave a forbidden cell.
 ///
 /// # Panics
-/// If start or goal lie beyond the frame, or a factor is below 1 (the estimate of what is left would be too high).
+/// If start or goal lie outside the frame, or a factor is below 1 (then the estimate of the remaining cost would be too high).
 pub fn shortest_path(frame: &Frame, factor: impl Fn(Cell) -> Option<f64>, start: Cell, goal: Cell) -> Option<Path> {
     assert!(frame.has(goal), "{goal:?} beyond the grid");
     search(frame, factor, start, |cell| cell == goal, |cell| octile(cell, goal) * frame.cell_size())
 }
 
-/// A cheapest path from `start` to the cheapest cell for which `is_goal` holds; `None` where none can be reached.
+/// A path of minimum cost from `start` to any cell for which `is_goal` returns true; `None` if no such cell can be reached.
 ///
 /// # Panics
 /// As [`shortest_path`].
@@ -49,17 +49,17 @@ pub fn nearest(
     search(frame, factor, start, is_goal, |_| 0.0)
 }
 
-/// Cost of the cheapest path from `start` to each cell; infinite if there is none.
+/// Minimum cost of a path from `start` to each cell; infinite if there is no path.
 ///
 /// # Panics
 /// As [`shortest_path`].
 pub fn costs(frame: &Frame, factor: impl Fn(Cell) -> Option<f64>, start: Cell) -> Grid<f64> {
     let mut search = Search::new(frame, start);
-    while search.next(&factor, &|_| 0.0).is_some() {}
+    while search.settle_next(&factor, &|_| 0.0).is_some() {}
     search.costs
 }
 
-/// Length of the shortest path between two cells over eight neighbours, without obstacles, in sides of a cell.
+/// Octile distance: length of the shortest path between two cells over eight neighbours without obstacles, in units of a cell's side.
 fn octile(from: Cell, to: Cell) -> f64 {
     let (columns, rows) = (from.column.abs_diff(to.column) as f64, from.row.abs_diff(to.row) as f64);
     columns.max(rows) + (SQRT_2 - 1.0) * columns.min(rows)
@@ -73,7 +73,7 @@ fn search(
     estimate: impl Fn(Cell) -> f64,
 ) -> Option<Path> {
     let mut search = Search::new(frame, start);
-    while let Some(cell) = search.next(&factor, &estimate) {
+    while let Some(cell) = search.settle_next(&factor, &estimate) {
         if is_goal(cell) {
             return Some(search.path_to(cell));
         }
@@ -85,8 +85,8 @@ fn search(
 struct Search {
     frame: Frame,
     costs: Grid<f64>,
-    from: Grid<Option<Cell>>,
-    is_done: Grid<bool>,
+    predecessors: Grid<Option<Cell>>,
+    is_final: Grid<bool>,
     open: BinaryHeap<Open>,
 }
 
@@ -94,28 +94,28 @@ impl Search {
     fn new(frame: &Frame, start: Cell) -> Self {
         let mut costs = Grid::new(*frame, f64::INFINITY);
         costs[start] = 0.0;
-        let open = BinaryHeap::from([Open { total: 0.0, cell: start }]);
-        Self { frame: *frame, costs, from: Grid::new(*frame, None), is_done: Grid::new(*frame, false), open }
+        let open = BinaryHeap::from([Open { estimated_total: 0.0, cell: start }]);
+        Self { frame: *frame, costs, predecessors: Grid::new(*frame, None), is_final: Grid::new(*frame, false), open }
     }
 
-    /// Returns the next cell whose cost is final, after updating its neighbours.
-    fn next(&mut self, factor: &impl Fn(Cell) -> Option<f64>, estimate: &impl Fn(Cell) -> f64) -> Option<Cell> {
+    /// Makes the cost of the next open cell final, updates its neighbours, and returns the cell; `None` if no cell is open.
+    fn settle_next(&mut self, factor: &impl Fn(Cell) -> Option<f64>, estimate: &impl Fn(Cell) -> f64) -> Option<Cell> {
         let cell = loop {
             let Open { cell, .. } = self.open.pop()?;
-            if !std::mem::replace(&mut self.is_done[cell], true) {
+            if !std::mem::replace(&mut self.is_final[cell], true) {
                 break cell;
             }
         };
         for next in self.frame.neighbours(cell) {
-            if self.is_done[next] {
+            if self.is_final[next] {
                 continue;
             }
             let Some(step) = self.step(cell, next, factor) else { continue };
             let cost = self.costs[cell] + step;
             if cost < self.costs[next] {
                 self.costs[next] = cost;
-                self.from[next] = Some(cell);
-                self.open.push(Open { total: cost + estimate(next), cell: next });
+                self.predecessors[next] = Some(cell);
+                self.open.push(Open { estimated_total: cost + estimate(next), cell: next });
             }
         }
         Some(cell)
@@ -123,32 +123,33 @@ impl Search {
 
     /// Cost of a step between neighbours; `None` if the step is forbidden.
     fn step(&self, from: Cell, to: Cell, factor: &impl Fn(Cell) -> Option<f64>) -> Option<f64> {
-        let times = factor(to)?;
-        assert!(times >= 1.0, "a factor of {times} for {to:?}");
+        let cell_factor = factor(to)?;
+        assert!(cell_factor >= 1.0, "a factor of {cell_factor} for {to:?}");
         let is_diagonal = from.column != to.column && from.row != to.row;
         if is_diagonal {
             factor(Cell::new(from.column, to.row))?;
             factor(Cell::new(to.column, from.row))?;
         }
-        Some(times * self.frame.cell_size() * if is_diagonal { SQRT_2 } else { 1.0 })
+        Some(cell_factor * self.frame.cell_size() * if is_diagonal { SQRT_2 } else { 1.0 })
     }
 
     fn path_to(&self, goal: Cell) -> Path {
-        let mut cells: Vec<Cell> = std::iter::successors(Some(goal), |cell| self.from[*cell]).collect();
+        let mut cells: Vec<Cell> = std::iter::successors(Some(goal), |cell| self.predecessors[*cell]).collect();
         cells.reverse();
         Path { cells, cost: self.costs[goal] }
     }
 }
 
-/// An open cell; the cheapest comes first, ties are broken by the minimum cell.
+/// An open cell. The order is reversed for the heap: the minimum estimate comes first, and the minimum cell among equals.
 struct Open {
-    total: f64,
+    /// Cost to the cell plus the estimated remaining cost.
+    estimated_total: f64,
     cell: Cell,
 }
 
 impl Ord for Open {
     fn cmp(&self, other: &Self) -> Ordering {
-        other.total.total_cmp(&self.total).then_with(|| other.cell.cmp(&self.cell))
+        other.estimated_total.total_cmp(&self.estimated_total).then_with(|| other.cell.cmp(&self.cell))
     }
 }
 
@@ -173,7 +174,7 @@ mod tests {
     use super::*;
     use crate::pose::Point;
 
-    /// A map from text, the upper row first: `#` must not be entered, digits are factors, all else is free.
+    /// A map from text, the upper row first: `#` must not be entered, a digit is a factor, any other character is free.
     fn map(text: &str) -> Grid<Option<f64>> {
         let rows: Vec<Vec<char>> = text.split_whitespace().rev().map(|row| row.chars().collect()).collect();
         let frame = Frame::new(Point::origin(), 0.5, rows[0].len(), rows.len());
@@ -183,12 +184,12 @@ mod tests {
         })
     }
 
-    /// Every cell's cost by relaxing all steps until nothing changes.
+    /// Costs of all cells, by relaxing all steps until no cost changes.
     fn brute_force(map: &Grid<Option<f64>>, start: Cell) -> Grid<f64> {
         let mut costs = Grid::new(*map.frame(), f64::INFINITY);
         costs[start] = 0.0;
         loop {
-            let before = costs.clone();
+            let previous = costs.clone();
             for cell in map.frame().cells() {
                 for next in map.frame().neighbours(cell) {
                     let beside = [Cell::new(cell.column, next.row), Cell::new(next.column, cell.row)];
@@ -201,7 +202,7 @@ mod tests {
                     costs[next] = costs[next].min(costs[cell] + length * factor);
                 }
             }
-            if costs == before {
+            if costs == previous {
                 return costs;
             }
         }
@@ -217,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_go_straight_around_and_never_over_a_corner() {
+    fn paths_are_shortest_and_cut_no_corners() {
         let (left, right) = (Cell::new(0, 0), Cell::new(2, 0));
         check("...", left, right, Some(1.0));
         check("...", left, left, Some(0.0));
@@ -229,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_gets_away_from_where_it_should_not_be() {
+    fn path_may_start_in_a_forbidden_cell() {
         check("#..", Cell::new(0, 0), Cell::new(2, 0), Some(1.0));
     }
 
@@ -239,7 +240,7 @@ mod tests {
         fn agrees_with_brute_force(
             (columns, rows, kinds) in (1usize..9, 1usize..9)
                 .prop_flat_map(|(columns, rows)| (Just(columns), Just(rows), prop::collection::vec(0u8..6, columns * rows))),
-            ends in (0usize..81, 0usize..81),
+            end_indices in (0usize..81, 0usize..81),
         ) {
             let frame = Frame::new(Point::origin(), 0.5, columns, rows);
             let map = Grid::from_fn(frame, |cell| match kinds[cell.row * columns + cell.column] {
@@ -248,7 +249,7 @@ mod tests {
                 _ => Some(1.0),
             });
             let cell = |index: usize| Cell::new(index % columns, index / columns % rows);
-            let (start, goal) = (cell(ends.0), cell(ends.1));
+            let (start, goal) = (cell(end_indices.0), cell(end_indices.1));
             let expected = brute_force(&map, start);
             let is_close = |a: f64, b: f64| a == b || (a - b).abs() < 1e-9;
             for (cell, cost) in costs(&frame, |cell| map[cell], start).iter() {

@@ -1,14 +1,14 @@
 //! Exact Euclidean distance transform: the distance of each cell of a grid from the nearest feature cell.
 //!
-//! Two passes in integers, so nothing is rounded: the distance along each column, then in each row the lower envelope of the
-//! parabolas over these distances. Linear in the number of cells.
+//! Two passes in integers, without rounding: the distance along each column, then in each row the lower envelope of parabolas whose
+//! minima are the squares of these distances. The time is linear in the number of cells.
 //!
-//! Source: Meijster, Roerdink & Hesselink 2000, "A general algorithm for computing distance transforms in linear time"; the same
-//! parabolas, in floating point, are those of Felzenszwalb & Huttenlocher 2012.
+//! Source: Meijster, Roerdink & Hesselink 2000, "A general algorithm for computing distance transforms in linear time"; Felzenszwalb
+//! & Huttenlocher 2012 use the same parabolas in floating point.
 
 use crate::grid::{Cell, Frame, Grid};
 
-/// Distance in metres from the middle of each cell to the middle of the nearest cell for which `is_feature` holds; 0 for feature
+/// Distance in metres from the middle of each cell to the middle of the nearest cell for which `is_feature` returns true; 0 for feature
 /// cells, infinite if there is no feature.
 ///
 /// The distance to the *edge* of the nearest feature cell is shorter, by up to half of a cell's diagonal.
@@ -20,7 +20,7 @@ pub fn distances<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> Grid<f64
     })
 }
 
-/// Exact square of the distance in cells; `None` if there is no feature.
+/// Exact square of the distance from each cell to the nearest feature cell, in cells; `None` if there is no feature.
 pub fn squared_in_cells<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> Grid<Option<u64>> {
     let frame = *grid.frame();
     let column_distances = along_columns(grid, is_feature);
@@ -35,7 +35,7 @@ pub fn squared_in_cells<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> G
     squares
 }
 
-/// Number of rows to the nearest feature of the same column.
+/// Number of rows from each cell to the nearest feature of the same column; `None` without one.
 fn along_columns<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> Grid<Option<i64>> {
     let frame: Frame = *grid.frame();
     let mut distances = Grid::new(frame, None);
@@ -47,27 +47,28 @@ fn along_columns<T>(grid: &Grid<T>, is_feature: impl Fn(&T) -> bool) -> Grid<Opt
     distances
 }
 
+/// Lowers `distances` to the number of cells since the last feature on `line`.
 fn sweep<T>(
     grid: &Grid<T>,
     is_feature: impl Fn(&T) -> bool,
     distances: &mut Grid<Option<i64>>,
     line: impl Iterator<Item = Cell>,
 ) {
-    let mut since: Option<i64> = None;
+    let mut steps_since: Option<i64> = None;
     for cell in line {
-        since = if is_feature(&grid[cell]) { Some(0) } else { since.map(|steps| steps + 1) };
-        distances[cell] = match (distances[cell], since) {
+        steps_since = if is_feature(&grid[cell]) { Some(0) } else { steps_since.map(|steps| steps + 1) };
+        distances[cell] = match (distances[cell], steps_since) {
             (Some(old), Some(new)) => Some(old.min(new)),
             (old, new) => old.or(new),
         };
     }
 }
 
-/// Least (x - i)^2 + heights[i]^2 for each column x; columns without a height give no parabola.
+/// Minimum over i of (x - i)^2 + heights[i]^2 for each column x; a column i without a height is left out.
 fn lower_envelope(heights: &[Option<i64>]) -> Vec<Option<u64>> {
-    let value = |x: i64, (at, height): (i64, i64)| (x - at) * (x - at) + height * height;
-    // The last column at which the parabola of `left` is not above that of `right`.
-    let last_of = |left: (i64, i64), right: (i64, i64)| {
+    let value = |x: i64, (centre, height): (i64, i64)| (x - centre) * (x - centre) + height * height;
+    // The last column at which the parabola `left` is not above the parabola `right`; a parabola is (centre, height).
+    let last_column = |left: (i64, i64), right: (i64, i64)| {
         let difference = right.0 * right.0 - left.0 * left.0 + right.1 * right.1 - left.1 * left.1;
         difference.div_euclid(2 * (right.0 - left.0))
     };
@@ -79,7 +80,7 @@ fn lower_envelope(heights: &[Option<i64>]) -> Vec<Option<u64>> {
         while envelope.last().is_some_and(|&(top, first)| value(first, top) > value(first, new)) {
             envelope.pop();
         }
-        let first = envelope.last().map_or(0, |&(top, _)| last_of(top, new) + 1);
+        let first = envelope.last().map_or(0, |&(top, _)| last_column(top, new) + 1);
         if first < heights.len() as i64 {
             envelope.push((new, first));
         }
@@ -111,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn distances_are_in_metres_and_infinite_without_a_feature() {
+    fn distances_are_metric_and_infinite_without_a_feature() {
         let frame = Frame::new(Point::origin(), 0.1, 5, 4);
         let mut grid = Grid::new(frame, false);
         assert!(distances(&grid, |is_feature| *is_feature).values().iter().all(|distance| distance.is_infinite()));

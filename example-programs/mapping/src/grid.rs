@@ -1,6 +1,6 @@
-//! Maps of square cells, and pictures of them.
+//! Grid maps with square cells, and pictures of them.
 //!
-//! A [`Frame`] gives position, extent and resolution of the cells in the world; a [`Grid`] holds a value for each. The column index
+//! A [`Frame`] defines position, size and number of the cells in the world; a [`Grid`] stores a value for each cell. The column index
 //! increases with x and the row index with y, both from the frame's origin, its minimum corner. A cell includes its lower and left
 //! edges, not its upper and right ones.
 
@@ -21,7 +21,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// The cell of a column and a row.
+    /// The cell in a column and a row.
     pub fn new(column: usize, row: usize) -> Self {
         Self { column, row }
     }
@@ -34,7 +34,7 @@ impl Cell {
     }
 }
 
-/// Position, size and number of a grid's cells in the world.
+/// Position, size and number of the cells of a grid.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Frame {
     origin: Point,
@@ -85,12 +85,12 @@ impl Frame {
         self.rows
     }
 
-    /// Returns true if the cell lies in the grid.
+    /// Returns true if the frame contains the cell.
     pub fn has(&self, cell: Cell) -> bool {
         cell.column < self.columns && cell.row < self.rows
     }
 
-    /// The cell in which a point lies; `None` beyond the grid.
+    /// The cell that contains a point; `None` outside the grid.
     pub fn cell_at(&self, point: Point) -> Option<Cell> {
         let in_cells = self.in_cells(point);
         let inside = |coordinate: f64, count: usize| (0.0..count as f64).contains(&coordinate);
@@ -98,12 +98,12 @@ impl Frame {
             .then(|| Cell::new(in_cells.x as usize, in_cells.y as usize))
     }
 
-    /// A point in units of cells from the grid's origin: (0.5, 0.5) is the middle of the first cell.
+    /// Converts a point to units of cells, relative to the grid's origin: (0.5, 0.5) is the middle of the first cell.
     pub fn in_cells(&self, point: Point) -> Point {
         Point::from((point - self.origin) / self.cell_size)
     }
 
-    /// The middle of a cell, in metres; also for cells beyond the grid.
+    /// The middle of a cell, in metres; also for cells outside the grid.
     pub fn centre(&self, cell: Cell) -> Point {
         let middle = |index: usize| (index as f64 + 0.5) * self.cell_size;
         Point::new(self.origin.x + middle(cell.column), self.origin.y + middle(cell.row))
@@ -118,25 +118,25 @@ impl Frame {
     /// The cells whose middle is at most `radius` metres from `point`, row by row.
     pub fn disc(&self, point: Point, radius: f64) -> impl Iterator<Item = Cell> + use<> {
         let frame = *self;
-        let at = self.in_cells(point);
+        let centre = self.in_cells(point);
         let span = |middle: f64, count: usize| {
-            let reach = radius / frame.cell_size + 0.5;
+            let half_width = radius / frame.cell_size + 0.5;
             let bound = |coordinate: f64| coordinate.clamp(0.0, count as f64) as usize;
-            bound((middle - reach).floor())..bound((middle + reach).ceil())
+            bound((middle - half_width).floor())..bound((middle + half_width).ceil())
         };
-        let (columns, rows) = (span(at.x, self.columns), span(at.y, self.rows));
+        let (columns, rows) = (span(centre.x, self.columns), span(centre.y, self.rows));
         rows.flat_map(move |row| columns.clone().map(move |column| Cell { column, row }))
             .filter(move |cell| (frame.centre(*cell) - point).norm() <= radius)
     }
 
     /// The up to eight neighbours of a cell: right, upper right, and so on counter-clockwise.
     pub fn neighbours(&self, cell: Cell) -> impl Iterator<Item = Cell> + use<> {
-        const AROUND: [(i64, i64); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+        const OFFSETS: [(i64, i64); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
         let frame = *self;
-        AROUND
+        OFFSETS
             .into_iter()
             .filter_map(move |(columns, rows)| cell.offset(columns, rows))
-            .filter(move |at| frame.has(*at))
+            .filter(move |neighbour| frame.has(*neighbour))
     }
 
     fn index(&self, cell: Cell) -> usize {
@@ -153,7 +153,7 @@ pub struct Grid<T> {
 }
 
 impl<T> Grid<T> {
-    /// Calls `value` for each cell, row by row, and stores the results.
+    /// A grid with the values that `value` returns for the cells, called row by row.
     pub fn from_fn(frame: Frame, value: impl FnMut(Cell) -> T) -> Self {
         Self { values: frame.cells().map(value).collect(), frame }
     }
@@ -163,17 +163,17 @@ impl<T> Grid<T> {
         &self.frame
     }
 
-    /// The value of a cell; `None` beyond the grid.
+    /// The value of a cell; `None` outside the grid.
     pub fn get(&self, cell: Cell) -> Option<&T> {
         self.frame.has(cell).then(|| &self[cell])
     }
 
-    /// Mutable access to the value of a cell; `None` beyond the grid.
+    /// Mutable access to the value of a cell; `None` outside the grid.
     pub fn get_mut(&mut self, cell: Cell) -> Option<&mut T> {
         if self.frame.has(cell) { Some(&mut self[cell]) } else { None }
     }
 
-    /// The value at a point, in metres; `None` beyond the grid.
+    /// The value at a point, in metres; `None` outside the grid.
     pub fn at(&self, point: Point) -> Option<&T> {
         self.frame.cell_at(point).map(|cell| &self[cell])
     }
@@ -193,13 +193,13 @@ impl<T> Grid<T> {
         &mut self.values
     }
 
-    /// A grid of the same frame with `change` applied to each value.
+    /// A grid of the same frame whose values are the results of `change`.
     pub fn map<U>(&self, change: impl FnMut(&T) -> U) -> Grid<U> {
         Grid { frame: self.frame, values: self.values.iter().map(change).collect() }
     }
 
-    /// A picture with the colour of each cell (red, green, blue) as a square of `pixels` x `pixels`; x to the right, y to the
-    /// top.
+    /// A picture that shows each cell as a square of `pixels` x `pixels` in its colour (red, green, blue), with x to the right and y
+    /// to the top.
     ///
     /// # Panics
     /// If `pixels` is 0 or the picture has more than 2^32 pixels a side.
@@ -245,7 +245,7 @@ pub fn grey(probability: f64) -> [u8; 3] {
 /// A picture as the bytes of a PNG file.
 ///
 /// # Errors
-/// If the encoder refuses the picture, e.g. one without pixels.
+/// If the picture cannot be encoded, e.g. if it has no pixels.
 pub fn png(picture: &RgbImage) -> Result<Vec<u8>, ImageError> {
     let mut bytes = Cursor::new(Vec::new());
     picture.write_to(&mut bytes, ImageFormat::Png)?;
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_half_open_at_their_upper_and_right_edges() {
+    fn cells_exclude_their_upper_and_right_edges() {
         let check = |x, y, expected| assert_eq!(frame().cell_at(Point::new(x, y)), expected, "({x}, {y})");
         check(-1.0, 2.0, Some(Cell::new(0, 0)));
         check(-0.5, 2.49, Some(Cell::new(1, 0)));
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_of_a_cell_lies_in_it() {
+    fn cell_at_inverts_centre() {
         assert_eq!(frame().centre(Cell::new(3, 0)), Point::new(0.75, 2.25));
         for cell in frame().cells() {
             assert_eq!(frame().cell_at(frame().centre(cell)), Some(cell));
@@ -281,13 +281,13 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_covers_the_rectangle_and_no_more() {
+    fn covering_gives_the_smallest_frame() {
         let covering = |width, size| Frame::covering(Point::origin(), Point::new(width, 1.0), size).columns();
         assert_eq!((covering(4.0, 0.05), covering(4.01, 0.05), covering(0.3, 0.1), covering(0.0, 0.1)), (80, 81, 3, 1));
     }
 
     #[test]
-    fn a_disc_is_all_cells_whose_middle_is_near() {
+    fn disc_contains_the_cells_with_near_middles() {
         for (x, y, radius) in [(0.1, 2.9, 0.6), (-1.2, 2.0, 0.8), (5.0, 2.0, 0.5), (0.25, 2.25, 0.0)] {
             let point = Point::new(x, y);
             let expected: Vec<Cell> =
@@ -297,14 +297,14 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_stay_within_the_grid() {
+    fn neighbours_are_inside_the_grid() {
         assert_eq!(frame().neighbours(Cell::new(1, 1)).count(), 8);
         let corner = [Cell::new(1, 0), Cell::new(1, 1), Cell::new(0, 1)];
         assert_eq!(frame().neighbours(Cell::new(0, 0)).collect::<Vec<_>>(), corner);
     }
 
     #[test]
-    fn pictures_have_y_up() {
+    fn pictures_show_y_upwards() {
         let mut grid = Grid::new(frame(), 0.0);
         grid[Cell::new(3, 0)] = 1.0;
         let picture = grid.picture(2, |value| grey(*value));
@@ -313,8 +313,8 @@ mod tests {
             let (black, white) = (Rgb([0; 3]), Rgb([255; 3]));
             (black, black, white, white)
         });
-        let read = image::load_from_memory(&png(&picture).expect("encodes")).expect("decodes");
-        assert_eq!(read.to_rgb8(), picture);
+        let decoded = image::load_from_memory(&png(&picture).expect("encodes")).expect("decodes");
+        assert_eq!(decoded.to_rgb8(), picture);
     }
 
     #[test]

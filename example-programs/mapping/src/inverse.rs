@@ -19,13 +19,13 @@ pub struct SonarPose {
 }
 
 impl SonarPose {
-    /// At `origin`, looking to `yaw` (counter-clockwise from x) and up by `pitch`, rad.
+    /// Pose at `origin` with the line of sight at `yaw` (counter-clockwise from x) and `pitch` (upwards), rad.
     pub fn new(origin: Vector3<f64>, yaw: f64, pitch: f64) -> Self {
         let horizontal = math::cos(pitch);
         Self { origin, axis: Vector3::new(horizontal * math::cos(yaw), horizontal * math::sin(yaw), math::sin(pitch)) }
     }
 
-    /// The point `distance` m ahead.
+    /// The point on the line of sight at `distance` m.
     pub fn ahead(&self, distance: f64) -> Vector3<f64> {
         self.origin + self.axis * distance
     }
@@ -41,9 +41,9 @@ impl SonarPose {
 /// Choice between the two points at which a vertical line meets the sphere of a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// The point with the greater membership, the lower one of equals: the supremum of the paper.
+    /// The point with the greater membership, or the lower one if both are equal: the supremum of the paper.
     MostPossible,
-    /// The lower point, however high the sonar looks: the ground is no higher than that (our choice).
+    /// The lower point, whatever the pitch of the sonar: the ground is no higher than that (our choice).
     Lower,
 }
 
@@ -54,10 +54,10 @@ pub struct SonarModel {
     pub half_angle: f64,
     /// Maximum error of a reading as a fraction of it: two standard deviations of the Gaussian over r (our choice).
     pub epsilon: f64,
-    /// Maximum distance that it measures, m: r_max.
+    /// Maximum distance that the sonar measures, m: r_max.
     pub max: f64,
-    /// Memberships below this count as 0.
-    pub least: f64,
+    /// Memberships below this value are treated as 0.
+    pub min_membership: f64,
 }
 
 /// Projection of a reading's fuzzy set at a point of the plane.
@@ -74,10 +74,10 @@ impl SonarModel {
     ///
     /// Readings within 3 % and a cut at a membership of 0.05: our choice.
     pub fn srf08() -> Self {
-        Self { half_angle: 27.5 / 180.0 * PI, epsilon: 0.03, max: 6.0, least: 0.05 }
+        Self { half_angle: 27.5 / 180.0 * PI, epsilon: 0.03, max: 6.0, min_membership: 0.05 }
     }
 
-    /// Membership of the angle `alpha` (rad) from the line of sight in the set A: the gain, a Gaussian; 0 beyond a right angle.
+    /// Membership of the angle `alpha` (rad) from the line of sight in the set A: the beam gain, a Gaussian; 0 beyond a right angle.
     pub fn membership_of_alpha(&self, alpha: f64) -> f64 {
         let ratio = alpha / self.half_angle;
         if alpha > FRAC_PI_2 { 0.0 } else { math::exp(-2.0 * LN_2 * ratio * ratio) }
@@ -98,7 +98,7 @@ impl SonarModel {
         math::exp(-0.5 * ratio * ratio)
     }
 
-    /// Membership of a point in the set S of a reading (Eq. 2): the product of all three.
+    /// Membership of a point in the set S of a reading (Eq. 2): the product of the memberships in A, B and R.
     pub fn membership(&self, sonar: &SonarPose, measured: f64, point: &Vector3<f64>) -> f64 {
         let r = (point - sonar.origin).norm();
         self.membership_of_alpha(sonar.angle_to(point))
@@ -106,36 +106,37 @@ impl SonarModel {
             * self.membership_of_r(r, measured)
     }
 
-    /// Shadow of a reading at the point (x, y) of the plane: the supremum of S over z. R is taken as exact, so S is a spherical cap, of
-    /// which `side` chooses a point. `None` if the membership is below [`least`](Self::least).
+    /// Shadow of a reading at the point (x, y) of the plane: the supremum of S over z. The distance is taken as exact, so S is a spherical
+    /// cap, of which `side` chooses a point. `None` if the membership is below [`min_membership`](Self::min_membership).
     ///
     /// Source: Gois and Hiller, section 3 (R neglected, the projection in closed form).
     pub fn shadow(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, side: Side) -> Option<Shadow> {
         let (cosine, height) = cap_point(sonar, measured, x, y, side)?;
         let membership = self.membership_of_alpha(math::acos(cosine));
-        (membership >= self.least).then_some(Shadow { membership, height })
+        (membership >= self.min_membership).then_some(Shadow { membership, height })
     }
 
-    /// Shadow that includes R: the supremum of S over `steps` heights around the cap. For comparison: it costs `steps` times as much.
+    /// Shadow with the errors of the distance (R): the supremum of S over `steps` heights around the cap. It serves as a comparison, since
+    /// it costs `steps` times as much.
     pub fn shadow_with_range(&self, sonar: &SonarPose, measured: f64, x: f64, y: f64, steps: usize) -> Option<Shadow> {
-        let reach = measured * (1.0 + 2.0 * self.epsilon);
-        let height = |step: usize| sonar.origin.z + reach * (2.0 * step as f64 / steps as f64 - 1.0);
+        let max_distance = measured * (1.0 + 2.0 * self.epsilon);
+        let height = |step: usize| sonar.origin.z + max_distance * (2.0 * step as f64 / steps as f64 - 1.0);
         (0..=steps)
             .map(|step| {
                 let point = Vector3::new(x, y, height(step));
                 Shadow { membership: self.membership(sonar, measured, &point), height: point.z }
             })
             .max_by(|a, b| a.membership.total_cmp(&b.membership))
-            .filter(|shadow| shadow.membership >= self.least)
+            .filter(|shadow| shadow.membership >= self.min_membership)
     }
 
-    /// Angle from the line of sight at which the membership in A is [`least`](Self::least), rad.
+    /// Angle from the line of sight at which the membership in A is [`min_membership`](Self::min_membership), rad.
     pub fn aperture(&self) -> f64 {
-        (self.half_angle * (-math::ln(self.least) / (2.0 * LN_2)).sqrt()).min(FRAC_PI_2)
+        (self.half_angle * (-math::ln(self.min_membership) / (2.0 * LN_2)).sqrt()).min(FRAC_PI_2)
     }
 
-    /// Minimum and maximum x and y, as fractions of a distance, that points within the aperture have at up to this distance, relative to the
-    /// sonar; a little more, so that rounding excludes none.
+    /// Minimum and maximum of x and of y, relative to the sonar, of the points within the aperture up to a distance, as fractions of this
+    /// distance. The intervals are slightly larger, so that rounding excludes no point.
     pub(crate) fn extents(&self, sonar: &SonarPose) -> [[f64; 2]; 2] {
         let aperture = self.aperture();
         let max_component = |along: f64| {
@@ -146,8 +147,8 @@ impl SonarModel {
     }
 }
 
-/// Point above or below (x, y) of the cap of a reading, if the cap is there and before the sonar: the cosine of its angle from the line of
-/// sight, above 0, and its height, m.
+/// Point above or below (x, y) on the cap of a reading, as the cosine of its angle from the line of sight and its height in m. `None` if
+/// there is no such point or if the cosine is not above 0.
 pub fn cap_point(sonar: &SonarPose, measured: f64, x: f64, y: f64, side: Side) -> Option<(f64, f64)> {
     let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
     let square = measured * measured - dx * dx - dy * dy;
@@ -169,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn sets_are_1_where_the_reading_is_and_fall_as_stated() {
+    fn memberships_are_1_at_the_reading_and_fall_as_defined() {
         let model = SonarModel::srf08();
         assert_eq!(model.membership_of_alpha(0.0), 1.0);
         assert!((model.membership_of_alpha(model.half_angle) - 0.25).abs() < 1e-15);
@@ -177,17 +178,17 @@ mod tests {
         assert_eq!(model.membership_of_r(2.0, 2.0), 1.0);
         assert!((model.membership_of_r(2.06, 2.0) - math::exp(-2.0)).abs() < 1e-12);
         assert_eq!(model.membership_of_r(6.1, 6.1), 0.0);
-        assert!((model.membership_of_alpha(model.aperture()) - model.least).abs() < 1e-12);
+        assert!((model.membership_of_alpha(model.aperture()) - model.min_membership).abs() < 1e-12);
         let sonar = down(3.0);
         assert_eq!(model.membership(&sonar, 2.0, &sonar.ahead(2.0)), 1.0);
     }
 
     #[test]
-    fn the_shadow_of_a_sonar_that_looks_down_is_a_cap() {
+    fn shadow_of_a_downward_sonar_is_a_cap() {
         let model = SonarModel::srf08();
         let middle = model.shadow(&down(3.0), 2.0, 0.0, 0.0, Side::MostPossible).unwrap();
         assert!((middle.membership - 1.0).abs() < 1e-12 && (middle.height - 1.0).abs() < 1e-12);
-        // 0.6, 0.8, 1 in thirds: the cap rises to its rim.
+        // At 0.6 m from the axis the cap of radius 2 m is higher than in its middle.
         let off_axis = model.shadow(&down(3.0), 2.0, 0.0, 1.2 * 0.5, Side::MostPossible).unwrap();
         assert!((off_axis.height - (3.0 - (4.0f64 - 0.36).sqrt())).abs() < 1e-12);
         assert!((off_axis.membership - model.membership_of_alpha(math::asin(0.3))).abs() < 1e-12);
@@ -196,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn the_shadow_of_a_level_sonar_is_a_crescent_whose_lower_side_counts() {
+    fn shadow_of_a_level_sonar_is_a_crescent_with_the_lower_heights() {
         let model = SonarModel::srf08();
         let level = SonarPose::new(Vector3::new(0.0, 0.0, 1.0), 0.0, 0.0);
         let tip = model.shadow(&level, 2.0, 2.0, 0.0, Side::MostPossible).unwrap();
@@ -206,9 +207,9 @@ mod tests {
         assert_eq!(model.shadow(&level, 2.0, -2.0, 0.0, Side::MostPossible), None);
     }
 
-    /// Neglecting R changes little, within R's own width, which is the paper's reason for it.
+    /// Neglecting R changes the height by less than the width of R: the paper's reason for neglecting it.
     #[test]
-    fn with_the_range_it_is_nearly_the_same_where_the_beam_falls_steeply() {
+    fn neglecting_range_errors_changes_little_for_steep_beams() {
         let model = SonarModel::srf08();
         for (yaw, pitch) in [(0.0, -FRAC_PI_2), (0.4, -1.2), (1.0, -0.9)] {
             let sonar = SonarPose::new(Vector3::new(0.3, -0.2, 2.5), yaw, pitch);

@@ -1,7 +1,7 @@
-//! Map of the ground around a robot: a TSK surface that moves with the body.
+//! Map of the ground around a robot: a TSK height map that moves with the robot.
 //!
 //! Source: Gois and Hiller, section 3. The axes of the map are parallel to those of odometry, and the map moves by whole cells, so
-//! nothing is ever resampled (our choice).
+//! heights are never resampled (our choice).
 
 use crate::grid::{Frame, Grid};
 use crate::inverse::{SonarModel, SonarPose};
@@ -9,7 +9,7 @@ use crate::math;
 use crate::pose::Point;
 use crate::tsk::{Activation, Partition, Settings, Tsk};
 
-/// A square of ground; the body is in its middle cell.
+/// A square height map; the robot is in its middle cell.
 #[derive(Clone, Debug)]
 pub struct LocalMap {
     tsk: Tsk,
@@ -30,18 +30,18 @@ pub struct Patch {
 }
 
 impl LocalMap {
-    /// A map around (0, 0), of cells with the side `cell` m that reach at least `reach` m to every side.
+    /// A map around (0, 0) with cells of the side `cell` m. Its sides are at least `half_side` m from (0, 0).
     ///
     /// # Panics
     /// As [`Tsk::new`].
-    pub fn new(cell: f64, reach: f64, model: SonarModel, settings: Settings) -> Self {
-        let half = (reach / cell).ceil() as i64;
+    pub fn new(cell: f64, half_side: f64, model: SonarModel, settings: Settings) -> Self {
+        let half = (half_side / cell).ceil() as i64;
         let side = 2 * half as usize + 1;
         let partition = Partition { cell, columns: side, rows: side, low: (-half, -half) };
         Self { tsk: Tsk::new(partition, settings), model }
     }
 
-    /// Moves the map along with a body that is now at (x, y); cells that fall out are forgotten.
+    /// Moves the map with the robot, which is now at (x, y); the estimates of cells that leave the map are discarded.
     pub fn follow(&mut self, x: f64, y: f64) {
         let partition = *self.tsk.partition();
         let (column, row) = partition.cell_index(x, y);
@@ -59,33 +59,33 @@ impl LocalMap {
         self.tsk.fuse(&self.model, sonar, measured)
     }
 
-    /// Lowers the ground before a sonar: nothing higher than `height` m stands nearer than `distance` m within `half_angle` rad to both
-    /// sides of its line of sight, else the sonar would have heard it. Each cell that is estimated to be higher takes this height as a
-    /// reading, weighted by the squared gain of the beam (there and back).
+    /// Lowers the ground in front of a sonar whose line of sight is about level. A surface higher than `height` m that is nearer than
+    /// `distance` m, within `half_angle` rad to both sides of the line of sight, would have caused an echo. For each cell there that is
+    /// estimated to be higher, this height is added as a reading, weighted by the squared beam gain (there and back).
     ///
     /// The use of readings as evidence of empty space comes from occupancy maps (Moravec and Elfes 1985; Oriolo, Ulivi and Venditelli
-    /// 1999); Gois and Hiller have only the set of occupied points. For sonars that look about level.
+    /// 1999); Gois and Hiller use readings only as evidence of occupied points.
     ///
     /// # Panics
     /// If a number is not finite.
     pub fn clear(&mut self, sonar: &SonarPose, distance: f64, half_angle: f64, height: f64) {
         let partition = *self.tsk.partition();
         let yaw = math::atan2(sonar.axis.y, sonar.axis.x);
-        // The cell of the echo is not before it.
-        let before = distance - partition.cell;
-        for index in partition.cells_around(sonar.origin.x, sonar.origin.y, before.max(0.0)) {
+        // The cell of the echo itself is not cleared.
+        let free_distance = distance - partition.cell;
+        for index in partition.cells_around(sonar.origin.x, sonar.origin.y, free_distance.max(0.0)) {
             let Some(slot) = partition.slot(index) else { continue };
             let (x, y) = partition.centre(index);
             let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
-            let turn = math::atan2(dy, dx) - yaw;
-            let off_axis_angle = math::atan2(math::sin(turn), math::cos(turn)).abs();
-            if off_axis_angle > half_angle || math::hypot(dx, dy) > before {
+            let bearing = math::atan2(dy, dx) - yaw;
+            let off_axis_angle = math::atan2(math::sin(bearing), math::cos(bearing)).abs();
+            if off_axis_angle > half_angle || math::hypot(dx, dy) > free_distance {
                 continue;
             }
             if self.tsk.height(x, y).is_some_and(|estimate| estimate > height) {
                 let gain = self.model.membership_of_alpha(off_axis_angle);
                 let activation = Activation { cell_index: index, slot, weight: 1.0, x, y, height };
-                self.tsk.take_one(&activation, gain * gain);
+                self.tsk.add_height(&activation, gain * gain);
             }
         }
     }
@@ -113,7 +113,7 @@ impl LocalMap {
         Grid::from_fn(frame, |cell| patches[cell.row * partition.columns + cell.column])
     }
 
-    /// The surface.
+    /// The height map as a TSK system.
     pub fn surface(&self) -> &Tsk {
         &self.tsk
     }
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_goes_along_and_keeps_what_stays_in_it() {
+    fn follow_keeps_cells_that_stay_in_the_map() {
         let mut map = LocalMap::new(0.5, 2.0, SonarModel::srf08(), Settings::default());
         assert_eq!(map.patches().count(), 81);
         map.follow(10.1, -3.2);
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_before_an_echo_is_cleared_within_the_angle() {
+    fn clear_lowers_cells_nearer_than_the_echo_within_the_angle() {
         let mut map = LocalMap::new(0.5, 5.0, SonarModel::srf08(), Settings::default());
         let high = SonarPose::new(Vector3::new(3.25, 0.25, 3.0), 0.0, -FRAC_PI_2);
         let aside = SonarPose::new(Vector3::new(2.25, 3.25, 3.0), 0.0, -FRAC_PI_2);
@@ -170,9 +170,9 @@ mod tests {
         assert!(heights(&map).0 < 0.4 && heights(&map).1 > 0.5, "{:?}", heights(&map));
     }
 
-    /// A level sonar raises the map at its echo, and nothing before it.
+    /// A level sonar raises the map at its echo and not in front of it.
     #[test]
-    fn an_obstacle_ahead_stands_out_of_the_free_ground_before_it() {
+    fn obstacle_is_higher_than_the_free_ground_in_front_of_it() {
         let settings = Settings { floor: 0.0, ..Settings::default() };
         let mut map = LocalMap::new(0.5, 5.0, SonarModel::srf08(), settings);
         for step in 0..40 {

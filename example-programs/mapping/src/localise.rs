@@ -1,14 +1,14 @@
 //! Corrects a pose from odometry by comparing readings with a map.
 //!
 //! A [`Belief`] is a normal distribution of the robot's pose. [`Belief::moved`] adds a motion measured by odometry, with its errors.
-//! [`Belief::corrected`] multiplies it by the likelihood of a scan at each pose around, and takes mean and covariance of the
-//! product. A direction in which the scan says nothing (along a corridor) keeps the mean and the variance of odometry; no threshold
-//! decides this. The likelihood is a [`PoseLikelihood`]: that of points on a map, or that of sonar ranges
-//! ([`measurement`](crate::measurement)).
+//! [`Belief::corrected`] multiplies the distribution by the likelihood of a scan at a grid of poses around its mean; the result is the mean
+//! and the covariance of the product. In a direction without information in the scan (along a corridor), the mean and the variance
+//! of odometry remain, without any threshold. [`measurement`](crate::measurement) has two [`PoseLikelihood`]s: of points on surfaces and of
+//! sonar ranges.
 //!
 //! Source: Olson 2009, "Real-time correlative scan matching", sections III (product of likelihood and odometry over a grid of
 //! poses) and III.E (covariance from the grid); motion: Thrun, Burgard & Fox 2005, section 5.4. The window that follows the
-//! distribution instead of a fixed pyramid is our choice.
+//! distribution, instead of a fixed pyramid of grids, is our choice.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -21,7 +21,7 @@ pub trait PoseLikelihood {
     fn at(&self, position: Point, headings: &[f64]) -> Vec<f64>;
 }
 
-/// Errors of odometry: standard deviations that grow with the motion.
+/// Errors of odometry: standard deviations in proportion to the motion.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct OdometryNoise {
     /// Error of the heading per angle turned, rad/rad.
@@ -41,16 +41,17 @@ pub struct Belief {
     pub covariance: Matrix3<f64>,
 }
 
-/// Half of the window in which poses are compared, in standard deviations.
+/// Half width of the window of poses, in standard deviations.
 const WINDOW: f64 = 3.0;
-/// Poses along x and y: steps of 0.75 standard deviations, with which the moments of a normal distribution are exact to 1e-4.
+/// Number of positions along x and along y. The steps are 0.75 standard deviations, at which the moments of a normal distribution are exact
+/// to 1e-4.
 const POSITIONS: usize = 9;
-/// Headings.
+/// Number of headings.
 const HEADINGS: usize = 13;
-/// Maximum number of windows, each around the mean of the one before.
+/// Maximum number of windows; each is centred at the mean of the previous one.
 const WINDOWS: usize = 4;
-/// Least standard deviations of x, y (m) and heading (rad): finer differences have no effect on a map.
-const LEAST: [f64; 3] = [5e-4, 5e-4, 5e-4];
+/// Minimum standard deviations of x, y (m) and heading (rad); smaller differences have no effect on a map.
+const MIN_SIGMAS: [f64; 3] = [5e-4, 5e-4, 5e-4];
 
 impl Belief {
     /// A pose that is known exactly.
@@ -64,23 +65,25 @@ impl Belief {
         let mean = self.mean.then(&step);
         let offset = rotated(step.position.coords, self.mean.heading);
         let distance = offset.norm();
-        // An error of the heading before the motion swings its end around; half of the error of this motion does.
+        // The end of the motion turns about its start: by the heading error before the motion, and by half of the heading error of the
+        // motion.
         let lever = Vector3::new(-offset.y, offset.x, 0.0);
         let jacobian = Matrix3::new(1.0, 0.0, lever.x, 0.0, 1.0, lever.y, 0.0, 0.0, 1.0);
-        let turned = math::hypot(noise.turn * step.heading, noise.drift * distance);
-        let swing = 0.5 * lever + Vector3::new(0.0, 0.0, 1.0);
-        let slipped = (noise.distance * distance).powi(2);
+        let heading_sigma = math::hypot(noise.turn * step.heading, noise.drift * distance);
+        let heading_effect = 0.5 * lever + Vector3::new(0.0, 0.0, 1.0);
+        let position_variance = (noise.distance * distance).powi(2);
         let covariance = jacobian * self.covariance * jacobian.transpose()
-            + swing * swing.transpose() * turned.powi(2)
-            + Matrix3::from_diagonal(&Vector3::new(slipped, slipped, 0.0));
+            + heading_effect * heading_effect.transpose() * heading_sigma.powi(2)
+            + Matrix3::from_diagonal(&Vector3::new(position_variance, position_variance, 0.0));
         Self { mean, covariance }
     }
 
     /// Distribution after a scan: mean and covariance of the product of this distribution and the scan's likelihood.
     pub fn corrected(&self, scan: &impl PoseLikelihood) -> Self {
-        let prior = self.covariance + Matrix3::from_diagonal(&Vector3::from(LEAST.map(|least| least * least)));
+        let prior = self.covariance + Matrix3::from_diagonal(&Vector3::from(MIN_SIGMAS.map(|sigma| sigma * sigma)));
         let Some(information) = prior.try_inverse() else { return *self };
-        let mut window = Window { middle: self.mean, half: prior.diagonal().map(|variance| WINDOW * variance.sqrt()) };
+        let mut window =
+            Window { middle: self.mean, half_widths: prior.diagonal().map(|variance| WINDOW * variance.sqrt()) };
         let mut found = *self;
         for _ in 0..WINDOWS {
             let (belief, is_fine) = window.moments(&self.mean, &information, scan);
@@ -91,32 +94,37 @@ impl Belief {
             let steps = window.steps();
             window.middle = belief.mean;
             for axis in 0..3 {
-                // The grid cannot show deviations below half of its step.
+                // Half a step is added, since the grid cannot resolve smaller deviations.
                 let sigma = math::hypot(belief.covariance[(axis, axis)].sqrt(), 0.5 * steps[axis]);
-                window.half[axis] = window.half[axis].min(WINDOW * sigma.max(LEAST[axis]));
+                window.half_widths[axis] = window.half_widths[axis].min(WINDOW * sigma.max(MIN_SIGMAS[axis]));
             }
         }
         found
     }
 }
 
-/// Poses that are compared: a grid around the middle.
+/// A grid of poses around `middle`.
 struct Window {
     middle: Pose,
-    half: Vector3<f64>,
+    half_widths: Vector3<f64>,
 }
 
 impl Window {
+    /// Steps of the grid along x, y and heading.
     fn steps(&self) -> Vector3<f64> {
         let intervals = |count: usize| (count - 1) as f64;
-        (2.0 * self.half).component_div(&Vector3::new(intervals(POSITIONS), intervals(POSITIONS), intervals(HEADINGS)))
+        (2.0 * self.half_widths).component_div(&Vector3::new(
+            intervals(POSITIONS),
+            intervals(POSITIONS),
+            intervals(HEADINGS),
+        ))
     }
 
-    /// Mean and covariance over the grid, and whether the grid is fine enough for them: the steps are at most a standard deviation.
+    /// Mean and covariance over the grid, and whether the grid is fine enough: whether its steps are at most a standard deviation.
     fn moments(&self, prior: &Pose, information: &Matrix3<f64>, scan: &impl PoseLikelihood) -> (Belief, bool) {
         let steps = self.steps();
         let offsets = |axis: usize, count: usize| {
-            (0..count).map(move |index| index as f64 * steps[axis] - self.half[axis]).collect::<Vec<f64>>()
+            (0..count).map(move |index| index as f64 * steps[axis] - self.half_widths[axis]).collect::<Vec<f64>>()
         };
         let turns = offsets(2, HEADINGS);
         let headings: Vec<f64> = turns.iter().map(|turn| self.middle.heading + turn).collect();
@@ -125,21 +133,21 @@ impl Window {
             for y in offsets(1, POSITIONS) {
                 let position = self.middle.position + crate::pose::Vector::new(x, y);
                 for (log, turn) in scan.at(position, &headings).into_iter().zip(&turns) {
-                    let off = position - prior.position;
-                    let off = Vector3::new(off.x, off.y, wrapped(self.middle.heading + turn - prior.heading));
-                    samples.push((Vector3::new(x, y, *turn), log - 0.5 * off.dot(&(information * off))));
+                    let offset = position - prior.position;
+                    let offset = Vector3::new(offset.x, offset.y, wrapped(self.middle.heading + turn - prior.heading));
+                    samples.push((Vector3::new(x, y, *turn), log - 0.5 * offset.dot(&(information * offset))));
                 }
             }
         }
-        let most = samples.iter().map(|(_, log)| *log).fold(f64::NEG_INFINITY, f64::max);
-        let weigh = |log: f64| math::exp(log - most);
-        let total: f64 = samples.iter().map(|(_, log)| weigh(*log)).sum();
-        let mean = samples.iter().map(|(offset, log)| offset * weigh(*log)).sum::<Vector3<f64>>() / total;
-        let square = |(offset, log): &(Vector3<f64>, f64)| (offset - mean) * (offset - mean).transpose() * weigh(*log);
+        let max_log = samples.iter().map(|(_, log)| *log).fold(f64::NEG_INFINITY, f64::max);
+        let weight = |log: f64| math::exp(log - max_log);
+        let total: f64 = samples.iter().map(|(_, log)| weight(*log)).sum();
+        let mean = samples.iter().map(|(offset, log)| offset * weight(*log)).sum::<Vector3<f64>>() / total;
+        let square = |(offset, log): &(Vector3<f64>, f64)| (offset - mean) * (offset - mean).transpose() * weight(*log);
         let covariance = samples.iter().map(square).sum::<Matrix3<f64>>() / total;
         let position = self.middle.position + mean.xy();
         let heading = wrapped(self.middle.heading + mean.z);
-        let is_fine = (0..3).all(|axis| steps[axis] <= covariance[(axis, axis)].sqrt().max(LEAST[axis]));
+        let is_fine = (0..3).all(|axis| steps[axis] <= covariance[(axis, axis)].sqrt().max(MIN_SIGMAS[axis]));
         (Belief { mean: Pose { position, heading }, covariance }, is_fine)
     }
 }
@@ -148,15 +156,15 @@ impl Window {
 mod tests {
     use super::*;
 
-    /// A normal likelihood with the given information (inverse of a covariance) about its middle.
-    struct Normal(Pose, Vector3<f64>);
+    /// A normal likelihood with a mean and the diagonal of the information matrix (the inverse of the covariance).
+    struct NormalLikelihood(Pose, Vector3<f64>);
 
-    impl PoseLikelihood for Normal {
+    impl PoseLikelihood for NormalLikelihood {
         fn at(&self, position: Point, headings: &[f64]) -> Vec<f64> {
-            let off = position - self.0.position;
+            let offset = position - self.0.position;
             let log = |heading: &f64| {
-                let off = Vector3::new(off.x, off.y, wrapped(heading - self.0.heading));
-                -0.5 * off.component_mul(&off).dot(&self.1)
+                let offset = Vector3::new(offset.x, offset.y, wrapped(heading - self.0.heading));
+                -0.5 * offset.component_mul(&offset).dot(&self.1)
             };
             headings.iter().map(log).collect()
         }
@@ -167,12 +175,12 @@ mod tests {
         Belief { mean: Pose::new(1.0, 2.0, 0.5), covariance: Matrix3::from_diagonal(&variances) }
     }
 
-    /// The product of two normal distributions is known: information adds.
+    /// The information of a product of two normal distributions is the sum of their information.
     #[test]
-    fn normal_distributions_multiply() {
+    fn correction_by_a_normal_likelihood_gives_the_exact_product() {
         let prior = belief([0.1, 0.05, 0.1]);
         let sigmas = Vector3::new(0.02, 0.1, 0.005);
-        let scan = Normal(Pose::new(1.1, 1.98, 0.6), sigmas.map(|sigma| 1.0 / (sigma * sigma)));
+        let scan = NormalLikelihood(Pose::new(1.1, 1.98, 0.6), sigmas.map(|sigma| 1.0 / (sigma * sigma)));
         let found = prior.corrected(&scan);
         let expected = |prior: f64, prior_sigma: f64, scan: f64, scan_sigma: f64| {
             let (a, b) = (1.0 / (prior_sigma * prior_sigma), 1.0 / (scan_sigma * scan_sigma));
@@ -194,9 +202,9 @@ mod tests {
     }
 
     #[test]
-    fn where_a_scan_says_nothing_odometry_stays() {
+    fn direction_without_information_keeps_odometry() {
         let prior = belief([0.2, 0.1, 0.05]);
-        let along_x = Normal(Pose::new(5.0, 2.05, 0.5), Vector3::new(0.0, 1e4, 0.0));
+        let along_x = NormalLikelihood(Pose::new(5.0, 2.05, 0.5), Vector3::new(0.0, 1e4, 0.0));
         let found = prior.corrected(&along_x);
         assert!((found.mean.position.x - 1.0).abs() < 1e-9 && (found.mean.heading - 0.5).abs() < 1e-9, "{found:?}");
         assert!((found.covariance[(0, 0)].sqrt() / 0.2 - 1.0).abs() < 0.02, "{found:?}");
@@ -204,12 +212,12 @@ mod tests {
     }
 
     #[test]
-    fn errors_grow_with_the_motion_and_swing_with_the_heading() {
+    fn motion_adds_errors_and_heading_errors_move_the_position() {
         let noise = OdometryNoise { turn: 0.1, drift: 0.02, distance: 0.05 };
         let start = Belief::certain(Pose::new(0.0, 0.0, std::f64::consts::FRAC_PI_2));
         let turned = start.moved(&Pose::new(3.0, 1.0, 0.0), &Pose::new(3.0, 1.0, 1.0), &noise);
         assert!((turned.covariance[(2, 2)].sqrt() - 0.1).abs() < 1e-12 && turned.covariance[(0, 0)] == 0.0);
-        // 2 m ahead, along y of the map: the error of the heading moves the end along x.
+        // 2 m forwards, along y of the map: the error of the heading moves the end along x.
         let back = Pose::new(3.0, 1.0, 0.0);
         let uncertain = Belief { covariance: turned.covariance, ..start };
         let moved = uncertain.moved(&back, &Pose::new(5.0, 1.0, 0.0), &noise);

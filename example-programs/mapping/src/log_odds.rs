@@ -1,8 +1,8 @@
-//! Bayesian occupancy: each cell holds the logarithm of its odds of being occupied, and readings are added to it.
+//! Bayesian occupancy grid: each cell stores the log-odds l = ln(p / (1 - p)) of its probability p of being occupied.
 //!
-//! l = ln(p / (1 - p)); independent readings z with the inverse sensor model p(occupied | z) change it by
-//! ln(p(occupied | z) / (1 - p(occupied | z))), with even odds at the start. Correcting a wrong cell therefore takes as much evidence
-//! as made it wrong, and at most [`LIMIT`].
+//! At the start the odds are even. An independent reading z with the inverse sensor model p(occupied | z) adds
+//! ln(p(occupied | z) / (1 - p(occupied | z))) to l. So a wrong cell is corrected by as much evidence as made it wrong, at most
+//! [`LIMIT`].
 //!
 //! Source: Elfes 1989; Thrun, Burgard & Fox 2005, sections 4.2 and 9.2. The numbers of [`SonarModel`] are our choice.
 
@@ -23,22 +23,21 @@ pub fn probability(log_odds: f64) -> f64 {
     1.0 / (1.0 + math::exp(-log_odds))
 }
 
-/// Evidence of a reading for the cells of its beam: full in the middle of the beam, 0 at its edges, in between scaled by
-/// 1 - (angle / half angle)^2.
+/// Evidence of a reading for the cells of its beam. It is scaled by 1 - (angle / half angle)^2, with the angle from the middle of the beam.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SonarModel {
     /// The beam.
     pub beam: Beam,
     /// Log-odds of a cell in the arc, above 0.
     pub arc: f64,
-    /// Log-odds of a cell before the arc, below 0.
+    /// Log-odds of a cell in front of the arc, below 0.
     pub cone: f64,
     /// Log-odds of a cell within the range of a reading without an echo, at most 0.
     pub silence: f64,
 }
 
 impl SonarModel {
-    /// Probabilities of 0.7 in the arc and 0.3 before it; silence says nothing, since it may come from a mirror.
+    /// Probabilities of 0.7 in the arc and 0.3 in front of it. A reading without an echo is no evidence, since a mirror may be the cause.
     pub fn new(beam: Beam) -> Self {
         Self { beam, arc: log_odds(0.7), cone: log_odds(0.3), silence: 0.0 }
     }
@@ -66,7 +65,7 @@ impl LogOddsGrid {
         self.cells.map(|log_odds| probability(*log_odds))
     }
 
-    /// Adds evidence about a cell, as log-odds; cells beyond the grid are ignored.
+    /// Adds evidence about a cell, as log-odds; cells outside the grid are ignored.
     pub fn add(&mut self, cell: crate::grid::Cell, log_odds: f64) {
         if let Some(value) = self.cells.get_mut(cell) {
             *value = (*value + log_odds).clamp(-LIMIT, LIMIT);
@@ -77,15 +76,15 @@ impl LogOddsGrid {
     pub fn add_echo(&mut self, echo: Echo, model: &SonarModel) {
         let frame = *self.cells.frame();
         let half_cell = 0.5 * frame.cell_size();
-        let reach = echo.distance.map_or(model.beam.farthest, |distance| distance + half_cell);
-        for seen in model.beam.cells(&frame, echo.sonar, reach) {
-            let says = match echo.distance {
+        let max_distance = echo.distance.map_or(model.beam.farthest, |distance| distance + half_cell);
+        for in_beam in model.beam.cells(&frame, echo.sonar, max_distance) {
+            let evidence = match echo.distance {
                 None => model.silence,
-                Some(distance) if seen.distance > distance - half_cell => model.arc,
+                Some(distance) if in_beam.distance > distance - half_cell => model.arc,
                 Some(_) => model.cone,
             };
-            let off = seen.angle / model.beam.half_angle;
-            self.add(seen.cell, says * (1.0 - off * off));
+            let relative_angle = in_beam.angle / model.beam.half_angle;
+            self.add(in_beam.cell, evidence * (1.0 - relative_angle * relative_angle));
         }
     }
 }
@@ -100,7 +99,7 @@ mod tests {
     fn independent_readings_multiply_odds() {
         let mut grid = LogOddsGrid::new(Frame::new(Point::origin(), 1.0, 1, 1));
         let cell = Cell::new(0, 0);
-        // Bayes by hand: 0.7 and 0.7 of even odds are 0.49 / (0.49 + 0.09).
+        // Bayes' rule: two readings of 0.7 with even prior odds give 0.49 / (0.49 + 0.09).
         grid.add(cell, log_odds(0.7));
         grid.add(cell, log_odds(0.7));
         assert!((grid.probabilities()[cell] - 0.49 / 0.58).abs() < 1e-12);
@@ -109,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn a_beam_says_most_in_its_middle() {
+    fn evidence_is_strongest_in_the_middle_of_the_beam() {
         let frame = Frame::new(Point::origin(), 0.1, 30, 20);
         let model = SonarModel::new(Beam { half_angle: 0.26, nearest: 0.03, farthest: 2.0 });
         let mut grid = LogOddsGrid::new(frame);

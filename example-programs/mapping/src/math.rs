@@ -1,4 +1,4 @@
-//! Elementary functions with the same bits on every platform: only from `libm`, as in the simulator.
+//! Elementary functions with the same bits on every platform: all come from `libm`, as in the simulator.
 
 /// Sine of an angle in rad.
 pub fn sin(angle: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Three-dimensional occupancy grid after Moravec and Elfes, with separate certainties for empty and for occupied.
 //!
 //! Source: Moravec and Elfes 1985, *High resolution maps from wide angle sonar*, with a third dimension (Gois and
-//! Hiller, sections 3 and 4). Across the beam, certainties are weighted by the gain of [`SonarModel`].
+//! Hiller, sections 3 and 4). Across the beam, certainties are weighted by the beam gain of [`SonarModel`].
 
 use std::f64::consts::LN_2;
 use std::ops::Range;
@@ -10,25 +10,26 @@ use crate::inverse::{SonarModel, SonarPose};
 use crate::math;
 use crate::tsk::{CellIndex, Partition};
 
-/// The grid: boxes stacked over the cells of a partition.
+/// The grid: voxels stacked over the cells of a partition.
 #[derive(Clone, Debug)]
 pub struct OccupancyGrid {
     partition: Partition,
-    /// Height of a box, m.
-    step: f64,
-    /// The lowest face of the lowest box, m.
+    /// Height of a voxel, m.
+    voxel_height: f64,
+    /// Height of the lower faces of the lowest voxels, m.
     bottom: f64,
     layers: usize,
-    /// Certainty that a box is empty: cell by cell in the order of the partition's slots, in each from the bottom up.
+    /// Certainty of each voxel to be empty: cell by cell in the order of the partition's slots, in each cell from the bottom up.
     empty: Vec<f32>,
+    /// Certainty of each voxel to be occupied, in the same order.
     occupied: Vec<f32>,
 }
 
 impl OccupancyGrid {
-    /// A grid without readings: `layers` boxes of `step` m above each cell, from the height `bottom` m upwards.
-    pub fn new(partition: Partition, bottom: f64, step: f64, layers: usize) -> Self {
+    /// A grid without readings: above each cell `layers` voxels of the height `voxel_height` m, from the height `bottom` m upwards.
+    pub fn new(partition: Partition, bottom: f64, voxel_height: f64, layers: usize) -> Self {
         let count = partition.columns * partition.rows * layers;
-        Self { partition, step, bottom, layers, empty: vec![0.0; count], occupied: vec![0.0; count] }
+        Self { partition, voxel_height, bottom, layers, empty: vec![0.0; count], occupied: vec![0.0; count] }
     }
 
     /// The cells.
@@ -36,21 +37,21 @@ impl OccupancyGrid {
         &self.partition
     }
 
-    /// Fuses a reading: boxes within the beam and nearer than the reading become emptier, those at its distance more occupied. A box
-    /// is at the distance if any of its points is, seen along the ray through its middle, so that coarse boxes smear a reading no farther
-    /// than they are large. The more boxes there are at that distance, and the more certainly a box is empty, the less its
-    /// certainty of being occupied rises.
+    /// Fuses a reading. In voxels within the beam the certainty of being empty rises if they are nearer than the reading, and the
+    /// certainty of being occupied if they are at its distance: if the ray through the voxel's centre meets the voxel at that distance. So
+    /// coarse voxels smear a reading by no more than their extent. The certainty of being occupied rises less the more voxels there are
+    /// at that distance, and the more certainly the voxel is empty.
     pub fn fuse(&mut self, model: &SonarModel, sonar: &SonarPose, measured: f64) {
-        let reach = model.epsilon * measured;
-        let widest = reach + 0.5 * (self.step + 2.0 * self.partition.cell);
-        let max_distance = measured + widest;
+        let range_error = model.epsilon * measured;
+        let max_half_band = range_error + 0.5 * (self.voxel_height + 2.0 * self.partition.cell);
+        let max_distance = measured + max_half_band;
         let beam = BeamParameters {
             along_z: sonar.axis.z as f32,
             min_cosine: math::cos(model.aperture()) as f32,
             steepness: (2.0 * LN_2 / (model.half_angle * model.half_angle)) as f32,
             measured: measured as f32,
-            reach: reach as f32,
-            step: self.step as f32,
+            range_error: range_error as f32,
+            voxel_height: self.voxel_height as f32,
         };
         let [east, north] = model.extents(sonar).map(|range| range.map(|fraction| fraction * max_distance));
         let mut hits = Vec::new();
@@ -58,40 +59,46 @@ impl OccupancyGrid {
             let Some(slot) = self.partition.slot(index) else { continue };
             let (x, y) = self.partition.centre(index);
             let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
-            let level = dx * dx + dy * dy;
-            let along = dx * sonar.axis.x + dy * sonar.axis.y;
-            let Some(section) = section(along, level, sonar.axis.z, model.aperture()) else { continue };
+            let horizontal_sq = dx * dx + dy * dy;
+            let dot_horizontal = dx * sonar.axis.x + dy * sonar.axis.y;
+            let Some(in_cone) = cone_interval(dot_horizontal, horizontal_sq, sonar.axis.z, model.aperture()) else {
+                continue;
+            };
             let column = Column {
-                level: level as f32,
-                along: along as f32,
-                spread: ((dx.abs() + dy.abs()) * self.partition.cell) as f32,
-                first: (self.middle(0) - sonar.origin.z) as f32,
+                horizontal_sq: horizontal_sq as f32,
+                dot_horizontal: dot_horizontal as f32,
+                extent_xy: ((dx.abs() + dy.abs()) * self.partition.cell) as f32,
+                lowest_dz: (self.voxel_centre(0) - sonar.origin.z) as f32,
             };
             let base = slot * self.layers;
-            let emptied = self.layers_between(sonar.origin.z, section, shell(measured, level));
+            let emptied = self.layers_between(sonar.origin.z, in_cone, sphere_interval(measured, horizontal_sq));
             for (layer, empty) in emptied.clone().zip(&mut self.empty[base..][emptied]) {
-                let gain = beam.empties(&column, layer as u32);
-                *empty += gain - *empty * gain;
+                let increment = beam.empty_increment(&column, layer as u32);
+                *empty += increment - *empty * increment;
             }
-            let (outer, inner) = (shell(max_distance, level), shell((measured - widest).max(0.0), level));
+            let (outer, inner) = (
+                sphere_interval(max_distance, horizontal_sq),
+                sphere_interval((measured - max_half_band).max(0.0), horizontal_sq),
+            );
             let (low, high) = (-inner.1, inner.1);
-            // Two caps of the shell, one layer of overlap apart or joined to one where the inner sphere does not reach.
-            let lower = self.layers_between(sonar.origin.z, section, (outer.0, low));
-            let upper = self.layers_between(sonar.origin.z, section, (high, outer.1));
+            // Two layer ranges, below and above the inner sphere; layers in both (where the column misses that sphere) are taken once.
+            let lower = self.layers_between(sonar.origin.z, in_cone, (outer.0, low));
+            let upper = self.layers_between(sonar.origin.z, in_cone, (high, outer.1));
             let upper = upper.start.max(lower.end)..upper.end;
             for layer in lower.chain(upper) {
-                let gain = beam.hits(&column, layer as u32);
-                if gain > 0.0 {
-                    hits.push((base + layer, gain));
+                let weight = beam.hit_weight(&column, layer as u32);
+                if weight > 0.0 {
+                    hits.push((base + layer, weight));
                 }
             }
         }
         self.occupy(&mut hits);
     }
 
-    /// Layers whose middles may lie in both ranges of heights above `origin`, m, with one more at each end against rounding.
+    /// Layers whose centres may lie in both intervals of heights relative to `origin`, m, with one more at each end because of rounding.
     fn layers_between(&self, origin: f64, first: (f64, f64), second: (f64, f64)) -> Range<usize> {
-        let layer = |dz: f64| ((origin + dz - self.bottom) / self.step - 0.5).clamp(-2.0, self.layers as f64 + 2.0);
+        let layer =
+            |dz: f64| ((origin + dz - self.bottom) / self.voxel_height - 0.5).clamp(-2.0, self.layers as f64 + 2.0);
         let (low, high) = (first.0.max(second.0), first.1.min(second.1));
         if low > high {
             return 0..0;
@@ -101,16 +108,16 @@ impl OccupancyGrid {
         from.min(to)..to
     }
 
-    /// The upper face of the highest occupied box at (x, y), m: the paper's projection onto the plane. `None` where no
-    /// box is occupied, or outside.
+    /// Height of the upper face of the highest occupied voxel at (x, y), m: the paper's projection onto the plane. `None`
+    /// where no voxel is occupied, or outside.
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let layer = (0..self.layers).rev().find(|layer| self.is_occupied(slot, *layer))?;
-        Some(self.middle(layer) + self.step / 2.0)
+        Some(self.voxel_centre(layer) + self.voxel_height / 2.0)
     }
 
-    /// The middle of the box at (x, y) that is most certainly occupied, m: another projection than the paper's. `None` where none
-    /// is occupied, or outside.
+    /// Height of the centre of the most certainly occupied voxel at (x, y), m; not in the paper. `None` where no voxel is occupied,
+    /// or outside.
     pub fn likeliest_height(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let certainty = |layer: &usize| {
@@ -120,46 +127,47 @@ impl OccupancyGrid {
         (0..self.layers)
             .filter(|layer| self.is_occupied(slot, *layer))
             .max_by(|a, b| certainty(a).total_cmp(&certainty(b)))
-            .map(|layer| self.middle(layer))
+            .map(|layer| self.voxel_centre(layer))
     }
 
-    /// The mean height at (x, y) of the boxes that are occupied, weighted by how much more certainly they are occupied than empty, m:
-    /// another projection than the paper's. `None` where none is occupied, or outside.
+    /// Mean height of the occupied voxels at (x, y), m, weighted by the certainty of being occupied minus that of being empty; not in
+    /// the paper. `None` where no voxel is occupied, or outside.
     pub fn mean_height(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let weighted = (0..self.layers).filter(|layer| self.is_occupied(slot, *layer)).map(|layer| {
             let index = slot * self.layers + layer;
-            (f64::from(self.occupied[index]) - f64::from(self.empty[index]), self.middle(layer))
+            (f64::from(self.occupied[index]) - f64::from(self.empty[index]), self.voxel_centre(layer))
         });
         let (sum, total) = weighted.fold((0.0, 0.0), |(sum, total), (weight, z)| (sum + weight * z, total + weight));
         (total > 0.0).then(|| sum / total)
     }
 
-    /// Certainty (empty, occupied) of the box of a cell with the height `z`; `None` outside.
+    /// Certainties (empty, occupied) of the voxel of a cell that contains the height `z`; `None` outside.
     pub fn certainty(&self, cell_index: CellIndex, z: f64) -> Option<(f64, f64)> {
-        let layer = ((z - self.bottom) / self.step).floor();
+        let layer = ((z - self.bottom) / self.voxel_height).floor();
         let index = self.partition.slot(cell_index)? * self.layers + layer as usize;
         ((0.0..self.layers as f64).contains(&layer))
             .then(|| (f64::from(self.empty[index]), f64::from(self.occupied[index])))
     }
 
-    /// Raises the certainties for one echo: the boxes of a reading gain no more than 1 in total.
+    /// Raises the certainties of being occupied for one echo; `hits` are voxels with their weights. The increments of a reading are at most
+    /// 1 in total.
     fn occupy(&mut self, hits: &mut [(usize, f32)]) {
-        for (index, gain) in &mut *hits {
-            *gain *= 1.0 - self.empty[*index];
+        for (index, weight) in &mut *hits {
+            *weight *= 1.0 - self.empty[*index];
         }
-        let total: f64 = hits.iter().map(|(_, gain)| f64::from(*gain)).sum();
+        let total: f64 = hits.iter().map(|(_, weight)| f64::from(*weight)).sum();
         if total <= 0.0 {
             return;
         }
-        for (index, gain) in &*hits {
-            let gain = gain / total as f32;
-            self.occupied[*index] += gain - self.occupied[*index] * gain;
+        for (index, weight) in &*hits {
+            let increment = weight / total as f32;
+            self.occupied[*index] += increment - self.occupied[*index] * increment;
         }
     }
 
-    fn middle(&self, layer: usize) -> f64 {
-        self.bottom + (layer as f64 + 0.5) * self.step
+    fn voxel_centre(&self, layer: usize) -> f64 {
+        self.bottom + (layer as f64 + 0.5) * self.voxel_height
     }
 
     fn is_occupied(&self, slot: usize, layer: usize) -> bool {
@@ -168,66 +176,69 @@ impl OccupancyGrid {
     }
 }
 
-/// Numbers of a reading, in single precision: a grid of fine boxes has hundreds of millions of them in its beams.
+/// Values that are constant for one reading, in single precision for speed: with a fine grid, the beams contain hundreds of millions of
+/// voxels.
 struct BeamParameters {
     /// Component of the line of sight along z.
     along_z: f32,
     /// Cosine of the aperture.
     min_cosine: f32,
-    /// Factor k of the gain exp(-k alpha^2).
+    /// Factor k of the beam gain exp(-k alpha^2), with the angle alpha from the line of sight.
     steepness: f32,
     measured: f32,
     /// Maximum error of the reading, m.
-    reach: f32,
-    /// Height of a box, m.
-    step: f32,
+    range_error: f32,
+    /// Height of a voxel, m.
+    voxel_height: f32,
 }
 
-/// A column of boxes as seen from a sonar.
+/// A column of voxels as seen from a sonar.
 struct Column {
-    /// Squared horizontal distance, m^2.
-    level: f32,
-    /// Horizontal part of the product of the direction and the line of sight, m.
-    along: f32,
-    /// Horizontal part of the product of the direction and a box's sides, m^2.
-    spread: f32,
-    /// Height of the middle of the lowest box above the sonar, m.
-    first: f32,
+    /// Squared horizontal distance of the column from the sonar, m^2.
+    horizontal_sq: f32,
+    /// Horizontal terms of the dot product of (column minus sonar) and the line of sight, m.
+    dot_horizontal: f32,
+    /// (|dx| + |dy|) times the side of a cell, m^2: horizontal part of the voxel's extent along the ray, times the distance.
+    extent_xy: f32,
+    /// Height of the lowest voxel's centre relative to the sonar, m.
+    lowest_dz: f32,
 }
 
 impl BeamParameters {
-    /// Distance of the box in a layer, its gain (0 outside the beam), and half the range of distances that count as in it.
+    /// Distance of the voxel in a layer, its beam gain (0 outside the beam), and half the width of the band of distances at which a reading
+    /// belongs to the voxel.
     #[inline]
-    fn look(&self, column: &Column, layer: u32) -> (f32, f32, f32) {
-        let dz = column.first + layer as f32 * self.step;
-        // A box at the sonar itself has some direction.
-        let r = (column.level + dz * dz).sqrt().max(1e-6);
-        let cosine = (column.along + dz * self.along_z) / r;
-        // Half the extent of a box along the ray through its middle: the box is met from r - half to r + half.
-        let band = self.reach + 0.5 * (column.spread + dz.abs() * self.step) / r;
+    fn geometry(&self, column: &Column, layer: u32) -> (f32, f32, f32) {
+        let dz = column.lowest_dz + layer as f32 * self.voxel_height;
+        // Avoids a division by zero for a voxel at the sonar; its direction is arbitrary.
+        let r = (column.horizontal_sq + dz * dz).sqrt().max(1e-6);
+        let cosine = (column.dot_horizontal + dz * self.along_z) / r;
+        // Error of the reading plus half the extent of the voxel along the ray through its centre.
+        let band = self.range_error + 0.5 * (column.extent_xy + dz.abs() * self.voxel_height) / r;
         let gain = if cosine < self.min_cosine { 0.0 } else { gaussian(self.steepness, cosine) };
         (r, gain, band)
     }
 
-    /// Share by which a box becomes emptier.
+    /// Increment of a voxel's certainty of being empty.
     #[inline]
-    fn empties(&self, column: &Column, layer: u32) -> f32 {
-        let (r, gain, band) = self.look(column, layer);
+    fn empty_increment(&self, column: &Column, layer: u32) -> f32 {
+        let (r, gain, band) = self.geometry(column, layer);
         let nearness = r / (self.measured - band);
         if r < self.measured - band { gain * (1.0 - nearness * nearness) } else { 0.0 }
     }
 
-    /// Weight of a box at the distance of the echo.
-    fn hits(&self, column: &Column, layer: u32) -> f32 {
-        let (r, gain, band) = self.look(column, layer);
+    /// Weight of a voxel in the echo; 0 unless it is at the echo's distance.
+    fn hit_weight(&self, column: &Column, layer: u32) -> f32 {
+        let (r, gain, band) = self.geometry(column, layer);
         let ratio = (r - self.measured) / band;
         gain * (1.0 - ratio * ratio).max(0.0)
     }
 }
 
-/// exp(-`steepness` alpha^2) of the angle with this cosine, at most a right angle; within 1e-4.
+/// exp(-`steepness` alpha^2) of the angle alpha with this cosine, at most a right angle; within 1e-4.
 ///
-/// Series of the squared arc cosine about 1, and of the exponential of a 16th, without branches, so that compilers use vectors.
+/// Uses series for acos^2 about 1 and for the exponential function at a 16th of the exponent, whose 16th power is the result; without
+/// branches, so that compilers vectorise it.
 #[inline]
 fn gaussian(steepness: f32, cosine: f32) -> f32 {
     let u = (1.0 - cosine).max(0.0);
@@ -241,31 +252,37 @@ fn gaussian(steepness: f32, cosine: f32) -> f32 {
     eighth * eighth
 }
 
-/// Heights above and below its apex at which a vertical line is within a cone: `along` is the horizontal part of the product of direction
-/// and axis, `level` the squared horizontal distance. `None` if the line misses it.
-fn section(along: f64, level: f64, axis_z: f64, aperture: f64) -> Option<(f64, f64)> {
+/// Interval of heights, relative to the apex of a cone, in which a vertical line is inside the cone; `None` if the line misses the cone.
+///
+/// `dot_horizontal` is the horizontal part of the dot product of (line minus apex) and the cone's axis, `horizontal_sq` the squared
+/// horizontal distance of the line from the apex.
+fn cone_interval(dot_horizontal: f64, horizontal_sq: f64, axis_z: f64, aperture: f64) -> Option<(f64, f64)> {
     let cosine = math::cos(aperture);
-    // Within: along + dz axis_z >= 0 and q dz^2 + 2 b dz + d >= 0.
-    let (q, b, d) = (axis_z * axis_z - cosine * cosine, along * axis_z, along * along - cosine * cosine * level);
-    let square = b * b - q * d;
-    if q.abs() < 1e-9 || (square < 0.0 && q > 0.0) {
+    // Points at the height dz inside the cone: dot_horizontal + dz axis_z >= 0 and q dz^2 + 2 b dz + d >= 0.
+    let (q, b, d) = (
+        axis_z * axis_z - cosine * cosine,
+        dot_horizontal * axis_z,
+        dot_horizontal * dot_horizontal - cosine * cosine * horizontal_sq,
+    );
+    let discriminant = b * b - q * d;
+    if q.abs() < 1e-9 || (discriminant < 0.0 && q > 0.0) {
         return Some((f64::NEG_INFINITY, f64::INFINITY));
     }
-    if square < 0.0 {
+    if discriminant < 0.0 {
         return None;
     }
-    let root = square.sqrt();
+    let root = discriminant.sqrt();
     let (low, high) = ((-b - root) / q, (-b + root) / q);
     let (low, high) = (low.min(high), low.max(high));
     if q > 0.0 {
         return Some(if axis_z < 0.0 { (f64::NEG_INFINITY, low) } else { (high, f64::INFINITY) });
     }
-    (along + 0.5 * (low + high) * axis_z >= 0.0).then_some((low, high))
+    (dot_horizontal + 0.5 * (low + high) * axis_z >= 0.0).then_some((low, high))
 }
 
-/// Heights above and below the middle of a sphere at which a vertical line is within it, 0 and 0 if it misses it.
-fn shell(radius: f64, level: f64) -> (f64, f64) {
-    let half = (radius * radius - level).max(0.0).sqrt();
+/// Interval of heights, relative to the centre of a sphere, in which a vertical line is inside the sphere; (0, 0) if it misses the sphere.
+fn sphere_interval(radius: f64, horizontal_sq: f64) -> (f64, f64) {
+    let half = (radius * radius - horizontal_sq).max(0.0).sqrt();
     (-half, half)
 }
 
@@ -286,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_empties_the_beam_and_occupies_its_end() {
+    fn reading_marks_the_beam_empty_and_its_end_occupied() {
         let mut grid = grid();
         assert_eq!((grid.height(0.1, 0.1), grid.likeliest_height(0.1, 0.1)), (None, None));
         grid.fuse(&SonarModel::srf08(), &down(), 1.45);
@@ -301,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_seen_to_be_empty_is_hardly_occupied_later() {
+    fn voxels_known_as_empty_gain_less_occupancy() {
         let (mut first, mut second) = (grid(), grid());
         for _ in 0..5 {
             second.fuse(&SonarModel::srf08(), &down(), 1.95);
@@ -314,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn heights_are_those_of_the_highest_and_of_the_likeliest_box() {
+    fn projections_give_highest_likeliest_and_mean_height() {
         let mut grid = grid();
         for _ in 0..3 {
             grid.fuse(&SonarModel::srf08(), &down(), 1.45);
@@ -329,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn gains_are_those_of_the_model() {
+    fn beam_gain_matches_the_model() {
         let model = SonarModel::srf08();
         let steepness = (2.0 * LN_2 / (model.half_angle * model.half_angle)) as f32;
         for percent in 0..=100 {
@@ -339,12 +356,12 @@ mod tests {
         }
     }
 
-    /// What is skipped column by column is what a look at each box would not change.
+    /// The limits in each column skip only voxels that a computation of all voxels would leave unchanged.
     #[test]
-    fn every_box_has_what_its_distance_and_angle_say() {
-        let (cell, step, layers) = (0.2, 0.15, 20);
+    fn fuse_matches_computation_voxel_by_voxel() {
+        let (cell, voxel_height, layers) = (0.2, 0.15, 20);
         let partition = Partition { cell, columns: 24, rows: 24, low: (-12, -12) };
-        for (pitch, min, measured) in [
+        for (pitch, min_membership, measured) in [
             (-FRAC_PI_2, 0.05, 1.3),
             (-1.1, 0.05, 1.4),
             (-0.9, 0.6, 1.2),
@@ -352,19 +369,19 @@ mod tests {
             (0.8, 0.2, 1.1),
             (1.4, 1e-3, 0.1),
         ] {
-            let model = SonarModel { least: min, ..SonarModel::srf08() };
+            let model = SonarModel { min_membership, ..SonarModel::srf08() };
             let sonar = SonarPose::new(Vector3::new(0.03, -0.04, 1.41), 0.7, pitch);
-            let mut grid = OccupancyGrid::new(partition, 0.0, step, layers);
+            let mut grid = OccupancyGrid::new(partition, 0.0, voxel_height, layers);
             grid.fuse(&model, &sonar, measured);
             let mut hits = Vec::new();
             for cell_index in partition.cells() {
                 for layer in 0..layers {
                     let index = partition.slot(cell_index).unwrap() * layers + layer;
                     let (x, y) = partition.centre(cell_index);
-                    let offset = Vector3::new(x, y, grid.middle(layer)) - sonar.origin;
+                    let offset = Vector3::new(x, y, grid.voxel_centre(layer)) - sonar.origin;
                     let r = offset.norm();
                     let cosine = offset.dot(&sonar.axis) / r;
-                    let extent = (offset.x.abs() + offset.y.abs()) * cell + offset.z.abs() * step;
+                    let extent = (offset.x.abs() + offset.y.abs()) * cell + offset.z.abs() * voxel_height;
                     let band = model.epsilon * measured + 0.5 * extent / r;
                     let near_edge = (cosine - math::cos(model.aperture())).abs() < 1e-6;
                     let gain = if math::acos(cosine) > model.aperture() {
@@ -392,7 +409,7 @@ mod tests {
         }
     }
 
-    /// Wide cells straight below must not smear a reading over heights: the boxes are thin along the ray.
+    /// Wide cells straight below do not smear a reading over heights: the voxels are thin along the ray.
     #[test]
     fn coarse_cells_keep_the_height_of_a_reading() {
         let partition = Partition { cell: 1.2, columns: 2, rows: 2, low: (-1, -1) };

@@ -12,7 +12,7 @@ pub type Vector = nalgebra::Vector2<f64>;
 
 /// Pose of a frame in its parent frame: its origin, and its rotation, counter-clockwise.
 ///
-/// Heading 0 looks along the parent's x axis; a robot's own x axis points forward, its y axis to the left.
+/// Heading 0 points along the parent's x axis. The x axis of a robot's frame points forward, its y axis to the left.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Pose {
     /// The frame's origin, in the parent.
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_frame_turned_to_the_left_looks_along_y() {
+    fn frame_turned_left_points_along_y() {
         let pose = Pose::new(1.0, 2.0, FRAC_PI_2);
         let ahead = pose.outward(Point::new(3.0, 0.0));
         assert!((ahead - Point::new(1.0, 5.0)).norm() < 1e-15);
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_wrapped_to_half_a_turn() {
+    fn angles_are_wrapped_to_plus_minus_pi() {
         for (angle, expected) in [(0.0, 0.0), (3.5 * PI, -0.5 * PI), (-2.25 * PI, -0.25 * PI), (PI, -PI)] {
             assert!((wrapped(angle) - expected).abs() < 1e-12, "{angle}");
         }

@@ -1,25 +1,26 @@
-//! Recursive least squares in UD form: the covariance is U D U^T with U unit upper triangular and D diagonal, so it is symmetric
-//! and positive by construction, however long the recursion runs and however poor the regressors are.
+//! Recursive least squares in UD form. The covariance is U D U^T with U unit upper triangular and D diagonal, so it stays symmetric
+//! and positive, even after many updates and with poor regressors.
 //!
-//! A prior regularises the estimate, and its covariance is never exceeded. Only directions that are measured anew are forgotten.
+//! A prior regularises the estimate; the covariance never exceeds that of the prior. Forgetting acts only along measured directions.
 
 /// Estimates the parameters p of y = phi . p from one equation at a time.
 ///
 /// Source: Bierman 1977, *Factorization methods for discrete sequential estimation* (update by a measurement), and Agee and
-/// Turner 1972 (sum with a dyad). The rule of forgetting is our choice.
+/// Turner 1972 (addition of a dyad). The forgetting rule is our choice.
 #[derive(Clone, Debug)]
 pub struct Rls {
     parameters: Vec<f64>,
-    /// Columns of U above its diagonal, one behind the other: element (i, j) at j (j - 1) / 2 + i.
+    /// Columns of U above its diagonal, one after the other: element (i, j) at j (j - 1) / 2 + i.
     upper: Vec<f64>,
     diagonal: Vec<f64>,
     forgetting: f64,
-    /// Buffers of an update, reused: U^T phi, and P phi.
+    /// U^T phi; like `gain` a buffer of an update that is reused.
     projected: Vec<f64>,
+    /// P phi, with the covariance P.
     gain: Vec<f64>,
 }
 
-/// An equation that [`Rls::update`] cannot take.
+/// Error of an equation that [`Rls::update`] cannot use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RlsError {
     /// A number of the equation is infinite or not a number.
@@ -28,26 +29,26 @@ pub enum RlsError {
     /// The variance is not above 0.
     #[error("the variance of a measured value must be above 0")]
     Variance,
-    /// A regressor names a parameter that does not exist.
+    /// A regressor has the index of a parameter that does not exist.
     #[error("parameter {index} of {parameters}")]
     Index {
-        /// The parameter that was named.
+        /// The index.
         index: usize,
         /// Number of parameters.
         parameters: usize,
     },
 }
 
-/// Index at which column `j` of the packed upper triangle begins.
-fn start(j: usize) -> usize {
+/// Index at which column `j` begins in the packed upper triangle.
+fn column_start(j: usize) -> usize {
     j * j.saturating_sub(1) / 2
 }
 
 impl Rls {
     /// Parameters with the prior `mean` and `variance`, independent of each other.
     ///
-    /// `forgetting` in (0, 1]: 1 forgets nothing; below that the variance of what an equation measures is never less than
-    /// (1 - forgetting) times that of the equation, so that about 1 / (1 - forgetting) equations are remembered.
+    /// `forgetting` is in (0, 1]; 1 is no forgetting. Below 1, the variance of the measured combination of parameters is never less than
+    /// (1 - forgetting) times that of the equation, so the memory is about 1 / (1 - forgetting) equations long.
     ///
     /// # Panics
     /// If the lists differ in length, a variance is not above 0 and finite, or `forgetting` is outside (0, 1].
@@ -58,7 +59,7 @@ impl Rls {
         let count = mean.len();
         Self {
             parameters: mean.to_vec(),
-            upper: vec![0.0; start(count)],
+            upper: vec![0.0; column_start(count)],
             diagonal: variance.to_vec(),
             forgetting,
             projected: vec![0.0; count],
@@ -76,7 +77,7 @@ impl Rls {
     /// # Panics
     /// If there is no such parameter.
     pub fn variance(&self, index: usize) -> f64 {
-        (index..self.parameters.len()).map(|j| self.unit(index, j) * self.unit(index, j) * self.diagonal[j]).sum()
+        (index..self.parameters.len()).map(|j| self.u(index, j) * self.u(index, j) * self.diagonal[j]).sum()
     }
 
     /// Covariance of two parameters.
@@ -85,16 +86,16 @@ impl Rls {
     /// If there is no such parameter.
     pub fn covariance(&self, first: usize, second: usize) -> f64 {
         let from = first.max(second);
-        (from..self.parameters.len()).map(|j| self.unit(first, j) * self.unit(second, j) * self.diagonal[j]).sum()
+        (from..self.parameters.len()).map(|j| self.u(first, j) * self.u(second, j) * self.diagonal[j]).sum()
     }
 
-    /// Takes the equation `value` = sum of factor * parameter over `regressor` (pairs of a parameter's index and its factor; parameters
-    /// that are not named have the factor 0), whose error has the variance `variance`.
+    /// Updates the estimate with an equation: `value` is the sum of factor * parameter over `regressor`, except for an error with the
+    /// variance `variance`. `regressor` has pairs of a parameter's index and its factor; parameters without a pair have the factor 0.
     ///
-    /// The covariance never grows. A regressor of zeros changes nothing. Costs n^2 operations for n parameters.
+    /// The covariance never grows. A regressor of zeros changes nothing. An update takes of the order of n^2 operations for n parameters.
     ///
     /// # Errors
-    /// [`RlsError`]; nothing is changed then.
+    /// [`RlsError`]; the estimate is then unchanged.
     pub fn update(&mut self, regressor: &[(usize, f64)], value: f64, variance: f64) -> Result<(), RlsError> {
         self.check(regressor, value, variance)?;
         let (Some(first), Some(last)) =
@@ -108,15 +109,15 @@ impl Rls {
             return Ok(());
         }
         let error = value - regressor.iter().map(|(index, factor)| factor * self.parameters[*index]).sum::<f64>();
-        // Forgetting acts only along the measured direction, and only so far that the covariance does not grow.
-        let forgotten = predicted / self.forgetting;
-        let posterior = (forgotten * variance / (forgotten + variance)).min(predicted);
-        let scale = forgotten / (predicted * (forgotten + variance));
-        // The update of a measurement with this variance leaves `posterior` of the predicted variance.
+        // Forgetting acts only along the measured direction, limited so that the covariance does not grow.
+        let inflated = predicted / self.forgetting;
+        let posterior = (inflated * variance / (inflated + variance)).min(predicted);
+        let scale = inflated / (predicted * (inflated + variance));
+        // A measurement with this variance reduces the predicted variance to `posterior`.
         let effective = predicted * posterior / (predicted - posterior);
         match effective.is_finite() && effective > 0.0 {
-            true => self.factor(effective),
-            false => self.find_gain(),
+            true => self.update_factors(effective),
+            false => self.compute_gain(),
         }
         for (parameter, gain) in self.parameters.iter_mut().zip(&self.gain) {
             *parameter += gain * scale * error;
@@ -124,19 +125,19 @@ impl Rls {
         Ok(())
     }
 
-    /// Resets one parameter to `mean` and `variance`, independent of the others; the knowledge about the others is kept.
+    /// Resets one parameter to `mean` and `variance`, independent of the others; the estimate of the others does not change.
     ///
     /// # Panics
     /// If there is no such parameter or `variance` is not above 0 and finite.
     pub fn reset(&mut self, index: usize, mean: f64, variance: f64) {
         assert!(variance > 0.0 && variance.is_finite(), "a variance above 0");
         // The contribution of column `index` to the covariance of the parameters before it moves to their columns.
-        let mut dyad = self.upper[start(index)..start(index) + index].to_vec();
+        let mut dyad = self.upper[column_start(index)..column_start(index) + index].to_vec();
         let weight = self.diagonal[index];
         self.add_dyad(&mut dyad, weight);
-        self.upper[start(index)..start(index) + index].fill(0.0);
+        self.upper[column_start(index)..column_start(index) + index].fill(0.0);
         for j in index + 1..self.parameters.len() {
-            self.upper[start(j) + index] = 0.0;
+            self.upper[column_start(j) + index] = 0.0;
         }
         self.diagonal[index] = variance;
         self.parameters[index] = mean;
@@ -156,11 +157,12 @@ impl Rls {
         }
     }
 
-    fn unit(&self, i: usize, j: usize) -> f64 {
-        if i == j { 1.0 } else { self.upper[start(j) + i] }
+    /// Element (i, j) of U, for i <= j.
+    fn u(&self, i: usize, j: usize) -> f64 {
+        if i == j { 1.0 } else { self.upper[column_start(j) + i] }
     }
 
-    /// U^T phi, where phi is 0 before `first` and behind `last`.
+    /// Computes U^T phi into `projected`; phi is 0 before `first` and after `last`.
     fn project(&mut self, regressor: &[(usize, f64)], first: usize, last: usize) {
         let mut dense = vec![0.0; last + 1 - first];
         for (index, factor) in regressor {
@@ -168,15 +170,15 @@ impl Rls {
         }
         self.projected[..first].fill(0.0);
         for j in first..self.parameters.len() {
-            let column = &self.upper[start(j)..start(j) + j];
-            let own = if j <= last { dense[j - first] } else { 0.0 };
+            let column = &self.upper[column_start(j)..column_start(j) + j];
+            let diagonal_term = if j <= last { dense[j - first] } else { 0.0 };
             let above = &column[first..j.min(last + 1)];
-            self.projected[j] = own + above.iter().zip(&dense).map(|(u, phi)| u * phi).sum::<f64>();
+            self.projected[j] = diagonal_term + above.iter().zip(&dense).map(|(u, phi)| u * phi).sum::<f64>();
         }
     }
 
-    /// Bierman's update by a measurement of `variance`; leaves P phi, of the covariance before it, in `gain`.
-    fn factor(&mut self, variance: f64) {
+    /// Bierman's update of U and D by a measurement with `variance`. `gain` becomes P phi with the covariance P before the update.
+    fn update_factors(&mut self, variance: f64) {
         let mut alpha = variance;
         self.gain.fill(0.0);
         for j in 0..self.parameters.len() {
@@ -189,7 +191,7 @@ impl Rls {
             alpha += v * f;
             self.diagonal[j] *= beta / alpha;
             let lambda = -f / beta;
-            for (u, gain) in self.upper[start(j)..start(j) + j].iter_mut().zip(&mut self.gain) {
+            for (u, gain) in self.upper[column_start(j)..column_start(j) + j].iter_mut().zip(&mut self.gain) {
                 let before = *u;
                 *u += lambda * *gain;
                 *gain += v * before;
@@ -198,19 +200,19 @@ impl Rls {
         }
     }
 
-    /// P phi = U D U^T phi, into `gain`.
-    fn find_gain(&mut self) {
+    /// Computes P phi = U D U^T phi into `gain`.
+    fn compute_gain(&mut self) {
         self.gain.fill(0.0);
         for j in 0..self.parameters.len() {
             let v = self.diagonal[j] * self.projected[j];
-            for (u, gain) in self.upper[start(j)..start(j) + j].iter().zip(&mut self.gain) {
+            for (u, gain) in self.upper[column_start(j)..column_start(j) + j].iter().zip(&mut self.gain) {
                 *gain += v * u;
             }
             self.gain[j] = v;
         }
     }
 
-    /// Adds `weight` * dyad dyad^T to the covariance of the first parameters, as many as the dyad is long.
+    /// Adds `weight` * dyad dyad^T to the covariance of the first parameters; their number is the length of `dyad`.
     fn add_dyad(&mut self, dyad: &mut [f64], weight: f64) {
         let mut weight = weight;
         for j in (0..dyad.len()).rev() {
@@ -221,7 +223,7 @@ impl Rls {
             let before = self.diagonal[j];
             let after = before + weight * a * a;
             let fraction = weight * a / after;
-            for (u, entry) in self.upper[start(j)..start(j) + j].iter_mut().zip(&mut *dyad) {
+            for (u, entry) in self.upper[column_start(j)..column_start(j) + j].iter_mut().zip(&mut *dyad) {
                 *entry -= a * *u;
                 *u += fraction * *entry;
             }
@@ -237,7 +239,7 @@ mod tests {
 
     use super::*;
 
-    /// Numbers in [-1, 1), always the same.
+    /// Pseudo-random numbers in [-1, 1), determined by `seed`.
     fn numbers(seed: u64) -> impl FnMut() -> f64 {
         let mut state = seed;
         move || {
@@ -252,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn without_forgetting_it_is_the_least_squares_solution_of_all_equations() {
+    fn estimate_without_forgetting_is_the_least_squares_solution() {
         let (count, mut next) = (7, numbers(1));
         let (mean, prior): (Vec<f64>, Vec<f64>) = (0..count).map(|_| (next(), 2.0 + next())).unzip();
         let mut rls = Rls::new(&mean, &prior, 1.0);
@@ -275,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parameter_that_is_reset_takes_nothing_from_the_others() {
+    fn reset_does_not_change_the_other_parameters() {
         let (count, mut next) = (6, numbers(2));
         let mut rls = Rls::new(&[0.0; 6], &[1.0; 6], 0.99);
         for _ in 0..20 {
@@ -299,12 +301,12 @@ mod tests {
     }
 
     #[test]
-    fn singular_regressors_leave_it_finite_symmetric_and_below_the_prior() {
+    fn covariance_stays_finite_symmetric_and_below_the_prior() {
         let mut next = numbers(3);
         for forgetting in [1.0, 0.999, 0.9] {
             let mut rls = Rls::new(&[0.0; 6], &[1e4; 6], forgetting);
             for step in 0..1_000_000u32 {
-                // One direction for ever, its double, nothing, one that is hardly there; parameter 5 is never seen.
+                // A constant direction, its double, a zero regressor, a tiny one; parameter 5 is never measured.
                 let regressor: &[(usize, f64)] = match step % 4 {
                     0 => &[(0, 1.0), (1, 1.0), (2, -1.0)],
                     1 => &[(0, 2.0), (1, 2.0), (2, -2.0)],
@@ -328,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn what_changes_is_followed_if_it_forgets() {
+    fn forgetting_follows_a_change() {
         let after_a_change = |forgetting: f64| {
             let mut rls = Rls::new(&[0.0], &[1.0], forgetting);
             for step in 0..2000 {
@@ -337,13 +339,13 @@ mod tests {
             }
             rls.parameters()[0]
         };
-        // A hundred equations are four times the memory of 25, and a twentieth of all.
+        // The last hundred equations are four times the memory of 25 equations, and a twentieth of all equations.
         assert!(after_a_change(0.96) > 1.95);
         assert!(after_a_change(1.0) < 1.1);
     }
 
     #[test]
-    fn what_is_no_equation_changes_nothing() {
+    fn invalid_equations_change_nothing() {
         let mut rls = Rls::new(&[0.0; 2], &[1.0; 2], 1.0);
         assert_eq!(rls.update(&[(2, 1.0)], 0.0, 1.0), Err(RlsError::Index { index: 2, parameters: 2 }));
         assert_eq!(rls.update(&[(0, f64::NAN)], 0.0, 1.0), Err(RlsError::NotFinite));

@@ -1,11 +1,11 @@
-//! Classification of a map's cells, and its score against the truth.
+//! Classification of a map's cells, and the score of a map compared with the truth.
 
 use crate::grid::{Cell, Grid};
 
-/// Least probability at which a cell counts as occupied: that of Wu et al. 2013, Eq. 2.
+/// Minimum probability of a cell that is classified as occupied: Wu et al. 2013, Eq. 2.
 pub const OCCUPIED: f64 = 0.6;
 
-/// Maximum probability at which a cell counts as free: that of Wu et al. 2013, Eq. 2.
+/// Maximum probability of a cell that is classified as free: Wu et al. 2013, Eq. 2.
 pub const FREE: f64 = 0.4;
 
 /// Classification of a cell by a map.
@@ -13,9 +13,9 @@ pub const FREE: f64 = 0.4;
 pub enum Occupancy {
     /// Free space.
     Free,
-    /// An obstacle is there.
+    /// An obstacle.
     Occupied,
-    /// Neither is certain enough.
+    /// Neither free nor occupied with enough certainty.
     Unknown,
 }
 
@@ -46,16 +46,16 @@ pub enum Truth {
 /// Comparison of a map with the truth.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Score {
-    /// Cells classified as free that are free, or as occupied that are a surface or hidden.
+    /// Cells correctly classified as free, or as occupied (a surface or hidden).
     pub right: usize,
     /// Cells wrongly classified as free or occupied.
     pub wrong: usize,
-    /// Free cells and surfaces that the map leaves unknown.
+    /// Free cells and surfaces that are unknown in the map.
     pub unknown: usize,
-    /// Fraction of the cells classified as occupied that are a surface or have one as a neighbour; NaN if no cell is classified as
+    /// Fraction of the cells classified as occupied that are a surface or have a surface as a neighbour; NaN if no cell is classified as
     /// occupied.
     pub precision: f64,
-    /// Fraction of the surfaces that are classified as occupied or have such a neighbour; NaN if there is no surface.
+    /// Fraction of the surface cells that are classified as occupied or have a neighbour that is; NaN without surface cells.
     pub recall: f64,
 }
 
@@ -94,7 +94,7 @@ impl Score {
     }
 }
 
-/// Of the cells of `grid` equal to `value`, the fraction that has `other` in the same cell or a neighbour in `others`.
+/// Fraction of the cells with `value` in `grid` for which `others` has `other` in the same cell or in a neighbour.
 fn fraction_with_neighbour<A: PartialEq, B: PartialEq>(grid: &Grid<A>, value: A, others: &Grid<B>, other: B) -> f64 {
     let cells: Vec<Cell> = grid.iter().filter(|(_, actual)| **actual == value).map(|(cell, _)| cell).collect();
     let is_near = |cell: &Cell| {
@@ -110,28 +110,28 @@ mod tests {
     use crate::pose::Point;
 
     #[test]
-    fn the_limits_count_as_known() {
-        let said: Vec<Occupancy> = [0.0, 0.4, 0.45, 0.5, 0.6, 1.0].into_iter().map(Occupancy::of).collect();
+    fn limits_belong_to_free_and_occupied() {
+        let classes: Vec<Occupancy> = [0.0, 0.4, 0.45, 0.5, 0.6, 1.0].into_iter().map(Occupancy::of).collect();
         use Occupancy::{Free, Occupied, Unknown};
-        assert_eq!(said, [Free, Free, Unknown, Unknown, Occupied, Occupied]);
+        assert_eq!(classes, [Free, Free, Unknown, Unknown, Occupied, Occupied]);
     }
 
     #[test]
-    fn a_map_is_counted_by_hand() {
+    fn score_matches_a_count_by_hand() {
         let frame = Frame::new(Point::origin(), 1.0, 6, 1);
         let grid = |text: &str| text.chars().collect::<Vec<char>>();
-        let (said, is) = (grid("OO.?.?"), grid("...##x"));
-        let map = Grid::from_fn(frame, |cell| match said[cell.column] {
+        let (classified, actual) = (grid("OO.?.?"), grid("...##x"));
+        let map = Grid::from_fn(frame, |cell| match classified[cell.column] {
             'O' => Occupancy::Occupied,
             '.' => Occupancy::Free,
             _ => Occupancy::Unknown,
         });
-        let truth = Grid::from_fn(frame, |cell| match is[cell.column] {
+        let truth = Grid::from_fn(frame, |cell| match actual[cell.column] {
             '.' => Truth::Free,
             '#' => Truth::Surface,
             _ => Truth::Hidden,
         });
-        // Two false obstacles, far from the surface; one free cell right, one surface said to be free, one not seen.
+        // Two false obstacles, far from the surface; one free cell correct; one surface cell classified as free, one unknown.
         let score = Score::of(&map, &truth);
         assert_eq!((score.right, score.wrong, score.unknown), (1, 3, 1));
         assert_eq!((score.precision, score.recall, score.accuracy()), (0.0, 0.0, 0.25));

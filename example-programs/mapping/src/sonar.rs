@@ -9,7 +9,7 @@ use crate::pose::{Point, Pose, wrapped};
 pub struct Echo {
     /// Pose of the sonar in the map's frame; its x axis is the middle of the beam.
     pub sonar: Pose,
-    /// Distance to the surface that echoed, in metres; `None` without an echo.
+    /// Distance of the surface that caused the echo, in metres; `None` without an echo.
     pub distance: Option<f64>,
 }
 
@@ -18,9 +18,9 @@ pub struct Echo {
 pub struct Beam {
     /// The angle between the middle and the edge, in radians.
     pub half_angle: f64,
-    /// Least distance that is heard, in metres.
+    /// Minimum distance that the sonar measures, in metres.
     pub nearest: f64,
-    /// Maximum distance that is heard, in metres.
+    /// Maximum distance that the sonar measures, in metres.
     pub farthest: f64,
 }
 
@@ -36,17 +36,17 @@ pub struct InBeam {
 }
 
 impl Beam {
-    /// The cells of `frame` whose middle lies in the beam of `sonar`, up to `reach` metres from it, row by row.
-    pub fn cells(&self, frame: &Frame, sonar: Pose, reach: f64) -> impl Iterator<Item = InBeam> + use<> {
+    /// The cells of `frame` whose middle lies in the beam of a sonar at `sonar`, at most `max_distance` metres away, row by row.
+    pub fn cells(&self, frame: &Frame, sonar: Pose, max_distance: f64) -> impl Iterator<Item = InBeam> + use<> {
         let (frame, half_angle) = (*frame, self.half_angle);
-        frame.disc(sonar.position, reach).filter_map(move |cell| {
+        frame.disc(sonar.position, max_distance).filter_map(move |cell| {
             let (distance, angle) = polar(sonar, frame.centre(cell));
             (angle.abs() <= half_angle).then_some(InBeam { cell, distance, angle })
         })
     }
 }
 
-/// The distance and the direction of a point as seen from `pose`, in metres and radians in [-pi, pi).
+/// Polar coordinates of a point in the frame of `pose`: distance in metres, angle in radians in [-pi, pi).
 pub fn polar(pose: Pose, point: Point) -> (f64, f64) {
     let offset = point - pose.position;
     (math::hypot(offset.x, offset.y), wrapped(math::atan2(offset.y, offset.x) - pose.heading))

@@ -1,10 +1,10 @@
-//! The plain sonar grid: each reading makes its cone free and its arc occupied.
+//! Plain sonar grid: a reading is evidence that its cone is free and its arc occupied.
 //!
-//! Each cell counts how often it was in an arc and how often in a cone before the arc; its occupancy is the fraction of the arcs. The
-//! grid is the reference for [`sector`](crate::sector).
+//! For each cell, two counters count how often it was in an arc and how often in the cone in front of an arc; its probability is the
+//! fraction of the arcs. The grid is the reference for [`sector`](crate::sector).
 //!
-//! Source: arcs and cones as in Moravec & Elfes 1985; counted as in the histogram grids of Borenstein & Koren 1991 and the counting
-//! model of Hähnel et al. 2003. Without weights over the beam: our choice.
+//! Source: arcs and cones as in Moravec & Elfes 1985; counters as in the histogram grids of Borenstein & Koren 1991 and the counting
+//! model of Hähnel et al. 2003. All cells of a beam have the same weight (our choice).
 
 use crate::grid::{Frame, Grid};
 use crate::sonar::{Beam, Echo};
@@ -12,9 +12,9 @@ use crate::sonar::{Beam, Echo};
 /// Interpretation of a reading without an echo.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Silence {
-    /// No information: it may come from a mirror.
+    /// No information: a mirror may be the cause.
     Nothing,
-    /// The beam is free up to its farthest distance.
+    /// The beam is free up to its maximum distance.
     Free,
 }
 
@@ -36,22 +36,22 @@ impl SonarGrid {
     pub fn add(&mut self, echo: Echo) {
         let frame = *self.counts.frame();
         let half_cell = 0.5 * frame.cell_size();
-        let (free, reach) = match (echo.distance, self.silence) {
+        let (free_distance, max_distance) = match (echo.distance, self.silence) {
             (Some(distance), _) => (distance - half_cell, distance + half_cell),
             (None, Silence::Free) => (self.beam.farthest, self.beam.farthest),
             (None, Silence::Nothing) => return,
         };
-        for seen in self.beam.cells(&frame, echo.sonar, reach) {
-            let (arcs, cones) = &mut self.counts[seen.cell];
-            *(if seen.distance > free { arcs } else { cones }) += 1;
+        for in_beam in self.beam.cells(&frame, echo.sonar, max_distance) {
+            let (arcs, cones) = &mut self.counts[in_beam.cell];
+            *(if in_beam.distance > free_distance { arcs } else { cones }) += 1;
         }
     }
 
-    /// Fraction of the readings over each cell that had it in their arc; 0.5 where there was none.
+    /// For each cell, the fraction of arcs among the readings that covered it; 0.5 if no reading did.
     pub fn probabilities(&self) -> Grid<f64> {
         self.counts.map(|&(arcs, cones)| match arcs + cones {
             0 => 0.5,
-            all => f64::from(arcs) / f64::from(all),
+            total => f64::from(arcs) / f64::from(total),
         })
     }
 }
@@ -62,7 +62,7 @@ mod tests {
     use crate::pose::{Point, Pose};
 
     #[test]
-    fn the_cone_is_free_the_arc_occupied_and_silence_as_one_likes() {
+    fn cone_is_free_arc_is_occupied_and_silence_follows_its_setting() {
         let frame = Frame::new(Point::origin(), 0.1, 30, 20);
         let beam = Beam { half_angle: 0.26, nearest: 0.03, farthest: 2.0 };
         let sonar = Pose::new(0.05, 1.05, 0.0);

@@ -1,8 +1,8 @@
-//! A surface of heights as a Takagi-Sugeno-Kang system: one rule for each cell of a partition of the plane, with a constant or a
-//! plane as its output, fitted to sonar readings by recursive least squares.
+//! A height map as a Takagi-Sugeno-Kang system: each cell of a partition of the plane has one rule, whose output is a constant or a
+//! plane, fitted to sonar readings by recursive least squares.
 //!
-//! Source: Gois and Hiller, section 3. Their Eq. 3 omits the division by the sum of the activations, which the weighted average of the
-//! text requires; it is included here.
+//! Source: Gois and Hiller, section 3. Their Eq. 3 omits the division by the sum of the activations, which the weighted average in
+//! the text requires; this code includes it.
 
 use std::ops::Range;
 
@@ -10,15 +10,16 @@ use crate::inverse::{Side, SonarModel, SonarPose, cap_point};
 use crate::math;
 use crate::rls::Rls;
 
-/// Sampling points along each side of a cell in the search for its maximum membership.
-const LOOKS: usize = 3;
+/// Number of sampling points along each side of a cell in the search for its maximum membership.
+const SAMPLES: usize = 3;
 
 /// A cell of the unbounded lattice that partitions the plane: column along x, row along y.
 pub type CellIndex = (i64, i64);
 
-/// A rectangle of square cells of the lattice whose point (0, 0) is a corner of cells.
+/// A rectangle of cells of the square lattice that has a cell corner at (0, 0).
 ///
-/// Each cell has a slot, its place modulo the size: when the rectangle moves, cells that stay in it keep their slots.
+/// Each cell has a slot, an index computed from its column and row modulo the size: cells that stay in the rectangle when it moves keep
+/// their slots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Partition {
     /// Side of a cell, m.
@@ -32,14 +33,14 @@ pub struct Partition {
 }
 
 impl Partition {
-    /// The cell of the lattice that has the point (x, y).
+    /// The cell of the lattice that contains the point (x, y).
     pub fn cell_index(&self, x: f64, y: f64) -> CellIndex {
         ((x / self.cell).floor() as i64, (y / self.cell).floor() as i64)
     }
 
-    /// The slot of a cell, `None` outside.
+    /// The slot of a cell; `None` outside the rectangle.
     pub fn slot(&self, (column, row): CellIndex) -> Option<usize> {
-        let is_inside = self.all_columns().contains(&column) && self.all_rows().contains(&row);
+        let is_inside = self.column_range().contains(&column) && self.row_range().contains(&row);
         let (columns, rows) = (self.columns as i64, self.rows as i64);
         is_inside.then(|| (row.rem_euclid(rows) * columns + column.rem_euclid(columns)) as usize)
     }
@@ -51,8 +52,8 @@ impl Partition {
 
     /// All cells, row by row from the minimum y.
     pub fn cells(&self) -> impl Iterator<Item = CellIndex> + use<> {
-        let columns = self.all_columns();
-        self.all_rows().flat_map(move |row| columns.clone().map(move |column| (column, row)))
+        let columns = self.column_range();
+        self.row_range().flat_map(move |row| columns.clone().map(move |column| (column, row)))
     }
 
     /// Cells within `reach` m of (x, y) along either axis.
@@ -60,7 +61,7 @@ impl Partition {
         self.cells_within(x, y, [-reach, reach], [-reach, reach])
     }
 
-    /// Cells within ranges relative to (x, y), m.
+    /// Cells within an interval of x (`east`) and one of y (`north`), relative to (x, y), m.
     pub(crate) fn cells_within(
         &self,
         x: f64,
@@ -69,16 +70,16 @@ impl Partition {
         north: [f64; 2],
     ) -> impl Iterator<Item = CellIndex> + use<> {
         let (from, to) = (self.cell_index(x + east[0], y + north[0]), self.cell_index(x + east[1], y + north[1]));
-        let cut = |all: Range<i64>, from: i64, to: i64| all.start.max(from)..all.end.min(to + 1);
-        let (columns, rows) = (cut(self.all_columns(), from.0, to.0), cut(self.all_rows(), from.1, to.1));
+        let clipped = |range: Range<i64>, from: i64, to: i64| range.start.max(from)..range.end.min(to + 1);
+        let (columns, rows) = (clipped(self.column_range(), from.0, to.0), clipped(self.row_range(), from.1, to.1));
         rows.flat_map(move |row| columns.clone().map(move |column| (column, row)))
     }
 
-    fn all_columns(&self) -> Range<i64> {
+    fn column_range(&self) -> Range<i64> {
         self.low.0..self.low.0 + self.columns as i64
     }
 
-    fn all_rows(&self) -> Range<i64> {
+    fn row_range(&self) -> Range<i64> {
         self.low.1..self.low.1 + self.rows as i64
     }
 }
@@ -102,17 +103,17 @@ impl Order {
     }
 }
 
-/// Conversion of a reading to equations of the parameters.
+/// Conversion of a reading to equations for the parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fusion {
-    /// One equation for each reading, Eq. 3: the weighted averages of the rules' outputs and of the cap's heights are equal.
+    /// One equation for each reading (Eq. 3): the weighted average of the rules' outputs equals that of the cap's heights.
     Average,
-    /// One equation for each activated rule: its output is the height of the cap over its cell, weighted by the activation. Our choice,
-    /// and more accurate: the average of many cells leaves their differences to the noise.
+    /// One equation for each activated rule, weighted by the activation: its output equals the height of the cap over its cell. Our
+    /// choice, and more accurate: an average over many cells leaves the differences between them undetermined.
     ///
     /// The echo comes from the nearest surface in the beam, so the ground touches the cap somewhere and lies below it everywhere
-    /// else. An equation that would raise the height therefore counts only `above` of its weight (asymmetric least squares, Newey and
-    /// Powell 1987); with 1, both directions count alike.
+    /// else. The weight of an equation that would raise the height is therefore multiplied by `above` (asymmetric least squares, Newey
+    /// and Powell 1987); with 1, both directions have the same weight.
     Cells {
         /// Factor in (0, 1] on the weight of equations that would raise the height.
         above: f64,
@@ -132,9 +133,9 @@ pub struct Settings {
     pub height_sigma: f64,
     /// Prior standard deviation of the slopes of a plane, m/m.
     pub slope_sigma: f64,
-    /// Standard deviation of the height in a reading, m.
+    /// Standard deviation of the error of a reading's height, m.
     pub reading_sigma: f64,
-    /// Least height of the ground, m: lower points of a cap count as at this height. Minus infinity if unknown.
+    /// Minimum height of the ground, m; lower points of a cap are raised to it. Minus infinity if unknown.
     pub floor: f64,
     /// Forgetting factor, as in [`Rls::new`].
     pub forgetting: f64,
@@ -155,7 +156,7 @@ impl Default for Settings {
     }
 }
 
-/// One rule that a reading activates.
+/// Activation of one rule by a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Activation {
     /// The cell.
@@ -172,7 +173,7 @@ pub struct Activation {
     pub height: f64,
 }
 
-/// Cells of a partition on which the shadow of a reading lies; `side` is the lower or the most possible side of its cap.
+/// Activations of the cells on which the shadow of a reading lies; `side` chooses a point of its cap.
 pub fn activations(
     partition: &Partition,
     model: &SonarModel,
@@ -180,18 +181,19 @@ pub fn activations(
     measured: f64,
     side: Side,
 ) -> Vec<Activation> {
-    // A little less, so that rounding drops no point at the edge of the beam.
+    // Slightly reduced, so that rounding drops no point at the edge of the beam.
     let min_cosine = math::cos(model.aperture()) - 1e-9;
-    let offset = |look: usize| ((look as f64 + 0.5) / LOOKS as f64 - 0.5) * partition.cell;
-    let look_at = |index: CellIndex| {
+    let offset = |sample: usize| ((sample as f64 + 0.5) / SAMPLES as f64 - 0.5) * partition.cell;
+    let activation_of = |index: CellIndex| {
         let slot = partition.slot(index)?;
         let centre = partition.centre(index);
-        let within = (0..LOOKS * LOOKS).map(|look| (centre.0 + offset(look % LOOKS), centre.1 + offset(look / LOOKS)));
-        // A level sonar hears best at the rim of the cap, whose band is narrower than the distance between two sampling points.
+        let samples = (0..SAMPLES * SAMPLES)
+            .map(|sample| (centre.0 + offset(sample % SAMPLES), centre.1 + offset(sample / SAMPLES)));
+        // For a level sonar the membership is greatest in a band at the rim of the cap that may lie between two sampling points.
         let rim = rim(sonar, measured, centre, partition.cell).filter(|(x, y)| partition.cell_index(*x, *y) == index);
-        let (mut points, mut count) = ([(0.0, 0.0, 0.0); LOOKS * LOOKS + 1], 0);
+        let (mut points, mut count) = ([(0.0, 0.0, 0.0); SAMPLES * SAMPLES + 1], 0);
         let mut max_cosine = 0.0_f64;
-        for (x, y) in within.chain(rim) {
+        for (x, y) in samples.chain(rim) {
             if let Some((cosine, _)) = cap_point(sonar, measured, x, y, side) {
                 points[count] = (x, y, cosine);
                 count += 1;
@@ -201,7 +203,7 @@ pub fn activations(
         if max_cosine < min_cosine {
             return None;
         }
-        // The membership falls with the angle: it is computed only for points that rounding may let share the maximum.
+        // The membership falls with the angle, so it is computed only for points whose cosine is the maximum, except for rounding.
         points[..count]
             .iter()
             .copied()
@@ -213,11 +215,11 @@ pub fn activations(
             .max_by(|a, b| a.weight.total_cmp(&b.weight))
     };
     let [east, north] = model.extents(sonar).map(|range| range.map(|fraction| fraction * measured));
-    partition.cells_within(sonar.origin.x, sonar.origin.y, east, north).filter_map(look_at).collect()
+    partition.cells_within(sonar.origin.x, sonar.origin.y, east, north).filter_map(activation_of).collect()
 }
 
-/// Point of the plane at the measured distance from a sonar, in the direction of a place; `None` for a place at the sonar, or farther
-/// from the point than a cell.
+/// Point of the plane at the measured distance from a sonar, in the direction of the point (x, y); `None` if that is at the sonar, or more
+/// than a cell away from the result.
 fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64), cell: f64) -> Option<(f64, f64)> {
     let (dx, dy) = (x - sonar.origin.x, y - sonar.origin.y);
     let (square, nearest) = (dx * dx + dy * dy, (measured - cell).max(0.0));
@@ -225,15 +227,15 @@ fn rim(sonar: &SonarPose, measured: f64, (x, y): (f64, f64), cell: f64) -> Optio
         return None;
     }
     let length = math::hypot(dx, dy);
-    // A little less, since on the rim itself rounding decides whether the cap is hit.
+    // Slightly reduced, since on the rim itself rounding decides whether the cap is hit.
     let scale = measured * (1.0 - 1e-9) / length;
     (length > 0.0).then(|| (sonar.origin.x + scale * dx, sonar.origin.y + scale * dy))
 }
 
-/// The surface.
+/// The height map.
 ///
-/// The plane of a rule is relative to the middle of its cell and in units of cells, a x' + b y' + c with x' and y' in [-1/2, 1/2]: the
-/// same plane as in the paper, with coefficients near 1.
+/// The plane of a rule is a x' + b y' + c, with x' and y' in [-1/2, 1/2] relative to the middle of its cell and in units of cells: the same
+/// plane as in the paper, with coefficients of similar magnitude.
 #[derive(Clone, Debug)]
 pub struct Tsk {
     partition: Partition,
@@ -241,13 +243,13 @@ pub struct Tsk {
     estimate: Estimate,
 }
 
-/// Parameters of the rules: those of a slot side by side (height, then slopes a cell along x and y).
+/// Parameters of the rules. Those of a slot are adjacent: height, then the rise per cell along x and along y.
 #[derive(Clone, Debug)]
 enum Estimate {
-    /// One estimate for all rules, as their averages require: n^2 numbers for n parameters.
+    /// One estimate for all rules, since averages couple the rules: n^2 numbers for n parameters.
     Joint(Rls),
-    /// One estimate for each slot: equations of single rules do not couple them.
-    Apart(Vec<Rls>),
+    /// One estimate for each slot, since equations of single rules do not couple the rules.
+    Separate(Vec<Rls>),
 }
 
 impl Tsk {
@@ -264,7 +266,7 @@ impl Tsk {
         };
         let estimate = match settings.fusion {
             Fusion::Average => Estimate::Joint(rls(slots * count)),
-            Fusion::Cells { .. } => Estimate::Apart(vec![rls(count); slots]),
+            Fusion::Cells { .. } => Estimate::Separate(vec![rls(count); slots]),
         };
         Self { partition, settings, estimate }
     }
@@ -288,23 +290,23 @@ impl Tsk {
             activation.height = activation.height.max(self.settings.floor);
         }
         match self.settings.fusion {
-            Fusion::Average => self.take_average(&activations),
+            Fusion::Average => self.add_average(&activations),
             Fusion::Cells { above } => {
                 for activation in &activations {
-                    let is_raised = self.output(activation) < activation.height;
-                    self.take_one(activation, activation.weight * if is_raised { above } else { 1.0 });
+                    let is_raise = self.output(activation) < activation.height;
+                    self.add_height(activation, activation.weight * if is_raise { above } else { 1.0 });
                 }
             }
         }
         activations.len()
     }
 
-    /// Takes one equation: the weighted averages of the rules' outputs and of the heights in `activations` are equal, except for the error
-    /// of a reading. If each rule has its own estimate, an average is an equation for each of them.
+    /// Adds one equation: the weighted average of the rules' outputs equals that of the heights in `activations`, except for the error of a
+    /// reading. If each rule has a separate estimate, adds an equation for each of them instead.
     ///
     /// # Panics
     /// If a number is not finite, or a slot is not one of the partition.
-    pub fn take_average(&mut self, activations: &[Activation]) {
+    pub fn add_average(&mut self, activations: &[Activation]) {
         let total: f64 = activations.iter().map(|activation| activation.weight).sum();
         if total <= 0.0 {
             return;
@@ -317,33 +319,33 @@ impl Tsk {
             height += fraction * activation.height;
             let base = activation.slot * count;
             regressor
-                .extend(self.rule(activation).enumerate().map(|(index, factor)| (base + index, fraction * factor)));
+                .extend(self.factors(activation).enumerate().map(|(index, factor)| (base + index, fraction * factor)));
         }
         let sigma = self.settings.reading_sigma;
         match &mut self.estimate {
             Estimate::Joint(rls) => rls.update(&regressor, height, sigma * sigma).expect("finite numbers of rules"),
-            Estimate::Apart(_) => {
-                activations.iter().for_each(|activation| self.take_one(activation, activation.weight / total))
+            Estimate::Separate(_) => {
+                activations.iter().for_each(|activation| self.add_height(activation, activation.weight / total))
             }
         }
     }
 
-    /// Takes one equation with a weight: the output of a rule is the height in `activation`, except for the error of a reading.
+    /// Adds one equation with a weight: the output of a rule equals the height in `activation`, except for the error of a reading.
     ///
     /// # Panics
     /// If a number is not finite, or the slot is not one of the partition.
-    pub fn take_one(&mut self, activation: &Activation, weight: f64) {
+    pub fn add_height(&mut self, activation: &Activation, weight: f64) {
         let sigma = self.settings.reading_sigma;
         let variance = sigma * sigma / weight;
         let base = activation.slot * self.settings.order.parameters();
         let (mut regressor, mut count) = ([(0, 0.0); 3], 0);
-        for factor in self.rule(activation) {
+        for factor in self.factors(activation) {
             regressor[count] = (count, factor);
             count += 1;
         }
         let regressor = &mut regressor[..count];
         let result = match &mut self.estimate {
-            Estimate::Apart(rules) => rules[activation.slot].update(regressor, activation.height, variance),
+            Estimate::Separate(rules) => rules[activation.slot].update(regressor, activation.height, variance),
             Estimate::Joint(rls) => {
                 regressor.iter_mut().for_each(|(index, _)| *index += base);
                 rls.update(regressor, activation.height, variance)
@@ -354,25 +356,26 @@ impl Tsk {
 
     /// Estimated height at (x, y), m; `None` outside the partition.
     ///
-    /// The activation of a point is that of its own cell alone, a singleton (Gois and Hiller, section 3): heights jump between cells.
+    /// A point activates only the rule of its own cell (Gois and Hiller, section 3), so heights jump between cells.
     pub fn height(&self, x: f64, y: f64) -> Option<f64> {
         let index = self.partition.cell_index(x, y);
         let slot = self.partition.slot(index)?;
         Some(self.output(&Activation { cell_index: index, slot, weight: 1.0, x, y, height: 0.0 }))
     }
 
-    /// Standard deviation of the height in the middle of the cell with the point (x, y), m; `None` outside the partition. It begins at
-    /// the prior's and falls with the readings.
+    /// Standard deviation of the height in the middle of the cell that contains (x, y), m; `None` outside the partition. It begins with
+    /// that of the prior and falls with the readings.
     pub fn sigma(&self, x: f64, y: f64) -> Option<f64> {
         let slot = self.partition.slot(self.partition.cell_index(x, y))?;
         let variance = match &self.estimate {
             Estimate::Joint(rls) => rls.variance(slot * self.settings.order.parameters()),
-            Estimate::Apart(rules) => rules[slot].variance(0),
+            Estimate::Separate(rules) => rules[slot].variance(0),
         };
         Some(variance.sqrt())
     }
 
-    /// Moves the partition so that `low` is its cell with the minimum x and y. Cells that fall out are forgotten; new ones have the prior.
+    /// Moves the partition so that `low` is its cell with the minimum x and y. The estimates of cells that leave it are discarded; new
+    /// cells have the prior.
     pub fn move_to(&mut self, low: CellIndex) {
         let before = self.partition;
         self.partition.low = low;
@@ -383,7 +386,7 @@ impl Tsk {
                 let (mean, variance) = prior(&self.partition, &self.settings, index);
                 match &mut self.estimate {
                     Estimate::Joint(rls) => rls.reset(slot * count + index, mean, variance),
-                    Estimate::Apart(rules) => rules[slot].reset(index, mean, variance),
+                    Estimate::Separate(rules) => rules[slot].reset(index, mean, variance),
                 }
             }
         }
@@ -393,13 +396,13 @@ impl Tsk {
     fn output(&self, activation: &Activation) -> f64 {
         let parameters = match &self.estimate {
             Estimate::Joint(rls) => &rls.parameters()[activation.slot * self.settings.order.parameters()..],
-            Estimate::Apart(rules) => rules[activation.slot].parameters(),
+            Estimate::Separate(rules) => rules[activation.slot].parameters(),
         };
-        self.rule(activation).zip(parameters).map(|(factor, parameter)| parameter * factor).sum()
+        self.factors(activation).zip(parameters).map(|(factor, parameter)| parameter * factor).sum()
     }
 
     /// Factors of a rule's parameters in its output.
-    fn rule(&self, activation: &Activation) -> impl Iterator<Item = f64> + use<> {
+    fn factors(&self, activation: &Activation) -> impl Iterator<Item = f64> + use<> {
         let (x, y) = self.partition.centre(activation.cell_index);
         let (x, y) = ((activation.x - x) / self.partition.cell, (activation.y - y) / self.partition.cell);
         [1.0, x, y].into_iter().take(self.settings.order.parameters())
@@ -431,14 +434,14 @@ mod tests {
         SonarPose::new(Vector3::new(x, y, 2.0), 0.0, -FRAC_PI_2)
     }
 
-    /// The band of the cap behind its rim is 2 cm wide here, less than the distance between two sampling points.
+    /// The cap's band of high membership is 2 cm wide here, less than the distance between two sampling points.
     #[test]
-    fn a_level_sonar_is_heard_on_the_rim_of_its_cap() {
+    fn level_sonar_activates_the_cell_at_the_rim_of_its_cap() {
         let partition = Partition { cell: 0.5, columns: 12, rows: 3, low: (0, -1) };
         for (pitch, weight) in [(0.0, 1.0), (0.436, 0.32)] {
             let sonar = SonarPose::new(Vector3::new(0.1, 0.25, 0.6), 0.0, pitch);
             for measured in [1.97, 2.03, 2.16] {
-                let model = SonarModel { least: 0.25, ..SonarModel::srf08() };
+                let model = SonarModel { min_membership: 0.25, ..SonarModel::srf08() };
                 let found = activations(&partition, &model, &sonar, measured, Side::Lower);
                 let ahead = found.iter().find(|one| one.cell_index == (4, 0)).expect("the cell of the echo");
                 assert!((ahead.weight - weight).abs() < 0.01, "{measured}: {ahead:?}");
@@ -448,7 +451,7 @@ mod tests {
     }
 
     #[test]
-    fn places_have_slots_that_stay_when_the_partition_moves() {
+    fn cells_keep_their_slots_when_the_partition_moves() {
         let before = partition();
         let after = Partition { low: (-1, 1), ..before };
         let mut slots: Vec<_> = before.cells().map(|index| before.slot(index).unwrap()).collect();
@@ -463,7 +466,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plane_is_a_plane_to_first_order_and_steps_to_zero_order() {
+    fn first_order_fits_a_plane_and_zero_order_its_steps() {
         let plane = |x: f64, y: f64| 0.3 + 0.2 * x - 0.1 * y;
         for (order, max_error) in [(Order::Zero, 0.06), (Order::One, 1e-3)] {
             let settings = Settings { order, reading_sigma: 1e-3, ..Settings::default() };
@@ -473,7 +476,10 @@ mod tests {
                 for (dx, dy) in [(0.0, 0.0), (0.2, 0.1), (-0.2, 0.15), (0.1, -0.2), (-0.15, -0.1)] {
                     let (x, y) = (cx + dx, cy + dy);
                     let slot = partition().slot(index).unwrap();
-                    tsk.take_one(&Activation { cell_index: index, slot, weight: 1.0, x, y, height: plane(x, y) }, 0.7);
+                    tsk.add_height(
+                        &Activation { cell_index: index, slot, weight: 1.0, x, y, height: plane(x, y) },
+                        0.7,
+                    );
                 }
             }
             let (x, y) = (0.45, 2.85);
@@ -483,9 +489,9 @@ mod tests {
         }
     }
 
-    /// Eq. 3 with the division: activations of one height give that height, whatever their sum is.
+    /// Eq. 3 with the division: if all activations have one height, the average is that height, whatever their sum.
     #[test]
-    fn the_average_is_divided_by_the_sum_of_the_activations() {
+    fn average_is_divided_by_the_sum_of_activations() {
         let settings = Settings { fusion: Fusion::Average, reading_sigma: 1e-3, ..Settings::default() };
         let mut tsk = Tsk::new(partition(), settings);
         let cells = [((0, 4), 0.9), ((1, 4), 0.8), ((0, 5), 0.7)];
@@ -494,7 +500,7 @@ mod tests {
             Activation { cell_index: index, slot: partition().slot(index).unwrap(), weight, x, y, height: 0.4 }
         });
         for _ in 0..3 {
-            tsk.take_average(&activations);
+            tsk.add_average(&activations);
         }
         let heights = cells.map(|(index, weight)| {
             let (x, y) = partition().centre(index);
@@ -504,11 +510,11 @@ mod tests {
     }
 
     #[test]
-    fn what_would_raise_the_ground_counts_less() {
+    fn raising_equations_have_less_weight() {
         let fused = |above: f64| {
             let mut tsk = Tsk::new(partition(), Settings { fusion: Fusion::Cells { above }, ..Settings::default() });
             for step in 0..200 {
-                // Level ground at 0 below sonars all over it: caps touch it, and lie above it elsewhere.
+                // Level ground at 0, with sonars above all of it: each cap touches the ground at one point and is higher elsewhere.
                 tsk.fuse(&SonarModel::srf08(), &down(-1.0 + 0.02 * f64::from(step), 2.3), 2.0);
             }
             tsk.height(0.75, 2.25).unwrap()
@@ -518,13 +524,14 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_fall_out_are_forgotten_and_the_others_stay() {
+    fn move_to_discards_only_cells_that_leave() {
         for fusion in [Fusion::Average, Fusion::Cells { above: 0.1 }] {
-            moved(Settings { fusion, order: Order::One, ..Settings::default() });
+            check_move(Settings { fusion, order: Order::One, ..Settings::default() });
         }
     }
 
-    fn moved(settings: Settings) {
+    /// Checks heights and standard deviations after a move by two cells.
+    fn check_move(settings: Settings) {
         let mut tsk = Tsk::new(partition(), settings);
         for step in 0..10 {
             tsk.fuse(&SonarModel::srf08(), &down(-1.0 + 0.3 * f64::from(step), 2.0), 1.5);

@@ -101,7 +101,7 @@ const MAX_PARAMETER: f64 = 1e6;
 fn parameter(parameter: &Parameter) -> protocol::Parameter {
     protocol::Parameter {
         name: parameter.name(),
-        what: parameter.what.to_owned(),
+        what: parameter.description.to_owned(),
         value: parameter.value.clamp(-MAX_PARAMETER, MAX_PARAMETER),
         range: parameter.range.map(|bound| bound.clamp(-MAX_PARAMETER, MAX_PARAMETER)),
         unit: parameter.unit.to_owned(),

@@ -5,7 +5,7 @@
 
 use super::cycle::Cycle;
 use crate::drive::Motion;
-use crate::noise::{AngleErrors, Events};
+use crate::noise::{CompassErrors, EventStreams};
 use crate::pose::Heading;
 use crate::spec::CompassSpec;
 use crate::time::Time;
@@ -21,7 +21,7 @@ pub struct Compass {
     /// Angle measured at `measured_at`, once computed.
     angle: Option<f64>,
     /// `None` if the compass is exact.
-    pub errors: Option<AngleErrors>,
+    pub errors: Option<CompassErrors>,
 }
 
 impl Compass {
@@ -83,10 +83,10 @@ impl Compass {
 }
 
 /// Reading of the compass at `at`, rad clockwise from north; 0 for a robot without a compass.
-pub fn measure(compass: Option<&CompassSpec>, motion: &mut Motion, at: Time, errors: Option<&AngleErrors>) -> f64 {
+pub fn measure(compass: Option<&CompassSpec>, motion: &mut Motion, at: Time, errors: Option<&CompassErrors>) -> f64 {
     let Some(compass) = compass else { return 0.0 };
     let exact = angle_from_heading(motion.pose(at).heading, compass.north);
-    errors.map_or(exact, |errors| errors.reading(Events::index(at, CYCLE), exact))
+    errors.map_or(exact, |errors| errors.reading(EventStreams::index(at, CYCLE), exact))
 }
 
 /// Clockwise angle in rad from `north` to the heading; `north` is a world direction, rad counter-clockwise from x.

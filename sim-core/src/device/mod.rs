@@ -17,7 +17,7 @@ pub mod servo;
 pub mod switch;
 
 use crate::RobotId;
-use crate::noise::{AngleErrors, Profile};
+use crate::noise::{CompassErrors, Profile};
 use crate::spec::RobiSpec;
 use crate::time::Time;
 
@@ -59,7 +59,7 @@ impl Devices {
         self.ranges.set_errors(spec, profile, seed, robot);
         self.camera.set_errors(profile.camera, seed, robot);
         let compass = spec.compass.as_ref();
-        self.compass.errors = compass.map(|it| AngleErrors::new(profile.compass, seed, robot, &it.name));
+        self.compass.errors = compass.map(|it| CompassErrors::new(profile.compass, seed, robot, &it.name));
     }
 
     /// Queues a press of a key, a touch of the display or a press on the remote control at `at`.

@@ -8,7 +8,7 @@ use crate::RobotId;
 use crate::build;
 use crate::drive::Motion;
 use crate::drive::legged::Stance;
-use crate::noise::{Events, Profile, RangeErrors, RangeKind};
+use crate::noise::{EventStreams, Profile, RangeErrors, RangeKind};
 use crate::pose::{Link, Pose3};
 use crate::sensor::{Fan, Mount, Posture, RangeSensor, Reading, Scan};
 use crate::spec::{LIDAR, LidarSpec, RobiSpec};
@@ -103,8 +103,8 @@ impl Ranges {
     pub fn read(&self, index: usize, servos: &Servos, motion: &mut Motion, world: &World, at: Time) -> Reading {
         let Some(sensor) = self.sensors.get(index) else { return NO_RETURN };
         let errors = self.errors.as_ref().and_then(|errors| errors.sensors.get(index));
-        let event = errors.map_or(0, |_| Events::index(at, CYCLE));
-        let noise = errors.map_or(0.0, |(errors, [sigma, mean])| errors.own(event, *sigma, *mean));
+        let event = errors.map_or(0, |_| EventStreams::index(at, CYCLE));
+        let noise = errors.map_or(0.0, |(errors, [sigma, mean])| errors.device_noise(event, *sigma, *mean));
         let reading = if sensor.is_level_psd() {
             let (centre, forward) = motion.centre_and_forward(at);
             sensor.read_level(world, motion.id(), (centre, forward, motion.lift(at)), at, noise)
@@ -173,7 +173,7 @@ impl Ranges {
     ) -> (Pose3, Vec<Option<f64>>) {
         let (world_from_scanner, exact) = self.exact_scan(scanner, servos, motion, world, at);
         let Some(errors) = &self.errors else { return (world_from_scanner, exact) };
-        let mut errors = errors.lidar.scan(Events::index(at, SCAN), at, [0.0, scanner.fan().range()]);
+        let mut errors = errors.lidar.scan(EventStreams::index(at, SCAN), at, [0.0, scanner.fan().range()]);
         (world_from_scanner, exact.into_iter().map(|point| errors.point(point)).collect())
     }
 

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     RobotId,
-    noise::{self, DriveBound, Events, Purpose, Resolution, Stream, TwistNoise},
+    noise::{self, DriveBound, EventStreams, Purpose, Resolution, Stream, TwistNoise},
     pose::{Pose, Twist},
     time::{TICK, Time},
 };
@@ -63,7 +63,7 @@ impl noise::MotionNoise {
             DriveKind::Omni => [self.left, self.right, self.left, self.right].map(Some),
             DriveKind::Legged | DriveKind::Thrusters => [None; 4],
         };
-        let mut stream = Events::new(seed, robot, Purpose::Make, "").at(0);
+        let mut stream = EventStreams::new(seed, robot, Purpose::DeviceConstant, "").at(0);
         let diameters = sides.map(|side| {
             side.map_or(0.0, |fraction| {
                 (fraction + self.diameter_sigma * stream.normal()).clamp(MIN_DIAMETER - 1.0, 1.0)
@@ -181,10 +181,10 @@ pub(super) struct Vehicle {
 #[derive(Clone, Debug)]
 pub(super) struct MotionErrors {
     pub imperfection: Imperfection,
-    slip: Events,
-    command: Events,
-    odometry: Events,
-    drive: Events,
+    slip: EventStreams,
+    command: EventStreams,
+    odometry: EventStreams,
+    drive: EventStreams,
 }
 
 /// Twists of the axle with motion errors.
@@ -223,7 +223,7 @@ impl MotionErrors {
     }
 
     fn new(imperfection: Imperfection, seed: u64, robot: RobotId) -> Self {
-        let stream = |purpose, name| Events::new(seed, robot, purpose, name);
+        let stream = |purpose, name| EventStreams::new(seed, robot, purpose, name);
         Self {
             imperfection,
             slip: stream(Purpose::Command, "slip"),
@@ -241,7 +241,7 @@ impl MotionErrors {
         if length == 0.0 && angle == 0.0 {
             return displacement;
         }
-        let mut stream = self.drive.at(Events::index(at, Time(1)));
+        let mut stream = self.drive.at(EventStreams::index(at, Time(1)));
         // Both errors are always drawn, so that the error of the angle does not depend on the bound of the length.
         let [length_error, angle_error] = [length, angle].map(|bound| bound * (2.0 * stream.unit() - 1.0));
         let (distance, turn) = (displacement.speed(), displacement.omega.abs());
@@ -263,7 +263,7 @@ impl MotionErrors {
         nominal: Twist,
     ) -> DisturbedTwists {
         let Imperfection { diameters, slip, slip_deviation, command, odometry, .. } = self.imperfection;
-        let tick = Events::index(start, TICK);
+        let tick = EventStreams::index(start, TICK);
         let mut twists = DisturbedTwists { truth: nominal, odometry: nominal, are_random: false };
         let mut slips = [slip; 4];
         // The feet of legs do not slip.

@@ -1,22 +1,22 @@
 //! Blur of a lens.
 
-/// Standard deviation below which no level changes, in pixels.
+/// Standard deviation in pixels below which the blur changes no pixel.
 const MIN_SIGMA: f64 = 1e-3;
 
-/// Filter weights of a row of pixels, from the middle to one side; both sides together sum to 1.
+/// Filter weights from the central pixel to one side. The weights of the whole filter, both sides and the centre, sum to 1.
 ///
-/// The discrete analogue of the Gaussian, exp(-t) I_n(t) with t = `sigma`^2: its variance is exactly `sigma`^2 for any `sigma`, and
-/// blurring twice adds variances; a sampled Gaussian has neither property below one pixel. The weights are cut off beyond four standard
-/// deviations and a pixel. Source: Lindeberg 1990, "Scale-space for discrete signals"; the modified Bessel functions I_n by Miller's
-/// backward recurrence.
+/// The weight at a distance of n pixels is exp(-t) I_n(t) with t = `sigma`^2 and the modified Bessel function I_n: the discrete analogue
+/// of the Gaussian. Its variance is exactly `sigma`^2 for any `sigma`, and blurring twice adds variances; a sampled Gaussian has neither
+/// property for a `sigma` below one pixel. The filter ends four standard deviations and one pixel from its centre. I_n is computed by
+/// Miller's backward recurrence. Source: Lindeberg 1990, "Scale-space for discrete signals".
 fn weights(sigma: f64) -> Vec<f32> {
     let t = sigma * sigma;
     let radius = (4.0 * sigma).ceil() as usize + 1;
-    // Far enough out that the arbitrary start values of the recurrence have no influence.
-    let first = 2 * radius + 10;
-    let mut bessel = vec![0.0; first + 2];
-    bessel[first] = 1.0;
-    for n in (1..=first).rev() {
+    // So large that the arbitrary start values of the recurrence have no influence.
+    let start = 2 * radius + 10;
+    let mut bessel = vec![0.0; start + 2];
+    bessel[start] = 1.0;
+    for n in (1..=start).rev() {
         bessel[n - 1] = bessel[n + 1] + 2.0 * n as f64 / t * bessel[n];
         if bessel[n - 1] > 1e100 {
             bessel.iter_mut().for_each(|value| *value *= 1e-100);
@@ -27,8 +27,8 @@ fn weights(sigma: f64) -> Vec<f32> {
     bessel.into_iter().map(|value| (value / sum) as f32).collect()
 }
 
-/// Blurs a picture of rows of `width` pixels with a Gaussian point spread function of standard deviation `sigma` in pixels;
-/// the picture is mirrored at its borders.
+/// Blurs a picture with a Gaussian point spread function of standard deviation `sigma` in pixels. The rows of the picture have `width`
+/// pixels; the picture is mirrored at its borders.
 ///
 /// Filters rows, then columns, in single precision, and rounds to levels at the end. A picture of one colour is unchanged.
 ///
@@ -41,34 +41,34 @@ pub fn blur<const CHANNELS: usize>(sigma: f64, width: usize, pixels: &mut [[u8; 
     assert!(width > 0 && pixels.len().is_multiple_of(width), "whole rows");
     let height = pixels.len() / width;
     let weights = weights(sigma);
-    let mut rows = Vec::with_capacity(pixels.len());
-    let columns = mirrored(width, weights.len() - 1);
+    let mut filtered_rows = Vec::with_capacity(pixels.len());
+    let mirrored_columns = mirrored(width, weights.len() - 1);
     for row in pixels.chunks_exact(width) {
-        let sample = |column: usize| row[columns[column]].map(f32::from);
-        rows.extend((0..width).map(|column| spread(&weights, column, sample)));
+        let sample = |column: usize| row[mirrored_columns[column]].map(f32::from);
+        filtered_rows.extend((0..width).map(|column| filtered(&weights, column, sample)));
     }
-    let order = mirrored(height, weights.len() - 1);
+    let mirrored_rows = mirrored(height, weights.len() - 1);
     for (row, out) in pixels.chunks_exact_mut(width).enumerate() {
         for (column, pixel) in out.iter_mut().enumerate() {
-            let sample = |row: usize| rows[order[row] * width + column];
+            let sample = |row: usize| filtered_rows[mirrored_rows[row] * width + column];
             // A conversion to an integer saturates.
-            *pixel = spread(&weights, row, sample).map(|sample| sample.round() as u8);
+            *pixel = filtered(&weights, row, sample).map(|sample| sample.round() as u8);
         }
     }
 }
 
-/// Weighted sum of the levels around the pixel `at`; the argument of `level` counts from the start of the margin.
-fn spread<const CHANNELS: usize>(
+/// Weighted sum of the levels around the pixel `pixel` of a row or column; `level` takes an index from the start of the margin.
+fn filtered<const CHANNELS: usize>(
     weights: &[f32],
-    at: usize,
+    pixel: usize,
     level: impl Fn(usize) -> [f32; CHANNELS],
 ) -> [f32; CHANNELS] {
-    let middle = at + weights.len() - 1;
+    let middle = pixel + weights.len() - 1;
     let mut sum = level(middle).map(|level| level * weights[0]);
     for (distance, weight) in weights.iter().enumerate().skip(1) {
-        let (before, behind) = (level(middle - distance), level(middle + distance));
+        let (left, right) = (level(middle - distance), level(middle + distance));
         for channel in 0..CHANNELS {
-            sum[channel] += (before[channel] + behind[channel]) * weight;
+            sum[channel] += (left[channel] + right[channel]) * weight;
         }
     }
     sum
@@ -76,10 +76,10 @@ fn spread<const CHANNELS: usize>(
 
 /// Indices 0 to `size` - 1 with a mirrored margin at both ends: ... 1 0 | 0 1 2 | 2 1 ...
 fn mirrored(size: usize, margin: usize) -> Vec<usize> {
-    let index = |at: usize| {
-        // The first index is `margin` before 0; adding whole periods keeps the dividend positive.
-        let at = (at + 2 * size * margin - margin) % (2 * size);
-        at.min(2 * size - 1 - at)
+    let index = |position: usize| {
+        // Position 0 is `margin` pixels before index 0; adding whole periods keeps the dividend positive.
+        let phase = (position + 2 * size * margin - margin) % (2 * size);
+        phase.min(2 * size - 1 - phase)
     };
     (0..size + 2 * margin).map(index).collect()
 }
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_variance_is_that_of_sigma() {
+    fn variance_of_weights_is_sigma_squared() {
         for sigma in [0.05, 0.3, 0.6, 1.0, 2.5, 8.0] {
             let weights = weights(sigma);
             let sum: f64 = weights.iter().skip(1).map(|weight| 2.0 * f64::from(*weight)).sum();
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_are_bessel_functions() {
+    fn weights_match_tabulated_bessel_functions() {
         // exp(-1) I_n(1), Abramowitz & Stegun, table 9.8.
         let expected = [0.465_759_6, 0.207_910_4, 0.049_938_8, 0.008_155_3];
         for (weight, expected) in weights(1.0).iter().zip(expected) {
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn one_colour_stays_as_it_is() {
+    fn picture_of_one_colour_is_unchanged() {
         for sigma in [0.0, 0.5, 3.0, 20.0] {
             let mut pixels = vec![[17, 128, 255]; 7 * 3];
             blur(sigma, 7, &mut pixels);
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_spreads_evenly_and_keeps_its_light() {
+    fn point_becomes_a_round_spot() {
         let mut pixels = vec![[0_u8]; 41 * 31];
         pixels[15 * 41 + 20] = [255];
         blur(1.5, 41, &mut pixels);
@@ -132,8 +132,8 @@ mod tests {
     }
 
     #[test]
-    fn light_is_kept_at_the_border() {
-        // A bright edge along the border of a dark picture: nothing leaves the picture.
+    fn border_keeps_total_brightness() {
+        // A bright column at the left border of a dark picture.
         let (width, height) = (16, 9);
         let mut pixels = vec![[0_u8, 40]; width * height];
         (0..height).for_each(|row| pixels[row * width] = [250, 40]);
@@ -147,22 +147,22 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_smaller_than_the_spread_becomes_even() {
+    fn picture_smaller_than_the_filter_becomes_uniform() {
         let mut pixels = [[0_u8], [100]];
         blur(10.0, 1, &mut pixels);
         assert!(pixels[0][0].abs_diff(50) <= 1 && pixels[1][0].abs_diff(50) <= 1, "{pixels:?}");
-        let mut none: [[u8; 3]; 0] = [];
-        blur(1.0, 5, &mut none);
+        let mut empty: [[u8; 3]; 0] = [];
+        blur(1.0, 5, &mut empty);
     }
 
     #[test]
     fn blurring_twice_adds_variances() {
-        let mut once: Vec<[u8; 1]> = (0..64 * 64).map(|at| [(at * 37 % 256) as u8]).collect();
+        let mut once: Vec<[u8; 1]> = (0..64 * 64).map(|index| [(index * 37 % 256) as u8]).collect();
         let mut twice = once.clone();
         blur(1.0, 64, &mut once);
         blur(0.6, 64, &mut twice);
         blur(0.8, 64, &mut twice);
-        // Each blur rounds to levels.
+        // Each blur rounds to whole levels.
         assert!(once.iter().zip(&twice).all(|(a, b)| a[0].abs_diff(b[0]) <= 1));
     }
 }

@@ -1,13 +1,13 @@
 //! Errors of images.
 
-use super::{Events, Purpose, blur};
+use super::{EventStreams, Purpose, blur};
 use crate::RobotId;
 
 /// Noise model of a camera's images. The default has no errors.
 ///
-/// First the whole picture is blurred with `blur`; then each pixel is changed in this order:
+/// First the whole picture is blurred with the standard deviation `blur`; then each pixel is changed in this order:
 ///
-/// 1. each channel (red, green, blue, or grey) gets `sigma` G added, with G standard normal; the sum is rounded and
+/// 1. `sigma` G is added to each channel (red, green, blue, or grey), with G standard normal; the sum is rounded and
 ///    clamped to 0 to 255;
 /// 2. with probability `salt_and_pepper` it becomes white (with probability `salt`) or black;
 /// 3. with probability `hundreds_and_thousands` it gets a random colour, each channel uniform over 0 to 255.
@@ -37,17 +37,17 @@ impl Default for ImageNoise {
 #[derive(Clone, Debug)]
 pub struct ImageErrors {
     model: ImageNoise,
-    rows: Events,
+    row_streams: EventStreams,
 }
 
 impl ImageErrors {
     /// The errors of the camera called `device` on `robot`, in a run with `seed`.
     pub fn new(model: ImageNoise, seed: u64, robot: RobotId, device: &str) -> Self {
-        Self { model, rows: Events::new(seed, robot, Purpose::Image, device) }
+        Self { model, row_streams: EventStreams::new(seed, robot, Purpose::Image, device) }
     }
 
-    /// Turns an exact picture, in rows of `width` pixels from the top, into image `frame`: blurs it, then adds the errors of
-    /// each row.
+    /// Changes an exact picture to the camera's image number `frame`: blurs it, then adds the errors of each row. Rows have `width` pixels,
+    /// the top row first.
     ///
     /// # Panics
     /// If the number of pixels is not a multiple of `width`, or there are more than 65536 rows.
@@ -64,14 +64,14 @@ impl ImageErrors {
     pub fn apply<const CHANNELS: usize>(&self, frame: u64, row: u16, pixels: &mut [[u8; CHANNELS]]) {
         let ImageNoise { sigma, salt_and_pepper, salt, hundreds_and_thousands, .. } = self.model;
         if sigma > 0.0 {
-            let mut stream = self.rows.at(index(frame, row, 0));
+            let mut stream = self.row_streams.at(stream_index(frame, row, 0));
             for level in pixels.as_flattened_mut() {
-                // A conversion to an integer saturates.
+                // The conversion to an integer saturates.
                 *level = (f64::from(*level) + sigma * stream.normal()).round() as u8;
             }
         }
         if salt_and_pepper > 0.0 {
-            let mut stream = self.rows.at(index(frame, row, 1));
+            let mut stream = self.row_streams.at(stream_index(frame, row, 1));
             for pixel in &mut *pixels {
                 let (is_hit, is_white) = (stream.unit() < salt_and_pepper, stream.unit() < salt);
                 if is_hit {
@@ -80,7 +80,7 @@ impl ImageErrors {
             }
         }
         if hundreds_and_thousands > 0.0 {
-            let mut stream = self.rows.at(index(frame, row, 2));
+            let mut stream = self.row_streams.at(stream_index(frame, row, 2));
             for pixel in pixels {
                 let (is_hit, colour) = (stream.unit() < hundreds_and_thousands, stream.bits().to_le_bytes());
                 if is_hit {
@@ -91,8 +91,8 @@ impl ImageErrors {
     }
 }
 
-/// Event index of one kind of error in one row; unique for frame, row and kind.
-fn index(frame: u64, row: u16, kind: u64) -> u64 {
+/// Index of the random stream for one kind of error in one row; unique for frame, row and kind.
+fn stream_index(frame: u64, row: u16, kind: u64) -> u64 {
     frame << 18 | u64::from(row) << 2 | kind
 }
 
@@ -107,12 +107,12 @@ mod tests {
     }
 
     #[test]
-    fn without_errors_an_image_is_exact() {
+    fn default_noise_keeps_the_image() {
         assert!(row::<3>(ImageNoise::default(), 3, 4).iter().all(|pixel| *pixel == [100; 3]));
     }
 
     #[test]
-    fn rows_and_frames_differ_and_repeat() {
+    fn errors_depend_on_frame_and_row_and_are_reproducible() {
         let model =
             ImageNoise { sigma: 5.0, salt_and_pepper: 0.1, hundreds_and_thousands: 0.1, ..ImageNoise::default() };
         assert_eq!(row::<3>(model, 3, 4), row::<3>(model, 3, 4));
@@ -121,19 +121,19 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_is_blurred_before_its_pixels_err() {
+    fn blur_comes_before_pixel_noise() {
         let model = ImageNoise { blur: 1.0, salt_and_pepper: 0.2, ..ImageNoise::default() };
-        let picture: Vec<[u8; 3]> = (0..40 * 30).map(|at| [if at % 40 < 20 { 60 } else { 180 }; 3]).collect();
+        let picture: Vec<[u8; 3]> = (0..40 * 30).map(|index| [if index % 40 < 20 { 60 } else { 180 }; 3]).collect();
         let mut frame = picture.clone();
         ImageErrors::new(model, 7, RobotId(1), "CAMERA").expose(5, 40, &mut frame);
         let mut blurred = picture;
         blur(1.0, 40, &mut blurred);
-        let hit = |pixel: [u8; 3]| pixel == [0; 3] || pixel == [255; 3];
+        let is_hit = |pixel: [u8; 3]| pixel == [0; 3] || pixel == [255; 3];
         let mut hits = 0;
         for (row, (frame, blurred)) in frame.chunks_exact(40).zip(blurred.chunks_exact_mut(40)).enumerate() {
             ImageErrors::new(model, 7, RobotId(1), "CAMERA").apply(5, row as u16, blurred);
             assert_eq!(frame, blurred, "row {row}");
-            hits += frame.iter().filter(|pixel| hit(**pixel)).count();
+            hits += frame.iter().filter(|pixel| is_hit(**pixel)).count();
         }
         // If salt and pepper were added before the blur, their pixels would be grey.
         assert!((180..300).contains(&hits), "{hits} of 1200");
@@ -149,14 +149,14 @@ mod tests {
     }
 
     #[test]
-    fn salt_is_white_and_pepper_black() {
-        let of = |salt| row::<3>(ImageNoise { salt_and_pepper: 1.0, salt, ..ImageNoise::default() }, 0, 0);
-        assert!(of(1.0).iter().all(|pixel| *pixel == [255; 3]));
-        assert!(of(0.0).iter().all(|pixel| *pixel == [0; 3]));
+    fn salt_is_white_and_pepper_is_black() {
+        let pixels = |salt| row::<3>(ImageNoise { salt_and_pepper: 1.0, salt, ..ImageNoise::default() }, 0, 0);
+        assert!(pixels(1.0).iter().all(|pixel| *pixel == [255; 3]));
+        assert!(pixels(0.0).iter().all(|pixel| *pixel == [0; 3]));
     }
 
     #[test]
-    fn hundreds_and_thousands_are_of_all_colours() {
+    fn hundreds_and_thousands_have_random_colours() {
         let model = ImageNoise { hundreds_and_thousands: 1.0, ..ImageNoise::default() };
         let colours: std::collections::BTreeSet<[u8; 3]> = row(model, 0, 0).into_iter().collect();
         assert!(colours.len() > 990, "{} colours of 1000", colours.len());
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn the_values_are_golden() {
+    fn pixels_match_golden_values() {
         let model = ImageNoise {
             sigma: 5.0,
             salt_and_pepper: 0.3,

@@ -1,21 +1,21 @@
 //! The keys of a noise profile, with their units and ranges.
 
-use super::{Accessor, AngleNoise, ImageNoise, MotionNoise, RadioNoise, RangeNoise};
+use super::{Accessor, CompassNoise, ImageNoise, MotionNoise, RadioNoise, RangeNoise};
 use crate::unit::Quantity;
 
-/// A key of a section and the number of the model that it sets.
+/// A key of a section and the parameter of the model that it sets.
 pub struct Key<M: 'static> {
     /// Name of the key.
     pub name: &'static str,
-    /// Description for people, one sentence.
+    /// Description for users, one sentence.
     pub about: &'static str,
-    /// Meaning of the number, with its unit and bounds.
+    /// Quantity of the parameter, with its unit and bounds.
     pub quantity: Quantity,
-    /// Accessor of the number in the model.
+    /// Accessor of the parameter in the model.
     pub accessor: Accessor<M>,
 }
 
-/// Keys of a section, in the order of a profile.
+/// Keys of a section, in the order in which a profile prints them.
 pub type Keys<M> = &'static [Key<M>];
 
 const fn key<M>(name: &'static str, about: &'static str, quantity: Quantity, accessor: Accessor<M>) -> Key<M> {
@@ -24,18 +24,18 @@ const fn key<M>(name: &'static str, about: &'static str, quantity: Quantity, acc
 
 /// Maximum error of a distance, mm: more than the range of any sensor.
 const MAX_DISTANCE_ERROR: f64 = 1e6;
-/// Maximum error of a drive's speed, mm/s and degrees/s.
+/// Maximum error of a drive's speed, mm/s.
 const MAX_SPEED_ERROR: f64 = 1e5;
 
-const fn spread(name: &'static str) -> Quantity {
+const fn magnitude(name: &'static str) -> Quantity {
     Quantity::length(name).within(0.0, MAX_DISTANCE_ERROR)
 }
 
-const fn offset(name: &'static str) -> Quantity {
+const fn signed_length(name: &'static str) -> Quantity {
     Quantity::coordinate(name).within(-MAX_DISTANCE_ERROR, MAX_DISTANCE_ERROR)
 }
 
-const fn share(name: &'static str) -> Quantity {
+const fn relative(name: &'static str) -> Quantity {
     Quantity::percent(name, 0.0, 1000.0)
 }
 
@@ -43,19 +43,19 @@ const fn probability(name: &'static str) -> Quantity {
     Quantity::number(name, 0.0, 1.0)
 }
 
-const fn turn(name: &'static str, low: f64) -> Quantity {
+const fn angle_error(name: &'static str, low: f64) -> Quantity {
     Quantity::angle(name).within(low, 360.0)
 }
 
 /// Keys of all distance sensors.
 pub const RANGE: Keys<RangeNoise> = &[
-    key("sigma_mm", "Standard deviation of each reading in mm.", spread("standard deviation"), |range| {
+    key("sigma_mm", "Standard deviation of each reading in mm.", magnitude("standard deviation"), |range| {
         &mut range.sigma
     }),
     key(
         "sigma_percent",
         "Standard deviation of each reading in percent of the distance.",
-        share("standard deviation"),
+        relative("standard deviation"),
         |range| &mut range.sigma_share,
     ),
     key(
@@ -64,14 +64,14 @@ pub const RANGE: Keys<RangeNoise> = &[
         Quantity::per_metre("coefficient of the standard deviation", 1000.0),
         |range| &mut range.sigma_square,
     ),
-    key("bias_mm", "Error of all readings in mm.", offset("bias"), |range| &mut range.bias),
+    key("bias_mm", "Error of all readings in mm.", signed_length("bias"), |range| &mut range.bias),
     key(
         "bias_sigma_mm",
         "Standard deviation of a constant error, drawn once for each sensor, in mm.",
-        spread("standard deviation of the bias"),
+        magnitude("standard deviation of the bias"),
         |range| &mut range.bias_sigma,
     ),
-    key("step_mm", "Step of the readings in mm.", spread("step"), |range| &mut range.step),
+    key("step_mm", "Step of the readings in mm.", magnitude("step"), |range| &mut range.step),
     key(
         "outlier",
         "Probability of a reading anywhere in the sensor's range.",
@@ -79,7 +79,9 @@ pub const RANGE: Keys<RangeNoise> = &[
         |range| &mut range.outlier,
     ),
     key("dropout", "Probability of no return.", probability("probability of a drop-out"), |range| &mut range.dropout),
-    key("drift_mm", "Error at the start of the run in mm, which decays.", offset("drift"), |range| &mut range.drift),
+    key("drift_mm", "Error at the start of the run in mm, which decays.", signed_length("drift"), |range| {
+        &mut range.drift
+    }),
     key(
         "drift_s",
         "Time in s in which the drift decays to 1/e; default: 60.",
@@ -88,8 +90,8 @@ pub const RANGE: Keys<RangeNoise> = &[
     ),
 ];
 
-/// Keys of distance sensors whose own model has noise.
-pub const OWN: Keys<RangeNoise> = &[key(
+/// Keys of distance sensors whose sensor model contains noise.
+pub const DEVICE_NOISE: Keys<RangeNoise> = &[key(
     "device",
     "Factor on the sensor's own noise, which its `sigma` and `mean` define; 1: unchanged.",
     Quantity::number("share of the device's own noise", 0.0, 1000.0),
@@ -97,18 +99,21 @@ pub const OWN: Keys<RangeNoise> = &[key(
 )];
 
 /// Keys of the compass.
-pub const COMPASS: Keys<AngleNoise> = &[
-    key("sigma_deg", "Standard deviation of each reading in degrees.", turn("standard deviation", 0.0), |angle| {
-        &mut angle.sigma
-    }),
-    key("bias_deg", "Error of all readings in degrees.", turn("bias", -360.0), |angle| &mut angle.bias),
+pub const COMPASS: Keys<CompassNoise> = &[
+    key(
+        "sigma_deg",
+        "Standard deviation of each reading in degrees.",
+        angle_error("standard deviation", 0.0),
+        |angle| &mut angle.sigma,
+    ),
+    key("bias_deg", "Error of all readings in degrees.", angle_error("bias", -360.0), |angle| &mut angle.bias),
     key(
         "bias_sigma_deg",
         "Standard deviation of a constant error, drawn once for each compass, in degrees.",
-        turn("standard deviation of the bias", 0.0),
+        angle_error("standard deviation of the bias", 0.0),
         |angle| &mut angle.bias_sigma,
     ),
-    key("step_deg", "Step of the readings in degrees.", turn("step", 0.0), |angle| &mut angle.step),
+    key("step_deg", "Step of the readings in degrees.", angle_error("step", 0.0), |angle| &mut angle.step),
 ];
 
 /// Keys of the camera.
@@ -180,7 +185,7 @@ pub const DRIVE: Keys<MotionNoise> = &[
     key(
         "v_sigma_percent",
         "Standard deviation of the speed in percent of it, drawn every 10 ms.",
-        share("standard deviation of the speed"),
+        relative("standard deviation of the speed"),
         |motion| &mut motion.command.speed_share,
     ),
     key(
@@ -192,19 +197,19 @@ pub const DRIVE: Keys<MotionNoise> = &[
     key(
         "omega_sigma_percent",
         "Standard deviation of the turning speed in percent of it, drawn every 10 ms.",
-        share("standard deviation of the turning speed"),
+        relative("standard deviation of the turning speed"),
         |motion| &mut motion.command.turn_share,
     ),
     key(
         "distance_bound_mm",
         "Maximum error of the distance of a drive in mm; the error of each drive is uniform within this bound.",
-        spread("bound of the distance"),
+        magnitude("bound of the distance"),
         |motion| &mut motion.bound.length,
     ),
     key(
         "angle_bound_deg",
         "Maximum error of the angle of a drive in degrees; the error of each drive is uniform within this bound.",
-        turn("bound of the angle", 0.0),
+        angle_error("bound of the angle", 0.0),
         |motion| &mut motion.bound.angle,
     ),
 ];
@@ -217,7 +222,7 @@ pub const ODOMETRY: Keys<MotionNoise> = &[
     key(
         "v_sigma_percent",
         "Standard deviation of the speed in percent of it, drawn every 10 ms.",
-        share("standard deviation of the speed"),
+        relative("standard deviation of the speed"),
         |motion| &mut motion.odometry.speed_share,
     ),
     key(
@@ -229,11 +234,11 @@ pub const ODOMETRY: Keys<MotionNoise> = &[
     key(
         "omega_sigma_percent",
         "Standard deviation of the turning speed in percent of it, drawn every 10 ms.",
-        share("standard deviation of the turning speed"),
+        relative("standard deviation of the turning speed"),
         |motion| &mut motion.odometry.turn_share,
     ),
-    key("step_mm", "Step of positions in mm.", spread("step"), |motion| &mut motion.resolution.length),
-    key("step_deg", "Step of headings in degrees.", turn("step", 0.0), |motion| &mut motion.resolution.angle),
+    key("step_mm", "Step of positions in mm.", magnitude("step"), |motion| &mut motion.resolution.length),
+    key("step_deg", "Step of headings in degrees.", angle_error("step", 0.0), |motion| &mut motion.resolution.angle),
 ];
 
 /// Keys of the radio's reception.

@@ -1,5 +1,5 @@
-//! Randomness: distributions, random streams keyed so that no reader, robot or device changes the numbers of another, and the noise models
-//! of a profile. This room applies the models that need only numbers; `drive` and `device` apply the rest.
+//! Randomness: distributions, random streams, and the noise models of a profile. Each stream has its own key, so no robot or device
+//! changes the random numbers of another. This room applies the models that need only numbers; `drive` and `device` apply the rest.
 
 mod angle;
 mod blur;
@@ -13,7 +13,7 @@ mod radio;
 mod range;
 mod stream;
 
-pub use angle::{AngleErrors, AngleNoise};
+pub use angle::{CompassErrors, CompassNoise};
 pub use blur::blur;
 pub use image::{ImageErrors, ImageNoise};
 pub use motion::{DriveBound, MotionNoise, Resolution, TwistNoise};
@@ -22,4 +22,4 @@ pub use parameter::{Parameter, ParameterError};
 pub use profile::{Accessor, Profile, RangeKind};
 pub use radio::RadioNoise;
 pub use range::{RangeErrors, RangeNoise, ScanErrors};
-pub use stream::{Events, Purpose, Stream, name_key};
+pub use stream::{EventStreams, Purpose, Stream, name_key};

@@ -1,23 +1,23 @@
-//! Noise model of a robot's motion and odometry, as a profile gives it; `drive` applies it.
+//! Noise model of a robot's motion and odometry, as defined in a profile; `drive` applies it.
 
-/// Noise model of a robot's drive, as a profile gives it. The default has no errors.
+/// Noise model of a robot's drive and odometry, as defined in a profile. The default has no errors.
 ///
 /// All fields except `diameter_sigma` are also in [`Imperfection`](crate::drive::Imperfection), which applies them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionNoise {
-    /// Relative excess of the diameter of the left wheels (of a car, the driven wheels) over the nominal diameter.
+    /// Relative excess of the diameter of the left wheels (for a car: of the driven wheels) over the nominal diameter.
     pub left: f64,
     /// Relative excess of the diameter of the wheels on the right.
     pub right: f64,
-    /// Standard deviation of the relative excess between wheels.
+    /// Standard deviation of a further relative excess, drawn once for each wheel.
     pub diameter_sigma: f64,
-    /// Slip, as a fraction of a wheel's distance travelled.
+    /// Mean slip ratio.
     pub slip: f64,
-    /// Standard deviation of the slip from tick to tick.
+    /// Standard deviation of the slip ratio, drawn for each tick.
     pub slip_sigma: f64,
     /// Noise between the commanded and the true twist.
     pub command: TwistNoise,
-    /// Maximum error of the target of a drive.
+    /// Maximum errors at the target of a drive.
     pub bound: DriveBound,
     /// Noise between the twist of the wheels and the twist that odometry integrates.
     pub odometry: TwistNoise,
@@ -27,12 +27,13 @@ pub struct MotionNoise {
 
 /// Gaussian noise of mean 0 on a twist, drawn for each tick of 10 ms and held until the next.
 ///
-/// The standard deviation of each component is sqrt(a^2 + (b x)^2), with the absolute part a, the share b, and the component x of the
-/// wheels' twist. A straight drive of N ticks of h = 10 ms at v m/s that starts on a tick ends, to first order in the noise, with the
-/// variances h^2 N speed^2 of its distance, h^2 N turn^2 of its heading, and v^2 h^4 turn^2 (N^3 / 3 - N / 12) of its lateral position.
+/// The standard deviation of each component is sqrt(a^2 + (b x)^2), with the absolute part a, the relative part b, and the component x of
+/// the wheels' twist. Example, to first order in the noise: after a straight drive at v m/s that starts on a tick and lasts for N ticks of
+/// h = 10 ms, the variance is h^2 N speed^2 for the distance, h^2 N turn^2 for the heading, and v^2 h^4 turn^2 (N^3 / 3 - N / 12) for the
+/// lateral position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TwistNoise {
-    /// Absolute part for the speed, m/s; for an omni drive along both axes.
+    /// Absolute part for the speed, m/s; an omni drive has this noise along both axes.
     pub speed: f64,
     /// Relative part for the speed.
     pub speed_share: f64,
@@ -42,11 +43,11 @@ pub struct TwistNoise {
     pub turn_share: f64,
 }
 
-/// Maximum errors at the target of a drive; 0 for a drive that ends exactly there.
+/// Maximum errors at the target of a drive; with 0 a drive ends exactly at its target.
 ///
-/// Each drive draws its own error, uniform between the bound and its negative, and never larger than the drive itself: a drive of 1 mm with
-/// a bound of 4 mm ends between 0 and 2 mm. The wheels stop there, so encoders and odometry give the end of the drive. Source: the
-/// tolerances that courses demand of real robots; the uniform distribution is our choice.
+/// The error of each drive is drawn anew, uniform between the negative bound and the bound, and never larger than the drive itself: a drive
+/// of 1 mm with a bound of 4 mm ends between 0 and 2 mm. The wheels stop at this end, so encoders and odometry include the error. Source:
+/// tolerances that robotics courses require of real robots; the uniform distribution is our choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveBound {
     /// Maximum error of the arc length, m.
@@ -55,7 +56,7 @@ pub struct DriveBound {
     pub angle: f64,
 }
 
-/// Resolution of pose readings: each reading is rounded to a multiple of these steps; 0 for no rounding.
+/// Resolution of odometry: positions and headings are rounded to multiples of these steps; 0 for no rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resolution {
     /// Step of the position, m.

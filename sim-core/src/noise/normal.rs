@@ -2,13 +2,13 @@
 
 use crate::math;
 
-/// Half width, in probability, of the middle interval in which [`MIDDLE`] is valid.
-const MIDDLE_HALF: f64 = 0.425;
+/// Maximum distance of a probability from 0.5 at which [`MIDDLE`] is valid.
+const MIDDLE_HALF_WIDTH: f64 = 0.425;
 
 /// Boundary between the rational functions of the tail, in sqrt(-ln(tail probability)).
 const TAIL_BOUNDARY: f64 = 5.0;
 
-/// Numerator and denominator of a rational function, from the constant term upwards.
+/// Coefficients of the numerator and of the denominator of a rational function, the constant term first.
 type Rational = [[f64; 8]; 2];
 
 const MIDDLE: Rational = [
@@ -80,9 +80,9 @@ const FAR_TAIL: Rational = [
     ],
 ];
 
-fn rational([numerator, denominator]: &Rational, x: f64) -> f64 {
-    let at = |terms: &[f64; 8]| terms.iter().rev().fold(0.0, |sum, term| sum * x + term);
-    at(numerator) / at(denominator)
+fn evaluate([numerator, denominator]: &Rational, x: f64) -> f64 {
+    let polynomial = |terms: &[f64; 8]| terms.iter().rev().fold(0.0, |sum, term| sum * x + term);
+    polynomial(numerator) / polynomial(denominator)
 }
 
 /// Quantile of the standard normal distribution: the inverse of its distribution function.
@@ -92,20 +92,20 @@ fn rational([numerator, denominator]: &Rational, x: f64) -> f64 {
 /// Applied Statistics 37 (1988).
 pub fn normal_quantile(probability: f64) -> f64 {
     let from_middle = probability - 0.5;
-    if from_middle.abs() <= MIDDLE_HALF {
-        return from_middle * rational(&MIDDLE, MIDDLE_HALF * MIDDLE_HALF - from_middle * from_middle);
+    if from_middle.abs() <= MIDDLE_HALF_WIDTH {
+        return from_middle * evaluate(&MIDDLE, MIDDLE_HALF_WIDTH * MIDDLE_HALF_WIDTH - from_middle * from_middle);
     }
     let tail = if from_middle < 0.0 { probability } else { 1.0 - probability };
     if tail <= 0.0 {
         return f64::INFINITY.copysign(from_middle);
     }
     let depth = (-math::ln(tail)).sqrt();
-    let size = if depth <= TAIL_BOUNDARY {
-        rational(&NEAR_TAIL, depth - 1.6)
+    let magnitude = if depth <= TAIL_BOUNDARY {
+        evaluate(&NEAR_TAIL, depth - 1.6)
     } else {
-        rational(&FAR_TAIL, depth - TAIL_BOUNDARY)
+        evaluate(&FAR_TAIL, depth - TAIL_BOUNDARY)
     };
-    size.copysign(from_middle)
+    magnitude.copysign(from_middle)
 }
 
 #[cfg(test)]
@@ -113,14 +113,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_quantile_inverts_the_distribution_function() {
-        let below = |z: f64| 0.5 * math::erfc(-z / 2.0_f64.sqrt());
+    fn quantile_inverts_the_distribution_function() {
+        let probability_below = |z: f64| 0.5 * math::erfc(-z / 2.0_f64.sqrt());
         let mut probability = 1e-300;
         while probability < 0.5 {
             let z = normal_quantile(probability);
             // A relative error e of z changes the probability by a relative error of about z^2 e.
             let bound = 2e-15 * (1.0 + z * z);
-            assert!((below(z) / probability - 1.0).abs() < bound, "{probability:e}: {z} gives {:e}", below(z));
+            assert!(
+                (probability_below(z) / probability - 1.0).abs() < bound,
+                "{probability:e}: {z} gives {:e}",
+                probability_below(z)
+            );
             if probability > 1e-3 {
                 assert!((normal_quantile(1.0 - probability) + z).abs() < 1e-12, "symmetry at {probability}");
             }
@@ -134,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn the_values_are_golden() {
+    fn quantiles_match_golden_values() {
         let values = [1e-16, 1e-7, 0.01, 0.25, 0.9].map(normal_quantile);
         assert_eq!(values, GOLDEN, "{values:?}");
     }

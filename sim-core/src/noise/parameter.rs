@@ -1,11 +1,11 @@
-//! Access to the numbers of a profile by table and key.
+//! Access to the parameters of a profile by table and key.
 
-use super::keys::{CAMERA, COMPASS, DRIVE, Key, Keys, ODOMETRY, OWN, RADIO, RANGE};
+use super::keys::{CAMERA, COMPASS, DEVICE_NOISE, DRIVE, Key, Keys, ODOMETRY, RADIO, RANGE};
 use super::{Profile, RangeKind};
 use crate::nearest::nearest;
 use crate::unit::Quantity;
 
-/// A number of a noise profile.
+/// A parameter of a noise profile.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     /// Its table, such as `psd`.
@@ -13,7 +13,7 @@ pub struct Parameter {
     /// Its key, such as `sigma_mm`.
     pub key: &'static str,
     /// Description in a few words.
-    pub what: &'static str,
+    pub description: &'static str,
     /// Its value, in its unit.
     pub value: f64,
     /// Minimum and maximum value, in its unit.
@@ -29,10 +29,10 @@ impl Parameter {
     }
 }
 
-/// Reason why a number of a profile cannot be set.
+/// Reason why a parameter of a profile cannot be set.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ParameterError {
-    /// No number has that name.
+    /// No parameter has this name.
     #[error("a noise profile has no number `{name}`{}", nearest.as_ref().map(|it| format!(": `{it}`?")).unwrap_or_default())]
     Unknown {
         /// The name.
@@ -53,15 +53,15 @@ pub enum ParameterError {
 }
 
 impl Profile {
-    /// All numbers except those of single sensors, in the order of `docs/noise.md`.
+    /// All parameters except those set for individual sensors, in the order of `docs/noise.md`.
     pub fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = Vec::new();
-        for_each(&mut self.clone(), &mut |table, key, quantity, value| {
+        visit_parameters(&mut self.clone(), &mut |table, key, quantity, value| {
             let unit = quantity.unit();
             parameters.push(Parameter {
                 table,
                 key,
-                what: quantity.name,
+                description: quantity.name,
                 value: quantity.in_own_unit(*value),
                 range: quantity.bounds(),
                 unit,
@@ -70,19 +70,19 @@ impl Profile {
         parameters
     }
 
-    /// Sets the number `name`, such as `psd.sigma_mm`, to `value` in its unit.
+    /// Sets the parameter `name`, such as `psd.sigma_mm`, to `value` in its unit.
     ///
     /// # Errors
-    /// [`ParameterError`]; the profile is unchanged then.
+    /// [`ParameterError`]; the profile is then unchanged.
     pub fn set_parameter(&mut self, name: &str, value: f64) -> Result<(), ParameterError> {
         let mut outcome = None;
-        for_each(self, &mut |table, key, quantity, accessor| {
+        visit_parameters(self, &mut |table, key, quantity, stored| {
             if name.strip_prefix(table).and_then(|rest| rest.strip_prefix('.')) != Some(key) {
                 return;
             }
             outcome = Some(match quantity.check(value) {
                 Some(si) => {
-                    *accessor = si;
+                    *stored = si;
                     Ok(())
                 }
                 None => Err(ParameterError::Range { name: name.to_owned(), value, expected: quantity.expected() }),
@@ -96,20 +96,21 @@ impl Profile {
     }
 }
 
-/// Visits each number of a profile with its table, key and quantity.
-fn for_each(profile: &mut Profile, visit: &mut impl FnMut(&'static str, &'static str, &Quantity, &mut f64)) {
+/// Calls `visit` for each parameter of a profile with its table, key, quantity and value.
+fn visit_parameters(profile: &mut Profile, visit: &mut impl FnMut(&'static str, &'static str, &Quantity, &mut f64)) {
     for kind in RangeKind::ALL {
-        let own: Keys<_> = if kind.has_own_noise() { OWN } else { &[] };
-        each(kind.name(), &[RANGE, own], &mut profile.ranges[kind as usize], visit);
+        let device_noise: Keys<_> = if kind.has_device_noise() { DEVICE_NOISE } else { &[] };
+        visit_keys(kind.name(), &[RANGE, device_noise], &mut profile.ranges[kind as usize], visit);
     }
-    each("compass", &[COMPASS], &mut profile.compass, visit);
-    each("camera", &[CAMERA], &mut profile.camera, visit);
-    each("drive", &[DRIVE], &mut profile.motion, visit);
-    each("odometry", &[ODOMETRY], &mut profile.motion, visit);
-    each("radio", &[RADIO], &mut profile.radio, visit);
+    visit_keys("compass", &[COMPASS], &mut profile.compass, visit);
+    visit_keys("camera", &[CAMERA], &mut profile.camera, visit);
+    visit_keys("drive", &[DRIVE], &mut profile.motion, visit);
+    visit_keys("odometry", &[ODOMETRY], &mut profile.motion, visit);
+    visit_keys("radio", &[RADIO], &mut profile.radio, visit);
 }
 
-fn each<M>(
+/// Calls `visit` for the parameter of each key.
+fn visit_keys<M>(
     table: &'static str,
     keys: &[Keys<M>],
     model: &mut M,
@@ -125,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_number_has_a_name_of_its_own_and_stands_in_the_docs() {
+    fn parameters_have_unique_names_and_are_documented() {
         let page = include_str!("../../../docs/noise.md");
         let mut names: Vec<String> = Vec::new();
         for parameter in Profile::default().parameters() {
@@ -139,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_refused_and_changes_nothing() {
+    fn invalid_values_are_rejected_and_change_nothing() {
         let mut profile = Profile::default();
         let before = profile.parameters();
         for (name, value) in [("radio.packet_loss", 1.1), ("psd.sigma_mm", f64::NAN), ("psd.sigma_mm", -1.0)] {

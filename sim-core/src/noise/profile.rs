@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{AngleNoise, ImageNoise, MotionNoise, RadioNoise, RangeNoise};
+use super::{CompassNoise, ImageNoise, MotionNoise, RadioNoise, RangeNoise};
 
 /// Kinds of devices that measure distances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,12 +25,12 @@ impl RangeKind {
     /// All kinds, in the order of a profile.
     pub const ALL: [Self; 6] = [Self::Psd, Self::Laser, Self::Ultrasonic, Self::Reflectance, Self::Sonar, Self::Lidar];
 
-    /// Returns true for kinds whose sensor model, after France et al., contains a noise term N of its own.
-    pub const fn has_own_noise(self) -> bool {
+    /// Returns true for kinds whose sensor model, after France et al., contains a noise term N.
+    pub const fn has_device_noise(self) -> bool {
         !matches!(self, Self::Psd | Self::Lidar)
     }
 
-    /// Section of this kind in a profile.
+    /// Name of this kind's section in a profile.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Psd => "psd",
@@ -43,7 +43,7 @@ impl RangeKind {
     }
 }
 
-/// Accessor of the number in a noise model that a key of a profile sets.
+/// Accessor of the parameter in a noise model that a key of a profile sets.
 pub type Accessor<M> = fn(&mut M) -> &mut f64;
 
 /// Noise models of the devices of a robot. The default has no errors.
@@ -51,10 +51,10 @@ pub type Accessor<M> = fn(&mut M) -> &mut f64;
 pub struct Profile {
     /// Models of distance sensors by kind, in the order of [`RangeKind::ALL`].
     pub ranges: [RangeNoise; RangeKind::ALL.len()],
-    /// Overrides for single distance sensors, by name.
+    /// Changed parameters of individual distance sensors, by the sensor's name.
     pub sensors: BTreeMap<String, Vec<(Accessor<RangeNoise>, f64)>>,
     /// The compass.
-    pub compass: AngleNoise,
+    pub compass: CompassNoise,
     /// The camera.
     pub camera: ImageNoise,
     /// Drive and odometry.
@@ -64,7 +64,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Noise model of the sensor of this kind and name.
+    /// Noise model of the distance sensor of this kind and name.
     pub fn range(&self, kind: RangeKind, name: &str) -> RangeNoise {
         let mut range = self.ranges[kind as usize];
         for (accessor, value) in self.sensors.get(name).into_iter().flatten() {

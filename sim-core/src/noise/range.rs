@@ -1,18 +1,18 @@
 //! Noise models of distance sensors and laser scanners.
 
-use super::{Events, Purpose, Stream};
+use super::{EventStreams, Purpose, Stream};
 use crate::RobotId;
 use crate::math;
 use crate::time::Time;
 
 /// Noise model of a distance sensor. The default has no errors.
 ///
-/// Applied in this order to a measured distance d (or no return) at the time t since the start of the run:
+/// The errors are applied in this order to a distance d (or no return) at the time t since the start of the run:
 ///
-/// 1. with probability `dropout` the reading becomes no return;
+/// 1. with probability `dropout` the reading is no return;
 /// 2. otherwise, with probability `outlier`, the reading is uniform over the sensor's range, even if there was no
 ///    return;
-/// 3. otherwise a missing return stays missing, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with s the
+/// 3. otherwise no return stays no return, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with s the
 ///    [standard deviation](Self::sigma_at) at d, G standard normal for each reading, and B normal with the standard deviation `bias_sigma`,
 ///    drawn once for each sensor;
 /// 4. a distance is rounded to a multiple of `step`, then clamped to the sensor's range.
@@ -24,13 +24,14 @@ pub struct RangeNoise {
     pub sigma: f64,
     /// Standard deviation of each reading as a fraction of the distance.
     pub sigma_share: f64,
-    /// Coefficient k of a standard deviation k d^2 of each reading, 1/m: that of a sensor whose signal goes with 1/d and has constant noise.
+    /// Coefficient k of a standard deviation k d^2 of each reading, 1/m, as of a sensor with a signal proportional to 1/d and constant
+    /// noise.
     pub sigma_square: f64,
     /// Error of all readings of all sensors, m.
     pub bias: f64,
     /// Standard deviation of B, the constant error that differs between sensors, m.
     pub bias_sigma: f64,
-    /// Step of the readings, m; 0 for none.
+    /// Step to which readings are rounded, m; 0: not rounded.
     pub step: f64,
     /// Probability of a reading that is independent of the distance.
     pub outlier: f64,
@@ -40,8 +41,8 @@ pub struct RangeNoise {
     pub drift: f64,
     /// Time constant of the decay, s; positive.
     pub drift_time: f64,
-    /// Factor on the noise N of the sensor's own model (France et al.), 0 for none. Applied by [`RangeErrors::own`]
-    /// instead of [`RangeErrors::reading`].
+    /// Factor on the noise N of the sensor model (France et al.); 0 for no such noise. Applied by [`RangeErrors::device_noise`],
+    /// not by [`RangeErrors::reading`].
     pub device: f64,
 }
 
@@ -74,8 +75,8 @@ impl RangeNoise {
 #[derive(Clone, Debug)]
 pub struct RangeErrors {
     model: RangeNoise,
-    readings: Events,
-    signals: Events,
+    reading_streams: EventStreams,
+    device_streams: EventStreams,
     /// Constant error of this sensor, m.
     offset: f64,
     is_exact: bool,
@@ -84,24 +85,24 @@ pub struct RangeErrors {
 impl RangeErrors {
     /// The errors of the sensor called `device` on `robot`, in a run with `seed`.
     pub fn new(model: RangeNoise, seed: u64, robot: RobotId, device: &str) -> Self {
-        let deviate = || Events::new(seed, robot, Purpose::Make, device).at(0).normal();
+        let deviate = || EventStreams::new(seed, robot, Purpose::DeviceConstant, device).at(0).normal();
         Self {
             model,
-            readings: Events::new(seed, robot, Purpose::Range, device),
-            signals: Events::new(seed, robot, Purpose::Signal, device),
+            reading_streams: EventStreams::new(seed, robot, Purpose::Range, device),
+            device_streams: EventStreams::new(seed, robot, Purpose::Signal, device),
             offset: model.bias + if model.bias_sigma == 0.0 { 0.0 } else { model.bias_sigma * deviate() },
             is_exact: RangeNoise { drift_time: 0.0, device: 0.0, ..model }
                 == RangeNoise { drift_time: 0.0, ..RangeNoise::default() },
         }
     }
 
-    /// Noise N = sigma G + mean of the sensor's own model for the reading of this [index](Events::index), times the factor
-    /// `device` of the noise model. Source: France et al. (1999), section 4.3.
-    pub fn own(&self, index: u64, sigma: f64, mean: f64) -> f64 {
+    /// Noise N = sigma G + mean of the sensor model for the reading with this [index](EventStreams::index), times the factor `device` of
+    /// the noise model; G is standard normal. Source: France et al. (1999), section 4.3.
+    pub fn device_noise(&self, index: u64, sigma: f64, mean: f64) -> f64 {
         if self.model.device == 0.0 {
             return 0.0;
         }
-        self.model.device * (sigma * self.signals.at(index).normal() + mean)
+        self.model.device * (sigma * self.device_streams.at(index).normal() + mean)
     }
 
     /// Returns true if all readings are exact.
@@ -109,22 +110,23 @@ impl RangeErrors {
         self.is_exact
     }
 
-    /// Reading of the sensor at `at` for the true distance `exact`, in metres; `None` means no return. The reading lies within `range`, or
-    /// equals `exact` if the model has no errors.
+    /// Reading of the sensor at the time `at` for the true distance `exact`, in metres; `None` means no return. The reading lies within
+    /// `range`, or equals `exact` if the model has no errors.
     ///
-    /// The reading depends only on the arguments; one of them is the [index](Events::index) of the reading.
+    /// The reading depends only on the arguments; `index` is the [index](EventStreams::index) of the reading.
     pub fn reading(&self, index: u64, at: Time, range: [f64; 2], exact: Option<f64>) -> Option<f64> {
         self.scan(index, at, range).point(exact)
     }
 
-    /// Errors of one scan: its points are read in order, each with independent errors and with the sensor's constant error.
+    /// Errors of the scan with this index. Its points are read in order; each has an independent error and the sensor's constant error.
     pub fn scan(&self, index: u64, at: Time, range: [f64; 2]) -> ScanErrors<'_> {
-        let stream = (!self.is_exact).then(|| {
+        let stream_and_offset = (!self.is_exact).then(|| {
             let drift = self.model.drift;
-            let drifted = if drift == 0.0 { 0.0 } else { drift * math::exp(-at.seconds() / self.model.drift_time) };
-            (self.readings.at(index), self.offset + drifted)
+            let present_drift =
+                if drift == 0.0 { 0.0 } else { drift * math::exp(-at.seconds() / self.model.drift_time) };
+            (self.reading_streams.at(index), self.offset + present_drift)
         });
-        ScanErrors { model: &self.model, range, stream }
+        ScanErrors { model: &self.model, range, stream_and_offset }
     }
 }
 
@@ -133,31 +135,32 @@ impl RangeErrors {
 pub struct ScanErrors<'a> {
     model: &'a RangeNoise,
     range: [f64; 2],
-    /// Random stream and constant error of all points; `None` if all readings are exact.
-    stream: Option<(Stream, f64)>,
+    /// Random stream, and the error that all points have in common; `None` if all readings are exact.
+    stream_and_offset: Option<(Stream, f64)>,
 }
 
 impl ScanErrors<'_> {
     /// Reading of the next point for the true distance `exact`.
     pub fn point(&mut self, exact: Option<f64>) -> Option<f64> {
-        let Some((stream, offset)) = &mut self.stream else { return exact };
+        let Some((stream, offset)) = &mut self.stream_and_offset else { return exact };
         // All four numbers are always drawn, so that a changed probability does not change later numbers.
-        let (drops, strays, position, normal) = (stream.unit(), stream.unit(), stream.unit(), stream.normal());
+        let (dropout_draw, outlier_draw, outlier_position, normal) =
+            (stream.unit(), stream.unit(), stream.unit(), stream.normal());
         let (model, [low, high]) = (self.model, self.range);
-        let distance = if drops < model.dropout {
+        let distance = if dropout_draw < model.dropout {
             return None;
-        } else if strays < model.outlier {
-            low + (high - low) * position
+        } else if outlier_draw < model.outlier {
+            low + (high - low) * outlier_position
         } else {
             let exact = exact?;
             exact + *offset + model.sigma_at(exact) * normal
         };
-        Some(stepped(distance, model.step).max(low).min(high))
+        Some(quantised(distance, model.step).max(low).min(high))
     }
 }
 
 /// The multiple of `step` nearest to `value`; `value` itself if `step` is 0.
-pub(super) fn stepped(value: f64, step: f64) -> f64 {
+pub(super) fn quantised(value: f64, step: f64) -> f64 {
     if step > 0.0 { (value / step).round() * step } else { value }
 }
 
@@ -177,40 +180,40 @@ mod tests {
     }
 
     #[test]
-    fn without_errors_every_reading_is_exact() {
+    fn default_noise_gives_exact_readings() {
         for exact in [None, Some(0.0), Some(1.234_567_890_123), Some(100.0)] {
             let model = RangeNoise { drift_time: 3.0, device: 1.0, ..RangeNoise::default() };
             assert!(readings(model, exact).all(|reading| reading == exact), "even out of range");
         }
-        assert_eq!(errors(RangeNoise::default()).own(3, 0.01, 0.5), 0.0);
+        assert_eq!(errors(RangeNoise::default()).device_noise(3, 0.01, 0.5), 0.0);
     }
 
     #[test]
-    fn nothing_stays_nothing_but_for_outliers() {
+    fn no_return_stays_no_return_except_for_outliers() {
         let model = RangeNoise { sigma: 0.1, sigma_share: 0.1, bias: -1.0, step: 0.1, ..RangeNoise::default() };
         assert!(readings(model, None).all(|reading| reading.is_none()));
-        let strays = readings(RangeNoise { outlier: 0.25, ..model }, None).flatten().count();
-        assert!((2_300..2_700).contains(&strays), "{strays} of 10000 at a quarter");
+        let outliers = readings(RangeNoise { outlier: 0.25, ..model }, None).flatten().count();
+        assert!((2_300..2_700).contains(&outliers), "{outliers} of 10000 at a quarter");
         assert!(readings(RangeNoise { outlier: 1.0, ..model }, None).all(|reading| reading.is_some()));
     }
 
     #[test]
-    fn the_parts_of_a_standard_deviation_add_as_variances() {
+    fn parts_of_the_standard_deviation_add_as_variances() {
         let model = RangeNoise { sigma: 0.02, sigma_share: 0.06, sigma_square: 0.09, ..RangeNoise::default() };
-        // 0.02, 0.03 and 0.0225 at 0.5 m; 0.02, 0.12 and 0.36 at 2 m.
+        // The parts are 0.02, 0.03 and 0.0225 at 0.5 m, and 0.02, 0.12 and 0.36 at 2 m.
         assert!((model.sigma_at(0.5) - 0.042_5).abs() < 1e-15, "{}", model.sigma_at(0.5));
         assert!((model.sigma_at(2.0) - 0.38).abs() < 1e-15, "{}", model.sigma_at(2.0));
         assert_eq!(RangeNoise { sigma_square: 0.0, ..model }.sigma_at(0.5), math::hypot(0.02, 0.03), "to the bit");
     }
 
     #[test]
-    fn drop_outs_go_before_outliers() {
+    fn dropouts_take_precedence_over_outliers() {
         let model = RangeNoise { outlier: 1.0, dropout: 1.0, ..RangeNoise::default() };
         assert!(readings(model, Some(1.0)).all(|reading| reading.is_none()));
     }
 
     #[test]
-    fn readings_stay_in_the_range() {
+    fn readings_stay_in_range() {
         for exact in [0.0, 0.05, 3.99, 4.0, 1e9] {
             let model = RangeNoise { sigma: 1.0, step: 0.03, outlier: 0.1, ..RangeNoise::default() };
             let [low, high] = LIMITS;
@@ -219,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bias_of_the_making_is_one_for_all_readings_of_a_sensor_and_another_for_each() {
+    fn drawn_bias_is_constant_for_a_sensor_and_differs_between_sensors() {
         let model = RangeNoise { bias: 0.01, bias_sigma: 0.002, ..RangeNoise::default() };
         let offset = |robot, name| {
             let errors = RangeErrors::new(model, 7, RobotId(robot), name);
@@ -233,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drift_dies_away_with_its_time() {
+    fn drift_decays_with_its_time_constant() {
         let errors = errors(RangeNoise { drift: 0.1, drift_time: 20.0, ..RangeNoise::default() });
         for (seconds, offset) in [(0, 0.1), (20, 0.1 / std::f64::consts::E), (2_000_000, 0.0)] {
             let at = Time::from_millis(seconds * 1000);
@@ -243,21 +246,21 @@ mod tests {
     }
 
     #[test]
-    fn a_probability_that_is_changed_changes_no_other_reading() {
+    fn outlier_and_dropout_probabilities_do_not_change_other_readings() {
         let model = RangeNoise { sigma: 0.01, ..RangeNoise::default() };
-        let more = RangeNoise { outlier: 0.1, dropout: 0.2, ..model };
-        let same = readings(model, Some(2.0)).zip(readings(more, Some(2.0))).filter(|(a, b)| a == b).count();
-        assert!((7_000..7_400).contains(&same), "{same} of 10000 at 0.9 times 0.8");
+        let with_outliers = RangeNoise { outlier: 0.1, dropout: 0.2, ..model };
+        let equal = readings(model, Some(2.0)).zip(readings(with_outliers, Some(2.0))).filter(|(a, b)| a == b).count();
+        assert!((7_000..7_400).contains(&equal), "{equal} of 10000 at 0.9 times 0.8");
     }
 
     #[test]
-    fn steps_are_rounded_to_the_nearest() {
-        assert_eq!([0.24, 0.25, -0.25, 0.26].map(|value| stepped(value, 0.5)), [0.0, 0.5, -0.5, 0.5]);
-        assert_eq!(stepped(0.24, 0.0), 0.24);
+    fn values_are_rounded_to_the_nearest_step() {
+        assert_eq!([0.24, 0.25, -0.25, 0.26].map(|value| quantised(value, 0.5)), [0.0, 0.5, -0.5, 0.5]);
+        assert_eq!(quantised(0.24, 0.0), 0.24);
     }
 
     #[test]
-    fn the_points_of_a_scan_differ_and_the_first_is_a_reading() {
+    fn points_of_a_scan_differ_and_the_first_equals_the_single_reading() {
         let errors = errors(RangeNoise { sigma: 0.01, ..RangeNoise::default() });
         let mut scan = errors.scan(5, Time::ZERO, LIMITS);
         let points = [scan.point(Some(1.0)), scan.point(Some(1.0))];
@@ -266,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn the_values_are_golden() {
+    fn readings_match_golden_values() {
         let model = RangeNoise {
             sigma: 0.01,
             sigma_share: 0.01,
@@ -280,7 +283,7 @@ mod tests {
         let found = [
             errors.reading(1, Time::from_millis(60), LIMITS, Some(1.0)).unwrap_or_default(),
             errors.reading(2, Time::from_millis(120), LIMITS, Some(3.0)).unwrap_or_default(),
-            errors.own(1, 0.01, 0.002),
+            errors.device_noise(1, 0.01, 0.002),
         ];
         assert_eq!(found, GOLDEN, "{found:?}");
     }

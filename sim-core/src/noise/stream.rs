@@ -1,4 +1,4 @@
-//! Random streams, each a pure function of its key.
+//! Random streams, each determined by its key alone.
 
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
@@ -11,15 +11,15 @@ use crate::time::Time;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u32)]
 pub enum Purpose {
-    /// The generators that a robot's program draws from (`rand` of C and the like).
+    /// Random generators for a robot's program (such as `rand` of C).
     Program = 1,
     /// Poses of robots, objects and walls in a random layout.
     Layout = 2,
-    /// Manufacturing tolerance of a device, drawn once, as event 0.
-    Make = 3,
+    /// Constant of a device (manufacturing tolerance), drawn once, as event 0.
+    DeviceConstant = 3,
     /// Readings of a distance sensor, scans of a lidar.
     Range = 4,
-    /// Noise within the model of a sensor.
+    /// Noise term of a sensor model.
     Signal = 5,
     /// Readings of a compass.
     Compass = 6,
@@ -31,7 +31,7 @@ pub enum Purpose {
     Odometry = 9,
     /// Loss and bit errors of a message to one receiver.
     Radio = 10,
-    /// Losses of the token of a ring.
+    /// Losses of a ring's token.
     Token = 11,
     /// Shape of a terrain; uses the terrain's own seed.
     Terrain = 12,
@@ -43,7 +43,7 @@ pub enum Purpose {
     Drive = 15,
 }
 
-/// Seed of a stream: (seed of the run, robot, purpose, number, sub-number), in 32 bytes.
+/// Key of a stream: (seed of the run, robot, purpose, number, sub-number), in 32 bytes.
 fn key(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64) -> [u8; 32] {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -56,16 +56,16 @@ fn key(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64
 
 /// Random bits that depend only on the key of the stream.
 ///
-/// ChaCha with 8 rounds; the key is (seed, robot, purpose, number, sub-number) in 32 bytes, so different keys never collide. Source:
-/// design section 6; the generator is our choice, for its independence between keys and its speed.
+/// The generator is ChaCha with 8 rounds. The key is (seed, robot, purpose, number, sub-number) in 32 bytes, so different streams have
+/// different keys. Source: design section 6; the generator is our choice, for its speed and the independence between its keys.
 #[derive(Clone, Debug)]
 pub struct Stream {
     generator: ChaCha8Rng,
 }
 
 impl Stream {
-    /// Stream of a run with `seed`, for `purpose` of `robot`; `number` and `sub_number` distinguish several of them (such as a seed set
-    /// by a program). Devices use [`Events`] instead.
+    /// Stream of a run with `seed`, for `purpose` of `robot`; `number` and `sub_number` distinguish several such streams (one may be a seed
+    /// set by a program). Devices use [`EventStreams`] instead.
     pub fn new(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64) -> Self {
         Self { generator: ChaCha8Rng::from_seed(key(seed, robot, purpose, number, sub_number)) }
     }
@@ -80,24 +80,24 @@ impl Stream {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// The next number of the standard normal distribution, between -8.21 and 8.21.
+    /// The next number with the standard normal distribution, between -8.21 and 8.21.
     pub fn normal(&mut self) -> f64 {
-        // The middle of one of 2^52 equal cells of (0, 1), exactly: symmetric about 0.5, never 0 or 1.
+        // The argument is exactly the middle of one of 2^52 equal intervals of (0, 1): symmetric about 0.5, never 0 or 1.
         normal_quantile(((self.bits() >> 12) as f64 + 0.5) / (1_u64 << 52) as f64)
     }
 }
 
 /// Random streams of a device's events. An event is a reading, a scan, a frame or a tick of the drive.
 ///
-/// The stream of an event is a function of only (seed, robot, purpose, name of the device, index of the event). The
-/// first four are the key, with the name hashed by [`name_key`]; the index is ChaCha's 64-bit stream number.
+/// The stream of an event depends only on (seed, robot, purpose, name of the device, index of the event). The first
+/// four form the key, with the name hashed by [`name_key`]; the index is ChaCha's 64-bit stream number.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Events {
+pub struct EventStreams {
     key: [u8; 32],
 }
 
-impl Events {
-    /// The events of the device called `device` on `robot`. The only drive of a robot is called `""`.
+impl EventStreams {
+    /// Streams of the device called `device` on `robot`. The only drive of a robot is called `""`.
     pub fn new(seed: u64, robot: RobotId, purpose: Purpose, device: &str) -> Self {
         Self { key: key(seed, robot, purpose, 0, name_key(device)) }
     }
@@ -109,8 +109,8 @@ impl Events {
         Stream { generator }
     }
 
-    /// Event index of a device with `period` at `time`: the number of whole periods since the start of the run. The
-    /// index does not depend on how often or by whom the device is read. A device without a period uses 1 us.
+    /// Event index of a device with `period` at `time`: the number of whole periods since the start of the run. It does
+    /// not depend on how often or by which program the device is read. Devices without a period use 1 us.
     ///
     /// # Panics
     /// If the period is not positive.
@@ -136,22 +136,29 @@ pub const fn name_key(name: &str) -> u64 {
 mod tests {
     use super::*;
 
-    fn first(seed: u64, robot: u32, number: u32, sub_number: u64) -> u64 {
+    fn first_bits(seed: u64, robot: u32, number: u32, sub_number: u64) -> u64 {
         Stream::new(seed, RobotId(robot), Purpose::Program, number, sub_number).bits()
     }
 
     #[test]
-    fn every_part_of_the_key_counts() {
-        let streams = [first(0, 1, 1, 0), first(1, 1, 1, 0), first(0, 2, 1, 0), first(0, 1, 2, 0), first(0, 1, 1, 1)];
+    fn every_part_of_the_key_changes_the_stream() {
+        let streams = [
+            first_bits(0, 1, 1, 0),
+            first_bits(1, 1, 1, 0),
+            first_bits(0, 2, 1, 0),
+            first_bits(0, 1, 2, 0),
+            first_bits(0, 1, 1, 1),
+        ];
         for (index, bits) in streams.iter().enumerate() {
             assert!(!streams[..index].contains(bits), "{streams:x?}");
         }
     }
 
     #[test]
-    fn every_part_of_an_events_key_counts() {
-        let event =
-            |seed, robot, purpose, device, index| Events::new(seed, RobotId(robot), purpose, device).at(index).bits();
+    fn every_part_of_an_event_key_changes_the_stream() {
+        let event = |seed, robot, purpose, device, index| {
+            EventStreams::new(seed, RobotId(robot), purpose, device).at(index).bits()
+        };
         let streams = [
             event(0, 1, Purpose::Range, "PSD_FRONT", 0),
             event(1, 1, Purpose::Range, "PSD_FRONT", 0),
@@ -167,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn the_values_are_golden() {
+    fn bits_match_golden_values() {
         let mut stream = Stream::new(42, RobotId(3), Purpose::Program, 1, 7);
         assert_eq!([stream.bits(), stream.bits()], GOLDEN);
     }
@@ -176,12 +183,12 @@ mod tests {
     const GOLDEN: [u64; 2] = [3_252_954_896_834_025_347, 14_015_292_282_578_683_744];
 
     #[test]
-    fn the_events_of_each_purpose_are_golden() {
+    fn event_streams_of_each_purpose_match_golden_values() {
         let mut found = [0; 9];
         let purposes = [
             Purpose::Program,
             Purpose::Layout,
-            Purpose::Make,
+            Purpose::DeviceConstant,
             Purpose::Range,
             Purpose::Signal,
             Purpose::Compass,
@@ -191,15 +198,15 @@ mod tests {
         ];
         for (index, purpose) in purposes.into_iter().enumerate() {
             assert_eq!(purpose as usize, index + 1);
-            found[index] = Events::new(42, RobotId(3), purpose, "PSD_FRONT").at(7).bits();
+            found[index] = EventStreams::new(42, RobotId(3), purpose, "PSD_FRONT").at(7).bits();
         }
         assert_eq!(found, GOLDEN_EVENTS, "{found:#x?}");
-        let mut stream = Events::new(42, RobotId(3), Purpose::Range, "PSD_FRONT").at(u64::MAX);
+        let mut stream = EventStreams::new(42, RobotId(3), Purpose::Range, "PSD_FRONT").at(u64::MAX);
         let drawn = (stream.unit(), stream.normal(), stream.normal());
         assert_eq!(drawn, GOLDEN_DRAWN, "{drawn:?}");
     }
 
-    /// Confirmed by an independent implementation of ChaCha, written in another language from its definition.
+    /// Computed also by an independent implementation of ChaCha, written in another language from its definition.
     const GOLDEN_EVENTS: [u64; 9] = [
         0xa631_bd5f_95b4_d7b2,
         0x551d_90f5_eea6_9fba,
@@ -214,22 +221,22 @@ mod tests {
     const GOLDEN_DRAWN: (f64, f64, f64) = (0.6329601650520771, 0.047532769841789946, -0.49639295803043604);
 
     #[test]
-    fn an_event_without_a_name_and_index_0_is_the_stream_of_that_key() {
-        let mut event = Events::new(5, RobotId(1), Purpose::Make, "").at(0);
-        let mut stream = Stream::new(5, RobotId(1), Purpose::Make, 0, name_key(""));
+    fn event_0_of_the_empty_name_equals_the_stream_with_its_key() {
+        let mut event = EventStreams::new(5, RobotId(1), Purpose::DeviceConstant, "").at(0);
+        let mut stream = Stream::new(5, RobotId(1), Purpose::DeviceConstant, 0, name_key(""));
         assert_eq!(event.bits(), stream.bits());
     }
 
     #[test]
-    fn an_index_is_a_function_of_the_time_alone() {
+    fn event_index_is_the_number_of_whole_periods() {
         let period = Time::from_millis(60);
-        let indices = [0, 59_999, 60_000, 119_999, 120_000].map(|time| Events::index(Time(time), period));
+        let indices = [0, 59_999, 60_000, 119_999, 120_000].map(|time| EventStreams::index(Time(time), period));
         assert_eq!(indices, [0, 0, 1, 1, 2]);
-        assert_eq!(Events::index(Time::NEVER, Time(1)), i64::MAX as u64);
+        assert_eq!(EventStreams::index(Time::NEVER, Time(1)), i64::MAX as u64);
     }
 
     #[test]
-    fn names_are_hashed_as_published() {
+    fn name_key_matches_published_test_vectors() {
         // Test vectors of the authors.
         assert_eq!(
             ["", "a", "foobar"].map(name_key),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Span, SpannedText};
-use crate::noise::keys::{CAMERA, COMPASS, DRIVE, Keys, ODOMETRY, OWN, RADIO, RANGE};
+use crate::noise::keys::{CAMERA, COMPASS, DEVICE_NOISE, DRIVE, Keys, ODOMETRY, RADIO, RANGE};
 use crate::noise::{Profile, RangeKind};
 
 /// A built-in noise profile.
@@ -109,14 +109,14 @@ fn with_entries(mut profile: Profile, entries: &[NoiseEntry]) -> Profile {
     for NoiseEntry { section, key, value, .. } in entries {
         let (key, value) = (*key, *value);
         match section {
-            NoiseSection::Range(kind) => set(&[RANGE, OWN], &mut profile.ranges[*kind as usize], key, value),
+            NoiseSection::Range(kind) => set(&[RANGE, DEVICE_NOISE], &mut profile.ranges[*kind as usize], key, value),
             NoiseSection::Compass => set(&[COMPASS], &mut profile.compass, key, value),
             NoiseSection::Camera => set(&[CAMERA], &mut profile.camera, key, value),
             NoiseSection::Drive => set(&[DRIVE], &mut profile.motion, key, value),
             NoiseSection::Odometry => set(&[ODOMETRY], &mut profile.motion, key, value),
             NoiseSection::Radio => set(&[RADIO], &mut profile.radio, key, value),
             NoiseSection::Sensor(name) => {
-                let entry = [RANGE, OWN].into_iter().flatten().find(|entry| entry.name == key);
+                let entry = [RANGE, DEVICE_NOISE].into_iter().flatten().find(|entry| entry.name == key);
                 let change = entry.map(|entry| (entry.accessor, value));
                 profile.sensors.entry(name.clone()).or_default().extend(change);
             }

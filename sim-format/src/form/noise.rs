@@ -18,7 +18,7 @@ use crate::print::number::shortest;
 use crate::spec::{NoiseEntry, NoiseRef, NoiseSection, NoiseSpec, Preset};
 use crate::table::{Reader, Section};
 use sim_core::noise::RangeKind;
-use sim_core::noise::keys::{CAMERA, COMPASS, DRIVE, Keys as NoiseKeys, ODOMETRY, OWN, RADIO, RANGE};
+use sim_core::noise::keys::{CAMERA, COMPASS, DEVICE_NOISE, DRIVE, Keys as NoiseKeys, ODOMETRY, RADIO, RANGE};
 
 /// Noise of a scene or robot: `noise = "mild"`, `noise = "FILE.toml"` or an inline profile.
 pub(crate) const NOISE: Custom<NoiseRef> = Custom {
@@ -125,7 +125,9 @@ impl SectionParameters {
     /// Name and description of the section's definition in the schema.
     fn definition(&self) -> (&'static str, &'static str) {
         match &self.0 {
-            NoiseSection::Range(kind) if !kind.has_own_noise() => ("RangeNoiseForm", "Errors of sensors of distance."),
+            NoiseSection::Range(kind) if !kind.has_device_noise() => {
+                ("RangeNoiseForm", "Errors of sensors of distance.")
+            }
             NoiseSection::Range(_) | NoiseSection::Sensor(_) => {
                 ("EchoNoiseForm", "Errors of sensors of distance whose type has noise of its own.")
             }
@@ -143,8 +145,8 @@ impl SectionParameters {
             keys.iter().map(|key| (key.name, key.about, &key.quantity))
         }
         match &self.0 {
-            NoiseSection::Range(kind) if !kind.has_own_noise() => described(RANGE).collect(),
-            NoiseSection::Range(_) | NoiseSection::Sensor(_) => described(RANGE).chain(described(OWN)).collect(),
+            NoiseSection::Range(kind) if !kind.has_device_noise() => described(RANGE).collect(),
+            NoiseSection::Range(_) | NoiseSection::Sensor(_) => described(RANGE).chain(described(DEVICE_NOISE)).collect(),
             NoiseSection::Compass => described(COMPASS).collect(),
             NoiseSection::Camera => described(CAMERA).collect(),
             NoiseSection::Drive => described(DRIVE).collect(),

@@ -1,4 +1,4 @@
-//! Cases of the study: bodies with velocities, and the error of their end.
+//! Cases of the study: trials with moving bodies, and the error of their final states.
 
 use std::sync::Arc;
 
@@ -9,20 +9,20 @@ use sim_core::scene::{Segment, Walls};
 use sim_core::time::Time;
 use sim_core::{ObjectId, RobotId, drive::Command, drive::Model, drive::Motion, world::World};
 
-use super::impact::{Impact, slide_and_turn, way_to_rest};
+use super::impact::{Impact, slide_and_turn, stopping_distance};
 use crate::course::model;
 use crate::world::Random;
 
-/// Bodies after the last step, and the maximum depth of the second of two objects in the wall x = 0, m.
+/// Bodies after the last step, and the maximum depth of the second of two objects in a wall at x = 0, m.
 pub type End = (Bodies, f64);
 
-/// Objects with velocities among walls, and a disc that pushes.
+/// Objects with velocities among walls, and a robot that may push them.
 pub struct Trial {
     pub name: &'static str,
     pub seconds: f64,
     pub walls: Vec<Segment>,
     pub objects: Vec<(Arc<Properties>, Pose)>,
-    /// Velocity of each object, and turning speed.
+    /// Velocity, m/s, and turning speed, rad/s, of each object.
     pub velocities: Vec<(DVec2, f64)>,
     pub pusher: Option<Push>,
 }
@@ -30,20 +30,20 @@ pub struct Trial {
 /// A robot of 100 mm radius and 3 kg that drives from the origin along x.
 pub struct Push {
     pub speed: f64,
-    /// Instant at which it is taken away, s.
+    /// Time at which the robot is removed, s.
     pub until: f64,
 }
 
-/// A trial whose end is known.
+/// A trial whose exact end is known.
 pub struct Case {
     pub trial: Trial,
-    of_end: Box<dyn Fn(&End) -> f64>,
+    error_of_end: Box<dyn Fn(&End) -> f64>,
 }
 
 impl Case {
     /// Error with steps of `step`.
     pub fn error(&self, step: Time) -> f64 {
-        (self.of_end)(&self.trial.run(step))
+        (self.error_of_end)(&self.trial.run(step))
     }
 }
 
@@ -51,7 +51,7 @@ const RADIUS: f64 = 0.05;
 const PUSHER_RADIUS: f64 = 0.1;
 const FREE: Resistance = Resistance::Sliding(0.0);
 
-/// Cases of two objects that meet, among those of positions and velocities.
+/// Names of the cases with collisions of two objects.
 pub const IMPACTS: [&str; 7] = [
     "10 g between 5 kg and a wall: depth",
     "equal discs, elastic",
@@ -62,10 +62,10 @@ pub const IMPACTS: [&str; 7] = [
     "a crate struck off its centre",
 ];
 
-/// Number of starts of each case; the later the start, the later in a step the impact.
+/// Number of starts of each case. They differ in the time of the impact within a step.
 pub const STARTS: usize = 4;
-/// Time by which an impact is later than that of the start before, s: no simple multiple of a step.
-const LATER: f64 = 2.637e-3;
+/// Delay of the impact from one start to the next, s; not a simple multiple of a step.
+const START_DELAY: f64 = 2.637e-3;
 
 impl Trial {
     /// Runs the trial in steps of `step`.
@@ -82,7 +82,7 @@ impl Trial {
             let pushers = self.pusher.as_ref().and_then(|push| push.at(index as f64 * step.seconds()));
             bodies.step(pushers.as_slice(), &mut pushes);
             if self.objects.len() == 2 {
-                depth = depth.max(RADIUS - place(&bodies, 1).x);
+                depth = depth.max(RADIUS - position(&bodies, 1).x);
             }
         }
         (bodies, depth)
@@ -91,7 +91,7 @@ impl Trial {
 
 impl Push {
     fn at(&self, seconds: f64) -> Option<Pusher> {
-        // Half a microsecond: no step begins between.
+        // The margin of half a microsecond is for rounding.
         (seconds < self.until - 5e-7).then(|| Pusher {
             robot: RobotId(1),
             centre: DVec2::new(self.speed * seconds, 0.0),
@@ -104,27 +104,27 @@ impl Push {
     }
 }
 
-/// Cases of positions and velocities, at one of the starts.
+/// Cases that test positions and velocities, for one of the starts.
 pub fn moving(start: usize) -> Vec<Case> {
-    let later = start as f64 * LATER;
+    let delay = start as f64 * START_DELAY;
     let mut cases = vec![
         to_rest(),
         sliding_and_turning(),
-        rebound(later),
-        rough_wall(0.5, later),
-        rough_wall(0.0, later),
-        fast_ball(later),
-        pushed_crate(later),
-        squeezed_ball(later),
+        rebound(delay),
+        rough_wall(0.5, delay),
+        rough_wall(0.0, delay),
+        fast_ball(delay),
+        pushed_crate(delay),
+        squeezed_ball(delay),
     ];
-    cases.extend(impacts().map(|(name, impact)| collision(name, impact, later, motion_error)));
+    cases.extend(impacts().map(|(name, impact)| collision(name, impact, delay, motion_error)));
     cases
 }
 
-/// Cases of momentum and energy, at one of the starts.
+/// Cases that test momentum and energy, for one of the starts.
 pub fn conserving(start: usize) -> Vec<Case> {
-    let later = start as f64 * LATER;
-    let collisions = impacts().map(|(name, impact)| collision(name, impact, later, conservation_error));
+    let delay = start as f64 * START_DELAY;
+    let collisions = impacts().map(|(name, impact)| collision(name, impact, delay, conservation_error));
     collisions.into_iter().chain([crowd(start)]).collect()
 }
 
@@ -144,95 +144,108 @@ fn object(shape: Shape, mass: f64, resistance: Resistance, restitution: f64, fri
     })
 }
 
-/// A wall across x.
+/// A long wall perpendicular to the x axis.
 fn wall(x: f64) -> Vec<Segment> {
     vec![Segment::new(DVec2::new(x, -100.0), DVec2::new(x, 100.0))]
 }
 
-fn place(bodies: &Bodies, index: usize) -> DVec2 {
+fn position(bodies: &Bodies, index: usize) -> DVec2 {
     bodies.state(ObjectId::from_index(index)).world_from_object.position
 }
 
-fn alone(name: &'static str, properties: Arc<Properties>, velocity: (DVec2, f64), seconds: f64) -> Trial {
+/// Trial with one object at the origin.
+fn single_object(name: &'static str, properties: Arc<Properties>, velocity: (DVec2, f64), seconds: f64) -> Trial {
     let objects = vec![(properties, Pose::default())];
     Trial { name, seconds, walls: vec![], objects, velocities: vec![velocity], pusher: None }
 }
 
 fn to_rest() -> Case {
     let (direction, speed, friction) = (DVec2::new(0.6, 0.8), 0.77, 0.4);
-    let way = way_to_rest(speed, friction);
+    let distance = stopping_distance(speed, friction);
     let properties = disc(RADIUS, 0.5, Resistance::Sliding(friction), 0.5);
-    let trial = alone("a disc slides to rest", properties, (direction * speed, 0.0), 0.5);
-    Case { trial, of_end: Box::new(move |(bodies, _)| (place(bodies, 0) - direction * way).length() / way) }
+    let trial = single_object("a disc slides to rest", properties, (direction * speed, 0.0), 0.5);
+    Case {
+        trial,
+        error_of_end: Box::new(move |(bodies, _)| (position(bodies, 0) - direction * distance).length() / distance),
+    }
 }
 
 fn sliding_and_turning() -> Case {
-    let (way, angle) = slide_and_turn(1.0, 20.0, 0.1, 0.4);
+    let (distance, angle) = slide_and_turn(1.0, 20.0, 0.1, 0.4);
     let properties = disc(0.1, 0.5, Resistance::Sliding(0.4), 0.5);
-    let trial = alone("a disc slides and turns to rest", properties, (DVec2::X, 20.0), 1.0);
+    let trial = single_object("a disc slides and turns to rest", properties, (DVec2::X, 20.0), 1.0);
     let error = move |(bodies, _): &End| {
         let pose = bodies.state(ObjectId(1)).world_from_object;
-        let turned = pose.heading.radians() / angle - 1.0;
-        ((pose.position - DVec2::new(way, 0.0)).length() / way).max(turned.abs())
+        let angle_error = pose.heading.radians() / angle - 1.0;
+        ((pose.position - DVec2::new(distance, 0.0)).length() / distance).max(angle_error.abs())
     };
-    Case { trial, of_end: Box::new(error) }
+    Case { trial, error_of_end: Box::new(error) }
 }
 
 /// A disc slides to a wall, rebounds and slides to rest.
-fn rebound(later: f64) -> Case {
+fn rebound(delay: f64) -> Case {
     let (friction, restitution, speed) = (0.3, 0.6, 2.5_f64);
-    let gap = 0.45 + speed * later;
+    let gap = 0.45 + speed * delay;
     let arrival = (speed * speed - 2.0 * friction * GRAVITY * gap).sqrt();
-    let back = way_to_rest(restitution * arrival, friction);
+    let rebound_distance = stopping_distance(restitution * arrival, friction);
     let properties = disc(RADIUS, 0.5, Resistance::Sliding(friction), restitution);
     let name = "a disc rebounds and slides to rest";
-    let trial = Trial { walls: wall(gap + RADIUS), ..alone(name, properties, (DVec2::X * speed, 0.0), 1.0) };
-    let end = DVec2::new(gap - back, 0.0);
-    Case { trial, of_end: Box::new(move |(bodies, _)| (place(bodies, 0) - end).length() / (gap + back)) }
+    let trial = Trial { walls: wall(gap + RADIUS), ..single_object(name, properties, (DVec2::X * speed, 0.0), 1.0) };
+    let end = DVec2::new(gap - rebound_distance, 0.0);
+    Case {
+        trial,
+        error_of_end: Box::new(move |(bodies, _)| (position(bodies, 0) - end).length() / (gap + rebound_distance)),
+    }
 }
 
-/// A disc hits a wall with friction and still slips when it leaves: the tangential impulse is the coefficient times the normal one.
-fn rough_wall(restitution: f64, later: f64) -> Case {
+/// A disc hits a wall with friction and slips during the whole impact, so the tangential impulse is the coefficient of friction times the
+/// normal impulse.
+fn rough_wall(restitution: f64, delay: f64) -> Case {
     let (friction, seconds, start) = (0.1, 0.6, DVec2::new(1.2, 0.9));
-    let gap = 0.4531 + start.x * later;
-    let lost = friction * (1.0 + restitution) * start.x;
-    let after = DVec2::new(-restitution * start.x, start.y - lost);
-    let omega = -lost * RADIUS / (0.5 * RADIUS * RADIUS);
+    let gap = 0.4531 + start.x * delay;
+    let tangential_change = friction * (1.0 + restitution) * start.x;
+    let velocity_after = DVec2::new(-restitution * start.x, start.y - tangential_change);
+    let omega = -tangential_change * RADIUS / (0.5 * RADIUS * RADIUS);
     let instant = gap / start.x;
-    let end = start * instant + after * (seconds - instant);
+    let end = start * instant + velocity_after * (seconds - instant);
     let properties = object(Shape::Disc { radius: RADIUS }, 0.5, FREE, restitution, friction);
     let name = if restitution > 0.0 { "a rough wall, restitution 0.5" } else { "a rough wall, inelastic" };
-    let trial = Trial { walls: wall(gap + RADIUS), ..alone(name, properties, (start, 0.0), seconds) };
+    let trial = Trial { walls: wall(gap + RADIUS), ..single_object(name, properties, (start, 0.0), seconds) };
     let error = move |(bodies, _): &End| {
         let state = bodies.state(ObjectId(1));
-        let of_velocity = (state.velocity - after).length().max((state.omega - omega).abs() * RADIUS);
-        let of_place = (state.world_from_object.position - end).length();
-        (of_velocity / start.length()).max(of_place / (start.length() * seconds))
+        let velocity_error = (state.velocity - velocity_after).length().max((state.omega - omega).abs() * RADIUS);
+        let position_error = (state.world_from_object.position - end).length();
+        (velocity_error / start.length()).max(position_error / (start.length() * seconds))
     };
-    Case { trial, of_end: Box::new(error) }
+    Case { trial, error_of_end: Box::new(error) }
 }
 
 /// A ball of 4 mm between two walls at 50 m/s, elastic.
-fn fast_ball(later: f64) -> Case {
+fn fast_ball(delay: f64) -> Case {
     let (radius, x, speed, seconds) = (0.002, 0.5173, 50.0, 0.05);
     let lane = x - radius;
-    let start = -speed * later;
-    // Unfolded by the reflections at both walls.
-    let turns = (start + speed * seconds + lane).rem_euclid(4.0 * lane);
-    let end = if turns <= 2.0 * lane { turns - lane } else { 3.0 * lane - turns };
+    let start = -speed * delay;
+    // The path, unfolded at both walls, repeats with the period 4 * lane.
+    let unfolded = (start + speed * seconds + lane).rem_euclid(4.0 * lane);
+    let end = if unfolded <= 2.0 * lane { unfolded - lane } else { 3.0 * lane - unfolded };
     let trial = Trial {
         walls: [wall(x), wall(-x)].concat(),
         objects: vec![(disc(radius, 0.01, FREE, 1.0), Pose::new(start, 0.0, 0.0))],
-        ..alone("50 m/s between walls, elastic", disc(radius, 0.01, FREE, 1.0), (DVec2::X * speed, 0.0), seconds)
+        ..single_object(
+            "50 m/s between walls, elastic",
+            disc(radius, 0.01, FREE, 1.0),
+            (DVec2::X * speed, 0.0),
+            seconds,
+        )
     };
-    Case { trial, of_end: Box::new(move |(bodies, _)| (place(bodies, 0).x - end).abs() / (speed * seconds)) }
+    Case { trial, error_of_end: Box::new(move |(bodies, _)| (position(bodies, 0).x - end).abs() / (speed * seconds)) }
 }
 
-/// A robot at constant speed pushes a crate for 750 ms; then the crate slides to rest.
-fn pushed_crate(later: f64) -> Case {
+/// A robot pushes a crate at constant speed until it is removed; then the crate slides to rest.
+fn pushed_crate(delay: f64) -> Case {
     let (speed, until) = (0.2, 1.5);
-    let start = 0.3137 + speed * later;
-    let end = speed * until + PUSHER_RADIUS + RADIUS + way_to_rest(speed, 0.4);
+    let start = 0.3137 + speed * delay;
+    let end = speed * until + PUSHER_RADIUS + RADIUS + stopping_distance(speed, 0.4);
     let crate_ = object(Shape::Rectangle { half: DVec2::splat(RADIUS) }, 1.0, Resistance::Sliding(0.4), 0.0, 0.3);
     let trial = Trial {
         name: "a robot pushes a crate and leaves it",
@@ -242,12 +255,13 @@ fn pushed_crate(later: f64) -> Case {
         velocities: vec![],
         pusher: Some(Push { speed, until }),
     };
-    let error = move |(bodies, _): &End| (place(bodies, 0) - DVec2::new(end, 0.0)).length() / (end - start);
-    Case { trial, of_end: Box::new(error) }
+    let error = move |(bodies, _): &End| (position(bodies, 0) - DVec2::new(end, 0.0)).length() / (end - start);
+    Case { trial, error_of_end: Box::new(error) }
 }
 
 fn impacts() -> [(&'static str, Impact); 5] {
-    let equal = Impact { masses: [0.2, 0.2], reach: 2.0 * RADIUS, speed: 1.5, offset: 0.0, restitution: 1.0 };
+    let equal =
+        Impact { masses: [0.2, 0.2], contact_distance: 2.0 * RADIUS, speed: 1.5, offset: 0.0, restitution: 1.0 };
     [
         ("equal discs, elastic", equal),
         ("5 kg on 10 g, elastic", Impact { masses: [5.0, 0.01], ..equal }),
@@ -257,50 +271,53 @@ fn impacts() -> [(&'static str, Impact); 5] {
     ]
 }
 
-/// Error of a collision: of its impact, the distance of the centres along x at the start, m, and the duration, s.
+/// Error of a collision as a function of the impact, the distance of the centres along x at the start (m), the duration (s), and the
+/// bodies.
 type CollisionError = fn(&Impact, f64, f64, &Bodies) -> f64;
 
-fn collision(name: &'static str, impact: Impact, later: f64, error: CollisionError) -> Case {
-    let apart = 0.4137 + impact.speed * later;
-    // Both have parted by then; whole steps of 10 ms.
+fn collision(name: &'static str, impact: Impact, delay: f64, error: CollisionError) -> Case {
+    let initial_distance = 0.4137 + impact.speed * delay;
+    // After the impact, and a multiple of all steps.
     let seconds = if impact.speed > 10.0 { 0.05 } else { 0.5 };
-    let of = |mass| disc(RADIUS, mass, FREE, impact.restitution);
-    let objects =
-        vec![(of(impact.masses[0]), Pose::new(-apart, -impact.offset, 0.0)), (of(impact.masses[1]), Pose::default())];
+    let disc_of_mass = |mass| disc(RADIUS, mass, FREE, impact.restitution);
+    let objects = vec![
+        (disc_of_mass(impact.masses[0]), Pose::new(-initial_distance, -impact.offset, 0.0)),
+        (disc_of_mass(impact.masses[1]), Pose::default()),
+    ];
     let velocities = vec![(DVec2::new(impact.speed, 0.0), 0.0)];
     let trial = Trial { name, seconds, walls: vec![], objects, velocities, pusher: None };
-    Case { trial, of_end: Box::new(move |(bodies, _)| error(&impact, apart, seconds, bodies)) }
+    Case { trial, error_of_end: Box::new(move |(bodies, _)| error(&impact, initial_distance, seconds, bodies)) }
 }
 
-/// Error of the velocities as a share of the first speed, or of the positions as a share of the path without an impact.
-fn motion_error(impact: &Impact, apart: f64, seconds: f64, bodies: &Bodies) -> f64 {
-    let (velocities, positions) = (impact.velocities(), impact.positions(apart, seconds));
-    let of_body = |index: usize| {
+/// Larger of the relative errors of the velocities (relative to the initial speed) and of the positions (to the path without an impact).
+fn motion_error(impact: &Impact, initial_distance: f64, seconds: f64, bodies: &Bodies) -> f64 {
+    let (velocities, positions) = (impact.velocities(), impact.positions(initial_distance, seconds));
+    let body_error = |index: usize| {
         let velocity = bodies.state(ObjectId::from_index(index)).velocity;
         // A light disc is faster than the heavy one that hits it.
         let scale = impact.speed.max(velocities[index].length());
-        let of_place = (place(bodies, index) - positions[index]).length() / (scale * seconds);
-        ((velocity - velocities[index]).length() / scale).max(of_place)
+        let position_error = (position(bodies, index) - positions[index]).length() / (scale * seconds);
+        ((velocity - velocities[index]).length() / scale).max(position_error)
     };
-    of_body(0).max(of_body(1))
+    body_error(0).max(body_error(1))
 }
 
-/// Error of the momentum as a share of the first one, or of the energy.
+/// Larger of the errors of momentum and energy, relative to their initial values.
 fn conservation_error(impact: &Impact, _: f64, _: f64, bodies: &Bodies) -> f64 {
-    let whole = impact.masses[0] * impact.speed;
+    let initial_momentum = impact.masses[0] * impact.speed;
     let momentum_of = |index: usize| bodies.state(ObjectId::from_index(index)).velocity * impact.masses[index];
-    let momentum = momentum_of(0) + momentum_of(1) - DVec2::new(whole, 0.0);
+    let momentum_error = momentum_of(0) + momentum_of(1) - DVec2::new(initial_momentum, 0.0);
     let expected: f64 = impact
         .velocities()
         .iter()
         .zip(impact.masses)
         .map(|(velocity, mass)| 0.5 * mass * velocity.length_squared())
         .sum();
-    let energy = (bodies.energy() - expected) / (0.5 * whole * impact.speed);
-    (momentum.length() / whole).max(energy.abs())
+    let energy = (bodies.energy() - expected) / (0.5 * initial_momentum * impact.speed);
+    (momentum_error.length() / initial_momentum).max(energy.abs())
 }
 
-/// 36 elastic discs in a box of 1 m for 1 s: the share of the energy that is lost or gained.
+/// 36 elastic discs in a box of 1 m for 1 s; the error is the relative change of the energy.
 fn crowd(start: usize) -> Case {
     let mut random = Random::new(36 + start as u64);
     let corners = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y];
@@ -315,27 +332,27 @@ fn crowd(start: usize) -> Case {
         velocities.push((velocity, 0.0));
     }
     let trial = Trial { name: "36 discs in a box, elastic", seconds: 1.0, walls, objects, velocities, pusher: None };
-    Case { trial, of_end: Box::new(move |(bodies, _)| (bodies.energy() / energy - 1.0).abs()) }
+    Case { trial, error_of_end: Box::new(move |(bodies, _)| (bodies.energy() / energy - 1.0).abs()) }
 }
 
-/// A crate of 5 kg drives a ball of 10 g into a wall: the greatest depth in the wall as a share of the radius.
-fn squeezed_ball(later: f64) -> Case {
+/// A crate of 5 kg pushes a ball of 10 g into a wall; the error is the maximum depth in the wall relative to the radius.
+fn squeezed_ball(delay: f64) -> Case {
     let heavy = object(Shape::Rectangle { half: DVec2::splat(0.1) }, 5.0, FREE, 0.5, 0.0);
     let trial = Trial {
         name: "10 g between 5 kg and a wall: depth",
         seconds: 1.0,
         walls: wall(0.0),
         objects: vec![
-            (heavy, Pose::new(0.3 + later, 0.0, 0.0)),
+            (heavy, Pose::new(0.3 + delay, 0.0, 0.0)),
             (disc(RADIUS, 0.01, FREE, 0.9), Pose::new(0.06, 0.0, 0.0)),
         ],
         velocities: vec![(DVec2::new(-1.0, 0.0), 0.0)],
         pusher: None,
     };
-    Case { trial, of_end: Box::new(|(_, depth)| depth / RADIUS) }
+    Case { trial, error_of_end: Box::new(|(_, depth)| depth / RADIUS) }
 }
 
-/// A crate that a disc strikes off its centre, until both rest.
+/// A disc hits a crate off its centre; the trial ends when both are at rest.
 pub fn struck_crate() -> Trial {
     let crate_ = object(Shape::Rectangle { half: DVec2::splat(RADIUS) }, 0.5, Resistance::Sliding(0.4), 0.3, 0.3);
     let disc = object(Shape::Disc { radius: 0.03 }, 0.2, Resistance::Sliding(0.1), 0.3, 0.3);
@@ -352,17 +369,18 @@ pub fn struck_crate() -> Trial {
 /// Duration of [`robot_and_heavy_crate`], s.
 pub const PUSH_SECONDS: f64 = 2.0;
 
-/// A robot of 2 kg, traction 0.5, drives at 0.2 m/s against a crate of 3 kg, friction 0.5, whose friction stops both: the error of the
-/// way that both cover together, as a share of it. The world and its slots of 50 ms take part.
+/// Relative error of the distance that a robot and a crate cover together. The robot (2 kg, traction 0.5) drives at 0.2 m/s against the
+/// crate (3 kg, friction 0.5), whose friction stops both. The trial runs in a world with slots of 50 ms.
 pub fn robot_and_heavy_crate() -> f64 {
-    let (mass, heavy, speed, coefficient) = (2.0, 3.0, 0.2, 0.5);
-    let together = mass * speed / (mass + heavy);
-    let way = together * together * (mass + heavy) / (2.0 * coefficient * GRAVITY * (heavy - mass));
+    let (mass, crate_mass, speed, coefficient) = (2.0, 3.0, 0.2, 0.5);
+    let common_speed = mass * speed / (mass + crate_mass);
+    let expected =
+        common_speed * common_speed * (mass + crate_mass) / (2.0 * coefficient * GRAVITY * (crate_mass - mass));
     let walls = Arc::new(Walls::new(vec![]));
     let model = Model { body_radius: PUSHER_RADIUS, axis_offset: 0.0, mass, traction: coefficient, ..model() };
     let mut motion = Motion::new(RobotId(1), Arc::new(model), Arc::clone(&walls), Pose::default());
     let half = DVec2::splat(RADIUS);
-    let crate_ = object(Shape::Rectangle { half }, heavy, Resistance::Sliding(coefficient), 0.0, 0.3);
+    let crate_ = object(Shape::Rectangle { half }, crate_mass, Resistance::Sliding(coefficient), 0.0, 0.3);
     let mut world =
         World::new(walls, Time::from_millis(50), [&mut motion]).with_objects([(crate_, Pose::new(0.3, 0.0, 0.0))]);
     motion.command(Time::ZERO, Command::Twist(Twist::new(speed, 0.0)), &[]).expect("a speed within the limits");
@@ -370,5 +388,5 @@ pub fn robot_and_heavy_crate() -> f64 {
         world.advance(&mut [&mut motion]);
     }
     let covered = world.object_state(ObjectId(1)).world_from_object.position.x - 0.3;
-    (covered - way).abs() / way
+    (covered - expected).abs() / expected
 }

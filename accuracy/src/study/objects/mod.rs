@@ -1,5 +1,5 @@
-//! `objects` and `objects-conserved`: sliding, rolling, colliding and pushed objects, against closed forms and against the solver's own
-//! short steps.
+//! `objects` and `objects-conserved`: sliding, rolling, colliding and pushed objects, compared with closed forms and with short steps of
+//! the solver.
 
 mod case;
 mod impact;
@@ -26,14 +26,14 @@ pub const CONSERVED: Study = Study {
     run: conserved,
 };
 
-/// Steps of the solver; the simulator's own is 1 ms. Each divides the duration of every case.
+/// Steps of the solver; the simulator uses 1 ms. Each divides the duration of every case.
 const STEPS: [Time; 4] = [Time(10_000), Time(1_000), Time(100), Time(20)];
 /// Shortest step whose time is measured in several repetitions.
 const SHORTEST_REPEATED: Time = Time(1_000);
 
 fn motion(effort: Effort) -> Outcome {
     let mut rows = rows(STUDY.name, case::moving, effort);
-    rows.extend(referred(&case::struck_crate(), effort));
+    rows.extend(self_referenced(&case::struck_crate(), effort));
     rows.push(pushing_robot(effort));
     let is_impact = |row: &Row| case::IMPACTS.contains(&&*row.method);
     let (impacts, others): (Vec<_>, Vec<_>) = rows.iter().cloned().partition(is_impact);
@@ -52,26 +52,27 @@ fn conserved(effort: Effort) -> Outcome {
 /// Rows of all cases: the maximum error over all starts.
 fn rows(study: &'static str, cases: fn(usize) -> Vec<Case>, effort: Effort) -> Vec<Row> {
     let starts: Vec<Vec<Case>> = (0..STARTS).map(cases).collect();
-    let of_case = |index: usize| {
-        let of_step = |step| {
+    let case_rows = |index: usize| {
+        let step_row = |step| {
             let error = starts.iter().map(|cases| cases[index].error(step)).fold(0.0, f64::max);
-            measured(study, &starts[0][index].trial, step, effort, error)
+            timed_row(study, &starts[0][index].trial, step, effort, error)
         };
-        STEPS.map(of_step)
+        STEPS.map(step_row)
     };
-    (0..starts[0].len()).flat_map(of_case).collect()
+    (0..starts[0].len()).flat_map(case_rows).collect()
 }
 
-/// Rows of a trial without a closed form: its first object's distance from where it rests with the shortest steps, relative to its path.
-fn referred(trial: &Trial, effort: Effort) -> Vec<Row> {
-    let place = |step| trial.run(step).0.state(ObjectId(1)).world_from_object.position;
+/// Rows of a trial without a closed form. The error is the distance of the first object's end position from that with the shortest steps,
+/// relative to its path.
+fn self_referenced(trial: &Trial, effort: Effort) -> Vec<Row> {
+    let end_position = |step| trial.run(step).0.state(ObjectId(1)).world_from_object.position;
     let [longer @ .., shortest] = STEPS;
-    let truth = place(shortest);
+    let truth = end_position(shortest);
     let path = (truth - trial.objects[0].1.position).length();
-    longer.map(|step| measured(STUDY.name, trial, step, effort, (place(step) - truth).length() / path)).into()
+    longer.map(|step| timed_row(STUDY.name, trial, step, effort, (end_position(step) - truth).length() / path)).into()
 }
 
-fn measured(study: &'static str, trial: &Trial, step: Time, effort: Effort, error: f64) -> Row {
+fn timed_row(study: &'static str, trial: &Trial, step: Time, effort: Effort, error: f64) -> Row {
     let repeats = if step < SHORTEST_REPEATED { 1 } else { effort.of(10) };
     let time_ns = nanoseconds(repeats, 1, || trial.run(step).1) / trial.seconds;
     row(study, trial.name, step, error, time_ns)
@@ -91,7 +92,7 @@ fn row(study: &'static str, method: &str, step: Time, error: f64, time_ns: f64) 
     Row { study, method: method.to_owned(), setting, error, unit, time_ns, per }
 }
 
-/// Error against the length of the step: a curve for each method.
+/// Chart of the error against the length of the step, with a curve for each method.
 fn by_step(rows: &[Row], name: &str, title: &str) -> Figure {
     let lengths: BTreeMap<String, f64> =
         STEPS.iter().map(|step| (row("", "", *step, 0.0, 0.0).setting, step.seconds())).collect();
@@ -128,23 +129,23 @@ mod tests {
     }
 
     #[test]
-    fn positions_and_velocities_come_nearer_with_shorter_steps() {
-        for ((name, own), (_, fine)) in errors(case::moving, STEP).into_iter().zip(errors(case::moving, Time(100))) {
+    fn errors_fall_with_the_step() {
+        for ((name, coarse), (_, fine)) in errors(case::moving, STEP).into_iter().zip(errors(case::moving, Time(100))) {
             if name == "a rough wall, restitution 0.5" {
-                // Friction lacks what the rebound adds, at every step.
+                // With any step, the friction impulse lacks the part that the restitution adds to the normal impulse.
                 assert!(fine > 0.05 && fine < 0.25, "{name}: {fine}");
                 continue;
             }
-            // A tenth of the path: no object has passed a wall or another object.
-            assert!(own < 0.1, "{name}: {own}");
-            // A tenth of the step; the depth of a light ball falls with the root of the step.
-            let share = if name.ends_with("depth") { 0.6 } else { 0.3 };
-            assert!(fine < 1e-9 || fine < share * own, "{name}: {fine}, {own}");
+            // A tenth of the path, so no object has passed through a wall or another object.
+            assert!(coarse < 0.1, "{name}: {coarse}");
+            // `fine` has a tenth of the step. The depth of the light ball falls with the square root of the step.
+            let factor = if name.ends_with("depth") { 0.6 } else { 0.3 };
+            assert!(fine < 1e-9 || fine < factor * coarse, "{name}: {fine}, {coarse}");
         }
     }
 
     #[test]
-    fn a_free_object_stops_where_constant_friction_stops_it() {
+    fn free_object_has_the_stopping_distance_of_constant_friction() {
         for step in [Time(10_000), Time(1_000), Time(100)] {
             let error = case::moving(0)[0].error(step);
             assert!(error < 1e-12, "{step}: {error}");
@@ -152,17 +153,17 @@ mod tests {
     }
 
     #[test]
-    fn elastic_impacts_keep_momentum_and_energy() {
+    fn elastic_impacts_conserve_momentum_and_energy() {
         for (name, error) in errors(case::conserving, STEP).into_iter().filter(|(name, _)| name.ends_with(", elastic"))
         {
-            // Rounding; the crowd may lose a part where three discs meet.
+            // Rounding; the crowd may lose energy where three discs meet.
             let limit = if name.starts_with("36") { 0.1 } else { 1e-12 };
             assert!(error < limit, "{name}: {error}");
         }
     }
 
     #[test]
-    fn a_robot_and_a_heavy_crate_stop_where_momentum_and_friction_say() {
+    fn robot_and_heavy_crate_have_the_expected_stopping_distance() {
         // 3 % of 6.5 mm.
         assert!(case::robot_and_heavy_crate() < 0.03, "{}", case::robot_and_heavy_crate());
     }

@@ -1,4 +1,4 @@
-//! Share of messages that arrive intact.
+//! Fraction of messages that arrive intact.
 
 use sim_core::math::{exp, ln_1p};
 use sim_core::noise::RadioNoise;
@@ -9,8 +9,10 @@ use super::*;
 
 /// Message lengths in bytes.
 const LENGTHS: [usize; 4] = [1, BYTES, 200, 1_000];
+/// Bit error rates.
 const RATES: [f64; 8] = [0.0, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2];
 const PACKET_LOSS: f64 = 0.05;
+/// Number of messages at each setting.
 const COUNT: usize = 10_000;
 /// Position of a rate of 0 on the logarithmic axis of the picture.
 const ZERO_RATE_X: f64 = 1e-7;
@@ -59,15 +61,15 @@ fn length(bytes: usize) -> String {
     if bytes == 1 { "1 byte".to_owned() } else { format!("{bytes} bytes") }
 }
 
-/// Expected share of intact messages: (1 - P_p) (1 - P_b)^(8 n), for packet loss P_p, bit error rate P_b and n bytes.
+/// Expected fraction of intact messages: (1 - P_p) (1 - P_b)^(8 n), for packet loss P_p, bit error rate P_b and n bytes.
 fn expected(errors: RadioNoise, bytes: usize) -> f64 {
     (1.0 - errors.packet_loss) * exp(8.0 * bytes as f64 * ln_1p(-errors.bit_error_rate))
 }
 
 fn point(errors: RadioNoise, bytes: usize, intact: usize) -> Point {
     let (measured, expected) = (intact as f64 / COUNT as f64, expected(errors, bytes));
-    let half = SIGMAS * (expected * (1.0 - expected) / COUNT as f64).sqrt();
-    Point { x: errors.bit_error_rate.max(ZERO_RATE_X), measured, half, expected }
+    let half_width = SIGMAS * (expected * (1.0 - expected) / COUNT as f64).sqrt();
+    Point { x: errors.bit_error_rate.max(ZERO_RATE_X), measured, half_width, expected }
 }
 
 /// Number of the [`COUNT`] messages that the channel delivers intact.
@@ -86,7 +88,7 @@ fn through_channel(errors: RadioNoise, bytes: usize) -> usize {
     intact
 }
 
-/// Number of intact messages without a channel, with one random number per bit.
+/// Number of intact messages by a simulation without the channel, with one random number per bit.
 fn bit_by_bit(errors: RadioNoise, bytes: usize) -> usize {
     let payload = vec![0x55; bytes];
     let is_intact = |sequence: &u64| {

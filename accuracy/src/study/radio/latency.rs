@@ -1,6 +1,6 @@
 //! `radio-latency`: delay from a message's arrival at the radio until its receiver can read it, as a function of the slot length.
 //!
-//! A slot is the lockstep interval of the simulator; the ALOHA of this study is the unslotted one.
+//! A slot is a slot of the simulator; the ALOHA protocol of this study is unslotted.
 
 use sim_core::radio::{Medium, air_time};
 use sim_core::time::Time;
@@ -16,7 +16,7 @@ pub const STUDY: Study = Study {
 
 const SLOTS_MS: [i64; 8] = [1, 2, 5, 10, 20, 50, 100, 200];
 const COUNT: usize = 5_000;
-/// Offered load, low enough that messages hardly ever collide.
+/// Offered load, so low that messages rarely collide.
 const LOAD: f64 = 0.01;
 const STATIONS: u32 = 5;
 
@@ -30,7 +30,7 @@ fn run(effort: Effort) -> Outcome {
             let time_ns = nanoseconds(effort.of(5), COUNT, || delays = measure(medium, slot));
             let batches: Vec<f64> =
                 delays.chunks(100).map(|batch| batch.iter().sum::<f64>() / batch.len() as f64).collect();
-            let (mean, half) = mean_of(&batches);
+            let (mean, half_width) = mean_of(&batches);
             rows.push(Row {
                 study: STUDY.name,
                 method: name.to_owned(),
@@ -42,7 +42,7 @@ fn run(effort: Effort) -> Outcome {
                 per: "message",
             });
             let expected = 1e3 * expected(medium, slot);
-            points.push(Point { x: slot_ms as f64, measured: 1e3 * mean, half: 1e3 * half, expected });
+            points.push(Point { x: slot_ms as f64, measured: 1e3 * mean, half_width: 1e3 * half_width, expected });
             curve.push((slot_ms as f64, expected));
         }
         if medium != Medium::TokenRing {
@@ -55,8 +55,9 @@ fn run(effort: Effort) -> Outcome {
     Outcome { rows, figures: vec![picture.figure()] }
 }
 
-/// Expected delay of a message sent at a random instant of a slot. On [`Medium::Free`], which has no collisions, a message is visible
-/// at its arrival, but not before the end of the slot in which it is sent; on other media, at the end of the slot in which it arrives.
+/// Expected delay of a message sent at a random time in a slot. On [`Medium::Free`], which has no collisions, a message is visible at
+/// its arrival, but not before the end of the slot in which it is sent; on other media it is visible at the end of the slot in which it
+/// arrives.
 fn expected(medium: Medium, slot: Time) -> f64 {
     let (slot, air) = (slot.seconds(), air_time(BYTES, BAUD).seconds());
     match medium {
@@ -77,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mean_delay_is_the_expected_one_and_no_delay_exceeds_a_slot() {
+    fn mean_delay_matches_the_formula_and_no_delay_exceeds_a_slot() {
         for medium in [Medium::Free, Medium::Aloha, Medium::TokenRing] {
             for slot_ms in SLOTS_MS {
                 let slot = Time::from_millis(slot_ms);

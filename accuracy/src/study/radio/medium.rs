@@ -11,7 +11,7 @@ use super::*;
 
 const SLOT: Time = Time::from_millis(50);
 const COUNT: usize = 50_000;
-/// Messages per batch: neighbouring messages are correlated, batches hardly at all.
+/// Number of messages in a batch; successive messages are correlated, batches nearly uncorrelated.
 const BATCH: usize = 1_000;
 const OFFERED: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5];
 const STATIONS: [u32; 4] = [2, 5, 10, 20];
@@ -19,22 +19,22 @@ const LOADS: [f64; 6] = [0.05, 0.2, 0.4, 0.6, 0.7, 0.8];
 
 /// Throughput of unslotted ALOHA: messages of many stations at random instants, as received by one of them.
 ///
-/// Source of the formula: Abramson 1970, S = G exp(-2 G).
+/// The formula is S = G exp(-2 G); source: Abramson 1970.
 pub fn aloha(effort: Effort) -> Part {
     let (mut rows, mut points) = (Vec::new(), Vec::new());
     for g in OFFERED {
         let traffic = traffic(Medium::Aloha, 10_000, g, COUNT);
         let mut deliveries = Vec::new();
         let time_ns = nanoseconds(effort.of(3), COUNT, || deliveries = exchange(Medium::Aloha, 1, SLOT, &traffic));
-        let heard: Vec<f64> =
+        let received: Vec<f64> =
             deliveries.iter().map(|(_, delivery)| f64::from(u8::from(delivery.outcome.is_ok()))).collect();
-        let (share, half) = batch_means(&heard);
-        let point = Point { x: g, measured: g * share, half: g * half, expected: g * exp(-2.0 * g) };
+        let (share, half_width) = batch_mean(&received);
+        let point = Point { x: g, measured: g * share, half_width: g * half_width, expected: g * exp(-2.0 * g) };
         rows.push(row("ALOHA", format!("G = {g}"), &point, time_ns));
         points.push(point);
     }
-    let curve = |name: &str, of: fn(f64) -> f64| {
-        let points = (0..=150).map(|step| f64::from(step) / 100.0).map(|g| (g, of(g)));
+    let curve = |name: &str, formula: fn(f64) -> f64| {
+        let points = (0..=150).map(|step| f64::from(step) / 100.0).map(|g| (g, formula(g)));
         (name.to_owned(), points.collect())
     };
     let curves = vec![curve("G exp(-2 G)", |g| g * exp(-2.0 * g))];
@@ -58,10 +58,15 @@ pub fn token_ring(effort: Effort) -> Part {
                 nanoseconds(effort.of(3), COUNT, || deliveries = exchange(Medium::TokenRing, stations, SLOT, &traffic));
             let wait = |(sent, delivery): &(Time, Delivery)| (delivery.arrives - air - *sent).seconds();
             let waits: Vec<f64> = deliveries.iter().map(wait).collect();
-            let ((mean, half), expected) = (batch_means(&waits), expected_wait(stations, load));
-            let share = Point { x: load, measured: mean / expected, half: half / expected, expected: 1.0 };
+            let ((mean, half_width), expected) = (batch_mean(&waits), expected_wait(stations, load));
+            let share = Point { x: load, measured: mean / expected, half_width: half_width / expected, expected: 1.0 };
             rows.push(row(&format!("token ring of {stations}"), format!("load {load}"), &share, time_ns));
-            points.push(Point { x: load, measured: 1e3 * mean, half: 1e3 * half, expected: 1e3 * expected });
+            points.push(Point {
+                x: load,
+                measured: 1e3 * mean,
+                half_width: 1e3 * half_width,
+                expected: 1e3 * expected,
+            });
         }
         let loads = (1..=80).map(|step| f64::from(step) / 100.0);
         curves.push((
@@ -75,8 +80,8 @@ pub fn token_ring(effort: Effort) -> Part {
     Part { rows, picture }
 }
 
-/// Mean wait in a ring of `stations`, s. The service time of a message is the time by which it exceeds a token frame,
-/// since a token frame always goes from each station to the next.
+/// Mean wait in a ring of `stations`, s. The service time is the air time of a message minus that of a token frame, since
+/// a token frame is sent from each station to the next in any case.
 fn expected_wait(stations: u32, load: f64) -> f64 {
     let frame = air_time(0, BAUD).seconds();
     let service = air_time(BYTES, BAUD).seconds() - frame;
@@ -85,16 +90,16 @@ fn expected_wait(stations: u32, load: f64) -> f64 {
     (rate * service * service + frame * (f64::from(stations) + busy)) / (2.0 * (1.0 - load))
 }
 
-/// Messages at random instants with offered load `load`: the mean number of messages in the air time of one. In a token
-/// ring each goes from a random station to the next one. On other media the robots from 2 on send in turn, all to robot
-/// 1.
+/// Messages at random times with the offered load `load`, the mean number of messages in the air time of one message. In a
+/// token ring each message goes from a random station to the next one. On other media the robots from 2 on send in turn to
+/// robot 1.
 pub fn traffic(medium: Medium, stations: u32, load: f64, count: usize) -> Vec<OutgoingMessage> {
     let mut stream = stream(stations, load.to_bits());
     let mean = air_time(BYTES, BAUD).seconds() / load;
-    let mut at = 1.0;
+    let mut seconds = 1.0;
     let message = |sequence: u64| {
-        at += interarrival_time(&mut stream, mean);
-        let sent = Time::from_seconds_ceil(at);
+        seconds += interarrival_time(&mut stream, mean);
+        let sent = Time::from_seconds_ceil(seconds);
         let draw = (stream.unit() * f64::from(stations)) as u32;
         let (from, to, begins) = match medium {
             Medium::TokenRing => (1 + draw, 1 + (1 + draw) % stations, None),
@@ -123,7 +128,8 @@ pub fn exchange(medium: Medium, receivers: u32, slot: Time, traffic: &[OutgoingM
     }
 }
 
-fn batch_means(values: &[f64]) -> (f64, f64) {
+/// Mean of the values, and half of its 99.9 % interval.
+fn batch_mean(values: &[f64]) -> (f64, f64) {
     let batches: Vec<f64> = values.chunks(BATCH).map(|batch| batch.iter().sum::<f64>() / batch.len() as f64).collect();
     mean_of(&batches)
 }

@@ -1,10 +1,10 @@
 //! `radio` and `radio-latency`: the channel compared with the formulas of its media, and the effect of the slot length.
 //!
-//! All messages go through `sim_core`'s own channel, some of them also through stations, slot by slot. The study
+//! All messages go through the channel of `sim_core`, some of them also through stations, slot by slot. The study
 //! measures the share of intact messages, the throughput, and the waiting time relative to its formula. The error is
-//! the absolute difference from the formula. By chance alone the mean error is a quarter of the half width of the
-//! interval in the picture (0.8 of 3.29 standard errors). Sample sizes do not depend on the effort, so pictures are
-//! always the same; only timings are repeated more often.
+//! the absolute difference from the formula. If measurement and formula differ only by chance, the mean error is a quarter of the half
+//! width of the interval in the picture (0.8 of 3.29 standard errors). Sample sizes do not depend on the effort, so
+//! pictures are always the same; only the number of repeated timings depends on it.
 
 mod delivery;
 mod latency;
@@ -32,12 +32,12 @@ const BYTES: usize = 35;
 const SIGMAS: f64 = 3.29;
 
 fn run(effort: Effort) -> Outcome {
-    let mut all = Outcome::default();
+    let mut outcome = Outcome::default();
     for part in parts(effort) {
-        all.figures.push(part.picture.figure());
-        all.rows.extend(part.rows);
+        outcome.figures.push(part.picture.figure());
+        outcome.rows.extend(part.rows);
     }
-    all
+    outcome
 }
 
 fn parts(effort: Effort) -> [Part; 5] {
@@ -56,7 +56,7 @@ struct Part {
     picture: Comparison,
 }
 
-/// Comparison with formulas, which becomes a [`Figure`]: formulas as lines, measurements as dots with their intervals.
+/// Comparison with formulas. In its [`Figure`], formulas are lines, and measurements are dots with their intervals.
 struct Comparison {
     name: &'static str,
     title: &'static str,
@@ -75,8 +75,12 @@ impl Comparison {
         let dots = self.points.iter().map(|point| (point.x, point.measured)).collect();
         series.push(Series { name: "measured".to_owned(), mark: Mark::Dots, points: dots });
         let bar = |point: &Point| {
-            // A gap after each bar.
-            [(point.x, point.measured - point.half), (point.x, point.measured + point.half), (f64::NAN, f64::NAN)]
+            // NaN leaves a gap after each bar.
+            [
+                (point.x, point.measured - point.half_width),
+                (point.x, point.measured + point.half_width),
+                (f64::NAN, f64::NAN),
+            ]
         };
         let bars = self.points.iter().flat_map(bar).collect();
         series.push(Series { name: "99.9 % interval".to_owned(), mark: Mark::Line, points: bars });
@@ -92,7 +96,7 @@ struct Point {
     x: f64,
     measured: f64,
     /// Half width of the measured value's 99.9 % interval.
-    half: f64,
+    half_width: f64,
     expected: f64,
 }
 
@@ -108,7 +112,7 @@ fn row(method: &str, setting: String, point: &Point, time_ns: f64) -> Row {
     }
 }
 
-/// Channel with the stations of the robots 1 to `stations` switched on, all with the same noise.
+/// Channel with the stations of the robots 1 to `stations`, which are on and have the same noise.
 fn channel(medium: Medium, noise: RadioNoise, stations: u32) -> Channel {
     let model = RadioModel { medium, baud: BAUD, ..RadioModel::default() };
     let mut channel = Channel::new(model, SEED, vec![noise; stations as usize]);
@@ -133,7 +137,7 @@ fn sent_message(from: u32, sequence: u64, to: Address, payload: Vec<u8>, sent: T
     }
 }
 
-/// Formats `x` for a table: `0`, `0.3`, and below 0.01 in scientific notation, `1e-4`.
+/// Formats `x` for a table, such as `0` or `0.3`; numbers below 0.01 are in scientific notation, such as `1e-4`.
 fn format_number(x: f64) -> String {
     if x == 0.0 || x >= 0.01 { format!("{x}") } else { format!("{x:e}") }
 }
@@ -166,19 +170,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_measured_is_what_the_formulas_say() {
+    fn measurements_match_the_formulas() {
         let mut count = 0;
         for Part { rows, picture } in parts(Effort::Quick) {
             let Comparison { name, points, .. } = &picture;
             assert!(rows.len() >= points.len(), "{name}");
-            for Point { x, measured, half, expected } in points.iter().copied() {
+            for Point { x, measured, half_width, expected } in points.iter().copied() {
                 // With 100 points, one run in ten has a point outside its 99.9 % interval; hence the factor of 1.3.
                 let distance = (measured - expected).abs();
                 assert!(
-                    distance <= 1.3 * half + 1e-9 * expected,
-                    "{name} at {x}: {measured} +- {half}, not {expected}"
+                    distance <= 1.3 * half_width + 1e-9 * expected,
+                    "{name} at {x}: {measured} +- {half_width}, not {expected}"
                 );
-                assert!(half < 0.15 * expected.max(0.1), "{name} at {x}: +- {half} of {expected} says nothing");
+                assert!(
+                    half_width < 0.15 * expected.max(0.1),
+                    "{name} at {x}: +- {half_width} of {expected} says nothing"
+                );
                 count += 1;
             }
             let [.., dots, bars] = &picture.figure().series[..] else { panic!("{name}") };

@@ -12,7 +12,7 @@ use super::*;
 const COUNT: u64 = 2_000;
 const LOSSES: [f64; 7] = [0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8];
 const RATES: [f64; 6] = [1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3];
-/// Length of an acknowledgement in bytes; it holds only the number of the acknowledged message.
+/// Length of an acknowledgement in bytes; it contains only the number of the acknowledged message.
 const ACK: usize = 1;
 /// Slot lengths.
 const SLOTS: [(Time, &str); 3] =
@@ -52,9 +52,9 @@ fn measure(
             let mut seconds = 0.0;
             let time_ns =
                 nanoseconds(effort.of(3), COUNT as usize, || seconds = transfer_seconds(errors(setting), slot));
-            let (expected, half) = expected_share(errors(setting));
+            let (expected, half_width) = expected_throughput(errors(setting));
             let measured = COUNT as f64 / best / seconds;
-            let relative = Point { x: setting, measured, half, expected };
+            let relative = Point { x: setting, measured, half_width, expected };
             rows.push(row(
                 &format!("stop and wait, {slot_name}"),
                 format!("{symbol} {}", format_number(setting)),
@@ -64,20 +64,23 @@ fn measure(
             points.push(Point {
                 x: setting,
                 measured: best * relative.measured,
-                half: best * relative.half,
+                half_width: best * relative.half_width,
                 expected: best * relative.expected,
             });
         }
-        curves.push((slot_name.to_owned(), steps.iter().map(|x| (*x, best * expected_share(errors(*x)).0)).collect()));
+        curves.push((
+            slot_name.to_owned(),
+            steps.iter().map(|x| (*x, best * expected_throughput(errors(*x)).0)).collect(),
+        ));
     }
     Part { rows, picture: Comparison { name, title, labels, x_scale, curves, points } }
 }
 
-/// Time from sending a message until its acknowledgement is visible, if neither is lost: each takes its air time, and becomes visible at a
-/// slot's end at the earliest.
+/// Time from sending a message until its acknowledgement is visible, if neither is lost. Each takes its air time and is visible at the end
+/// of a slot at the earliest.
 fn round_trip(slot: Time) -> Time {
-    let way = |bytes| air_time(bytes, BAUD).max(slot);
-    way(BYTES) + way(ACK)
+    let one_way = |bytes| air_time(bytes, BAUD).max(slot);
+    one_way(BYTES) + one_way(ACK)
 }
 
 /// Timeout of the sender: twice the round trip.
@@ -85,21 +88,21 @@ fn timeout(slot: Time) -> Time {
     round_trip(slot) + round_trip(slot)
 }
 
-/// Expected throughput as a share of one message per round trip, and half the width of the 99.9 % interval in which
-/// the measured share should lie.
+/// Expected throughput relative to one message per round trip, and half the width of the 99.9 % interval in which
+/// the measured value should be.
 ///
 /// Message and acknowledgement both arrive intact with probability p; the number of failed attempts is geometric, and each costs
 /// one timeout.
-fn expected_share(errors: RadioNoise) -> (f64, f64) {
+fn expected_throughput(errors: RadioNoise) -> (f64, f64) {
     let RadioNoise { bit_error_rate, packet_loss } = errors;
     let p = (1.0 - packet_loss).powi(2) * exp(8.0 * (BYTES + ACK) as f64 * ln_1p(-bit_error_rate));
     let (round_trips, deviation) = (1.0 + 2.0 * (1.0 - p) / p, 2.0 * (1.0 - p).sqrt() / p);
-    let share = 1.0 / round_trips;
-    (share, share * share * SIGMAS * deviation / (COUNT as f64).sqrt())
+    let throughput = 1.0 / round_trips;
+    (throughput, throughput * throughput * SIGMAS * deviation / (COUNT as f64).sqrt())
 }
 
-/// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the time that takes, s. Corrupted messages are discarded, as by a
-/// perfect checksum.
+/// Transfers [`COUNT`] messages from robot 1 to robot 2 and returns the duration of the transfer, s. Corrupted messages are discarded, as
+/// by a perfect checksum.
 fn transfer_seconds(errors: RadioNoise, slot: Time) -> f64 {
     let model = RadioModel { baud: BAUD, ..RadioModel::default() };
     let mut channel = Channel::new(model, SEED, vec![errors; 2]);

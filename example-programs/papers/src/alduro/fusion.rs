@@ -126,7 +126,7 @@ impl Method {
         let side = (part.side() / cell).ceil() as usize;
         let partition = Partition { cell, columns: side, rows: side, low: (0, 0) };
         let rules = side * side;
-        let model = SonarModel { least: *least, ..SonarModel::srf08() };
+        let model = SonarModel { min_membership: *least, ..SonarModel::srf08() };
         match self.kind {
             Kind::Grid(projection) => {
                 let model = SonarModel { epsilon: own[0], ..model };
