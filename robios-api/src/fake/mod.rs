@@ -340,7 +340,7 @@ pub struct Call {
     /// The call with arguments and result, in the units of RoBIOS: `VWDriveStraight(1, 0.4, 0.2) = 0`.
     pub text: String,
     /// Location of the call, if the program belongs to the library of the test.
-    pub place: Option<&'static Location<'static>>,
+    pub location: Option<&'static Location<'static>>,
 }
 
 impl Display for Call {

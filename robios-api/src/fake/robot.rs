@@ -337,7 +337,7 @@ impl State {
 /// Text of a call with its location.
 fn text_with_location(call: &Call) -> String {
     let text = call.text.trim_end_matches(" stopped");
-    match call.place {
+    match call.location {
         Some(location) => format!("{text} at {location}"),
         None => text.to_owned(),
     }
@@ -354,7 +354,7 @@ impl CallContext for FakeRobot {
             time: Duration::from_micros(state.now_us),
             name: record.name,
             text: record.to_string(),
-            place: self.last_call_site.get(),
+            location: self.last_call_site.get(),
         };
         state.calls.push(call);
     }
