@@ -320,7 +320,8 @@ impl<'a> Tasks<'a> {
     /// Calls a function periodically, as [`Robot::every`] does, in a program with tasks.
     ///
     /// The function runs inside the call that is in progress when the timer is due, on the thread of the task that made the call: it
-    /// must be `Send`, and it obtains its devices from the robot that it gets. It may make tasks ready and signal semaphores, but must not wait.
+    /// must be `Send`, and it obtains its devices from the robot that it gets. It may make tasks ready and signal semaphores, but must
+    /// not wait.
     ///
     /// # Errors
     /// See [`Robot::every`].
