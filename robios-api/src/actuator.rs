@@ -97,7 +97,7 @@ impl Robot {
 }
 
 impl Motor {
-    /// Sets the motor's speed as a ratio of full speed, -100 (full backwards) to 100 percent, rounded to whole percent.
+    /// Sets the motor's power as a ratio of full power, -100 (full backwards) to 100 percent, rounded to whole percent.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for more than 100 percent.
@@ -121,7 +121,7 @@ impl Encoder {
     /// Sets the count to 0.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn reset(&self) -> Result {
         checked("QUADReset", Device::Encoder(self.at), robios!(&self.robot, QUADReset(self.handle)))
@@ -133,10 +133,10 @@ impl Encoder {
         Length::from_robios(robios!(&self.robot, QUADODORead(self.handle)))
     }
 
-    /// Sets the rolled distance to 0; the tick count stays.
+    /// Sets the rolled distance to 0; the tick count is unchanged.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn reset_distance(&self) -> Result {
         checked("QUADODOReset", Device::Encoder(self.at), robios!(&self.robot, QUADODOReset(self.handle)))
@@ -147,7 +147,7 @@ impl Servo {
     /// Turns the servo.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn set(&self, position: ServoPosition) -> Result {
         let code = robios!(&self.robot, SERVOSet(self.handle, position.0.into()));

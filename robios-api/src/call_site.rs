@@ -17,14 +17,14 @@ pub(crate) enum Recorder {
 
 impl Recorder {
     /// Records the location of the call that starts now. Only this function publishes locations.
-    pub(crate) fn record(&self, place: &'static Location<'static>) {
+    pub(crate) fn record(&self, location: &'static Location<'static>) {
         match self {
-            Self::Fake(last) => last.0.store(std::ptr::from_ref(place).cast_mut(), Ordering::Relaxed),
+            Self::Fake(last) => last.0.store(std::ptr::from_ref(location).cast_mut(), Ordering::Relaxed),
             Self::Host => {
-                let file = place.file();
+                let file = location.file();
                 LAST.file.store(file.as_ptr().cast_mut(), Ordering::Relaxed);
                 LAST.file_len.store(file.len(), Ordering::Relaxed);
-                LAST.line.store(place.line(), Ordering::Relaxed);
+                LAST.line.store(location.line(), Ordering::Relaxed);
             }
         }
     }

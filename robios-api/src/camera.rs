@@ -163,7 +163,7 @@ impl Camera {
         checked("CAMSet", Device::Camera, robios!(&self.robot, CAMSet(numbers[0], numbers[1], numbers[2])))
     }
 
-    /// Current levels, including automatic brightness. If a frame rate was set last, the numbers of that frame rate.
+    /// Current levels, including automatic brightness. If the last setting was a frame rate, these are its three parameters.
     #[track_caller]
     pub fn levels(&self) -> Result<Levels> {
         let mut numbers = [0; 3];
@@ -184,8 +184,8 @@ impl Camera {
     #[track_caller]
     pub fn depth(&self) -> Result<DepthImage> {
         let mut mm = vec![f32::INFINITY; Self::SIZE.pixels()];
-        let room = ByteBuffer { data: mm.as_mut_ptr().cast(), len: mm.len() };
-        checked("CAMGetDepth", Device::Camera, robios!(&self.robot, CAMGetDepth(room)))?;
+        let buffer = ByteBuffer { data: mm.as_mut_ptr().cast(), len: mm.len() };
+        checked("CAMGetDepth", Device::Camera, robios!(&self.robot, CAMGetDepth(buffer)))?;
         Ok(DepthImage { size: Self::SIZE, mm })
     }
 
@@ -193,8 +193,8 @@ impl Camera {
     #[track_caller]
     pub fn labels(&self) -> Result<LabelImage> {
         let mut numbers = vec![0; Self::SIZE.pixels()];
-        let room = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
-        checked("CAMGetLabels", Device::Camera, robios!(&self.robot, CAMGetLabels(room)))?;
+        let buffer = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
+        checked("CAMGetLabels", Device::Camera, robios!(&self.robot, CAMGetLabels(buffer)))?;
         Ok(LabelImage { size: Self::SIZE, numbers })
     }
 }
@@ -214,7 +214,7 @@ mod tests {
     use crate::{Length, Pixel};
 
     fn fake() -> Fake {
-        let camera = |_: &Moment, at: Pixel| Color { red: at.x as u8, green: at.y as u8, blue: 30 };
+        let camera = |_: &Moment, pixel: Pixel| Color { red: pixel.x as u8, green: pixel.y as u8, blue: 30 };
         Fake::new().camera(camera).depth(|_, _| Some(Length::metres(1.5))).labels(|_, _| Seen::Floor)
     }
 
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_set() {
+    fn settings_are_passed_to_robios() {
         let run = fake().run(|robot| {
             let camera = robot.camera(CameraLens::default())?;
             let levels = Levels { brightness: 100, ..Levels::default() };
@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_without_a_camera_says_so() {
+    fn missing_camera_is_an_error() {
         let run = Fake::new().run(|robot| robot.camera(CameraLens::Normal).map(drop));
         assert!(run.expect_failed().contains("the robot has no camera"));
     }

@@ -1,4 +1,4 @@
-//! The robot's console, to be used instead of `println!`, which would write to the host's own output.
+//! The robot's console. It replaces `println!`, which would write to the host's own output.
 
 use std::fmt::Arguments;
 

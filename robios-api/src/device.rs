@@ -13,7 +13,7 @@ macro_rules! names {
                 #[doc = concat!("`", stringify!($CONSTANT), "`")]
                 $Variant,
             )*
-            /// Device that has a name only in the robi file, identified by its number there.
+            /// Device named only in the robi file, by its number there.
             Other(DeviceSemantics),
         }
 
@@ -34,8 +34,8 @@ macro_rules! names {
                 }
             }
 
-            /// The name in the program and that in the robi file: `` `PsdAt::Front` (`PSD_FRONT`) ``.
-            fn in_words(self) -> String {
+            /// The name in the program with the name in the robi file: `` `PsdAt::Front` (`PSD_FRONT`) ``.
+            fn with_robi_name(self) -> String {
                 match self {
                     Self::Other(semantics) => format!("`{semantics}`"),
                     at => format!("`{}::{at:?}` (`{at}`)", stringify!($Name)),
@@ -154,12 +154,12 @@ pub enum Device {
 impl Display for Device {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Psd(at) => write!(f, "PSD sensor {}", at.in_words()),
-            Self::Motor(at) => write!(f, "motor {}", at.in_words()),
-            Self::Encoder(at) => write!(f, "encoder {}", at.in_words()),
-            Self::Servo(at) => write!(f, "servo {}", at.in_words()),
-            Self::Bumper(at) => write!(f, "bumper {}", at.in_words()),
-            Self::Infrared(at) => write!(f, "infrared sensor {}", at.in_words()),
+            Self::Psd(at) => write!(f, "PSD sensor {}", at.with_robi_name()),
+            Self::Motor(at) => write!(f, "motor {}", at.with_robi_name()),
+            Self::Encoder(at) => write!(f, "encoder {}", at.with_robi_name()),
+            Self::Servo(at) => write!(f, "servo {}", at.with_robi_name()),
+            Self::Bumper(at) => write!(f, "bumper {}", at.with_robi_name()),
+            Self::Infrared(at) => write!(f, "infrared sensor {}", at.with_robi_name()),
             Self::Drive => f.write_str("driving interface `VW_DRIVE`"),
             Self::Compass => f.write_str("compass `COMPASS`"),
             Self::TvRemote => f.write_str("receiver `IRTV`"),

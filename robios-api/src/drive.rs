@@ -62,18 +62,18 @@ pub struct ControlGains {
 
 /// The driving interface; dropping it stops the robot.
 ///
-/// Only one exists at a time; it takes the motors and encoders of the wheels.
+/// Only one exists at a time. It reserves the motors and encoders of the wheels.
 ///
 /// ```
 /// # use robios_api::prelude::*;
-/// fn leg(robot: &Robot) -> Result {
+/// fn drive_round_a_corner(robot: &Robot) -> Result {
 ///     let drive = robot.drive()?;
 ///     drive.straight(0.4.metres(), 0.2.metres_per_second())?.wait()?;
 ///     drive.turn(90.degrees(), 1.radians_per_second())?.wait()?;
 ///     assert_eq!(format!("{:.3}", drive.position().x), "0.400 m");
 ///     Ok(())
 /// }
-/// # robios_api::fake::Fake::new().run(leg).expect_finished();
+/// # robios_api::fake::Fake::new().run(drive_round_a_corner).expect_finished();
 /// ```
 #[derive(Debug)]
 pub struct Drive {
@@ -83,7 +83,7 @@ pub struct Drive {
 }
 
 impl Robot {
-    /// Initialises the driving interface; position and heading start at 0.
+    /// Initialises the driving interface and sets position and heading to 0.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot cannot drive or its motors are in use.
@@ -157,7 +157,7 @@ impl Drive {
     #[track_caller]
     pub fn start_control(&self, speed: ControlGains, turn: ControlGains) -> Result {
         let [speed_gain, speed_reset, turn_gain, turn_reset] =
-            [speed.gain, speed.reset_time_s, turn.gain, turn.reset_time_s].map(|gain| gain as f32);
+            [speed.gain, speed.reset_time_s, turn.gain, turn.reset_time_s].map(|number| number as f32);
         let code = robios!(&self.robot, VWStartControl(self.handle, speed_gain, speed_reset, turn_gain, turn_reset));
         checked("VWStartControl", Device::Drive, code)
     }
@@ -165,7 +165,7 @@ impl Drive {
     /// Stops the PI controllers.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn stop_control(&self) -> Result {
         checked("VWStopControl", Device::Drive, robios!(&self.robot, VWStopControl(self.handle)))
@@ -176,7 +176,7 @@ impl Drive {
     /// `distance` is negative for backwards, `speed` above 0.
     ///
     /// # Errors
-    /// [`Error::Refused`] for a speed that RoBIOS does not take.
+    /// [`Error::Refused`] for a speed that RoBIOS does not accept.
     #[track_caller]
     pub fn straight(&self, distance: Length, speed: Speed) -> Result<&Self> {
         self.is_turning.set(false);
@@ -190,7 +190,7 @@ impl Drive {
     /// `angle` is positive for counter-clockwise, `rate` above 0.
     ///
     /// # Errors
-    /// [`Error::Refused`] for a rate that RoBIOS does not take, or if the robot cannot turn on the spot.
+    /// [`Error::Refused`] for a rate that RoBIOS does not accept, or if the robot cannot turn on the spot.
     #[track_caller]
     pub fn turn(&self, angle: Angle, rate: TurnRate) -> Result<&Self> {
         self.is_turning.set(true);
@@ -205,7 +205,7 @@ impl Drive {
     /// counter-clockwise. `speed` is above 0.
     ///
     /// # Errors
-    /// [`Error::Refused`] for a speed that RoBIOS does not take.
+    /// [`Error::Refused`] for a speed that RoBIOS does not accept.
     #[track_caller]
     pub fn curve(&self, length: Length, angle: Angle, speed: Speed) -> Result<&Self> {
         self.is_turning.set(false);
@@ -241,7 +241,7 @@ impl Drive {
         checked("VWDriveWait", Device::Drive, robios!(&self.robot, VWDriveWait(self.handle)))
     }
 
-    /// Returns true if a motor is stalled: the robot stands against an obstacle.
+    /// Returns true if a motor is stalled because an obstacle blocks the robot.
     #[track_caller]
     pub fn is_stalled(&self) -> bool {
         let stalled: i32 = robios!(&self.robot, VWStalled(self.handle));

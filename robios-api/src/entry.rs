@@ -14,7 +14,7 @@ use robios_sys::{ByteSlice, EXIT_PANICKED, EXIT_STOPPED, Status};
 use crate::robot::Stopped;
 use crate::{Robot, call_site};
 
-/// Exit code of a program whose `main` returned an error; the same as for any Rust program.
+/// Exit code of a program whose `main` returned an error, as of any Rust program.
 const EXIT_FAILED: c_int = 1;
 
 /// Exports a function as the robot program of this library, under the symbol that the simulator looks up.
@@ -198,7 +198,7 @@ pub(crate) unsafe fn run_for<M: Machine, O: Outcome>(
 /// Runs a task's function, reports its failure to the host and returns its exit code.
 fn catch_failure(robot: &Robot, function: impl FnOnce() -> Option<String>) -> c_int {
     let outcome = {
-        let _inside = Inside::enter();
+        let _guard = ProgramGuard::enter();
         panic::catch_unwind(AssertUnwindSafe(function))
     };
     match outcome {
@@ -221,7 +221,7 @@ pub(crate) fn run_task(robot: &Robot, function: impl FnOnce() -> Option<String>)
         0 => Status::OK,
         EXIT_STOPPED => Status::STOP,
         code => {
-            let _first_counts = robot.common().failure.set(code);
+            let _already_set = robot.common().failure.set(code);
             Status::STOP
         }
     }
@@ -232,7 +232,7 @@ pub(crate) fn run_task(robot: &Robot, function: impl FnOnce() -> Option<String>)
 pub(crate) fn report_callback_panic(robot: &Robot, payload: Box<dyn Any + Send>) {
     if !payload.is::<Stopped>() {
         report(robot, failure::PANIC, &panic_text(payload));
-        let _first_counts = robot.common().failure.set(EXIT_PANICKED);
+        let _already_set = robot.common().failure.set(EXIT_PANICKED);
     }
 }
 
@@ -253,7 +253,7 @@ fn report(robot: &Robot, kind: i32, text: &str) {
     }
 }
 
-/// Arguments of the program without the first, its name.
+/// Arguments of the program, without its name (the first).
 ///
 /// # Safety
 /// `argv` is null or has `argc` strings that end in 0.
@@ -269,24 +269,24 @@ unsafe fn arguments(argc: c_int, argv: *const *const c_char) -> Vec<String> {
 
 thread_local! {
     /// Number of programs that run on this thread; more than one only in tests of this crate.
-    static INSIDE: Cell<u32> = const { Cell::new(0) };
+    static RUNNING_PROGRAMS: Cell<u32> = const { Cell::new(0) };
     /// Location and text of the program's last panic on this thread.
     static LAST_PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
 /// Guard: while it lives, panics of this thread belong to the program.
-struct Inside;
+struct ProgramGuard;
 
-impl Inside {
+impl ProgramGuard {
     fn enter() -> Self {
-        INSIDE.set(INSIDE.get() + 1);
+        RUNNING_PROGRAMS.set(RUNNING_PROGRAMS.get() + 1);
         Self
     }
 }
 
-impl Drop for Inside {
+impl Drop for ProgramGuard {
     fn drop(&mut self) {
-        INSIDE.set(INSIDE.get() - 1);
+        RUNNING_PROGRAMS.set(RUNNING_PROGRAMS.get() - 1);
     }
 }
 
@@ -297,19 +297,19 @@ impl Drop for Inside {
 fn install_hook() {
     static INSTALLED: Once = Once::new();
     INSTALLED.call_once(|| {
-        let others = panic::take_hook();
+        let previous_hook = panic::take_hook();
         panic::set_hook(Box::new(move |panic| {
-            if INSIDE.get() == 0 {
-                others(panic);
+            if RUNNING_PROGRAMS.get() == 0 {
+                previous_hook(panic);
             } else {
-                LAST_PANIC.set(Some(shown(panic)));
+                LAST_PANIC.set(Some(formatted(panic)));
             }
         }));
     });
 }
 
 /// Formats a panic as `src/lib.rs:12:5: text`.
-fn shown(panic: &PanicHookInfo<'_>) -> String {
+fn formatted(panic: &PanicHookInfo<'_>) -> String {
     let text = panic.payload_as_str().unwrap_or("a panic without a text");
     match panic.location() {
         Some(location) => format!("{location}: {text}"),

@@ -90,7 +90,7 @@ pub struct LabelImage {
 pub enum Seen {
     /// Nothing.
     Sky,
-    /// The floor, with what is painted on it, or a terrain.
+    /// The floor, including paint on it, or a terrain.
     Floor,
     /// A wall.
     Wall,
@@ -126,17 +126,17 @@ impl GrayImage {
         Self { size, bytes: vec![0; size.pixels()] }
     }
 
-    /// Its size.
+    /// Size of the image.
     pub fn size(&self) -> ImageSize {
         self.size
     }
 
-    /// All of its pixels, row by row.
+    /// All pixels, row by row.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// All of its pixels, row by row.
+    /// All pixels, row by row.
     pub fn bytes_mut(&mut self) -> &mut [u8] {
         &mut self.bytes
     }
@@ -153,17 +153,17 @@ impl ColorImage {
         Self { size, bytes: vec![0; 3 * size.pixels()] }
     }
 
-    /// Its size.
+    /// Size of the image.
     pub fn size(&self) -> ImageSize {
         self.size
     }
 
-    /// Red, green and blue of all of its pixels, row by row.
+    /// Red, green and blue of all pixels, row by row.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// Red, green and blue of all of its pixels, row by row.
+    /// Red, green and blue of all pixels, row by row.
     pub fn bytes_mut(&mut self) -> &mut [u8] {
         &mut self.bytes
     }
@@ -171,7 +171,7 @@ impl ColorImage {
     /// One pixel; `None` outside of the image.
     pub fn pixel(&self, at: Pixel) -> Option<Color> {
         let start = 3 * self.size.index_of(at)?;
-        let [red, green, blue] = [0, 1, 2].map(|part| self.bytes[start + part]);
+        let [red, green, blue] = [0, 1, 2].map(|channel| self.bytes[start + channel]);
         Some(Color { red, green, blue })
     }
 
@@ -184,24 +184,24 @@ impl ColorImage {
 }
 
 impl DepthImage {
-    /// Its size.
+    /// Size of the image.
     pub fn size(&self) -> ImageSize {
         self.size
     }
 
     /// Distance seen in one pixel; `None` for the sky and outside of the image.
     pub fn distance(&self, at: Pixel) -> Option<Length> {
-        self.size.index_of(at).and_then(|index| within_sight(self.mm[index]))
+        self.size.index_of(at).and_then(|index| finite_distance(self.mm[index]))
     }
 
     /// The distances of all pixels, row by row; `None` for the sky.
     pub fn distances(&self) -> impl Iterator<Item = Option<Length>> {
-        self.mm.iter().map(|mm| within_sight(*mm))
+        self.mm.iter().map(|mm| finite_distance(*mm))
     }
 }
 
 impl LabelImage {
-    /// Its size.
+    /// Size of the image.
     pub fn size(&self) -> ImageSize {
         self.size
     }
@@ -217,7 +217,8 @@ impl LabelImage {
     }
 }
 
-fn within_sight(mm: f32) -> Option<Length> {
+/// Distance seen in a pixel; `None` for the sky.
+fn finite_distance(mm: f32) -> Option<Length> {
     mm.is_finite().then(|| Length::millimetres(mm.into()))
 }
 
@@ -226,14 +227,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_pixel_shows_has_its_number() {
+    fn labels_are_converted_to_numbers_and_back() {
         for seen in [Seen::Sky, Seen::Floor, Seen::Wall, Seen::Body(1), Seen::Body(300)] {
             assert_eq!(Seen::from_number(seen.number()), seen);
         }
     }
 
     #[test]
-    fn places_go_from_left_to_right_and_down() {
+    fn pixels_are_ordered_row_by_row_from_the_top() {
         let pixels: Vec<_> = ImageSize::new(2, 2).places().map(|Pixel { x, y }| (x, y)).collect();
         assert_eq!(pixels, [(0, 0), (1, 0), (0, 1), (1, 1)]);
         let depth = DepthImage { size: ImageSize::new(2, 1), mm: vec![f32::INFINITY, 250.0] };

@@ -1,4 +1,4 @@
-//! Layers of the simulator's window: what a program knows of its surroundings.
+//! Layers of the simulator's window, such as the map or the path that a program has computed.
 
 use robios_sys::ByteSlice;
 use robios_sys::support::layer::{MAX_CELLS, MAX_POINTS, ODOMETRY, WORLD};
@@ -8,7 +8,7 @@ use crate::error::{Error, Result, checked};
 use crate::robot::{Robot, support};
 use crate::unit::Length;
 
-/// Shows grids, points and lines in the window and in recordings. Real robots do not have it.
+/// Shows grids, points and lines in the window and in recordings. Real robots have no such layers.
 ///
 /// A layer belongs to the robot and has a name of 1 to 32 bytes; it replaces the robot's layer of the same name. A robot has at most 16
 /// layers. The data are copied. The simulation is not affected, and no virtual time passes.
@@ -31,9 +31,9 @@ pub struct Layers<'r>(pub(crate) &'r Robot);
 /// Frame of a layer's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerFrame {
-    /// That of the world.
+    /// The frame of the world.
     World,
-    /// That of the robot's odometry, where it was when the program set the odometry last, or else at the robot's start.
+    /// The frame of the robot's odometry. It is fixed in the world when the program sets the odometry, at first at the robot's start.
     Odometry,
 }
 
@@ -52,10 +52,10 @@ pub struct LayerGrid<'a> {
 }
 
 impl LayerGrid<'_> {
-    /// A cell of which nothing is known.
+    /// Value of an unknown cell.
     pub const UNKNOWN: u8 = robios_sys::support::layer::UNKNOWN;
 
-    /// The cell for a probability that it is occupied, limited to 0 to 1; unknown for one that is not a number.
+    /// Value of a cell that is occupied with a probability, which is limited to [0, 1]; [`Self::UNKNOWN`] for NaN.
     pub fn cell_of(probability: f64) -> u8 {
         if probability.is_nan() { Self::UNKNOWN } else { (100.0 * probability.clamp(0.0, 1.0)).round() as u8 }
     }
@@ -66,7 +66,7 @@ pub trait LayerPoint: Copy + private::Sealed {
     /// Number of coordinates.
     #[doc(hidden)]
     const DIMENSIONS: i32;
-    /// Its coordinates.
+    /// The coordinates.
     #[doc(hidden)]
     fn coordinates(&self) -> &[f64];
 }
@@ -95,7 +95,7 @@ impl Layers<'_> {
     /// Shows a grid.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if it has no whole rows or too many cells; [`Error::Refused`] for anything else beyond the limits.
+    /// [`Error::OutOfRange`] if a row is incomplete or there are too many cells; [`Error::Refused`] if another limit is exceeded.
     #[track_caller]
     pub fn grid(&self, name: &str, frame: LayerFrame, grid: &LayerGrid<'_>) -> Result {
         let LayerGrid { corner, cell, columns, cells } = *grid;
@@ -113,8 +113,8 @@ impl Layers<'_> {
     /// Shows points.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for more than 65,536 points; [`Error::Refused`] for a coordinate that is not a number or beyond 1e6 m, or a
-    /// wrong name.
+    /// [`Error::OutOfRange`] for more than 65,536 points; [`Error::Refused`] for a coordinate that is NaN or beyond 1e6 m, or an invalid
+    /// name.
     #[track_caller]
     pub fn points<P: LayerPoint>(&self, name: &str, frame: LayerFrame, points: &[P]) -> Result {
         let (count, bytes) = coordinates(points)?;
@@ -126,7 +126,7 @@ impl Layers<'_> {
     /// Shows a line through points, such as a path, or a profile of the ground.
     ///
     /// # Errors
-    /// As [`Self::points`].
+    /// See [`Self::points`].
     #[track_caller]
     pub fn line<P: LayerPoint>(&self, name: &str, frame: LayerFrame, points: &[P]) -> Result {
         let (count, bytes) = coordinates(points)?;

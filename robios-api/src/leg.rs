@@ -7,7 +7,7 @@ use crate::error::checked;
 use crate::unit::{Angle, Length, Speed, TurnRate};
 use crate::{Error, Result, Robot};
 
-/// The legs of a walking robot. Dropping the value changes nothing: the robot walks on.
+/// The legs of a walking robot. Dropping the value does not stop the robot.
 ///
 /// ```
 /// # use robios_api::prelude::*;
@@ -167,7 +167,7 @@ impl Legs {
     /// Sets the height to which feet are lifted, rounded to 1 mm; each leg applies it from its next step on.
     ///
     /// # Errors
-    /// [`Error::Refused`] for a height below 0 or beyond the legs.
+    /// [`Error::Refused`] for a height below 0 or beyond the reach of the legs.
     #[track_caller]
     pub fn set_step_height(&self, height: Length) -> Result {
         checked("LEGSetStep", Device::Legs, leg!(&self.robot, LEGSetStep(height.to_robios7())))
@@ -192,8 +192,8 @@ impl Legs {
     #[track_caller]
     pub fn link(&self, leg: Leg, link: LegLink) -> Result<LinkPose> {
         let mut numbers = [0_f32; 6];
-        let room = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
-        checked("LEGGetLink", Device::Legs, leg!(&self.robot, LEGGetLink(leg.0.into(), link as i32, room)))?;
+        let buffer = ByteBuffer { data: numbers.as_mut_ptr().cast(), len: numbers.len() };
+        checked("LEGGetLink", Device::Legs, leg!(&self.robot, LEGGetLink(leg.0.into(), link as i32, buffer)))?;
         let [x, y, z, roll, pitch, yaw] = numbers.map(f64::from);
         let [x, y, z] = [x, y, z].map(Length::millimetres);
         let [roll, pitch, yaw] = [roll, pitch, yaw].map(Angle::degrees);
@@ -224,14 +224,14 @@ impl Legs {
     }
 
     /// Corrects the steps of a leg until the next correction. `forward` and `left` shift the foothold relative to that
-    /// of the gait, and `higher` is additional lift; each is rounded to 1 mm.
+    /// of the gait, and `lift` raises the foot further; each is rounded to 1 mm.
     ///
     /// # Errors
-    /// [`Error::Refused`] if there is no such leg or the foothold is out of its reach.
+    /// [`Error::Refused`] if there is no such leg or the leg cannot reach the foothold.
     #[track_caller]
-    pub fn correct(&self, leg: Leg, forward: Length, left: Length, higher: Length) -> Result {
-        let [forward, left, higher] = [forward, left, higher].map(Length::to_robios7);
-        let code = leg!(&self.robot, LEGCorrect(leg.0.into(), forward, left, higher));
+    pub fn correct(&self, leg: Leg, forward: Length, left: Length, lift: Length) -> Result {
+        let [forward, left, lift] = [forward, left, lift].map(Length::to_robios7);
+        let code = leg!(&self.robot, LEGCorrect(leg.0.into(), forward, left, lift));
         checked("LEGCorrect", Device::Legs, code)
     }
 }

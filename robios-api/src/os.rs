@@ -112,7 +112,7 @@ impl Robot {
         checked("OSPutVar", Device::Variables, robios!(self, OSPutVar(number.into(), value)))
     }
 
-    /// Devices of the robot by its device table; devices of unknown kinds are omitted.
+    /// The devices in the robot's device table, except those of unknown kinds.
     #[track_caller]
     pub fn devices(&self) -> Vec<DeviceEntry> {
         let mut devices = Vec::new();

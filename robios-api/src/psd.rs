@@ -38,7 +38,8 @@ pub struct Psd {
     handle: PSDHandle,
 }
 
-/// Polls every 10 ms, for a second at most. A macro, since calls in a closure would be located in this file.
+/// Polls every 10 ms, for a second at most. It is a macro because calls in a closure would be recorded with a location in
+/// this file.
 macro_rules! poll {
     ($robot:expr, $device:expr, $is_ready:expr) => {
         'poll: {
@@ -56,7 +57,7 @@ macro_rules! poll {
 impl Robot {
     /// Initialises a distance sensor and waits for its first sample.
     ///
-    /// Several sensors start faster together: [`psds`](Self::psds).
+    /// [`psds`](Self::psds) starts several sensors at once, which is faster.
     ///
     /// # Errors
     /// [`Error::Unavailable`] if the robot has no such sensor; [`Error::NoResult`] if no sample arrives.
@@ -66,7 +67,7 @@ impl Robot {
         Ok(psd)
     }
 
-    /// Initialises distance sensors and waits for their first samples, 60 ms.
+    /// Initialises distance sensors and waits for their first samples, for 60 ms.
     ///
     /// ```
     /// # use robios_api::prelude::*;
@@ -92,7 +93,7 @@ impl Robot {
     pub fn psds<const N: usize>(&self, at: [PsdAt; N]) -> Result<[Psd; N]> {
         let mut psds = at.map(|at| Psd { robot: self.clone(), at, handle: 0 });
         let mut missing = None;
-        // No closure: its calls would be located in this file.
+        // A loop, because calls in a closure would be recorded with a location in this file.
         for psd in &mut psds {
             psd.handle = robios!(self, PSDInit(psd.at.semantics()));
             if psd.handle == 0 {
@@ -133,14 +134,14 @@ impl Psd {
         self.at
     }
 
-    /// Distance measured by the last complete cycle; `None` if out of range.
+    /// Distance measured in the last complete cycle; `None` if out of range.
     #[track_caller]
     pub fn distance(&self) -> Option<Length> {
         let distance_mm: i32 = robios!(&self.robot, PSDGet(self.handle));
         (distance_mm != PSD_OUT_OF_RANGE).then(|| Length::millimetres(distance_mm.into()))
     }
 
-    /// Raw value measured by the last complete cycle: larger is nearer.
+    /// Raw value measured in the last complete cycle: larger is nearer.
     #[track_caller]
     pub fn raw(&self) -> RawDistance {
         let raw: i32 = robios!(&self.robot, PSDGetRaw(self.handle));
@@ -187,8 +188,8 @@ impl Robot {
     #[track_caller]
     pub fn laser_scan(&self) -> Result<Vec<Option<Length>>> {
         let mut distances_mm = vec![0_i32; MAX_POINTS];
-        let room = ByteBuffer { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
-        let points: i32 = robios!(self, LIDARScan(room));
+        let buffer = ByteBuffer { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
+        let points: i32 = robios!(self, LIDARScan(buffer));
         let points = usize::try_from(points).ok().ok_or(Error::Unavailable(Device::Lidar))?;
         distances_mm.truncate(points);
         let distance = |mm: i32| (mm != PSD_OUT_OF_RANGE).then(|| Length::millimetres(mm.into()));

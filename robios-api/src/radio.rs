@@ -76,14 +76,14 @@ impl Message {
 }
 
 impl ProgramState {
-    /// Counts a new radio; returns true for the first, which switches the radio on.
+    /// Counts a new [`Radio`]; returns true for the first one, for which the caller switches the radio on.
     pub(crate) fn add_radio(&self) -> bool {
         let mut radios = locked(&self.radios);
         *radios += 1;
         *radios == 1
     }
 
-    /// Counts a dropped radio; returns true for the last, which switches the radio off.
+    /// Counts a dropped [`Radio`]; returns true for the last one, after which the caller switches the radio off.
     pub(crate) fn remove_radio(&self) -> bool {
         let mut radios = locked(&self.radios);
         *radios -= 1;
@@ -113,7 +113,7 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn radio(&self) -> Result<Radio> {
         self.radio_with(RadioSettings::default())
@@ -122,16 +122,16 @@ impl Robot {
     /// Switches the radio on, with these settings.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it, for example other settings while the radio is on.
+    /// [`Error::Refused`] if RoBIOS refuses the call, for example for other settings while the radio is on.
     #[track_caller]
     pub fn radio_with(&self, settings: RadioSettings) -> Result<Radio> {
         if settings != RadioSettings::default() {
-            let mut all = self.radio_parameters()?;
-            all.speed = settings.speed.map_or(all.speed, Baud::rate);
-            all.id = settings.id.map_or(all.id, |id| id.0.into());
-            checked("RADIOSetIoctl", Device::Radio, robios!(self, RADIOSetIoctl(&all)))?;
+            let mut parameters = self.radio_parameters()?;
+            parameters.speed = settings.speed.map_or(parameters.speed, Baud::rate);
+            parameters.id = settings.id.map_or(parameters.id, |id| id.0.into());
+            checked("RADIOSetIoctl", Device::Radio, robios!(self, RADIOSetIoctl(&parameters)))?;
         }
-        // Counted before the call: at its end another task may run and request the radio as well.
+        // The radio is counted before the call, at whose end another task may run and request the radio as well.
         if self.common().add_radio()
             && let Err(error) = checked("RADIOInit", Device::Radio, robios!(self, RADIOInit()))
         {
@@ -143,9 +143,9 @@ impl Robot {
 
     #[track_caller]
     fn radio_parameters(&self) -> Result<RadioIOParameters> {
-        let mut all = RadioIOParameters::default();
-        checked("RADIOGetIoctl", Device::Radio, robios!(self, RADIOGetIoctl(&mut all)))?;
-        Ok(all)
+        let mut parameters = RadioIOParameters::default();
+        checked("RADIOGetIoctl", Device::Radio, robios!(self, RADIOGetIoctl(&mut parameters)))?;
+        Ok(parameters)
     }
 }
 
@@ -178,14 +178,14 @@ impl Radio {
     /// Waits for a message.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn receive(&self) -> Result<Message> {
-        let (mut from, mut len, mut room) = (0, 0, [0; MAX_MESSAGE]);
-        let code = robios!(&self.robot, RADIORecv(&mut from, &mut len, ByteBuffer::from(&mut room[..])));
+        let (mut from, mut len, mut buffer) = (0, 0, [0; MAX_MESSAGE]);
+        let code = robios!(&self.robot, RADIORecv(&mut from, &mut len, ByteBuffer::from(&mut buffer[..])));
         checked("RADIORecv", Device::Radio, code)?;
         let len = usize::try_from(len).unwrap_or(0).min(MAX_MESSAGE);
-        Ok(Message { from: RobotNumber(from), bytes: room[..len].to_vec() })
+        Ok(Message { from: RobotNumber(from), bytes: buffer[..len].to_vec() })
     }
 
     /// Returns the next waiting message, if any.
@@ -223,7 +223,7 @@ impl Radio {
     /// State of the radio.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn status(&self) -> Result<RadioStatus> {
         let mut raw = RawStatus::default();
@@ -235,12 +235,12 @@ impl Radio {
     /// Current settings of the radio.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn settings(&self) -> Result<RadioSettings> {
-        let all = self.robot.radio_parameters()?;
-        let speed = Baud::ALL.into_iter().find(|speed| speed.rate() == all.speed);
-        Ok(RadioSettings { speed, id: u8::try_from(all.id).ok().map(RobotNumber) })
+        let parameters = self.robot.radio_parameters()?;
+        let speed = Baud::ALL.into_iter().find(|speed| speed.rate() == parameters.speed);
+        Ok(RadioSettings { speed, id: u8::try_from(parameters.id).ok().map(RobotNumber) })
     }
 }
 

@@ -8,7 +8,7 @@ use robios_sys::support::purpose;
 use crate::Robot;
 use crate::robot::support;
 
-/// The robot's random number generator; each number costs a call. Works with `rand` and its distributions (`rand_core::Rng`).
+/// The robot's random number generator; each number takes a call. Works with `rand` and its distributions (`rand_core::Rng`).
 #[derive(Debug)]
 pub struct Random<'r>(&'r Robot);
 
@@ -49,10 +49,10 @@ impl<'r> Random<'r> {
 
     /// A uniformly chosen element of a slice; `None` if the slice is empty.
     #[track_caller]
-    pub fn choice<'a, T>(&self, of: &'a [T]) -> Option<&'a T> {
-        // 2^64 is not a multiple of the length; the resulting error in probability is below 2^-40 for all real slices.
-        let index = (u128::from(self.bits()) * of.len() as u128) >> 64;
-        of.get(index as usize)
+    pub fn choice<'a, T>(&self, elements: &'a [T]) -> Option<&'a T> {
+        // 2^64 is no multiple of most lengths; the resulting error in probability is below 2^-40 for lengths up to 2^24.
+        let index = (u128::from(self.bits()) * elements.len() as u128) >> 64;
+        elements.get(index as usize)
     }
 
     /// True or false, with equal probability.
@@ -82,8 +82,8 @@ impl rand_core::TryRng for Random<'_> {
     }
 
     #[track_caller]
-    fn try_fill_bytes(&mut self, room: &mut [u8]) -> Result<(), Infallible> {
-        for chunk in room.chunks_mut(8) {
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        for chunk in bytes.chunks_mut(8) {
             chunk.copy_from_slice(&self.bits().to_le_bytes()[..chunk.len()]);
         }
         Ok(())

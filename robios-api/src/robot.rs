@@ -27,7 +27,7 @@ pub struct Robot(pub(crate) Rc<Inner>);
 
 /// State shared by all clones of a task's robot and its devices.
 pub(crate) struct Inner {
-    /// `None` once the task has ended: calls of a device that outlives the task (in a thread-local, say) then do nothing.
+    /// `None` once the task has ended: calls of a device that outlives the task, for example in a thread-local variable, then do nothing.
     tables: Cell<Option<Tables>>,
     is_stopped: Cell<bool>,
     pub(crate) robios7: DeviceSettings,
@@ -46,7 +46,8 @@ pub(crate) struct ProgramState {
     pub(crate) failure: OnceLock<i32>,
 }
 
-/// Locks a value, also after a panic: every change to it is a single step, so that no panic leaves it half done.
+/// Locks a value, also after a panic in a thread that held the lock: every change to the value is a single step, so it is never half
+/// done.
 pub(crate) fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
     value.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -136,9 +137,9 @@ impl Robot {
 
     /// Records the location of a call. After the first call that was answered with [`Status::STOP`] the location is kept:
     /// calls made while the program unwinds do not replace it.
-    pub(crate) fn record_call_site(&self, place: &'static Location<'static>) {
+    pub(crate) fn record_call_site(&self, location: &'static Location<'static>) {
         if !self.0.is_stopped.get() {
-            self.0.common.call_site.record(place);
+            self.0.common.call_site.record(location);
         }
     }
 
@@ -164,7 +165,7 @@ impl Robot {
 
     /// The next line of standard input (`--stdin`) without its end; `None` at the end of the input.
     ///
-    /// To be used instead of `std::io::stdin`, which would read the host's own input. Invalid UTF-8 is replaced.
+    /// Use it instead of `std::io::stdin`, which would read the host's own input. Invalid UTF-8 is replaced.
     ///
     /// ```
     /// # use robios_api::prelude::*;
@@ -178,11 +179,11 @@ impl Robot {
     #[track_caller]
     pub fn read_line(&self) -> Option<String> {
         let mut line = Vec::new();
-        let mut room = [0; 256];
+        let mut buffer = [0; 256];
         loop {
-            let count: i32 = support!(self, input(ByteBuffer::from(&mut room[..])));
-            let count = usize::try_from(count).unwrap_or_default().min(room.len());
-            line.extend_from_slice(&room[..count]);
+            let count: i32 = support!(self, input(ByteBuffer::from(&mut buffer[..])));
+            let count = usize::try_from(count).unwrap_or_default().min(buffer.len());
+            line.extend_from_slice(&buffer[..count]);
             if count == 0 || line.ends_with(b"\n") {
                 break;
             }
@@ -262,7 +263,7 @@ macro_rules! call {
 }
 pub(crate) use call;
 
-/// Calls a function of a RoBIOS table from a `drop`, without unwinding. True if the host carried the call out.
+/// Calls a function of a RoBIOS table from a `drop`, without unwinding. Returns true if the host executed the call.
 macro_rules! release {
     ($robot:expr, $name:ident($($argument:expr),* $(,)?)) => {
         $crate::robot::release!($robot, robios, $name($($argument),*))

@@ -81,7 +81,7 @@ impl Robot {
 }
 
 impl Bumper {
-    /// Time of the first contact since the last check, counted from the robot's start, to a hundredth of a second; `None`
+    /// Time of the first contact since the last check, measured from the robot's start, to a hundredth of a second; `None`
     /// without contact.
     #[track_caller]
     pub fn bumped(&self) -> Option<Duration> {
@@ -103,7 +103,7 @@ impl Infrared {
 impl Compass {
     /// The heading clockwise from north (the world's +y), [0, 360) degrees; `None` before the first result.
     ///
-    /// Clockwise, as on a compass, unlike all other angles here.
+    /// This angle is clockwise, as on a compass; all other angles are counter-clockwise.
     #[track_caller]
     pub fn bearing(&self) -> Option<Angle> {
         let bearing_deg: i32 = robios!(&self.robot, COMPASSGet());
@@ -120,7 +120,7 @@ impl Compass {
     /// Calibrates the compass.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn calibrate(&self, step: Calibration) -> Result {
         let mode = match step {

@@ -74,7 +74,7 @@ impl Robot {
     /// Opens a serial interface.
     ///
     /// # Errors
-    /// [`Error::Refused`] if the robot does not have it.
+    /// [`Error::Refused`] if the robot has no such interface.
     #[track_caller]
     pub fn serial(&self, at: SerialAt, baud: Baud, handshake: Handshake) -> Result<Serial> {
         let interface = match at {
@@ -92,7 +92,7 @@ impl Robot {
 }
 
 impl Serial {
-    /// Sends bytes, one call for each, since they need not be text.
+    /// Sends bytes with one call for each, since `OSSendRS232` takes only text.
     ///
     /// # Errors
     /// [`Error::Refused`] at the first byte that is not accepted.
@@ -148,7 +148,7 @@ impl Serial {
     /// Discards received bytes.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn drop_received(&self) -> Result {
         checked("OSFlushInRS232", Device::Serial, robios!(&self.robot, OSFlushInRS232(self.interface)))
@@ -157,7 +157,7 @@ impl Serial {
     /// Discards bytes not yet sent.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn drop_unsent(&self) -> Result {
         checked("OSFlushOutRS232", Device::Serial, robios!(&self.robot, OSFlushOutRS232(self.interface)))

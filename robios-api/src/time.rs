@@ -1,5 +1,4 @@
-//! The robot's virtual time, to be used instead of `std::time::Instant` and `std::thread::sleep`, which use the host's
-//! time.
+//! The robot's virtual time. It replaces `std::time::Instant` and `std::thread::sleep`, which use the host's time.
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -17,7 +16,7 @@ use crate::error::checked;
 use crate::robot::{ProgramState, Tables, locked, release, robios, support};
 use crate::{Error, Result, Robot, entry};
 
-/// RoBIOS calls timers on a grid of 10 ms.
+/// Period of the grid on which RoBIOS calls timers.
 const TIMER_TICK: Duration = Duration::from_millis(10);
 
 /// A time of day on the robot's clock.
@@ -48,7 +47,7 @@ impl Robot {
         let _: i32 = support!(self, sleep_us(span_us));
     }
 
-    /// Lets virtual time pass until a time since the robot's start; returns immediately if it is past.
+    /// Sleeps until a virtual time, counted from the robot's start; returns immediately if this time is past.
     #[track_caller]
     pub fn sleep_until(&self, time: Duration) {
         let now = self.now();
@@ -66,8 +65,8 @@ impl Robot {
 
     /// Calls a function periodically, until the returned timer is dropped.
     ///
-    /// The function runs inside the call in progress at that time and is never re-entered. It must be short
-    /// and must not wait. It gets the robot; devices can be moved into it.
+    /// The function runs inside the call that is in progress when the timer is due, and is never re-entered. It must be
+    /// short and must not wait. It gets the robot; devices can be moved into it.
     ///
     /// ```
     /// # use robios_api::prelude::*;
@@ -170,7 +169,7 @@ pub struct Timer {
 
 impl Timer {
     /// Creates the timer whose job the host has registered under `handle`; a handle of 0 means that there are too many
-    /// timers. `detach` unregisters it and returns true if the host carried the call out.
+    /// timers. `detach` unregisters the job and returns true if the host executed the call.
     pub(crate) fn attached(
         job: Rc<TimerJob>,
         handle: TimerHandle,

@@ -70,7 +70,7 @@ impl Robot {
     /// [`Error::Unavailable`] if the robot has no receiver.
     #[track_caller]
     pub fn tv_remote(&self) -> Result<TvRemote> {
-        self.tv_remote_of(robios!(self, IRTVInitHDT(semantics::IRTV)))
+        self.checked_tv_remote(robios!(self, IRTVInitHDT(semantics::IRTV)))
     }
 
     /// Starts receiving with the given settings.
@@ -93,10 +93,11 @@ impl Robot {
         let TvSettings { bits, toggle_mask, inverted_mask, kept, repeat_delay, .. } = settings;
         let delay = i32::try_from(repeat_delay.as_millis() / 10).unwrap_or(i32::MAX);
         let (bits, kept) = (bits.into(), kept.into());
-        self.tv_remote_of(robios!(self, IRTVInit(coding, bits, toggle_mask, inverted_mask, mode, kept, delay)))
+        self.checked_tv_remote(robios!(self, IRTVInit(coding, bits, toggle_mask, inverted_mask, mode, kept, delay)))
     }
 
-    fn tv_remote_of(&self, code: i32) -> Result<TvRemote> {
+    /// The receiver, if the initialisation returned 0.
+    fn checked_tv_remote(&self, code: i32) -> Result<TvRemote> {
         if code == 0 { Ok(TvRemote { robot: self.clone() }) } else { Err(Error::Unavailable(Device::TvRemote)) }
     }
 }

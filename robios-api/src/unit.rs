@@ -201,7 +201,7 @@ impl Angle {
         self.0.to_degrees()
     }
 
-    /// Sine. Like all functions here its results are bit-identical on every platform, unlike those of `std`.
+    /// Sine. The results of all functions of `Angle` are bit-identical on every platform, unlike those of `std`.
     pub fn sin(self) -> f64 {
         libm::sin(self.0)
     }
@@ -253,7 +253,7 @@ impl Mul<Duration> for TurnRate {
     }
 }
 
-macro_rules! shown {
+macro_rules! displayed {
     ($($Name:ident: $get:ident, $unit:literal;)*) => {$(
         /// Formats the quantity with its unit; width and precision apply to the number: `{:.3}` gives three decimals.
         impl Display for $Name {
@@ -264,7 +264,7 @@ macro_rules! shown {
         }
     )*};
 }
-shown! {
+displayed! {
     Length: as_metres, " m";
     Angle: as_degrees, "°";
     Speed: as_metres_per_second, " m/s";

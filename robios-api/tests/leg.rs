@@ -4,7 +4,7 @@ use robios_api::fake::{Fake, FakeLeg};
 use robios_api::prelude::*;
 use robios_api::{Gait, Leg, LegJoint, LegLink, Legs, LinkPose};
 
-/// Two legs: one with a bent knee, lifted from 1 s on, and one without scripts of joints; the body sinks by 10 mm/s.
+/// Two legs: one with a bent knee, lifted from 1 s on, and one without joints and links; the body sinks by 10 mm/s.
 fn biped() -> Fake {
     let shank = LinkPose { x: 10.millimetres(), z: -0.4.metres(), pitch: -20.degrees(), ..LinkPose::default() };
     Fake::new()
@@ -47,7 +47,7 @@ fn check(legs: &Legs, wait: impl Fn(Duration)) -> Result {
 }
 
 #[test]
-fn legs_walk_and_tell_how_they_stand_in_both_generations() {
+fn legs_walk_and_report_their_state_in_both_generations() {
     let six = biped().run(|robot| check(&robot.legs()?, |span| robot.sleep(span))).expect_finished();
     let seven = biped().run_robios7(|robot| check(&robot.legs()?, |span| robot.sleep(span))).expect_finished();
     for run in [six, seven] {
@@ -61,7 +61,7 @@ fn legs_walk_and_tell_how_they_stand_in_both_generations() {
 }
 
 #[test]
-fn a_robot_on_wheels_has_none() {
+fn wheeled_robot_has_no_legs() {
     let run = Fake::new().run(|robot| robot.legs().map(drop));
     assert!(run.expect_failed().starts_with("the robot has no legs"), "{}", run.expect_failed());
 }

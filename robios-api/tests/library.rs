@@ -13,8 +13,8 @@ fn target_folder() -> PathBuf {
     test.ancestors().nth(2).expect("tests lie in `deps`").to_owned()
 }
 
-/// One copy of a library runs one robot at a time.
-static IMAGE: Mutex<()> = Mutex::new(());
+/// Lock for the loaded libraries: one copy of a library runs one robot at a time.
+static LIBRARY_LOCK: Mutex<()> = Mutex::new(());
 
 /// The program of a library, which stays loaded.
 fn load(library: &str) -> &'static Program {
@@ -31,7 +31,7 @@ fn load(library: &str) -> &'static Program {
 
 /// Runs the program of a library.
 fn run(library: &str, fake: Fake) -> Run {
-    let _image = IMAGE.lock().unwrap_or_else(PoisonError::into_inner);
+    let _lock = LIBRARY_LOCK.lock().unwrap_or_else(PoisonError::into_inner);
     // SAFETY: the library stays loaded.
     unsafe { fake.run_library(load(library)) }
 }
@@ -45,7 +45,7 @@ fn mischief(kind: &str) -> Run {
 }
 
 #[test]
-fn the_square_drives_a_square() {
+fn square_program_drives_a_square() {
     let name = format!("deps/{}square{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let run = run(&name, Fake::new().argument("0.5")).expect_finished();
     assert_eq!(run.calls_of("VWDriveStraight").count(), 4);
@@ -54,25 +54,25 @@ fn the_square_drives_a_square() {
 }
 
 #[test]
-fn the_place_of_the_last_call_can_be_read() {
-    let image = IMAGE.lock().unwrap_or_else(PoisonError::into_inner);
+fn location_of_the_last_call_is_readable() {
+    let lock = LIBRARY_LOCK.lock().unwrap_or_else(PoisonError::into_inner);
     let program = load(&mischief_library());
     // SAFETY: the library stays loaded.
     unsafe { Fake::new().argument("loop").until(1.seconds()).run_library(program) };
-    // SAFETY: its variable lies in the library, of which nothing runs now.
+    // SAFETY: the variable lies in the library, and no program of the library runs now.
     let site = unsafe { program.call_site.read() };
-    drop(image);
+    drop(lock);
     assert!(site.address.is_null());
-    // Not the call in `drop`, which comes after it.
+    // The call in `drop`, which comes later, is not recorded.
     let line = include_str!("../examples/mischief.rs").lines().position(|line| line.contains("robot.key()"));
-    assert_eq!(Some(site.line as usize), line.map(|before| before + 1));
+    assert_eq!(Some(site.line as usize), line.map(|index| index + 1));
     // SAFETY: pointer and length are those of a name in the library.
     let file = unsafe { std::slice::from_raw_parts(site.file, site.file_len) };
     assert!(file.ends_with(b"mischief.rs"), "{}", file.escape_ascii());
 }
 
 #[test]
-fn a_panic_stays_inside_and_says_where() {
+fn panic_is_contained_and_reported_with_its_location() {
     let run = mischief("panic");
     let End::Failed { exit_code, reason } = run.end() else { panic!("{:?}", run.end()) };
     assert_eq!(*exit_code, EXIT_PANICKED);
@@ -89,13 +89,13 @@ fn a_panic_in_a_timer_ends_the_program() {
 }
 
 #[test]
-fn an_error_is_told_with_its_text() {
+fn error_is_reported_with_its_text() {
     let run = mischief("error");
     assert_eq!(run.end(), &End::Failed { exit_code: 1, reason: "the battery is flat".to_owned() });
 }
 
 #[test]
-fn a_program_without_end_is_left() {
+fn endless_program_is_stopped_at_the_limit() {
     for kind in ["loop", "wait"] {
         let run = mischief(kind).expect_time_up();
         assert_eq!(run.time(), 5.seconds());
@@ -104,7 +104,7 @@ fn a_program_without_end_is_left() {
 }
 
 #[test]
-fn the_first_program_of_the_documentation_is_the_one_that_is_tested() {
+fn first_program_of_the_documentation_equals_the_tested_one() {
     let page = include_str!("../../docs/rust-programs.md");
     let program = include_str!("../examples/first.rs");
     assert!(page.contains(&format!("```rust\n{program}```")), "copy examples/first.rs to docs/rust-programs.md");

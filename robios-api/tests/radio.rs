@@ -5,7 +5,7 @@ use robios_api::prelude::*;
 use robios_api::{Baud, RadioSettings, RobotNumber, robios7};
 
 #[test]
-fn messages_arrive_in_order_and_when_they_are_due() {
+fn messages_arrive_in_order_at_their_times() {
     let fake = Fake::new()
         .message(50.millis(), RobotNumber(9), *b"before it is on")
         .message(300.millis(), RobotNumber(3), *b"second")
@@ -28,7 +28,7 @@ fn messages_arrive_in_order_and_when_they_are_due() {
 }
 
 #[test]
-fn what_is_too_long_is_not_sent() {
+fn overlong_message_is_rejected() {
     let run = Fake::new().run(|robot| -> Result {
         let radio = robot.radio()?;
         radio.broadcast(&[7; robios_api::MAX_MESSAGE])?;
@@ -41,7 +41,7 @@ fn what_is_too_long_is_not_sent() {
 }
 
 #[test]
-fn settings_are_made_before_it_is_on() {
+fn settings_change_only_before_the_radio_is_on() {
     let run = Fake::new().run(|robot| -> Result {
         let settings = RadioSettings { speed: Some(Baud::B9600), id: Some(RobotNumber(77)) };
         let radio = robot.radio_with(settings)?;
@@ -58,13 +58,13 @@ fn settings_are_made_before_it_is_on() {
 }
 
 #[test]
-fn who_waits_for_ever_is_stopped_there() {
+fn endless_receive_is_stopped() {
     let run = Fake::new().until(5.seconds()).run(|robot| robot.radio()?.receive().map(drop));
     assert!(run.expect_time_up().calls().iter().any(|call| call.name == "RADIORecv"));
 }
 
 #[test]
-fn texts_of_robios7_end_at_a_zero() {
+fn robios7_messages_end_at_a_zero() {
     let run = Fake::new().message(200.millis(), RobotNumber(2), *b"cut\0here").run_robios7(
         |robot: &robios7::Robot| -> Result {
             let radio = robot.radio()?;
@@ -80,7 +80,7 @@ fn texts_of_robios7_end_at_a_zero() {
 }
 
 #[test]
-fn what_is_no_text_is_an_error() {
+fn invalid_utf8_is_an_error() {
     let run = Fake::new().message(200.millis(), RobotNumber(2), [b'a', 0xFF]).run(|robot| -> Result {
         let error = robot.radio()?.receive()?.text().map(str::to_owned).expect_err("no UTF-8");
         assert_eq!(error.to_string(), "the message of 2 bytes from robot 2 is no text");
@@ -90,7 +90,7 @@ fn what_is_no_text_is_an_error() {
 }
 
 #[cfg(feature = "serde")]
-mod types {
+mod typed {
     use super::*;
     use robios_api::Message;
     use serde::{Deserialize, Serialize};
@@ -102,7 +102,7 @@ mod types {
         Many(Vec<u16>),
     }
 
-    fn all() -> [Report; 3] {
+    fn reports() -> [Report; 3] {
         let pose = Report::Pose { x_mm: -300, y_mm: 0, name: "scout".to_owned() };
         [Report::Nothing, pose, Report::Many(vec![0, 1, 500])]
     }
@@ -116,9 +116,9 @@ mod types {
     fn values_arrive_as_they_were_sent() {
         let run = echo().run(|robot| -> Result {
             let radio = robot.radio()?;
-            for said in all() {
-                radio.send_as(RobotNumber(2), &said)?;
-                assert_eq!(radio.receive_as::<Report>()?, (RobotNumber(2), said));
+            for report in reports() {
+                radio.send_as(RobotNumber(2), &report)?;
+                assert_eq!(radio.receive_as::<Report>()?, (RobotNumber(2), report));
             }
             assert!(radio.send_as(RobotNumber(2), &Report::Many(vec![0; 100])).is_err(), "too long");
             Ok(())
@@ -126,9 +126,9 @@ mod types {
         run.expect_finished();
         let run = echo().run_robios7(|robot: &robios7::Robot| -> Result {
             let radio = robot.radio()?;
-            for said in all() {
-                radio.send_as(RobotNumber(2), &said)?;
-                assert_eq!(radio.receive_as::<Report>()?, (RobotNumber(2), said));
+            for report in reports() {
+                radio.send_as(RobotNumber(2), &report)?;
+                assert_eq!(radio.receive_as::<Report>()?, (RobotNumber(2), report));
             }
             Ok(())
         });
@@ -137,7 +137,7 @@ mod types {
 
     /// Flips any one or two bits of every message, and truncates it anywhere: the result is a value or an error.
     #[test]
-    fn garbled_values_are_errors_or_values() {
+    fn garbled_values_decode_to_errors_or_values() {
         fn garbled(bytes: &[u8]) -> Vec<Vec<u8>> {
             let inverted = |bits: &[usize]| {
                 let mut bytes = bytes.to_vec();
@@ -145,9 +145,9 @@ mod types {
                 bytes
             };
             let count = 8 * bytes.len();
-            let pairs = (0..count).flat_map(|one| (0..=one).map(move |other| [one, other]));
-            let cut = (0..bytes.len()).map(|len| bytes[..len].to_vec());
-            pairs.map(|bits| inverted(&bits)).chain(cut).collect()
+            let pairs = (0..count).flat_map(|first| (0..=first).map(move |second| [first, second]));
+            let truncated = (0..bytes.len()).map(|len| bytes[..len].to_vec());
+            pairs.map(|bits| inverted(&bits)).chain(truncated).collect()
         }
         let (mut values, mut errors) = (0, 0);
         let mut count = |result: Result<Report>| match result {
@@ -160,8 +160,8 @@ mod types {
         };
         let run = Fake::new().until(1000.seconds()).run(|robot| -> Result {
             let radio = robot.radio()?;
-            for said in all() {
-                radio.send_as(RobotNumber(2), &said)?;
+            for report in reports() {
+                radio.send_as(RobotNumber(2), &report)?;
             }
             Ok(())
         });

@@ -5,13 +5,13 @@ use robios_api::robios7::prelude::*;
 use robios_api::robios7::{ImageSize, MotorGains};
 use robios_api::{Frequency, Position, Ratio, Remaining};
 
-/// Runs a program that must end well.
+/// Runs a program that must return without an error.
 fn run(fake: Fake, main: impl FnOnce(&Robot) -> Result) -> robios_api::fake::Run {
     fake.run_robios7(main).expect_finished()
 }
 
 #[test]
-fn drives_cross_in_whole_millimetres_and_degrees() {
+fn drives_are_passed_in_whole_millimetres_and_degrees() {
     let run = run(Fake::new(), |robot| {
         let drive = robot.drive();
         drive.straight(0.5004.metres(), 0.2.metres_per_second())?.wait()?;
@@ -29,7 +29,7 @@ fn drives_cross_in_whole_millimetres_and_degrees() {
     assert_eq!(texts[0], "VWStraight(500, 200) = 0");
     assert!(texts.contains(&"VWTurn(90, 60) = 0"), "{texts:?}");
     assert!(texts.contains(&"VWCurve(300, -90, 100) = 0"), "{texts:?}");
-    // Straight to (0.5, 0), looking up, a quarter of a circle to the right, then 0.2 m ahead and 0.1 m to the left.
+    // Straight to (0.5, 0), a turn to +y, a quarter of a circle to the right, then 0.2 m ahead and 0.1 m to the left.
     let radius = 0.3 / std::f64::consts::FRAC_PI_2;
     let end = run.position();
     assert!((end.x - (0.5 + radius + 0.2).metres()).abs() < 1e-6.metres(), "{end:?}");
@@ -37,27 +37,27 @@ fn drives_cross_in_whole_millimetres_and_degrees() {
 }
 
 #[test]
-fn positions_come_and_go_in_whole_numbers() {
+fn positions_are_passed_in_whole_numbers() {
     run(Fake::new(), |robot| {
         let drive = robot.drive();
-        let said = Position { x: 1.metres(), y: -0.5.metres(), phi: 90.degrees() };
-        drive.set_position(said)?;
-        assert!(drive.position().distance_to(said) < 1e-9.metres());
+        let start = Position { x: 1.metres(), y: -0.5.metres(), phi: 90.degrees() };
+        drive.set_position(start)?;
+        assert!(drive.position().distance_to(start) < 1e-9.metres());
         drive.set_speed(0.25.metres_per_second(), 0.degrees_per_second())?;
         robot.sleep(2.seconds());
         assert_eq!(drive.velocity().forward, 0.25.metres_per_second());
-        let distance = drive.position().y - said.y;
+        let distance = drive.position().y - start.y;
         assert!((distance - 0.5.metres()).abs() < 1.5.millimetres(), "{distance}");
         assert_eq!(drive.stall(), None);
         let (ahead, left) =
-            drive.position().ahead_and_left_of(Position { x: 0.metres(), y: distance + said.y, phi: 0.degrees() });
+            drive.position().offset_to(Position { x: 0.metres(), y: distance + start.y, phi: 0.degrees() });
         assert!(ahead.abs() < 2.millimetres() && (left - 1.metres()).abs() < 2.millimetres(), "{ahead} {left}");
         drive.stop()
     });
 }
 
 #[test]
-fn what_the_robot_does_not_have_is_named() {
+fn errors_name_missing_devices() {
     let failed = |main: fn(&Robot) -> Result| Fake::new().run_robios7(main).expect_failed().to_owned();
     let error = failed(|robot| robot.psd(PsdAt::Other(6)).map(|_| ()));
     assert!(error.contains("no PSD sensor 6"), "{error}");
@@ -76,7 +76,7 @@ fn what_the_robot_does_not_have_is_named() {
 }
 
 #[test]
-fn a_scan_goes_from_left_to_right_with_the_middle_ahead() {
+fn scan_goes_from_left_to_right_with_its_middle_straight_ahead() {
     // The corner of a room: a wall 1 m ahead, one 2 m to the left.
     let corner = |_: &robios_api::fake::Moment, direction: Angle| {
         let (sin, cos) = (direction.sin(), direction.cos());
@@ -149,7 +149,7 @@ fn motors_encoders_lines_and_the_clock_work() {
 }
 
 #[test]
-fn images_know_their_size() {
+fn images_have_the_requested_size() {
     run(Fake::new(), |robot| {
         let images = robot.images();
         let small = robios_api::robios7::ColorImage::new(ImageSize::new(4, 3));

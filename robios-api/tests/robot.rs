@@ -7,7 +7,7 @@ use robios_api::fake::{End, Fake};
 use robios_api::prelude::*;
 use robios_api::{AnalogValue, Ink, LayerFrame, LayerGrid, Pixel, Remaining, Ticks, TimeOfDay, Timer};
 
-/// Return type of a program that is a closure: fixes the type of its errors.
+/// Result of a program that is a closure; it fixes the type of the closure's errors.
 const DONE: Result = Ok(());
 
 #[test]
@@ -29,7 +29,7 @@ fn errors_name_the_device_and_the_call() {
 }
 
 #[test]
-fn layers_are_refused_beyond_their_limits() {
+fn layers_beyond_the_limits_are_refused() {
     fn map(columns: usize, cells: &[u8]) -> LayerGrid<'_> {
         LayerGrid { corner: [Length::ZERO; 2], cell: 50.millimetres(), columns, cells }
     }
@@ -81,7 +81,7 @@ fn devices_are_released_when_they_are_dropped() {
 }
 
 #[test]
-fn a_panic_says_where_and_what() {
+fn panic_is_reported_with_location_and_text() {
     fn fall(_: &Robot) {
         panic!("no {}", "floor");
     }
@@ -93,7 +93,7 @@ fn a_panic_says_where_and_what() {
 }
 
 #[test]
-fn an_error_comes_with_its_sources() {
+fn error_is_reported_with_its_sources() {
     #[derive(Debug, thiserror::Error)]
     #[error("cannot start")]
     struct Outer(#[source] Error);
@@ -102,7 +102,7 @@ fn an_error_comes_with_its_sources() {
 }
 
 #[test]
-fn leaving_the_program_runs_its_drops_and_their_calls_are_harmless() {
+fn stopped_program_runs_its_destructors_whose_calls_are_harmless() {
     struct Guard(Robot, Rc<Cell<bool>>);
     impl Drop for Guard {
         fn drop(&mut self) {
@@ -121,7 +121,7 @@ fn leaving_the_program_runs_its_drops_and_their_calls_are_harmless() {
 }
 
 #[test]
-fn a_program_that_catches_its_own_end_is_left_at_the_next_call() {
+fn program_that_catches_the_stop_is_stopped_at_the_next_call() {
     fn stubborn(robot: &Robot) {
         let slept = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| robot.sleep(2.seconds())));
         assert!(slept.is_err());
@@ -132,7 +132,7 @@ fn a_program_that_catches_its_own_end_is_left_at_the_next_call() {
 }
 
 #[test]
-fn what_waits_is_named_with_its_line() {
+fn waiting_call_is_reported_with_its_line() {
     let line = line!() + 1;
     let run = Fake::new().key(1.seconds(), Key::Key1).run(|robot| robot.wait_for_key(Key::Key4)).expect_time_up();
     let End::TimeUp { during } = run.end() else { unreachable!() };
@@ -181,15 +181,15 @@ fn a_timer_runs_inside_the_calls_of_the_program_until_it_is_dropped() {
 #[test]
 fn a_timer_may_drop_itself() {
     let run = Fake::new().run(|robot| {
-        let own: Rc<RefCell<Option<Timer>>> = Rc::default();
+        let held_timer: Rc<RefCell<Option<Timer>>> = Rc::default();
         let count = Rc::new(Cell::new(0));
-        let (inner, counted) = (own.clone(), count.clone());
+        let (inner, counted) = (held_timer.clone(), count.clone());
         let timer = robot.every(10.millis(), move |_| {
             counted.set(counted.get() + 1);
             drop(inner.take());
             counted.set(counted.get() + 10);
         })?;
-        own.replace(Some(timer));
+        held_timer.replace(Some(timer));
         robot.sleep(1.seconds());
         assert_eq!((count.get(), Rc::strong_count(&count)), (11, 1));
         DONE
@@ -198,7 +198,7 @@ fn a_timer_may_drop_itself() {
 }
 
 #[test]
-fn the_end_of_time_inside_a_timer_leaves_the_call_around_it() {
+fn time_limit_inside_a_timer_stops_the_interrupted_call() {
     fn sleeper(robot: &Robot) {
         let _timer = robot.every(500.millis(), |robot| {
             loop {
@@ -239,7 +239,7 @@ fn timers_are_held_back() {
 }
 
 #[test]
-fn what_outlives_the_program_does_nothing() {
+fn devices_that_outlive_the_program_do_nothing() {
     thread_local! {
         static KEPT: RefCell<Option<(Robot, Drive)>> = const { RefCell::new(None) };
     }
@@ -256,7 +256,7 @@ fn what_outlives_the_program_does_nothing() {
 }
 
 #[test]
-fn random_numbers_are_the_robots_own() {
+fn random_numbers_depend_on_the_seed() {
     let draw = |seed| {
         let numbers = Rc::new(RefCell::new(Vec::new()));
         let drawn = numbers.clone();
@@ -296,7 +296,7 @@ fn motors_and_encoders_agree() {
 }
 
 #[test]
-fn drives_tell_what_remains() {
+fn drives_report_what_remains() {
     let run = Fake::new().run(|robot| {
         let drive = robot.drive()?;
         drive.turn(-90.degrees(), 45.degrees_per_second())?;
@@ -317,7 +317,7 @@ fn drives_tell_what_remains() {
 }
 
 #[test]
-fn bumpers_infrared_and_compass_tell_their_script() {
+fn bumpers_infrared_and_compass_follow_the_script() {
     let run = Fake::new()
         .bumper(BumperAt::Front, [1.seconds(), 1.5.seconds()])
         .infrared(InfraredAt::Left, |now| now.time > 1.seconds())
@@ -336,7 +336,7 @@ fn bumpers_infrared_and_compass_tell_their_script() {
 }
 
 #[test]
-fn a_distance_is_that_of_the_last_cycle() {
+fn distance_is_from_the_last_complete_cycle() {
     let run = Fake::new().psd(PsdAt::Front, |now| Some(now.time.as_secs_f64().metres())).run(|robot| {
         let front = robot.psd(PsdAt::Front)?;
         let first = front.distance().expect("a distance");
@@ -375,7 +375,7 @@ fn the_display_shows_text_menu_and_pixels() {
 }
 
 #[test]
-fn what_the_fake_robot_does_not_have_fails_as_documented() {
+fn unimplemented_devices_fail_as_documented() {
     let run = Fake::new().run(|robot| {
         assert!(robot.tv_remote().is_err());
         assert!(robot.ports().analog(0).is_err());
@@ -395,7 +395,7 @@ fn what_the_fake_robot_does_not_have_fails_as_documented() {
 }
 
 #[test]
-fn a_panic_of_the_script_is_told_apart() {
+fn panic_of_a_script_is_reported_as_such() {
     let run = Fake::new().psd(PsdAt::Front, |_| panic!("bad script")).run(|robot| {
         let front = robot.psd(PsdAt::Front)?;
         front.distance();

@@ -70,7 +70,7 @@ fn the_highest_priority_runs_first_and_equals_take_turns() {
 }
 
 #[test]
-fn tasks_of_cooperative_mode_change_where_they_say() {
+fn cooperative_tasks_switch_only_when_they_yield() {
     let run = Fake::new().run(|robot| -> Result {
         let tasks = robot.multi_tasking(TaskMode::Cooperative)?;
         assert_eq!(tasks.mode(), Some(TaskMode::Cooperative));
@@ -122,7 +122,7 @@ fn a_panic_or_an_error_in_a_task_ends_the_program() {
 }
 
 #[test]
-fn a_deadlock_is_told_with_who_waits_for_what() {
+fn deadlock_report_names_what_each_task_waits_for() {
     let run = Fake::new().run(|robot| -> Result {
         let tasks = robot.multi_tasking(TaskMode::Cooperative)?;
         let (one, other) = (tasks.semaphore(1)?, tasks.semaphore(1)?);
@@ -138,12 +138,12 @@ fn a_deadlock_is_told_with_who_waits_for_what() {
         tasks.suspend_self()
     });
     let reason = run.expect_failed();
-    let told = "no task can run: `main` is suspended, `left` waits at semaphore 2, `right` waits at semaphore 1";
-    assert_eq!(reason, told);
+    let expected = "no task can run: `main` is suspended, `left` waits at semaphore 2, `right` waits at semaphore 1";
+    assert_eq!(reason, expected);
 }
 
 #[test]
-fn who_has_a_value_locked_is_alone_with_it() {
+fn locked_value_is_exclusive() {
     let run = Fake::new().run(|robot| -> Result {
         let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
         let pair = tasks.shared((0, 0))?;
@@ -168,7 +168,7 @@ fn who_has_a_value_locked_is_alone_with_it() {
 }
 
 #[test]
-fn what_a_killed_task_has_is_let_go() {
+fn killed_task_releases_its_resources() {
     struct DropCounter(Arc<AtomicU32>);
     impl Drop for DropCounter {
         fn drop(&mut self) {
@@ -176,22 +176,22 @@ fn what_a_killed_task_has_is_let_go() {
         }
     }
     let dropped = Arc::new(AtomicU32::new(0));
-    let told = || DropCounter(Arc::clone(&dropped));
-    let (begun, never, left) = (told(), told(), told());
+    let counter = || DropCounter(Arc::clone(&dropped));
+    let (begun, never, left) = (counter(), counter(), counter());
     let run = Fake::new().run(move |robot| -> Result {
         let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
         let value = tasks.shared(0)?;
-        let own = value.clone();
+        let shared_value = value.clone();
         let holder = tasks.spawn("holder", Priority::P4, move |robot| -> Result {
-            let _told = begun;
-            let mut value = own.lock(robot);
+            let _counter = begun;
+            let mut value = shared_value.lock(robot);
             *value = 7;
             robot.tasks().suspend_self()
         })?;
         holder.ready(robot)?;
         let unready = tasks.spawn("never", Priority::P4, move |_: &Robot| drop(never))?;
         let waits = tasks.spawn("waits", Priority::P4, move |robot| -> Result {
-            let _told = left;
+            let _counter = left;
             robot.tasks().suspend_self()
         })?;
         waits.ready(robot)?;
@@ -206,7 +206,7 @@ fn what_a_killed_task_has_is_let_go() {
 }
 
 #[test]
-fn timers_of_tasks_wake_them() {
+fn task_timers_wake_tasks() {
     let run = Fake::new().run(|robot| -> Result {
         let timer = robot.every(100.millis(), |_| {})?;
         let refused = robot.multi_tasking(TaskMode::Cooperative).map(drop);
@@ -243,13 +243,13 @@ fn a_timer_must_not_wait() {
 }
 
 #[test]
-fn pre_emption_can_be_put_off() {
+fn pre_emption_can_be_deferred() {
     let order = Arc::new(Mutex::new(Vec::new()));
-    let noted = Arc::clone(&order);
+    let written_order = Arc::clone(&order);
     let run = Fake::new().run(move |robot| -> Result {
         let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
-        let (wake, noting) = (tasks.semaphore(0)?, Arc::clone(&noted));
-        let note = move |what: &'static str| noting.lock().expect("nobody panics").push(what);
+        let (wake, written) = (tasks.semaphore(0)?, Arc::clone(&written_order));
+        let note = move |text: &'static str| written.lock().expect("nobody panics").push(text);
         let (waits, to_note) = (wake.clone(), note.clone());
         let task = tasks.spawn("waits", Priority::P8, move |robot: &Robot| {
             loop {
@@ -287,7 +287,7 @@ fn without_multi_tasking_there_are_no_tasks() {
 }
 
 #[test]
-fn tasks_may_ask_for_the_radio_at_the_same_time() {
+fn tasks_may_switch_the_radio_on_simultaneously() {
     fn program(robot: &Robot, before_us: u64) -> Result {
         let tasks = robot.multi_tasking(TaskMode::Preemptive)?;
         for name in ["one", "other"] {
@@ -302,7 +302,8 @@ fn tasks_may_ask_for_the_radio_at_the_same_time() {
         }
         tasks.permit()
     }
-    // At one of these times the slice ends with the call that switches it on, and the other task runs before it is counted.
+    // For one of these durations, the slice ends with the call that switches the radio on, and the other task runs before the radio is
+    // counted.
     for before_us in (0..10_000).step_by(50) {
         let run = Fake::new().run(move |robot: &Robot| program(robot, before_us)).expect_finished();
         assert_eq!(lines(&run).len(), 2, "{before_us} us: {:?}", lines(&run));

@@ -29,7 +29,7 @@ import _thread
 # @CONSTANTS@
 
 # Functions that only RoBIOS 6 has.
-_OF_ROBIOS6 = frozenset("""
+_ROBIOS6_ONLY = frozenset("""
 # @ROBIOS6@
 """.split())
 
@@ -148,8 +148,8 @@ class _Values(tuple):
 def _unpacked_into():
     """Number of targets if the caller of `__iter__` unpacks the object, read from its bytecode; otherwise None."""
     frame = _sys._getframe(2)
-    code, at = frame.f_code.co_code, frame.f_lasti
-    return code[at + 1] if 0 <= at < len(code) and code[at] == _opcode.opmap["UNPACK_SEQUENCE"] else None
+    code, offset = frame.f_code.co_code, frame.f_lasti
+    return code[offset + 1] if 0 <= offset < len(code) and code[offset] == _opcode.opmap["UNPACK_SEQUENCE"] else None
 
 
 class _Object(_Values):
@@ -161,9 +161,9 @@ class _Object(_Values):
 
     def __new__(cls, values):
         x, y, z, phi = values
-        own = super().__new__(cls, (x, y, phi))
-        own.z = z
-        return own
+        pose = super().__new__(cls, (x, y, phi))
+        pose.z = z
+        return pose
 
     def __iter__(self):
         x, y, phi = (tuple.__getitem__(self, index) for index in range(3))
@@ -207,14 +207,14 @@ class Image:
     """A flat image: one byte a pixel, or three. An array of ctypes with a buffer, whose items are 0 to 255."""
 
     width = height = result = 0
-    _made = {}
+    _types_by_size = {}
 
     @staticmethod
     def _of(data, size, width, height):
-        made = Image._made.get(size)
-        if made is None:
-            made = Image._made[size] = type("Image", (Image, _ctypes.c_ubyte * size), {})
-        image = made.from_buffer_copy(bytes(data[:size]).ljust(size, b"\0"))
+        image_type = Image._types_by_size.get(size)
+        if image_type is None:
+            image_type = Image._types_by_size[size] = type("Image", (Image, _ctypes.c_ubyte * size), {})
+        image = image_type.from_buffer_copy(bytes(data[:size]).ljust(size, b"\0"))
         image.width, image.height = width, height
         return image
 
@@ -254,7 +254,7 @@ def _image(data, size, width, height):
     return Image._of(data, size, width, height)
 
 
-# `__main__` is the program, in which `pickle` and `copy` would look for them.
+# Otherwise `pickle` and `copy` would look for them in `__main__`, which is the program.
 for _name in (_Number, _Values, _Object, _Numbers, _Addresses, _Part, _image):
     _name.__module__ = "eye"
 
@@ -315,7 +315,7 @@ def _memory(value, size, name):
     return data[:size]
 
 
-def _takes(target):
+def _is_output(target):
     """True for an output argument: an object to which a value can be written."""
     kinds = (_REFERENCE, _POINTER, _SIMPLE, _ctypes.Array, list, bytearray, memoryview, _array.array)
     return isinstance(target, kinds) or hasattr(target, "data_as") or hasattr(target, "__array_interface__")
@@ -330,7 +330,7 @@ def _fill(target, data, name):
         _ctypes.memmove(target, data, len(data))
         return
     if isinstance(target, list):
-        room = len(target)
+        capacity = len(target)
     else:
         try:
             view = memoryview(target)
@@ -338,9 +338,9 @@ def _fill(target, data, name):
             raise TypeError(f"{name}: expected a buffer, got {target!r:.100}") from None
         if view.readonly or not view.c_contiguous:
             raise TypeError(f"{name}: the buffer cannot be written to, or has gaps")
-        room = view.nbytes
-    if room < len(data):
-        raise ValueError(f"{name}: the buffer has {room} bytes, but {len(data)} are needed")
+        capacity = view.nbytes
+    if capacity < len(data):
+        raise ValueError(f"{name}: the buffer has {capacity} bytes, but {len(data)} are needed")
     if isinstance(target, list):
         target[: len(data)] = data
     else:
@@ -367,37 +367,37 @@ def _store(target, values, name):
 def _result_is_dropped():
     """True if the program discards the return value of the module's function that called the caller; read from the bytecode."""
     frame = _sys._getframe(3)
-    code, after = frame.f_code.co_code, frame.f_lasti + 2
-    while after < len(code) and code[after] == _opcode.opmap.get("CACHE"):
-        after += 2
-    return after < len(code) and code[after] == _opcode.opmap["POP_TOP"]
+    code, offset = frame.f_code.co_code, frame.f_lasti + 2
+    while offset < len(code) and code[offset] == _opcode.opmap.get("CACHE"):
+        offset += 2
+    return offset < len(code) and code[offset] == _opcode.opmap["POP_TOP"]
 
 
-_remarked = set()
+_shown_hints = set()
 
 
-def _remark(text):
+def _show_hint(text):
     """Prints a hint with the program's line, once per text."""
     frame = _sys._getframe(1)
     while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
-    if frame is not None and text not in _remarked:
-        _remarked.add(text)
+    if frame is not None and text not in _shown_hints:
+        _shown_hints.add(text)
         _consoles[1].write(f"{_os.path.basename(frame.f_code.co_filename)}:{frame.f_lineno}: hint: {text}\n")
 
 
 def _out(name, written, *targets):
     """The outputs of a call if the program passes no output argument; otherwise stores them there and returns the result."""
     count = len(targets)
-    if not any(_takes(target) for target in targets):
+    if not any(_is_output(target) for target in targets):
         if any(target is not None for target in targets) and _result_is_dropped():
             code = _sys._getframe(1).f_code
             names = code.co_varnames[: code.co_argcount]
             left, right = ", ".join(names[-count:]), ", ".join(names[:-count])
-            _remark(f"`{name}` returns what it reads: write `{left} = {name}({right})`")
+            _show_hint(f"`{name}` returns what it reads: write `{left} = {name}({right})`")
         return written[0] if count == 1 else _Values(written[:count])
     for target, value in zip(targets, written):
-        if _takes(target):
+        if _is_output(target):
             _store_one(target, value, name)
     return written[count] if len(written) > count else None
 
@@ -410,58 +410,58 @@ def _store_one(target, value, name):
 
 def _out_image(name, data, size, width, height, target, result=0):
     """Returns an image, or stores it in the output argument."""
-    if target is None or not _takes(target):
+    if target is None or not _is_output(target):
         return _image(data, size, width, height)
     _fill(target, data[:size], name)
     return result
 
 
 def _out_text(name, data, target, result):
-    if target is None or not _takes(target):
+    if target is None or not _is_output(target):
         return _text(data)
     _fill(target, bytes(data).split(b"\0")[0] + b"\0", name)
     return result
 
 
 def _out_numbers(name, values, target, result):
-    if target is None or not _takes(target):
+    if target is None or not _is_output(target):
         return values
     if values:
         _store(target, values, name)
     return result
 
 
-class _Turns:
+class _FairLock:
     """A fair lock of the channel: threads acquire it in the order of their requests."""
 
     def __init__(self):
         self.guard, self.waiting, self.owner = _thread.allocate_lock(), [], None
 
-    def enter(self):
-        """Acquires the channel; False if the thread holds it already, in a function that the simulator has called."""
-        own = _thread.get_ident()
-        if self.owner == own:
+    def acquire(self):
+        """Acquires the channel; returns False if the thread holds it already, in a function that the simulator has called."""
+        thread = _thread.get_ident()
+        if self.owner == thread:
             return False
         with self.guard:
             if self.owner is None:
-                self.owner = own
+                self.owner = thread
                 return True
-            turn = _thread.allocate_lock()
-            turn.acquire()
-            self.waiting.append((own, turn))
-        turn.acquire()
+            waiter = _thread.allocate_lock()
+            waiter.acquire()
+            self.waiting.append((thread, waiter))
+        waiter.acquire()
         return True
 
-    def leave(self):
+    def release(self):
         with self.guard:
             self.owner = None
             if self.waiting:
-                self.owner, turn = self.waiting.pop(0)
-                turn.release()
+                self.owner, waiter = self.waiting.pop(0)
+                waiter.release()
 
 
-_turns = _Turns()
-_let_others_run = _time.sleep
+_channel_lock = _FairLock()
+_real_sleep = _time.sleep
 
 
 def _exchange(kind, body):
@@ -480,19 +480,19 @@ def _exchange(kind, body):
 
 
 def _called_back(code):
-    """Runs a timer's function; what it raises is raised in the program, by the call in progress."""
-    global _raised
+    """Runs a timer's function. The call in progress raises the function's exception in the program."""
+    global _callback_error
     try:
         _callbacks[code]()
         return 0
     except _Stop:
         return 1
     except BaseException as error:  # noqa: B902
-        _raised = error
+        _callback_error = error
         return 1
 
 
-_raised = None
+_callback_error = None
 
 
 def _refuse():
@@ -500,7 +500,7 @@ def _refuse():
     raise _Stop
 
 
-def _place():
+def _call_location():
     """File and line of the call in the program."""
     frame = _sys._getframe(1)
     while frame is not None and frame.f_code.co_filename in _own_files:
@@ -529,68 +529,69 @@ def _bytes(value, name):
 _SLICE_US = 10000
 
 
-def _waits(name, values):
-    """A call that waits in a program with threads: the others call in between. None if the normal blocking call should be used."""
+def _wait_by_polling(name, values):
+    """Executes a waiting call by polling, so that other threads of the program can make calls in between. Returns None if the normal
+    blocking call should be used."""
     if name == "OSWait" or name == "sleep_us":
-        until = _now_us() + (1000 if name == "OSWait" else 1) * int(values[0])
-        left = until - _now_us()
-        while left > 0:
-            _request(_support_sleep_us, (min(left, _SLICE_US),))
-            left = until - _now_us()
+        deadline_us = _now_us() + (1000 if name == "OSWait" else 1) * int(values[0])
+        remaining_us = deadline_us - _now_us()
+        while remaining_us > 0:
+            _request(_support_sleep_us, (min(remaining_us, _SLICE_US),))
+            remaining_us = deadline_us - _now_us()
         return [_Number(0)]
-    asks = {"VWWait": _VWDone, "KEYGet": _KEYRead, "IRTVGet": _IRTVRead, "RADIOReceive": _RADIOCheck}
-    if name not in asks or name == "RADIOReceive" and not _call(_RADIOStatus, 256)[-1]:
+    polled_calls = {"VWWait": _VWDone, "KEYGet": _KEYRead, "IRTVGet": _IRTVRead, "RADIOReceive": _RADIOCheck}
+    if name not in polled_calls or name == "RADIOReceive" and not _call(_RADIOStatus, 256)[-1]:
         return None
-    answer = _call(asks[name])[-1]
+    answer = _call(polled_calls[name])[-1]
     while not answer:
         _request(_support_sleep_us, (_SLICE_US,))
-        answer = _call(asks[name])[-1]
+        answer = _call(polled_calls[name])[-1]
     return {"VWWait": [_Number(0)], "RADIOReceive": None}.get(name, [answer])
 
 
 def _call(row, *values):
     """Calls a table function; returns its outputs in order, then its result."""
-    if row[0] in _WAITING and _has_threads() and _turns.owner != _thread.get_ident():
-        answer = _waits(row[0], values)
+    if row[0] in _WAITING and _has_threads() and _channel_lock.owner != _thread.get_ident():
+        answer = _wait_by_polling(row[0], values)
         if answer is not None:
             return answer
     return _request(row, values)
 
 
 def _has_threads():
-    """Whether the program has threads of its own, which call in between."""
+    """Returns True if the program has threads of its own, whose calls interleave."""
     return _thread._count() > 0
 
 
 _WAITING = {"OSWait", "sleep_us", "VWWait", "KEYGet", "IRTVGet", "RADIOReceive"}
 
 
-_has_told_cut = False
+_has_hinted_at_truncation = False
 
 
-def _tell_cut(name, value):
-    """A hint, once a program: a fraction is cut to 0."""
-    global _has_told_cut
-    if not _has_told_cut:
-        _has_told_cut = True
+def _hint_at_truncation(name, value):
+    """Prints a hint, once in each program, that a fraction is truncated to 0."""
+    global _has_hinted_at_truncation
+    if not _has_hinted_at_truncation:
+        _has_hinted_at_truncation = True
         _call(_support_hint, f"`{name}`: {value:g} becomes 0: RoBIOS-7 takes whole numbers, in mm, mm/s, degrees and ms: 0.3 m is `300`, half a second is `500`".encode())
 
 
 def _request(row, values):
-    global _raised, _is_stopped
+    global _callback_error, _is_stopped
     name, function_list, number, kinds, result = row
     if _channel is None:
         raise RuntimeError(f"{name}: no simulator; run the program with `eyesim run`")
     if _is_stopped and function_list == 7:
         _refuse()
-    file, line = _place()
+    file, line = _call_location()
     file = file.encode("utf-8", "replace")
     body = [_struct.pack("<IIQII", function_list, number, 0, line, len(file)), file]
     for kind, value in zip(kinds, values):
         if kind == "i":
             number = _int(value, -(1 << 31), (1 << 32) - 1, name)
             if number == 0 and isinstance(value, float) and value != 0:
-                _tell_cut(name, value)
+                _hint_at_truncation(name, value)
             body.append(_struct.pack("<I", number & 0xFFFFFFFF))
         elif kind in "tb":
             body.append(_bytes(value, name))
@@ -611,43 +612,43 @@ def _request(row, values):
                 raise TypeError(f"{name}: expected a function, got {value!r}")
             _callbacks[code] = value
             body.append(_struct.pack("<QQ", code, 0))
-    if _has_threads() and _turns.owner != _thread.get_ident():
-        _let_others_run(0.0001)  # to their next calls, which come before the next one of this thread
-    is_first = _turns.enter()
+    if _has_threads() and _channel_lock.owner != _thread.get_ident():
+        _real_sleep(0.0001)  # until the other threads make their next calls, which then precede the next call of this one
+    is_first = _channel_lock.acquire()
     try:
         answer = _exchange(_CALL, b"".join(body))
     except _Stop:
-        if _raised is not None:
+        if _callback_error is not None:
             # The call was abandoned because a timer's function raised an exception, which is raised in the program now.
-            raised, _raised, _is_stopped = _raised, None, False
-            raise raised from None
+            error, _callback_error, _is_stopped = _callback_error, None, False
+            raise error from None
         raise
     finally:
         if is_first:
-            _turns.leave()
-    at, written = 0, []
+            _channel_lock.release()
+    offset, written = 0, []
     for kind in kinds:
         if kind in "oOe":
-            (is_set,) = _struct.unpack_from("<B", answer, at)
-            at += 1
+            (is_set,) = _struct.unpack_from("<B", answer, offset)
+            offset += 1
             if is_set:
                 form = {"o": "<i", "O": "<B", "e": "<f"}[kind]
-                value = _struct.unpack_from(form, answer, at)[0]
+                value = _struct.unpack_from(form, answer, offset)[0]
                 written.append(value if kind == "e" else _Number(value))
-                at += _struct.calcsize(form)
+                offset += _struct.calcsize(form)
             else:
                 written.append(_Number(0))
         elif kind == "r":
-            (length,) = _struct.unpack_from("<I", answer, at)
-            written.append(bytearray(answer[at + 4 : at + 4 + length]))
-            at += 4 + length
+            (length,) = _struct.unpack_from("<I", answer, offset)
+            written.append(bytearray(answer[offset + 4 : offset + 4 + length]))
+            offset += 4 + length
         elif kind in "RF":
-            (count,) = _struct.unpack_from("<I", answer, at)
-            numbers = _struct.unpack_from(f"<{count}{'i' if kind == 'R' else 'f'}", answer, at + 4)
+            (count,) = _struct.unpack_from("<I", answer, offset)
+            numbers = _struct.unpack_from(f"<{count}{'i' if kind == 'R' else 'f'}", answer, offset + 4)
             written.append(_Numbers(numbers))
-            at += 4 + 4 * count
+            offset += 4 + 4 * count
     if result:
-        value = _struct.unpack_from("<" + result, answer, at)[0]
+        value = _struct.unpack_from("<" + result, answer, offset)[0]
         written.append(value if result == "f" else _Number(value))
     return written
 
@@ -696,7 +697,7 @@ def LCDSetPrintf(row, column, text, *values):
 def KEYReadXY(x=None, y=None):
     """The place of a touch of the display as (x, y), None if there was none. Does not wait."""
     written = _call(_KEYReadXY, None, None)
-    if written[-1] and not (_takes(x) or _takes(y)):
+    if written[-1] and not (_is_output(x) or _is_output(y)):
         return None
     return written[-1] if written[-1] else _out("KEYReadXY", written, x, y)
 
@@ -824,20 +825,20 @@ def CAMGetLabels():
 def LEGGetJoint(leg, joint, degrees=None):
     """The angle of a joint, now, in degrees; leg and joint numbers start at 1. None if there is no such leg or joint."""
     written = _call(_LEGGetJoint, leg, joint, None)
-    return _out("LEGGetJoint", written, degrees) if written[-1] == 0 or _takes(degrees) else None
+    return _out("LEGGetJoint", written, degrees) if written[-1] == 0 or _is_output(degrees) else None
 
 
 def LEGGetLink(leg, link, pose=None):
     """Pose of a link of a leg, now, in the frame of the body: [x, y, z, roll, pitch, yaw] in mm and degrees; leg and link
     from 1. None if there is no such leg or link."""
     values, result = _call(_LEGGetLink, leg, link, 6)
-    return _out_numbers("LEGGetLink", values, pose, result) if result == 0 or _takes(pose) else None
+    return _out_numbers("LEGGetLink", values, pose, result) if result == 0 or _is_output(pose) else None
 
 
 def LEGGetHeight(mm=None):
     """Height of the body's frame above the world's floor, now, in mm. None if there are no legs."""
     written = _call(_LEGGetHeight, None)
-    return _out("LEGGetHeight", written, mm) if written[-1] == 0 or _takes(mm) else None
+    return _out("LEGGetHeight", written, mm) if written[-1] == 0 or _is_output(mm) else None
 
 
 def IPSetSize(resolution, width=None, height=None):
@@ -924,7 +925,7 @@ def IPCol2HSI(img, h=None, s=None, i=None):
     name = "IPCol2HSI"
     planes = _call(_IPCol2HSI, *_colour_in(name, img), IP_PIXELS, IP_PIXELS, IP_PIXELS)[:3]
     planes = [_grey_out(name, data, target) for data, target in zip(planes, (h, s, i))]
-    return 0 if _takes(h) or _takes(s) or _takes(i) else _Values(planes)
+    return 0 if _is_output(h) or _is_output(s) or _is_output(i) else _Values(planes)
 
 
 def IPOverlay(c1, c2, out=None):
@@ -974,7 +975,7 @@ def SERSend(interface, buf, size=None):
 def SERReceive(interface, buf=None, size=256):
     """The received bytes, at most 255. Does not wait."""
     data, length = _call(_SERReceive, interface, min(256, max(1, _whole(size))))
-    if buf is None or not _takes(buf):
+    if buf is None or not _is_output(buf):
         return bytes(data[:length])
     _fill(buf, bytes(data[:length]) + b"\0", "SERReceive")
     return length
@@ -987,7 +988,7 @@ def AURecord(*arguments):
     freq_hz = _whole(freq_hz)
     size = max(0, _whole(time_ms) * freq_hz // 1000)
     data, result = _call(_AURecord, size, freq_hz)
-    return _out_image("AURecord", data, size, size, 1, buf[0], result) if buf and _takes(buf[0]) else data
+    return _out_image("AURecord", data, size, size, 1, buf[0], result) if buf and _is_output(buf[0]) else data
 
 
 def LIDARGet(distance=None):
@@ -1006,7 +1007,7 @@ def LIDARSet(range, tilt, points):
 def ANALOGTransfer(buffer=None):
     """The recording of ANALOGRecord; empty while it continues."""
     data, length = _call(_ANALOGTransfer, 1 << 20)
-    if buffer is None or not _takes(buffer):
+    if buffer is None or not _is_output(buffer):
         return data[:length]
     _fill(buffer, data[:length], "ANALOGTransfer")
     return length
@@ -1023,7 +1024,7 @@ def RADIOReceive(*arguments):
     that are no UTF-8, as damaged ones may be, show as the replacement character. RADIOReceive(id, buf, size) is as in C."""
     id, buf, size = (None, None) + (arguments or (1024,)) if len(arguments) < 2 else arguments
     sender, data, result = _call(_RADIOReceive, None, max(0, _whole(size)))
-    if not (_takes(id) or _takes(buf)):
+    if not (_is_output(id) or _is_output(buf)):
         return _Values((sender, _text(data)))
     _out("RADIOReceive", [sender], id)
     if result == 0:
@@ -1056,7 +1057,7 @@ def SIMSetRobot(*arguments):
 def SIMGetObject(id, *targets):
     """True pose of an object: x, y, phi, or x, y, z, phi for four names; objects are numbered on from the robots."""
     written = _call(_SIMGetObject, id, None, None, None, None)
-    if not any(_takes(target) for target in targets):
+    if not any(_is_output(target) for target in targets):
         return _Object(written)
     return _out("SIMGetObject", written if len(targets) == 4 else [*written[:2], written[3]], *targets)
 
@@ -1112,7 +1113,7 @@ class _Foreign:
 
     def __call__(self, *arguments):
         code = self._function.__code__
-        if not code.co_flags & 4:  # without *arguments: C passes over those that a function does not take
+        if not code.co_flags & 4:  # without *arguments: surplus arguments are ignored, as in C
             arguments = arguments[: code.co_argcount]
         result = self._function(*arguments)
         return result.encode() if isinstance(result, str) else 0 if result is None else result
@@ -1140,8 +1141,8 @@ def _cdll(loader):
         """Loads a library."""
 
         def __new__(cls, name=None, *arguments, **options):
-            own = _os.path.basename(str(name)).split(".")[0] in ("libeyesim", "libeyebot", "cygeyesim")
-            return lib if own else super().__new__(cls)
+            is_replaced = _os.path.basename(str(name)).split(".")[0] in ("libeyesim", "libeyebot", "cygeyesim")
+            return lib if is_replaced else super().__new__(cls)
 
     return CDLL
 
@@ -1192,9 +1193,9 @@ lib = _Library()
 _functions = {name: value for name, value in globals().items() if name[:2].isupper() and hasattr(value, "__code__")}
 
 # Further names of EyeSim VR's `eye.py`; a name that the program has already defined is kept.
-_ELSE = {"ctypes": _ctypes, "sys": _sys, "os": _os}
-_ELSE.update((_name, getattr(_ctypes, _name)) for _name in dir(_ctypes) if not _name.startswith("_"))
-__all__ = [_name for _name in dir() if not _name.startswith("_") and _name != "annotations"] + [*_ELSE, "np"]
+_FURTHER_NAMES = {"ctypes": _ctypes, "sys": _sys, "os": _os}
+_FURTHER_NAMES.update((_name, getattr(_ctypes, _name)) for _name in dir(_ctypes) if not _name.startswith("_"))
+__all__ = [_name for _name in dir() if not _name.startswith("_") and _name != "annotations"] + [*_FURTHER_NAMES, "np"]
 
 
 class _Numpy:
@@ -1207,10 +1208,10 @@ class _Numpy:
 
 
 def __getattr__(name):
-    if name != "np" and name not in _ELSE:
+    if name != "np" and name not in _FURTHER_NAMES:
         raise AttributeError(f"module 'eye' has no attribute '{name}'")
-    own = _Numpy() if name == "np" else _ELSE[name]
-    return _sys._getframe(1).f_globals.get(name, own)
+    default = _Numpy() if name == "np" else _FURTHER_NAMES[name]
+    return _sys._getframe(1).f_globals.get(name, default)
 
 
 # ---- the program's run ----
@@ -1230,11 +1231,11 @@ class _Console:
     def write(self, text):
         if not isinstance(text, str):
             raise TypeError(f"write() argument must be str, not {type(text).__name__}")
-        own = _thread.get_ident()
-        line = self.lines.pop(own, "") + text
+        thread = _thread.get_ident()
+        line = self.lines.pop(thread, "") + text
         end = line.rfind("\n") + 1
         if line[end:]:
-            self.lines[own] = line[end:]
+            self.lines[thread] = line[end:]
         if end:
             self._send(line[:end])
         return len(text)
@@ -1254,8 +1255,8 @@ class _Console:
 
     def finish(self):
         """Prints the incomplete lines of all threads."""
-        for own in sorted(self.lines):
-            self._send(self.lines.pop(own))
+        for thread in sorted(self.lines):
+            self._send(self.lines.pop(thread))
 
     def _send(self, text):
         if _channel is None:
@@ -1290,12 +1291,12 @@ class _Input(_io.RawIOBase):
     def readable(self):
         return True
 
-    def readinto(self, room):
+    def readinto(self, buffer):
         if _channel is None:
             return 0
         _sys.stdout.flush()  # a prompt
-        data, length = _call(_support_input, len(room))
-        room[:length] = data[:length]
+        data, length = _call(_support_input, len(buffer))
+        buffer[:length] = data[:length]
         return length
 
 
@@ -1315,21 +1316,21 @@ def _urandom(size):
 
 
 def _sleep_towards(until_us):
-    """Sleeps until a virtual time, at most for a slice; returns false if that time has passed."""
+    """Sleeps until a virtual time, but no longer than a slice; returns False if the time has passed already."""
     left_us = int(until_us - _now_us())
     if left_us > 0:
         _call(_support_sleep_us, min(left_us, _SLICE_US))
     return left_us > 0
 
 
-def _replace_surroundings():
-    """Puts virtual time and the robot's random stream where Python has those of the machine."""
+def _replace_time_and_randomness():
+    """Replaces the machine's time and randomness in Python's modules by virtual time and the robot's random stream."""
     import select
     import threading
 
     def wait(condition, timeout=None):
         if timeout is None:
-            return wait_for_ever(condition)
+            return original_wait(condition)
         until, is_notified = _now_us() + timeout * 1e6, False
         waiter = _thread.allocate_lock()
         waiter.acquire()
@@ -1377,32 +1378,32 @@ def _replace_surroundings():
 
     def join(thread, timeout=None):
         if timeout is None:
-            return join_for_ever(thread)
+            return original_join(thread)
         until = _now_us() + timeout * 1e6
-        join_for_ever(thread, 0)
+        original_join(thread, 0)
         while thread.is_alive() and _sleep_towards(until):
             pass
 
-    class Select:  # no function, which would become a method of a class that has it as attribute
+    class Select:  # a function would become a method of a class that has it as attribute
         def __call__(self, readers, writers, others, timeout=None):
             if timeout is None:
-                return select_for_ever(readers, writers, others)
+                return original_select(readers, writers, others)
             until = _now_us() + timeout * 1e6
             while True:
-                ready = select_for_ever(readers, writers, others, 0)
+                ready = original_select(readers, writers, others, 0)
                 if any(ready) or not _sleep_towards(until):
                     return ready
 
-    def excepthook(what):
-        if not issubclass(what.exc_type, _Stop):  # else the program is stopped, and with it its threads
-            tell_of_thread(what)
+    def excepthook(arguments):
+        if not issubclass(arguments.exc_type, _Stop):  # otherwise the program is stopped with all its threads
+            original_excepthook(arguments)
 
-    tell_of_thread, threading.excepthook = threading.excepthook, excepthook
-    wait_for_ever, threading.Condition.wait = threading.Condition.wait, wait
-    join_for_ever, threading.Thread.join = threading.Thread.join, join
+    original_excepthook, threading.excepthook = threading.excepthook, excepthook
+    original_wait, threading.Condition.wait = threading.Condition.wait, wait
+    original_join, threading.Thread.join = threading.Thread.join, join
     threading.Lock, threading._CRLock = Lock, RLock
-    select_for_ever, select.select = select.select, Select()
-    # `selectors`, and so asyncio, takes `select` where there is none of these.
+    original_select, select.select = select.select, Select()
+    # `selectors`, and thus asyncio, uses `select` if none of these exists.
     for name in ("epoll", "poll", "devpoll", "kqueue"):
         vars(select).pop(name, None)
     _os.urandom = _random._urandom = _urandom
@@ -1411,7 +1412,7 @@ def _replace_surroundings():
     for name in _CLOCKS:
         setattr(_time, name, lambda: _now_us() / 1e6)
         setattr(_time, name + "_ns", lambda: _now_us() * 1000)
-    # The time limits of semaphores, barriers and `wait_for`.
+    # Clock for the timeouts of semaphores, barriers and `wait_for`.
     threading._time = _time.monotonic
 
 
@@ -1447,35 +1448,35 @@ def _watch_imports(channel):
 _processor_time_ns = _time.process_time_ns
 
 
-# Files whose frames are no part of the program.
+# Files whose frames do not belong to the program.
 _own_files = {__file__}
 
 
-def _own_frames(report):
+def _remove_runtime_frames(report):
     """Removes internal frames from a traceback."""
     while report is not None:
         report.stack[:] = [frame for frame in report.stack if frame.filename not in _own_files]
-        _own_frames(report.__cause__)
+        _remove_runtime_frames(report.__cause__)
         report = report.__context__
 
 
-_PLACE, _PLACE_READY, _PLACE_ASKED, _PLACE_TOLD = 40, 1, 2, 3
+_LOCATION, _LOCATION_READY, _LOCATION_REQUESTED, _LOCATION_WRITTEN = 40, 1, 2, 3
 
 
-def _tell_place(_signal_number, frame):
+def _report_location(_signal_number, frame):
     """Answers the simulator's liveness check with the current line; ends the program if its processor time is used up."""
     if _channel is None or _channel.turn.value == 1:
         return
     while frame is not None and frame.f_code.co_filename in _own_files:
         frame = frame.f_back
-    if _struct.unpack_from("<I", _channel.memory, _PLACE)[0] == _PLACE_ASKED:
+    if _struct.unpack_from("<I", _channel.memory, _LOCATION)[0] == _LOCATION_REQUESTED:
         if frame is not None:
             name = _os.path.basename(frame.f_code.co_filename).encode("utf-8", "replace")
-            _struct.pack_into("<I16s", _channel.memory, _PLACE + 4, frame.f_lineno, name)
-            _struct.pack_into("<I", _channel.memory, _PLACE, _PLACE_TOLD)
+            _struct.pack_into("<I16s", _channel.memory, _LOCATION + 4, frame.f_lineno, name)
+            _struct.pack_into("<I", _channel.memory, _LOCATION, _LOCATION_WRITTEN)
         return
-    place = "" if frame is None else f"{_os.path.basename(frame.f_code.co_filename)}:{frame.f_lineno}"
-    text = place.encode("utf-8", "replace")
+    location = "" if frame is None else f"{_os.path.basename(frame.f_code.co_filename)}:{frame.f_lineno}"
+    text = location.encode("utf-8", "replace")
     body = _struct.pack("<iIQQQQ", _signal.SIGURG, len(text), 0, 0, 0, 0) + text
     _channel.send(_FAULT, body)
     _os._exit(1)
@@ -1539,8 +1540,8 @@ def _advice(error, trace):
     return _missing_import(error, trace)
 
 
-# Words with which lines begin.
-_STARTS = ("while", "for", "if", "elif", "else", "def", "return", "import", "from", "class", "try", "except", "with", "break")
+# Words at the start of statements.
+_STATEMENT_WORDS = ("while", "for", "if", "elif", "else", "def", "return", "import", "from", "class", "try", "except", "with", "break")
 
 
 def _advice_on_syntax(line):
@@ -1554,16 +1555,16 @@ def _advice_on_syntax(line):
         if words in line:
             return f"Python has no `{words}`: write `{instead}`"
     word = re.match(r"\s*(\w*)", line).group(1)
-    near = difflib.get_close_matches(word, _STARTS, 1, 0.75) if word not in _STARTS else []
+    near = difflib.get_close_matches(word, _STATEMENT_WORDS, 1, 0.75) if word not in _STATEMENT_WORDS else []
     return f"did you mean `{near[0]}`?" if near else None
 
 
 def _missing_import(error, trace):
     """Suggestion for a name of this module that the program has not imported, or of RoBIOS 6; None for other errors."""
     name = getattr(error, "name", None) or (str(error).split("'") + [None] * 2)[1]
-    if isinstance(error, (NameError, AttributeError)) and name in _OF_ROBIOS6:
+    if isinstance(error, (NameError, AttributeError)) and name in _ROBIOS6_ONLY:
         return "it belongs to RoBIOS 6, which C and C++ have; Python has RoBIOS-7, whose devices need no handle and no `...Init`"
-    if not isinstance(error, NameError) or name not in __all__ or name in _ELSE:
+    if not isinstance(error, NameError) or name not in __all__ or name in _FURTHER_NAMES:
         return None
     while trace.tb_next:
         trace = trace.tb_next
@@ -1572,39 +1573,39 @@ def _missing_import(error, trace):
     return "it belongs to `eye`: write `from eye import *` as the first line"
 
 
-def _tell_error(path):
+def _report_error(path):
     """Prints the traceback of the program's own frames, and reports the exception to the simulator."""
     import traceback
 
     kind, error, trace = _sys.exc_info()
     _consoles[0].finish()  # what the program has printed comes before its error
     report = traceback.TracebackException(kind, error, trace)
-    _own_frames(report)
+    _remove_runtime_frames(report)
     text = "".join(report.format()).rstrip("\n")
-    said = traceback.format_exception_only(kind, error)[-1].strip()
+    message = traceback.format_exception_only(kind, error)[-1].strip()
     advice = _advice(error, trace)
     near = None if advice else _similar_name(error, trace)
     if advice:
-        said, text = said.split(". Did you mean")[0] + f": {advice}", text.split(". Did you mean")[0] + f": {advice}"
-    elif near and "Did you mean" not in said:
+        message, text = message.split(". Did you mean")[0] + f": {advice}", text.split(". Did you mean")[0] + f": {advice}"
+    elif near and "Did you mean" not in message:
         hint = f". Did you mean: '{near}'?"
-        said, text = said + hint, text + ("" if "Did you mean" in text else hint)
+        message, text = message + hint, text + ("" if "Did you mean" in text else hint)
     _sys.stderr.write(text + "\n")
     frames = [frame for frame in traceback.extract_tb(trace) if frame.filename not in _own_files]
-    own = [frame for frame in frames if _os.path.dirname(_os.path.abspath(frame.filename)) == _os.path.dirname(path)]
+    local_frames = [frame for frame in frames if _os.path.dirname(_os.path.abspath(frame.filename)) == _os.path.dirname(path)]
     if isinstance(error, SyntaxError) and error.filename:
-        said += f" at {_os.path.basename(error.filename)}:{error.lineno}"
-    elif own or frames:
-        frame = (own or frames)[-1]
-        said += f" at {_os.path.basename(frame.filename)}:{frame.lineno}"
+        message += f" at {_os.path.basename(error.filename)}:{error.lineno}"
+    elif local_frames or frames:
+        frame = (local_frames or frames)[-1]
+        message += f" at {_os.path.basename(frame.filename)}:{frame.lineno}"
     try:
-        _call(_support_failed, _FAILED_WITH_ERROR, said, b"")
+        _call(_support_failed, _FAILED_WITH_ERROR, message, b"")
     except _Stop:
         pass
 
 
 def _exit_code_of(program, path):
-    """Runs the program, which is in a file; reports a failure to the simulator. Returns its exit code."""
+    """Runs the program of the file `path`, reports a failure to the simulator and returns the exit code."""
     try:
         program()
     except _Stop:
@@ -1616,29 +1617,29 @@ def _exit_code_of(program, path):
         return 1
     except BaseException:
         if not _is_stopped:
-            _tell_error(path)
+            _report_error(path)
         return 1
     return 0
 
 
-_ONLY_TREE = 0x400  # `ast.PyCF_ONLY_AST`, without the import
+_AST_ONLY = 0x400  # `ast.PyCF_ONLY_AST`, without the import
 
 
-def _remark_on_missing_parentheses(tree, file):
+def _hint_at_missing_parentheses(tree, file):
     """Reports statements that only name a function of this module: `VWWait` instead of `VWWait()`."""
-    for part in ("body", "orelse", "finalbody", "handlers"):
-        statements = getattr(tree, part, ())
+    for field in ("body", "orelse", "finalbody", "handlers"):
+        statements = getattr(tree, field, ())
         for statement in statements if isinstance(statements, list) else ():
             value = getattr(statement, "value", None) if type(statement).__name__ == "Expr" else None
             name = getattr(value, "attr", None) or getattr(value, "id", None)
             if name in _functions:
                 text = f"`{name}` without `()` does nothing: write `{name}()`"
                 _consoles[1].write(f"{file}:{statement.lineno}: hint: {text}\n")
-            _remark_on_missing_parentheses(statement, file)
+            _hint_at_missing_parentheses(statement, file)
 
 
 def _run(path):
-    """Runs the program as `__main__`; its exit code."""
+    """Runs the program as `__main__` and returns its exit code."""
     import atexit
     import types
 
@@ -1650,19 +1651,19 @@ def _run(path):
     def program():
         with open(path, "rb") as file:
             text = file.read()
-        tree = compile(text, path, "exec", _ONLY_TREE)
-        _remark_on_missing_parentheses(tree, _os.path.basename(path))
+        tree = compile(text, path, "exec", _AST_ONLY)
+        _hint_at_missing_parentheses(tree, _os.path.basename(path))
         exec(compile(text, path, "exec"), module.__dict__)
 
     exit_code = _exit_code_of(program, path)
     try:
         threading = _sys.modules.get("threading")
         if threading is not None:
-            threading._shutdown()  # waits for threads that are no daemons
+            threading._shutdown()  # waits for the threads that are no daemons
         atexit._run_exitfuncs()
     except BaseException:
         pass  # the host has gone
-    _turns.enter()  # threads that are daemons call nothing any more
+    _channel_lock.acquire()  # from now on, daemon threads can make no calls
     for stream in _consoles:
         stream.finish()
     return exit_code
@@ -1678,26 +1679,26 @@ def _main(path):
     _die_with_host(channel)
     _sys.stdin = _io.TextIOWrapper(_io.BufferedReader(_Input()), encoding="utf-8", errors="replace")
     _sys.stdout, _sys.stderr = _consoles
-    _ctypes.CDLL = _ctypes.cdll._dlltype = _ELSE["CDLL"] = _cdll(_ctypes.CDLL)
-    _signal.signal(_signal.SIGURG, _tell_place)
+    _ctypes.CDLL = _ctypes.cdll._dlltype = _FURTHER_NAMES["CDLL"] = _cdll(_ctypes.CDLL)
+    _signal.signal(_signal.SIGURG, _report_location)
     path = _os.path.abspath(path)
     _sys.path[0] = _os.path.dirname(path)
-    _struct.pack_into("<I", channel.memory, _PLACE, _PLACE_READY)
+    _struct.pack_into("<I", channel.memory, _LOCATION, _LOCATION_READY)
     channel.send(_READY, _struct.pack("<Q", 0))
     kind, body = channel.receive()
     if kind != _RUN:
         _os._exit(0)
     (count,) = _struct.unpack_from("<I", body, 0)
-    at, arguments = 4, []
+    offset, arguments = 4, []
     for _ in range(count):
-        (length,) = _struct.unpack_from("<I", body, at)
-        arguments.append(body[at + 4 : at + 4 + length].decode("utf-8", "surrogateescape"))
-        at += 4 + length
+        (length,) = _struct.unpack_from("<I", body, offset)
+        arguments.append(body[offset + 4 : offset + 4 + length].decode("utf-8", "surrogateescape"))
+        offset += 4 + length
     _sys.argv = arguments
     _channel = channel
     exit_code = 0
     try:
-        _replace_surroundings()
+        _replace_time_and_randomness()
         _watch_imports(channel)
         exit_code = _run(path)
     except _Stop:

@@ -7,7 +7,7 @@ use crate::{robios6::Robios6Table, robios7::Robios7Table, support::SupportTable}
 
 /// Version of all layouts in this crate: a host runs only programs built for the same version.
 ///
-/// Increased when an existing layout changes, but not when functions are appended to a table: see
+/// The version increases when an existing layout changes, but not when functions are appended to a table: see
 /// [`Program::support_size`].
 pub const ABI_VERSION: u32 = 2;
 
@@ -16,7 +16,7 @@ pub const PROGRAM_SYMBOL: &str = "eyesim_program";
 
 /// Result of [`Program::run`] after a call was answered with [`Status::STOP`].
 ///
-/// The host does not rely on this number to know that it has stopped the program: a C program may return it too.
+/// The host does not detect by this number that it has stopped the program: a C program may return it too.
 pub const EXIT_STOPPED: c_int = c_int::MIN;
 
 /// Result of [`Program::run`] after `abort`, a failed assertion or a smashed stack: 128 + SIGABRT, as in a shell.
@@ -36,7 +36,7 @@ pub const CONSTRUCTOR_TAGS: [u32; 2] = [0x6579_0001, 0x6579_0002];
 pub struct Status(pub i32);
 
 impl Status {
-    /// The call was carried out and its result written.
+    /// The call was executed and its result was written.
     pub const OK: Self = Self(0);
     /// The program must end: no result was written, and further calls have no effect.
     ///
@@ -61,7 +61,7 @@ impl std::error::Error for Stop {}
 /// Fields are only appended; tables of generations other than the program's are null.
 #[repr(C)]
 pub struct Host {
-    /// Bytes of this struct in the host.
+    /// Size of this struct in the host, in bytes.
     pub size: u32,
     /// [`ABI_VERSION`] of the host.
     pub abi: u32,
@@ -143,7 +143,7 @@ impl CallSite {
     pub const NONE: Self = Self { address: std::ptr::null(), file: std::ptr::null(), file_len: 0, line: 0 };
 }
 
-/// Unfinished line that a program has printed to a stream and its shim has not passed on yet. The host reads it if the
+/// Unfinished line that a program has printed to a stream and that its shim has not passed on yet. The host reads it if the
 /// program breaks.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -162,7 +162,7 @@ pub const CONSOLE_LINE: usize = 1024;
 /// Description of a program, exported by its library as [`PROGRAM_SYMBOL`]. Fields are only appended.
 #[repr(C)]
 pub struct Program {
-    /// Bytes of this struct in the program.
+    /// Size of this struct in the program, in bytes.
     pub size: u32,
     /// [`ABI_VERSION`] that the program was built against.
     pub abi: u32,
@@ -286,17 +286,17 @@ mod tests {
     }
 
     #[test]
-    fn a_program_is_refused_for_what_does_not_fit() {
-        let good = || Program::robios6(language::RUST, run, std::ptr::null());
-        assert_eq!(good().check(), Ok(()));
-        let older = Program { robios_size: good().robios_size - 8, ..good() };
+    fn incompatible_program_is_refused() {
+        let compatible = || Program::robios6(language::RUST, run, std::ptr::null());
+        assert_eq!(compatible().check(), Ok(()));
+        let older = Program { robios_size: compatible().robios_size - 8, ..compatible() };
         assert_eq!(older.check(), Ok(()), "a table is only appended to");
-        let newer = Program { robios_size: good().robios_size + 8, ..good() };
+        let newer = Program { robios_size: compatible().robios_size + 8, ..compatible() };
         assert_eq!(newer.check(), Err(Incompatibility::Newer));
-        let other = Program { abi: ABI_VERSION + 1, ..good() };
-        assert_eq!(other.check(), Err(Incompatibility::Abi { program: ABI_VERSION + 1 }));
+        let other_abi = Program { abi: ABI_VERSION + 1, ..compatible() };
+        assert_eq!(other_abi.check(), Err(Incompatibility::Abi { program: ABI_VERSION + 1 }));
         assert_eq!(Program::robios7(language::C, run, std::ptr::null()).check(), Ok(()));
-        let eighth = Program { generation: 8, ..good() };
-        assert_eq!(eighth.check(), Err(Incompatibility::Generation(8)));
+        let generation8 = Program { generation: 8, ..compatible() };
+        assert_eq!(generation8.check(), Err(Incompatibility::Generation(8)));
     }
 }

@@ -7,7 +7,7 @@ pub struct Constant {
     pub name: &'static str,
     /// Its value.
     pub value: i64,
-    /// Its documentation, a line each, with the leading blank of the doc comment.
+    /// Lines of its documentation, each with the leading blank of the doc comment.
     pub doc: &'static [&'static str],
 }
 

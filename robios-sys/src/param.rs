@@ -22,7 +22,7 @@ pub trait Param {
     /// Reads the argument of the program, before the method runs.
     ///
     /// # Safety
-    /// A pointer in `abi` is null or may be read as its kind says.
+    /// A pointer in `abi` is null or may be read as its kind requires.
     unsafe fn take(abi: Self::Abi) -> Self::Storage;
 
     /// Argument for the method.
@@ -31,7 +31,7 @@ pub trait Param {
     /// Writes the outputs set by the method, after it has returned.
     ///
     /// # Safety
-    /// A pointer in `abi` is null or may be written as its kind says.
+    /// A pointer in `abi` is null or may be written as its kind requires.
     unsafe fn give(abi: Self::Abi, held: Self::Storage) {
         let _ = (abi, held);
     }
@@ -169,8 +169,8 @@ pub struct ByteBuffer {
 }
 
 impl From<&mut [u8]> for ByteBuffer {
-    fn from(room: &mut [u8]) -> Self {
-        Self { data: room.as_mut_ptr(), len: room.len() }
+    fn from(buffer: &mut [u8]) -> Self {
+        Self { data: buffer.as_mut_ptr(), len: buffer.len() }
     }
 }
 
@@ -276,21 +276,21 @@ impl<T: Plain> Param for In<T> {
 }
 
 /// Appends a flag, and the value if there is one.
-fn put_option<T: Plain>(value: Option<&T>, to: &mut Vec<u8>) {
-    to.push(u8::from(value.is_some()));
+fn put_option<T: Plain>(value: Option<&T>, buffer: &mut Vec<u8>) {
+    buffer.push(u8::from(value.is_some()));
     if let Some(value) = value {
-        value.put(to);
+        value.put(buffer);
     }
 }
 
 /// Reads an option written by [`put_option`].
-fn get_option<T: Plain>(from: &mut Reader<'_>) -> Result<Option<T>, Malformed> {
-    if from.get::<u8>()? == 0 { Ok(None) } else { from.get().map(Some) }
+fn get_option<T: Plain>(reader: &mut Reader<'_>) -> Result<Option<T>, Malformed> {
+    if reader.get::<u8>()? == 0 { Ok(None) } else { reader.get().map(Some) }
 }
 
 /// A pointer to exactly one `T` that is read and written: for the host `Option<&mut T>`.
 ///
-/// Written back after the method has returned without [`Stop`], changed or not.
+/// The value is written back after the method has returned without [`Stop`], even if it is unchanged.
 #[derive(Debug)]
 pub struct InOut<T>(std::marker::PhantomData<T>);
 
@@ -325,7 +325,7 @@ impl<T: Plain> Param for InOut<T> {
         put_option(held.as_ref(), reply);
     }
     fn read_reply(held: &mut Option<T>, reply: &mut Reader<'_>) -> Result<(), Malformed> {
-        // Only where there is a pointer to write to.
+        // The value is kept only if there is a pointer to write it to.
         if let (Some(held), Some(value)) = (held.as_mut(), get_option(reply)?) {
             *held = value;
         }
@@ -520,18 +520,18 @@ impl Param for OutBytes {
 }
 
 /// Appends a capacity, or the marker of a null pointer.
-fn put_capacity(capacity: Option<usize>, to: &mut Vec<u8>) {
-    capacity.map_or(NULL, |capacity| u32::try_from(capacity).unwrap_or(NULL - 1).min(NULL - 1)).put(to);
+fn put_capacity(capacity: Option<usize>, buffer: &mut Vec<u8>) {
+    capacity.map_or(NULL, |capacity| u32::try_from(capacity).unwrap_or(NULL - 1).min(NULL - 1)).put(buffer);
 }
 
 /// Reads a capacity written by [`put_capacity`].
-fn get_capacity(from: &mut Reader<'_>) -> Result<Option<usize>, Malformed> {
-    let capacity: u32 = from.get()?;
+fn get_capacity(reader: &mut Reader<'_>) -> Result<Option<usize>, Malformed> {
+    let capacity: u32 = reader.get()?;
     Ok((capacity != NULL).then_some(capacity as usize))
 }
 
 /// Buffer for numbers: [`ByteBuffer`] with a capacity of `len` numbers in the ABI; the host gets `&mut OutNumbers` and
-/// [sets](Self::set) them. In the lists [`OutInts`] and [`OutFloats`].
+/// [sets](Self::set) them. The lists of functions use [`OutInts`] and [`OutFloats`].
 ///
 /// The thunk writes as many as fit, after the method has returned without [`Stop`]; the rest of the buffer is unchanged.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Python side: the module `eye` of robot programs in Python, generated from the lists and `python/runtime.py`.
+//! The module `eye` of robot programs in Python, generated from the lists and `python/runtime.py`.
 
 use std::sync::LazyLock;
 
@@ -19,17 +19,17 @@ pub fn eye() -> String {
     let mut calls = String::new();
     for (list, number, function) in support.chain(robios7) {
         let name = if list == 0 { format!("_support_{}", function.name) } else { format!("_{}", function.name) };
-        let kinds: String = function.parameters.iter().map(|parameter| kind(parameter.kind)).collect();
-        let result = kind(function.returns);
+        let kinds: String = function.parameters.iter().map(|parameter| format_letter(parameter.kind)).collect();
+        let result = format_letter(function.returns);
         calls += &format!("{name} = (\"{}\", {list}, {number}, \"{kinds}\", \"{result}\")\n", function.name);
     }
-    let plain = Robios7Call::ALL.iter().map(|call| call.function()).filter(|function| is_plain(function));
-    let functions: Vec<String> = plain.map(definition).collect();
+    let generated = Robios7Call::ALL.iter().map(|call| call.function()).filter(|function| is_generated(function));
+    let functions: Vec<String> = generated.map(definition).collect();
     let names = Robios6Call::ALL.iter().map(|call| call.function().name);
-    let of_robios6: Vec<&str> = names.filter(|name| Robios7Call::from_name(name).is_none()).collect();
+    let robios6_only: Vec<&str> = names.filter(|name| Robios7Call::from_name(name).is_none()).collect();
     RUNTIME
         .replace("# @CONSTANTS@", CONSTANTS.iter().map(constant).collect::<String>().trim_end())
-        .replace("# @ROBIOS6@", &of_robios6.join("\n"))
+        .replace("# @ROBIOS6@", &robios6_only.join("\n"))
         .replace("# @CALLS@", calls.trim_end())
         .replace("# @FUNCTIONS@", functions.join("\n\n\n").trim_end())
 }
@@ -52,9 +52,13 @@ pub fn form(name: &str) -> Option<Form> {
     let doc =
         rest.trim_start().strip_prefix("\"\"\"").and_then(|doc| doc.split_once("\"\"\"")).map_or("", |(doc, _)| doc);
     let function = Robios7Call::from_name(name).map(|call| call.function())?;
-    let outs: Vec<&str> =
-        function.parameters.iter().filter(|it| it.kind.starts_with("Out<")).map(|it| it.name).collect();
-    let note = match is_plain(function) {
+    let outs: Vec<&str> = function
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.kind.starts_with("Out<"))
+        .map(|parameter| parameter.name)
+        .collect();
+    let note = match is_generated(function) {
         true if outs.is_empty() => None,
         true => Some(format!("The result is `{}`.", outs.join(", "))),
         false => Some(doc.split_whitespace().collect::<Vec<_>>().join(" ")),
@@ -62,9 +66,9 @@ pub fn form(name: &str) -> Option<Form> {
     Some(Form { signature: format!("{name}({parameters})"), note })
 }
 
-/// True for a function whose form in Python follows from the list; the others are in `runtime.py`.
-fn is_plain(function: &Function) -> bool {
-    let by_hand = [
+/// Returns true for a function whose form in Python is generated from the list; the others are in `runtime.py`.
+fn is_generated(function: &Function) -> bool {
+    let hand_written = [
         "LCDPrintf",
         "LCDSetPrintf",
         "LCDImageSize",
@@ -83,7 +87,7 @@ fn is_plain(function: &Function) -> bool {
         "LEGGetHeight",
     ];
     let is_sized = |kind: &str| ["OutBytes", "OutInts", "OutFloats"].contains(&kind);
-    !by_hand.contains(&function.name)
+    !hand_written.contains(&function.name)
         && function.parameters.iter().all(|parameter| !is_sized(parameter.kind) && parameter.name != "width_px")
 }
 
@@ -93,6 +97,7 @@ fn constant(constant: &Constant) -> String {
     format!("{} = {}\n", constant.name, value.replace("0X", "0x"))
 }
 
+/// Definition of a generated function in Python.
 fn definition(function: &Function) -> String {
     let is_out = |kind: &str| kind.starts_with("Out<");
     let (outs, inputs): (Vec<&Parameter>, Vec<&Parameter>) =
@@ -100,8 +105,11 @@ fn definition(function: &Function) -> String {
     let optional: Vec<String> = outs.iter().map(|out| format!("{}=None", out.name)).collect();
     let names: Vec<&str> = inputs.iter().map(|input| input.name).collect();
     let signature = names.iter().copied().chain(optional.iter().map(String::as_str)).collect::<Vec<_>>().join(", ");
-    let values: Vec<&str> =
-        function.parameters.iter().map(|it| if is_out(it.kind) { "None" } else { it.name }).collect();
+    let values: Vec<&str> = function
+        .parameters
+        .iter()
+        .map(|parameter| if is_out(parameter.kind) { "None" } else { parameter.name })
+        .collect();
     let name = function.name;
     let call = format!("_call({})", [&[format!("_{name}").as_str()], &values[..]].concat().join(", "));
     let body = match (outs.is_empty(), function.returns) {
@@ -118,8 +126,8 @@ fn definition(function: &Function) -> String {
     format!("def {name}({signature}):\n    \"\"\"{doc}\"\"\"\n    {body}")
 }
 
-/// Format letter by which the runtime packs a parameter or a result of this type.
-fn kind(kind: &str) -> &'static str {
+/// Letter of the format in which the runtime packs a parameter or a result of this type.
+fn format_letter(kind: &str) -> &'static str {
     match kind {
         "()" => "",
         "i32" | "Color" | "Timer" => "i",

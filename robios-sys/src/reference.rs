@@ -1,6 +1,6 @@
 //! Reference pages of both generations, generated from the lists of functions and constants and from the examples of each family.
 //!
-//! The doc of a function has a fixed order: sentences that say what it does; one clause for each parameter, `name: text.`, or
+//! The doc of a function has a fixed order: sentences that describe what it does; one clause for each parameter, `name: text.`, or
 //! `name, name: text.`; `Returns ...`. A parameter without a clause is described by its type.
 
 use std::fmt::Write as _;
@@ -49,9 +49,9 @@ pub fn pages<E>(mut example: impl FnMut(&str) -> Result<String, E>) -> Result<[P
 /// The parts of a function's doc.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Description {
-    /// Sentences that say what the function does; the first one is used alone in lists.
+    /// Sentences that describe what the function does; the first one is used alone in lists.
     pub text: Vec<String>,
-    /// The parameters of the C prototype in its order: name, and text without the final full stop.
+    /// The parameters in the order of the C prototype: name, and text without the final full stop.
     pub parameters: Vec<(String, Option<String>)>,
     /// The result, without `Returns` and the final full stop.
     pub result: Option<String>,
@@ -73,23 +73,23 @@ pub fn describe(function: &Function) -> Description {
         } else if let Some(result) = &mut description.result {
             *result += &format!(". {sentence}");
         } else if let Some((described, text)) = clause_of(sentence, &names) {
-            for (name, of) in &mut description.parameters {
+            for (name, parameter_text) in &mut description.parameters {
                 if described.contains(&name.as_str()) {
-                    *of = Some(text.to_owned());
+                    *parameter_text = Some(text.to_owned());
                 }
             }
             clause = described.iter().map(|name| (*name).to_owned()).collect();
         } else if clause.is_empty() {
             description.text.push(format!("{sentence}."));
         } else {
-            for (_, of) in description.parameters.iter_mut().filter(|(name, _)| clause.contains(name)) {
-                *of = of.take().map(|text| format!("{text}. {sentence}"));
+            for (_, parameter_text) in description.parameters.iter_mut().filter(|(name, _)| clause.contains(name)) {
+                *parameter_text = parameter_text.take().map(|text| format!("{text}. {sentence}"));
             }
         }
     }
-    for (name, of) in &mut description.parameters {
-        let kind = function.parameters.iter().find(|parameter| parameter.name == name).map(|it| it.kind);
-        *of = of.take().or_else(|| kind.and_then(of_kind).map(str::to_owned));
+    for (name, parameter_text) in &mut description.parameters {
+        let kind = function.parameters.iter().find(|parameter| parameter.name == name).map(|parameter| parameter.kind);
+        *parameter_text = parameter_text.take().or_else(|| kind.and_then(kind_description).map(str::to_owned));
     }
     description
 }
@@ -98,7 +98,7 @@ pub fn describe(function: &Function) -> Description {
 fn clause_of<'a>(sentence: &'a str, names: &[String]) -> Option<(Vec<&'a str>, &'a str)> {
     let (head, text) = sentence.split_once(": ")?;
     let described: Vec<&str> = head.split(", ").collect();
-    described.iter().all(|name| names.iter().any(|it| it == name)).then_some((described, text))
+    described.iter().all(|name| names.iter().any(|known| known == name)).then_some((described, text))
 }
 
 /// Names of the parameters of a prototype in C.
@@ -117,8 +117,8 @@ fn parameter_names(prototype: &str) -> Vec<String> {
         .collect()
 }
 
-/// Description of a parameter by its type.
-fn of_kind(kind: &str) -> Option<&'static str> {
+/// Description of a parameter that follows from its type.
+fn kind_description(kind: &str) -> Option<&'static str> {
     Some(match kind {
         "VWHandle" => "handle of `VWInit`",
         "PSDHandle" => "handle of `PSDInit`",
@@ -142,6 +142,7 @@ fn of_kind(kind: &str) -> Option<&'static str> {
     })
 }
 
+/// Appends a section for each family and its functions.
 fn families<E>(
     page: &mut String,
     families: &[Family],
@@ -246,24 +247,24 @@ mod tests {
         let mut missing = Vec::new();
         for function in six.chain(Robios7Call::ALL.iter().map(|call| call.function())) {
             let description = describe(function);
-            let silent =
+            let undescribed =
                 description.parameters.iter().filter(|(_, text)| text.is_none()).map(|(name, _)| name.as_str());
-            let mut lacks: Vec<&str> = silent.collect();
+            let mut missing_parts: Vec<&str> = undescribed.collect();
             if description.text.is_empty() {
-                lacks.push("a sentence");
+                missing_parts.push("a sentence");
             }
             if description.result.is_none() && function.returns != "()" {
-                lacks.push("`Returns`");
+                missing_parts.push("`Returns`");
             }
-            if !lacks.is_empty() {
-                missing.push(format!("{} of {}: {}", function.name, function.family, lacks.join(", ")));
+            if !missing_parts.is_empty() {
+                missing.push(format!("{} of {}: {}", function.name, function.family, missing_parts.join(", ")));
             }
         }
         assert!(missing.is_empty(), "{missing:#?}");
     }
 
     #[test]
-    fn a_doc_falls_into_its_parts() {
+    fn doc_is_split_into_its_parts() {
         let function = Robios6Call::VWDriveTurn.function();
         let description = describe(function);
         assert_eq!(

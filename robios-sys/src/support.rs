@@ -69,13 +69,13 @@ pub mod wait {
 
 /// Frames, cells and limits of [`Support::show_grid`], [`Support::show_points`] and [`Support::show_line`].
 pub mod layer {
-    /// Frame: that of the world.
+    /// The frame of the world.
     pub const WORLD: i32 = 0;
-    /// Frame: that of the robot's odometry, where it was when the program set the odometry last, or else at the robot's start.
+    /// The frame of the robot's odometry. It is fixed in the world when the program sets the odometry, at first at the robot's start.
     pub const ODOMETRY: i32 = 1;
-    /// Cell that is surely occupied; 0 is surely free. Source: `nav_msgs/OccupancyGrid` of ROS.
+    /// Cell that is certainly occupied; 0 is certainly free. Source: `nav_msgs/OccupancyGrid` of ROS.
     pub const OCCUPIED: u8 = 100;
-    /// Cell of which nothing is known.
+    /// Unknown cell.
     pub const UNKNOWN: u8 = 255;
     /// Maximum number of cells of a grid.
     pub const MAX_CELLS: usize = 1 << 20;

@@ -35,8 +35,8 @@ pub trait CallContext: Sized {
         let _ = record;
     }
 
-    /// Carries out a call to function `index` of the list with number `table` if the host forbids this function; returns true if
-    /// so, and the call then fails as documented, without any effect.
+    /// Handles a call to function `index` of the list with number `table` if the host forbids this function. Returns true if the host
+    /// forbids it: the call then fails as documented, without any effect.
     ///
     /// # Errors
     /// [`Stop`] when the program must end.
@@ -46,7 +46,7 @@ pub trait CallContext: Sized {
         Ok(false)
     }
 
-    /// Reports a call to a function that the host does not implement, and which fails as documented.
+    /// Reports a call to a function that the host does not implement and that fails as documented.
     fn unavailable(&self, name: &'static str) {
         let _ = name;
     }
@@ -93,7 +93,7 @@ pub struct Function {
     pub name: &'static str,
     /// The family that it belongs to, such as `VW`.
     pub family: &'static str,
-    /// Its documentation, a line each, with the leading blank of the doc comment.
+    /// Lines of its documentation, each with the leading blank of the doc comment.
     pub doc: &'static [&'static str],
     /// Its parameters in order.
     pub parameters: &'static [Parameter],
@@ -123,7 +123,7 @@ pub struct Family {
     pub source: &'static str,
 }
 
-/// The first element, if any; the macro turns an optional part of the list into an `Option` by it.
+/// The first element, if any. With it, the macro turns an optional part of the list into an `Option`.
 pub(crate) const fn first(elements: &'static [&'static str]) -> Option<&'static str> {
     if let [first, ..] = elements { Some(*first) } else { None }
 }
@@ -141,7 +141,7 @@ pub(crate) fn guarded<H: CallContext, R>(
     })
 }
 
-/// Passes a call that has returned to the host's log.
+/// Logs a completed call.
 #[cold]
 pub(crate) fn log<H: CallContext, R: Copy + Return>(
     host: &H,
@@ -192,7 +192,7 @@ macro_rules! function_table {
         #[allow(non_snake_case, reason = "the names of RoBIOS")]
         #[repr(C)]
         pub struct $Table {
-            /// Bytes of this struct in the host.
+            /// Size of this struct in the host, in bytes.
             pub size: u32,
             /// Version of this table, for messages; `size` determines which functions it has.
             pub version: u32,
@@ -220,8 +220,8 @@ macro_rules! function_table {
                 }
             }
 
-            /// The table of a program in another process than its host: each entry sends the call on the `L` of the
-            /// calling thread and waits for the reply.
+            /// The table of a program in another process than its host: each entry sends the call through the
+            /// connection `L` of the calling thread and waits for the reply.
             pub const fn remote<L: $crate::wire::HostConnection>() -> Self {
                 Self {
                     size: size_of::<Self>() as u32,
@@ -369,7 +369,7 @@ macro_rules! function_table {
             $($(
                 /// # Safety
                 /// `robot` is what the host has passed to the program's `run`; every other pointer is null or valid
-                /// as its kind says.
+                /// as its kind requires.
                 pub unsafe extern "C" fn $name<H: $Trait>(
                     robot: *mut ::std::ffi::c_void,
                     $($parameter: <$kind as Param>::Abi,)*
@@ -393,7 +393,7 @@ macro_rules! function_table {
             )*)*
         }
 
-        /// The C functions between the table and a line to a host in another process.
+        /// The C functions between the table and a connection to a host in another process.
         #[allow(non_snake_case, reason = "the names of RoBIOS")]
         #[allow(clippy::too_many_arguments, reason = "the functions of RoBIOS have as many")]
         mod client {
@@ -403,17 +403,17 @@ macro_rules! function_table {
             $($(
                 /// # Safety
                 /// `context` is what was passed to the program's `run`; every other pointer is null or valid as its
-                /// kind says.
+                /// kind requires.
                 pub unsafe extern "C" fn $name<L: HostConnection>(
                     context: *mut ::std::ffi::c_void,
                     $($parameter: <$kind as Param>::Abi,)*
                     result: *mut $result,
                 ) -> $crate::abi::Status {
                     // SAFETY: the caller vouches for `context`.
-                    let Some(line) = (unsafe { L::from_context(context) }) else { return $crate::abi::Status::STOP };
+                    let Some(connection) = (unsafe { L::from_context(context) }) else { return $crate::abi::Status::STOP };
                     // SAFETY: the caller vouches for the pointers.
                     $(let mut $parameter = ($parameter, unsafe { <$kind as Param>::take($parameter) });)*
-                    let reply = line.exchange($Call::TABLE, $Call::$name as u32, |_request| {
+                    let reply = connection.exchange($Call::TABLE, $Call::$name as u32, |_request| {
                         $(<$kind as Param>::write_request(&$parameter.1, _request);)*
                     });
                     let Ok(reply) = reply else { return $crate::abi::Status::STOP };

@@ -47,17 +47,19 @@ pub trait HostConnection {
 /// The type has no padding, and every bit pattern is valid.
 pub unsafe trait Plain: Copy + 'static {
     /// Appends the value.
-    fn put(&self, to: &mut Vec<u8>) {
+    fn put(&self, buffer: &mut Vec<u8>) {
         // SAFETY: all bytes of a value without padding are initialised.
-        to.extend_from_slice(unsafe { std::slice::from_raw_parts((&raw const *self).cast::<u8>(), size_of::<Self>()) });
+        buffer.extend_from_slice(unsafe {
+            std::slice::from_raw_parts((&raw const *self).cast::<u8>(), size_of::<Self>())
+        });
     }
 
     /// Reads a value.
     ///
     /// # Errors
     /// [`Malformed`] if there are too few bytes.
-    fn get(from: &mut Reader<'_>) -> Result<Self, Malformed> {
-        let bytes = from.take(size_of::<Self>())?;
+    fn get(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let bytes = reader.take(size_of::<Self>())?;
         // SAFETY: there are as many bytes as the type has, every bit pattern is valid, and the read is unaligned.
         Ok(unsafe { bytes.as_ptr().cast::<Self>().read_unaligned() })
     }
@@ -125,16 +127,16 @@ impl<'a> Reader<'a> {
 ///
 /// # Panics
 /// If there are 4 GiB or more of them, which no robot program passes.
-pub fn put_bytes(bytes: Option<&[u8]>, to: &mut Vec<u8>) {
+pub fn put_bytes(bytes: Option<&[u8]>, buffer: &mut Vec<u8>) {
     match bytes {
-        None => NULL.put(to),
+        None => NULL.put(buffer),
         Some(bytes) => {
             u32::try_from(bytes.len())
                 .ok()
                 .filter(|len| *len != NULL)
                 .expect("bytes of a call fit in a message")
-                .put(to);
-            to.extend_from_slice(bytes);
+                .put(buffer);
+            buffer.extend_from_slice(bytes);
         }
     }
 }
@@ -143,7 +145,7 @@ pub fn put_bytes(bytes: Option<&[u8]>, to: &mut Vec<u8>) {
 pub struct Request<'a> {
     /// Arguments not yet read.
     pub arguments: Reader<'a>,
-    /// Converts the two numbers of a function of the program, code and data, to a callback that the host can call.
+    /// Converts code and data of a function of the program, both as numbers, to a callback that the host can call.
     pub callback: &'a dyn Fn(u64, u64) -> Callback,
 }
 

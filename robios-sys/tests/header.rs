@@ -6,14 +6,14 @@ use common::{compile, folder, folder_with, has_compiler};
 use robios_sys::{c, reference};
 
 #[test]
-fn the_page_of_the_c_library_is_what_the_list_gives() {
+fn c_library_page_is_up_to_date() {
     let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/c-library.md");
     let committed = std::fs::read_to_string(page).expect("the page");
     assert!(committed == c::c_library_page(), "{page} is stale: cargo run -p robios-sys --bin generate");
 }
 
 #[test]
-fn the_references_are_what_the_lists_give() {
+fn reference_pages_are_up_to_date() {
     let docs = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs"));
     let pages =
         reference::pages(|name| std::fs::read_to_string(docs.join("examples").join(name))).expect("the examples");
@@ -28,10 +28,10 @@ fn each_header_compiles_alone_and_twice_in_every_dialect() {
     if !has_compiler() {
         return;
     }
-    // RoBIOS-7 has always needed types of C99; its variadic macros need C++11 when a compiler is pedantic.
-    let of_6 = ["gnu89", "c99", "gnu17", "c++98", "c++17"];
-    let of_7 = ["gnu99", "c99", "gnu17", "c++11", "c++17", "c++20"];
-    for (headers, dialects) in [(c::HEADERS6, &of_6[..]), (c::HEADERS7, &of_7)] {
+    // The headers of RoBIOS-7 have always needed types of C99; their variadic macros need C++11 with `-pedantic`.
+    let dialects6 = ["gnu89", "c99", "gnu17", "c++98", "c++17"];
+    let dialects7 = ["gnu99", "c99", "gnu17", "c++11", "c++17", "c++20"];
+    for (headers, dialects) in [(c::HEADERS6, &dialects6[..]), (c::HEADERS7, &dialects7)] {
         let folder = folder_with(headers);
         for header in headers {
             let text = format!("#include \"{0}\"\n#include \"{0}\"\nextern int unused;\n", header.name);
@@ -53,7 +53,7 @@ fn c_and_cpp_files_of_one_program_link() {
         return;
     }
     let folder = folder();
-    // The header of truth values is for sources that include none that declares them.
+    // The header of truth values is for sources that include no header with their declarations.
     let headers = c::HEADERS6.iter().filter(|header| header.name != c::TRUTH_HEADER);
     let include_all: String = headers.map(|header| format!("#include \"{}\"\n", header.name)).collect();
     let write = |name: &str, text: &str| {

@@ -92,7 +92,7 @@ fn main_has_every_form_of_old_and_new_c() {
         return;
     }
     let quiet: &[&str] = &["-std=gnu89", "-w"];
-    for (text, flags, code) in [
+    for (text, flags, expected_code) in [
         ("int main(void) { return 42; }", &[][..], 42),
         ("int main() { return -1; }", &[], -1),
         ("main() { return 3; }", quiet, 3),
@@ -102,15 +102,15 @@ fn main_has_every_form_of_old_and_new_c() {
         // No `return`: C99 says 0.
         ("int main(void) { }", &[], 0),
     ] {
-        let (got, _) = build(&[text], flags, &[]).run(Robot::default(), &["a"]);
-        assert_eq!(got, code, "{text}");
+        let (exit_code, _) = build(&[text], flags, &[]).run(Robot::default(), &["a"]);
+        assert_eq!(exit_code, expected_code, "{text}");
     }
     let void = build(&["int f(void) { return 77; }\nvoid main() { f(); }"], &["-w"], &[c::VOID_MAIN_FLAG]);
     assert_eq!(void.run(Robot::default(), &[]).0, 0);
 }
 
 #[test]
-fn a_stopped_program_is_left_from_wherever_it_is() {
+fn stopped_program_ends_at_any_call_depth() {
     if !has_compiler() {
         return;
     }
@@ -187,18 +187,18 @@ int main(void)
 }
 
 #[test]
-fn exit_runs_what_atexit_has_registered_last_first_and_once() {
+fn exit_runs_exit_handlers_once_in_reverse_order() {
     if !has_compiler() {
         return;
     }
-    for (end, code, printed) in [
+    for (end, expected_code, printed) in [
         ("return 4;", 4, "three\ntwo\none\n"),
         ("exit(5);", 5, "three\ntwo\none\n"),
         ("_exit(6);", 6, ""),
         ("_Exit(6);", 6, ""),
         ("quick_exit(8);", 8, "quick\n"),
     ] {
-        let (got, robot) = run(&format!(
+        let (exit_code, robot) = run(&format!(
             r#"
 #define _GNU_SOURCE
 #include <stdio.h>
@@ -217,8 +217,8 @@ int main(void)
     {end}
 }}"#
         ));
-        let code = if printed.starts_with("three") { 99 } else { code };
-        assert_eq!((got, robot.printed().as_str()), (code, printed), "{end}");
+        let expected_code = if printed.starts_with("three") { 99 } else { expected_code };
+        assert_eq!((exit_code, robot.printed().as_str()), (expected_code, printed), "{end}");
     }
 }
 
@@ -231,8 +231,8 @@ fn abort_and_failed_assertions_end_the_robot_as_failed() {
         let text = "#include <assert.h>\nint main(int n, char **a)\n{\n    assert(n == 2 && a);\n    return 0;\n}";
         let (code, robot) = build(&[text], level, &[]).run(Robot::default(), &[]);
         assert_eq!(code, EXIT_ABORTED);
-        let said = "program0.c:4: main: assertion `n == 2 && a` failed".to_owned();
-        assert_eq!(*robot.failures.borrow(), [(support::failure::ASSERTION, said)]);
+        let expected = "program0.c:4: main: assertion `n == 2 && a` failed".to_owned();
+        assert_eq!(*robot.failures.borrow(), [(support::failure::ASSERTION, expected)]);
     }
     let (code, robot) = run("#include <stdlib.h>\n#include <stdio.h>\nint main(void) { printf(\"last\"); abort(); }");
     assert_eq!((code, robot.printed().as_str()), (EXIT_ABORTED, "last"));
@@ -249,8 +249,8 @@ fn an_overrun_array_ends_the_robot_and_not_the_host() {
                 int main(int n, char **a) { char b[4]; strcpy(b, a[1]); puts(b); return 0; }";
     let (code, robot) = build(&[text], fortified, &[]).run(Robot::default(), &["far too long"]);
     assert_eq!(code, EXIT_ABORTED);
-    let said = "buffer overflow detected in strcpy: 13 bytes into 4".to_owned();
-    assert_eq!(*robot.failures.borrow(), [(support::failure::STACK, said)]);
+    let expected = "buffer overflow detected in strcpy: 13 bytes into 4".to_owned();
+    assert_eq!(*robot.failures.borrow(), [(support::failure::STACK, expected)]);
 
     let protected = &["-O0", "-fstack-protector-all", "-w"];
     let text = "int f(volatile int n) { volatile char b[8]; for (int i = 0; i < n; i++) b[i] = 1; return b[0]; }\n\
@@ -260,7 +260,7 @@ fn an_overrun_array_ends_the_robot_and_not_the_host() {
 }
 
 #[test]
-fn whatever_prints_prints_to_the_robots_console_line_by_line() {
+fn all_output_goes_to_the_robots_console_line_by_line() {
     if !has_compiler() {
         return;
     }
@@ -304,13 +304,13 @@ int main(int n, char **a)
     printf("buffered\nrest");
     return 0;
 }"#;
-    let said = "plain\n1 program\ncstring\nputs\npqr\nvprintf\nfprintf\n1 fprintf\nfputs\nfwrite\ndprintf 1\nwrite\n\
+    let expected = "plain\n1 program\ncstring\nputs\npqr\nvprintf\nfprintf\n1 fprintf\nfputs\nfwrite\ndprintf 1\nwrite\n\
                 buffered\nrest";
     for level in LEVELS {
         let flags = [level, &["-w"]].concat();
         let (code, robot) = build(&[text], &flags, &[]).run(Robot::default(), &[]);
-        assert_eq!((code, robot.printed().as_str()), (0, said), "{level:?}");
-        let lines: Vec<_> = said.split_inclusive('\n').collect();
+        assert_eq!((code, robot.printed().as_str()), (0, expected), "{level:?}");
+        let lines: Vec<_> = expected.split_inclusive('\n').collect();
         assert_eq!(*robot.out.borrow(), lines, "{level:?}");
         let errors = "error\nmaze.map: No such file or directory\nsquare: warned 3\n";
         assert_eq!(robot.err.borrow().concat(), errors, "{level:?}");
@@ -453,7 +453,7 @@ int main(int n, char **a)
 }
 
 #[test]
-fn a_programs_own_functions_win_over_the_c_library_in_all_its_files() {
+fn functions_of_a_program_take_precedence_over_the_c_library_in_all_its_files() {
     if !has_compiler() {
         return;
     }
@@ -488,7 +488,7 @@ fn old_programs_share_variables_without_extern() {
 }
 
 #[test]
-fn what_a_constructor_does_before_the_run_is_harmless() {
+fn calls_of_a_constructor_before_the_run_are_harmless() {
     if !has_compiler() {
         return;
     }
@@ -537,21 +537,21 @@ fn c_and_rust_agree_on_every_layout() {
 }
 
 #[test]
-fn every_replaced_symbol_is_in_a_programs_library() {
+fn every_interposed_symbol_is_in_a_programs_library() {
     if !has_compiler() {
         return;
     }
     let program = build(&["int main(void) { return 0; }"], &[], &[]);
     // SAFETY: only the shim's constructor runs.
     let library = unsafe { libloading::Library::new(program.path()) }.expect("the program can be loaded");
-    let own = |name: &str| {
-        // SAFETY: the symbol is only looked at.
+    let address_of = |name: &str| {
+        // SAFETY: only the address of the symbol is used.
         *unsafe { library.get::<*const ()>(name.as_bytes()) }.expect("the symbol exists") as usize
     };
     // A look-up falls back to libc, so the addresses are checked: all must lie in the library's image.
-    let (run, reach) = (own("VWInit"), 1 << 20);
+    let (shim_address, max_offset) = (address_of("VWInit"), 1 << 20);
     let is_of_cpp = |name: &str| ["__cxa_thread_atexit_impl", "fopen64"].contains(&name);
     for (name, _) in c::INTERPOSED.iter().filter(|(name, _)| !is_of_cpp(name)) {
-        assert!(own(name).abs_diff(run) < reach, "{name} is not the shim's");
+        assert!(address_of(name).abs_diff(shim_address) < max_offset, "{name} is not the shim's");
     }
 }

@@ -1,4 +1,4 @@
-//! A host behind the tables, called as by a program: arguments of its methods, results, and log.
+//! Calls a host through the tables as a program does, and checks arguments of its methods, results and log.
 
 use std::cell::RefCell;
 use std::ffi::c_void;
@@ -71,7 +71,7 @@ fn context(robot: &Robot) -> *mut c_void {
 }
 
 #[test]
-fn a_call_reaches_its_method_and_brings_the_result_back() {
+fn call_reaches_its_method_and_returns_the_result() {
     let robot = Robot::default();
     let mut result = 99;
     // SAFETY: the robot lives, and the result can be written.
@@ -81,7 +81,7 @@ fn a_call_reaches_its_method_and_brings_the_result_back() {
 }
 
 #[test]
-fn an_output_is_written_after_the_method_and_null_is_told() {
+fn output_is_written_after_the_method_and_null_is_visible() {
     let robot = Robot::default();
     let (mut result, mut pos) = (99, PositionType::default());
     // SAFETY: the robot lives, and the results can be written.
@@ -107,13 +107,13 @@ fn text_keeps_every_byte_and_null_is_none() {
 }
 
 #[test]
-fn no_more_bytes_are_written_than_there_is_room_for() {
+fn no_more_bytes_are_written_than_fit() {
     let robot = Robot::default();
-    let mut room = *b"........";
+    let mut buffer = *b"........";
     let mut result = 99;
     // SAFETY: the robot lives, and four of the eight bytes are offered.
-    let status = unsafe { (TABLE.OSVersion)(context(&robot), ByteBuffer::from(&mut room[..4]), &mut result) };
-    assert_eq!((status, result, &room), (Status::OK, 4, b"6.5 ...."));
+    let status = unsafe { (TABLE.OSVersion)(context(&robot), ByteBuffer::from(&mut buffer[..4]), &mut result) };
+    assert_eq!((status, result, &buffer), (Status::OK, 4, b"6.5 ...."));
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn a_panic_of_the_host_stops_the_program() {
 }
 
 #[test]
-fn a_function_that_the_host_leaves_out_fails_as_documented() {
+fn unimplemented_function_fails_as_documented() {
     let robot = Robot { is_quiet: true, ..Robot::default() };
     let mut result = 99;
     // SAFETY: the robot lives, and the result can be written.
@@ -153,16 +153,16 @@ fn without_a_robot_the_program_is_stopped() {
 }
 
 #[test]
-fn a_callback_that_wants_out_ends_the_call_in_progress() {
+fn callback_that_returns_stop_ends_the_call_in_progress() {
     unsafe extern "C" fn tick(data: *mut c_void) -> Status {
         // SAFETY: the test passed a counter that lives.
-        let left = unsafe { &mut *data.cast::<i32>() };
-        *left -= 1;
-        if *left < 0 { Status::STOP } else { Status::OK }
+        let remaining = unsafe { &mut *data.cast::<i32>() };
+        *remaining -= 1;
+        if *remaining < 0 { Status::STOP } else { Status::OK }
     }
     let robot = Robot::default();
-    let (mut left, mut result) = (1, 99);
-    let timer = Callback { code: Some(tick), data: (&raw mut left).cast() };
+    let (mut remaining, mut result) = (1, 99);
+    let timer = Callback { code: Some(tick), data: (&raw mut remaining).cast() };
     // SAFETY: the robot and the counter live, and the result can be written.
     let first = unsafe { (TABLE.OSAttachTimer)(context(&robot), 1, timer, &mut result) };
     assert_eq!((first, result), (Status::OK, 7));

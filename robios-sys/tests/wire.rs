@@ -11,7 +11,7 @@ use robios_sys::{
     Status, Stop,
 };
 
-/// A host and the line to it: every call and reply is encoded as bytes.
+/// A host and the connection to it: every call and reply is encoded as bytes.
 #[derive(Default)]
 struct Robot {
     log: RefCell<Vec<String>>,
@@ -48,9 +48,9 @@ impl Robios6 for Robot {
     }
     fn IPLaplace(&self, src: Option<&Image>, dest: &mut Out<Image>) -> Result<i32, Stop> {
         let Some(src) = src else { return Ok(-1) };
-        let mut turned = *src;
-        turned.reverse();
-        dest.set(turned);
+        let mut reversed = *src;
+        reversed.reverse();
+        dest.set(reversed);
         Ok(0)
     }
     fn OSSemInit(&self, sem: Option<&mut i32>, val: i32) -> Result<i32, Stop> {
@@ -85,10 +85,15 @@ impl HostConnection for Robot {
         let (mut request, mut reply) = (Vec::new(), Vec::new());
         arguments(&mut request);
         let call = Robios6Call::ALL[function as usize];
-        // A truncation is reported at every length.
+        // Every truncation of the request is reported.
         for end in 0..request.len() {
-            let mut cut = Request { arguments: Reader::new(&request[..end]), callback: &|_, _| Callback::NONE };
-            assert_eq!(call.serve(&Robot::default(), &mut cut, &mut Vec::new()), Err(Malformed), "{}", call.name());
+            let mut truncated = Request { arguments: Reader::new(&request[..end]), callback: &|_, _| Callback::NONE };
+            assert_eq!(
+                call.serve(&Robot::default(), &mut truncated, &mut Vec::new()),
+                Err(Malformed),
+                "{}",
+                call.name()
+            );
         }
         let callback = |code: u64, data: u64| {
             assert_eq!(code, count as *const () as u64);
@@ -108,7 +113,7 @@ fn context(robot: &Robot) -> *mut c_void {
 }
 
 #[test]
-fn outputs_come_back_and_null_is_told() {
+fn outputs_are_returned_and_null_is_visible() {
     let robot = Robot::default();
     let (mut result, mut pos) = (99, PositionType::default());
     // SAFETY: the robot lives, and the results can be written; null is allowed.
@@ -131,11 +136,11 @@ fn outputs_come_back_and_null_is_told() {
 }
 
 #[test]
-fn texts_images_and_rooms_cross_whole() {
+fn texts_images_and_buffers_are_transferred_completely() {
     let robot = Robot::default();
     let mut result = 99;
-    let mut room = [b'x'; 8];
-    let (mut image, mut turned) = ([[0; IMAGE_COLUMNS]; IMAGE_ROWS], [[0; IMAGE_COLUMNS]; IMAGE_ROWS]);
+    let mut buffer = [b'x'; 8];
+    let (mut image, mut reversed) = ([[0; IMAGE_COLUMNS]; IMAGE_ROWS], [[0; IMAGE_COLUMNS]; IMAGE_ROWS]);
     image[3][7] = 200;
     // SAFETY: the robot lives, and all pointers are valid or null.
     unsafe {
@@ -143,13 +148,13 @@ fn texts_images_and_rooms_cross_whole() {
         assert_eq!(result, 4);
         assert_eq!((TABLE.LCDPutString)(context(&robot), ByteSlice::NULL, &mut result), Status::OK);
         assert_eq!(result, -1);
-        assert_eq!((TABLE.OSVersion)(context(&robot), ByteBuffer::from(&mut room[..3]), &mut result), Status::OK);
-        assert_eq!((result, &room[..4]), (3, &b"6.5x"[..]));
+        assert_eq!((TABLE.OSVersion)(context(&robot), ByteBuffer::from(&mut buffer[..3]), &mut result), Status::OK);
+        assert_eq!((result, &buffer[..4]), (3, &b"6.5x"[..]));
         let nowhere = ByteBuffer { data: null_mut(), len: 3 };
         assert_eq!((TABLE.OSVersion)(context(&robot), nowhere, &mut result), Status::OK);
         assert_eq!(result, 0);
-        assert_eq!((TABLE.IPLaplace)(context(&robot), &image, &mut turned, &mut result), Status::OK);
-        assert_eq!((result, turned[IMAGE_ROWS - 4][7]), (0, 200));
+        assert_eq!((TABLE.IPLaplace)(context(&robot), &image, &mut reversed, &mut result), Status::OK);
+        assert_eq!((result, reversed[IMAGE_ROWS - 4][7]), (0, 200));
         let mut sem = 40;
         assert_eq!((TABLE.OSSemInit)(context(&robot), &mut sem, 2, &mut result), Status::OK);
         assert_eq!(sem, 42);

@@ -24,7 +24,8 @@ pub(super) struct CameraScripts {
 #[derive(Clone, Copy)]
 pub(super) struct CameraState {
     pub size: ImageSize,
-    pub numbers: [i32; 3],
+    /// The parameters of the last `CAMSet`.
+    pub parameters: [i32; 3],
     /// Time of the last image.
     taken_us: Option<u64>,
 }
@@ -52,20 +53,20 @@ impl Fake {
 impl FakeRobot {
     /// Switches the camera on; returns false if the robot has none.
     pub(super) fn switch_camera_on(&self, state: &mut State, size: ImageSize) -> bool {
-        let is_there = self.fake.camera.color.is_some();
-        state.camera = is_there.then_some(CameraState { size, numbers: [128; 3], taken_us: None });
-        is_there
+        let has_camera = self.fake.camera.color.is_some();
+        state.camera = has_camera.then_some(CameraState { size, parameters: [128; 3], taken_us: None });
+        has_camera
     }
 
-    /// Takes an image of `size`, by default the set size: red, green and blue of each pixel; `None` if the camera is off.
+    /// Takes an image of `size`, by default of the camera's size: red, green and blue of each pixel; `None` if the camera is off.
     pub(super) fn colors(&self, state: &mut State, size: Option<ImageSize>) -> Option<Vec<u8>> {
         let (script, now_us) = (self.fake.camera.color.as_ref()?, state.now_us);
         let camera = state.camera.as_mut()?;
         camera.taken_us = Some(now_us);
         let size = size.unwrap_or(camera.size);
         let moment = state.moment(now_us);
-        let rgb = |at| {
-            let Color { red, green, blue } = script(&moment, at);
+        let rgb = |pixel| {
+            let Color { red, green, blue } = script(&moment, pixel);
             [red, green, blue]
         };
         Some(size.places().flat_map(rgb).collect())
@@ -86,7 +87,7 @@ impl FakeRobot {
     pub(super) fn depths(&self, state: &State) -> Option<Vec<f32>> {
         let (script, camera) = (self.fake.camera.depth.as_ref()?, state.camera?);
         let moment = state.moment(camera.taken_us?);
-        let mm = |at| script(&moment, at).map_or(f32::INFINITY, |distance| distance.as_millimetres() as f32);
+        let mm = |pixel| script(&moment, pixel).map_or(f32::INFINITY, |distance| distance.as_millimetres() as f32);
         Some(camera.size.places().map(mm).collect())
     }
 
@@ -94,7 +95,7 @@ impl FakeRobot {
     pub(super) fn labels(&self, state: &State) -> Option<Vec<i32>> {
         let (script, camera) = (self.fake.camera.labels.as_ref()?, state.camera?);
         let moment = state.moment(camera.taken_us?);
-        Some(camera.size.places().map(|at| script(&moment, at).number()).collect())
+        Some(camera.size.places().map(|pixel| script(&moment, pixel).number()).collect())
     }
 }
 

@@ -95,12 +95,12 @@ impl LcdBuffer {
 
     /// Writes the menu text above one of the four keys.
     pub fn menu(&mut self, key: usize, text: &[u8]) {
-        let (width, last) = (self.columns() / 4, self.rows() - 1);
+        let (width, last_row) = (self.columns() / 4, self.rows() - 1);
         if !text.is_empty() {
-            let room = &mut self.text[last][key * width..][..width];
-            room.fill(b' ');
+            let label = &mut self.text[last_row][key * width..][..width];
+            label.fill(b' ');
             let len = text.len().min(width);
-            room[..len].copy_from_slice(&text[..len]);
+            label[..len].copy_from_slice(&text[..len]);
         }
     }
 
@@ -120,7 +120,7 @@ impl LcdBuffer {
         true
     }
 
-    /// Bresenham's line.
+    /// Draws a line with Bresenham's algorithm.
     pub fn line(&mut self, from: (i32, i32), to: (i32, i32), ink: i32) {
         let (mut x, mut y) = (i64::from(from.0), i64::from(from.1));
         let (to_x, to_y) = (i64::from(to.0), i64::from(to.1));
@@ -131,12 +131,12 @@ impl LcdBuffer {
             if (x, y) == (to_x, to_y) {
                 return;
             }
-            let twice = 2 * error;
-            if twice >= dy {
+            let double_error = 2 * error;
+            if double_error >= dy {
                 error += dy;
                 x += (to_x - x).signum();
             }
-            if twice <= dx {
+            if double_error <= dx {
                 error += dx;
                 y += (to_y - y).signum();
             }
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_has_both_ends_and_stays_inside() {
+    fn line_includes_both_ends_and_is_clipped() {
         let mut lcd = LcdBuffer::new();
         lcd.line((-2, -2), (2, 2), 1);
         assert_eq!((lcd.pixel(0, 0), lcd.pixel(2, 2), lcd.pixel(3, 3)), (Some(true), Some(true), Some(false)));

@@ -52,9 +52,9 @@ pub(super) use leg_functions;
 /// State of a leg of a fake robot at a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FakeLeg {
-    /// Joint angles, from yaw on; the leg has only these joints.
+    /// Joint angles in the order of [`LegJoint`](crate::LegJoint); the leg has only these joints.
     pub joints: Vec<Angle>,
-    /// Poses of the links, from the thigh on; the leg has only these links.
+    /// Poses of the links in the order of [`LegLink`](crate::LegLink); the leg has only these links.
     pub links: Vec<LinkPose>,
     /// The foot is on the ground.
     pub is_on_ground: bool,
@@ -105,15 +105,15 @@ impl FakeRobot {
         self.with_legs(true, |state| state.motion.set_twist(state.now_us, forward, left, turn))
     }
 
-    /// Applies `of` to the current state of a leg; `None` if there is no such leg.
-    fn ask_leg<T>(&self, state: &State, leg: i32, of: impl FnOnce(&FakeLeg) -> T) -> Option<T> {
+    /// Applies `read` to the current state of a leg; `None` if there is no such leg.
+    fn read_leg<T>(&self, state: &State, leg: i32, read: impl FnOnce(&FakeLeg) -> T) -> Option<T> {
         let script = self.fake.legs.get(usize::try_from(leg).ok()?.checked_sub(1)?)?;
-        Some(of(&script(&state.moment(state.now_us))))
+        Some(read(&script(&state.moment(state.now_us))))
     }
 
     pub(super) fn leg_joint(&self, leg: i32, joint: i32, degrees: &mut Out<f32>) -> Result<i32, Stop> {
         self.act(|state| {
-            let angle = self.ask_leg(state, leg, |leg| numbered(&leg.joints, joint)).flatten();
+            let angle = self.read_leg(state, leg, |leg| by_number(&leg.joints, joint)).flatten();
             match angle {
                 Some(angle) if !degrees.is_null() => {
                     degrees.set(angle.as_degrees() as f32);
@@ -126,8 +126,8 @@ impl FakeRobot {
 
     pub(super) fn leg_link(&self, leg: i32, link: i32, pose: &mut OutFloats) -> Result<i32, Stop> {
         self.act(|state| {
-            let found = self.ask_leg(state, leg, |leg| numbered(&leg.links, link)).flatten();
-            match found {
+            let link_pose = self.read_leg(state, leg, |leg| by_number(&leg.links, link)).flatten();
+            match link_pose {
                 Some(LinkPose { x, y, z, roll, pitch, yaw }) if !pose.is_null() => {
                     let position = [x, y, z].map(Length::as_millimetres);
                     let angles = [roll, pitch, yaw].map(Angle::as_degrees);
@@ -149,16 +149,16 @@ impl FakeRobot {
     }
 
     pub(super) fn leg_foot(&self, leg: i32) -> Result<i32, Stop> {
-        self.act(|state| self.ask_leg(state, leg, |leg| leg.is_on_ground).map_or(-1, i32::from))
+        self.act(|state| self.read_leg(state, leg, |leg| leg.is_on_ground).map_or(-1, i32::from))
     }
 
     pub(super) fn leg_correction(&self, leg: i32) -> Result<i32, Stop> {
-        let is_there = usize::try_from(leg).is_ok_and(|leg| (1..=self.fake.legs.len()).contains(&leg));
-        self.with_legs(is_there, |_| ())
+        let has_leg = usize::try_from(leg).is_ok_and(|leg| (1..=self.fake.legs.len()).contains(&leg));
+        self.with_legs(has_leg, |_| ())
     }
 }
 
-/// An element by its number, from 1.
-fn numbered<T: Copy>(elements: &[T], number: i32) -> Option<T> {
+/// The element with a number, counted from 1.
+fn by_number<T: Copy>(elements: &[T], number: i32) -> Option<T> {
     elements.get(usize::try_from(number).ok()?.checked_sub(1)?).copied()
 }

@@ -134,7 +134,7 @@ impl Fake {
     /// A robot with drive, two motors and encoders, servos, compass and display, without other sensors. Its limit is 60 s.
     ///
     /// At full power of the motors the robot drives at 0.5 m/s. Its wheels are 0.1 m apart, and its encoders have 1,000
-    /// ticks a metre. At the start north is to its left.
+    /// ticks a metre. At the start, north is to its left.
     pub fn new() -> Self {
         Self {
             psds: Vec::new(),
@@ -174,7 +174,7 @@ impl Fake {
         self
     }
 
-    /// The signal of a distance sensor at a moment.
+    /// The signal of the distance sensor at `index` in `psds`, at a moment.
     fn signal_of(&self, index: usize, moment: &Moment) -> f32 {
         let (name, distance) = &self.psds[index];
         match self.signals.iter().find(|(at, _)| at == name) {
@@ -189,7 +189,7 @@ impl Fake {
         self
     }
 
-    /// Touches the display at a time; only in RoBIOS-7.
+    /// Touches the display at the given time; only in RoBIOS-7.
     pub fn touch(mut self, time: Duration, at: Pixel) -> Self {
         self.touches.push((time, at));
         self.touches.sort_by_key(|(time, _)| *time);
@@ -208,7 +208,7 @@ impl Fake {
         self
     }
 
-    /// Presses a key at a time.
+    /// Presses a key at the given time.
     pub fn key(mut self, time: Duration, key: Key) -> Self {
         self.keys.push((time, key));
         self.keys.sort_by_key(|(time, _)| *time);
@@ -254,7 +254,7 @@ impl Fake {
     fn run_machine<M: Machine, O: Outcome>(self, main: impl FnOnce(&M) -> O) -> Run {
         self.run_with(M::GENERATION, |last_call_site, host, context, argc, argv| {
             let recorder = call_site::Recorder::Fake(last_call_site);
-            // SAFETY: host, context and arguments live until the call returns, and are as `robios_sys::Run` says.
+            // SAFETY: host, context and arguments live until the call returns, and meet the contract of `robios_sys::Run`.
             unsafe { entry::run_for(recorder, host, context, argc, argv, main) }
         })
     }
@@ -340,7 +340,7 @@ pub struct Call {
     /// The call with arguments and result, in the units of RoBIOS: `VWDriveStraight(1, 0.4, 0.2) = 0`.
     pub text: String,
     /// Location of the call, if the program belongs to the library of the test.
-    pub place: Option<&'static Location<'static>>,
+    pub location: Option<&'static Location<'static>>,
 }
 
 impl Display for Call {
@@ -400,8 +400,8 @@ impl Run {
     }
 
     fn summary(&self) -> String {
-        let last = self.calls.len().saturating_sub(10);
-        let calls: Vec<String> = self.calls[last..].iter().map(|call| format!("  {call}")).collect();
+        let start = self.calls.len().saturating_sub(10);
+        let calls: Vec<String> = self.calls[start..].iter().map(|call| format!("  {call}")).collect();
         format!("{}\nconsole:\n{}\nlast calls:\n{}", self.end, self.console, calls.join("\n"))
     }
 
@@ -415,8 +415,8 @@ impl Run {
         self.position
     }
 
-    /// Text of a line of the display at the end of the run, without trailing blanks. Row 0 is at the top; other rows
-    /// are empty.
+    /// Text of a line of the display at the end of the run, without trailing blanks. Row 0 is at the top; a row beyond
+    /// the display is empty.
     ///
     /// The display has 7 lines of 16 characters in RoBIOS 6, and 20 lines of 40 in RoBIOS-7 for every font; the last line is the
     /// menu.

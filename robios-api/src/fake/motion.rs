@@ -11,7 +11,7 @@ pub const TRACK_M: f64 = 0.1;
 /// Speed of a wheel of the fake robot at full power, in m/s.
 pub const FULL_SPEED_MPS: f64 = 0.5;
 
-/// Position in metres and radians.
+/// Position in metres, and heading in radians.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     pub x: f64,
@@ -20,7 +20,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose after a motion with constant twist: a length ahead, a length to the left, and a change of heading.
+    /// The pose after a motion with constant twist, given by its lengths ahead and to the left and its change of heading.
     pub fn moved(self, ahead: f64, left: f64, angle: f64) -> Self {
         // The chord of the arc differs in direction from the initial heading by half of the change of heading.
         let half = angle / 2.0;
@@ -59,14 +59,14 @@ impl Pose {
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     start_us: u64,
-    from: Pose,
+    start_pose: Pose,
     /// Distances rolled by the wheels before the start, in metres, left and right.
     rolled: [f64; 2],
     length: f64,
     /// Length to the left, for walking robots.
     left: f64,
     angle: f64,
-    /// Duration in seconds. `None` for a motion without end, whose lengths and angle are rates per second.
+    /// Duration in seconds. `None` for a motion without end: then `length`, `left` and `angle` are rates per second.
     span: Option<f64>,
 }
 
@@ -74,12 +74,12 @@ impl Piece {
     /// Arc length, length to the left and change of heading since the start.
     fn progress(&self, now_us: u64) -> [f64; 3] {
         let elapsed = Duration::from_micros(now_us.saturating_sub(self.start_us)).as_secs_f64();
-        let part = match self.span {
+        let factor = match self.span {
             None => elapsed,
             Some(span) if elapsed >= span => 1.0,
             Some(span) => elapsed / span,
         };
-        [self.length * part, self.left * part, self.angle * part]
+        [self.length * factor, self.left * factor, self.angle * factor]
     }
 
     fn end_us(&self) -> Option<u64> {
@@ -95,7 +95,7 @@ impl Motion {
     pub fn new() -> Self {
         let standing = Piece {
             start_us: 0,
-            from: Pose::default(),
+            start_pose: Pose::default(),
             rolled: [0.0; 2],
             length: 0.0,
             left: 0.0,
@@ -121,21 +121,28 @@ impl Motion {
     }
 
     fn push(&mut self, now_us: u64, [length, left, angle]: [f64; 3], span: Option<f64>) {
-        let piece =
-            Piece { start_us: now_us, from: self.pose(now_us), rolled: self.rolled(now_us), length, left, angle, span };
+        let piece = Piece {
+            start_us: now_us,
+            start_pose: self.pose(now_us),
+            rolled: self.rolled(now_us),
+            length,
+            left,
+            angle,
+            span,
+        };
         self.0.push(piece);
     }
 
     fn piece(&self, now_us: u64) -> &Piece {
-        let after = self.0.partition_point(|piece| piece.start_us <= now_us);
-        &self.0[after.max(1) - 1]
+        let started = self.0.partition_point(|piece| piece.start_us <= now_us);
+        &self.0[started.max(1) - 1]
     }
 
     /// The true pose; it starts at 0.
     pub fn pose(&self, now_us: u64) -> Pose {
         let piece = self.piece(now_us);
         let [ahead, left, angle] = piece.progress(now_us);
-        piece.from.moved(ahead, left, angle)
+        piece.start_pose.moved(ahead, left, angle)
     }
 
     /// Distances rolled by the wheels since the start of the program, in metres, left and right.
@@ -182,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_quarter_of_a_circle_ends_where_geometry_says() {
+    fn quarter_circle_ends_at_the_exact_pose() {
         let mut motion = Motion::new();
         motion.drive(1_000_000, std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2, 2.0);
         let end = motion.pose(3_000_000);

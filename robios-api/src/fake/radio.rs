@@ -30,7 +30,7 @@ pub(super) struct RadioState {
     settings: RadioIOParameters,
     is_on: bool,
     /// Incoming messages with their times in microseconds, in order of time.
-    coming: Vec<(u64, Message)>,
+    incoming: Vec<(u64, Message)>,
     sent: Vec<Sent>,
     received: i32,
 }
@@ -39,8 +39,8 @@ impl RadioState {
     pub(super) fn new(fake: &mut Fake) -> Self {
         let settings =
             RadioIOParameters { interface: SERIAL1, speed: SER115200, id: 1, ..RadioIOParameters::default() };
-        let coming = std::mem::take(&mut fake.messages);
-        Self { answers: fake.answers.take(), settings, is_on: false, coming, sent: Vec::new(), received: 0 }
+        let incoming = std::mem::take(&mut fake.messages);
+        Self { answers: fake.answers.take(), settings, is_on: false, incoming, sent: Vec::new(), received: 0 }
     }
 
     /// Messages sent in the run.
@@ -49,12 +49,12 @@ impl RadioState {
     }
 
     fn add(&mut self, time_us: u64, message: Message) {
-        let index = self.coming.partition_point(|(time, _)| *time <= time_us);
-        self.coming.insert(index, (time_us, message));
+        let index = self.incoming.partition_point(|(time, _)| *time <= time_us);
+        self.incoming.insert(index, (time_us, message));
     }
 
     fn waiting(&self, now_us: u64) -> i32 {
-        self.coming.iter().take_while(|(time_us, _)| *time_us <= now_us).count() as i32
+        self.incoming.iter().take_while(|(time_us, _)| *time_us <= now_us).count() as i32
     }
 
     fn status(&self, now_us: u64) -> RadioStatus {
@@ -68,7 +68,7 @@ impl RadioState {
 }
 
 impl Fake {
-    /// Delivers a message at a time; the message is lost unless the radio is on by then.
+    /// Delivers a message at the given time; the message is lost unless the radio is on by then.
     pub fn message(mut self, time: Duration, from: RobotNumber, bytes: impl Into<Vec<u8>>) -> Self {
         self.messages.push((time.as_micros() as u64, Message { from, bytes: bytes.into() }));
         self.messages.sort_by_key(|(time_us, _)| *time_us);
@@ -93,10 +93,10 @@ impl Fake {
     ///     }
     /// }
     ///
-    /// let mut lost = 3;
+    /// let mut to_lose = 3;
     /// let fake = Fake::new().answer(move |sent| {
-    ///     lost -= 1;
-    ///     (lost < 0).then(|| (20.millis(), Message { from: sent.to, bytes: b"!".to_vec() }))
+    ///     to_lose -= 1;
+    ///     (to_lose < 0).then(|| (20.millis(), Message { from: sent.to, bytes: b"!".to_vec() }))
     /// });
     /// assert_eq!(fake.run(ask_until_answered).expect_finished().sent().len(), 4);
     /// ```
@@ -112,20 +112,20 @@ impl FakeRobot {
         self.act(|state| {
             let now_us = state.now_us;
             let was_on = std::mem::replace(&mut state.radio.is_on, is_on);
-            state.radio.coming.retain(|(time_us, _)| *time_us > now_us);
+            state.radio.incoming.retain(|(time_us, _)| *time_us > now_us);
             was_on
         })
     }
 
     /// Sends a message; returns false if the radio is off or the message too long.
-    pub(super) fn radio_send(&self, to: RobotNumber, bytes: Option<&[u8]>, max: usize) -> Result<bool, Stop> {
+    pub(super) fn radio_send(&self, to: RobotNumber, bytes: Option<&[u8]>, max_len: usize) -> Result<bool, Stop> {
         self.act(|state| {
             let State { radio, now_us, .. } = state;
-            let Some(bytes) = bytes.filter(|bytes| radio.is_on && bytes.len() <= max) else { return false };
+            let Some(bytes) = bytes.filter(|bytes| radio.is_on && bytes.len() <= max_len) else { return false };
             let sent = Sent { time: Duration::from_micros(*now_us), to, bytes: bytes.to_vec() };
             let answer = radio.answers.as_mut().and_then(|answers| answers(&sent));
-            if let Some((after, message)) = answer {
-                radio.add(*now_us + after.as_micros() as u64, message);
+            if let Some((delay, message)) = answer {
+                radio.add(*now_us + delay.as_micros() as u64, message);
             }
             radio.sent.push(sent);
             true
@@ -145,12 +145,12 @@ impl FakeRobot {
         loop {
             let (next_us, now_us) = {
                 let state = self.state.borrow();
-                (state.radio.coming.first().map(|(time_us, _)| *time_us), state.now_us)
+                (state.radio.incoming.first().map(|(time_us, _)| *time_us), state.now_us)
             };
             if next_us.is_some_and(|next_us| next_us <= now_us) {
                 let radio = &mut self.state.borrow_mut().radio;
                 radio.received += 1;
-                return Ok(Some(radio.coming.remove(0).1));
+                return Ok(Some(radio.incoming.remove(0).1));
             }
             self.wait(name, next_us)?;
         }
@@ -160,7 +160,7 @@ impl FakeRobot {
         self.act(|state| state.radio.settings)
     }
 
-    /// Changes the settings; returns false, changing nothing, while the radio is on.
+    /// Changes the settings; returns false and changes nothing while the radio is on.
     pub(super) fn set_radio(&self, settings: RadioIOParameters) -> Result<bool, Stop> {
         self.act(|state| {
             if !state.radio.is_on {
@@ -181,4 +181,4 @@ impl FakeRobot {
 }
 
 /// Maximum length of a message in RoBIOS 6, in bytes.
-pub(super) const MAX_ROBIOS6: usize = MAXMSGLEN as usize;
+pub(super) const MAX_MESSAGE_ROBIOS6: usize = MAXMSGLEN as usize;

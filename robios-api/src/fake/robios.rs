@@ -12,14 +12,14 @@ use robios_sys::{Callback, Out, OutBytes, OutFloats, OutInts, Robios6, Stop};
 use super::PsdName;
 use super::leg::leg_functions;
 use super::motion::Pose;
-use super::radio::MAX_ROBIOS6;
-use super::robot::{FakeRobot, PSD_CYCLE_US, PsdMeasurement, TICKS_PER_METRE, TIMER_TICK_US, TimerEntry, VW};
+use super::radio::MAX_MESSAGE_ROBIOS6;
+use super::robot::{DRIVE_HANDLE, FakeRobot, PSD_CYCLE_US, PsdMeasurement, TICKS_PER_METRE, TIMER_TICK_US, TimerEntry};
 use crate::device::{BumperAt, InfraredAt, PsdAt};
 use crate::image::ImageSize;
 use crate::os::RobotNumber;
 
-/// Writes an image to a buffer; returns -1 if there is none.
-fn frame<const N: usize>(bytes: Option<Vec<u8>>, buffer: &mut Out<[u8; N]>) -> i32 {
+/// Writes an image to a buffer; returns 0, or -1 if there is no image.
+fn write_frame<const N: usize>(bytes: Option<Vec<u8>>, buffer: &mut Out<[u8; N]>) -> i32 {
     match bytes.and_then(|bytes| bytes.try_into().ok()) {
         Some(frame) => {
             buffer.set(frame);
@@ -128,9 +128,9 @@ impl Robios6 for FakeRobot {
     }
 
     fn LCDGetPos(&self, row: &mut Out<i32>, column: &mut Out<i32>) -> Result<i32, Stop> {
-        let (at_row, at_column) = self.act(|state| state.lcd.cursor())?;
-        row.set(at_row);
-        column.set(at_column);
+        let (cursor_row, cursor_column) = self.act(|state| state.lcd.cursor())?;
+        row.set(cursor_row);
+        column.set(cursor_column);
         Ok(0)
     }
 
@@ -316,8 +316,8 @@ impl Robios6 for FakeRobot {
     }
 
     fn OSSemInit(&self, sem: Option<&mut i32>, val: i32) -> Result<i32, Stop> {
-        let (Some(number), Some(made)) = (sem, self.make_semaphore(val)?) else { return Ok(-1) };
-        *number = made;
+        let (Some(sem), Some(number)) = (sem, self.make_semaphore(val)?) else { return Ok(-1) };
+        *sem = number;
         Ok(0)
     }
 
@@ -340,7 +340,7 @@ impl Robios6 for FakeRobot {
     }
 
     fn RADIOSend(&self, id: u8, buffer: Option<&[u8]>) -> Result<i32, Stop> {
-        let is_sent = self.radio_send(RobotNumber(id), buffer, MAX_ROBIOS6)?;
+        let is_sent = self.radio_send(RobotNumber(id), buffer, MAX_MESSAGE_ROBIOS6)?;
         Ok(i32::from(!is_sent))
     }
 
@@ -351,8 +351,8 @@ impl Robios6 for FakeRobot {
     fn RADIORecv(&self, id: &mut Out<u8>, received: &mut Out<i32>, buffer: &mut OutBytes) -> Result<i32, Stop> {
         let Some(message) = self.radio_receive("RADIORecv")? else { return Ok(-1) };
         id.set(message.from.0);
-        received.set(message.bytes.len().min(MAX_ROBIOS6) as i32);
-        buffer.set(&message.bytes[..message.bytes.len().min(MAX_ROBIOS6)]);
+        received.set(message.bytes.len().min(MAX_MESSAGE_ROBIOS6) as i32);
+        buffer.set(&message.bytes[..message.bytes.len().min(MAX_MESSAGE_ROBIOS6)]);
         Ok(0)
     }
 
@@ -456,15 +456,15 @@ impl Robios6 for FakeRobot {
     }
 
     fn CAMGetFrameMono(&self, buf: &mut Out<MonoFrame>) -> Result<i32, Stop> {
-        self.act(|state| frame(self.grays(state), buf))
+        self.act(|state| write_frame(self.grays(state), buf))
     }
 
     fn CAMGetFrameColor(&self, buf: &mut Out<ColorFrame>) -> Result<i32, Stop> {
-        self.act(|state| frame(self.colors(state, None), buf))
+        self.act(|state| write_frame(self.colors(state, None), buf))
     }
 
     fn CAMGetFrameRGB(&self, buf: &mut Out<ColorFrame>) -> Result<i32, Stop> {
-        self.act(|state| frame(self.colors(state, None), buf))
+        self.act(|state| write_frame(self.colors(state, None), buf))
     }
 
     fn CAMGetFrameBayer(&self, buf: &mut Out<BayerFrame>) -> Result<i32, Stop> {
@@ -478,14 +478,14 @@ impl Robios6 for FakeRobot {
                 };
                 rows.flat_map(row).collect::<Vec<u8>>()
             });
-            frame(filtered, buf)
+            write_frame(filtered, buf)
         })
     }
 
     fn CAMSet(&self, p1: i32, p2: i32, p3: i32) -> Result<i32, Stop> {
         self.act(|state| {
             state.camera.as_mut().map_or(-1, |camera| {
-                camera.numbers = [p1, p2, p3];
+                camera.parameters = [p1, p2, p3];
                 0
             })
         })
@@ -494,7 +494,7 @@ impl Robios6 for FakeRobot {
     fn CAMGet(&self, p1: &mut Out<i32>, p2: &mut Out<i32>, p3: &mut Out<i32>) -> Result<i32, Stop> {
         self.act(|state| {
             state.camera.map_or(-1, |camera| {
-                [p1, p2, p3].into_iter().zip(camera.numbers).for_each(|(out, number)| out.set(number));
+                [p1, p2, p3].into_iter().zip(camera.parameters).for_each(|(out, value)| out.set(value));
                 0
             })
         })
@@ -536,8 +536,8 @@ impl Robios6 for FakeRobot {
 
     fn SERVOInit(&self, semantics: i32) -> Result<i32, Stop> {
         self.act(|state| {
-            let servo_index = state.servos.iter().position(|servo| *servo == semantics);
-            let index = servo_index.unwrap_or_else(|| {
+            let known_index = state.servos.iter().position(|servo| *servo == semantics);
+            let index = known_index.unwrap_or_else(|| {
                 state.servos.push(semantics);
                 state.servos.len() - 1
             });
@@ -576,7 +576,7 @@ impl Robios6 for FakeRobot {
             for side in (0..2).filter(|side| handle & (1 << side) != 0) {
                 state.power[side] = f64::from(speed_percent) / 100.0;
             }
-            state.follow_power();
+            state.apply_power();
             0
         })
     }
@@ -599,7 +599,7 @@ impl Robios6 for FakeRobot {
         self.act(|state| {
             let rolled = state.motion.rolled(state.now_us);
             for side in (0..2).filter(|side| handle & (1 << side) != 0) {
-                state.ticks_zero[side] = rolled[side];
+                state.rolled_at_tick_reset[side] = rolled[side];
             }
             0
         })
@@ -608,7 +608,7 @@ impl Robios6 for FakeRobot {
     fn QUADRead(&self, handle: QuadHandle) -> Result<i32, Stop> {
         self.act(|state| {
             Self::index_of(handle, 2).map_or(0, |side| {
-                let rolled = state.motion.rolled(state.now_us)[side] - state.ticks_zero[side];
+                let rolled = state.motion.rolled(state.now_us)[side] - state.rolled_at_tick_reset[side];
                 (rolled * TICKS_PER_METRE).floor() as i32
             })
         })
@@ -624,8 +624,9 @@ impl Robios6 for FakeRobot {
 
     fn QUADODORead(&self, handle: QuadHandle) -> Result<f32, Stop> {
         self.act(|state| {
-            Self::index_of(handle, 2)
-                .map_or(0.0, |side| (state.motion.rolled(state.now_us)[side] - state.rolled_zero[side]) as f32)
+            Self::index_of(handle, 2).map_or(0.0, |side| {
+                (state.motion.rolled(state.now_us)[side] - state.rolled_at_distance_reset[side]) as f32
+            })
         })
     }
 
@@ -633,7 +634,7 @@ impl Robios6 for FakeRobot {
         self.act(|state| {
             let rolled = state.motion.rolled(state.now_us);
             for side in (0..2).filter(|side| handle & (1 << side) != 0) {
-                state.rolled_zero[side] = rolled[side];
+                state.rolled_at_distance_reset[side] = rolled[side];
             }
             0
         })
@@ -646,7 +647,7 @@ impl Robios6 for FakeRobot {
             }
             state.has_drive = true;
             state.origin = (state.motion.pose(state.now_us), Pose::default());
-            VW
+            DRIVE_HANDLE
         })
     }
 
@@ -670,8 +671,8 @@ impl Robios6 for FakeRobot {
 
     fn VWSetPosition(&self, handle: i32, x_m: f32, y_m: f32, phi_rad: f32) -> Result<i32, Stop> {
         self.with_drive(handle, |state| {
-            let said = Pose { x: x_m.into(), y: y_m.into(), phi: phi_rad.into() };
-            state.origin = (state.motion.pose(state.now_us), said);
+            let odometry = Pose { x: x_m.into(), y: y_m.into(), phi: phi_rad.into() };
+            state.origin = (state.motion.pose(state.now_us), odometry);
         })
     }
 
@@ -705,12 +706,12 @@ impl Robios6 for FakeRobot {
     }
 
     fn VWDriveRemain(&self, handle: i32) -> Result<f32, Stop> {
-        self.act(|state| if handle == VW { state.motion.remaining(state.now_us) as f32 } else { 0.0 })
+        self.act(|state| if handle == DRIVE_HANDLE { state.motion.remaining(state.now_us) as f32 } else { 0.0 })
     }
 
     fn VWDriveDone(&self, handle: i32) -> Result<i32, Stop> {
         self.act(|state| match handle {
-            VW if state.has_drive => i32::from(state.motion.drive_end_us(state.now_us).is_none()),
+            DRIVE_HANDLE if state.has_drive => i32::from(state.motion.drive_end_us(state.now_us).is_none()),
             _ => -1,
         })
     }
@@ -728,7 +729,7 @@ impl Robios6 for FakeRobot {
     }
 
     fn VWStalled(&self, handle: i32) -> Result<i32, Stop> {
-        self.act(|state| if handle == VW && state.has_drive { 0 } else { -1 })
+        self.act(|state| if handle == DRIVE_HANDLE && state.has_drive { 0 } else { -1 })
     }
 
     fn BUMPInit(&self, semantics: i32) -> Result<i32, Stop> {
@@ -743,9 +744,9 @@ impl Robios6 for FakeRobot {
     fn BUMPCheck(&self, handle: i32, timestamp: &mut Out<i32>) -> Result<i32, Stop> {
         self.act(|state| {
             let Some(index) = Self::index_of(handle, self.fake.bumpers.len()) else { return -1 };
-            let past = |time: &&Duration| time.as_micros() <= u128::from(state.now_us);
+            let has_passed = |time: &&Duration| time.as_micros() <= u128::from(state.now_us);
             let unread = &self.fake.bumpers[index].1[state.bumps_read[index]..];
-            let count = unread.iter().take_while(past).count();
+            let count = unread.iter().take_while(has_passed).count();
             state.bumps_read[index] += count;
             match unread.first() {
                 Some(first) if count > 0 => {

@@ -18,23 +18,25 @@ const TICK_US: u64 = 1_000;
 /// Value of sensors that are out of range.
 const OUT_OF_RANGE_MM: i32 = 9999;
 
+/// Value of a sensor in whole millimetres, at least 1: a value of 0 would mean that the robot has no such sensor.
 fn millimetres(distance: Option<Length>) -> i32 {
-    // 0 would mean that there is no sensor.
     distance.map_or(OUT_OF_RANGE_MM, |distance| (distance.as_millimetres().round() as i32).clamp(1, OUT_OF_RANGE_MM))
 }
 
-/// A pose in millimetres and degrees, the heading from -180 to 180.
-fn shown(pose: Pose) -> [i32; 3] {
+/// Converts a pose to whole millimetres and degrees, with the heading from -180 to 180.
+fn pose_to_robios7(pose: Pose) -> [i32; 3] {
     let position = pose.position();
     [position.x.to_robios7(), position.y.to_robios7(), position.phi.wrapped().to_robios7()]
 }
 
-fn side(number: i32) -> Option<usize> {
+/// Index of a wheel (0 left, 1 right) by the number of its motor or encoder.
+fn wheel_index(number: i32) -> Option<usize> {
     matches!(number, 1 | 2).then(|| number as usize - 1)
 }
 
 impl FakeRobot {
-    fn drive7(&self, length_mm: i32, angle_deg: i32, span_s: f64) -> Result<i32, Stop> {
+    /// Starts a drive that takes `span_s` seconds; returns 1 if that is no duration.
+    fn start_drive7(&self, length_mm: i32, angle_deg: i32, span_s: f64) -> Result<i32, Stop> {
         self.act(|state| {
             if !(span_s.is_finite() && span_s >= 0.0) {
                 return 1;
@@ -45,7 +47,8 @@ impl FakeRobot {
         })
     }
 
-    fn touch_before(&self, state: &mut State) -> Option<(i32, i32)> {
+    /// Takes the next unread touch, if its time has come.
+    fn take_touch(&self, state: &mut State) -> Option<(i32, i32)> {
         let (time, pixel) = self.fake.touches.get(state.touches_read)?;
         if time.as_micros() > u128::from(state.now_us) {
             return None;
@@ -55,14 +58,15 @@ impl FakeRobot {
     }
 }
 
-/// Duration of a drive in seconds; infinite for a speed of 0 or less.
-fn span_s(distance: i32, pace: i32) -> f64 {
-    if pace > 0 { f64::from(distance).abs() / f64::from(pace) } else { f64::INFINITY }
+/// Duration in seconds of a drive over a length at a speed, or over an angle at a rate of turn; infinite for a speed of 0 or
+/// less.
+fn span_s(distance: i32, speed: i32) -> f64 {
+    if speed > 0 { f64::from(distance).abs() / f64::from(speed) } else { f64::INFINITY }
 }
 
 /// Label of a key. An empty text becomes a blank, which clears the label on the RoBIOS 6 display that serves both
 /// generations.
-fn name_of_key(text: Option<&[u8]>) -> &[u8] {
+fn key_label(text: Option<&[u8]>) -> &[u8] {
     text.filter(|text| !text.is_empty()).unwrap_or(b" ")
 }
 
@@ -95,9 +99,9 @@ impl Robios7 for FakeRobot {
     }
 
     fn LCDGetPos(&self, row: &mut Out<i32>, column: &mut Out<i32>) -> Result<i32, Stop> {
-        let (at_row, at_column) = self.act(|state| state.lcd.cursor())?;
-        row.set(at_row);
-        column.set(at_column);
+        let (cursor_row, cursor_column) = self.act(|state| state.lcd.cursor())?;
+        row.set(cursor_row);
+        column.set(cursor_column);
         Ok(0)
     }
 
@@ -122,7 +126,7 @@ impl Robios7 for FakeRobot {
     ) -> Result<i32, Stop> {
         self.act(|state| {
             for (key, text) in [st1, st2, st3, st4].into_iter().enumerate() {
-                state.lcd.menu(key, name_of_key(text));
+                state.lcd.menu(key, key_label(text));
             }
         })?;
         Ok(0)
@@ -131,7 +135,7 @@ impl Robios7 for FakeRobot {
     fn LCDMenuI(&self, pos: i32, text: Option<&[u8]>, _: i32, _: i32) -> Result<i32, Stop> {
         self.act(|state| match pos {
             1..=4 => {
-                state.lcd.menu(pos as usize - 1, name_of_key(text));
+                state.lcd.menu(pos as usize - 1, key_label(text));
                 0
             }
             _ => 1,
@@ -191,24 +195,24 @@ impl Robios7 for FakeRobot {
 
     fn KEYGetXY(&self, x: &mut Out<i32>, y: &mut Out<i32>) -> Result<i32, Stop> {
         self.act(|_| ())?;
-        let read = self.state.borrow().touches_read;
-        let time_us = self.fake.touches.get(read).map(|(time, _)| time.as_micros() as u64);
+        let next = self.state.borrow().touches_read;
+        let time_us = self.fake.touches.get(next).map(|(time, _)| time.as_micros() as u64);
         let now_us = self.state.borrow().now_us;
         if time_us.is_none_or(|time_us| time_us > now_us) {
             self.wait("KEYGetXY", time_us)?;
         }
-        if let Some((at_x, at_y)) = self.touch_before(&mut self.state.borrow_mut()) {
-            x.set(at_x);
-            y.set(at_y);
+        if let Some((touch_x, touch_y)) = self.take_touch(&mut self.state.borrow_mut()) {
+            x.set(touch_x);
+            y.set(touch_y);
         }
         Ok(0)
     }
 
     fn KEYReadXY(&self, x: &mut Out<i32>, y: &mut Out<i32>) -> Result<i32, Stop> {
-        let touch = self.act(|state| self.touch_before(state))?;
-        let Some((at_x, at_y)) = touch else { return Ok(1) };
-        x.set(at_x);
-        y.set(at_y);
+        let touch = self.act(|state| self.take_touch(state))?;
+        let Some((touch_x, touch_y)) = touch else { return Ok(1) };
+        x.set(touch_x);
+        y.set(touch_y);
         Ok(0)
     }
 
@@ -324,8 +328,8 @@ impl Robios7 for FakeRobot {
         let Some(message) = self.radio_receive("RADIOReceive")? else { return Ok(1) };
         id.set(message.from.0.into());
         let len = message.bytes.iter().position(|byte| *byte == 0).unwrap_or(message.bytes.len());
-        let room = buf.capacity().saturating_sub(1);
-        buf.set(&[&message.bytes[..len.min(room)], &[0]].concat());
+        let max_len = buf.capacity().saturating_sub(1);
+        buf.set(&[&message.bytes[..len.min(max_len)], &[0]].concat());
         Ok(0)
     }
 
@@ -334,8 +338,8 @@ impl Robios7 for FakeRobot {
     }
 
     fn RADIOStatus(&self, ids: &mut OutInts) -> Result<i32, Stop> {
-        let own = self.radio_id()?;
-        ids.set(&[own]);
+        let id = self.radio_id()?;
+        ids.set(&[id]);
         Ok(1)
     }
 
@@ -354,19 +358,19 @@ impl Robios7 for FakeRobot {
 
     fn PSDGet(&self, psd: i32) -> Result<i32, Stop> {
         self.act(|state| {
-            let named = self
+            let sensor = self
                 .fake
                 .psds
                 .iter()
                 .find(|(name, _)| matches!(name, PsdName::Number(number) if i32::from(*number) == psd));
-            named.map_or(0, |(_, distance)| millimetres(distance(&state.moment(state.now_us))))
+            sensor.map_or(0, |(_, distance)| millimetres(distance(&state.moment(state.now_us))))
         })
     }
 
     fn PSDGetSignal(&self, psd: i32) -> Result<f32, Stop> {
         self.act(|state| {
-            let is_named = |name: &PsdName| matches!(name, PsdName::Number(number) if i32::from(*number) == psd);
-            let index = self.fake.psds.iter().position(|(name, _)| is_named(name))?;
+            let has_number = |name: &PsdName| matches!(name, PsdName::Number(number) if i32::from(*number) == psd);
+            let index = self.fake.psds.iter().position(|(name, _)| has_number(name))?;
             Some(self.fake.signal_of(index, &state.moment(state.now_us)))
         })
         .map(|signal| signal.unwrap_or(-1.0))
@@ -375,8 +379,8 @@ impl Robios7 for FakeRobot {
     fn CAMInit(&self, resolution: i32, width_px: i32, height_px: i32) -> Result<i32, Stop> {
         self.act(|state| {
             let (Ok(columns), Ok(rows)) = (u16::try_from(width_px), u16::try_from(height_px)) else { return 1 };
-            let is_good = is_resolution(resolution) && columns > 0 && rows > 0;
-            i32::from(!(is_good && self.switch_camera_on(state, ImageSize::new(columns, rows))))
+            let is_supported = is_resolution(resolution) && columns > 0 && rows > 0;
+            i32::from(!(is_supported && self.switch_camera_on(state, ImageSize::new(columns, rows))))
         })
     }
 
@@ -385,19 +389,19 @@ impl Robios7 for FakeRobot {
     }
 
     fn CAMGet(&self, buf: &mut OutBytes) -> Result<i32, Stop> {
-        self.act(|state| pass_on(self.colors(state, None), |bytes| _ = buf.set(&bytes)))
+        self.act(|state| write_value(self.colors(state, None), |bytes| _ = buf.set(&bytes)))
     }
 
     fn CAMGetGray(&self, buf: &mut OutBytes) -> Result<i32, Stop> {
-        self.act(|state| pass_on(self.grays(state), |bytes| _ = buf.set(&bytes)))
+        self.act(|state| write_value(self.grays(state), |bytes| _ = buf.set(&bytes)))
     }
 
     fn CAMGetDepth(&self, mm: &mut OutFloats) -> Result<i32, Stop> {
-        self.act(|state| pass_on(self.depths(state), |depths| _ = mm.set(&depths)))
+        self.act(|state| write_value(self.depths(state), |depths| _ = mm.set(&depths)))
     }
 
     fn CAMGetLabels(&self, labels: &mut OutInts) -> Result<i32, Stop> {
-        self.act(|state| pass_on(self.labels(state), |numbers| _ = labels.set(&numbers)))
+        self.act(|state| write_value(self.labels(state), |numbers| _ = labels.set(&numbers)))
     }
 
     fn LIDARGet(&self, distance: &mut OutInts) -> Result<i32, Stop> {
@@ -417,10 +421,10 @@ impl Robios7 for FakeRobot {
     }
 
     fn MOTORDrive(&self, motor: i32, speed: i32) -> Result<i32, Stop> {
-        self.act(|state| match side(motor) {
+        self.act(|state| match wheel_index(motor) {
             Some(side) if (-100..=100).contains(&speed) => {
                 state.power[side] = f64::from(speed) / 100.0;
-                state.follow_power();
+                state.apply_power();
                 0
             }
             _ => 1,
@@ -429,16 +433,17 @@ impl Robios7 for FakeRobot {
 
     fn ENCODERRead(&self, quad: i32) -> Result<i32, Stop> {
         self.act(|state| {
-            let ticks =
-                |side: usize| (state.motion.rolled(state.now_us)[side] - state.ticks_zero[side]) * TICKS_PER_METRE;
-            side(quad).map_or(0, |side| ticks(side).floor() as i32)
+            let ticks = |side: usize| {
+                (state.motion.rolled(state.now_us)[side] - state.rolled_at_tick_reset[side]) * TICKS_PER_METRE
+            };
+            wheel_index(quad).map_or(0, |side| ticks(side).floor() as i32)
         })
     }
 
     fn ENCODERReset(&self, quad: i32) -> Result<i32, Stop> {
         self.act(|state| {
-            let Some(side) = side(quad) else { return 1 };
-            state.ticks_zero[side] = state.motion.rolled(state.now_us)[side];
+            let Some(side) = wheel_index(quad) else { return 1 };
+            state.rolled_at_tick_reset[side] = state.motion.rolled(state.now_us)[side];
             0
         })
     }
@@ -460,30 +465,31 @@ impl Robios7 for FakeRobot {
 
     fn VWSetPosition(&self, x: i32, y: i32, phi: i32) -> Result<i32, Stop> {
         self.act(|state| {
-            let said = Pose { x: f64::from(x) / 1000.0, y: f64::from(y) / 1000.0, phi: f64::from(phi).to_radians() };
-            state.origin = (state.motion.pose(state.now_us), said);
+            let odometry =
+                Pose { x: f64::from(x) / 1000.0, y: f64::from(y) / 1000.0, phi: f64::from(phi).to_radians() };
+            state.origin = (state.motion.pose(state.now_us), odometry);
             0
         })
     }
 
     fn VWGetPosition(&self, x: &mut Out<i32>, y: &mut Out<i32>, phi: &mut Out<i32>) -> Result<i32, Stop> {
-        let [at_x, at_y, at_phi] = shown(self.act(|state| state.odometry_pose())?);
-        x.set(at_x);
-        y.set(at_y);
-        phi.set(at_phi);
+        let [x_mm, y_mm, phi_deg] = pose_to_robios7(self.act(|state| state.odometry_pose())?);
+        x.set(x_mm);
+        y.set(y_mm);
+        phi.set(phi_deg);
         Ok(0)
     }
 
     fn VWStraight(&self, dist: i32, lin_speed: i32) -> Result<i32, Stop> {
-        self.drive7(dist, 0, span_s(dist, lin_speed))
+        self.start_drive7(dist, 0, span_s(dist, lin_speed))
     }
 
     fn VWTurn(&self, angle: i32, ang_speed: i32) -> Result<i32, Stop> {
-        self.drive7(0, angle, span_s(angle, ang_speed))
+        self.start_drive7(0, angle, span_s(angle, ang_speed))
     }
 
     fn VWCurve(&self, dist: i32, angle: i32, lin_speed: i32) -> Result<i32, Stop> {
-        self.drive7(dist, angle, span_s(dist, lin_speed))
+        self.start_drive7(dist, angle, span_s(dist, lin_speed))
     }
 
     fn VWDrive(&self, dx: i32, dy: i32, lin_speed: i32) -> Result<i32, Stop> {
@@ -567,11 +573,11 @@ impl Robios7 for FakeRobot {
     ) -> Result<(), Stop> {
         let pose = self.act(|state| state.motion.pose(state.now_us))?;
         if matches!(id, 0 | 1) {
-            let [at_x, at_y, at_phi] = shown(pose);
-            x.set(at_x);
-            y.set(at_y);
+            let [x_mm, y_mm, phi_deg] = pose_to_robios7(pose);
+            x.set(x_mm);
+            y.set(y_mm);
             z.set(0);
-            phi.set(at_phi);
+            phi.set(phi_deg);
         }
         Ok(())
     }
@@ -587,9 +593,9 @@ impl Robios7 for FakeRobot {
     leg_functions!();
 }
 
-/// Passes a value to `give`; returns 0, or 1 if there is none.
-fn pass_on<T>(what: Option<T>, give: impl FnOnce(T)) -> i32 {
-    i32::from(what.map(give).is_none())
+/// Passes a value to `write`; returns 0, or 1 if there is no value.
+fn write_value<T>(value: Option<T>, write: impl FnOnce(T)) -> i32 {
+    i32::from(value.map(write).is_none())
 }
 
 /// Script of a laser scanner: distance by direction in the robot's frame.

@@ -19,14 +19,15 @@ use super::{Call, End, Fake, Moment, Run};
 use crate::call_site::LastCallSite;
 use crate::robios7::Color;
 
-/// Virtual time that a call without waiting takes, in microseconds; as on a slow processor, so that polling loops end.
-const COST_US: u64 = 100;
+/// Virtual time that a call takes if it does not wait, in microseconds. It is as long as on a slow processor, so that polling loops
+/// soon reach the limit.
+const CALL_COST_US: u64 = 100;
 pub(super) const PSD_CYCLE_US: u64 = 60_000;
 pub(super) const TIMER_TICK_US: u64 = 10_000;
 /// Resolution of the encoders.
 pub(super) const TICKS_PER_METRE: f64 = 1000.0;
 /// The only handle of the driving interface.
-pub(super) const VW: i32 = 1;
+pub(super) const DRIVE_HANDLE: i32 = 1;
 
 /// A robot that follows the script of a [`Fake`].
 pub(super) struct FakeRobot {
@@ -46,9 +47,12 @@ pub(super) struct State {
     /// True pose, and the pose that the program set, at the last `VWSetPosition` or `VWInit`.
     pub origin: (Pose, Pose),
     pub has_drive: bool,
+    /// Power of the motors, left and right, as a fraction of full power.
     pub power: [f64; 2],
-    pub ticks_zero: [f64; 2],
-    pub rolled_zero: [f64; 2],
+    /// Distances rolled by the wheels when their tick counts were last reset, in metres.
+    pub rolled_at_tick_reset: [f64; 2],
+    /// Distances rolled by the wheels when their distance counts were last reset, in metres.
+    pub rolled_at_distance_reset: [f64; 2],
     pub servos: Vec<i32>,
     pub psd: Option<PsdMeasurement>,
     pub bumps_read: Vec<usize>,
@@ -72,6 +76,7 @@ pub(super) struct State {
     pub console: String,
     /// Bytes of the standard input that the program has read.
     pub input_read: usize,
+    /// State of each stream of random numbers, by purpose.
     pub random: BTreeMap<u32, u64>,
     pub variables: [i32; 16],
     pub clock_offset_us: i64,
@@ -83,7 +88,7 @@ pub(super) struct State {
 pub(super) struct PsdMeasurement {
     pub start_us: u64,
     pub mask: PSDHandle,
-    /// The last cycle; `None` in continuous mode.
+    /// Number of the last cycle, from 1; `None` in continuous mode.
     pub last: Option<u64>,
 }
 
@@ -112,8 +117,8 @@ impl FakeRobot {
             origin: Default::default(),
             has_drive: false,
             power: [0.0; 2],
-            ticks_zero: [0.0; 2],
-            rolled_zero: [0.0; 2],
+            rolled_at_tick_reset: [0.0; 2],
+            rolled_at_distance_reset: [0.0; 2],
             servos: Vec::new(),
             psd: None,
             bumps_read: vec![0; fake.bumpers.len()],
@@ -148,7 +153,7 @@ impl FakeRobot {
             Some(reason) => End::Failed { exit_code, reason },
             None if state.is_over => {
                 let during = state.calls.iter().find(|call| call.text.ends_with(" stopped"));
-                End::TimeUp { during: during.map_or_else(String::new, placed) }
+                End::TimeUp { during: during.map_or_else(String::new, text_with_location) }
             }
             None if exit_code == 0 => End::Finished,
             None => End::Failed { exit_code, reason: "it returned an exit code other than 0".to_owned() },
@@ -166,7 +171,7 @@ impl FakeRobot {
 
     /// Advances virtual time by the cost of a call, then runs `act`.
     pub(super) fn act<R>(&self, act: impl FnOnce(&mut State) -> R) -> Result<R, Stop> {
-        let end_us = self.state.borrow().now_us + COST_US;
+        let end_us = self.state.borrow().now_us + CALL_COST_US;
         self.advance(end_us)?;
         Ok(act(&mut self.state.borrow_mut()))
     }
@@ -174,7 +179,7 @@ impl FakeRobot {
     /// Waits until a time; `None` waits forever. Fails inside a timer's function.
     pub(super) fn wait(&self, name: &str, until_us: Option<u64>) -> Result<(), Stop> {
         if self.state.borrow().is_in_callback {
-            return Err(self.state.borrow_mut().blocked(name));
+            return Err(self.state.borrow_mut().refuse_wait(name));
         }
         self.advance(until_us.unwrap_or(u64::MAX))
     }
@@ -182,8 +187,8 @@ impl FakeRobot {
     /// Advances virtual time; in preemptive mode other tasks run meanwhile.
     pub(super) fn advance(&self, mut until_us: u64) -> Result<(), Stop> {
         loop {
-            until_us = until_us.saturating_add(self.pass(self.slice(until_us))?);
-            self.turn()?;
+            until_us = until_us.saturating_add(self.advance_with_timers(self.slice_end(until_us))?);
+            self.yield_if_preempted()?;
             if self.state.borrow().now_us >= until_us {
                 return Ok(());
             }
@@ -191,14 +196,14 @@ impl FakeRobot {
     }
 
     /// Advances virtual time and calls the timers that are due; returns the time taken by their functions.
-    pub(super) fn pass(&self, until_us: u64) -> Result<u64, Stop> {
-        let mut pushed_us = 0;
+    pub(super) fn advance_with_timers(&self, until_us: u64) -> Result<u64, Stop> {
+        let mut delay_us = 0;
         let limit_us = self.fake.limit.as_micros() as u64;
         let mut until_us = until_us.min(limit_us);
         loop {
-            let due = self.state.borrow_mut().due_timer(until_us)?;
+            let due = self.state.borrow_mut().take_due_timer(until_us)?;
             let Some(callback) = due else { break };
-            let before_us = self.state.borrow().now_us;
+            let start_us = self.state.borrow().now_us;
             self.state.borrow_mut().is_in_callback = true;
             // SAFETY: the program is in this call, on this thread, and the state is not borrowed.
             let outcome = unsafe { callback.call() };
@@ -209,13 +214,13 @@ impl FakeRobot {
                 return Err(stop);
             }
             // Calls made by the timer's function delay the end of the interrupted call.
-            pushed_us += state.now_us - before_us;
-            until_us = (until_us + state.now_us - before_us).min(limit_us);
+            delay_us += state.now_us - start_us;
+            until_us = (until_us + state.now_us - start_us).min(limit_us);
         }
         let state = &mut *self.state.borrow_mut();
         state.now_us = state.now_us.max(until_us);
         state.is_over |= state.now_us >= limit_us;
-        if state.is_over { Err(Stop) } else { Ok(pushed_us) }
+        if state.is_over { Err(Stop) } else { Ok(delay_us) }
     }
 
     /// Index of the sensor with this handle; a handle has exactly one bit set.
@@ -228,7 +233,7 @@ impl FakeRobot {
         index.filter(|index| *index < 31).map_or(0, |index| 1 << index)
     }
 
-    /// Time and code of the next unread key in a mask; earlier keys are discarded.
+    /// Time and code of the next unread key in a mask; keys before it that are not in the mask are discarded.
     pub(super) fn next_key(&self, mask: i32) -> Option<(u64, i32)> {
         let state = &mut *self.state.borrow_mut();
         while let Some((time, key)) = self.fake.keys.get(state.keys_read) {
@@ -254,12 +259,13 @@ impl FakeRobot {
         Ok(code)
     }
 
-    pub(super) fn drive(&self, handle: i32, length: f32, angle: f32, pace: f32, distance: f32) -> Result<i32, Stop> {
+    /// Starts a drive over `length` and `angle`, as long as `distance` (one of the two) takes at `speed`.
+    pub(super) fn drive(&self, handle: i32, length: f32, angle: f32, speed: f32, distance: f32) -> Result<i32, Stop> {
         self.act(|state| {
-            if !(handle == VW && state.has_drive && pace > 0.0 && length.is_finite() && angle.is_finite()) {
+            if !(handle == DRIVE_HANDLE && state.has_drive && speed > 0.0 && length.is_finite() && angle.is_finite()) {
                 return -1;
             }
-            let span = f64::from(distance.abs()) / f64::from(pace);
+            let span = f64::from(distance.abs()) / f64::from(speed);
             state.motion.drive(state.now_us, length.into(), angle.into(), span);
             0
         })
@@ -267,7 +273,7 @@ impl FakeRobot {
 
     pub(super) fn with_drive(&self, handle: i32, act: impl FnOnce(&mut State)) -> Result<i32, Stop> {
         self.act(|state| {
-            if handle != VW || !state.has_drive {
+            if handle != DRIVE_HANDLE || !state.has_drive {
                 return -1;
             }
             act(state);
@@ -278,7 +284,7 @@ impl FakeRobot {
 
 impl State {
     /// Ends the program because a call would wait inside a timer's function.
-    pub(super) fn blocked(&mut self, name: &str) -> Stop {
+    pub(super) fn refuse_wait(&mut self, name: &str) -> Stop {
         self.is_over = true;
         self.failure = Some(format!("{name} waits inside of a timer's function"));
         Stop
@@ -290,14 +296,14 @@ impl State {
 
     /// Pose of the program's odometry.
     pub(super) fn odometry_pose(&self) -> Pose {
-        let (true_then, said) = self.origin;
-        said.compose(true_then.relative(self.motion.pose(self.now_us)))
+        let (true_origin, odometry_origin) = self.origin;
+        odometry_origin.compose(true_origin.relative(self.motion.pose(self.now_us)))
     }
 
-    /// Callback of the first timer that is due, with the clock set to its time. `None` while timers are held back or the function of a
-    /// timer runs.
-    pub(super) fn due_timer(&mut self, until_us: u64) -> Result<Option<Callback>, Stop> {
-        if self.is_over || self.tasks.is_leaving() {
+    /// Advances the clock to the first timer that is due and returns its callback. Returns `None` while timers are held back or a
+    /// timer's function runs.
+    pub(super) fn take_due_timer(&mut self, until_us: u64) -> Result<Option<Callback>, Stop> {
+        if self.is_over || self.tasks.must_running_task_end() {
             return Err(Stop);
         }
         if self.is_in_callback || self.are_timers_held {
@@ -312,7 +318,7 @@ impl State {
     }
 
     /// Sets the speed that follows from the power of the motors.
-    pub(super) fn follow_power(&mut self) {
+    pub(super) fn apply_power(&mut self) {
         let [left, right] = self.power.map(|power| power * FULL_SPEED_MPS);
         self.motion.set_speed(self.now_us, (left + right) / 2.0, (right - left) / TRACK_M);
     }
@@ -329,9 +335,9 @@ impl State {
 }
 
 /// Text of a call with its location.
-fn placed(call: &Call) -> String {
+fn text_with_location(call: &Call) -> String {
     let text = call.text.trim_end_matches(" stopped");
-    match call.place {
+    match call.location {
         Some(location) => format!("{text} at {location}"),
         None => text.to_owned(),
     }
@@ -348,7 +354,7 @@ impl CallContext for FakeRobot {
             time: Duration::from_micros(state.now_us),
             name: record.name,
             text: record.to_string(),
-            place: self.last_call_site.get(),
+            location: self.last_call_site.get(),
         };
         state.calls.push(call);
     }
@@ -356,12 +362,12 @@ impl CallContext for FakeRobot {
     fn panicked(&self, name: &'static str, payload: Box<dyn Any + Send>) {
         let state = &mut *self.state.borrow_mut();
         state.is_over = true;
-        let text = entry_text(&*payload);
+        let text = panic_text(&*payload);
         state.failure = Some(format!("the script of the test panicked in {name}: {text}"));
     }
 }
 
-fn entry_text(payload: &(dyn Any + Send)) -> &str {
+fn panic_text(payload: &(dyn Any + Send)) -> &str {
     payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied()).unwrap_or("")
 }
 
@@ -442,9 +448,9 @@ impl Support for FakeRobot {
 
     fn input(&self, bytes: &mut OutBytes) -> Result<i32, Stop> {
         self.act(|state| {
-            let rest = &self.fake.input.as_bytes()[state.input_read..];
-            let line = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
-            let count = bytes.set(&rest[..line]);
+            let unread = &self.fake.input.as_bytes()[state.input_read..];
+            let line_len = unread.iter().position(|byte| *byte == b'\n').map_or(unread.len(), |end| end + 1);
+            let count = bytes.set(&unread[..line_len]);
             state.input_read += count;
             count as i32
         })

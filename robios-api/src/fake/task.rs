@@ -40,15 +40,15 @@ impl RunToken {
 pub(super) struct TaskTable {
     mode: Option<i32>,
     is_permitted: bool,
-    list: Vec<TaskEntry>,
+    entries: Vec<TaskEntry>,
     current: usize,
     slice_end_us: u64,
     /// Number of transitions to ready so far.
     ready_count: u64,
     semaphores: Vec<Semaphore>,
     threads: Vec<JoinHandle<()>>,
-    /// `main` has returned: the other tasks must end.
-    is_leaving: bool,
+    /// The other tasks must then end.
+    has_main_returned: bool,
 }
 
 struct TaskEntry {
@@ -93,32 +93,32 @@ impl TaskTable {
         Self {
             mode: None,
             is_permitted: false,
-            list: vec![main],
+            entries: vec![main],
             current: MAIN,
             slice_end_us: TIMER_TICK_US,
             ready_count: 0,
             semaphores: Vec::new(),
             threads: Vec::new(),
-            is_leaving: false,
+            has_main_returned: false,
         }
     }
 
     /// Returns true if the running task must end.
-    pub(super) fn is_leaving(&self) -> bool {
-        self.is_leaving || self.list[self.current].killer.is_some()
+    pub(super) fn must_running_task_end(&self) -> bool {
+        self.has_main_returned || self.entries[self.current].killer.is_some()
     }
 
-    fn rotates(&self) -> bool {
+    fn is_preemption_on(&self) -> bool {
         self.mode == Some(PREEMPT) && self.is_permitted
     }
 
     fn make_ready(&mut self, task: usize) {
-        if self.list[task].status == Status::Ended {
+        if self.entries[task].status == Status::Ended {
             return;
         }
         self.ready_count += 1;
-        self.list[task].status = Status::Ready;
-        self.list[task].ready_order = self.ready_count;
+        self.entries[task].status = Status::Ready;
+        self.entries[task].ready_order = self.ready_count;
     }
 
     /// Makes the tasks ready whose sleep is over.
@@ -129,7 +129,7 @@ impl TaskTable {
     }
 
     fn sleepers(&self) -> impl Iterator<Item = (u64, usize)> {
-        self.list.iter().enumerate().filter_map(|(index, task)| match task.status {
+        self.entries.iter().enumerate().filter_map(|(index, task)| match task.status {
             Status::AsleepUntil(time_us) => Some((time_us, index)),
             _ => None,
         })
@@ -137,7 +137,7 @@ impl TaskTable {
 
     /// The ready task of the highest priority; ties go to the one that has been ready longest.
     fn next(&self) -> Option<usize> {
-        let ready = self.list.iter().enumerate().filter(|(_, task)| task.status == Status::Ready);
+        let ready = self.entries.iter().enumerate().filter(|(_, task)| task.status == Status::Ready);
         ready.min_by_key(|(_, task)| (-task.priority, task.ready_order)).map(|(index, _)| index)
     }
 
@@ -149,7 +149,7 @@ impl TaskTable {
     /// Index of a task by its number, 0 for the running task; `None` if the task has ended.
     fn index(&self, number: i32) -> Option<usize> {
         let index = if number == 0 { self.current } else { usize::try_from(number).ok()? };
-        self.list.get(index).filter(|task| task.status != Status::Ended).map(|_| index)
+        self.entries.get(index).filter(|task| task.status != Status::Ended).map(|_| index)
     }
 
     fn semaphore(&mut self, number: i32) -> Option<(usize, &mut Semaphore)> {
@@ -159,7 +159,7 @@ impl TaskTable {
 
     /// Message that names what each task waits for.
     fn deadlock_message(&self) -> String {
-        let waiting = self.list.iter().filter(|task| task.status != Status::Ended);
+        let waiting = self.entries.iter().filter(|task| task.status != Status::Ended);
         let parts = waiting.map(|task| match task.status {
             Status::AtSemaphore(index) => format!("`{}` waits at semaphore {}", task.name, index + 1),
             _ => format!("`{}` is suspended", task.name),
@@ -169,7 +169,8 @@ impl TaskTable {
 }
 
 impl State {
-    fn is_preempted(&mut self) -> bool {
+    /// Wakes tasks and renews an expired time slice; returns true if another task must run now.
+    fn update_preemption(&mut self) -> bool {
         let now_us = self.now_us;
         self.tasks.wake(now_us);
         let current = self.tasks.current;
@@ -192,19 +193,19 @@ const fn is_send<T: Send>() {}
 const _: () = is_send::<FakeRobot>();
 
 impl FakeRobot {
-    /// Lets another task run in preemptive mode, at the end of a call or of a part of a wait.
-    pub(super) fn turn(&self) -> Result<(), Stop> {
+    /// In preemptive mode, lets another task run if one has precedence. Called at the end of a call or of a part of a wait.
+    pub(super) fn yield_if_preempted(&self) -> Result<(), Stop> {
         let is_preempted = {
             let state = &mut *self.state.borrow_mut();
-            state.tasks.rotates() && !state.is_in_callback && state.is_preempted()
+            state.tasks.is_preemption_on() && !state.is_in_callback && state.update_preemption()
         };
         if is_preempted { self.run_next() } else { Ok(()) }
     }
 
-    /// Time until which the running task keeps the processor while it waits for `until_us`.
-    pub(super) fn slice(&self, until_us: u64) -> u64 {
+    /// Time until which the running task keeps the processor: `until_us`, or an earlier end of its time slice.
+    pub(super) fn slice_end(&self, until_us: u64) -> u64 {
         let state = self.state.borrow();
-        if state.tasks.rotates() && !state.is_in_callback {
+        if state.tasks.is_preemption_on() && !state.is_in_callback {
             until_us.min(state.tasks.slice_end_us.max(state.now_us))
         } else {
             until_us
@@ -237,7 +238,7 @@ impl FakeRobot {
                 };
                 until_us
             };
-            self.pass(until_us)?;
+            self.advance_with_timers(until_us)?;
         }
     }
 
@@ -255,24 +256,24 @@ impl FakeRobot {
         self.run_token.pass_to(next);
         self.run_token.wait_for(current);
         let state = self.state.borrow();
-        if state.is_over || state.tasks.is_leaving() { Err(Stop) } else { Ok(()) }
+        if state.is_over || state.tasks.must_running_task_end() { Err(Stop) } else { Ok(()) }
     }
 
     /// Body of a task's thread.
     fn run_thread(&self, task: usize) {
         self.run_token.wait_for(task);
-        let code = {
+        let callback = {
             let state = self.state.borrow();
-            (!state.is_over && !state.tasks.is_leaving).then(|| state.tasks.list[task].code)
+            (!state.is_over && !state.tasks.has_main_returned).then(|| state.tasks.entries[task].code)
         };
         // SAFETY: the program is in its `run`, in a call in which one of its tasks passed the run token to this one; nothing is borrowed.
-        let result = code.map_or(Ok(()), |code| unsafe { code.call() });
+        let result = callback.map_or(Ok(()), |callback| unsafe { callback.call() });
         let killer = {
             let state = &mut *self.state.borrow_mut();
-            let killer = state.tasks.list[task].killer.take();
-            state.tasks.list[task].status = Status::Ended;
-            state.is_over |= result.is_err() && killer.is_none() && !state.tasks.is_leaving;
-            if state.is_over || state.tasks.is_leaving { Some(MAIN) } else { killer }
+            let killer = state.tasks.entries[task].killer.take();
+            state.tasks.entries[task].status = Status::Ended;
+            state.is_over |= result.is_err() && killer.is_none() && !state.tasks.has_main_returned;
+            if state.is_over || state.tasks.has_main_returned { Some(MAIN) } else { killer }
         };
         let next = killer.filter(|killer| *killer != task).unwrap_or_else(|| self.next_task().unwrap_or(MAIN));
         {
@@ -286,12 +287,12 @@ impl FakeRobot {
     /// Starts the thread of a task that has none.
     fn begin(&self, task: usize) {
         let state = &mut *self.state.borrow_mut();
-        if !std::mem::replace(&mut state.tasks.list[task].has_begun, true) {
+        if !std::mem::replace(&mut state.tasks.entries[task].has_begun, true) {
             let robot = FakeRobotPtr(self);
             // SAFETY: the robot lives until `end_tasks` has joined the thread.
-            let life = move || unsafe { (*{ robot }.0).run_thread(task) };
-            let name = state.tasks.list[task].name.replace('\0', "");
-            let thread = std::thread::Builder::new().name(name).spawn(life).expect("the system has room for a thread");
+            let body = move || unsafe { (*{ robot }.0).run_thread(task) };
+            let name = state.tasks.entries[task].name.replace('\0', "");
+            let thread = std::thread::Builder::new().name(name).spawn(body).expect("the system has room for a thread");
             state.tasks.threads.push(thread);
         }
     }
@@ -300,18 +301,18 @@ impl FakeRobot {
     pub(super) fn end_tasks(&self) {
         let count = {
             let state = &mut *self.state.borrow_mut();
-            state.tasks.is_leaving = true;
-            state.tasks.list.len()
+            state.tasks.has_main_returned = true;
+            state.tasks.entries.len()
         };
         for task in 1..count {
-            let is_there = {
+            let is_alive = {
                 let state = &mut *self.state.borrow_mut();
-                let it = &state.tasks.list[task];
-                let is_there = it.has_begun && it.status != Status::Ended;
-                state.tasks.current = if is_there { task } else { MAIN };
-                is_there
+                let entry = &state.tasks.entries[task];
+                let is_alive = entry.has_begun && entry.status != Status::Ended;
+                state.tasks.current = if is_alive { task } else { MAIN };
+                is_alive
             };
-            if is_there {
+            if is_alive {
                 self.run_token.pass_to(task);
                 self.run_token.wait_for(MAIN);
             }
@@ -325,10 +326,10 @@ impl FakeRobot {
         {
             let state = &mut *self.state.borrow_mut();
             if state.is_in_callback {
-                return Err(state.blocked(name));
+                return Err(state.refuse_wait(name));
             }
             let current = state.tasks.current;
-            state.tasks.list[current].status = status;
+            state.tasks.entries[current].status = status;
         }
         self.run_next()
     }
@@ -353,7 +354,7 @@ impl FakeRobot {
             if state.tasks.mode.is_none() || !(MIN_PRI..=MAX_PRI).contains(&priority) {
                 return 0;
             }
-            state.tasks.list.push(TaskEntry {
+            state.tasks.entries.push(TaskEntry {
                 name: String::from_utf8_lossy(name.unwrap_or_default()).into_owned(),
                 priority,
                 uid,
@@ -363,42 +364,42 @@ impl FakeRobot {
                 has_begun: false,
                 killer: None,
             });
-            state.tasks.list.len() as i32 - 1
+            state.tasks.entries.len() as i32 - 1
         })
     }
 
     pub(super) fn ready_task(&self, number: i32) -> Result<i32, Stop> {
         let code = self.act(|state| match state.tasks.index(number) {
             Some(task) if state.tasks.mode.is_some() => {
-                if matches!(state.tasks.list[task].status, Status::Suspended | Status::AsleepUntil(_)) {
+                if matches!(state.tasks.entries[task].status, Status::Suspended | Status::AsleepUntil(_)) {
                     state.tasks.make_ready(task);
                 }
                 0
             }
             _ => -1,
         })?;
-        self.turn()?;
+        self.yield_if_preempted()?;
         Ok(code)
     }
 
     pub(super) fn suspend_task(&self, name: &str, number: i32) -> Result<i32, Stop> {
-        enum Which {
+        enum Target {
             None,
-            Own,
+            Running,
             Other,
         }
-        let which = self.act(|state| match state.tasks.index(number) {
-            Some(task) if task == state.tasks.current && state.tasks.mode.is_some() => Which::Own,
-            Some(task) if !matches!(state.tasks.list[task].status, Status::AtSemaphore(_)) => {
-                state.tasks.list[task].status = Status::Suspended;
-                Which::Other
+        let target = self.act(|state| match state.tasks.index(number) {
+            Some(task) if task == state.tasks.current && state.tasks.mode.is_some() => Target::Running,
+            Some(task) if !matches!(state.tasks.entries[task].status, Status::AtSemaphore(_)) => {
+                state.tasks.entries[task].status = Status::Suspended;
+                Target::Other
             }
-            _ => Which::None,
+            _ => Target::None,
         })?;
-        match which {
-            Which::None => return Ok(-1),
-            Which::Own => self.block(name, Status::Suspended)?,
-            Which::Other => {}
+        match target {
+            Target::None => return Ok(-1),
+            Target::Running => self.block(name, Status::Suspended)?,
+            Target::Other => {}
         }
         Ok(0)
     }
@@ -424,30 +425,30 @@ impl FakeRobot {
     }
 
     pub(super) fn task_uid(&self, number: i32) -> Result<i32, Stop> {
-        self.act(|state| state.tasks.index(number).map_or(0, |task| state.tasks.list[task].uid))
+        self.act(|state| state.tasks.index(number).map_or(0, |task| state.tasks.entries[task].uid))
     }
 
     pub(super) fn kill_task(&self, number: i32) -> Result<i32, Stop> {
-        enum Which {
+        enum Target {
             None,
-            Own,
+            Running,
             Other(usize),
         }
-        let which = self.act(|state| {
+        let target = self.act(|state| {
             let current = state.tasks.current;
-            let Some(task) = state.tasks.index(number).filter(|task| *task != MAIN) else { return Which::None };
-            state.tasks.semaphores.iter_mut().for_each(|semaphore| semaphore.waiting.retain(|it| *it != task));
-            if !state.tasks.list[task].has_begun {
-                state.tasks.list[task].status = Status::Ended;
-                return Which::None;
+            let Some(task) = state.tasks.index(number).filter(|task| *task != MAIN) else { return Target::None };
+            state.tasks.semaphores.iter_mut().for_each(|semaphore| semaphore.waiting.retain(|waiter| *waiter != task));
+            if !state.tasks.entries[task].has_begun {
+                state.tasks.entries[task].status = Status::Ended;
+                return Target::None;
             }
-            state.tasks.list[task].killer = Some(current);
-            if task == current { Which::Own } else { Which::Other(task) }
+            state.tasks.entries[task].killer = Some(current);
+            if task == current { Target::Running } else { Target::Other(task) }
         })?;
-        match which {
-            Which::None => Ok(if self.state.borrow().tasks.index(number).is_some() { -1 } else { 0 }),
-            Which::Own => Err(Stop),
-            Which::Other(task) => {
+        match target {
+            Target::None => Ok(if self.state.borrow().tasks.index(number).is_some() { -1 } else { 0 }),
+            Target::Running => Err(Stop),
+            Target::Other(task) => {
                 self.switch(task)?;
                 Ok(0)
             }
@@ -475,7 +476,7 @@ impl FakeRobot {
             state.tasks.is_permitted = is_permitted;
             if state.tasks.mode.is_some() { 0 } else { -1 }
         })?;
-        self.turn()?;
+        self.yield_if_preempted()?;
         Ok(code)
     }
 
@@ -490,7 +491,7 @@ impl FakeRobot {
     }
 
     pub(super) fn take_permit(&self, number: i32) -> Result<i32, Stop> {
-        let full = self.act(|state| {
+        let outcome = self.act(|state| {
             let current = state.tasks.current;
             let (index, semaphore) = state.tasks.semaphore(number)?;
             if semaphore.permits > 0 {
@@ -502,20 +503,20 @@ impl FakeRobot {
             }
             Some(Some(index))
         })?;
-        match full {
+        match outcome {
             None => Ok(-1),
             Some(None) => Ok(0),
             Some(Some(index)) => self.block("OSSemP", Status::AtSemaphore(index)).map(|()| 0),
         }
     }
 
-    /// Also carried out for a task that is ending: its destructors return its permits.
+    /// Returns a permit, also for a task that is ending, whose destructors return its permits.
     pub(super) fn return_permit(&self, number: i32) -> Result<i32, Stop> {
-        let is_left = {
+        let is_ending = {
             let state = self.state.borrow();
-            state.is_over || state.tasks.is_leaving()
+            state.is_over || state.tasks.must_running_task_end()
         };
-        if !is_left {
+        if !is_ending {
             self.act(|_| ())?;
         }
         let code = {
@@ -531,10 +532,10 @@ impl FakeRobot {
                 }
             }
         };
-        if is_left {
+        if is_ending {
             return Err(Stop);
         }
-        self.turn()?;
+        self.yield_if_preempted()?;
         Ok(code)
     }
 }

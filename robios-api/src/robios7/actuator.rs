@@ -62,7 +62,7 @@ impl Motor<'_> {
         checked(call, Device::Numbered("motor", self.number), code)
     }
 
-    /// Sets the motor's speed as a ratio of full speed, -100 (full backwards) to 100 percent, rounded to whole percent.
+    /// Sets the motor's power as a ratio of full power, -100 (full backwards) to 100 percent, rounded to whole percent.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for more than 100 percent; [`Error::Refused`] if the robot has no such motor.
@@ -134,7 +134,7 @@ impl Servo<'_> {
         checked("SERVOSet", Device::Numbered("servo", self.number), code)
     }
 
-    /// Sets the servo's own values for the first and the last position.
+    /// Sets the raw positions of the servo for the positions 0 and 255.
     ///
     /// # Errors
     /// [`Error::Refused`] if the robot has no such servo.

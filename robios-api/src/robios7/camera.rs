@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn images_have_the_size_that_was_asked_for() {
+    fn images_have_the_requested_size() {
         let run = fake().run_robios7(|robot| {
             for size in [ImageSize::QQVGA, ImageSize::new(20, 10)] {
                 let camera = robot.camera(size)?;
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn memory_is_used_again() {
+    fn existing_images_are_reused() {
         fake()
             .run_robios7(|robot| {
                 let camera = robot.camera(ImageSize::new(4, 3))?;
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_without_a_camera_says_so() {
+    fn missing_camera_is_an_error() {
         let run = Fake::new().run_robios7(|robot| robot.camera(ImageSize::QVGA).map(drop));
         let text = run.expect_failed().to_owned();
         assert!(text.contains("`CAMInit` was refused for the camera with 1"), "{text}");

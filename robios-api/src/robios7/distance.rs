@@ -115,7 +115,9 @@ impl Lidar<'_> {
     #[track_caller]
     pub fn set(&self, range: Angle, tilt: Angle, points: u16) -> Result {
         let range_deg = range.to_robios7();
-        let Some(kept) = u16::try_from(range_deg).ok().filter(|range| (1..=360).contains(range) && points > 0) else {
+        let Some(whole_range_deg) =
+            u16::try_from(range_deg).ok().filter(|range| (1..=360).contains(range) && points > 0)
+        else {
             return Err(Error::OutOfRange {
                 what: "setting of a scan",
                 value: format!("{range:.0} in {points} points"),
@@ -123,7 +125,7 @@ impl Lidar<'_> {
             });
         };
         let () = robios7!(self.0, LIDARSet(range_deg, tilt.to_robios7(), points.into()));
-        self.0.state().scan.set((kept, points));
+        self.0.settings().scan.set((whole_range_deg, points));
         Ok(())
     }
 
@@ -133,10 +135,10 @@ impl Lidar<'_> {
     /// [`Error::Refused`] if the robot has no scanner.
     #[track_caller]
     pub fn scan(&self) -> Result<Scan> {
-        let (range_deg, points) = self.0.state().scan.get();
+        let (range_deg, points) = self.0.settings().scan.get();
         let mut distances_mm = vec![0_i32; points.into()];
-        let room = ByteBuffer { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
-        checked("LIDARGet", Device::Lidar, robios7!(self.0, LIDARGet(room)))?;
+        let buffer = ByteBuffer { data: distances_mm.as_mut_ptr().cast(), len: distances_mm.len() };
+        checked("LIDARGet", Device::Lidar, robios7!(self.0, LIDARGet(buffer)))?;
         let spacings = if range_deg == 360 || points % 2 == 0 { points } else { points - 1 };
         Ok(Scan {
             distances: distances_mm.into_iter().map(within_range).collect(),

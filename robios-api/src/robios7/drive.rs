@@ -74,10 +74,10 @@ impl Drive<'_> {
     /// `distance` is negative for backwards, `speed` above 0.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not take.
+    /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not accept.
     #[track_caller]
     pub fn straight(&self, distance: Length, speed: Speed) -> Result<&Self> {
-        self.0.state().is_turning.set(false);
+        self.0.settings().is_turning.set(false);
         let code = robios7!(self.0, VWStraight(distance.to_robios7(), speed.to_robios7()));
         checked("VWStraight", Device::Drive, code)?;
         Ok(self)
@@ -88,10 +88,10 @@ impl Drive<'_> {
     /// `angle` is positive for counter-clockwise, `rate` above 0.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) for a rate that RoBIOS does not take, or if the robot cannot turn on the spot.
+    /// [`Error::Refused`](crate::Error::Refused) for a rate that RoBIOS does not accept, or if the robot cannot turn on the spot.
     #[track_caller]
     pub fn turn(&self, angle: Angle, rate: TurnRate) -> Result<&Self> {
-        self.0.state().is_turning.set(true);
+        self.0.settings().is_turning.set(true);
         checked("VWTurn", Device::Drive, robios7!(self.0, VWTurn(angle.to_robios7(), rate.to_robios7())))?;
         Ok(self)
     }
@@ -102,10 +102,10 @@ impl Drive<'_> {
     /// counter-clockwise. `speed` is above 0.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not take.
+    /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not accept.
     #[track_caller]
     pub fn curve(&self, length: Length, angle: Angle, speed: Speed) -> Result<&Self> {
-        self.0.state().is_turning.set(false);
+        self.0.settings().is_turning.set(false);
         let (length, angle, speed) = (length.to_robios7(), angle.to_robios7(), speed.to_robios7());
         checked("VWCurve", Device::Drive, robios7!(self.0, VWCurve(length, angle, speed)))?;
         Ok(self)
@@ -114,10 +114,10 @@ impl Drive<'_> {
     /// Starts to drive in one arc to a point in the robot's frame, and does not wait; replaces a drive in progress.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not take, or a point that the robot cannot reach.
+    /// [`Error::Refused`](crate::Error::Refused) for a speed that RoBIOS does not accept, or a point that the robot cannot reach.
     #[track_caller]
     pub fn drive_to(&self, ahead: Length, left: Length, speed: Speed) -> Result<&Self> {
-        self.0.state().is_turning.set(false);
+        self.0.settings().is_turning.set(false);
         let (ahead, left, speed) = (ahead.to_robios7(), left.to_robios7(), speed.to_robios7());
         checked("VWDrive", Device::Drive, robios7!(self.0, VWDrive(ahead, left, speed)))?;
         Ok(self)
@@ -127,7 +127,7 @@ impl Drive<'_> {
     #[track_caller]
     pub fn remaining(&self) -> Remaining {
         let remaining: i32 = robios7!(self.0, VWRemain());
-        if self.0.state().is_turning.get() {
+        if self.0.settings().is_turning.get() {
             Remaining::Angle(Angle::from_robios7(remaining))
         } else {
             Remaining::Length(Length::from_robios7(remaining))
@@ -179,7 +179,7 @@ impl Drive<'_> {
     /// Stops the PI controllers.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses it.
+    /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses the call.
     #[track_caller]
     pub fn stop_control(&self) -> Result {
         checked("VWControlOff", Device::Drive, robios7!(self.0, VWControlOff()))
@@ -187,8 +187,8 @@ impl Drive<'_> {
 }
 
 impl Position {
-    /// Offset of another position ahead and to the left of this one: the arguments of [`Drive::drive_to`].
-    pub fn ahead_and_left_of(self, other: Self) -> (Length, Length) {
+    /// Offset of another position in this one's frame, ahead and to the left: the arguments of [`Drive::drive_to`].
+    pub fn offset_to(self, other: Self) -> (Length, Length) {
         let (x, y) = (other.x - self.x, other.y - self.y);
         let (sin, cos) = (self.phi.sin(), self.phi.cos());
         (x * cos + y * sin, y * cos - x * sin)

@@ -37,9 +37,9 @@ impl Images<'_> {
     }
 
     #[track_caller]
-    fn read(&self, path: &str, size: ImageSize, room: &mut [u8]) -> Result {
+    fn read(&self, path: &str, size: ImageSize, bytes: &mut [u8]) -> Result {
         let (columns, rows) = size.to_robios7();
-        let code = robios7!(self.0, IPReadFile(ByteSlice::from(path), columns, rows, ByteBuffer::from(room)));
+        let code = robios7!(self.0, IPReadFile(ByteSlice::from(path), columns, rows, ByteBuffer::from(bytes)));
         checked("IPReadFile", Device::Image, code)
     }
 
@@ -130,9 +130,9 @@ impl Images<'_> {
                 accepted: "one of the same size",
             });
         }
-        let mut both = ColorImage::new(below.size);
-        let (from, over) = (ByteSlice::from(below.bytes()), ByteSlice::from(above.bytes()));
-        let () = robios7!(self.0, IPOverlay(from, over, ByteBuffer::from(&mut both.bytes[..])));
-        Ok(both)
+        let mut overlaid = ColorImage::new(below.size);
+        let (lower, upper) = (ByteSlice::from(below.bytes()), ByteSlice::from(above.bytes()));
+        let () = robios7!(self.0, IPOverlay(lower, upper, ByteBuffer::from(&mut overlaid.bytes[..])));
+        Ok(overlaid)
     }
 }

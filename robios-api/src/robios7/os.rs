@@ -17,8 +17,8 @@ use crate::{Error, Result};
 impl Robot {
     /// Calls a function periodically, until the returned timer is dropped.
     ///
-    /// The function runs inside the call in progress at that time and is never re-entered. It must be short
-    /// and must not wait. It gets the robot.
+    /// The function runs inside the call that is in progress when the timer is due, and is never re-entered. It must be
+    /// short and must not wait. It gets the robot.
     ///
     /// ```
     /// # use robios_api::robios7::prelude::*;
@@ -140,7 +140,7 @@ impl Robot {
     /// Runs a shell command on the computer that runs the simulator, if allowed, and returns its output.
     ///
     /// # Errors
-    /// [`Error::Refused`] if it is not allowed or has failed.
+    /// [`Error::Refused`] if the command is not allowed or has failed.
     #[track_caller]
     pub fn execute(&self, command: &str) -> Result<String> {
         let mut output = [0; MAX_OUTPUT];

@@ -31,7 +31,7 @@ pub enum Direction {
 pub struct Voltage(i32);
 
 impl Voltage {
-    /// Its value in volts.
+    /// Value in volts.
     pub fn as_volts(self) -> f64 {
         f64::from(self.0) / 100.0
     }
@@ -43,7 +43,7 @@ impl Display for Voltage {
     }
 }
 
-fn line(number: u8) -> Device {
+fn line_device(number: u8) -> Device {
     Device::Numbered("digital line", number)
 }
 
@@ -60,7 +60,7 @@ impl Ports<'_> {
             Direction::InPulledUp => b'I',
             Direction::InPulledDown => b'J',
         };
-        checked("DIGITALSetup", line(number), robios7!(self.0, DIGITALSetup(number.into(), direction)))
+        checked("DIGITALSetup", line_device(number), robios7!(self.0, DIGITALSetup(number.into(), direction)))
     }
 
     /// Returns true if digital line 1 to 16 is high.
@@ -71,7 +71,7 @@ impl Ports<'_> {
     pub fn is_high(&self, number: u8) -> Result<bool> {
         match robios7!(self.0, DIGITALRead(number.into())) {
             code @ (0 | 1) => Ok(code == 1),
-            code => Err(Error::Refused { call: "DIGITALRead", device: line(number), code }),
+            code => Err(Error::Refused { call: "DIGITALRead", device: line_device(number), code }),
         }
     }
 
@@ -88,7 +88,7 @@ impl Ports<'_> {
     /// [`Error::Refused`] if there is no such line, or it is not an output.
     #[track_caller]
     pub fn set(&self, number: u8, is_high: bool) -> Result {
-        checked("DIGITALWrite", line(number), robios7!(self.0, DIGITALWrite(number.into(), is_high.into())))
+        checked("DIGITALWrite", line_device(number), robios7!(self.0, DIGITALWrite(number.into(), is_high.into())))
     }
 
     /// Reads analogue channel 0 to 8.

@@ -44,7 +44,7 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn radio(&self) -> Result<Radio> {
         let common = self.0.common();
@@ -95,14 +95,14 @@ impl Radio {
     /// Waits for a message.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn receive(&self) -> Result<Message> {
-        let (mut from, mut room) = (0, [0; MAX_MESSAGE + 1]);
-        let code = robios7!(self.robot, RADIOReceive(&mut from, ByteBuffer::from(&mut room[..])));
+        let (mut from, mut buffer) = (0, [0; MAX_MESSAGE + 1]);
+        let code = robios7!(self.robot, RADIOReceive(&mut from, ByteBuffer::from(&mut buffer[..])));
         checked("RADIOReceive", Device::Radio, code)?;
-        let len = room.iter().position(|byte| *byte == 0).unwrap_or(MAX_MESSAGE);
-        Ok(Message { from: RobotNumber(from.clamp(0, 255) as u8), bytes: room[..len].to_vec() })
+        let len = buffer.iter().position(|byte| *byte == 0).unwrap_or(MAX_MESSAGE);
+        Ok(Message { from: RobotNumber(from.clamp(0, 255) as u8), bytes: buffer[..len].to_vec() })
     }
 
     /// Returns the next waiting message, if any.
@@ -148,8 +148,8 @@ impl Radio {
     #[track_caller]
     pub fn robots(&self) -> Vec<RobotNumber> {
         let mut ids = [0_i32; MAX_RADIO_IDS];
-        let room = ByteBuffer { data: ids.as_mut_ptr().cast(), len: ids.len() };
-        let count: i32 = robios7!(self.robot, RADIOStatus(room));
+        let buffer = ByteBuffer { data: ids.as_mut_ptr().cast(), len: ids.len() };
+        let count: i32 = robios7!(self.robot, RADIOStatus(buffer));
         let count = usize::try_from(count).unwrap_or(0).min(MAX_RADIO_IDS);
         ids[..count].iter().map(|id| RobotNumber((*id).clamp(0, 255) as u8)).collect()
     }

@@ -28,7 +28,7 @@ impl Default for DeviceSettings {
 }
 
 impl Robot {
-    pub(crate) fn state(&self) -> &DeviceSettings {
+    pub(crate) fn settings(&self) -> &DeviceSettings {
         &self.0.0.robios7
     }
 
@@ -87,7 +87,7 @@ impl Robot {
         self.0.console_error()
     }
 
-    /// The next line of standard input (`--stdin`) without its end; `None` at the end of the input. To be used instead
+    /// The next line of standard input (`--stdin`) without its end; `None` at the end of the input. Use it instead
     /// of `std::io::stdin`.
     #[track_caller]
     pub fn read_line(&self) -> Option<String> {
@@ -111,7 +111,7 @@ impl Robot {
         self.0.sleep(span);
     }
 
-    /// Lets virtual time pass until a time since the robot's start; returns immediately if it is past.
+    /// Sleeps until a virtual time, counted from the robot's start; returns immediately if this time is past.
     #[track_caller]
     pub fn sleep_until(&self, time: Duration) {
         self.0.sleep_until(time);

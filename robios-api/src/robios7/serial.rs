@@ -25,7 +25,7 @@ impl Robot {
     /// Opens serial interface 1 to 16.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if the robot does not have it.
+    /// [`Error::Refused`](crate::Error::Refused) if the robot has no such interface.
     #[track_caller]
     pub fn serial(&self, number: u8, baud: Baud, handshake: Handshake) -> Result<Serial> {
         let handshake = i32::from(handshake == Handshake::RtsCts);
@@ -56,9 +56,9 @@ impl Serial {
     /// Bytes received and not yet read, at most 255; does not wait.
     #[track_caller]
     pub fn read(&self) -> Vec<u8> {
-        let mut room = [0; MAX_SERIAL];
-        let len: i32 = robios7!(self.robot, SERReceive(self.number.into(), ByteBuffer::from(&mut room[..])));
-        room[..usize::try_from(len).unwrap_or(0).min(MAX_SERIAL)].to_vec()
+        let mut buffer = [0; MAX_SERIAL];
+        let len: i32 = robios7!(self.robot, SERReceive(self.number.into(), ByteBuffer::from(&mut buffer[..])));
+        buffer[..usize::try_from(len).unwrap_or(0).min(MAX_SERIAL)].to_vec()
     }
 
     /// Returns true if bytes have been received and not read.
@@ -70,7 +70,7 @@ impl Serial {
     /// Discards received bytes.
     ///
     /// # Errors
-    /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses it.
+    /// [`Error::Refused`](crate::Error::Refused) if RoBIOS refuses the call.
     #[track_caller]
     pub fn drop_received(&self) -> Result {
         let code = robios7!(self.robot, SERFlush(self.number.into()));

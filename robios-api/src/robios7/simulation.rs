@@ -74,14 +74,14 @@ impl Simulation<'_> {
         let () = robios7!(self.0, SIMSetObject(object.0.into(), x, y, z, phi));
     }
 
-    /// All robots.
+    /// Numbers of all robots.
     #[track_caller]
     pub fn robots(&self) -> impl Iterator<Item = RobotNumber> + use<> {
         let count: i32 = robios7!(self.0, SIMGetRobotCount());
         (1..=count.clamp(0, 255) as u8).map(RobotNumber)
     }
 
-    /// All objects.
+    /// Numbers of all objects.
     #[track_caller]
     pub fn objects(&self) -> impl Iterator<Item = ObjectNumber> + use<> {
         let robots: i32 = robios7!(self.0, SIMGetRobotCount());

@@ -109,11 +109,11 @@ impl Robot {
     ///     let nearest = tasks.shared(None)?;
     ///     let sensed = tasks.semaphore(0)?;
     ///
-    ///     let (seen, done) = (nearest.clone(), sensed.clone());
+    ///     let (measured, done) = (nearest.clone(), sensed.clone());
     ///     let sense = tasks.spawn("sense", Priority::P2, move |robot| -> Result {
     ///         let front = robot.psd(PsdAt::Front)?;
     ///         loop {
-    ///             *seen.lock(robot) = front.distance();
+    ///             *measured.lock(robot) = front.distance();
     ///             done.signal(robot);
     ///             robot.tasks().sleep(60.millis())?;
     ///         }
@@ -152,7 +152,7 @@ impl Robot {
         Ok(Tasks(self))
     }
 
-    /// Multi-tasking functions, for tasks other than the one that started it.
+    /// Multi-tasking functions, for tasks other than the one that started multi-tasking.
     pub fn tasks(&self) -> Tasks<'_> {
         Tasks(self)
     }
@@ -172,7 +172,7 @@ impl Robot {
         }
     }
 
-    /// Counts a timer whose function is bound to this thread.
+    /// Adds one to the number of timers whose functions are bound to this thread.
     pub(crate) fn count_timer(&self) -> Result {
         let tasks = &mut *locked(&self.common().tasks);
         if tasks.is_on {
@@ -237,7 +237,7 @@ impl<'a> Tasks<'a> {
                 Err(Error::Unavailable(Device::Tasks))
             }
             task => {
-                let _first = job.task.set(task);
+                let _already_set = job.task.set(task);
                 Ok(Task(task))
             }
         }
@@ -246,7 +246,7 @@ impl<'a> Tasks<'a> {
     /// Creates a semaphore with a number of initial permits.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn semaphore(self, permits: u32) -> Result<Semaphore> {
         Semaphore::new(self.0, permits)
@@ -261,7 +261,7 @@ impl<'a> Tasks<'a> {
         Shared::new(self.0, value)
     }
 
-    /// The number that this task was created with; 0 for `main`.
+    /// The number given to this task at its creation; 0 for `main`.
     #[track_caller]
     pub fn uid(self) -> i32 {
         robios!(self.0, OSGetUID(0))
@@ -288,7 +288,7 @@ impl<'a> Tasks<'a> {
     /// Sleeps for whole hundredths of a second, rounded up, while other tasks run; [`Robot::sleep`] is exact to the microsecond.
     ///
     /// # Errors
-    /// [`Error::Refused`] if RoBIOS refuses it.
+    /// [`Error::Refused`] if RoBIOS refuses the call.
     #[track_caller]
     pub fn sleep(self, span: Duration) -> Result {
         let hundredths = i32::try_from(span.as_nanos().div_ceil(10_000_000)).unwrap_or(i32::MAX);
@@ -319,8 +319,9 @@ impl<'a> Tasks<'a> {
 
     /// Calls a function periodically, as [`Robot::every`] does, in a program with tasks.
     ///
-    /// The function runs inside the call in progress at that time, on the thread of the task that made the call: it must be `Send`, and
-    /// it obtains its devices from the robot that it gets. It may make tasks ready and signal semaphores, but must not wait.
+    /// The function runs inside the call that is in progress when the timer is due, on the thread of the task that made the call: it
+    /// must be `Send`, and it obtains its devices from the robot that it gets. It may make tasks ready and signal semaphores, but must
+    /// not wait.
     ///
     /// # Errors
     /// See [`Robot::every`].
@@ -334,7 +335,7 @@ impl Task {
     /// Makes the task ready to run.
     ///
     /// # Errors
-    /// [`Error::Refused`] if it has ended.
+    /// [`Error::Refused`] if the task has ended.
     #[track_caller]
     pub fn ready(self, robot: &Robot) -> Result {
         checked("OSReady", Device::Tasks, robios!(robot, OSReady(self.0)))
@@ -343,7 +344,7 @@ impl Task {
     /// Suspends the task until it is made ready again.
     ///
     /// # Errors
-    /// [`Error::Refused`] if it has ended.
+    /// [`Error::Refused`] if the task has ended.
     #[track_caller]
     pub fn suspend(self, robot: &Robot) -> Result {
         checked("OSSuspend", Device::Tasks, robios!(robot, OSSuspend(self.0)))
@@ -352,7 +353,7 @@ impl Task {
     /// Makes the task ready and lets the next ready task of the highest priority run.
     ///
     /// # Errors
-    /// [`Error::Refused`] if it has ended.
+    /// [`Error::Refused`] if the task has ended.
     #[track_caller]
     pub fn run(self, robot: &Robot) -> Result {
         checked("OSRun", Device::Tasks, robios!(robot, OSRun(self.0)))
@@ -361,13 +362,13 @@ impl Task {
     /// Cancels the task: it ends inside its current call, and its resources are dropped.
     ///
     /// # Errors
-    /// [`Error::Refused`] if it has ended.
+    /// [`Error::Refused`] if the task has ended.
     #[track_caller]
     pub fn kill(self, robot: &Robot) -> Result {
         checked("OSKill", Device::Tasks, robios!(robot, OSKill(self.0)))
     }
 
-    /// The number that the task was created with.
+    /// The number given to the task at its creation.
     #[track_caller]
     pub fn uid(self, robot: &Robot) -> i32 {
         robios!(robot, OSGetUID(self.0))

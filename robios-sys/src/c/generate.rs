@@ -16,14 +16,15 @@ struct Generation {
     families: &'static [Family],
     functions: Vec<&'static Function>,
     constants: &'static [Constant],
-    /// Headers that `eyebot.h` includes: those before its functions, and those after them.
+    /// Headers that `eyebot.h` includes before its functions.
     includes: &'static [&'static str],
-    includes_behind: &'static [&'static str],
+    /// Headers that `eyebot.h` includes after its functions.
+    includes_after: &'static [&'static str],
 }
 
-/// Files that follow from the lists: the path in the folder of this crate, and the text.
+/// Files that are generated from the lists: the path in the folder of this crate, and the text.
 pub fn generated_files() -> [(&'static str, String); 7] {
-    let (six, seven) = (six(), seven());
+    let (six, seven) = (generation6(), generation7());
     let support: Vec<_> = SupportCall::ALL.iter().map(|call| call.function()).collect();
     [
         ("include/robios6/eyebot.h", eyebot_header(&six)),
@@ -36,25 +37,25 @@ pub fn generated_files() -> [(&'static str, String); 7] {
     ]
 }
 
-fn six() -> Generation {
+fn generation6() -> Generation {
     Generation {
         title: "RoBIOS 6",
         families: Robios6Call::FAMILIES,
         functions: Robios6Call::ALL.iter().map(|call| call.function()).collect(),
         constants: robios6::CONSTANTS,
         includes: &["types.h", "hdt_sem.h"],
-        includes_behind: &["variants.h"],
+        includes_after: &["variants.h"],
     }
 }
 
-fn seven() -> Generation {
+fn generation7() -> Generation {
     Generation {
         title: "RoBIOS-7",
         families: Robios7Call::FAMILIES,
         functions: Robios7Call::ALL.iter().map(|call| call.function()).collect(),
         constants: robios7::CONSTANTS,
         includes: &["types.h"],
-        includes_behind: &["variants.h"],
+        includes_after: &["variants.h"],
     }
 }
 
@@ -129,7 +130,7 @@ impl CType {
     }
 }
 
-/// `type name`, without a blank after a star.
+/// Declaration `type name`, without a blank after a star.
 fn declared(kind: &str, name: &str) -> String {
     let blank = if kind.ends_with(['*', ' ']) { "" } else { " " };
     format!("{kind}{blank}{name}")
@@ -198,8 +199,8 @@ fn eyebot_header(generation: &Generation) -> String {
         }
     }
     text += "\n#ifdef __cplusplus\n}\n#endif\n";
-    if !generation.includes_behind.is_empty() {
-        write!(text, "\n{}", include(generation.includes_behind)).expect("a string takes every line");
+    if !generation.includes_after.is_empty() {
+        write!(text, "\n{}", include(generation.includes_after)).expect("a string takes every line");
     }
     text + "\n#endif\n"
 }
@@ -294,7 +295,7 @@ fn shim_functions(generation: &Generation) -> String {
     text
 }
 
-/// C expression by which the shim passes an argument on.
+/// C expression with which the shim passes an argument to the host.
 fn argument(parameter: &Parameter) -> String {
     let name = parameter.name;
     match parameter.kind {

@@ -3,7 +3,7 @@
 
 /// Interposed symbols of the C library, and their behaviour in the shim.
 ///
-/// A library built without the shim that imports one of them acts outside of its robot or of virtual time.
+/// If a library built without the shim imports one of them, its calls act outside of its robot or of virtual time.
 pub const INTERPOSED: &[(&str, &str)] = &[
     ("exit", ENDS),
     ("_exit", ENDS_AT_ONCE),
@@ -126,14 +126,14 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("arc4random", DRAWS),
     ("arc4random_buf", DRAWS),
     ("arc4random_uniform", DRAWS),
-    ("time", TELLS),
-    ("clock", TELLS),
-    ("gettimeofday", TELLS),
-    ("clock_gettime", TELLS),
+    ("time", RETURNS_TIME),
+    ("clock", RETURNS_TIME),
+    ("gettimeofday", RETURNS_TIME),
+    ("clock_gettime", RETURNS_TIME),
     ("clock_getres", "returns one microsecond"),
-    ("timespec_get", TELLS),
-    ("times", TELLS),
-    ("ftime", TELLS),
+    ("timespec_get", RETURNS_TIME),
+    ("times", RETURNS_TIME),
+    ("ftime", RETURNS_TIME),
     ("sleep", PASSES),
     ("usleep", PASSES),
     ("nanosleep", PASSES),
@@ -166,17 +166,17 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("opterr", OWN_STATE),
     ("optopt", OWN_STATE),
     ("pthread_create", STARTS_TASK),
-    ("pthread_join", OF_TASKS),
-    ("pthread_tryjoin_np", OF_TASKS),
-    ("pthread_timedjoin_np", OF_TASKS),
-    ("pthread_clockjoin_np", OF_TASKS),
-    ("pthread_detach", OF_TASKS),
-    ("pthread_exit", OF_TASKS),
-    ("pthread_self", OF_TASKS),
-    ("pthread_equal", OF_TASKS),
-    ("sched_yield", OF_TASKS),
-    ("pthread_yield", OF_TASKS),
-    ("pthread_once", OF_TASKS),
+    ("pthread_join", ACTS_ON_TASKS),
+    ("pthread_tryjoin_np", ACTS_ON_TASKS),
+    ("pthread_timedjoin_np", ACTS_ON_TASKS),
+    ("pthread_clockjoin_np", ACTS_ON_TASKS),
+    ("pthread_detach", ACTS_ON_TASKS),
+    ("pthread_exit", ACTS_ON_TASKS),
+    ("pthread_self", ACTS_ON_TASKS),
+    ("pthread_equal", ACTS_ON_TASKS),
+    ("sched_yield", ACTS_ON_TASKS),
+    ("pthread_yield", ACTS_ON_TASKS),
+    ("pthread_once", ACTS_ON_TASKS),
     ("pthread_cancel", CANCELS),
     ("pthread_testcancel", CANCELS),
     ("pthread_setcancelstate", CANCELS),
@@ -186,56 +186,56 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("__pthread_register_cancel_defer", CANCELS),
     ("__pthread_unregister_cancel_restore", CANCELS),
     ("__pthread_unwind_next", CANCELS),
-    ("pthread_mutex_init", OF_TASKS),
-    ("pthread_mutex_destroy", OF_TASKS),
-    ("pthread_mutex_lock", OF_TASKS),
-    ("pthread_mutex_trylock", OF_TASKS),
-    ("pthread_mutex_timedlock", OF_TASKS),
-    ("pthread_mutex_clocklock", OF_TASKS),
-    ("pthread_mutex_unlock", OF_TASKS),
-    ("pthread_mutex_consistent", OF_TASKS),
-    ("pthread_spin_init", OF_TASKS),
-    ("pthread_spin_destroy", OF_TASKS),
-    ("pthread_spin_lock", OF_TASKS),
-    ("pthread_spin_trylock", OF_TASKS),
-    ("pthread_spin_unlock", OF_TASKS),
-    ("pthread_cond_init", OF_TASKS),
-    ("pthread_cond_destroy", OF_TASKS),
+    ("pthread_mutex_init", ACTS_ON_TASKS),
+    ("pthread_mutex_destroy", ACTS_ON_TASKS),
+    ("pthread_mutex_lock", ACTS_ON_TASKS),
+    ("pthread_mutex_trylock", ACTS_ON_TASKS),
+    ("pthread_mutex_timedlock", ACTS_ON_TASKS),
+    ("pthread_mutex_clocklock", ACTS_ON_TASKS),
+    ("pthread_mutex_unlock", ACTS_ON_TASKS),
+    ("pthread_mutex_consistent", ACTS_ON_TASKS),
+    ("pthread_spin_init", ACTS_ON_TASKS),
+    ("pthread_spin_destroy", ACTS_ON_TASKS),
+    ("pthread_spin_lock", ACTS_ON_TASKS),
+    ("pthread_spin_trylock", ACTS_ON_TASKS),
+    ("pthread_spin_unlock", ACTS_ON_TASKS),
+    ("pthread_cond_init", ACTS_ON_TASKS),
+    ("pthread_cond_destroy", ACTS_ON_TASKS),
     ("pthread_cond_wait", WAITS_TASK),
     ("pthread_cond_timedwait", WAITS_TASK),
     ("pthread_cond_clockwait", WAITS_TASK),
-    ("pthread_cond_signal", OF_TASKS),
-    ("pthread_cond_broadcast", OF_TASKS),
+    ("pthread_cond_signal", ACTS_ON_TASKS),
+    ("pthread_cond_broadcast", ACTS_ON_TASKS),
     ("flockfile", LOCKS_STREAM),
     ("ftrylockfile", LOCKS_STREAM),
     ("funlockfile", LOCKS_STREAM),
-    ("sem_init", OF_TASKS),
-    ("sem_destroy", OF_TASKS),
+    ("sem_init", ACTS_ON_TASKS),
+    ("sem_destroy", ACTS_ON_TASKS),
     ("sem_wait", WAITS_TASK),
-    ("sem_trywait", OF_TASKS),
+    ("sem_trywait", ACTS_ON_TASKS),
     ("sem_clockwait", WAITS_TASK),
     ("sem_timedwait", WAITS_TASK),
-    ("sem_post", OF_TASKS),
-    ("sem_getvalue", OF_TASKS),
+    ("sem_post", ACTS_ON_TASKS),
+    ("sem_getvalue", ACTS_ON_TASKS),
     ("sem_open", REFUSES),
-    ("pthread_rwlock_init", OF_TASKS),
-    ("pthread_rwlock_destroy", OF_TASKS),
-    ("pthread_rwlock_rdlock", OF_TASKS),
-    ("pthread_rwlock_tryrdlock", OF_TASKS),
-    ("pthread_rwlock_timedrdlock", OF_TASKS),
-    ("pthread_rwlock_clockrdlock", OF_TASKS),
-    ("pthread_rwlock_wrlock", OF_TASKS),
-    ("pthread_rwlock_trywrlock", OF_TASKS),
-    ("pthread_rwlock_timedwrlock", OF_TASKS),
-    ("pthread_rwlock_clockwrlock", OF_TASKS),
-    ("pthread_rwlock_unlock", OF_TASKS),
-    ("pthread_barrier_init", OF_TASKS),
-    ("pthread_barrier_destroy", OF_TASKS),
+    ("pthread_rwlock_init", ACTS_ON_TASKS),
+    ("pthread_rwlock_destroy", ACTS_ON_TASKS),
+    ("pthread_rwlock_rdlock", ACTS_ON_TASKS),
+    ("pthread_rwlock_tryrdlock", ACTS_ON_TASKS),
+    ("pthread_rwlock_timedrdlock", ACTS_ON_TASKS),
+    ("pthread_rwlock_clockrdlock", ACTS_ON_TASKS),
+    ("pthread_rwlock_wrlock", ACTS_ON_TASKS),
+    ("pthread_rwlock_trywrlock", ACTS_ON_TASKS),
+    ("pthread_rwlock_timedwrlock", ACTS_ON_TASKS),
+    ("pthread_rwlock_clockwrlock", ACTS_ON_TASKS),
+    ("pthread_rwlock_unlock", ACTS_ON_TASKS),
+    ("pthread_barrier_init", ACTS_ON_TASKS),
+    ("pthread_barrier_destroy", ACTS_ON_TASKS),
     ("pthread_barrier_wait", WAITS_TASK),
-    ("pthread_key_create", OF_TASKS),
-    ("pthread_key_delete", OF_TASKS),
-    ("pthread_setspecific", OF_TASKS),
-    ("pthread_getspecific", OF_TASKS),
+    ("pthread_key_create", ACTS_ON_TASKS),
+    ("pthread_key_delete", ACTS_ON_TASKS),
+    ("pthread_setspecific", ACTS_ON_TASKS),
+    ("pthread_getspecific", ACTS_ON_TASKS),
     ("pthread_setname_np", ACCEPTED),
     ("pthread_getname_np", ACCEPTED),
     ("pthread_getattr_np", ACCEPTED),
@@ -247,29 +247,29 @@ pub const INTERPOSED: &[(&str, &str)] = &[
     ("pthread_getcpuclockid", ACCEPTED),
     ("pthread_kill", REFUSES_SIGNAL),
     ("thrd_create", STARTS_TASK),
-    ("thrd_join", OF_TASKS),
-    ("thrd_detach", OF_TASKS),
-    ("thrd_exit", OF_TASKS),
-    ("thrd_current", OF_TASKS),
-    ("thrd_equal", OF_TASKS),
-    ("thrd_yield", OF_TASKS),
-    ("mtx_init", OF_TASKS),
-    ("mtx_destroy", OF_TASKS),
-    ("mtx_lock", OF_TASKS),
-    ("mtx_trylock", OF_TASKS),
-    ("mtx_timedlock", OF_TASKS),
-    ("mtx_unlock", OF_TASKS),
-    ("call_once", OF_TASKS),
-    ("cnd_init", OF_TASKS),
-    ("cnd_destroy", OF_TASKS),
-    ("cnd_signal", OF_TASKS),
-    ("cnd_broadcast", OF_TASKS),
+    ("thrd_join", ACTS_ON_TASKS),
+    ("thrd_detach", ACTS_ON_TASKS),
+    ("thrd_exit", ACTS_ON_TASKS),
+    ("thrd_current", ACTS_ON_TASKS),
+    ("thrd_equal", ACTS_ON_TASKS),
+    ("thrd_yield", ACTS_ON_TASKS),
+    ("mtx_init", ACTS_ON_TASKS),
+    ("mtx_destroy", ACTS_ON_TASKS),
+    ("mtx_lock", ACTS_ON_TASKS),
+    ("mtx_trylock", ACTS_ON_TASKS),
+    ("mtx_timedlock", ACTS_ON_TASKS),
+    ("mtx_unlock", ACTS_ON_TASKS),
+    ("call_once", ACTS_ON_TASKS),
+    ("cnd_init", ACTS_ON_TASKS),
+    ("cnd_destroy", ACTS_ON_TASKS),
+    ("cnd_signal", ACTS_ON_TASKS),
+    ("cnd_broadcast", ACTS_ON_TASKS),
     ("cnd_wait", WAITS_TASK),
     ("cnd_timedwait", WAITS_TASK),
-    ("tss_create", OF_TASKS),
-    ("tss_delete", OF_TASKS),
-    ("tss_set", OF_TASKS),
-    ("tss_get", OF_TASKS),
+    ("tss_create", ACTS_ON_TASKS),
+    ("tss_delete", ACTS_ON_TASKS),
+    ("tss_set", ACTS_ON_TASKS),
+    ("tss_get", ACTS_ON_TASKS),
 ];
 
 const ENDS: &str = "ends the robot's program after its `atexit` functions";
@@ -289,14 +289,14 @@ const CHECKS: &str = "a failed check ends the robot's program as failed, with a 
 const DRAWS: &str = "draws from the robot's own stream";
 const DRAWS48: &str = "the sequence specified by POSIX; without a seed each robot starts at its own position";
 const STATE_GIVEN: &str = "the sequence specified by POSIX, from the given state";
-const TELLS: &str = "returns the robot's virtual time";
+const RETURNS_TIME: &str = "returns the robot's virtual time";
 const PASSES: &str = "lets virtual time pass";
 const REFUSES: &str = "does nothing, with a message on the console";
 const OWN_STATE: &str = "state and result belong to the program's copy of the library, not to the process";
 const UTC: &str = "local time is UTC on every machine; state and result belong to the program's copy of the library";
 const STARTS_TASK: &str = "starts a task of the robot, see [Tasks](programs.md#tasks)";
 const WAITS_TASK: &str = "waits; the robot's other tasks run in the meantime";
-const OF_TASKS: &str = "acts on the robot's tasks, in virtual time";
+const ACTS_ON_TASKS: &str = "acts on the robot's tasks, in virtual time";
 const LOCKS_STREAM: &str =
     "locks a stream against other tasks that request the lock; output lines are not interleaved even without it";
 const CANCELS: &str = "takes effect in RoBIOS calls, and in calls of the C library that may wait";
@@ -414,15 +414,14 @@ const STREAMS: &str = "streams of C++ print to the host's standard output";
 /// Without the shim, most [interposed](INTERPOSED) symbols are outside too, except those that almost every library imports and
 /// those that matter only when the program is broken.
 pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
-    let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why);
-    let is_harmless = |what: &str| {
-        [PRINTS_ANY, OPENS, OPENS_STREAM, CHECKS, JUMPS, STATE_GIVEN, OF_TASKS, LOCKS_STREAM, CANCELS, ACCEPTED]
-            .contains(&what)
+    let reason = |list: &[(&str, &'static str)]| list.iter().find(|(name, _)| *name == symbol).map(|(_, text)| *text);
+    let is_harmless = |behaviour: &str| {
+        [PRINTS_ANY, OPENS, OPENS_STREAM, CHECKS, JUMPS, STATE_GIVEN, ACTS_ON_TASKS, LOCKS_STREAM, CANCELS, ACCEPTED]
+            .contains(&behaviour)
     };
-    let is_everywhere =
-        ["__cxa_atexit", "__cxa_thread_atexit_impl", "__stack_chk_fail", "__chk_fail"].contains(&symbol);
+    let is_common = ["__cxa_atexit", "__cxa_thread_atexit_impl", "__stack_chk_fail", "__chk_fail"].contains(&symbol);
     match reason(INTERPOSED) {
-        Some(what) if is_harmless(what) || is_everywhere => None,
+        Some(behaviour) if is_harmless(behaviour) || is_common => None,
         Some(_) => Some("acts on the process, not on the robot, in a library built without the shim"),
         None => reason(OUTSIDE_GUARANTEE),
     }
@@ -433,11 +432,11 @@ pub fn outside_guarantee(symbol: &str) -> Option<&'static str> {
 ///
 /// A library without the shim that imports `exit` or a function of the same kind ends the process itself.
 pub fn endangers_host(symbol: &str) -> Option<&'static str> {
-    const ENDS: [&str; 9] = ["exit", "_exit", "_Exit", "quick_exit", "err", "errx", "verr", "verrx", "error"];
-    if ENDS.contains(&symbol) {
+    const PROCESS_ENDING: [&str; 9] = ["exit", "_exit", "_Exit", "quick_exit", "err", "errx", "verr", "verrx", "error"];
+    if PROCESS_ENDING.contains(&symbol) {
         return Some("ends the process, which is the host");
     }
-    let reason = OUTSIDE_GUARANTEE.iter().find(|(name, _)| *name == symbol).map(|(_, why)| *why)?;
+    let reason = OUTSIDE_GUARANTEE.iter().find(|(name, _)| *name == symbol).map(|(_, text)| *text)?;
     [PROCESS, SIGNAL, DESCRIPTOR, LIMIT, SYSTEM].contains(&reason).then_some(reason)
 }
 
@@ -446,7 +445,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_ends_the_host_is_told_from_what_only_differs_between_runs() {
+    fn symbols_that_end_the_host_are_distinguished_from_those_that_differ_between_runs() {
         for dangerous in ["execve", "fork", "dup2", "close_range", "sigaction", "syscall", "prlimit", "_exit", "setsid"]
         {
             assert!(endangers_host(dangerous).is_some(), "{dangerous}");
@@ -457,7 +456,7 @@ mod tests {
     }
 
     #[test]
-    fn what_every_library_imports_is_no_reason_for_a_warning() {
+    fn symbols_that_every_library_imports_cause_no_warning() {
         for harmless in
             ["__cxa_atexit", "__stack_chk_fail", "fwrite", "__memcpy_chk", "erand48", "fopen", "strlen", "VWInit"]
         {

@@ -1,5 +1,5 @@
 //! The C side, as text: headers for programs, the shim that is compiled into every C program's library, the compiler's
-//! flags, and the interposed functions of the C library. Files that follow from the lists of functions begin with a note that says so;
+//! flags, and the interposed functions of the C library. Files that are generated from the lists of functions begin with a note;
 //! `cargo run -p robios-sys --bin generate` writes them.
 
 mod generate;
@@ -25,7 +25,7 @@ macro_rules! files {
     };
 }
 
-/// The headers for programs of RoBIOS 6: a folder of them goes to the compiler with `-I`.
+/// The headers for programs of RoBIOS 6; the compiler gets their folder with `-I`.
 pub const HEADERS6: &[SourceFile] = files![
     "include/robios6" / "eyebot.h",
     "include/robios6" / "hdt_sem.h",
@@ -67,10 +67,10 @@ pub const TRUTH: [&str; 3] = ["TRUE", "FALSE", "BOOL"];
 /// Flag for a source whose names collide with the additional names of RoBIOS-7's `types.h`.
 pub const LEAN_FLAG: &str = "-DEYESIM_LEAN";
 
-/// The header of further names of RoBIOS 6.
+/// The header with further names of RoBIOS 6.
 pub const VARIANTS6: &str = include_str!("../../include/robios6/variants.h");
 
-/// The header of further names of RoBIOS-7.
+/// The header with further names of RoBIOS-7.
 pub const VARIANTS7: &str = include_str!("../../include/robios7/variants.h");
 
 /// The shim: with these files and the headers of a generation in `-I` folders, [`SHIM_SOURCE`] is compiled and linked into

@@ -82,7 +82,7 @@ pub fn c_library_page() -> String {
     [BEGIN, &rows(INTERPOSED), MIDDLE, &rows(OUTSIDE_GUARANTEE), END].concat()
 }
 
-/// One row for each reason, in the order of their first symbols.
+/// Table rows, one for each reason, in the order of the reasons' first symbols.
 fn rows(symbols: &[(&str, &str)]) -> String {
     let mut reasons: Vec<&str> = Vec::new();
     for (_, reason) in symbols {
@@ -92,8 +92,11 @@ fn rows(symbols: &[(&str, &str)]) -> String {
     }
     let mut text = String::new();
     for reason in reasons {
-        let names: Vec<_> =
-            symbols.iter().filter(|(_, other)| *other == reason).map(|(name, _)| format!("`{name}`")).collect();
+        let names: Vec<_> = symbols
+            .iter()
+            .filter(|(_, symbol_reason)| *symbol_reason == reason)
+            .map(|(name, _)| format!("`{name}`"))
+            .collect();
         writeln!(text, "| {} | {reason} |", names.join(", ")).expect("a string takes every line");
     }
     text

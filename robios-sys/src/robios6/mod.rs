@@ -15,7 +15,7 @@ use crate::wire::Plain;
 
 /// `BYTE`: an unsigned 8-bit number.
 pub type Byte = u8;
-/// `char` where it is a character, its bits whatever the signedness of C's `char`.
+/// `char` used as a character: its bits, independent of the signedness of C's `char`.
 pub type Char = u8;
 /// `BOOL`: 0 is false, everything else true.
 pub type Bool = i32;
@@ -41,7 +41,7 @@ pub type IRHandle = i32;
 pub type TimerHandle = i32;
 /// A task of the program: in C a `struct tcb *`, across the ABI its number; 0 is the current one or none.
 pub type Task = i32;
-/// A semaphore of the program: in C a `struct sem *`, across the ABI its number; 0 was not initialised.
+/// A semaphore of the program: in C a `struct sem *`, across the ABI its number; 0 if it is not initialised.
 pub type Semaphore = i32;
 /// `meter`: a length in metres.
 pub type Metre = f32;
@@ -66,7 +66,7 @@ pub type BitImage = [u8; 1024];
 pub type MonoFrame = [u8; 4800];
 /// 80 x 60 pixels of red, green, blue without a border.
 pub type ColorFrame = [u8; 14400];
-/// 160 x 120 values of the camera's colour filter, rows of green and blue and of red and green in turn.
+/// 160 x 120 values behind the camera's colour filter; rows of green and blue alternate with rows of red and green.
 pub type BayerFrame = [u8; 19200];
 
 /// Columns of the LCD in pixels.
@@ -189,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn structs_that_cross_to_another_process_have_no_padding() {
+    fn structs_passed_between_processes_have_no_padding() {
         assert_eq!(size_of::<PositionType>(), 3 * 4);
         assert_eq!(size_of::<SpeedType>(), 2 * 4);
         assert_eq!(size_of::<RadioIOParameters>(), 6 * 4);

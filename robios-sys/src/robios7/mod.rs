@@ -12,7 +12,7 @@ pub use function::{Robios7, Robios7Call, Robios7Table};
 pub type Color = i32;
 /// `TIMER`: a timer of `OSAttachTimer`; 0 is none.
 pub type Timer = i32;
-/// `char` where it is a character, its bits whatever the signedness of C's `char`.
+/// `char` used as a character: its bits, independent of the signedness of C's `char`.
 pub type Char = u8;
 /// C's `bool`: 0 is false, 1 true.
 pub type Flag = u8;

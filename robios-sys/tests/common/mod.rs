@@ -62,14 +62,14 @@ fn shim(flags: &[&str]) -> String {
     let (key, number) = (flags.concat(), compiled.len());
     let object = compiled.entry(key).or_insert_with(|| {
         let object = format!("{}/shim-{}-{number}.o", env!("CARGO_TARGET_TMPDIR"), std::process::id());
-        let to = ["-Wall", "-Wextra", "-I.", "-c", c::SHIM_SOURCE, "-o", &object];
-        compile(folder().path(), &[c::SHIM_FLAGS, flags, &to].concat());
+        let arguments = ["-Wall", "-Wextra", "-I.", "-c", c::SHIM_SOURCE, "-o", &object];
+        compile(folder().path(), &[c::SHIM_FLAGS, flags, &arguments].concat());
         object
     });
     object.clone()
 }
 
-/// A program's library, which lives as long as this.
+/// A program's library, whose file is removed when the value is dropped.
 pub struct Built {
     folder: tempfile::TempDir,
     library: PathBuf,
@@ -140,7 +140,7 @@ pub struct Robot {
     pub now_us: Cell<i64>,
     /// Stops the program at the first call at or after this time; 0: never.
     pub stop_at_us: i64,
-    /// Calls the timer function this often in each `OSWait`.
+    /// Timer function, called at each tick during an `OSWait`.
     pub timer: Cell<Option<Callback>>,
     pub seeds: RefCell<BTreeMap<u32, (u64, u64)>>,
 }
@@ -156,7 +156,7 @@ impl Robot {
         self.out.borrow().concat()
     }
 
-    fn pass(&self, span_us: i64) -> Result<(), Stop> {
+    fn advance(&self, span_us: i64) -> Result<(), Stop> {
         self.now_us.set(self.now_us.get().saturating_add(span_us));
         if self.stop_at_us > 0 && self.now_us.get() >= self.stop_at_us { Err(Stop) } else { Ok(()) }
     }
@@ -176,9 +176,9 @@ impl CallContext for Robot {
 impl Support for Robot {
     fn console(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.expect("the shim passes bytes")).into_owned();
-        let to = if stream == support::stream::OUT { &self.out } else { &self.err };
-        to.borrow_mut().push(text);
-        self.pass(1)?;
+        let lines = if stream == support::stream::OUT { &self.out } else { &self.err };
+        lines.borrow_mut().push(text);
+        self.advance(1)?;
         Ok(0)
     }
     fn random(&self, purpose: u32) -> Result<u64, Stop> {
@@ -197,11 +197,11 @@ impl Support for Robot {
         Ok(0)
     }
     fn time_us(&self) -> Result<i64, Stop> {
-        self.pass(1)?;
+        self.advance(1)?;
         Ok(self.now_us.get())
     }
     fn sleep_us(&self, span_us: i64) -> Result<i32, Stop> {
-        self.pass(span_us.max(0))?;
+        self.advance(span_us.max(0))?;
         Ok(0)
     }
     fn failed(&self, kind: i32, text: Option<&[u8]>, _: Option<&[u8]>) -> Result<i32, Stop> {
@@ -258,7 +258,7 @@ impl Robios6 for Robot {
     }
     fn OSWait(&self, n: i32) -> Result<i32, Stop> {
         for _ in 0..n {
-            self.pass(10_000)?;
+            self.advance(10_000)?;
             if let Some(timer) = self.timer.get() {
                 // SAFETY: inside a call of the program that passed it, on its thread, with nothing borrowed.
                 unsafe { timer.call() }?;
