@@ -81,8 +81,8 @@ fn rays_along_an_axis_miss_a_box_only_outside() {
     let half = DVec3::splat(2.0);
     let index = MeshIndex::new(&cuboid(half, 4, |point| point));
     // Origins at the squares' corners and half-way between them, up to beyond the box: some rays lie in the planes of faces.
-    for index in 0..21 * 21 {
-        let (u, v) = (f64::from(index % 21) * 0.25 - 2.5, f64::from(index / 21) * 0.25 - 2.5);
+    for cell in 0..21 * 21 {
+        let (u, v) = (f64::from(cell % 21) * 0.25 - 2.5, f64::from(cell / 21) * 0.25 - 2.5);
         for axis in 0..3 {
             let mut origin = DVec3::ZERO;
             origin[(axis + 1) % 3] = u;

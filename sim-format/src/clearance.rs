@@ -44,7 +44,7 @@ pub(super) fn check(scene: &SceneSpec, world_object_count: usize) -> Vec<Diagnos
             [Code::SimObjectOutside, Code::SimObjectWall, Code::SimObjectOverlap]
         };
         if is_outside {
-            let high = scene.world.bounds().1 * 1000.0;
+            let high_mm = scene.world.bounds().1 * 1000.0;
             let message = format!("{} starts outside the floor", body.name);
             let expected = format!("x from 0 to {} and y from 0 to {} mm", high_mm.x.round(), high_mm.y.round());
             sink.warn(codes[0], body.span, message, expected);

@@ -100,7 +100,7 @@ impl<'a> Line<'a> {
                 end
             };
             let span = Span { start: self.start + first, end: self.start + outer_end, line: self.number, column };
-            words.push(Word { text: &self.text[inner..end], span, is_unclosed });
+            words.push(Word { text: &self.text[text_start..end], span, is_unclosed });
         }
         words
     }

@@ -399,7 +399,7 @@ fn advice(of_6: &[String], of_7: &[String], sources: &[PathBuf]) -> String {
                 Generation::Robios7.name()
             )
         });
-        return format!("{ONE_OF_THEM}{}", notes.collect::<String>());
+        return format!("{GENERAL_ADVICE}{}", notes.collect::<String>());
     }
     let [of_6, of_7] = [of_6, of_7].map(|names| call_sites(names, sources));
     let (count_6, count_7) = (of_6.as_ref().map_or(0, Vec::len), of_7.as_ref().map_or(0, Vec::len));
@@ -747,7 +747,7 @@ mod tests {
         let error = choice(&mixed, GenerationHint::default()).expect_err("two generations");
         assert!(error.contains("mixes two generations: `VWInit` (maze.c:1) of RoBIOS 6, "), "{error}");
         assert!(error.contains("`VWStraight` (map.cpp:2), `VWWait` (map.cpp:2) of RoBIOS-7, "), "{error}");
-        assert!(error.ends_with(&format!("; {ONE_OF_THEM}")), "{error}");
+        assert!(error.ends_with(&format!("; {GENERAL_ADVICE}")), "{error}");
     }
 
     /// The advice for a program of calls of both generations.
@@ -800,7 +800,7 @@ mod tests {
         assert_eq!(
             advice("void f() {\n  VWHandle vw = VWInit(1, 1);\n  VWSetSpeed(vw, 100, 0);\n  VWWait();\n}"),
             format!(
-                "{ONE_OF_THEM}; `VWSetSpeed` is `VWSetSpeed(handle, m/s, radians/s)` in RoBIOS 6 and `VWSetSpeed(mm/s, degrees/s)` in RoBIOS-7"
+                "{GENERAL_ADVICE}; `VWSetSpeed` is `VWSetSpeed(handle, m/s, radians/s)` in RoBIOS 6 and `VWSetSpeed(mm/s, degrees/s)` in RoBIOS-7"
             )
         );
     }

@@ -5,7 +5,7 @@ use sim_core::scene::{Bounds, Segment, Walls};
 
 use super::{Effort, Outcome, Row, Study, nanoseconds};
 use crate::oracle;
-use crate::to_wide::Wide;
+use crate::wide::Wide;
 use crate::world::{self, Random};
 
 pub const STUDY: Study =
