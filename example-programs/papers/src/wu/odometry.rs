@@ -133,6 +133,9 @@ fn over_rooms(values: &[f64]) -> String {
     format!("{:.1} % ({:.1} to {:.1})", 100.0 * mean, 100.0 * low, 100.0 * high)
 }
 
+/// Track of a drive.
+type Chosen = fn(&Judged) -> &Track;
+
 type Value = fn(&Score) -> f64;
 const RIGHT: Value = Score::accuracy;
 const PRECISION: Value = |score| score.precision;
@@ -168,7 +171,7 @@ fn claims(results: &[Judged]) -> Vec<Claim> {
         basis: Basis::Found,
     };
     let mut claims = Vec::new();
-    let three: [(&str, fn(&Judged) -> &Track); 3] = [
+    let three: [(&str, Chosen); 3] = [
         ("true poses", |result| &result.exact),
         ("raw odometry", |result| &result.raw),
         ("corrected poses", |result| &result.corrected),
