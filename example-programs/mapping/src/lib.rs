@@ -23,4 +23,5 @@ pub mod score;
 pub mod sector;
 pub mod sonar;
 pub mod sonar_grid;
+pub mod tracker;
 pub mod tsk;

@@ -60,6 +60,8 @@ enum Choice {
     Planner,
     /// Wu et al. 2013: grid maps from seven sonars
     Wu,
+    /// Wu et al. 2013: the same maps with real odometry, and with corrected poses
+    Odometry,
     /// All of them
     All,
 }
@@ -68,13 +70,14 @@ type Reproduce = fn(&Job, Option<usize>) -> anyhow::Result<Page>;
 
 impl Choice {
     fn papers(self) -> Vec<(&'static str, Reproduce)> {
-        let all: [(Self, &str, Reproduce); 6] = [
+        let all: [(Self, &str, Reproduce); 7] = [
             (Self::Eyesim, "eyesim", |job, _| eyesim::run(job)),
             (Self::France, "france", |job, _| france::run(job)),
             (Self::Alduro, "alduro", alduro::run),
             (Self::Fusion, "fusion", alduro::fusion),
             (Self::Planner, "planner", alduro::planner),
             (Self::Wu, "wu", |job, _| wu::run(job)),
+            (Self::Odometry, "odometry", |job, _| wu::odometry::run(job)),
         ];
         let chosen = all.into_iter().filter(|(choice, ..)| self == Self::All || self == *choice);
         chosen.map(|(_, name, reproduce)| (name, reproduce)).collect()

@@ -5,6 +5,7 @@
 
 mod case;
 mod maps;
+pub mod odometry;
 
 use accuracy::figure::{Figure as Chart, Mark, Scale, Series};
 use anyhow::Context as _;

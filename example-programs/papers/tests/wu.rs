@@ -16,3 +16,17 @@ fn maps_are_as_right_as_they_must_be() {
         assert!(claim.holds, "{}: {}", claim.ours, claim.number);
     }
 }
+
+/// The published rows of the first start in each room follow from the published settings.
+#[test]
+fn corrected_poses_are_those_of_the_page() {
+    let page = papers::run::root().join("docs/papers.md");
+    let page = std::fs::read_to_string(page).expect("the page");
+    let folder = tempfile::tempdir().expect("a folder");
+    let job = Job::new("odometry", folder.path(), 1).expect("a job");
+    let rows = wu::odometry::sample(&job, &page).expect("all drives");
+    assert_eq!(rows.len(), 3);
+    for row in rows {
+        assert!(page.contains(&row), "the page lacks\n{row}");
+    }
+}

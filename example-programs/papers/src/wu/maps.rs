@@ -94,9 +94,11 @@ impl Mapped {
         let loaded = load_scene(&path, &files);
         ensure!(!loaded.has_errors(), "`{path}` has mistakes");
         let (frame, start) = frame(&loaded.scene)?;
+        let walls = loaded.scene.world.walls.iter();
+        let walls = walls.map(|wall| [wall.from, wall.to].map(|end| start.inward(Point::new(end.x, end.y))));
         let mut run = Self {
             name: name.to_owned(),
-            truth: truth(&loaded.scene, &frame, &start),
+            truth: truth(walls, &frame),
             stops: Vec::new(),
             looks: 0,
             time: 0.0,
@@ -296,12 +298,11 @@ fn frame(scene: &SceneSpec) -> anyhow::Result<(Frame, Pose)> {
     Ok((frame, Pose::new(start.position.x, start.position.y, start.heading.radians())))
 }
 
-/// Ground truth from the walls. Cells that can be reached from the start without crossing a wall are free; wall cells with a free
-/// neighbour are surfaces; all others are hidden.
-fn truth(scene: &SceneSpec, frame: &Frame, start: &Pose) -> Grid<Truth> {
+/// Ground truth from the walls, in the frame of the start. Cells that can be reached from the start without crossing a wall are free; wall
+/// cells with a free neighbour are surfaces; all others are hidden.
+pub fn truth(walls: impl Iterator<Item = [Point; 2]>, frame: &Frame) -> Grid<Truth> {
     let mut is_wall = Grid::new(*frame, false);
-    for wall in &scene.world.walls {
-        let [from, to] = [wall.from, wall.to].map(|end| start.inward(Point::new(end.x, end.y)));
+    for [from, to] in walls {
         for cell in supercover(frame, from, to) {
             is_wall[cell] = true;
         }

@@ -1,0 +1,179 @@
+//! Maps of sonar sectors ([`sector`](crate::sector)) with the pose corrected at each look, instead of odometry alone.
+//!
+//! A [`Tracker`] adds the motion since the last look to its [`Belief`] and corrects it by the readings of the look on the map
+//! made so far: that of all earlier stops, and of the earlier looks of this stop. Readings go into the map with the corrected pose; the
+//! map itself is that of Wu et al. 2013, unchanged. Earlier poses are never corrected again.
+//!
+//! Source: incremental maximum-likelihood mapping, Thrun, Burgard & Fox 2005, section 13.2 (the alternative to many maps, one for
+//! each particle). The map of the stop itself is our choice: it holds what the robot heard before it turned around.
+
+use crate::grid::{Frame, Grid};
+use crate::localise::{Belief, OdometryNoise};
+use crate::measurement::{Error, LikelihoodField, Points};
+use crate::pose::{Point, Pose};
+use crate::score::OCCUPIED;
+use crate::sector::{Fan, Look, Raster, Reading, SectorMap};
+
+/// How a pose is corrected.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Correction {
+    /// Error of a reading.
+    pub error: Error,
+    /// Error of odometry.
+    pub odometry: OdometryNoise,
+}
+
+/// A map with the robot's corrected pose.
+#[derive(Clone, Debug)]
+pub struct Tracker {
+    fan: Fan,
+    correction: Correction,
+    map: SectorMap,
+    belief: Belief,
+    odometry: Pose,
+    readings: Vec<Reading>,
+}
+
+impl Tracker {
+    /// An empty map and a robot at its origin, where its odometry is exact.
+    pub fn new(frame: Frame, fan: Fan, raster: Raster, correction: Correction) -> Self {
+        let start = Pose::new(0.0, 0.0, 0.0);
+        Self {
+            fan,
+            correction,
+            map: SectorMap::new(frame, fan, raster),
+            belief: Belief::certain(start),
+            odometry: start,
+            readings: Vec::new(),
+        }
+    }
+
+    /// The map of all stops that have ended.
+    pub fn map(&self) -> &SectorMap {
+        &self.map
+    }
+
+    /// Distribution of the pose at the last look.
+    pub fn belief(&self) -> &Belief {
+        &self.belief
+    }
+
+    /// Takes a look with its pose by odometry, and returns it with the corrected pose.
+    pub fn look(&mut self, look: &Look) -> Look {
+        self.belief = self.belief.moved(&self.odometry, &look.robot, &self.correction.odometry);
+        self.odometry = look.robot;
+        self.belief = self.corrected(look);
+        let corrected = Look { robot: self.belief.mean, distances: look.distances.clone() };
+        self.readings.extend(corrected.readings(self.fan.sector));
+        corrected
+    }
+
+    /// Ends a stop: adds its readings to the map.
+    pub fn end_stop(&mut self) {
+        self.map.add(&self.readings);
+        self.readings.clear();
+    }
+
+    fn corrected(&self, look: &Look) -> Belief {
+        let mut map = self.map.clone();
+        map.add(&self.readings);
+        let map: &Grid<f64> = map.probabilities();
+        let field = LikelihoodField::new(map, |probability| *probability >= OCCUPIED, &self.correction.error);
+        let readings = points(look, &self.fan, map.frame().cell_size());
+        self.belief.corrected(&Points { field: &field, readings })
+    }
+}
+
+/// Directions of the sonars in the robot's frame, rad, from right to left.
+fn angles(look: &Look, fan: &Fan) -> impl Iterator<Item = f64> + use<> {
+    let (count, sector) = (look.distances.len(), fan.sector);
+    (0..count).map(move |index| (index as f64 - 0.5 * (count as f64 - 1.0)) * sector)
+}
+
+/// Points of the lines of each sector, at most `apart` from each other, in the robot's frame, m.
+fn points(look: &Look, fan: &Fan, apart: f64) -> Vec<Vec<Point>> {
+    let at = |index: usize| look.distances.get(index).copied().flatten();
+    let of_sector = |(index, angle): (usize, f64)| {
+        let model = fan.model(index.checked_sub(1).and_then(at), at(index), at(index + 1));
+        let sector = Pose::new(0.0, 0.0, angle);
+        let along = |line: &crate::sector::Line| {
+            let (from, to) = (sector.outward(line.from), sector.outward(line.to));
+            let count = ((to - from).norm() / apart).ceil().max(1.0) as usize;
+            (0..=count).map(move |step| from + (to - from) * (step as f64 / count as f64)).collect::<Vec<Point>>()
+        };
+        model.lines.iter().flat_map(along).collect()
+    };
+    angles(look, fan).enumerate().map(of_sector).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_6, PI};
+
+    use super::*;
+    use crate::pose::{Vector, wrapped};
+    use crate::sonar::polar;
+
+    const FAN: Fan = Fan { sector: FRAC_PI_6, radius: 0.12, nearest: 0.03, farthest: 4.0 };
+
+    /// A room of 4 m x 3 m with a box, as closely spaced points.
+    fn room() -> Vec<Point> {
+        let corners = |points: &[[f64; 2]]| points.iter().map(|[x, y]| Point::new(*x, *y)).collect::<Vec<_>>();
+        let outlines = [
+            corners(&[[-1.0, -1.0], [3.0, -1.0], [3.0, 2.0], [-1.0, 2.0], [-1.0, -1.0]]),
+            corners(&[[1.2, 0.8], [1.8, 0.8], [1.8, 1.4], [1.2, 1.4], [1.2, 0.8]]),
+        ];
+        let along = |pair: &[Point]| {
+            let (from, to) = (pair[0], pair[1]);
+            (0..2000).map(move |index| from + (to - from) * (f64::from(index) / 2000.0)).collect::<Vec<_>>()
+        };
+        outlines.iter().flat_map(|outline| outline.windows(2).flat_map(along)).collect()
+    }
+
+    fn heard(room: &[Point], robot: &Pose) -> Vec<Option<f64>> {
+        let of_sonar = |index: i32| {
+            let heading = robot.heading + f64::from(index) * FAN.sector;
+            let position = robot.position + crate::pose::direction(heading) * FAN.radius;
+            let near = room.iter().map(|point| polar(Pose { position, heading }, *point));
+            let distances = near.filter(|(_, off)| off.abs() <= 0.5 * FAN.sector).map(|(distance, _)| distance);
+            distances.min_by(f64::total_cmp).filter(|distance| *distance <= FAN.farthest)
+        };
+        (-3..=3).map(of_sonar).collect()
+    }
+
+    /// Odometry that turns too far and drifts to one side: most of its error is taken back.
+    #[test]
+    fn drift_is_taken_back() {
+        let room = room();
+        let correction = Correction {
+            error: Error { sigma: 0.04, outlier: 0.1 },
+            odometry: OdometryNoise { turn: 0.05, drift: 0.05, distance: 0.05 },
+        };
+        let frame = Frame::covering(Point::new(-1.1, -1.1), Point::new(3.1, 2.1), 0.05);
+        let mut tracker = Tracker::new(frame, FAN, Raster::PointByPoint, correction);
+        let (mut truth, mut odometry) = (Pose::new(0.0, 0.0, 0.0), Pose::new(0.0, 0.0, 0.0));
+        let off = |pose: &Pose, truth: &Pose| {
+            ((pose.position - truth.position).norm(), wrapped(pose.heading - truth.heading).abs())
+        };
+        let mut worst = [(0.0_f64, 0.0_f64); 2];
+        for stop in 0..10 {
+            for turn in [0.0, 0.5 * FAN.sector, PI] {
+                (truth, odometry) =
+                    (truth.then(&Pose::new(0.0, 0.0, turn)), odometry.then(&Pose::new(0.0, 0.0, 1.03 * turn)));
+                let look = Look { robot: odometry, distances: heard(&room, &truth) };
+                let corrected = tracker.look(&look).robot;
+                for (worst, pose) in worst.iter_mut().zip([&corrected, &odometry]) {
+                    let (distance, turned) = off(pose, &truth);
+                    *worst = (worst.0.max(distance), worst.1.max(turned));
+                }
+            }
+            tracker.end_stop();
+            let way = Vector::new(if stop < 5 { 0.25 } else { -0.25 }, if stop % 2 == 0 { 0.15 } else { -0.15 });
+            let step = Pose { position: truth.inward(truth.position + way), heading: 0.0 };
+            truth = truth.then(&step);
+            odometry = odometry.then(&Pose { position: step.position * 1.03, heading: 0.01 });
+        }
+        let [corrected, raw] = worst;
+        assert!(corrected.0 < 0.25 * raw.0 && corrected.1 < 0.5 * raw.1, "corrected {corrected:?}, raw {raw:?}");
+    }
+}
