@@ -146,7 +146,9 @@ impl SectionParameters {
         }
         match &self.0 {
             NoiseSection::Range(kind) if !kind.has_device_noise() => described(RANGE).collect(),
-            NoiseSection::Range(_) | NoiseSection::Sensor(_) => described(RANGE).chain(described(DEVICE_NOISE)).collect(),
+            NoiseSection::Range(_) | NoiseSection::Sensor(_) => {
+                described(RANGE).chain(described(DEVICE_NOISE)).collect()
+            }
             NoiseSection::Compass => described(COMPASS).collect(),
             NoiseSection::Camera => described(CAMERA).collect(),
             NoiseSection::Drive => described(DRIVE).collect(),
