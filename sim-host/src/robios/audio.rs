@@ -71,14 +71,14 @@ const MAX_RATE: i64 = 44_100;
 
 /// `AUPlaySample`: returns the sample's rate in Hz, 0 if `sample` is not a WAV file.
 pub fn play_sample_6(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
-    let Some(wave) = sample.and_then(Wave::parse) else { return robot.failed(Robios6Call::AUPlaySample, 0) };
+    let Some(wave) = sample.and_then(Wave::parse) else { return robot.fail_call(Robios6Call::AUPlaySample, 0) };
     play(robot, wave);
     wave.rate_hz
 }
 
 /// `AUPlay`: plays a WAV file in memory, or the one that `sample` names.
 pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
-    let Some(sample) = sample else { return robot.failed(Robios7Call::AUPlay, 1) };
+    let Some(sample) = sample else { return robot.fail_call(Robios7Call::AUPlay, 1) };
     if let Some(wave) = Wave::parse(sample) {
         play(robot, wave);
         return 0;
@@ -89,7 +89,7 @@ pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
             play(robot, wave);
             0
         }
-        Err(reason) => robot.refused(Robios7Call::AUPlay, 1, |_| format!("`{}`: {reason}", super::text(sample))),
+        Err(reason) => robot.refuse_call(Robios7Call::AUPlay, 1, |_| format!("`{}`: {reason}", super::text(sample))),
     }
 }
 
@@ -102,7 +102,7 @@ fn play(robot: &mut Robot, wave: Wave) {
 /// `AUTone`
 pub fn play_tone(robot: &mut Robot, call: impl Into<Call>, failure: i32, frequency_hz: i32, span_ms: i32) -> i32 {
     if !TONE_HZ.contains(&frequency_hz) || span_ms < 0 {
-        return robot.failed(call, failure);
+        return robot.fail_call(call, failure);
     }
     let duration = Time::from_millis(span_ms.into());
     robot.robios.audio.play_tone(robot.now, duration);
@@ -119,12 +119,12 @@ pub fn beep(robot: &mut Robot) -> i32 {
 
 /// `AURecordSample`: returns the rate in Hz.
 pub fn record_6(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
-    record(robot, buffer, rate_hz).unwrap_or_else(|| robot.failed(Robios6Call::AURecordSample, 0))
+    record(robot, buffer, rate_hz).unwrap_or_else(|| robot.fail_call(Robios6Call::AURecordSample, 0))
 }
 
 /// `AURecord`
 pub fn record_7(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
-    record(robot, buffer, rate_hz).map_or_else(|| robot.failed(Robios7Call::AURecord, 1), |_| 0)
+    record(robot, buffer, rate_hz).map_or_else(|| robot.fail_call(Robios7Call::AURecord, 1), |_| 0)
 }
 
 /// Records the microphone; returns the rate in Hz, `None` if buffer or rate is invalid.

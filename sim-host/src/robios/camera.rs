@@ -137,7 +137,7 @@ pub(super) fn give_labels(robot: &mut Robot, call: impl Into<Call>, failure: i32
 /// The answer of a call that returns no image.
 pub(super) fn refused(robot: &mut Robot, call: impl Into<Call>, answer: i32, why: impl Into<ImageUnavailable>) -> i32 {
     let why = why.into();
-    robot.refused(call, answer, |_| why.to_string())
+    robot.refuse_call(call, answer, |_| why.to_string())
 }
 
 /// Converts depths in metres to the mm that programs get.

@@ -49,7 +49,7 @@ pub fn init(robot: &mut Robot, mode: i32) -> i32 {
         NORMAL => 1.0,
         WIDE => 0.5,
         TELE => 2.0,
-        _ => return robot.refused(Call::CAMInit, INITERROR, |_| "it takes NORMAL, WIDE or TELE".to_owned()),
+        _ => return robot.refuse_call(Call::CAMInit, INITERROR, |_| "it takes NORMAL, WIDE or TELE".to_owned()),
     };
     robot.devices.camera.switch_on(Setting { size: SIZE, zoom, levels: Levels::default() });
     robot.robios.camera6 = Settings::default();
@@ -122,7 +122,7 @@ pub fn set(robot: &mut Robot, numbers: [i32; 3]) -> i32 {
         return 0;
     }
     let [Ok(first), Ok(second), Ok(third)] = numbers.map(u8::try_from) else {
-        return robot.refused(Call::CAMSet, -1, |_| {
+        return robot.refuse_call(Call::CAMSet, -1, |_| {
             "it takes three numbers of 0 to 255, or a frame rate, FPS60 to FPS0_46875, with two zeros".to_owned()
         });
     };
@@ -140,7 +140,7 @@ pub fn get(robot: &mut Robot, into: [&mut Out<i32>; 3]) -> i32 {
         Err(why) => return camera::refused(robot, Call::CAMGet, -1, why),
     };
     if into.iter().any(|out| out.is_null()) {
-        return robot.failed(Call::CAMGet, -1);
+        return robot.fail_call(Call::CAMGet, -1);
     }
     let numbers = match robot.robios.camera6 {
         Settings { rate: Some(rate), is_rate_last: true } => [rate, 0, 0],
@@ -160,7 +160,7 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
         NOAUTOBRIGHTNESS => false,
         _ => {
             let accepted = "it takes AUTOBRIGHTNESS or NOAUTOBRIGHTNESS";
-            return robot.refused(Call::CAMMode, -1, |_| accepted.to_owned());
+            return robot.refuse_call(Call::CAMMode, -1, |_| accepted.to_owned());
         }
     };
     if let Some(setting) = &mut robot.devices.camera.setting {

@@ -23,7 +23,7 @@ pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i3
     let max_pixels = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
     let is_size = [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side));
     if !is_resolution(resolution) || !is_size || width as usize * height as usize > max_pixels {
-        return robot.refused(Call::CAMInit, 1, |_| {
+        return robot.refuse_call(Call::CAMInit, 1, |_| {
             format!(
                 "it takes QQVGA, QVGA, VGA, CAM1MP, CAMHD, CAM5MP, or CUSTOM with a CAMWIDTH and CAMHEIGHT of 1 to {MAX_SIDE} \
                  and no more pixels than CAM5MP has"

@@ -57,7 +57,7 @@ impl<F: Flow> Caller<F> {
     pub(super) fn spend_on_console(&self) -> Result<(), Stop> {
         let call = SupportCall::console;
         if self.call(call, |robot, _| robot.robios.console.cut > 0)? {
-            self.within(call.into(), |caller| caller.spend_time(CUT_LINE).map(drop))?;
+            self.run_in_call(call.into(), |caller| caller.spend_time(CUT_LINE).map(drop))?;
         }
         Ok(())
     }

@@ -20,7 +20,7 @@ use sim_core::record::Event;
 
 /// `LCDPrintf`
 pub fn put(robot: &mut Robot, call: Call, characters: Option<&[u8]>) -> i32 {
-    let Some(characters) = characters else { return robot.failed(call, 1) };
+    let Some(characters) = characters else { return robot.fail_call(call, 1) };
     let text = text(characters);
     let [row, column] = robot.screen().position().map(|coordinate| coordinate.clamp(0, u8::MAX.into()) as u8);
     robot.record(Event::LcdText { row, column, text: &text });
@@ -58,7 +58,7 @@ fn move_to(robot: &mut Robot, call: Call, [row, column]: [i32; 2]) {
         let name = call.name();
         robot.hint(&format!("`{name}`: the display has {rows} rows and {columns} columns, none at ({row}, {column})"));
         // Counted as a failure so that the hint comes once; the call itself returns no error.
-        robot.failed(call, 0);
+        robot.fail_call(call, 0);
     }
 }
 
@@ -90,7 +90,7 @@ pub fn set_font(robot: &mut Robot, font: i32, variation: i32) -> i32 {
         ITALICS => Some(Variation::Italics),
         _ => None,
     };
-    let (Some(family), Some(variation)) = (family, variation) else { return robot.failed(Call::LCDSetFont, 1) };
+    let (Some(family), Some(variation)) = (family, variation) else { return robot.fail_call(Call::LCDSetFont, 1) };
     robot.screen().set_font(family, variation);
     0
 }
@@ -98,7 +98,7 @@ pub fn set_font(robot: &mut Robot, font: i32, variation: i32) -> i32 {
 /// `LCDSetFontSize`
 pub fn set_font_size(robot: &mut Robot, number: i32) -> i32 {
     let Some(size) = Size::of(number) else {
-        return robot.refused(Call::LCDSetFontSize, 1, |_| format!("{number} is none of 8, 12, 14, 18 and 24"));
+        return robot.refuse_call(Call::LCDSetFontSize, 1, |_| format!("{number} is none of 8, 12, 14, 18 and 24"));
     };
     robot.screen().set_font_size(size);
     0
@@ -148,7 +148,7 @@ pub fn set_menu(robot: &mut Robot, texts: [Option<&[u8]>; 4]) -> i32 {
 pub fn set_menu_entry(robot: &mut Robot, position: i32, text: Option<&[u8]>, colours: [i32; 2]) -> i32 {
     let (Some(text), 1..=4) = (text, position) else {
         return robot
-            .refused(Call::LCDMenuI, 1, |_| format!("{position} is none of the keys 1 to 4, or the text is null"));
+            .refuse_call(Call::LCDMenuI, 1, |_| format!("{position} is none of the keys 1 to 4, or the text is null"));
     };
     let index = position as usize - 1;
     let [ink, paper] = colours.map(rgb);
@@ -171,7 +171,7 @@ pub fn set_list_line(robot: &mut Robot, [index, key]: [i32; 2], characters: Opti
     let is_set = usize::try_from(index).is_ok_and(|index| robot.screen().set_list_line(index, line));
     if !is_set {
         return robot
-            .refused(Call::LCDListLine, 0, |_| format!("there is no line {index} in the list, or no room for it"));
+            .refuse_call(Call::LCDListLine, 0, |_| format!("there is no line {index} in the list, or no room for it"));
     }
     if let Some(text) = text {
         robot.record(Event::LcdText { row: index.clamp(0, u8::MAX.into()) as u8, column: 0, text: &text });
@@ -216,7 +216,7 @@ pub fn set_resolution(robot: &mut Robot, resolution: i32) -> i32 {
     if resolution == CUSTOM || RESOLUTIONS.iter().any(|(_, number, ..)| *number == resolution) {
         return 0;
     }
-    robot.refused(Call::LCDImageSize, 1, |_| {
+    robot.refuse_call(Call::LCDImageSize, 1, |_| {
         let names: Vec<&str> = RESOLUTIONS.iter().map(|(name, ..)| *name).collect();
         format!("{resolution} is no resolution: expected {} or CUSTOM", names.join(", "))
     })
@@ -225,7 +225,7 @@ pub fn set_resolution(robot: &mut Robot, resolution: i32) -> i32 {
 /// `LCDImageStart`: sets the position; each image brings its size.
 pub fn set_image(robot: &mut Robot, at: [i32; 2], [width, height]: [i32; 2]) -> i32 {
     if !is_size([width, height]) {
-        return robot.refused(Call::LCDImageStart, 1, |_| format!("{width} x {height} is no size of an image"));
+        return robot.refuse_call(Call::LCDImageStart, 1, |_| format!("{width} x {height} is no size of an image"));
     }
     robot.screen().set_image_place(at);
     0
@@ -254,7 +254,7 @@ pub fn show_binary(robot: &mut Robot, size: [i32; 2], image: Option<&[u8]>) -> i
 }
 
 fn show(robot: &mut Robot, call: Call, size: [i32; 2], image: Option<impl Iterator<Item = Rgb>>) -> i32 {
-    let Some(image) = image.filter(|_| is_size(size)) else { return robot.failed(call, 1) };
+    let Some(image) = image.filter(|_| is_size(size)) else { return robot.fail_call(call, 1) };
     let changed = robot.screen().show_image(size.map(|side| side as usize), image);
     drawn(robot, call, changed)
 }

@@ -91,7 +91,7 @@ pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out
     };
     let now = robot.now;
     if id != robot.id && !world.is_robot_present(id, now) {
-        return robot.rejected(Call::SIMGetRobot, |_| is_gone("robot", number));
+        return robot.skip_call(Call::SIMGetRobot, |_| is_gone("robot", number));
     }
     let (pose, height) = if id == robot.id {
         (robot.motion.pose(now), robot.motion.lift(now))
@@ -107,7 +107,7 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
         return no_robot(robot, Call::SIMSetRobot, number);
     };
     if id != robot.id && !world.is_robot_present(id, robot.now) {
-        return robot.rejected(Call::SIMSetRobot, |_| is_gone("robot", number));
+        return robot.skip_call(Call::SIMSetRobot, |_| is_gone("robot", number));
     }
     let pose = pose_meant(robot.robios.dialect, to);
     if id != robot.id {
@@ -123,7 +123,7 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
 pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
     let (pose, height) = match robot.robios.entity_numbers.object(number) {
         Some(NumberedObject::Movable(object)) if !world.is_object_present(object, robot.now) => {
-            return robot.rejected(Call::SIMGetObject, |_| is_gone("object", number));
+            return robot.skip_call(Call::SIMGetObject, |_| is_gone("object", number));
         }
         Some(NumberedObject::Movable(object)) => {
             (world.object_pose(object, robot.now), world.object_properties(object).lift)
@@ -138,13 +138,13 @@ pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Ou
 pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     match robot.robios.entity_numbers.object(number) {
         Some(NumberedObject::Movable(object)) if !world.is_object_present(object, robot.now) => {
-            robot.rejected(Call::SIMSetObject, |_| is_gone("object", number));
+            robot.skip_call(Call::SIMSetObject, |_| is_gone("object", number));
         }
         Some(NumberedObject::Movable(object)) => {
             place(robot, Placeable::Object(object), pose_meant(robot.robios.dialect, to));
         }
         Some(NumberedObject::Fixed(_)) => {
-            robot.rejected(Call::SIMSetObject, |_| format!("object {number} is fixed: it stays where it is"));
+            robot.skip_call(Call::SIMSetObject, |_| format!("object {number} is fixed: it stays where it is"));
         }
         None => no_object(robot, Call::SIMSetObject, number),
     }
@@ -206,13 +206,13 @@ fn place(robot: &mut Robot, what: Placeable, pose: Pose) {
 }
 
 fn no_robot(robot: &mut Robot, call: Call, number: i32) {
-    robot.rejected(call, |robot| {
+    robot.skip_call(call, |robot| {
         format!("there is no robot {number}, accepted: 0 for the own one, 1 to {}", robot.robios.entity_numbers.robots)
     });
 }
 
 fn no_object(robot: &mut Robot, call: Call, number: i32) {
-    robot.rejected(call, |robot| {
+    robot.skip_call(call, |robot| {
         let EntityNumbers { robots, objects, .. } = &*robot.robios.entity_numbers;
         match objects.len() {
             0 => format!("there is no object {number}, since the scene has none"),

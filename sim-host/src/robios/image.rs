@@ -55,7 +55,7 @@ pub fn process(
             result.set(image);
             0
         }
-        _ => robot.failed(call, -1),
+        _ => robot.fail_call(call, -1),
     }
 }
 

@@ -74,7 +74,7 @@ const STANDARD: Settings = Settings {
 /// `IRTVInitHDT`
 pub fn init_standard(robot: &mut Robot, semantics: i32) -> i32 {
     if robot.robios.table.find(HDT_IRTV, semantics).is_none() {
-        return robot.failed(Call::IRTVInitHDT, -1);
+        return robot.fail_call(Call::IRTVInitHDT, -1);
     }
     robot.robios.irtv = Some(STANDARD);
     0
@@ -88,7 +88,7 @@ pub fn init(robot: &mut Robot, settings: Settings) -> i32 {
         && (DEFAULT_MODE..=SLOPPY_MODE | REPCODE_MODE).contains(&mode)
         && (1..=4).contains(&bufsize);
     if !is_valid {
-        return robot.failed(Call::IRTVInit, -1);
+        return robot.fail_call(Call::IRTVInit, -1);
     }
     robot.robios.irtv = Some(settings);
     0
@@ -97,7 +97,7 @@ pub fn init(robot: &mut Robot, settings: Settings) -> i32 {
 /// `IRTVGet`: waits forever if the receiver is on.
 pub fn get(robot: &mut Robot) -> Poll<i32> {
     if robot.robios.irtv.is_none() {
-        return Poll::Ready(robot.failed(Call::IRTVGet, 0));
+        return Poll::Ready(robot.fail_call(Call::IRTVGet, 0));
     }
     no_key(Time::NEVER)
 }

@@ -123,7 +123,7 @@ fn parse_time(seconds: &str) -> Result<Time, ScriptError> {
 /// `KEYGetBuf`
 pub fn get_into(robot: &mut Robot, buffer: &mut Out<u8>) -> Poll<i32> {
     if buffer.is_null() {
-        return Poll::Ready(robot.failed(Call::KEYGetBuf, -1));
+        return Poll::Ready(robot.fail_call(Call::KEYGetBuf, -1));
     }
     match wait_for(robot, ANYKEY) {
         Poll::Ready(code) => {
@@ -142,7 +142,7 @@ pub fn read(robot: &mut Robot) -> i32 {
 /// `KEYWait`
 pub fn wait(robot: &mut Robot, codes: i32) -> Poll<i32> {
     if !is_key(codes) {
-        return Poll::Ready(robot.failed(Call::KEYWait, -1));
+        return Poll::Ready(robot.fail_call(Call::KEYWait, -1));
     }
     match wait_for(robot, codes) {
         Poll::Ready(_) => Poll::Ready(0),
@@ -174,7 +174,7 @@ fn take_of(robot: &mut Robot, codes: i32) -> Option<i32> {
 pub fn wait_for_one(robot: &mut Robot, codes: i32) -> Poll<i32> {
     let key_codes = KEYS.iter().chain(&LIST_KEYS).fold(0, |codes, (_, code)| codes | code);
     if codes & key_codes == 0 {
-        return Poll::Ready(robot.refused(Robios7Call::KEYWait, KEY_INVALID, |_| format!("{codes} is no key")));
+        return Poll::Ready(robot.refuse_call(Robios7Call::KEYWait, KEY_INVALID, |_| format!("{codes} is no key")));
     }
     wait_for(robot, codes & key_codes)
 }

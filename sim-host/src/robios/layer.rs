@@ -110,7 +110,7 @@ pub fn show_line(robot: &mut Robot, label: Label<'_>, size: [i32; 2], coordinate
 
 fn show(robot: &mut Robot, call: SupportCall, label: Label<'_>, shape: Result<Shape, LayerError>) -> i32 {
     let shown = shape.and_then(|shape| insert(robot, label, shape));
-    robot.answered(call, 1, shown)
+    robot.answer_call(call, 1, shown)
 }
 
 /// Replaces the robot's layer of this name.

@@ -37,7 +37,7 @@ pub fn set_gait(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
     if accepted.is_ok() {
         robot.record(Event::Gait { gait: index as u32 + 1, name: &name });
     }
-    robot.answered(call, FAILURE, accepted)
+    robot.answer_call(call, FAILURE, accepted)
 }
 
 /// `LEGSetSpeed`
@@ -52,7 +52,7 @@ pub fn set_speed(robot: &mut Robot, world: &World, call: impl Into<Call>, [vx, v
         let Twist { vx, vy, omega } = twist;
         robot.record(Event::LegSpeed { vx_m_per_s: vx, vy_m_per_s: vy, omega_rad_per_s: omega });
     }
-    robot.answered(call, FAILURE, accepted)
+    robot.answer_call(call, FAILURE, accepted)
 }
 
 /// `LEGSetStep`
@@ -65,7 +65,7 @@ pub fn set_step(robot: &mut Robot, call: impl Into<Call>, height_mm: i32) -> i32
     if accepted.is_ok() {
         robot.record(Event::StepHeight { height_m: height });
     }
-    robot.answered(call, FAILURE, accepted)
+    robot.answer_call(call, FAILURE, accepted)
 }
 
 /// `LEGGetJoint`
@@ -77,7 +77,7 @@ pub fn joint(robot: &mut Robot, call: impl Into<Call>, [number, joint]: [i32; 2]
         return has_no(robot, call, "joint", joint, |_| list(names.copied()));
     };
     if degrees.is_null() {
-        return robot.refused(call, FAILURE, |_| "it takes a place for the angle".to_owned());
+        return robot.refuse_call(call, FAILURE, |_| "it takes a place for the angle".to_owned());
     }
     let angle = robot.state.motion.stance(robot.state.now).joints[found.first_joint + index];
     robot.record(Event::Joint { joint: &format!("{}.{}", found.leg.name, JOINTS[index]), angle_rad: angle });
@@ -94,7 +94,7 @@ pub fn link(robot: &mut Robot, call: impl Into<Call>, [number, link]: [i32; 2], 
         return has_no(robot, call, "link", link, |_| list(names.into_iter()));
     };
     if pose.is_null() {
-        return robot.refused(call, FAILURE, |_| "it takes room for 6 numbers".to_owned());
+        return robot.refuse_call(call, FAILURE, |_| "it takes room for 6 numbers".to_owned());
     }
     let joints = robot.state.motion.stance(robot.state.now).joints;
     let body_from_link = link_pose(&found.leg.links(0, found.first_joint), &joints, index);
@@ -123,7 +123,7 @@ pub fn height(robot: &mut Robot, call: impl Into<Call>, mm: &mut Out<f32>) -> i3
         return has_none(robot, call);
     }
     if mm.is_null() {
-        return robot.refused(call, FAILURE, |_| "it takes a place for the height".to_owned());
+        return robot.refuse_call(call, FAILURE, |_| "it takes a place for the height".to_owned());
     }
     let height = robot.state.motion.stance(robot.state.now).lift;
     robot.record(Event::BodyHeight { height_m: height });
@@ -154,7 +154,7 @@ pub fn correct(robot: &mut Robot, call: impl Into<Call>, number: i32, [dx_mm, dy
     if accepted.is_ok() {
         robot.record(Event::LegCorrection { leg: &leg.name, dx_m: dx, dy_m: dy, dz_m: dz });
     }
-    robot.answered(call, FAILURE, accepted)
+    robot.answer_call(call, FAILURE, accepted)
 }
 
 /// A leg that a program has named.
@@ -181,7 +181,7 @@ fn index_of(number: i32) -> Option<usize> {
 
 /// Answer of a call on a robot without legs.
 fn has_none(robot: &mut Robot, call: Call) -> i32 {
-    robot.refused(call, FAILURE, |robot| {
+    robot.refuse_call(call, FAILURE, |robot| {
         format!("`{}` has no legs; in a companion they are tables `[[leg]]`", robot.spec.file)
     })
 }
@@ -191,7 +191,7 @@ fn has_no(robot: &mut Robot, call: Call, what: &str, number: i32, list: impl FnO
     if robot.motion.legs().is_none() {
         return has_none(robot, call);
     }
-    robot.refused(call, FAILURE, |robot| {
+    robot.refuse_call(call, FAILURE, |robot| {
         let list = robot.motion.legs().map(list).unwrap_or_default();
         format!("there is no {what} {number}, there are: {list}")
     })

@@ -57,9 +57,9 @@ pub fn scan6(robot: &mut Robot, world: &World, distances: &mut OutInts) -> i32 {
 /// `failure`.
 fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances: &mut OutInts) -> Result<usize, i32> {
     let spec = Arc::clone(&robot.spec);
-    let Some(lidar) = &spec.lidar else { return Err(robot.refused(call, failure, has_none)) };
+    let Some(lidar) = &spec.lidar else { return Err(robot.refuse_call(call, failure, has_none)) };
     if distances.is_null() {
-        return Err(robot.refused(call, failure, |_| "it takes room for the distances".to_owned()));
+        return Err(robot.refuse_call(call, failure, |_| "it takes room for the distances".to_owned()));
     }
     let Robot { state, robios, .. } = robot;
     let simulation::Robot { id, now, motion, journal, devices, .. } = state;
@@ -98,12 +98,12 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
 /// `LIDARSet`; 360 degrees are exactly one turn.
 pub fn set(robot: &mut Robot, range_degrees: i32, tilt_degrees: i32, points: i32) {
     let spec = Arc::clone(&robot.spec);
-    let Some(lidar) = &spec.lidar else { return robot.rejected(Call::LIDARSet, has_none) };
+    let Some(lidar) = &spec.lidar else { return robot.skip_call(Call::LIDARSet, has_none) };
     let is_sound = (1..=360).contains(&range_degrees)
         && (-90..=90).contains(&tilt_degrees)
         && (1..=MAX_LIDAR_POINTS as i32).contains(&points);
     if !is_sound {
-        return robot.rejected(Call::LIDARSet, |_| {
+        return robot.skip_call(Call::LIDARSet, |_| {
             format!("it takes a range of 1 to 360 degrees, a tilt of -90 to 90, and 1 to {MAX_LIDAR_POINTS} points")
         });
     }

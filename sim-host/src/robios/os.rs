@@ -133,7 +133,7 @@ pub fn variable(robot: &mut Robot, number: i32) -> i32 {
     let index = usize::try_from(number).ok();
     match index.and_then(|index| robot.robios.os.variables.get(index)) {
         Some(value) => *value,
-        None => robot.failed(Call::OSGetVar, 0),
+        None => robot.fail_call(Call::OSGetVar, 0),
     }
 }
 
@@ -145,13 +145,13 @@ pub fn set_variable(robot: &mut Robot, number: i32, value: i32) -> i32 {
             *variable = value;
             0
         }
-        None => robot.failed(Call::OSPutVar, -1),
+        None => robot.fail_call(Call::OSPutVar, -1),
     }
 }
 
 /// `OSSetTime`
 pub fn set_time(robot: &mut Robot, time: [i32; 3]) -> i32 {
-    if set_clock(robot, time) { 0 } else { robot.failed(Call::OSSetTime, -1) }
+    if set_clock(robot, time) { 0 } else { robot.fail_call(Call::OSSetTime, -1) }
 }
 
 /// Sets the robot's clock; returns false and changes nothing if it is not a time of day.
@@ -200,7 +200,7 @@ pub fn attach_timer(
 ) -> i32 {
     let handle = callback.map_or(0, |callback| robot.timers.attach(robot.now, tick, scale, callback));
     if handle == 0 {
-        return robot.failed(call, 0);
+        return robot.fail_call(call, 0);
     }
     let period_s = Time(i64::from(scale) * tick.0).seconds();
     robot.record(Event::TimerAttached { timer: handle.unsigned_abs(), period_s });

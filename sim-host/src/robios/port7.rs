@@ -100,7 +100,7 @@ pub fn set_up(robot: &mut Robot, line: i32, direction: Char) -> i32 {
     };
     let (Some(index), Some(direction)) = (index_of(line), direction) else {
         let reason = |_: &Robot| format!("expected a line from 1 to {LINES}, and 'i', 'o', 'I' or 'J'");
-        return robot.refused(Call::DIGITALSetup, 1, reason);
+        return robot.refuse_call(Call::DIGITALSetup, 1, reason);
     };
     robot.robios.ports.lines[index] = direction;
     0
@@ -108,7 +108,7 @@ pub fn set_up(robot: &mut Robot, line: i32, direction: Char) -> i32 {
 
 /// `DIGITALRead`
 pub fn read(robot: &mut Robot, line: i32) -> i32 {
-    let Some(index) = index_of(line) else { return robot.failed(Call::DIGITALRead, -1) };
+    let Some(index) = index_of(line) else { return robot.fail_call(Call::DIGITALRead, -1) };
     let state = robot.robios.ports.state(&robot.spec.inputs, index);
     robot.record(Event::Reading { device: NAMES[index], value: state.into() });
     state.into()
@@ -127,7 +127,7 @@ pub fn write(robot: &mut Robot, line: i32, state: i32) -> i32 {
     let line_of =
         |robot: &Robot| index_of(line).filter(|index| matches!(robot.robios.ports.lines[*index], Direction::Out(_)));
     let (Some(index), 0 | 1) = (line_of(robot), state) else {
-        return robot.refused(Call::DIGITALWrite, 1, |_| {
+        return robot.refuse_call(Call::DIGITALWrite, 1, |_| {
             format!("expected 0 or 1, and a line that `DIGITALSetup({line}, 'o')` has made an output")
         });
     };
@@ -145,7 +145,7 @@ fn analog(inputs: &InputSpec, channel: i32) -> Option<u16> {
 
 /// `ANALOGRead`
 pub fn read_analog(robot: &mut Robot, channel: i32) -> i32 {
-    let Some(value) = analog(&robot.spec.inputs, channel) else { return robot.failed(Call::ANALOGRead, -1) };
+    let Some(value) = analog(&robot.spec.inputs, channel) else { return robot.fail_call(Call::ANALOGRead, -1) };
     robot.record(Event::Reading { device: "A/D", value: value.into() });
     value.into()
 }
@@ -161,7 +161,7 @@ pub fn read_voltage(robot: &mut Robot) -> i32 {
 pub fn record(robot: &mut Robot, channel: i32, count: i32) -> i32 {
     let is_busy = robot.robios.ports.recording.is_some_and(|recording| recording.end > robot.now);
     let value = analog(&robot.spec.inputs, channel).filter(|_| !is_busy && (1..=MAX_RECORDING).contains(&count));
-    let Some(value) = value else { return robot.failed(Call::ANALOGRecord, 1) };
+    let Some(value) = value else { return robot.fail_call(Call::ANALOGRecord, 1) };
     let end = robot.now + Time(i64::from(count) * MILLISECOND.0);
     robot.robios.ports.recording = Some(Recording { end, value: (value >> 2) as u8, count: count as usize });
     0

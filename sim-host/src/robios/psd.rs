@@ -42,7 +42,7 @@ pub fn raw_from_distance(metres: Option<f64>) -> i32 {
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     match robot.robios.table.find(HDT_PSD, semantics).map(|device| device.index) {
         Some(index) => match robot.robios.psds.open(index) {
-            0 => robot.refused(Call::PSDInit, 0, |robot| {
+            0 => robot.refuse_call(Call::PSDInit, 0, |robot| {
                 format!(
                     "a handle is a bit, and the first {MAX_DEVICES} range sensors of `{}` have them all",
                     robot.spec.file
@@ -50,7 +50,7 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
             }),
             handle => handle,
         },
-        None => robot.has_no(Call::PSDInit, 0, HDT_PSD, semantics),
+        None => robot.refuse_missing_device(Call::PSDInit, 0, HDT_PSD, semantics),
     }
 }
 
@@ -63,15 +63,15 @@ pub fn release(robot: &mut Robot) -> i32 {
 
 /// `PSDStart`
 pub fn start(robot: &mut Robot, handles: i32, is_continuous: bool) -> i32 {
-    if robot.robios.psds.all(handles).is_none() {
-        return robot.failed(Call::PSDStart, -1);
+    if robot.robios.psds.devices(handles).is_none() {
+        return robot.fail_call(Call::PSDStart, -1);
     }
     let Robot { state, .. } = robot;
     if state.devices.psds.start(handles as u32, is_continuous, state.now) {
         return 0;
     }
     robot.hint_at(Mistake::PsdBusy);
-    robot.failed(Call::PSDStart, 1)
+    robot.fail_call(Call::PSDStart, 1)
 }
 
 /// `PSDStop`
@@ -120,9 +120,9 @@ fn distance(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Result
 /// Index of a handle's sensor and its measurement; `None`, with a hint, if there is no such sensor or no measurement
 /// yet.
 fn value(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Option<(usize, Measured)> {
-    let Some(index) = robot.robios.psds.one(handle) else {
+    let Some(index) = robot.robios.psds.device(handle) else {
         robot.hint_at(Mistake::PsdNotOpen);
-        robot.failed(call, PSD_OUT_OF_RANGE);
+        robot.fail_call(call, PSD_OUT_OF_RANGE);
         return None;
     };
     let measured = robot.measured_range(world, index);

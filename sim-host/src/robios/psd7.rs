@@ -41,7 +41,7 @@ fn see(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<Option<
 /// Index of a sensor and its current reading; `None` if there is no such sensor.
 fn read(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<(usize, Reading)> {
     let Some(index) = robot.find_numbered(call, HDT_PSD, psd, &NAMES) else {
-        robot.failed(call, 0);
+        robot.fail_call(call, 0);
         return None;
     };
     Some((index, robot.read_range(world, index)))

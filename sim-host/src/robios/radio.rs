@@ -28,7 +28,7 @@ pub struct Radio {
 /// `RADIOInit`: switches on the station `address`, which sends at `baud`.
 pub fn init(robot: &mut Robot, world: &World, call: impl Into<Call>, failure: i32, address: u32, baud: u32) -> i32 {
     if robot.radio_member().is_some() {
-        return robot.refused(call, failure, |_| "the radio is on already".to_owned());
+        return robot.refuse_call(call, failure, |_| "the radio is on already".to_owned());
     }
     robot.switch_radio_on(world, address, baud);
     0
@@ -45,7 +45,7 @@ pub fn release(robot: &mut Robot, call: impl Into<Call>, failure: i32) -> i32 {
 
 /// Answer of a call that requires the radio to be on.
 pub fn is_off(robot: &mut Robot, call: impl Into<Call>, failure: i32) -> i32 {
-    robot.refused(call, failure, |_| "the radio is off: `RADIOInit` switches it on".to_owned())
+    robot.refuse_call(call, failure, |_| "the radio is off: `RADIOInit` switches it on".to_owned())
 }
 
 /// Switches the radio off; returns the number of messages left unsent. In RoBIOS-7 messages that were sent are still
@@ -64,7 +64,7 @@ pub fn send(robot: &mut Robot, world: &World, call: impl Into<Call>, to: u32, pa
     }
     let payload = match payload {
         Ok(payload) => payload,
-        Err(reason) => return robot.refused(call, FAILURE, |_| reason),
+        Err(reason) => return robot.refuse_call(call, FAILURE, |_| reason),
     };
     if !is_known(robot, world, to) {
         let text = format!("`RADIOSend` to {to}: no other robot has this address, nobody hears the message");
@@ -72,7 +72,7 @@ pub fn send(robot: &mut Robot, world: &World, call: impl Into<Call>, to: u32, pa
     }
     let to = if to == BROADCAST as u32 { Address::All } else { Address::One(to) };
     if robot.send_message(world, to, payload).is_err() {
-        return robot.failed(call, FAILURE);
+        return robot.fail_call(call, FAILURE);
     }
     robot.robios.radio.sent = robot.robios.radio.sent.saturating_add(1);
     0

@@ -42,7 +42,7 @@ pub fn send(robot: &mut Robot, world: &World, id: u8, buffer: Option<&[u8]>) -> 
 /// `RADIORecv`: bytes beyond the buffer's capacity are lost.
 pub fn receive(robot: &mut Robot, id: &mut Out<u8>, received: &mut Out<i32>, buffer: &mut OutBytes) -> Poll<i32> {
     if buffer.is_null() {
-        return Poll::Ready(robot.refused(Call::RADIORecv, FAILURE, |_| "no buffer".to_owned()));
+        return Poll::Ready(robot.refuse_call(Call::RADIORecv, FAILURE, |_| "no buffer".to_owned()));
     }
     radio::receive(robot, Call::RADIORecv, FAILURE, |message| {
         id.set(message.address as u8);
@@ -53,7 +53,7 @@ pub fn receive(robot: &mut Robot, id: &mut Out<u8>, received: &mut Out<i32>, buf
 /// `RADIOGetIoctl`
 pub fn get_settings(robot: &mut Robot, world: &World, parameters: &mut Out<RadioIOParameters>) -> i32 {
     if parameters.is_null() {
-        return robot.refused(Call::RADIOGetIoctl, FAILURE, |_| "no place for the settings".to_owned());
+        return robot.refuse_call(Call::RADIOGetIoctl, FAILURE, |_| "no place for the settings".to_owned());
     }
     parameters.set(settings(robot, world));
     0
@@ -65,13 +65,13 @@ pub fn set_settings(robot: &mut Robot, world: &World, parameters: Option<&RadioI
     if let Ok(settings) = outcome {
         robot.robios.radio.settings = Some(settings);
     }
-    robot.answered(Call::RADIOSetIoctl, FAILURE, outcome.map(drop))
+    robot.answer_call(Call::RADIOSetIoctl, FAILURE, outcome.map(drop))
 }
 
 /// `RADIOGetStatus`
 pub fn status(robot: &mut Robot, status: &mut Out<RadioStatus>) -> i32 {
     if status.is_null() {
-        return robot.refused(Call::RADIOGetStatus, FAILURE, |_| "no place for the status".to_owned());
+        return robot.refuse_call(Call::RADIOGetStatus, FAILURE, |_| "no place for the status".to_owned());
     }
     let Some(member) = robot.radio_member() else { return radio::is_off(robot, Call::RADIOGetStatus, FAILURE) };
     let waiting = robot.radio_waiting() as i32;

@@ -171,7 +171,7 @@ impl OpenInterface {
 pub fn init_6(robot: &mut Robot, baud: i32, handshake: i32, number: i32) -> i32 {
     let is_setting = RATES_OF_6.contains(&baud) && [NONE, RTSCTS].contains(&handshake);
     if !is_setting || !(1..=PORTS_OF_6).contains(&number) {
-        return robot.failed(Robios6Call::OSInitRS232, -1);
+        return robot.fail_call(Robios6Call::OSInitRS232, -1);
     }
     robot.robios.serial.open(number, baud, robot.now);
     0
@@ -181,7 +181,7 @@ pub fn init_6(robot: &mut Robot, baud: i32, handshake: i32, number: i32) -> i32 
 pub fn init_7(robot: &mut Robot, number: i32, baud: i32, handshake: i32) -> i32 {
     let is_setting = (1..=MAX_BAUD).contains(&baud) && [NONE, RTSCTS].contains(&handshake);
     if !is_setting || !(1..=NAMES.len() as i32).contains(&number) {
-        return robot.refused(Robios7Call::SERInit, 1, |_| {
+        return robot.refuse_call(Robios7Call::SERInit, 1, |_| {
             format!(
                 "interface {number}, {baud} baud, handshake {handshake}: expected 1 to {}, 1 to {MAX_BAUD}, 0 or 1",
                 NAMES.len()
@@ -195,7 +195,7 @@ pub fn init_7(robot: &mut Robot, number: i32, baud: i32, handshake: i32) -> i32 
 /// `OSSendCharRS232`, `OSSendRS232`, `SERSendChar`, `SERSend`
 pub fn send(robot: &mut Robot, call: impl Into<Call>, failure: i32, data: Option<&[u8]>, number: i32) -> i32 {
     let (Some(data), Some(port)) = (data, robot.robios.serial.opened(number)) else {
-        return robot.failed(call, failure);
+        return robot.fail_call(call, failure);
     };
     robot.robios.serial.send(number, robot.now, data);
     robot.record(Event::SerialSent { port, data });
@@ -205,7 +205,7 @@ pub fn send(robot: &mut Robot, call: impl Into<Call>, failure: i32, data: Option
 /// `OSRecvRS232`
 pub fn receive_6(robot: &mut Robot, buffer: &mut Out<u8>, number: i32) -> Poll<i32> {
     if buffer.is_null() || robot.robios.serial.opened(number).is_none() {
-        return Poll::Ready(robot.failed(Robios6Call::OSRecvRS232, -1));
+        return Poll::Ready(robot.fail_call(Robios6Call::OSRecvRS232, -1));
     }
     receive(robot, number).map(|byte| {
         buffer.set(byte);
@@ -216,7 +216,7 @@ pub fn receive_6(robot: &mut Robot, buffer: &mut Out<u8>, number: i32) -> Poll<i
 /// `SERReceiveChar`
 pub fn receive_char(robot: &mut Robot, number: i32) -> Poll<Char> {
     if robot.robios.serial.opened(number).is_none() {
-        robot.failed(Robios7Call::SERReceiveChar, 0);
+        robot.fail_call(Robios7Call::SERReceiveChar, 0);
         return Poll::Ready(0);
     }
     receive(robot, number)
@@ -250,7 +250,7 @@ fn take(robot: &mut Robot, number: i32, max_count: usize) -> Vec<u8> {
 /// `SERReceive`: returns the received bytes and a final 0.
 pub fn receive_all(robot: &mut Robot, number: i32, buffer: &mut OutBytes) -> i32 {
     if buffer.is_null() || robot.robios.serial.opened(number).is_none() {
-        return robot.failed(Robios7Call::SERReceive, 0);
+        return robot.fail_call(Robios7Call::SERReceive, 0);
     }
     let mut data = take(robot, number, buffer.capacity().min(MAX_SERIAL).saturating_sub(1));
     let count = data.len();
@@ -262,7 +262,7 @@ pub fn receive_all(robot: &mut Robot, number: i32, buffer: &mut OutBytes) -> i32
 /// `OSCheckInRS232`: number of received bytes.
 pub fn check_in(robot: &mut Robot, number: i32) -> i32 {
     if robot.robios.serial.opened(number).is_none() {
-        return robot.failed(Robios6Call::OSCheckInRS232, -1);
+        return robot.fail_call(Robios6Call::OSCheckInRS232, -1);
     }
     robot.robios.serial.waiting(number, robot.now) as i32
 }
@@ -270,7 +270,7 @@ pub fn check_in(robot: &mut Robot, number: i32) -> i32 {
 /// `SERCheck`
 pub fn has_input(robot: &mut Robot, number: i32) -> Flag {
     if robot.robios.serial.opened(number).is_none() {
-        robot.failed(Robios7Call::SERCheck, 0);
+        robot.fail_call(Robios7Call::SERCheck, 0);
     }
     (robot.robios.serial.waiting(number, robot.now) > 0).into()
 }
@@ -278,7 +278,7 @@ pub fn has_input(robot: &mut Robot, number: i32) -> Flag {
 /// `OSFlushInRS232`, `SERFlush`: discards received bytes.
 pub fn flush(robot: &mut Robot, call: impl Into<Call>, failure: i32, number: i32) -> i32 {
     if robot.robios.serial.opened(number).is_none() {
-        return robot.failed(call, failure);
+        return robot.fail_call(call, failure);
     }
     robot.robios.serial.take(number, robot.now, usize::MAX);
     0
@@ -286,13 +286,13 @@ pub fn flush(robot: &mut Robot, call: impl Into<Call>, failure: i32, number: i32
 
 /// `OSFlushOutRS232`, `OSCheckOutRS232`: the output buffers are always empty.
 pub fn check_out(robot: &mut Robot, call: Robios6Call, number: i32) -> i32 {
-    if robot.robios.serial.opened(number).is_some() { 0 } else { robot.failed(call, -1) }
+    if robot.robios.serial.opened(number).is_some() { 0 } else { robot.fail_call(call, -1) }
 }
 
 /// `SERClose`
 pub fn close(robot: &mut Robot, number: i32) -> i32 {
     let now = robot.now;
-    if robot.robios.serial.close(number, now) { 0 } else { robot.failed(Robios7Call::SERClose, 1) }
+    if robot.robios.serial.close(number, now) { 0 } else { robot.fail_call(Robios7Call::SERClose, 1) }
 }
 
 #[cfg(test)]
