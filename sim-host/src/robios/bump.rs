@@ -18,7 +18,7 @@ use sim_core::record::Event;
 #[derive(Clone, Debug, Default)]
 pub struct Bumpers {
     handles: Handles,
-    /// For each bumper, the time before which contacts have been reported.
+    /// For each bumper, the time up to which contacts have been reported.
     reported_until: Vec<Time>,
 }
 
@@ -39,11 +39,11 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
 pub fn release(robot: &mut Robot, handles: i32) -> i32 {
     match robot.robios.bumpers.handles.release(handles) {
         0 => 0,
-        left => robot.fail_call(Call::BUMPRelease, left),
+        unopened => robot.fail_call(Call::BUMPRelease, unopened),
     }
 }
 
-/// `BUMPCheck`: the switch closes when a contact begins; a lasting contact counts once.
+/// `BUMPCheck`: the switch closes when a contact begins; a lasting contact is reported once.
 pub fn check(robot: &mut Robot, handle: i32, stamp: &mut Out<i32>) -> i32 {
     let Some(index) = robot.robios.bumpers.handles.device(handle) else { return robot.fail_call(Call::BUMPCheck, -1) };
     let reported_until = robot.robios.bumpers.reported_until[index];

@@ -21,8 +21,8 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
 
 /// `COMPASSStart`
 pub fn start(robot: &mut Robot, is_continuous: bool) -> i32 {
-    let can_start = robot.robios.has_compass && robot.state.devices.compass.start(is_continuous, robot.state.now);
-    if can_start { 0 } else { robot.fail_call(Call::COMPASSStart, 1) }
+    let is_started = robot.robios.has_compass && robot.state.devices.compass.start(is_continuous, robot.state.now);
+    if is_started { 0 } else { robot.fail_call(Call::COMPASSStart, 1) }
 }
 
 /// `COMPASSCheck`
@@ -43,7 +43,7 @@ pub fn release(robot: &mut Robot) -> i32 {
     if std::mem::take(&mut robot.robios.has_compass) { 0 } else { robot.fail_call(Call::COMPASSRelease, 1) }
 }
 
-/// `COMPASSCalibrate`: the simulated compass needs none.
+/// `COMPASSCalibrate`: the simulated compass needs no calibration.
 pub fn calibrate(robot: &mut Robot) -> i32 {
     if robot.robios.has_compass { 0 } else { robot.fail_call(Call::COMPASSCalibrate, 1) }
 }
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_angle_is_told_in_whole_degrees_of_one_turn() {
+    fn angles_are_rounded_to_whole_degrees_from_0_to_359() {
         assert_eq!([0.0, PI / 2.0, PI, -PI / 2.0].map(whole_degrees), [0, 90, 180, 270]);
         assert_eq!(whole_degrees(-0.001), 0, "359.94 rounds to 0, not to 360");
     }

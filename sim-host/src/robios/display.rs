@@ -1,4 +1,4 @@
-//! Display functions of RoBIOS 6, over the model in [`super::lcd`].
+//! Display functions of RoBIOS 6, based on the model in [`super::lcd`].
 //!
 //! Source: RoBIOS 6 library, LCD output. Text written at a position leaves the cursor after the text.
 
@@ -113,8 +113,8 @@ fn set_menu_text(robot: &mut Robot, position: i32, characters: &[u8]) {
 /// `LCDPutGraphic`
 pub fn put_grey(robot: &mut Robot, grey: Option<&Image>) -> i32 {
     let Some(grey) = grey else { return robot.fail_call(Call::LCDPutGraphic, -1) };
-    let changed = robot.robios.lcd.show_grey(image::shown(grey), SHOWN_COLUMNS);
-    drawn(robot, Call::LCDPutGraphic, changed)
+    let changed = robot.robios.lcd.show_grey(image::shown_pixels(grey), SHOWN_COLUMNS);
+    record_drawing(robot, Call::LCDPutGraphic, changed)
 }
 
 /// `LCDPutColorGraphic`: overwrites the image with what the display shows, in black and white.
@@ -124,15 +124,15 @@ pub fn put_colour(robot: &mut Robot, colour: Option<&mut ColImage>) -> i32 {
     for (row, levels) in colour.iter_mut().zip(&dithered) {
         row.iter_mut().zip(levels).for_each(|(pixel, level)| *pixel = [*level; 3]);
     }
-    let changed = robot.robios.lcd.show_grey(image::shown(&dithered), SHOWN_COLUMNS);
-    drawn(robot, Call::LCDPutColorGraphic, changed)
+    let changed = robot.robios.lcd.show_grey(image::shown_pixels(&dithered), SHOWN_COLUMNS);
+    record_drawing(robot, Call::LCDPutColorGraphic, changed)
 }
 
 /// `LCDPutImage`
 pub fn put_picture(robot: &mut Robot, picture: Option<&BitImage>) -> i32 {
     let Some(picture) = picture else { return robot.fail_call(Call::LCDPutImage, -1) };
     let changed = robot.robios.lcd.show_picture(picture);
-    drawn(robot, Call::LCDPutImage, changed)
+    record_drawing(robot, Call::LCDPutImage, changed)
 }
 
 /// `LCDGetPixel`
@@ -151,12 +151,12 @@ pub fn draw(
     shape: impl FnOnce(&mut Lcd, Ink) -> Result<u32, InvalidPosition>,
 ) -> i32 {
     match Ink::try_from(code).and_then(|ink| shape(&mut robot.robios.lcd, ink)) {
-        Ok(changed) => drawn(robot, call, changed),
+        Ok(changed) => record_drawing(robot, call, changed),
         Err(InvalidPosition) => robot.fail_call(call, -1),
     }
 }
 
-fn drawn(robot: &mut Robot, call: Call, changed_pixels: u32) -> i32 {
+fn record_drawing(robot: &mut Robot, call: Call, changed_pixels: u32) -> i32 {
     robot.record(Event::LcdGraphics { function: call.name(), changed_pixels });
     0
 }

@@ -11,7 +11,7 @@ pub fn is_resolution(number: i32) -> bool {
     (0..=5).contains(&number) || number == 10
 }
 
-/// `IPSetSize`; the program's side keeps the size.
+/// `IPSetSize`: only checks the resolution; the program keeps the size.
 pub fn set_size(robot: &mut Robot, resolution: i32) -> i32 {
     if is_resolution(resolution) { 0 } else { robot.fail_call(Call::IPSetSize, 1) }
 }
@@ -28,7 +28,7 @@ pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, [width, height]: [i32; 
             image.set(&picture.pixels);
             picture.kind.into()
         }
-        Err(reason) => file_failed(robot, Call::IPReadFile, -1, name, &reason),
+        Err(reason) => refuse_file(robot, Call::IPReadFile, -1, name, &reason),
     }
 }
 
@@ -54,11 +54,11 @@ pub fn write_file(
     };
     match write() {
         Ok(()) => 0,
-        Err(reason) => file_failed(robot, call, 1, name, &reason),
+        Err(reason) => refuse_file(robot, call, 1, name, &reason),
     }
 }
 
-fn file_failed(robot: &mut Robot, call: Call, answer: i32, name: Option<&[u8]>, reason: &str) -> i32 {
+fn refuse_file(robot: &mut Robot, call: Call, answer: i32, name: Option<&[u8]>, reason: &str) -> i32 {
     let name = super::text(name.unwrap_or_default()).into_owned();
     robot.refuse_call(call, answer, |_| format!("`{name}`: {reason}"))
 }

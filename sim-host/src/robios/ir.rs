@@ -15,10 +15,10 @@ use sim_core::device::range::SensorView;
 use sim_core::device::switch::SensorId;
 use sim_core::record::Event;
 
-/// Pose of each infrared sensor in the world at time `at`, and the distance to the surface that it sees.
+/// Pose of each infrared sensor in the world at time `at`, and the distance to the surface in front of it.
 pub fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<SensorView> {
     let world_from_robot = robot.motion.pose(at);
-    let sight = |infrared: &InfraredSpec| {
+    let view = |infrared: &InfraredSpec| {
         let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
         let beam = Beam { mount, range: infrared.range };
         let world_from_sensor =
@@ -29,7 +29,7 @@ pub fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<SensorView> {
             distance: beam.distance(world, robot.id, &world_from_robot, at),
         }
     };
-    robot.spec.infrareds.iter().map(sight).collect()
+    robot.spec.infrareds.iter().map(view).collect()
 }
 
 /// `IRInit`
@@ -44,7 +44,7 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
 pub fn release(robot: &mut Robot, handles: i32) -> i32 {
     match robot.robios.infrareds.release(handles) {
         0 => 0,
-        left => robot.fail_call(Call::IRRelease, left),
+        unopened => robot.fail_call(Call::IRRelease, unopened),
     }
 }
 

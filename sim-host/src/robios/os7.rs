@@ -38,22 +38,22 @@ pub fn span_of_milliseconds(n: i32) -> Time {
 
 /// `OSVersion`, `OSVersionIO`
 pub fn version(robot: &mut Robot, call: Call, text: &mut OutBytes) -> i32 {
-    put_name(robot, call, text, VERSION)
+    put_text(robot, call, text, VERSION)
 }
 
 /// `OSMachineName`: the robi's name.
 pub fn machine_name(robot: &mut Robot, text: &mut OutBytes) -> i32 {
     let spec = robot.spec.clone();
-    put_name(robot, Call::OSMachineName, text, &spec.name)
+    put_text(robot, Call::OSMachineName, text, &spec.name)
 }
 
 /// Stores a text with a final 0, truncated to the buffer's capacity.
-fn put_name(robot: &mut Robot, call: Call, text: &mut OutBytes, name: &str) -> i32 {
-    let room = text.capacity().min(MAX_NAME);
-    if text.is_null() || room == 0 {
+fn put_text(robot: &mut Robot, call: Call, out: &mut OutBytes, text: &str) -> i32 {
+    let room = out.capacity().min(MAX_NAME);
+    if out.is_null() || room == 0 {
         return robot.fail_call(call, 1);
     }
-    text.set(&terminated(name.as_bytes(), room));
+    out.set(&terminated(text.as_bytes(), room));
     0
 }
 

@@ -1,8 +1,8 @@
 //! Digital lines and analog channels of RoBIOS-7: inputs read the values of the robi's companion, outputs hold the
 //! value written.
 //!
-//! Source: RoBIOS-7 library, digital and analog I/O; the lines' initial direction, and that a recording holds the upper
-//! 8 bits of each value, are our choice.
+//! Source: RoBIOS-7 library, digital and analog I/O; our choices: the initial direction of the lines, and recordings of
+//! the upper 8 bits of each value.
 
 use robios_sys::robios7::Char;
 use robios_sys::{OutBytes, Robios7Call as Call};
@@ -124,9 +124,9 @@ pub fn read_all(robot: &mut Robot) -> i32 {
 
 /// `DIGITALWrite`
 pub fn write(robot: &mut Robot, line: i32, state: i32) -> i32 {
-    let line_of =
+    let output_index =
         |robot: &Robot| index_of(line).filter(|index| matches!(robot.robios.ports.lines[*index], Direction::Out(_)));
-    let (Some(index), 0 | 1) = (line_of(robot), state) else {
+    let (Some(index), 0 | 1) = (output_index(robot), state) else {
         return robot.refuse_call(Call::DIGITALWrite, 1, |_| {
             format!("expected 0 or 1, and a line that `DIGITALSetup({line}, 'o')` has made an output")
         });
@@ -139,8 +139,8 @@ pub fn write(robot: &mut Robot, line: i32, state: i32) -> i32 {
 /// Value of an analog channel, 0 to 1023; `None` if there is no such channel.
 fn analog(inputs: &InputSpec, channel: i32) -> Option<u16> {
     let level = inputs.analog.iter().find(|(number, _)| i32::from(*number) == channel).map(|(_, value)| *value);
-    let open = if channel == MICROPHONE { 4 * u16::from(inputs.microphone) } else { 0 };
-    (0..CHANNELS).contains(&channel).then(|| level.unwrap_or(open))
+    let default = if channel == MICROPHONE { 4 * u16::from(inputs.microphone) } else { 0 };
+    (0..CHANNELS).contains(&channel).then(|| level.unwrap_or(default))
 }
 
 /// `ANALOGRead`

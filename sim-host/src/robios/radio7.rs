@@ -60,7 +60,7 @@ pub fn status(robot: &mut Robot, world: &World, addresses: &mut OutInts) -> i32 
     if addresses.is_null() {
         return robot.refuse_call(Call::RADIOStatus, 0, |_| "no place for the addresses".to_owned());
     }
-    let Some(own) = robot.radio_member() else { return radio::is_off(robot, Call::RADIOStatus, 0) };
+    let Some(own) = robot.radio_member() else { return radio::refuse_while_off(robot, Call::RADIOStatus, 0) };
     let others = world.radio().members().iter().filter(|member| member.robot != own.robot);
     let mut members: Vec<_> = others.chain([&own]).collect();
     members.sort_unstable_by_key(|member| member.robot);

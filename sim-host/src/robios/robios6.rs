@@ -175,7 +175,7 @@ impl<F: Flow> Robios6 for Caller<F> {
         fn AUBeep() -> i32 = |robot, _| audio::beep(robot);
         fn AURecordSample(buffer: &mut OutBytes, rate_hz: i64) -> i32 =
             |robot, _| audio::record_6(robot, buffer, rate_hz);
-        fn AUCheckRecord() -> i32 = |robot, _| robot.robios.audio.is_record_done(robot.now).into();
+        fn AUCheckRecord() -> i32 = |robot, _| robot.robios.audio.is_recording_done(robot.now).into();
         fn AUCaptureMic() -> i32 = |robot, _| audio::microphone_6(robot);
     }
 

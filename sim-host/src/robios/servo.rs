@@ -13,7 +13,7 @@ use super::robot::Robot;
 #[derive(Clone, Debug, Default)]
 pub struct Servos {
     handles: Handles,
-    /// For each servo, its positions for 0 and 255 of RoBIOS-7; only as many entries as `SERVORange` has needed.
+    /// For each servo, its positions for 0 and 255 of RoBIOS-7; servos beyond the end of the list have the whole range.
     ranges: Vec<[u8; 2]>,
 }
 
@@ -45,7 +45,7 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
 pub fn release(robot: &mut Robot, handles: i32) -> i32 {
     match robot.robios.servos.handles.release(handles) {
         0 => 0,
-        left => robot.fail_call(Call::SERVORelease, left),
+        unopened => robot.fail_call(Call::SERVORelease, unopened),
     }
 }
 

@@ -1,5 +1,5 @@
-//! Services that the language runtimes of programs (Rust, Python, shim) call: console, random numbers, virtual time,
-//! reason of a failure, tasks.
+//! Services for the language runtimes of programs (Rust, Python, shim): console, random numbers, virtual time, reasons
+//! of failures, tasks.
 
 use std::collections::BTreeMap;
 
@@ -40,7 +40,7 @@ impl Generators {
     }
 
     /// Restarts the stream for `purpose` with the program's seed, as its substream `program_seed` + 1; substream 0 is
-    /// the unseeded one.
+    /// for programs that set no seed.
     pub fn seed(&mut self, purpose: u32, program_seed: u64) {
         let substream = program_seed.wrapping_add(1);
         self.streams.insert(purpose, Stream::new(self.seed, self.robot, Purpose::Program, purpose, substream));
@@ -125,7 +125,7 @@ impl<F: Flow> Support for Caller<F> {
         let line = self.flow().line_of(&addresses(stack));
         self.act_untimed(SupportCall::read_at_end, |_| {
             line.as_deref().and_then(RemoteSite::of_line).into_iter().for_each(|site| {
-                self.flow().note_hint(input::EMPTY, &Site::Reported(site));
+                self.flow().note_hint(input::EMPTY_HINT, &Site::Reported(site));
             });
         });
         Ok(0)
@@ -233,12 +233,12 @@ impl<F: Flow> Support for Caller<F> {
         match read {
             Read::Bytes(line) => Ok(bytes.set(&line) as i32),
             Read::End => Ok(0),
-            Read::Loop => Err(self.fail(self.robot(), input::LOOP.to_owned())),
+            Read::Loop => Err(self.fail(self.robot(), input::LOOP_REASON.to_owned())),
         }
     }
 }
 
-/// The addresses of a call stack, as they come from the program.
+/// The addresses of a call stack, which the program passes as bytes.
 fn addresses(stack: Option<&[u8]>) -> Vec<usize> {
     let chunks = stack.unwrap_or_default().as_chunks().0;
     chunks.iter().map(|address| usize::from_ne_bytes(*address)).collect()
@@ -249,7 +249,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_seed_starts_the_sequence_anew_and_robots_differ() {
+    fn a_seed_restarts_the_sequence_and_robots_differ() {
         let draw = |generators: &mut Generators| (0..3).map(|_| generators.bits(1)).collect::<Vec<_>>();
         let mut one = Generators::new(5, RobotId(1));
         let unseeded = draw(&mut one);

@@ -75,8 +75,8 @@ pub fn set_speed(robot: &mut Robot, world: &World, handle: i32, v: f32, omega: f
     if !is_handle(robot, handle) {
         return robot.fail_call(Call::VWSetSpeed, -1);
     }
-    let accepted = set_twist(robot, world, v, omega);
-    robot.answer_call(Call::VWSetSpeed, -1, accepted)
+    let outcome = set_twist(robot, world, v, omega);
+    robot.answer_call(Call::VWSetSpeed, -1, outcome)
 }
 
 /// `VWGetSpeed`
@@ -95,8 +95,8 @@ pub fn set_position(robot: &mut Robot, handle: i32, x: f32, y: f32, phi: f32) ->
     if !is_handle(robot, handle) || !phi.is_finite() {
         return robot.fail_call(Call::VWSetPosition, -1);
     }
-    let accepted = set_odometry(robot, [x, y, phi]);
-    robot.answer_call(Call::VWSetPosition, -1, accepted)
+    let outcome = set_odometry(robot, [x, y, phi]);
+    robot.answer_call(Call::VWSetPosition, -1, outcome)
 }
 
 /// `VWGetPosition`: the heading is within [-pi, pi).
@@ -115,8 +115,8 @@ pub fn start_control(robot: &mut Robot, handle: i32, [vv, tv, vw, tw]: [f32; 4])
     if !is_handle(robot, handle) {
         return robot.fail_call(Call::VWStartControl, -1);
     }
-    let accepted = set_gains(robot, Gains { vv: vv.into(), tv: tv.into(), vw: vw.into(), tw: tw.into() });
-    robot.answer_call(Call::VWStartControl, -1, accepted)
+    let outcome = set_gains(robot, Gains { vv: vv.into(), tv: tv.into(), vw: vw.into(), tw: tw.into() });
+    robot.answer_call(Call::VWStartControl, -1, outcome)
 }
 
 /// `VWStopControl`
@@ -230,8 +230,8 @@ fn start(
     if !is_handle(robot, handle) {
         return robot.fail_call(call, -1);
     }
-    let accepted = start_drive(robot, world, displacement, seconds, (event, Call::VWDriveWait.name()));
-    robot.answer_call(call, -1, accepted)
+    let outcome = start_drive(robot, world, displacement, seconds, (event, Call::VWDriveWait.name()));
+    robot.answer_call(call, -1, outcome)
 }
 
 // The functions below serve both generations, in metres, radians and seconds.

@@ -24,8 +24,8 @@ const SMALL_DEGREES: i32 = 6;
 /// `VWSetSpeed`
 pub fn set_speed(robot: &mut Robot, world: &World, v_mm: i32, omega_degrees: i32) -> i32 {
     hint_at_nan(robot, &[v_mm, omega_degrees]);
-    let accepted = vw::set_twist(robot, world, metres(v_mm), radians(omega_degrees));
-    robot.answer_call(Call::VWSetSpeed, 1, accepted)
+    let outcome = vw::set_twist(robot, world, metres(v_mm), radians(omega_degrees));
+    robot.answer_call(Call::VWSetSpeed, 1, outcome)
 }
 
 /// `VWGetSpeed`
@@ -38,8 +38,8 @@ pub fn speed(robot: &mut Robot, [v, omega]: [&mut Out<i32>; 2]) -> i32 {
 
 /// `VWSetPosition`
 pub fn set_position(robot: &mut Robot, [x_mm, y_mm, phi_degrees]: [i32; 3]) -> i32 {
-    let accepted = vw::set_odometry(robot, [metres(x_mm), metres(y_mm), radians(phi_degrees)]);
-    robot.answer_call(Call::VWSetPosition, 1, accepted)
+    let outcome = vw::set_odometry(robot, [metres(x_mm), metres(y_mm), radians(phi_degrees)]);
+    robot.answer_call(Call::VWSetPosition, 1, outcome)
 }
 
 /// `VWGetPosition`
@@ -121,8 +121,8 @@ pub fn stalled(robot: &mut Robot) -> i32 {
 /// `VWControl`: gains in tenths, times in hundredths of a second.
 pub fn start_control(robot: &mut Robot, [vv, tv, vw, tw]: [i32; 4]) -> i32 {
     let (gain, seconds) = (|tenths: i32| f64::from(tenths) / 10.0, |hundredths: i32| f64::from(hundredths) / 100.0);
-    let accepted = vw::set_gains(robot, Gains { vv: gain(vv), tv: seconds(tv), vw: gain(vw), tw: seconds(tw) });
-    robot.answer_call(Call::VWControl, 1, accepted)
+    let outcome = vw::set_gains(robot, Gains { vv: gain(vv), tv: seconds(tv), vw: gain(vw), tw: seconds(tw) });
+    robot.answer_call(Call::VWControl, 1, outcome)
 }
 
 /// `VWControlOff`
