@@ -18,7 +18,7 @@ use sim_core::record::Event;
 #[derive(Clone, Debug, Default)]
 pub struct Bumpers {
     handles: Handles,
-    /// For each bumper, the time up to which contacts have been reported.
+    /// For each bumper, the time before which contacts have been reported.
     reported_until: Vec<Time>,
 }
 

@@ -121,8 +121,8 @@ pub fn hsi(rgb: [u8; 3]) -> [u8; 3] {
     [hue(rgb), saturation as u8, grey(rgb)]
 }
 
-/// Hue of a colour: red is 43, green 128, blue 213, and other hues lie up to 42 below or above. The hue is 0 for grey:
-/// a colour whose largest and smallest channel differ by at most half of the largest.
+/// Hue of a colour: red is 43, green 128, blue 213; other hues differ from the nearest of these by up to 42. The hue is
+/// 0 for grey: a colour whose largest and smallest channel differ by at most half of the largest.
 ///
 /// Source: Bräunl, Embedded Robotics, colour; the offset as in the EyeBot's library.
 pub fn hue([red, green, blue]: [u8; 3]) -> u8 {

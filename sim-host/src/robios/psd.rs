@@ -31,7 +31,7 @@ pub fn mm_from_distance(metres: Option<f64>) -> i32 {
 /// Converts a distance in metres for `PSDGetRaw`: 20 400 divided by the millimetres, at most 255 (from 80 mm down), 0
 /// for no return.
 ///
-/// As at the sensor, the value increases towards near objects. The constant is our choice: with it, the range of the
+/// As for the real sensor, nearer objects give larger values. The constant is our choice: with it, the range of the
 /// Sharp GP2D02, 80 to 800 mm, uses the whole byte.
 pub fn raw_from_distance(metres: Option<f64>) -> i32 {
     // A distance of 0 yields infinity, which the conversion saturates.

@@ -112,8 +112,8 @@ impl Canvas {
     pub fn draw_circle(&mut self, [x, y]: [i32; 2], radius: i32, ink: Ink) -> u32 {
         let (x, y) = (i64::from(x), i64::from(y));
         let mut changed = 0;
-        // Where the rim is flat, it has two pixels in each column; where it is steep, two in each row. So no pixel is
-        // drawn twice, and there is no gap on the diagonal.
+        // Where the rim is flat, it is drawn column by column; where it is steep, row by row. So no pixel is drawn
+        // twice, and there is no gap on the diagonal.
         for column in visible_range(x, radius, self.width) {
             let offset = column - x;
             if let Some(half) = half_chord(radius, offset).filter(|half| *half >= offset.abs()) {

@@ -47,8 +47,8 @@ pub fn draw(entries: &[Entry; KEYS], canvas: &mut Canvas) {
     }
 }
 
-/// Draws a key's text in the middle of its field: in one line, in two lines, or in the smallest size, whichever fits
-/// first; text that does not even fit in the smallest size is cut.
+/// Draws a key's text in the middle of its field: in the normal size, split into two lines if necessary;
+/// otherwise in the smallest size, in which text that does not fit is cut.
 fn draw_label(entry: &Entry, [left, top]: [i32; 2], [right, bottom]: [i32; 2], canvas: &mut Canvas) {
     let (width, height) = (right - left + 1, bottom - top + 1);
     let font = |size| Font { family: Family::Helvetica, variation: Variation::Bold, size };
