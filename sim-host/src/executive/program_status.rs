@@ -99,7 +99,7 @@ impl PossibleSenders {
             programs += 1;
             if matches!(robot.ending, None | Some(Ending::Stopped)) {
                 living += 1;
-                listening += usize::from(robot.tasks.wait_for(&WaitReason::Message));
+                listening += usize::from(robot.tasks.are_waiting_one_for(&WaitReason::Message));
             }
         }
         match living {

@@ -1,5 +1,5 @@
-//! Loudspeaker and microphone. Sounds play in the background for their span of virtual time; the microphone reads the
-//! level set in the robi's companion file, silence by default.
+//! Loudspeaker and microphone. Sounds play in the background for their duration in virtual time; the microphone reads
+//! the constant value set in the robi's companion (default: silence).
 //!
 //! Sources: RoBIOS 6 library, audio; RoBIOS-7 library, audio.
 
@@ -21,7 +21,7 @@ pub const BEEP: Time = Time::from_millis(100);
 pub struct Audio {
     tone_end: Time,
     sample_end: Time,
-    record_end: Time,
+    recording_end: Time,
 }
 
 impl Audio {
@@ -39,7 +39,7 @@ impl Audio {
 
     /// Records from `now` on.
     pub fn record(&mut self, now: Time, duration: Time) {
-        self.record_end = now + duration;
+        self.recording_end = now + duration;
     }
 
     /// Returns true if no tone or beep is playing.
@@ -58,27 +58,27 @@ impl Audio {
     }
 
     /// Returns true if nothing is being recorded.
-    pub fn is_record_done(&self, now: Time) -> bool {
-        self.record_end <= now
+    pub fn is_recording_done(&self, now: Time) -> bool {
+        self.recording_end <= now
     }
 }
 
 /// Maximum size of a recorded sample, in bytes; our choice.
-const MAX_RECORD: usize = 1 << 26;
+const MAX_RECORDING: usize = 1 << 26;
 
 /// Maximum rate of a recording in Hz.
 const MAX_RATE: i64 = 44_100;
 
 /// `AUPlaySample`: returns the sample's rate in Hz, 0 if `sample` is not a WAV file.
 pub fn play_sample_6(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
-    let Some(wave) = sample.and_then(Wave::parse) else { return robot.failed(Robios6Call::AUPlaySample, 0) };
+    let Some(wave) = sample.and_then(Wave::parse) else { return robot.fail_call(Robios6Call::AUPlaySample, 0) };
     play(robot, wave);
     wave.rate_hz
 }
 
 /// `AUPlay`: plays a WAV file in memory, or the one that `sample` names.
 pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
-    let Some(sample) = sample else { return robot.failed(Robios7Call::AUPlay, 1) };
+    let Some(sample) = sample else { return robot.fail_call(Robios7Call::AUPlay, 1) };
     if let Some(wave) = Wave::parse(sample) {
         play(robot, wave);
         return 0;
@@ -89,7 +89,7 @@ pub fn play_sample_7(robot: &mut Robot, sample: Option<&[u8]>) -> i32 {
             play(robot, wave);
             0
         }
-        Err(reason) => robot.refused(Robios7Call::AUPlay, 1, |_| format!("`{}`: {reason}", super::text(sample))),
+        Err(reason) => robot.refuse_call(Robios7Call::AUPlay, 1, |_| format!("`{}`: {reason}", super::text(sample))),
     }
 }
 
@@ -102,7 +102,7 @@ fn play(robot: &mut Robot, wave: Wave) {
 /// `AUTone`
 pub fn play_tone(robot: &mut Robot, call: impl Into<Call>, failure: i32, frequency_hz: i32, span_ms: i32) -> i32 {
     if !TONE_HZ.contains(&frequency_hz) || span_ms < 0 {
-        return robot.failed(call, failure);
+        return robot.fail_call(call, failure);
     }
     let duration = Time::from_millis(span_ms.into());
     robot.robios.audio.play_tone(robot.now, duration);
@@ -119,18 +119,18 @@ pub fn beep(robot: &mut Robot) -> i32 {
 
 /// `AURecordSample`: returns the rate in Hz.
 pub fn record_6(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
-    record(robot, buffer, rate_hz).unwrap_or_else(|| robot.failed(Robios6Call::AURecordSample, 0))
+    record(robot, buffer, rate_hz).unwrap_or_else(|| robot.fail_call(Robios6Call::AURecordSample, 0))
 }
 
 /// `AURecord`
 pub fn record_7(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> i32 {
-    record(robot, buffer, rate_hz).map_or_else(|| robot.failed(Robios7Call::AURecord, 1), |_| 0)
+    record(robot, buffer, rate_hz).map_or_else(|| robot.fail_call(Robios7Call::AURecord, 1), |_| 0)
 }
 
 /// Records the microphone; returns the rate in Hz, `None` if buffer or rate is invalid.
 fn record(robot: &mut Robot, buffer: &mut OutBytes, rate_hz: i64) -> Option<i32> {
     let length = buffer.capacity();
-    if buffer.is_null() || !(1..=MAX_RECORD).contains(&length) || rate_hz <= 0 {
+    if buffer.is_null() || !(1..=MAX_RECORDING).contains(&length) || rate_hz <= 0 {
         return None;
     }
     let rate_hz = rate_hz.min(MAX_RATE) as i32;
@@ -162,8 +162,8 @@ struct Wave {
 impl Wave {
     /// Parses the header of a WAV file; `None` for any other file.
     fn parse(file: &[u8]) -> Option<Self> {
-        let word = |bytes: &[u8], at: usize| {
-            bytes.get(at..at + 4).and_then(|word| word.try_into().ok()).map(u32::from_le_bytes)
+        let word = |bytes: &[u8], offset: usize| {
+            bytes.get(offset..offset + 4).and_then(|word| word.try_into().ok()).map(u32::from_le_bytes)
         };
         let mut rest = file.strip_prefix(b"RIFF")?.get(4..)?.strip_prefix(b"WAVE")?;
         let mut format = None;
@@ -196,17 +196,17 @@ mod tests {
     #[test]
     fn sounds_end_by_themselves() {
         let mut audio = Audio::default();
-        assert!(audio.is_tone_done(Time(0)) && audio.is_sample_done(Time(0)) && audio.is_record_done(Time(0)));
+        assert!(audio.is_tone_done(Time(0)) && audio.is_sample_done(Time(0)) && audio.is_recording_done(Time(0)));
         audio.play_tone(Time(10), Time(100));
         assert!(!audio.is_tone_done(Time(109)) && audio.is_tone_done(Time(110)));
         audio.play_sample(Time(20), Time(100));
         assert!(audio.is_tone_done(Time(20)) && !audio.is_sample_done(Time(119)), "the sample replaces the tone");
         audio.record(Time(0), Time(5));
-        assert!(!audio.is_record_done(Time(4)) && audio.is_record_done(Time(5)));
+        assert!(!audio.is_recording_done(Time(4)) && audio.is_recording_done(Time(5)));
     }
 
     #[test]
-    fn the_head_of_a_wav_file() {
+    fn the_header_of_a_wav_file_is_parsed() {
         let mut file = b"RIFF\x28\0\0\0WAVEfmt \x10\0\0\0\x01\0\x01\0".to_vec();
         file.extend(8_000_u32.to_le_bytes());
         file.extend(16_000_u32.to_le_bytes());
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths() {
+    fn durations_of_samples() {
         assert_eq!(duration_of(8_000, 8_000), Time(1_000_000));
         assert_eq!([duration_of(-1, 8_000), duration_of(10, 0), duration_of(10, -5)], [Time::ZERO; 3]);
     }

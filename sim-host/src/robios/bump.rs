@@ -25,7 +25,7 @@ pub struct Bumpers {
 /// `BUMPInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     let Some(index) = robot.robios.table.find(HDT_BUMP, semantics).map(|device| device.index) else {
-        return robot.has_no(Call::BUMPInit, 0, HDT_BUMP, semantics);
+        return robot.refuse_missing_device(Call::BUMPInit, 0, HDT_BUMP, semantics);
     };
     let bumpers = &mut robot.robios.bumpers;
     if !bumpers.handles.is_open(index) {
@@ -39,13 +39,13 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
 pub fn release(robot: &mut Robot, handles: i32) -> i32 {
     match robot.robios.bumpers.handles.release(handles) {
         0 => 0,
-        left => robot.failed(Call::BUMPRelease, left),
+        unopened => robot.fail_call(Call::BUMPRelease, unopened),
     }
 }
 
-/// `BUMPCheck`: the switch closes when a contact begins; a lasting contact counts once.
+/// `BUMPCheck`: the switch closes when a contact begins; a lasting contact is reported once.
 pub fn check(robot: &mut Robot, handle: i32, stamp: &mut Out<i32>) -> i32 {
-    let Some(index) = robot.robios.bumpers.handles.one(handle) else { return robot.failed(Call::BUMPCheck, -1) };
+    let Some(index) = robot.robios.bumpers.handles.device(handle) else { return robot.fail_call(Call::BUMPCheck, -1) };
     let reported_until = robot.robios.bumpers.reported_until[index];
     robot.robios.bumpers.reported_until[index] = robot.now + Time(1);
     let is_on = robot.devices.switches.is_on(SensorId::Bumper(index));

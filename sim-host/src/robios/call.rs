@@ -14,7 +14,7 @@ pub enum Call {
 }
 
 impl Call {
-    /// Name of the function, as programs write it.
+    /// Name of the function in programs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Robios6(call) => call.name(),
@@ -44,8 +44,8 @@ impl Call {
 
     /// The RoBIOS function with this number.
     pub fn of_robios_number(number: u16) -> Option<Self> {
-        let (number, of_6) = (usize::from(number), Robios6Call::ALL.len());
-        match number.checked_sub(of_6) {
+        let (number, robios6_count) = (usize::from(number), Robios6Call::ALL.len());
+        match number.checked_sub(robios6_count) {
             None => Some(Robios6Call::ALL[number].into()),
             Some(number) => Robios7Call::ALL.get(number).map(|call| (*call).into()),
         }

@@ -19,7 +19,7 @@ use super::task::scheduler::NextTask;
 use crate::program::site::Site;
 use sim_core::record::Event;
 
-/// Handle through which a program calls its robot in its run.
+/// Handle through which a program makes the calls of its robot.
 pub struct Caller<F> {
     flow: F,
 }
@@ -48,7 +48,7 @@ impl<R> Poll<R> {
 }
 
 impl<F: Flow> Caller<F> {
-    /// The handle of the robot of `flow`.
+    /// Creates the handle for the robot of `flow`.
     pub fn new(flow: F) -> Self {
         Self { flow }
     }
@@ -58,7 +58,7 @@ impl<F: Flow> Caller<F> {
         &self.flow
     }
 
-    /// Passes the call's cost of virtual time, then acts at the call's end.
+    /// Lets the call's cost of virtual time pass, then runs `act` at the call's end.
     ///
     /// # Errors
     /// [`Stop`] if the program must end.
@@ -70,7 +70,7 @@ impl<F: Flow> Caller<F> {
 
     /// Like [`Caller::call`], compiled once for all functions.
     fn act(&self, call: Call, act: &mut dyn FnMut(&mut Robot, &World)) -> Result<(), Stop> {
-        self.within(call, |caller| {
+        self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
             act(&mut robot, caller.flow.world());
             caller.note_hints(&mut robot, None);
@@ -78,7 +78,7 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Passes the call's cost, then calls `poll` at the call's end and whenever the awaited condition may hold.
+    /// Lets the call's cost pass, then calls `poll` at the call's end and whenever the awaited condition may hold.
     ///
     /// # Errors
     /// [`Stop`] if the program must end; waiting inside a timer callback ends the program as failed.
@@ -89,7 +89,7 @@ impl<F: Flow> Caller<F> {
     ) -> Result<R, Stop> {
         let mut result = None;
         let poll = &mut |robot: &mut Robot, world: &World| poll(robot, world).map(|value| result = Some(value));
-        self.wait_after(call.into(), true, poll)?;
+        self.wait_polling(call.into(), true, poll)?;
         result.ok_or(Stop)
     }
 
@@ -104,19 +104,19 @@ impl<F: Flow> Caller<F> {
     ) -> Result<R, Stop> {
         let mut result = None;
         let poll = &mut |robot: &mut Robot, world: &World| poll(robot, world).map(|value| result = Some(value));
-        self.wait_after(call.into(), false, poll)?;
+        self.wait_polling(call.into(), false, poll)?;
         result.ok_or(Stop)
     }
 
     /// Like [`Caller::wait`], compiled once for all functions; if it `has_cost`, the cost of `call` passes first.
-    fn wait_after(
+    fn wait_polling(
         &self,
         call: Call,
         has_cost: bool,
         poll: &mut dyn FnMut(&mut Robot, &World) -> Poll<()>,
     ) -> Result<(), Stop> {
         let site = self.flow.call_site();
-        self.within(call, |caller| {
+        self.run_in_call(call, |caller| {
             let robot = if has_cost { caller.spend(call)? } else { caller.robot() };
             caller.wait_in(robot, (call, site), poll)
         })
@@ -202,8 +202,8 @@ impl<F: Flow> Caller<F> {
     ///
     /// # Errors
     /// [`Stop`] if the program must end.
-    pub(super) fn turn(&self, call: SupportCall) -> Result<(), Stop> {
-        self.within(call.into(), |caller| caller.take_turns(caller.robot(), call.into()))
+    pub(super) fn yield_if_due(&self, call: SupportCall) -> Result<(), Stop> {
+        self.run_in_call(call.into(), |caller| caller.take_turns(caller.robot(), call.into()))
     }
 
     /// Lets the other ready tasks run first.
@@ -211,7 +211,7 @@ impl<F: Flow> Caller<F> {
     /// # Errors
     /// [`Stop`] if the program must end.
     pub(super) fn yield_turn(&self, call: SupportCall) -> Result<(), Stop> {
-        self.within(call.into(), |caller| {
+        self.run_in_call(call.into(), |caller| {
             let robot = caller.spend(call.into())?;
             let mut robot = robot;
             let now = robot.now;
@@ -233,7 +233,7 @@ impl<F: Flow> Caller<F> {
     pub(super) fn await_turn<'a>(&'a self, mut robot: MutexGuard<'a, Robot>) -> Result<MutexGuard<'a, Robot>, Stop> {
         loop {
             let now = robot.now;
-            let next = robot.tasks.turn(now);
+            let next = robot.tasks.next_task(now);
             robot = match next {
                 NextTask::Run(task) if task == robot.tasks.current().number => return Ok(robot),
                 NextTask::Run(task) => self.switch_to(robot, task)?,
@@ -254,8 +254,8 @@ impl<F: Flow> Caller<F> {
         drop(robot);
         self.flow.switch(task);
         let mut robot = self.robot();
-        let is_left = robot.tasks.is_exiting() || self.flow.is_exiting();
-        if is_left || robot.tasks.take_kill() { Err(Stop) } else { Ok(robot) }
+        let is_exiting = robot.tasks.is_exiting() || self.flow.is_exiting();
+        if is_exiting || robot.tasks.take_kill() { Err(Stop) } else { Ok(robot) }
     }
 
     /// Starts a further task, which runs `code` at its turn. Returns its number, or 0 if the robot has too many tasks.
@@ -263,7 +263,7 @@ impl<F: Flow> Caller<F> {
     /// # Errors
     /// [`Stop`] if the system lacks the resources for another task.
     pub(super) fn spawn(&self, call: SupportCall, code: Callback) -> Result<i32, Stop> {
-        self.within(call.into(), |caller| {
+        self.run_in_call(call.into(), |caller| {
             let mut robot = caller.robot();
             let now = robot.now;
             let Some(task) = robot.tasks.spawn(now) else { return Ok(0) };
@@ -278,20 +278,20 @@ impl<F: Flow> Caller<F> {
         })
     }
 
-    /// Passes `span` of virtual time, as a sleep of the program outside RoBIOS.
+    /// Lets `span` of virtual time pass, as a sleep of the program outside RoBIOS.
     ///
     /// # Errors
     /// [`Stop`] if the program must end.
     pub(crate) fn sleep(&self, span: Time) -> Result<(), Stop> {
-        let end = self.untimed(SupportCall::sleep_us, |robot| robot.now + span);
+        let end = self.act_untimed(SupportCall::sleep_us, |robot| robot.now + span);
         self.wait(SupportCall::sleep_us, |robot, _| {
             if robot.now >= end { Poll::Ready(()) } else { Poll::Pending { at: end, reason: WaitReason::Time(end) } }
         })
     }
 
-    /// Acts without virtual time: a program that must stop may still call it. The thread counts as executing host code
-    /// meanwhile, so that the watchdog does not park it while it holds the robot's lock.
-    pub(crate) fn untimed<R>(&self, call: SupportCall, act: impl FnOnce(&mut Robot) -> R) -> R {
+    /// Runs `act` without virtual time, even for a program that must stop. Meanwhile the thread is marked as executing
+    /// host code, so that the watchdog does not park it while it holds the robot's lock.
+    pub(crate) fn act_untimed<R>(&self, call: SupportCall, act: impl FnOnce(&mut Robot) -> R) -> R {
         // These lines need almost no stack: they also serve a program whose stack is exhausted.
         self.flow.enter(call.into());
         let mut robot = self.robot();
@@ -302,13 +302,12 @@ impl<F: Flow> Caller<F> {
         result
     }
 
-    /// Notes the line of the program at which hints were given in the call in progress; `site` is its location, if
-    /// known.
+    /// Records the line of the program at which hints were given in the call in progress; `site` is the location of the
+    /// call, if known.
     #[inline]
     fn note_hints(&self, robot: &mut Robot, site: Option<&Site>) {
         if !robot.new_hints.is_empty() {
-            let own = || self.flow.call_site();
-            let site = site.cloned().unwrap_or_else(own);
+            let site = site.cloned().unwrap_or_else(|| self.flow.call_site());
             std::mem::take(&mut robot.new_hints).iter().for_each(|text| self.flow.note_hint(text, &site));
         }
     }
@@ -324,9 +323,10 @@ impl<F: Flow> Caller<F> {
         self.flow.robot()
     }
 
-    /// Runs `body` inside a call of the program. A stopped program gets [`Stop`]; an exhausted stack is a fault.
+    /// Runs `body` inside a call of the program. A stopped program gets [`Stop`]; an exhausted stack ends the
+    /// program.
     #[inline]
-    pub(super) fn within<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
+    pub(super) fn run_in_call<R>(&self, call: Call, body: impl FnOnce(&Self) -> Result<R, Stop>) -> Result<R, Stop> {
         if !self.flow.enter(call) {
             return Err(self.overflow(call));
         }
@@ -335,12 +335,13 @@ impl<F: Flow> Caller<F> {
         result
     }
 
-    /// Carries out a call of a forbidden function: it costs its time, fails and is recorded. Returns false for any other function.
+    /// Carries out the call of a function if it is forbidden: the call costs its time, fails and is recorded. Returns
+    /// false for any other function.
     ///
     /// # Errors
     /// [`Stop`] if the program must end.
     #[cold]
-    fn forbid_function(&self, table: u32, index: usize) -> Result<bool, Stop> {
+    fn refuse_if_forbidden(&self, table: u32, index: usize) -> Result<bool, Stop> {
         let call = Call::of_table(table, index).filter(|call| self.flow.forbidden().contains(*call));
         call.map(|call| self.call(call, |robot, _| robot.record_forbidden(call))).transpose().map(|done| done.is_some())
     }
@@ -368,7 +369,7 @@ impl<F: Flow> Caller<F> {
             return Err(Stop);
         }
         let end = robot.now + span;
-        // Most calls end within their slot, and nothing becomes due before.
+        // The usual case: the call ends in this slot, and nothing becomes due before its end.
         if end < self.flow.slot_end().min(robot.timers.next_due()).min(robot.devices.due()) {
             robot.now = end;
             return Ok(robot);
@@ -380,8 +381,8 @@ impl<F: Flow> Caller<F> {
     /// sensors complete meanwhile.
     ///
     /// If the time is the call's own work (`is_work`), callbacks delay its end by their duration. Otherwise the robot
-    /// waits: the function returns early after each callback, and when the scheduler step has changed what the robot
-    /// waits for.
+    /// waits: the function returns early after each callback, and when the scheduler step may have fulfilled the
+    /// awaited condition.
     fn pass_until<'a>(
         &'a self,
         mut robot: MutexGuard<'a, Robot>,
@@ -396,7 +397,7 @@ impl<F: Flow> Caller<F> {
                 self.flow.suspend(target)?;
                 robot = self.robot();
                 if target >= self.flow.slot_end() {
-                    // Woken before its time: the scheduler step has changed what the robot waits for.
+                    // Woken early: the scheduler step may have fulfilled the awaited condition.
                     robot.now = robot.now.max(self.flow.slot_start());
                     let now = robot.now;
                     robot.tasks.recheck_world(now);
@@ -447,7 +448,7 @@ impl<F: Flow> CallContext for Caller<F> {
     fn log_call(&self, record: &CallRecord<'_>) {
         let arguments = record.arguments.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
         let result = record.result.map_or_else(|| "stopped".to_owned(), ToString::to_string);
-        self.untimed(SupportCall::console, |robot| {
+        self.act_untimed(SupportCall::console, |robot| {
             let event = Event::Call { function: record.name, arguments: &arguments, result: &result };
             robot.state.journal.record(robot.state.now, &event);
         });
@@ -455,17 +456,17 @@ impl<F: Flow> CallContext for Caller<F> {
 
     #[inline]
     fn forbid(&self, table: u32, index: usize) -> Result<bool, Stop> {
-        if self.flow.forbidden().is_empty() { Ok(false) } else { self.forbid_function(table, index) }
+        if self.flow.forbidden().is_empty() { Ok(false) } else { self.refuse_if_forbidden(table, index) }
     }
 
     fn unavailable(&self, name: &'static str) {
         let text = format!("`{name}` is not simulated: it answers as a robot without that device does");
-        self.untimed(SupportCall::console, |robot| robot.hint(&text));
+        self.act_untimed(SupportCall::console, |robot| robot.hint(&text));
     }
 
     fn panicked(&self, name: &'static str, _: Box<dyn Any + Send>) {
         let reason = format!("internal error of eyesim in `{name}`");
-        self.untimed(SupportCall::failed, |robot| {
+        self.act_untimed(SupportCall::failed, |robot| {
             robot.ending.get_or_insert(Ending::Failed { reason });
         });
     }

@@ -36,7 +36,7 @@ pub enum ImageUnavailable {
     #[error("it takes room for the image")]
     Null,
     /// The camera returns no image.
-    #[error("{}", in_words(.0))]
+    #[error("{}", camera_error_text(.0))]
     Camera(CameraError),
 }
 
@@ -46,7 +46,7 @@ impl From<CameraError> for ImageUnavailable {
     }
 }
 
-fn in_words(error: &CameraError) -> String {
+fn camera_error_text(error: &CameraError) -> String {
     match error {
         CameraError::Absent(file) => format!(
             "`{file}` has no camera; its line in a robi file is `camera X Y Z PAN TILT`, its table in a companion `[camera]`"
@@ -61,14 +61,14 @@ fn in_words(error: &CameraError) -> String {
 
 /// Takes a colour image.
 pub(super) fn take_colour(robot: &mut Robot, world: &World) -> Result<Picture<[u8; 3]>, ImageUnavailable> {
-    let picture = take(robot, |robot, scenery| robot.take_colour(world, scenery))?;
+    let picture = take_image(robot, |robot, scenery| robot.take_colour(world, scenery))?;
     publish(robot, picture.size(), Pixels::Colour(picture.pixels().as_flattened()));
     Ok(picture)
 }
 
 /// Takes a grey image: the mean of red, green and blue, rounded down.
 pub(super) fn take_grey(robot: &mut Robot, world: &World) -> Result<Picture<[u8; 1]>, ImageUnavailable> {
-    let picture = take(robot, |robot, scenery| robot.take_grey(world, scenery))?;
+    let picture = take_image(robot, |robot, scenery| robot.take_grey(world, scenery))?;
     publish(robot, picture.size(), Pixels::Grey(picture.pixels().as_flattened()));
     Ok(picture)
 }
@@ -79,19 +79,19 @@ pub(super) fn take_bayer(
     world: &World,
     size: [u32; 2],
 ) -> Result<Picture<[u8; 1]>, ImageUnavailable> {
-    let picture = take(robot, |robot, scenery| robot.take_bayer(world, scenery, size))?;
+    let picture = take_image(robot, |robot, scenery| robot.take_bayer(world, scenery, size))?;
     publish(robot, size, Pixels::Bayer(picture.pixels().as_flattened()));
     Ok(picture)
 }
 
 /// Takes an image. The scenery is built lazily, and only for a camera that is on.
-fn take<T>(
+fn take_image<T>(
     robot: &mut Robot,
-    take: impl FnOnce(&mut simulation::Robot, &Arc<Scenery>) -> Result<T, CameraError>,
+    expose: impl FnOnce(&mut simulation::Robot, &Arc<Scenery>) -> Result<T, CameraError>,
 ) -> Result<T, ImageUnavailable> {
     robot.camera_setting()?;
     let scenery = robot.robios.camera_output.scenery.get();
-    Ok(take(&mut robot.state, &scenery)?)
+    Ok(expose(&mut robot.state, &scenery)?)
 }
 
 /// Depth of each pixel of the last image in mm along the line of sight; infinite for the sky.
@@ -111,33 +111,38 @@ fn take_labels(robot: &mut Robot) -> Result<Vec<i32>, ImageUnavailable> {
 }
 
 /// `CAMGetDepth` of either generation.
-pub(super) fn give_depth(robot: &mut Robot, call: impl Into<Call>, failure: i32, mm: &mut OutFloats) -> i32 {
+pub(super) fn store_depth(robot: &mut Robot, call: impl Into<Call>, failure: i32, mm: &mut OutFloats) -> i32 {
     let depth = if mm.is_null() { Err(ImageUnavailable::Null) } else { take_depth(robot) };
     match depth {
         Ok(depth) => {
             mm.set(&depth);
             0
         }
-        Err(why) => refused(robot, call, failure, why),
+        Err(error) => refuse_call(robot, call, failure, error),
     }
 }
 
 /// `CAMGetLabels` of either generation.
-pub(super) fn give_labels(robot: &mut Robot, call: impl Into<Call>, failure: i32, numbers: &mut OutInts) -> i32 {
+pub(super) fn store_labels(robot: &mut Robot, call: impl Into<Call>, failure: i32, numbers: &mut OutInts) -> i32 {
     let labels = if numbers.is_null() { Err(ImageUnavailable::Null) } else { take_labels(robot) };
     match labels {
         Ok(labels) => {
             numbers.set(&labels);
             0
         }
-        Err(why) => refused(robot, call, failure, why),
+        Err(error) => refuse_call(robot, call, failure, error),
     }
 }
 
-/// The answer of a call that returns no image.
-pub(super) fn refused(robot: &mut Robot, call: impl Into<Call>, answer: i32, why: impl Into<ImageUnavailable>) -> i32 {
-    let why = why.into();
-    robot.refused(call, answer, |_| why.to_string())
+/// Refuses a call that returns no image.
+pub(super) fn refuse_call(
+    robot: &mut Robot,
+    call: impl Into<Call>,
+    answer: i32,
+    error: impl Into<ImageUnavailable>,
+) -> i32 {
+    let error = error.into();
+    robot.refuse_call(call, answer, |_| error.to_string())
 }
 
 /// Converts depths in metres to the mm that programs get.
@@ -147,12 +152,12 @@ pub fn mm_of_depth(depth: &Picture<f32>) -> Vec<f32> {
 
 /// Converts labels to the numbers that programs get; bodies are numbered among all robots and objects.
 pub fn numbers_of_labels(labels: &Picture<Label>, entity_numbers: &EntityNumbers) -> Vec<i32> {
-    // Ids of movable objects count only movable objects.
+    // Indices of the movable objects: the ids of movable objects number only these.
     let movable: Vec<usize> = (0..entity_numbers.objects.len())
         .filter(|index| matches!(entity_numbers.objects[*index], NumberedObject::Movable(_)))
         .collect();
     let object = |index: usize| CAM_BODY + (entity_numbers.robots + 1 + index) as i32;
-    let spawned = |who: Placeable| CAM_BODY + entity_numbers.spawned_number(who).unwrap_or_default();
+    let spawned = |entity: Placeable| CAM_BODY + entity_numbers.spawned_number(entity).unwrap_or_default();
     let number = |label: &Label| match label {
         Label::Sky => CAM_SKY,
         Label::Ground => CAM_FLOOR,
@@ -189,7 +194,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bodies_have_their_numbers() {
+    fn labels_are_converted_to_the_numbers_of_bodies() {
         let objects = vec![
             NumberedObject::Movable(ObjectId(1)),
             NumberedObject::Fixed(sim_core::pose::Pose::default()),

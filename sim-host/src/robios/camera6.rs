@@ -1,7 +1,8 @@
 //! The camera of RoBIOS 6: images of 80 x 60, at the rate of the camera.
 //!
 //! It supports the settings of all cameras of the EyeBot: lens and levels of the QuickCam, frame rate of the EyeCam.
-//! Source: RoBIOS 6 library, camera; choices that the sources leave open are in docs/robios6.md.
+//! Source: RoBIOS 6 library, camera; docs/robios6.md describes our choices where the sources are
+//! silent.
 
 use robios_sys::robios6::{
     AUTOBRIGHTNESS, BayerFrame, ColImage, ColorFrame, FALSE, FPS0_46875, FPS60, IMAGE_COLUMNS, IMAGE_ROWS, INITERROR,
@@ -28,7 +29,7 @@ const SIZE: [u32; 2] = [IMAGE_COLUMNS as u32 - 2, IMAGE_ROWS as u32 - 2];
 const BAYER_SIZE: [u32; 2] = [2 * SIZE[0], 2 * SIZE[1]];
 
 /// Period of the fastest rate, 1/60 s, in sixtieths of a microsecond.
-const CYCLE_60: i64 = 1_000_000;
+const FASTEST_PERIOD_60THS_US: i64 = 1_000_000;
 
 /// Camera settings of RoBIOS 6 beyond those in [`Setting`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,20 +37,20 @@ pub struct Settings {
     /// The frame rate: `FPS60` and the like; `None` if images are available at any time.
     rate: Option<i32>,
     /// The last `CAMSet` set the frame rate.
-    is_rate_last: bool,
+    was_rate_set_last: bool,
 }
 
 /// `CAMInit`
 pub fn init(robot: &mut Robot, mode: i32) -> i32 {
     if robot.spec.camera.is_none() {
-        let why = CameraError::Absent(robot.spec.file.clone());
-        return camera::refused(robot, Call::CAMInit, NOCAM, why);
+        let error = CameraError::Absent(robot.spec.file.clone());
+        return camera::refuse_call(robot, Call::CAMInit, NOCAM, error);
     }
     let zoom = match mode {
         NORMAL => 1.0,
         WIDE => 0.5,
         TELE => 2.0,
-        _ => return robot.refused(Call::CAMInit, INITERROR, |_| "it takes NORMAL, WIDE or TELE".to_owned()),
+        _ => return robot.refuse_call(Call::CAMInit, INITERROR, |_| "it takes NORMAL, WIDE or TELE".to_owned()),
     };
     robot.devices.camera.switch_on(Setting { size: SIZE, zoom, levels: Levels::default() });
     robot.robios.camera6 = Settings::default();
@@ -63,13 +64,13 @@ pub fn release(robot: &mut Robot) -> i32 {
             robot.devices.camera.switch_off();
             0
         }
-        Err(why) => camera::refused(robot, Call::CAMRelease, -1, why),
+        Err(error) => camera::refuse_call(robot, Call::CAMRelease, -1, error),
     }
 }
 
 /// `CAMGetFrame`
 pub fn frame(robot: &mut Robot, world: &World, buffer: &mut Out<Image>) -> Poll<i32> {
-    take(robot, Call::CAMGetFrame, buffer, |robot| {
+    deliver(robot, Call::CAMGetFrame, buffer, |robot| {
         let picture = camera::take_grey(robot, world)?;
         Ok(bordered(&picture, [0]).map(|row| row.map(|[level]| level)))
     })
@@ -77,7 +78,7 @@ pub fn frame(robot: &mut Robot, world: &World, buffer: &mut Out<Image>) -> Poll<
 
 /// `CAMGetColFrame`
 pub fn colour_frame(robot: &mut Robot, world: &World, buffer: &mut Out<ColImage>, convert: i32) -> Poll<i32> {
-    take(robot, Call::CAMGetColFrame, buffer, |robot| {
+    deliver(robot, Call::CAMGetColFrame, buffer, |robot| {
         if convert == FALSE {
             return Ok(bordered(&camera::take_colour(robot, world)?, [0; 3]));
         }
@@ -93,40 +94,40 @@ pub fn colour_frame(robot: &mut Robot, world: &World, buffer: &mut Out<ColImage>
 
 /// `CAMGetFrameMono`
 pub fn mono_frame(robot: &mut Robot, world: &World, buffer: &mut Out<MonoFrame>) -> Poll<i32> {
-    take(robot, Call::CAMGetFrameMono, buffer, |robot| {
-        Ok(array(camera::take_grey(robot, world)?.pixels().as_flattened()))
+    deliver(robot, Call::CAMGetFrameMono, buffer, |robot| {
+        Ok(first_bytes(camera::take_grey(robot, world)?.pixels().as_flattened()))
     })
 }
 
 /// `CAMGetFrameColor`, `CAMGetFrameRGB`
 pub fn rgb_frame(robot: &mut Robot, world: &World, call: Call, buffer: &mut Out<ColorFrame>) -> Poll<i32> {
-    take(robot, call, buffer, |robot| Ok(array(camera::take_colour(robot, world)?.pixels().as_flattened())))
+    deliver(robot, call, buffer, |robot| Ok(first_bytes(camera::take_colour(robot, world)?.pixels().as_flattened())))
 }
 
 /// `CAMGetFrameBayer`
 pub fn bayer_frame(robot: &mut Robot, world: &World, buffer: &mut Out<BayerFrame>) -> Poll<i32> {
-    take(robot, Call::CAMGetFrameBayer, buffer, |robot| {
-        Ok(array(camera::take_bayer(robot, world, BAYER_SIZE)?.pixels().as_flattened()))
+    deliver(robot, Call::CAMGetFrameBayer, buffer, |robot| {
+        Ok(first_bytes(camera::take_bayer(robot, world, BAYER_SIZE)?.pixels().as_flattened()))
     })
 }
 
 /// `CAMSet`
 pub fn set(robot: &mut Robot, numbers: [i32; 3]) -> i32 {
-    if let Err(why) = robot.camera_setting() {
-        return camera::refused(robot, Call::CAMSet, -1, why);
+    if let Err(error) = robot.camera_setting() {
+        return camera::refuse_call(robot, Call::CAMSet, -1, error);
     }
-    let Settings { rate, is_rate_last } = &mut robot.robios.camera6;
+    let Settings { rate, was_rate_set_last } = &mut robot.robios.camera6;
     if let [FPS60..=FPS0_46875, 0, 0] = numbers {
         *rate = Some(numbers[0]);
-        *is_rate_last = true;
+        *was_rate_set_last = true;
         return 0;
     }
     let [Ok(first), Ok(second), Ok(third)] = numbers.map(u8::try_from) else {
-        return robot.refused(Call::CAMSet, -1, |_| {
+        return robot.refuse_call(Call::CAMSet, -1, |_| {
             "it takes three numbers of 0 to 255, or a frame rate, FPS60 to FPS0_46875, with two zeros".to_owned()
         });
     };
-    *is_rate_last = false;
+    *was_rate_set_last = false;
     if let Some(setting) = &mut robot.devices.camera.setting {
         setting.levels.numbers = [first, second, third];
     }
@@ -134,33 +135,33 @@ pub fn set(robot: &mut Robot, numbers: [i32; 3]) -> i32 {
 }
 
 /// `CAMGet`
-pub fn get(robot: &mut Robot, into: [&mut Out<i32>; 3]) -> i32 {
+pub fn get(robot: &mut Robot, out: [&mut Out<i32>; 3]) -> i32 {
     let setting = match robot.camera_setting() {
         Ok(setting) => setting,
-        Err(why) => return camera::refused(robot, Call::CAMGet, -1, why),
+        Err(error) => return camera::refuse_call(robot, Call::CAMGet, -1, error),
     };
-    if into.iter().any(|out| out.is_null()) {
-        return robot.failed(Call::CAMGet, -1);
+    if out.iter().any(|number| number.is_null()) {
+        return robot.fail_call(Call::CAMGet, -1);
     }
     let numbers = match robot.robios.camera6 {
-        Settings { rate: Some(rate), is_rate_last: true } => [rate, 0, 0],
+        Settings { rate: Some(rate), was_rate_set_last: true } => [rate, 0, 0],
         _ => setting.levels.numbers.map(i32::from),
     };
-    into.into_iter().zip(numbers).for_each(|(out, number)| out.set(number));
+    out.into_iter().zip(numbers).for_each(|(out, number)| out.set(number));
     0
 }
 
 /// `CAMMode`
 pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
-    if let Err(why) = robot.camera_setting() {
-        return camera::refused(robot, Call::CAMMode, -1, why);
+    if let Err(error) = robot.camera_setting() {
+        return camera::refuse_call(robot, Call::CAMMode, -1, error);
     }
     let is_automatic = match mode {
         AUTOBRIGHTNESS => true,
         NOAUTOBRIGHTNESS => false,
         _ => {
             let accepted = "it takes AUTOBRIGHTNESS or NOAUTOBRIGHTNESS";
-            return robot.refused(Call::CAMMode, -1, |_| accepted.to_owned());
+            return robot.refuse_call(Call::CAMMode, -1, |_| accepted.to_owned());
         }
     };
     if let Some(setting) = &mut robot.devices.camera.setting {
@@ -171,20 +172,20 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
 
 /// `CAMGetDepth`
 pub fn depth(robot: &mut Robot, mm: &mut OutFloats) -> i32 {
-    camera::give_depth(robot, Call::CAMGetDepth, -1, mm)
+    camera::store_depth(robot, Call::CAMGetDepth, -1, mm)
 }
 
 /// `CAMGetLabels`
 pub fn labels(robot: &mut Robot, labels: &mut OutInts) -> i32 {
-    camera::give_labels(robot, Call::CAMGetLabels, -1, labels)
+    camera::store_labels(robot, Call::CAMGetLabels, -1, labels)
 }
 
-/// Waits until the camera has an image, then stores the result of `take`.
-fn take<T>(
+/// Waits until the camera has an image, then stores the result of `take_image`.
+fn deliver<T>(
     robot: &mut Robot,
     call: Call,
     buffer: &mut Out<T>,
-    take: impl FnOnce(&mut Robot) -> Result<T, ImageUnavailable>,
+    take_image: impl FnOnce(&mut Robot) -> Result<T, ImageUnavailable>,
 ) -> Poll<i32> {
     let image = match robot.camera_setting() {
         Ok(_) if buffer.is_null() => Err(ImageUnavailable::Null),
@@ -193,22 +194,23 @@ fn take<T>(
             if due > robot.now {
                 return Poll::Pending { at: due, reason: WaitReason::Time(due) };
             }
-            take(robot)
+            take_image(robot)
         }
-        Err(why) => Err(why.into()),
+        Err(error) => Err(error.into()),
     };
     Poll::Ready(match image {
         Ok(frame) => {
             buffer.set(frame);
             0
         }
-        Err(why) => camera::refused(robot, call, -1, why),
+        Err(error) => camera::refuse_call(robot, call, -1, error),
     })
 }
 
-/// Time of the first image at or after `now` in a sequence of this rate from time 0 on, rounded up to a microsecond.
+/// Time of the first image at or after `now`, rounded up to a microsecond, in a sequence of this rate that begins at
+/// time 0.
 fn next_frame(rate: i32, now: Time) -> Time {
-    let period = CYCLE_60 << (rate - FPS60);
+    let period = FASTEST_PERIOD_60THS_US << (rate - FPS60);
     // The time of image n, rounded up, is not before `now` if and only if n periods exceed `now` - 1.
     let number = (60 * (now.0 - 1)).div_euclid(period) + 1;
     Time((number * period).div_euclid(60) + i64::from((number * period).rem_euclid(60) > 0))
@@ -224,7 +226,7 @@ fn bordered<T: Copy>(picture: &Picture<T>, border: T) -> [[T; IMAGE_COLUMNS]; IM
 }
 
 /// The first `N` bytes as an array.
-fn array<const N: usize>(bytes: &[u8]) -> [u8; N] {
+fn first_bytes<const N: usize>(bytes: &[u8]) -> [u8; N] {
     std::array::from_fn(|index| bytes[index])
 }
 
@@ -235,7 +237,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn images_come_at_multiples_of_their_period() {
+    fn images_are_due_at_multiples_of_their_period() {
         let next = |rate, now| next_frame(rate, Time(now)).0;
         assert_eq!([0, 1, 16_667, 16_668, 33_334].map(|now| next(FPS60, now)), [0, 16_667, 16_667, 33_334, 33_334]);
         assert_eq!(next(FPS30, 1), 33_334);
@@ -246,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_stands_in_its_border() {
+    fn a_bordered_picture_begins_at_row_1_and_column_1() {
         let pixels: Vec<u32> = (0..80 * 60).collect();
         let image = bordered(&Picture::new(SIZE, pixels), u32::MAX);
         assert_eq!([image[1][1], image[1][80], image[60][80]], [0, 79, 4799]);

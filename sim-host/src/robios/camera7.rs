@@ -17,13 +17,13 @@ const MAX_SIDE: i32 = 4096;
 /// `CAMInit`; the program's side translates a resolution to its size.
 pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i32 {
     if robot.spec.camera.is_none() {
-        let why = CameraError::Absent(robot.spec.file.clone());
-        return camera::refused(robot, Call::CAMInit, 1, why);
+        let error = CameraError::Absent(robot.spec.file.clone());
+        return camera::refuse_call(robot, Call::CAMInit, 1, error);
     }
     let max_pixels = RESOLUTIONS.iter().find(|(_, number, ..)| *number == CAM5MP).map_or(0, |(_, _, x, y)| x * y);
     let is_size = [width, height].iter().all(|side| (1..=MAX_SIDE).contains(side));
     if !is_resolution(resolution) || !is_size || width as usize * height as usize > max_pixels {
-        return robot.refused(Call::CAMInit, 1, |_| {
+        return robot.refuse_call(Call::CAMInit, 1, |_| {
             format!(
                 "it takes QQVGA, QVGA, VGA, CAM1MP, CAMHD, CAM5MP, or CUSTOM with a CAMWIDTH and CAMHEIGHT of 1 to {MAX_SIDE} \
                  and no more pixels than CAM5MP has"
@@ -37,49 +37,49 @@ pub fn init(robot: &mut Robot, resolution: i32, [width, height]: [i32; 2]) -> i3
 
 /// `CAMRelease`
 pub fn release(robot: &mut Robot) -> i32 {
-    if robot.devices.camera.switch_off() { 0 } else { refuse(robot, Call::CAMRelease) }
+    if robot.devices.camera.switch_off() { 0 } else { refuse_while_off(robot, Call::CAMRelease) }
 }
 
 /// `CAMGet`
 pub fn get(robot: &mut Robot, world: &World, buffer: &mut OutBytes) -> i32 {
     if buffer.is_null() {
-        return camera::refused(robot, Call::CAMGet, 1, ImageUnavailable::Null);
+        return camera::refuse_call(robot, Call::CAMGet, 1, ImageUnavailable::Null);
     }
     match camera::take_colour(robot, world) {
         Ok(picture) => {
             buffer.set(picture.pixels().as_flattened());
             0
         }
-        Err(why) => camera::refused(robot, Call::CAMGet, 1, why),
+        Err(error) => camera::refuse_call(robot, Call::CAMGet, 1, error),
     }
 }
 
 /// `CAMGetGray`
 pub fn get_grey(robot: &mut Robot, world: &World, buffer: &mut OutBytes) -> i32 {
     if buffer.is_null() {
-        return camera::refused(robot, Call::CAMGetGray, 1, ImageUnavailable::Null);
+        return camera::refuse_call(robot, Call::CAMGetGray, 1, ImageUnavailable::Null);
     }
     match camera::take_grey(robot, world) {
         Ok(picture) => {
             buffer.set(picture.pixels().as_flattened());
             0
         }
-        Err(why) => camera::refused(robot, Call::CAMGetGray, 1, why),
+        Err(error) => camera::refuse_call(robot, Call::CAMGetGray, 1, error),
     }
 }
 
 /// `CAMGetDepth`
 pub fn depth(robot: &mut Robot, mm: &mut OutFloats) -> i32 {
-    camera::give_depth(robot, Call::CAMGetDepth, 1, mm)
+    camera::store_depth(robot, Call::CAMGetDepth, 1, mm)
 }
 
 /// `CAMGetLabels`
 pub fn labels(robot: &mut Robot, labels: &mut OutInts) -> i32 {
-    camera::give_labels(robot, Call::CAMGetLabels, 1, labels)
+    camera::store_labels(robot, Call::CAMGetLabels, 1, labels)
 }
 
-/// Answer of a call that requires the camera to be on.
-fn refuse(robot: &mut Robot, call: Call) -> i32 {
-    let why = robot.camera_setting().err().unwrap_or(CameraError::Off);
-    camera::refused(robot, call, 1, why)
+/// Refuses a call that requires the camera to be on.
+fn refuse_while_off(robot: &mut Robot, call: Call) -> i32 {
+    let error = robot.camera_setting().err().unwrap_or(CameraError::Off);
+    camera::refuse_call(robot, call, 1, error)
 }

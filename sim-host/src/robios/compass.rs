@@ -13,7 +13,7 @@ use sim_core::record::Event;
 /// `COMPASSInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     if robot.robios.table.find(HDT_COMPASS, semantics).is_none() {
-        return robot.has_no(Call::COMPASSInit, 1, HDT_COMPASS, semantics);
+        return robot.refuse_missing_device(Call::COMPASSInit, 1, HDT_COMPASS, semantics);
     }
     robot.robios.has_compass = true;
     0
@@ -21,8 +21,8 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
 
 /// `COMPASSStart`
 pub fn start(robot: &mut Robot, is_continuous: bool) -> i32 {
-    let can_start = robot.robios.has_compass && robot.state.devices.compass.start(is_continuous, robot.state.now);
-    if can_start { 0 } else { robot.failed(Call::COMPASSStart, 1) }
+    let is_started = robot.robios.has_compass && robot.state.devices.compass.start(is_continuous, robot.state.now);
+    if is_started { 0 } else { robot.fail_call(Call::COMPASSStart, 1) }
 }
 
 /// `COMPASSCheck`
@@ -34,18 +34,18 @@ pub fn check(robot: &mut Robot) -> i32 {
 /// `COMPASSStop`
 pub fn stop(robot: &mut Robot) -> i32 {
     robot.state.devices.compass.stop(robot.state.now);
-    if robot.robios.has_compass { 0 } else { robot.failed(Call::COMPASSStop, 1) }
+    if robot.robios.has_compass { 0 } else { robot.fail_call(Call::COMPASSStop, 1) }
 }
 
 /// `COMPASSRelease`
 pub fn release(robot: &mut Robot) -> i32 {
     robot.devices.compass.reset();
-    if std::mem::take(&mut robot.robios.has_compass) { 0 } else { robot.failed(Call::COMPASSRelease, 1) }
+    if std::mem::take(&mut robot.robios.has_compass) { 0 } else { robot.fail_call(Call::COMPASSRelease, 1) }
 }
 
-/// `COMPASSCalibrate`: the simulated compass needs none.
+/// `COMPASSCalibrate`: the simulated compass needs no calibration.
 pub fn calibrate(robot: &mut Robot) -> i32 {
-    if robot.robios.has_compass { 0 } else { robot.failed(Call::COMPASSCalibrate, 1) }
+    if robot.robios.has_compass { 0 } else { robot.fail_call(Call::COMPASSCalibrate, 1) }
 }
 
 /// `COMPASSGet`
@@ -55,7 +55,7 @@ pub fn get(robot: &mut Robot) -> i32 {
         let angle_rad = degrees.map(|degrees| unit::radians_from_degrees(degrees.into()));
         robot.state.journal.record(robot.state.now, &Event::Compass { device: &compass.name, angle_rad });
     }
-    degrees.unwrap_or_else(|| robot.failed(Call::COMPASSGet, -1))
+    degrees.unwrap_or_else(|| robot.fail_call(Call::COMPASSGet, -1))
 }
 
 fn read(robot: &mut Robot) -> Option<i32> {
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_angle_is_told_in_whole_degrees_of_one_turn() {
+    fn angles_are_rounded_to_whole_degrees_from_0_to_359() {
         assert_eq!([0.0, PI / 2.0, PI, -PI / 2.0].map(whole_degrees), [0, 90, 180, 270]);
         assert_eq!(whole_degrees(-0.001), 0, "359.94 rounds to 0, not to 360");
     }

@@ -13,7 +13,7 @@ use super::robot::Robot;
 pub const DEFAULT_OUTPUT_LIMIT: u64 = 10_000_000;
 
 /// Virtual time that a line beyond the limit costs, 1 ms; our choice.
-const CUT_LINE: Time = Time(1000);
+const CUT_LINE_COST: Time = Time(1000);
 
 /// Counters of a program's output in bytes.
 #[derive(Clone, Debug)]
@@ -41,7 +41,7 @@ impl Console {
     }
 
     /// Counts a line of `bytes` bytes; returns false if it is cut.
-    fn takes(&mut self, bytes: u64) -> bool {
+    fn accept(&mut self, bytes: u64) -> bool {
         let fits = self.cut == 0 && self.printed + bytes <= self.limit;
         *(if fits { &mut self.printed } else { &mut self.cut }) += bytes;
         fits
@@ -49,15 +49,15 @@ impl Console {
 }
 
 impl<F: Flow> Caller<F> {
-    /// Lets the time of a line pass; beyond the limit a line takes more time, so that a program that only prints
-    /// reaches the end of its run.
+    /// Lets the virtual time that a line costs pass. Beyond the limit a line costs more, so that a program that only
+    /// prints reaches the end of its run.
     ///
     /// # Errors
     /// [`Stop`] if the program must end.
     pub(super) fn spend_on_console(&self) -> Result<(), Stop> {
         let call = SupportCall::console;
         if self.call(call, |robot, _| robot.robios.console.cut > 0)? {
-            self.within(call.into(), |caller| caller.spend_time(CUT_LINE).map(drop))?;
+            self.run_in_call(call.into(), |caller| caller.spend_time(CUT_LINE_COST).map(drop))?;
         }
         Ok(())
     }
@@ -68,7 +68,7 @@ pub(crate) fn print_lines(robot: &mut Robot, stream: i32, text: &str) {
     let now = robot.now;
     for line in text.split_inclusive('\n') {
         let was_cut = robot.robios.console.cut > 0;
-        let fits = robot.robios.console.takes(line.len() as u64);
+        let fits = robot.robios.console.accept(line.len() as u64);
         let line = line.strip_suffix('\n').unwrap_or(line);
         let text = line.strip_suffix('\r').unwrap_or(line);
         if fits {
@@ -88,11 +88,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_beyond_the_limit_is_counted() {
+    fn bytes_beyond_the_limit_are_counted() {
         let mut console = Console::new(10);
-        assert!(console.takes(4) && console.takes(6));
+        assert!(console.accept(4) && console.accept(6));
         assert_eq!(console.cut_bytes(), 0);
-        assert!(!console.takes(3) && !console.takes(0), "once cut, nothing more is shown");
+        assert!(!console.accept(3) && !console.accept(0), "once cut, nothing more is shown");
         assert_eq!(console.cut_bytes(), 3);
     }
 }

@@ -28,9 +28,9 @@ pub const SECTIONS: [&str; 2] = [ROBIOS6, ROBIOS7];
 
 /// Functions of the generation of `section`.
 fn functions(section: &str) -> impl Iterator<Item = Call> {
-    let of_6 = if section == ROBIOS6 { Robios6Call::ALL } else { &[] };
-    let of_7 = if section == ROBIOS7 { Robios7Call::ALL } else { &[] };
-    of_6.iter().map(|call| Call::from(*call)).chain(of_7.iter().map(|call| Call::from(*call)))
+    let calls6 = if section == ROBIOS6 { Robios6Call::ALL } else { &[] };
+    let calls7 = if section == ROBIOS7 { Robios7Call::ALL } else { &[] };
+    calls6.iter().map(|call| Call::from(*call)).chain(calls7.iter().map(|call| Call::from(*call)))
 }
 
 /// Maximum cost: one hour, in microseconds.
@@ -46,7 +46,7 @@ pub struct Costs {
 /// Error in a cost table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CostError {
-    /// The text is not TOML of the form of a cost table.
+    /// The text is not TOML, or does not have the structure of a cost table.
     #[error("{0}")]
     Syntax(String),
     /// A section does not name a known generation.
@@ -104,9 +104,9 @@ impl Costs {
         Ok(Self::with_entries(&entries))
     }
 
-    fn with_entries(own: &Entries) -> Self {
+    fn with_entries(user_entries: &Entries) -> Self {
         let mut costs = Self::default();
-        for (section, entries) in own {
+        for (section, entries) in user_entries {
             for call in functions(section) {
                 if let (Some(cost), Some(number)) = (find(entries, call.name()), call.robios_number()) {
                     costs.costs[usize::from(number)] = cost;
@@ -116,7 +116,8 @@ impl Costs {
         costs
     }
 
-    /// Cost of a call; 1 us for a service of the language runtime, enough that a loop that waits for a time ends.
+    /// Cost of a call. A service of the language runtime costs 1 us, so that a loop that waits for a point in time
+    /// ends.
     #[inline]
     pub fn of(&self, call: impl Into<Call>) -> Time {
         call.into().robios_number().map_or(Time(1), |number| self.costs[usize::from(number)])
@@ -151,7 +152,7 @@ pub fn mistakes(table: &CostTable) -> impl Iterator<Item = (&CostEntry, CostErro
 
 /// The error of an entry in `line` of `section`, if `name` matches no function.
 fn unknown_function(section: &str, name: &str, line: impl Fn() -> usize) -> Option<CostError> {
-    let is_known = functions(section).any(|call| fits(name, call.name()));
+    let is_known = functions(section).any(|call| matches_function(name, call.name()));
     let error = || CostError::Function { line: line(), name: name.to_owned(), suggestion: most_similar(section, name) };
     (!is_known).then(error)
 }
@@ -169,7 +170,7 @@ fn parse(table: &str) -> Result<Entries, CostError> {
         if !SECTIONS.contains(&name.as_str()) {
             return Err(CostError::CostSection { line: line_of(section.span().start), name: name.clone() });
         }
-        let of_section = entries.entry(name.clone()).or_default();
+        let cost_by_name = entries.entry(name.clone()).or_default();
         for (function, cost) in section_entries {
             let (start, function) = (function.span().start, function.get_ref());
             let micros = cost.get_ref().as_integer().filter(|micros| (1..=MAX_COST_US).contains(micros));
@@ -179,16 +180,16 @@ fn parse(table: &str) -> Result<Entries, CostError> {
             if let Some(error) = unknown_function(name, function, || line_of(start)) {
                 return Err(error);
             }
-            of_section.insert(function.clone(), Time(micros));
+            cost_by_name.insert(function.clone(), Time(micros));
         }
     }
     Ok(entries)
 }
 
-/// Cost of `function` by the entry that matches it best.
+/// Cost of `function` by its own entry, or by the longest matching pattern.
 fn find(entries: &BTreeMap<String, Time>, function: &str) -> Option<Time> {
     let mut pattern = function.to_owned();
-    let mut of_beginning = |length| {
+    let mut cost_of_prefix = |length| {
         pattern.truncate(length);
         pattern.push('*');
         let cost = entries.get(&pattern);
@@ -196,12 +197,12 @@ fn find(entries: &BTreeMap<String, Time>, function: &str) -> Option<Time> {
         cost
     };
     let exact = entries.get(function);
-    exact.or_else(|| (0..=function.len()).rev().find_map(&mut of_beginning)).copied()
+    exact.or_else(|| (0..=function.len()).rev().find_map(&mut cost_of_prefix)).copied()
 }
 
 /// Returns true if the name or pattern of an entry matches `function`.
-fn fits(name: &str, function: &str) -> bool {
-    name.strip_suffix('*').map_or(name == function, |beginning| function.starts_with(beginning))
+fn matches_function(name: &str, function: &str) -> bool {
+    name.strip_suffix('*').map_or(name == function, |prefix| function.starts_with(prefix))
 }
 
 /// Returns true if a function of either generation has this name.
@@ -232,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn the_users_entries_go_before_as_a_whole() {
+    fn user_entries_take_precedence_over_all_compiled_in_entries() {
         let costs = Costs::with("[robios6]\n\"PSD*\" = 7\nPSDGet = 8\n\"VWDrive*\" = 9\n").unwrap();
         assert_eq!(
             [Robios6Call::PSDGet, Robios6Call::PSDStart, Robios6Call::VWDriveWait, Robios6Call::VWInit]
@@ -246,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_in_tables() {
+    fn errors_in_tables() {
         for (table, message) in [
             ("[robios6]\nPSDget = 5\n", "line 2: unknown function `PSDget`, did you mean `PSDGet`?"),
             ("[robios7]\nVWInit = 5\n", "line 2: unknown function `VWInit`, did you mean `VWWait`?"),

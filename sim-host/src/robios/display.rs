@@ -1,4 +1,4 @@
-//! Display functions of RoBIOS 6, over the model in [`super::lcd`].
+//! Display functions of RoBIOS 6, based on the model in [`super::lcd`].
 //!
 //! Source: RoBIOS 6 library, LCD output. Text written at a position leaves the cursor after the text.
 
@@ -26,17 +26,17 @@ pub fn write(robot: &mut Robot, characters: &[u8]) {
 
 /// `LCDPrintf`, `LCDPutString`
 pub fn put(robot: &mut Robot, call: Call, characters: Option<&[u8]>) -> i32 {
-    let Some(characters) = characters else { return robot.failed(call, -1) };
+    let Some(characters) = characters else { return robot.fail_call(call, -1) };
     write(robot, characters);
     0
 }
 
 /// `LCDSetPrintf`, `LCDSetString`, `LCDSetChar`
 pub fn put_at(robot: &mut Robot, call: Call, [row, column]: [i32; 2], characters: Option<&[u8]>) -> i32 {
-    let Some(characters) = characters else { return robot.failed(call, -1) };
+    let Some(characters) = characters else { return robot.fail_call(call, -1) };
     match robot.robios.lcd.set_position(row, column) {
         Ok(()) => put(robot, call, Some(characters)),
-        Err(InvalidPosition) => robot.failed(call, -1),
+        Err(InvalidPosition) => robot.fail_call(call, -1),
     }
 }
 
@@ -72,14 +72,14 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
 pub fn set_position(robot: &mut Robot, row: i32, column: i32) -> i32 {
     match robot.robios.lcd.set_position(row, column) {
         Ok(()) => 0,
-        Err(InvalidPosition) => robot.failed(Call::LCDSetPos, -1),
+        Err(InvalidPosition) => robot.fail_call(Call::LCDSetPos, -1),
     }
 }
 
 /// `LCDGetPos`
 pub fn position(robot: &mut Robot, row: &mut Out<i32>, column: &mut Out<i32>) -> i32 {
     if row.is_null() || column.is_null() {
-        return robot.failed(Call::LCDGetPos, -1);
+        return robot.fail_call(Call::LCDGetPos, -1);
     }
     let position = robot.robios.lcd.position();
     row.set(position.0 as i32);
@@ -99,7 +99,7 @@ pub fn set_menu(robot: &mut Robot, texts: [Option<&[u8]>; 4]) -> i32 {
 pub fn set_menu_entry(robot: &mut Robot, position: i32, text: Option<&[u8]>) -> i32 {
     match text {
         Some(text) if (1..=4).contains(&position) => set_menu_text(robot, position, text),
-        _ => return robot.failed(Call::LCDMenuI, -1),
+        _ => return robot.fail_call(Call::LCDMenuI, -1),
     }
     0
 }
@@ -112,34 +112,34 @@ fn set_menu_text(robot: &mut Robot, position: i32, characters: &[u8]) {
 
 /// `LCDPutGraphic`
 pub fn put_grey(robot: &mut Robot, grey: Option<&Image>) -> i32 {
-    let Some(grey) = grey else { return robot.failed(Call::LCDPutGraphic, -1) };
-    let changed = robot.robios.lcd.show_grey(image::shown(grey), SHOWN_COLUMNS);
-    drawn(robot, Call::LCDPutGraphic, changed)
+    let Some(grey) = grey else { return robot.fail_call(Call::LCDPutGraphic, -1) };
+    let changed = robot.robios.lcd.show_grey(image::shown_pixels(grey), SHOWN_COLUMNS);
+    record_drawing(robot, Call::LCDPutGraphic, changed)
 }
 
 /// `LCDPutColorGraphic`: overwrites the image with what the display shows, in black and white.
 pub fn put_colour(robot: &mut Robot, colour: Option<&mut ColImage>) -> i32 {
-    let Some(colour) = colour else { return robot.failed(Call::LCDPutColorGraphic, -1) };
+    let Some(colour) = colour else { return robot.fail_call(Call::LCDPutColorGraphic, -1) };
     let dithered = image::dither(&image::grey_from_colour(colour));
     for (row, levels) in colour.iter_mut().zip(&dithered) {
         row.iter_mut().zip(levels).for_each(|(pixel, level)| *pixel = [*level; 3]);
     }
-    let changed = robot.robios.lcd.show_grey(image::shown(&dithered), SHOWN_COLUMNS);
-    drawn(robot, Call::LCDPutColorGraphic, changed)
+    let changed = robot.robios.lcd.show_grey(image::shown_pixels(&dithered), SHOWN_COLUMNS);
+    record_drawing(robot, Call::LCDPutColorGraphic, changed)
 }
 
 /// `LCDPutImage`
 pub fn put_picture(robot: &mut Robot, picture: Option<&BitImage>) -> i32 {
-    let Some(picture) = picture else { return robot.failed(Call::LCDPutImage, -1) };
+    let Some(picture) = picture else { return robot.fail_call(Call::LCDPutImage, -1) };
     let changed = robot.robios.lcd.show_picture(picture);
-    drawn(robot, Call::LCDPutImage, changed)
+    record_drawing(robot, Call::LCDPutImage, changed)
 }
 
 /// `LCDGetPixel`
 pub fn pixel(robot: &mut Robot, row: i32, column: i32) -> i32 {
     match robot.robios.lcd.pixel(row, column) {
         Ok(is_black) => is_black.into(),
-        Err(InvalidPosition) => robot.failed(Call::LCDGetPixel, -1),
+        Err(InvalidPosition) => robot.fail_call(Call::LCDGetPixel, -1),
     }
 }
 
@@ -151,12 +151,12 @@ pub fn draw(
     shape: impl FnOnce(&mut Lcd, Ink) -> Result<u32, InvalidPosition>,
 ) -> i32 {
     match Ink::try_from(code).and_then(|ink| shape(&mut robot.robios.lcd, ink)) {
-        Ok(changed) => drawn(robot, call, changed),
-        Err(InvalidPosition) => robot.failed(call, -1),
+        Ok(changed) => record_drawing(robot, call, changed),
+        Err(InvalidPosition) => robot.fail_call(call, -1),
     }
 }
 
-fn drawn(robot: &mut Robot, call: Call, changed_pixels: u32) -> i32 {
+fn record_drawing(robot: &mut Robot, call: Call, changed_pixels: u32) -> i32 {
     robot.record(Event::LcdGraphics { function: call.name(), changed_pixels });
     0
 }

@@ -1,6 +1,6 @@
-//! Display functions of RoBIOS-7, over the model in [`super::screen`].
+//! Display functions of RoBIOS-7, based on the model in [`super::screen`].
 //!
-//! Source: RoBIOS-7 library, LCD output; what it leaves open is in `docs/robios7.md`.
+//! Source: RoBIOS-7 library, LCD output; `docs/robios7.md` describes our choices where the source is silent.
 
 use robios_sys::robios7::{
     BOLD, CAM5MP, COURIER, CUSTOM, HELVETICA, ITALICS, LCD_AUTOREFRESH, LCD_BGCOL_INVERSE, LCD_BGCOL_NOINVERSE,
@@ -20,7 +20,7 @@ use sim_core::record::Event;
 
 /// `LCDPrintf`
 pub fn put(robot: &mut Robot, call: Call, characters: Option<&[u8]>) -> i32 {
-    let Some(characters) = characters else { return robot.failed(call, 1) };
+    let Some(characters) = characters else { return robot.fail_call(call, 1) };
     let text = text(characters);
     let [row, column] = robot.screen().position().map(|coordinate| coordinate.clamp(0, u8::MAX.into()) as u8);
     robot.record(Event::LcdText { row, column, text: &text });
@@ -47,7 +47,7 @@ pub fn set_position(robot: &mut Robot, position: [i32; 2]) -> i32 {
     0
 }
 
-/// Moves the cursor; a hint is reported once if the position is outside the display.
+/// Moves the cursor; gives a hint, once, if the position is outside the display.
 fn move_to(robot: &mut Robot, call: Call, [row, column]: [i32; 2]) {
     robot.screen().set_position(row, column);
     let [rows, columns] = robot.screen().rows_and_columns();
@@ -57,8 +57,8 @@ fn move_to(robot: &mut Robot, call: Call, [row, column]: [i32; 2]) {
     if robot.robios.hints.is_first_failure(call.into()) {
         let name = call.name();
         robot.hint(&format!("`{name}`: the display has {rows} rows and {columns} columns, none at ({row}, {column})"));
-        // Counted as a failure so that the hint comes once; the call itself returns no error.
-        robot.failed(call, 0);
+        // Counting a failure makes the hint appear only once; the call itself returns no error.
+        robot.fail_call(call, 0);
     }
 }
 
@@ -90,21 +90,21 @@ pub fn set_font(robot: &mut Robot, font: i32, variation: i32) -> i32 {
         ITALICS => Some(Variation::Italics),
         _ => None,
     };
-    let (Some(family), Some(variation)) = (family, variation) else { return robot.failed(Call::LCDSetFont, 1) };
+    let (Some(family), Some(variation)) = (family, variation) else { return robot.fail_call(Call::LCDSetFont, 1) };
     robot.screen().set_font(family, variation);
     0
 }
 
 /// `LCDSetFontSize`
 pub fn set_font_size(robot: &mut Robot, number: i32) -> i32 {
-    let Some(size) = Size::of(number) else {
-        return robot.refused(Call::LCDSetFontSize, 1, |_| format!("{number} is none of 8, 12, 14, 18 and 24"));
+    let Some(size) = Size::from_number(number) else {
+        return robot.refuse_call(Call::LCDSetFontSize, 1, |_| format!("{number} is none of 8, 12, 14, 18 and 24"));
     };
     robot.screen().set_font_size(size);
     0
 }
 
-/// `LCDSetMode`: modes that are not named stay as they are.
+/// `LCDSetMode`: switches without a flag in `mode` keep their state.
 pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
     let screen = robot.screen();
     let modes = &mut screen.modes;
@@ -115,22 +115,22 @@ pub fn set_mode(robot: &mut Robot, mode: i32) -> i32 {
         (LCD_FGCOL_INVERSE, LCD_FGCOL_NOINVERSE, &mut modes.is_ink_inverse),
         (LCD_BGCOL_INVERSE, LCD_BGCOL_NOINVERSE, &mut modes.is_paper_inverse),
     ] {
-        *is_on = switched(mode, on, off).unwrap_or(*is_on);
+        *is_on = switch_state(mode, on, off).unwrap_or(*is_on);
     }
-    if let Some(is_shown) = switched(mode, LCD_SHOWMENU, LCD_HIDEMENU) {
+    if let Some(is_shown) = switch_state(mode, LCD_SHOWMENU, LCD_HIDEMENU) {
         screen.set_menu_shown(is_shown);
     }
-    if let Some(is_shown) = switched(mode, LCD_LISTMENU, LCD_CLASSICMENU) {
+    if let Some(is_shown) = switch_state(mode, LCD_LISTMENU, LCD_CLASSICMENU) {
         screen.set_list_shown(is_shown);
     }
-    if let Some(is_automatic) = switched(mode, LCD_AUTOREFRESH, LCD_NOAUTOREFRESH) {
+    if let Some(is_automatic) = switch_state(mode, LCD_AUTOREFRESH, LCD_NOAUTOREFRESH) {
         screen.set_auto_refresh(is_automatic);
     }
     0
 }
 
-/// State to which a mode sets a switch, `None` if it contains neither flag; both flags together mean off.
-fn switched(mode: i32, on: i32, off: i32) -> Option<bool> {
+/// State to which a mode sets a switch; `None` if the mode contains neither flag. Both flags together mean off.
+fn switch_state(mode: i32, on: i32, off: i32) -> Option<bool> {
     (mode & (on | off) != 0).then_some(mode & off == 0)
 }
 
@@ -148,7 +148,7 @@ pub fn set_menu(robot: &mut Robot, texts: [Option<&[u8]>; 4]) -> i32 {
 pub fn set_menu_entry(robot: &mut Robot, position: i32, text: Option<&[u8]>, colours: [i32; 2]) -> i32 {
     let (Some(text), 1..=4) = (text, position) else {
         return robot
-            .refused(Call::LCDMenuI, 1, |_| format!("{position} is none of the keys 1 to 4, or the text is null"));
+            .refuse_call(Call::LCDMenuI, 1, |_| format!("{position} is none of the keys 1 to 4, or the text is null"));
     };
     let index = position as usize - 1;
     let [ink, paper] = colours.map(rgb);
@@ -171,12 +171,12 @@ pub fn set_list_line(robot: &mut Robot, [index, key]: [i32; 2], characters: Opti
     let is_set = usize::try_from(index).is_ok_and(|index| robot.screen().set_list_line(index, line));
     if !is_set {
         return robot
-            .refused(Call::LCDListLine, 0, |_| format!("there is no line {index} in the list, or no room for it"));
+            .refuse_call(Call::LCDListLine, 0, |_| format!("there is no line {index} in the list, or no room for it"));
     }
     if let Some(text) = text {
         robot.record(Event::LcdText { row: index.clamp(0, u8::MAX.into()) as u8, column: 0, text: &text });
     }
-    robot.screen().list_room() as i32
+    robot.screen().max_list_lines() as i32
 }
 
 /// `LCDGetSize`
@@ -195,7 +195,7 @@ pub fn pixel(robot: &mut Robot, x: i32, y: i32) -> i32 {
 /// `LCDPixel`, `LCDLine`, `LCDCircle`, `LCD...Invert`: draws a shape.
 pub fn draw(robot: &mut Robot, call: Call, shape: impl FnOnce(&mut Canvas) -> u32) -> i32 {
     let changed = robot.screen().draw(shape);
-    drawn(robot, call, changed)
+    record_drawing(robot, call, changed)
 }
 
 /// `LCDArea`
@@ -203,31 +203,31 @@ pub fn draw_area(robot: &mut Robot, from: [i32; 2], to: [i32; 2], colour: i32, i
     let screen = robot.screen();
     let changed =
         if is_filled { screen.fill_area(from, to, rgb(colour)) } else { screen.draw_rectangle(from, to, rgb(colour)) };
-    drawn(robot, Call::LCDArea, changed)
+    record_drawing(robot, Call::LCDArea, changed)
 }
 
-fn drawn(robot: &mut Robot, call: Call, changed_pixels: u32) -> i32 {
+fn record_drawing(robot: &mut Robot, call: Call, changed_pixels: u32) -> i32 {
     robot.record(Event::LcdGraphics { function: call.name(), changed_pixels });
     0
 }
 
-/// `LCDImageSize`: checks the resolution only; each image brings its size.
+/// `LCDImageSize`: only checks the resolution; each image call passes its own size.
 pub fn set_resolution(robot: &mut Robot, resolution: i32) -> i32 {
     if resolution == CUSTOM || RESOLUTIONS.iter().any(|(_, number, ..)| *number == resolution) {
         return 0;
     }
-    robot.refused(Call::LCDImageSize, 1, |_| {
+    robot.refuse_call(Call::LCDImageSize, 1, |_| {
         let names: Vec<&str> = RESOLUTIONS.iter().map(|(name, ..)| *name).collect();
         format!("{resolution} is no resolution: expected {} or CUSTOM", names.join(", "))
     })
 }
 
-/// `LCDImageStart`: sets the position; each image brings its size.
-pub fn set_image(robot: &mut Robot, at: [i32; 2], [width, height]: [i32; 2]) -> i32 {
+/// `LCDImageStart`: sets the position; each image call passes its own size.
+pub fn set_image_start(robot: &mut Robot, corner: [i32; 2], [width, height]: [i32; 2]) -> i32 {
     if !is_size([width, height]) {
-        return robot.refused(Call::LCDImageStart, 1, |_| format!("{width} x {height} is no size of an image"));
+        return robot.refuse_call(Call::LCDImageStart, 1, |_| format!("{width} x {height} is no size of an image"));
     }
-    robot.screen().set_image_place(at);
+    robot.screen().set_image_corner(corner);
     0
 }
 
@@ -254,9 +254,9 @@ pub fn show_binary(robot: &mut Robot, size: [i32; 2], image: Option<&[u8]>) -> i
 }
 
 fn show(robot: &mut Robot, call: Call, size: [i32; 2], image: Option<impl Iterator<Item = Rgb>>) -> i32 {
-    let Some(image) = image.filter(|_| is_size(size)) else { return robot.failed(call, 1) };
+    let Some(image) = image.filter(|_| is_size(size)) else { return robot.fail_call(call, 1) };
     let changed = robot.screen().show_image(size.map(|side| side as usize), image);
-    drawn(robot, call, changed)
+    record_drawing(robot, call, changed)
 }
 
 /// `LCDRefresh`

@@ -1,4 +1,4 @@
-//! Interface of a robot's calls to the run in which they are made.
+//! Interface through which a robot's calls reach the run.
 
 use parking_lot::MutexGuard;
 use robios_sys::{Callback, Stop};
@@ -11,8 +11,8 @@ use super::forbidden::Forbidden;
 use super::robot::Robot;
 use crate::program::site::Site;
 
-/// A robot's flow of control and the run around it, as the calls of its program see them. The executive implements it
-/// with threads, processes or fibers; calls do not depend on the kind.
+/// A robot's flow of control and its run, as far as the calls of its program need them. The executive implements it
+/// with threads, processes or fibers; calls do not depend on the implementation.
 pub trait Flow: Send + Sync + 'static {
     /// Id of the robot.
     fn id(&self) -> RobotId;
@@ -36,7 +36,8 @@ pub trait Flow: Send + Sync + 'static {
     /// End of the current slot.
     fn slot_end(&self) -> Time;
 
-    /// Suspends the calling flow until the slot that contains `wake`, or earlier if what the robot waits for changes.
+    /// Suspends the calling flow until the slot that contains `wake`, or earlier if the awaited condition may
+    /// have changed.
     ///
     /// # Errors
     /// [`Stop`] if the program must end.
@@ -72,10 +73,10 @@ pub trait Flow: Send + Sync + 'static {
     /// Location in the program of the call in progress.
     fn call_site(&self) -> Site;
 
-    /// The line of the program to which a call stack leads: return addresses, the innermost first.
+    /// The innermost line of the program in a call stack, given as return addresses, the innermost first.
     fn line_of(&self, stack: &[usize]) -> Option<String>;
 
-    /// Notes that the hint `text` was given in the call in progress, made at `site`.
+    /// Records that the hint `text` was given in the call in progress, made at `site`.
     fn note_hint(&self, text: &str, site: &Site);
 
     /// Describes what each task of `robot`, the robot of this flow, waits for.

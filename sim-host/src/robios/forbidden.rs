@@ -31,7 +31,9 @@ impl Forbidden {
 
     /// Returns true if `call` is forbidden; services of the language runtime never are.
     pub fn contains(&self, call: Call) -> bool {
-        call.robios_number().and_then(|number| self.functions.get(usize::from(number))).is_some_and(|is| *is)
+        call.robios_number()
+            .and_then(|number| self.functions.get(usize::from(number)))
+            .is_some_and(|is_forbidden| *is_forbidden)
     }
 }
 
@@ -40,26 +42,26 @@ fn names() -> impl Iterator<Item = &'static str> {
     Robios6Call::ALL.iter().map(|call| call.name()).chain(Robios7Call::ALL.iter().map(|call| call.name()))
 }
 
-/// Patterns of `text` that match no function, each with the name or pattern that was probably meant; an empty text is
-/// such a pattern, too.
+/// Patterns of `text` that match no function, each with the name or pattern that was probably meant. An empty text is
+/// also such a pattern.
 pub fn mistakes(text: &str) -> Vec<(String, Option<String>)> {
     let patterns = Pattern::parse_list(text);
     if patterns.is_empty() {
         return vec![(text.to_owned(), None)];
     }
     let unknown = patterns.into_iter().filter(|pattern| !names().any(|name| pattern.matches(name)));
-    unknown.map(|pattern| (pattern.to_string(), meant(&pattern.to_string()))).collect()
+    unknown.map(|pattern| (pattern.to_string(), suggestion(&pattern.to_string()))).collect()
 }
 
 /// The function, or the pattern of a family of functions, with the most similar name.
-fn meant(pattern: &str) -> Option<String> {
-    let Some(beginning) = pattern.strip_suffix('*') else {
+fn suggestion(pattern: &str) -> Option<String> {
+    let Some(prefix) = pattern.strip_suffix('*') else {
         let similar = cost::SECTIONS.iter().find_map(|section| cost::most_similar(section, pattern));
         return similar.map(str::to_owned);
     };
-    let beginning = beginning.to_uppercase();
+    let prefix = prefix.to_uppercase();
     let families = Robios7Call::FAMILIES.iter().chain(Robios6Call::FAMILIES).map(|family| family.name);
-    let by_distance = families.map(|family| (strsim::osa_distance(&beginning, family), family));
+    let by_distance = families.map(|family| (strsim::osa_distance(&prefix, family), family));
     let nearest = by_distance.min_by_key(|(edits, _)| *edits).filter(|(edits, family)| edits * 2 < family.len());
     nearest.map(|(_, family)| format!("{family}*"))
 }
@@ -90,13 +92,13 @@ mod tests {
     }
 
     #[test]
-    fn patterns_that_fit_no_function_are_told() {
-        let some = |text: &str, meant: Option<&str>| vec![(text.to_owned(), meant.map(str::to_owned))];
+    fn patterns_without_a_match_are_reported() {
+        let mistake = |text: &str, suggestion: Option<&str>| vec![(text.to_owned(), suggestion.map(str::to_owned))];
         assert_eq!(mistakes("SIM*"), []);
         assert_eq!(mistakes("simsetrobot,*Wait"), []);
-        assert_eq!(mistakes("SIN*"), some("SIN*", Some("SIM*")));
-        assert_eq!(mistakes("SIMSetRobt"), some("SIMSetRobt", Some("SIMSetRobot")));
-        assert_eq!(mistakes("OSWait, printf"), some("printf", Some("LCDPrintf")));
-        assert_eq!(mistakes(" , "), some(" , ", None));
+        assert_eq!(mistakes("SIN*"), mistake("SIN*", Some("SIM*")));
+        assert_eq!(mistakes("SIMSetRobt"), mistake("SIMSetRobt", Some("SIMSetRobot")));
+        assert_eq!(mistakes("OSWait, printf"), mistake("printf", Some("LCDPrintf")));
+        assert_eq!(mistakes(" , "), mistake(" , ", None));
     }
 }

@@ -15,7 +15,7 @@ use robios_sys::{Out, Robios7Call as Call};
 use super::robot::Robot;
 use super::unit7::{pose, pose_numbers};
 
-/// Numbers of robots and objects as programs see them: the robots of the scene from 1 on, then its objects in the order
+/// Numbers of robots and objects for programs: first the robots of the scene from 1 on, then its objects in the order
 /// of the sim file, then spawned entities in the order of their addition.
 #[derive(Clone, Debug, Default)]
 pub struct EntityNumbers {
@@ -51,10 +51,10 @@ impl EntityNumbers {
         Self { robots: scene.robots.len(), objects, ..Self::default() }
     }
 
-    /// Id of the robot with this number; 0 is `own`.
-    fn robot(&self, number: i32, own: RobotId) -> Option<RobotId> {
+    /// Id of the robot with this number; 0 is the robot `own_id`.
+    fn robot(&self, number: i32, own_id: RobotId) -> Option<RobotId> {
         match usize::try_from(number).ok()? {
-            0 => Some(own),
+            0 => Some(own_id),
             number if number <= self.robots => Some(RobotId::from_index(number - 1)),
             number => match self.spawned(number)? {
                 Placeable::Robot(id) => Some(id),
@@ -66,8 +66,8 @@ impl EntityNumbers {
     /// Object with this number.
     fn object(&self, number: i32) -> Option<NumberedObject> {
         let number = usize::try_from(number).ok()?;
-        let of_scene = self.objects.get(number.checked_sub(self.robots + 1)?).copied();
-        of_scene.or_else(|| match self.spawned(number)? {
+        let scene_object = self.objects.get(number.checked_sub(self.robots + 1)?).copied();
+        scene_object.or_else(|| match self.spawned(number)? {
             Placeable::Object(id) => Some(NumberedObject::Movable(id)),
             Placeable::Robot(_) => None,
         })
@@ -78,38 +78,38 @@ impl EntityNumbers {
     }
 
     /// Number of a spawned robot or object.
-    pub fn spawned_number(&self, who: Placeable) -> Option<i32> {
-        let (index, _) = self.spawned.iter().find(|(_, spawned)| **spawned == who)?;
+    pub fn spawned_number(&self, entity: Placeable) -> Option<i32> {
+        let (index, _) = self.spawned.iter().find(|(_, spawned)| **spawned == entity)?;
         Some((self.robots + self.objects.len() + 1 + index) as i32)
     }
 }
 
 /// `SIMGetRobot`
-pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
+pub fn robot_pose(robot: &mut Robot, world: &World, number: i32, out: [&mut Out<i32>; 4]) {
     let Some(id) = robot.robios.entity_numbers.robot(number, robot.id) else {
-        return no_robot(robot, Call::SIMGetRobot, number);
+        return skip_for_unknown_robot(robot, Call::SIMGetRobot, number);
     };
     let now = robot.now;
     if id != robot.id && !world.is_robot_present(id, now) {
-        return robot.rejected(Call::SIMGetRobot, |_| is_gone("robot", number));
+        return robot.skip_call(Call::SIMGetRobot, |_| absence_reason("robot", number));
     }
     let (pose, height) = if id == robot.id {
         (robot.motion.pose(now), robot.motion.lift(now))
     } else {
         (world.robot_pose(id, now), world.robot_pose_in_space(id, now).position.z)
     };
-    give(robot.robios.dialect, &pose, height, into);
+    store_pose(robot.robios.dialect, &pose, height, out);
 }
 
-/// `SIMSetRobot`: places the own robot immediately, another robot at the slot's end. Odometry is not affected.
+/// `SIMSetRobot`: places the calling robot immediately, another robot at the slot's end. Odometry is not affected.
 pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     let Some(id) = robot.robios.entity_numbers.robot(number, robot.id) else {
-        return no_robot(robot, Call::SIMSetRobot, number);
+        return skip_for_unknown_robot(robot, Call::SIMSetRobot, number);
     };
     if id != robot.id && !world.is_robot_present(id, robot.now) {
-        return robot.rejected(Call::SIMSetRobot, |_| is_gone("robot", number));
+        return robot.skip_call(Call::SIMSetRobot, |_| absence_reason("robot", number));
     }
-    let pose = pose_meant(robot.robios.dialect, to);
+    let pose = pose_from_program(robot.robios.dialect, to);
     if id != robot.id {
         return place(robot, Placeable::Robot(id), pose);
     }
@@ -120,33 +120,33 @@ pub fn set_robot(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
 }
 
 /// `SIMGetObject`
-pub fn object_pose(robot: &mut Robot, world: &World, number: i32, into: [&mut Out<i32>; 4]) {
+pub fn object_pose(robot: &mut Robot, world: &World, number: i32, out: [&mut Out<i32>; 4]) {
     let (pose, height) = match robot.robios.entity_numbers.object(number) {
         Some(NumberedObject::Movable(object)) if !world.is_object_present(object, robot.now) => {
-            return robot.rejected(Call::SIMGetObject, |_| is_gone("object", number));
+            return robot.skip_call(Call::SIMGetObject, |_| absence_reason("object", number));
         }
         Some(NumberedObject::Movable(object)) => {
             (world.object_pose(object, robot.now), world.object_properties(object).lift)
         }
         Some(NumberedObject::Fixed(pose)) => (pose, 0.0),
-        None => return no_object(robot, Call::SIMGetObject, number),
+        None => return skip_for_unknown_object(robot, Call::SIMGetObject, number),
     };
-    give(robot.robios.dialect, &pose, height, into);
+    store_pose(robot.robios.dialect, &pose, height, out);
 }
 
 /// `SIMSetObject`: places the object at the slot's end.
 pub fn set_object(robot: &mut Robot, world: &World, number: i32, to: [i32; 3]) {
     match robot.robios.entity_numbers.object(number) {
         Some(NumberedObject::Movable(object)) if !world.is_object_present(object, robot.now) => {
-            robot.rejected(Call::SIMSetObject, |_| is_gone("object", number));
+            robot.skip_call(Call::SIMSetObject, |_| absence_reason("object", number));
         }
         Some(NumberedObject::Movable(object)) => {
-            place(robot, Placeable::Object(object), pose_meant(robot.robios.dialect, to));
+            place(robot, Placeable::Object(object), pose_from_program(robot.robios.dialect, to));
         }
         Some(NumberedObject::Fixed(_)) => {
-            robot.rejected(Call::SIMSetObject, |_| format!("object {number} is fixed: it stays where it is"));
+            robot.skip_call(Call::SIMSetObject, |_| format!("object {number} is fixed: it stays where it is"));
         }
-        None => no_object(robot, Call::SIMSetObject, number),
+        None => skip_for_unknown_object(robot, Call::SIMSetObject, number),
     }
 }
 
@@ -160,16 +160,15 @@ pub fn object_count(robot: &Robot) -> i32 {
     robot.robios.entity_numbers.objects.len() as i32
 }
 
-/// Stores a pose at a height in metres, which is the height of a robot with legs or in the water, or of a floating
-/// object.
-fn give(dialect: Dialect, pose: &Pose, height: f64, [x, y, z, phi]: [&mut Out<i32>; 4]) {
+/// Stores a pose and a height in metres: the height of a robot with legs or in the water, or of a floating object.
+fn store_pose(dialect: Dialect, pose: &Pose, height: f64, [x, y, z, phi]: [&mut Out<i32>; 4]) {
     let [x_mm, y_mm, phi_degrees] = pose_numbers(pose);
     let numbers = [x_mm, y_mm, heading_to_program(dialect, phi_degrees)];
     [x, y, phi].into_iter().zip(numbers).for_each(|(out, number)| out.set(number));
     z.set(mm_from_metres(height).round() as i32);
 }
 
-fn pose_meant(dialect: Dialect, [x_mm, y_mm, phi_degrees]: [i32; 3]) -> Pose {
+fn pose_from_program(dialect: Dialect, [x_mm, y_mm, phi_degrees]: [i32; 3]) -> Pose {
     pose([x_mm, y_mm, heading_from_program(dialect, phi_degrees)])
 }
 
@@ -191,28 +190,29 @@ fn heading_from_program(dialect: Dialect, phi: i32) -> i32 {
     }
 }
 
-/// Yaw of Unity, clockwise from y, from 0 to 359, of a heading counter-clockwise from x; and the reverse, up to whole turns.
+/// Yaw of Unity, clockwise from y, from 0 to 359, for a heading counter-clockwise from x. The inverse is the same
+/// function, up to whole turns.
 fn yaw(phi: i32) -> i32 {
     (90 - i64::from(phi)).rem_euclid(360) as i32
 }
 
-fn is_gone(what: &str, number: i32) -> String {
-    format!("{what} {number} has been taken out of the world")
+fn absence_reason(kind: &str, number: i32) -> String {
+    format!("{kind} {number} has been taken out of the world")
 }
 
-fn place(robot: &mut Robot, what: Placeable, pose: Pose) {
+fn place(robot: &mut Robot, entity: Placeable, pose: Pose) {
     let simulation::Robot { now, id, placements, .. } = &mut robot.state;
-    placements.push(Placement { time: *now, by: *id, what, pose });
+    placements.push(Placement { time: *now, by: *id, what: entity, pose });
 }
 
-fn no_robot(robot: &mut Robot, call: Call, number: i32) {
-    robot.rejected(call, |robot| {
+fn skip_for_unknown_robot(robot: &mut Robot, call: Call, number: i32) {
+    robot.skip_call(call, |robot| {
         format!("there is no robot {number}, accepted: 0 for the own one, 1 to {}", robot.robios.entity_numbers.robots)
     });
 }
 
-fn no_object(robot: &mut Robot, call: Call, number: i32) {
-    robot.rejected(call, |robot| {
+fn skip_for_unknown_object(robot: &mut Robot, call: Call, number: i32) {
+    robot.skip_call(call, |robot| {
         let EntityNumbers { robots, objects, .. } = &*robot.robios.entity_numbers;
         match objects.len() {
             0 => format!("there is no object {number}, since the scene has none"),
@@ -230,7 +230,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn headings_of_2018_are_those_of_its_source() {
+    fn headings_of_2018_follow_its_source_code() {
         let headings = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_to_program(dialect, phi));
         assert_eq!([90, 0, 180, -90, 89].map(headings), [[360, 90], [270, 0], [90, 180], [180, -90], [359, 89]]);
         let meant = |phi| [Dialect::Vr2018, Dialect::Vr2023].map(|dialect| heading_from_program(dialect, phi));
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn objects_are_numbered_on_from_the_robots() {
+    fn objects_are_numbered_after_the_robots() {
         let (can, stone) = (NumberedObject::Movable(ObjectId(1)), NumberedObject::Fixed(Pose::new(1.0, 2.0, 0.0)));
         let entity_numbers = EntityNumbers { robots: 2, objects: vec![can, stone], ..EntityNumbers::default() };
         let own = RobotId(2);

@@ -1,6 +1,6 @@
 //! Handles of devices, as `...Init` returns them: one bit per device, so that programs can OR them.
 
-/// Return value of a release of handles none of which is open. Source: RoBIOS 6 library, `SERVORelease`.
+/// Return value of a release if none of the handles is open. Source: RoBIOS 6 library, `SERVORelease`.
 pub const WRONG_HANDLE: i32 = 0x1111_0000;
 
 /// Number of devices of one kind that can have a handle: the bits of a positive C `int`; our choice (the manual speaks
@@ -24,14 +24,14 @@ impl Handles {
     }
 
     /// Index of the device of a handle that names exactly one open device.
-    pub fn one(self, handle: i32) -> Option<usize> {
+    pub fn device(self, handle: i32) -> Option<usize> {
         let bits = handle as u32;
         (bits.is_power_of_two() && bits & self.open != 0).then_some(bits.trailing_zeros() as usize)
     }
 
     /// Indices of the devices in an OR of handles, in the order of the robi; `None` if the OR is 0 or has a bit that is
     /// not open.
-    pub fn all(self, handles: i32) -> Option<impl Iterator<Item = usize> + use<>> {
+    pub fn devices(self, handles: i32) -> Option<impl Iterator<Item = usize> + use<>> {
         let bits = handles as u32;
         (bits != 0 && bits & !self.open == 0).then(|| (0..MAX_DEVICES).filter(move |index| bits >> index & 1 == 1))
     }
@@ -73,14 +73,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_handle_is_one_bit_and_stays_the_same() {
+    fn the_handle_of_a_device_is_always_the_same_bit() {
         let mut handles = Handles::default();
         assert_eq!([handles.open(0), handles.open(2), handles.open(0)], [1, 4, 1]);
-        assert_eq!(handles.one(4), Some(2));
-        assert_eq!(handles.one(2), None, "never opened");
-        assert_eq!(handles.one(5), None, "two at once");
-        assert_eq!(handles.all(5).map(Iterator::collect), Some(vec![0, 2]));
-        assert!(handles.all(7).is_none() && handles.all(0).is_none() && handles.all(-1).is_none());
+        assert_eq!(handles.device(4), Some(2));
+        assert_eq!(handles.device(2), None, "never opened");
+        assert_eq!(handles.device(5), None, "two at once");
+        assert_eq!(handles.devices(5).map(Iterator::collect), Some(vec![0, 2]));
+        assert!(handles.devices(7).is_none() && handles.devices(0).is_none() && handles.devices(-1).is_none());
         assert_eq!(handles.open(31), 0);
     }
 
@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(handles.release(0), WRONG_HANDLE);
         assert_eq!(handles.release(8), WRONG_HANDLE);
         assert_eq!(handles.release(9), 8);
-        assert_eq!(handles.one(1), Some(0), "nothing was released");
+        assert_eq!(handles.device(1), Some(0), "nothing was released");
         assert_eq!(handles.release(3), 0);
         assert!(!handles.is_any_open());
     }

@@ -16,7 +16,7 @@ pub fn find_entry(robot: &mut Robot, kind: i32, semantics: i32, entry: &mut Out<
             entry.set(HDTEntry { semantics, ..row(device) });
             1
         }
-        None => robot.failed(Call::HDT_FindEntry, 0),
+        None => robot.fail_call(Call::HDT_FindEntry, 0),
     }
 }
 
@@ -28,7 +28,7 @@ pub fn find_nth(robot: &mut Robot, kind: i32, index: i32, entry: &mut Out<HDTEnt
             entry.set(row(device));
             0
         }
-        _ => robot.failed(Call::HDT_FindTable, -1),
+        _ => robot.fail_call(Call::HDT_FindTable, -1),
     }
 }
 

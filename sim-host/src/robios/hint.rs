@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::call::Call;
 
-/// Number of failures of one function after which a hint says that the program ignores them.
+/// Number of failures of one function after which the program is given a hint that it ignores them.
 const IGNORED_FAILURES: u32 = 100;
 
 /// Maximum plausible length of a drive in metres; a longer one is probably meant in millimetres.
@@ -38,7 +38,7 @@ pub enum Mistake {
     NoNumber,
     /// A turn of RoBIOS-7 by a few degrees at a few degrees per second.
     Radians,
-    /// A drive replaces the previous drive as soon as that has begun.
+    /// A drive replaces the previous drive just after its start.
     MissingWait,
     /// A message to an address that no robot has.
     UnknownAddress,
@@ -54,7 +54,7 @@ pub struct Hints {
 }
 
 impl Hints {
-    /// Returns true the first time that the mistake is made.
+    /// Returns true at the first report of the mistake.
     pub fn is_first(&mut self, mistake: Mistake) -> bool {
         let is_first = !self.reported.contains(&mistake);
         if is_first {
@@ -125,11 +125,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hundredth_failure_is_told_once() {
+    fn only_the_hundredth_failure_yields_a_hint() {
         let mut hints = Hints::default();
-        let told: Vec<u32> =
+        let hinted: Vec<u32> =
             (1..=300).filter(|_| hints.count_failure(Robios6Call::MOTORDrive.into()).is_some()).collect();
-        assert_eq!(told, [100]);
+        assert_eq!(hinted, [100]);
         assert!(hints.is_first(Mistake::PsdBusy) && !hints.is_first(Mistake::PsdBusy));
     }
 }

@@ -24,26 +24,26 @@ pub fn sobel(source: &Image) -> Image {
 
 /// Black (0) and white (255) by ordered dithering with a 2 x 2 pattern.
 pub fn dither(source: &Image) -> Image {
-    inner(|row, column| if lcd::is_black(source[row][column], row - 1, column - 1) { 0 } else { 255 })
+    from_inner_pixels(|row, column| if lcd::is_black(source[row][column], row - 1, column - 1) { 0 } else { 255 })
 }
 
 /// Absolute difference of two images.
 pub fn differ(current: &Image, last: &Image) -> Image {
-    inner(|row, column| (level(current, row, column) - level(last, row, column)).abs())
+    from_inner_pixels(|row, column| (level(current, row, column) - level(last, row, column)).abs())
 }
 
 /// Grey as the mean of red, green and blue, rounded down.
 pub fn grey_from_colour(source: &ColImage) -> Image {
     let grey = picture::grey_of_colour(source.as_flattened().as_flattened());
-    inner(|row, column| i32::from(grey[row * COLUMNS + column]))
+    from_inner_pixels(|row, column| i32::from(grey[row * COLUMNS + column]))
 }
 
-/// The part of an image that `LCDPutGraphic` shows: 80 x 54 pixels without the border, from the top.
-pub fn shown(image: &Image) -> impl Iterator<Item = u8> + '_ {
+/// Pixels of the part of an image that `LCDPutGraphic` shows: the top 80 x 54 pixels inside the border.
+pub fn shown_pixels(image: &Image) -> impl Iterator<Item = u8> + '_ {
     image[1..=54].iter().flat_map(|row| row[1..=80].iter().copied())
 }
 
-/// `IPLaplace` and the like: stores the result of `operator`, which is `None` if a pointer is null.
+/// `IPLaplace` and the other operators: stores the result of `operator`, which is `None` if a pointer is null.
 pub fn process(
     robot: &mut Robot,
     call: Call,
@@ -55,7 +55,7 @@ pub fn process(
             result.set(image);
             0
         }
-        _ => robot.failed(call, -1),
+        _ => robot.fail_call(call, -1),
     }
 }
 
@@ -65,7 +65,7 @@ fn bordered(pixels: &[u8]) -> Image {
 }
 
 /// Image whose pixels inside the border are `value(row, column)`, limited to 0..=255.
-fn inner(value: impl Fn(usize, usize) -> i32) -> Image {
+fn from_inner_pixels(value: impl Fn(usize, usize) -> i32) -> Image {
     std::array::from_fn(|row| {
         std::array::from_fn(|column| {
             let is_inner = (1..ROWS - 1).contains(&row) && (1..COLUMNS - 1).contains(&column);
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_are_where_the_step_is() {
+    fn edges_are_found_at_the_step() {
         let (laplace, sobel) = (laplace(&step(10)), sobel(&step(10)));
         let row = |image: &Image| -> Vec<u8> { image[30][38..44].to_vec() };
         // Laplace: 10 on both sides of the step. Sobel: (1 + 2 + 1) * 10 on both sides.
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn differences_and_greys() {
+    fn difference_and_grey() {
         let (a, b) = (step(10), step(30));
         assert_eq!(differ(&a, &b)[1][60], 20);
         assert_eq!(differ(&b, &a), differ(&a, &b));
@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn the_display_shows_80_by_54() {
         let image: Image = std::array::from_fn(|row| [row as u8; COLUMNS]);
-        let pixels: Vec<u8> = shown(&image).collect();
+        let pixels: Vec<u8> = shown_pixels(&image).collect();
         assert_eq!((pixels.len(), pixels[0], pixels[80 * 54 - 1]), (80 * 54, 1, 54));
     }
 }

@@ -11,9 +11,9 @@ pub fn is_resolution(number: i32) -> bool {
     (0..=5).contains(&number) || number == 10
 }
 
-/// `IPSetSize`; the program's side keeps the size.
+/// `IPSetSize`: only checks the resolution; the program keeps the size.
 pub fn set_size(robot: &mut Robot, resolution: i32) -> i32 {
-    if is_resolution(resolution) { 0 } else { robot.failed(Call::IPSetSize, 1) }
+    if is_resolution(resolution) { 0 } else { robot.fail_call(Call::IPSetSize, 1) }
 }
 
 /// `IPReadFile`
@@ -28,7 +28,7 @@ pub fn read_file(robot: &mut Robot, name: Option<&[u8]>, [width, height]: [i32; 
             image.set(&picture.pixels);
             picture.kind.into()
         }
-        Err(reason) => file_failed(robot, Call::IPReadFile, -1, name, &reason),
+        Err(reason) => refuse_file(robot, Call::IPReadFile, -1, name, &reason),
     }
 }
 
@@ -54,13 +54,13 @@ pub fn write_file(
     };
     match write() {
         Ok(()) => 0,
-        Err(reason) => file_failed(robot, call, 1, name, &reason),
+        Err(reason) => refuse_file(robot, call, 1, name, &reason),
     }
 }
 
-fn file_failed(robot: &mut Robot, call: Call, answer: i32, name: Option<&[u8]>, reason: &str) -> i32 {
+fn refuse_file(robot: &mut Robot, call: Call, answer: i32, name: Option<&[u8]>, reason: &str) -> i32 {
     let name = super::text(name.unwrap_or_default()).into_owned();
-    robot.refused(call, answer, |_| format!("`{name}`: {reason}"))
+    robot.refuse_call(call, answer, |_| format!("`{name}`: {reason}"))
 }
 
 /// `IPLaplace`, `IPSobel`: applies `operator` to a grey image of this size.
@@ -83,7 +83,7 @@ pub fn store<const N: usize>(robot: &mut Robot, call: Call, results: [&mut OutBy
     let is_null = results.iter().any(|result| result.is_null());
     match images {
         Some(images) if !is_null => results.into_iter().zip(&images).for_each(|(result, image)| _ = result.set(image)),
-        _ => robot.rejected(call, |_| "a null pointer, or an image shorter than its size".to_owned()),
+        _ => robot.skip_call(call, |_| "a null pointer, or an image shorter than its size".to_owned()),
     }
 }
 

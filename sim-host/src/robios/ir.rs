@@ -15,10 +15,10 @@ use sim_core::device::range::SensorView;
 use sim_core::device::switch::SensorId;
 use sim_core::record::Event;
 
-/// Pose of each infrared sensor in the world at time `at`, and the distance to the surface that it sees.
+/// Pose of each infrared sensor in the world at time `at`, and the distance to the surface in front of it.
 pub fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<SensorView> {
     let world_from_robot = robot.motion.pose(at);
-    let sight = |infrared: &InfraredSpec| {
+    let view = |infrared: &InfraredSpec| {
         let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
         let beam = Beam { mount, range: infrared.range };
         let world_from_sensor =
@@ -29,14 +29,14 @@ pub fn views(robot: &mut Robot, world: &World, at: Time) -> Vec<SensorView> {
             distance: beam.distance(world, robot.id, &world_from_robot, at),
         }
     };
-    robot.spec.infrareds.iter().map(sight).collect()
+    robot.spec.infrareds.iter().map(view).collect()
 }
 
 /// `IRInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     match robot.robios.table.find(HDT_IR, semantics).map(|device| device.index) {
         Some(index) => robot.robios.infrareds.open(index),
-        None => robot.has_no(Call::IRInit, 0, HDT_IR, semantics),
+        None => robot.refuse_missing_device(Call::IRInit, 0, HDT_IR, semantics),
     }
 }
 
@@ -44,15 +44,15 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
 pub fn release(robot: &mut Robot, handles: i32) -> i32 {
     match robot.robios.infrareds.release(handles) {
         0 => 0,
-        left => robot.failed(Call::IRRelease, left),
+        unopened => robot.fail_call(Call::IRRelease, unopened),
     }
 }
 
 /// `IRRead`
 pub fn read(robot: &mut Robot, world: &World, handle: i32) -> i32 {
-    let index = robot.robios.infrareds.one(handle);
+    let index = robot.robios.infrareds.device(handle);
     let Some((index, infrared)) = index.and_then(|index| Some((index, robot.spec.infrareds.get(index)?))) else {
-        return robot.failed(Call::IRRead, -1);
+        return robot.fail_call(Call::IRRead, -1);
     };
     let mount = Mount::new(infrared.position.x, infrared.position.y, infrared.angle);
     let beam = Beam { mount, range: infrared.range };

@@ -60,7 +60,7 @@ pub struct Settings {
     pub delay: i32,
 }
 
-/// Settings of the table of devices: the remote control that came with the EyeBot.
+/// Settings in the table of devices: for the remote control that came with the EyeBot.
 const STANDARD: Settings = Settings {
     type_code: SPACE_CODE,
     length: 15,
@@ -74,7 +74,7 @@ const STANDARD: Settings = Settings {
 /// `IRTVInitHDT`
 pub fn init_standard(robot: &mut Robot, semantics: i32) -> i32 {
     if robot.robios.table.find(HDT_IRTV, semantics).is_none() {
-        return robot.failed(Call::IRTVInitHDT, -1);
+        return robot.fail_call(Call::IRTVInitHDT, -1);
     }
     robot.robios.irtv = Some(STANDARD);
     0
@@ -88,7 +88,7 @@ pub fn init(robot: &mut Robot, settings: Settings) -> i32 {
         && (DEFAULT_MODE..=SLOPPY_MODE | REPCODE_MODE).contains(&mode)
         && (1..=4).contains(&bufsize);
     if !is_valid {
-        return robot.failed(Call::IRTVInit, -1);
+        return robot.fail_call(Call::IRTVInit, -1);
     }
     robot.robios.irtv = Some(settings);
     0
@@ -97,20 +97,20 @@ pub fn init(robot: &mut Robot, settings: Settings) -> i32 {
 /// `IRTVGet`: waits forever if the receiver is on.
 pub fn get(robot: &mut Robot) -> Poll<i32> {
     if robot.robios.irtv.is_none() {
-        return Poll::Ready(robot.failed(Call::IRTVGet, 0));
+        return Poll::Ready(robot.fail_call(Call::IRTVGet, 0));
     }
-    no_key(Time::NEVER)
+    wait_for_key(Time::NEVER)
 }
 
-/// Wait for a key of a remote control, to be polled again at `at`.
-fn no_key(at: Time) -> Poll<i32> {
+/// Waits for a key of a remote control; polls again at `at`.
+fn wait_for_key(at: Time) -> Poll<i32> {
     Poll::Pending { at, reason: WaitReason::Input("a key of a TV remote control, which nobody presses".to_owned()) }
 }
 
 /// `IRTVGet` of RoBIOS-7
 pub fn get_7(robot: &mut Robot) -> Poll<i32> {
     match read_7(robot) {
-        0 => no_key(robot.devices.remote.next(|_| true)),
+        0 => wait_for_key(robot.devices.remote.next(|_| true)),
         code => Poll::Ready(code),
     }
 }

@@ -1,4 +1,4 @@
-//! The four keys below the display, touches of the display, and scripts of both.
+//! The four keys below the display, touches of the display, and scripts of key presses and touches.
 //!
 //! Source: RoBIOS 6 library, key input, and RoBIOS-7 library, keys.
 
@@ -35,7 +35,7 @@ const LIST_KEYS: [(&str, i32); 11] = [
     ("KEY_LISTTL", KEY_LISTTL),
 ];
 
-/// Maximum time of a press in a script, in seconds: 30 years.
+/// Maximum time of a press in a script, in seconds (about 30 years).
 const MAX_SECONDS: f64 = 1e9;
 
 /// Names of the keys in an OR of codes, as shown to the user: `KEY1`, `KEY1 or KEY3`, `any key`.
@@ -123,47 +123,47 @@ fn parse_time(seconds: &str) -> Result<Time, ScriptError> {
 /// `KEYGetBuf`
 pub fn get_into(robot: &mut Robot, buffer: &mut Out<u8>) -> Poll<i32> {
     if buffer.is_null() {
-        return Poll::Ready(robot.failed(Call::KEYGetBuf, -1));
+        return Poll::Ready(robot.fail_call(Call::KEYGetBuf, -1));
     }
     match wait_for(robot, ANYKEY) {
         Poll::Ready(code) => {
             buffer.set(code as u8);
             Poll::Ready(0)
         }
-        until => until,
+        pending => pending,
     }
 }
 
 /// `KEYRead`
 pub fn read(robot: &mut Robot) -> i32 {
-    take_of(robot, !0).map_or(NOKEY, |code| taken(robot, code))
+    take_key(robot, !0).map_or(NOKEY, |code| record_key(robot, code))
 }
 
 /// `KEYWait`
 pub fn wait(robot: &mut Robot, codes: i32) -> Poll<i32> {
     if !is_key(codes) {
-        return Poll::Ready(robot.failed(Call::KEYWait, -1));
+        return Poll::Ready(robot.fail_call(Call::KEYWait, -1));
     }
     match wait_for(robot, codes) {
         Poll::Ready(_) => Poll::Ready(0),
-        until => until,
+        pending => pending,
     }
 }
 
 /// Waits for a key of an OR of codes and returns its code. Earlier presses of other keys are discarded.
 pub fn wait_for(robot: &mut Robot, codes: i32) -> Poll<i32> {
-    match take_of(robot, codes) {
-        Some(code) => Poll::Ready(taken(robot, code)),
+    match take_key(robot, codes) {
+        Some(code) => Poll::Ready(record_key(robot, code)),
         None => {
             let screen = &robot.robios.screen;
-            let is_meant = |touch| key_under(touch, screen).is_some_and(|code| code & codes != 0);
-            Poll::Pending { at: robot.devices.keys.next(is_meant), reason: WaitReason::Key(name(codes)) }
+            let is_awaited = |touch| key_under(touch, screen).is_some_and(|code| code & codes != 0);
+            Poll::Pending { at: robot.devices.keys.next(is_awaited), reason: WaitReason::Key(name(codes)) }
         }
     }
 }
 
 /// Takes the earliest press of a key of `codes` (an OR) and discards earlier presses of other keys.
-fn take_of(robot: &mut Robot, codes: i32) -> Option<i32> {
+fn take_key(robot: &mut Robot, codes: i32) -> Option<i32> {
     let Robot { state, robios, .. } = robot;
     let keys = &mut state.devices.keys;
     let mut take = || keys.take(state.now, |touch| key_under(touch, &robios.screen));
@@ -174,16 +174,16 @@ fn take_of(robot: &mut Robot, codes: i32) -> Option<i32> {
 pub fn wait_for_one(robot: &mut Robot, codes: i32) -> Poll<i32> {
     let key_codes = KEYS.iter().chain(&LIST_KEYS).fold(0, |codes, (_, code)| codes | code);
     if codes & key_codes == 0 {
-        return Poll::Ready(robot.refused(Robios7Call::KEYWait, KEY_INVALID, |_| format!("{codes} is no key")));
+        return Poll::Ready(robot.refuse_call(Robios7Call::KEYWait, KEY_INVALID, |_| format!("{codes} is no key")));
     }
     wait_for(robot, codes & key_codes)
 }
 
 /// `KEYGetXY`
-pub fn touched(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> Poll<i32> {
-    match take_place(robot) {
-        Some(index) => {
-            [x, y].into_iter().zip(index).for_each(|(out, pixel)| out.set(pixel));
+pub fn wait_for_touch(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> Poll<i32> {
+    match take_touch(robot) {
+        Some(point) => {
+            [x, y].into_iter().zip(point).for_each(|(out, pixel)| out.set(pixel));
             Poll::Ready(0)
         }
         None => Poll::Pending { at: robot.devices.keys.next(|_| true), reason: WaitReason::Key("a touch".to_owned()) },
@@ -191,19 +191,19 @@ pub fn touched(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> Poll<i3
 }
 
 /// `KEYReadXY`
-pub fn read_place(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> i32 {
-    let Some(touched) = take_place(robot) else { return 1 };
-    [x, y].into_iter().zip(touched).for_each(|(out, pixel)| out.set(pixel));
+pub fn read_touch(robot: &mut Robot, x: &mut Out<i32>, y: &mut Out<i32>) -> i32 {
+    let Some(point) = take_touch(robot) else { return 1 };
+    [x, y].into_iter().zip(point).for_each(|(out, pixel)| out.set(pixel));
     0
 }
 
-/// Takes the earliest touch of the display. A key press counts as a touch of the key's centre; a touch outside the
-/// display is discarded with a hint.
-fn take_place(robot: &mut Robot) -> Option<[i32; 2]> {
+/// Takes the earliest touch of the display and returns its pixel. A key press is a touch of the key's centre; a touch
+/// outside the display is discarded with a hint.
+fn take_touch(robot: &mut Robot) -> Option<[i32; 2]> {
     while let Some(touch) = robot.state.devices.keys.take_any(robot.state.now) {
         let size = robot.screen().size().map(i32::from);
         let point = match touch {
-            UserInput::Key(number) => robot.screen().middle_of_key(usize::from(number) - 1),
+            UserInput::Key(number) => robot.screen().key_centre(usize::from(number) - 1),
             UserInput::Touch(point) => point,
             UserInput::Remote(_) => continue,
         };
@@ -229,7 +229,8 @@ fn key_under(touch: UserInput, screen: &Option<Box<Screen>>) -> Option<i32> {
     (code != 0).then_some(code)
 }
 
-fn taken(robot: &mut Robot, code: i32) -> i32 {
+/// Records that the program has received a key, and returns its code.
+fn record_key(robot: &mut Robot, code: i32) -> i32 {
     robot.record(Event::Key { key: &name(code) });
     code
 }
@@ -265,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_in_scripts() {
+    fn errors_in_scripts() {
         let no_key = |word: &str| {
             format!(
                 "`{word}` is no key: expected `KEY1`, `KEY2`, `KEY3`, `KEY4`, `TOUCH(X,Y)` with a pixel of the display, \

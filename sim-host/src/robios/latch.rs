@@ -67,7 +67,7 @@ pub fn write_output(robot: &mut Robot, number: i32, mask: u8, value: u8) -> u8 {
             old
         }
         None => {
-            robot.failed(Call::OSWriteOutLatch, 0);
+            robot.fail_call(Call::OSWriteOutLatch, 0);
             0
         }
     }
@@ -101,7 +101,7 @@ pub fn write_parallel_control(robot: &mut Robot, value: u8) {
 
 /// `OSGetAD`
 pub fn read_analog(robot: &mut Robot, channel: i32) -> i32 {
-    let Some(value) = analog(&robot.spec.inputs, channel) else { return robot.failed(Call::OSGetAD, -1) };
+    let Some(value) = analog(&robot.spec.inputs, channel) else { return robot.fail_call(Call::OSGetAD, -1) };
     robot.record(Event::Reading { device: "A/D", value: value.into() });
     value.into()
 }

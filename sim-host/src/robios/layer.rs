@@ -1,7 +1,7 @@
 //! Layers that a robot's program shows: the calls `show_grid`, `show_points` and `show_line`.
 //!
 //! Limits and the meaning of cells are those of [`robios_sys::support::layer`] (our choice; cells as in `nav_msgs/OccupancyGrid` of
-//! ROS). Nothing in the simulation depends on a layer, and it is no event of the run.
+//! ROS). Nothing in the simulation depends on a layer, and layers are not events of the run.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::record::layer::{Grid, Layer, Shape};
 /// The layers of a robot, by name.
 pub type Layers = BTreeMap<String, Arc<Layer>>;
 
-/// Name and frame of a layer, as they come from a program.
+/// Name and frame of a layer, as the program passes them.
 #[derive(Clone, Copy, Debug)]
 pub struct Label<'a> {
     /// Its name.
@@ -27,7 +27,7 @@ pub struct Label<'a> {
     pub frame: i32,
 }
 
-/// Size and place of a grid, as they come from a program.
+/// Size and position of a grid, as the program passes them.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     /// Corner with the smallest coordinates, m.
@@ -47,16 +47,16 @@ pub enum LayerError {
     /// There is no such frame.
     #[error("there is no frame {0}, accepted: {WORLD} for the world, {ODOMETRY} for odometry")]
     Frame(i32),
-    /// The robot has as many layers as it may.
+    /// The robot has the maximum number of layers.
     #[error("a robot has at most {MAX_LAYERS} layers: show the new content under the name of an old one")]
     TooMany,
     /// The number of cells is out of range.
     #[error("a grid of {0} x {1} cells: accepted are 1 to {MAX_CELLS} cells in all")]
     Size(i32, i32),
-    /// The cells have no size, or the grid is too far away.
+    /// The side of the cells is not positive, or the grid is too far away.
     #[error("cells of {cell} m at ({x}, {y}) m: expected a side above 0, and corners within {MAX_COORDINATE} m of the origin", cell = .0.cell, x = .0.corner[0], y = .0.corner[1])]
     Place(Extent),
-    /// A cell has no meaning.
+    /// A cell has a value without a meaning.
     #[error("cell {index} is {value}, accepted: 0 (free) to {OCCUPIED} (occupied), {UNKNOWN} (unknown)")]
     Cell {
         /// Index of the first such cell.
@@ -78,7 +78,7 @@ pub enum LayerError {
     Data {
         /// Number of bytes passed; 0 for a null pointer.
         found: usize,
-        /// Number of bytes that the sizes give.
+        /// Number of bytes according to the sizes.
         expected: usize,
     },
 }
@@ -110,7 +110,7 @@ pub fn show_line(robot: &mut Robot, label: Label<'_>, size: [i32; 2], coordinate
 
 fn show(robot: &mut Robot, call: SupportCall, label: Label<'_>, shape: Result<Shape, LayerError>) -> i32 {
     let shown = shape.and_then(|shape| insert(robot, label, shape));
-    robot.answered(call, 1, shown)
+    robot.answer_call(call, 1, shown)
 }
 
 /// Replaces the robot's layer of this name.
@@ -134,15 +134,15 @@ fn insert(robot: &mut Robot, label: Label<'_>, shape: Shape) -> Result<(), Layer
     Ok(())
 }
 
-/// The grid of a program.
+/// Checks the grid of a program.
 fn grid(extent: Extent, cells: Option<&[u8]>) -> Result<Grid, LayerError> {
     let Extent { corner, cell, size: [columns, rows] } = extent;
-    let refused = || LayerError::Size(columns, rows);
+    let size_error = || LayerError::Size(columns, rows);
     let [width, height] = [columns, rows].map(|count| usize::try_from(count).unwrap_or(0));
-    let count = width.checked_mul(height).filter(|count| (1..=MAX_CELLS).contains(count)).ok_or_else(refused)?;
-    let reach = cell * width.max(height) as f64;
-    // The negation refuses NaN as well.
-    let is_near = |low: f64| low.abs() <= MAX_COORDINATE && (low + reach).abs() <= MAX_COORDINATE;
+    let count = width.checked_mul(height).filter(|count| (1..=MAX_CELLS).contains(count)).ok_or_else(size_error)?;
+    let length = cell * width.max(height) as f64;
+    // The negation also rejects NaN.
+    let is_near = |low: f64| low.abs() <= MAX_COORDINATE && (low + length).abs() <= MAX_COORDINATE;
     if !(cell > 0.0 && corner.into_iter().all(is_near)) {
         return Err(LayerError::Place(extent));
     }
@@ -150,21 +150,21 @@ fn grid(extent: Extent, cells: Option<&[u8]>) -> Result<Grid, LayerError> {
     if cells.len() != count {
         return Err(LayerError::Data { found: cells.len(), expected: count });
     }
-    let is_wrong = |value: &u8| *value > OCCUPIED && *value != UNKNOWN;
-    if let Some(index) = cells.iter().position(is_wrong) {
+    let is_invalid = |value: &u8| *value > OCCUPIED && *value != UNKNOWN;
+    if let Some(index) = cells.iter().position(is_invalid) {
         return Err(LayerError::Cell { index, value: cells[index] });
     }
     Ok(Grid { corner, cell, columns: width as u32, rows: height as u32, cells: cells.to_vec() })
 }
 
-/// The points of a program, with the height 0 where they have none.
+/// Checks the points of a program; points with 2 coordinates get the height 0.
 fn points([dimensions, count]: [i32; 2], coordinates: Option<&[u8]>) -> Result<Vec<[f64; 3]>, LayerError> {
     if !(2..=3).contains(&dimensions) {
         return Err(LayerError::Dimensions(dimensions));
     }
     let dimensions = dimensions as usize;
-    let within = usize::try_from(count).ok().filter(|count| *count <= MAX_POINTS);
-    let expected = size_of::<f64>() * dimensions * within.ok_or(LayerError::Count(count))?;
+    let valid_count = usize::try_from(count).ok().filter(|count| *count <= MAX_POINTS);
+    let expected = size_of::<f64>() * dimensions * valid_count.ok_or(LayerError::Count(count))?;
     let bytes = coordinates.unwrap_or_default();
     if bytes.len() != expected {
         return Err(LayerError::Data { found: bytes.len(), expected });
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn a_grid_is_copied_as_it_is() {
+    fn a_grid_is_copied_unchanged() {
         let cells = [0, 100, 255, 50, 1, 99];
         let grid = grid(extent([3, 2]), Some(&cells)).expect("a grid");
         assert_eq!(grid, Grid { corner: [-1.0, 2.0], cell: 0.5, columns: 3, rows: 2, cells: cells.to_vec() });

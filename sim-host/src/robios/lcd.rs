@@ -34,7 +34,7 @@ pub struct Lcd {
     pixels: [u128; HEIGHT],
     text: [[u8; COLUMNS]; LINES],
     line: usize,
-    /// Equal to [`COLUMNS`] after the last character of a line: the next one begins a new line.
+    /// [`COLUMNS`] after the last character of a line: the next character begins a new line.
     column: usize,
     /// Text that runs past the last line scrolls; otherwise it continues at the top.
     pub is_scrolling: bool,
@@ -239,17 +239,17 @@ impl Lcd {
     /// The text under the image is removed. Parts outside the display are clipped.
     pub fn show_grey(&mut self, grey: impl Iterator<Item = u8>, width: usize) -> u32 {
         let mut changed = 0;
-        let mut last = None;
+        let mut last_row = None;
         for (index, level) in grey.enumerate() {
             let (row, column) = (index / width, index % width);
             if row < HEIGHT && column < WIDTH {
                 let ink = if is_black(level, row, column) { Ink::Set } else { Ink::Clear };
                 changed += self.draw(row, mask(column, column), ink);
-                last = Some(row);
+                last_row = Some(row);
             }
         }
-        let rows = last.map_or(0, |row| row.div_ceil(CELL_HEIGHT).min(LINES));
-        for line in &mut self.text[..rows] {
+        let text_lines = last_row.map_or(0, |row| row.div_ceil(CELL_HEIGHT).min(LINES));
+        for line in &mut self.text[..text_lines] {
             line[..width.div_ceil(CELL_WIDTH).min(COLUMNS)].fill(b' ');
         }
         changed
@@ -269,7 +269,7 @@ impl Lcd {
         changed
     }
 
-    /// The whole picture, in the form of [`show_picture`](Self::show_picture).
+    /// The whole picture, in the format of [`show_picture`](Self::show_picture).
     pub fn picture(&self) -> [u8; PICTURE_BYTES] {
         let mut picture = [0; PICTURE_BYTES];
         let (rows, _) = picture.as_chunks_mut::<{ WIDTH / 8 }>();
@@ -320,7 +320,7 @@ fn mask(left: usize, right: usize) -> u128 {
     u128::MAX >> (WIDTH - 1 - (right - left)) << (WIDTH - 1 - right)
 }
 
-/// `value` as an index below `end`.
+/// Converts `value` to an index below `end`.
 fn index(value: i32, end: usize) -> Result<usize, InvalidPosition> {
     usize::try_from(value).ok().filter(|index| *index < end).ok_or(InvalidPosition)
 }
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn text_wraps_after_the_sixteenth_character_only_when_more_comes() {
+    fn text_wraps_only_when_a_17th_character_follows() {
         let mut lcd = written("0123456789abcdef");
         assert_eq!(lcd.position(), (0, 15));
         lcd.write(b"\nB");
@@ -395,7 +395,7 @@ mod tests {
     }
 
     #[test]
-    fn the_menu_line_is_reached_by_position() {
+    fn the_menu_line_is_written_by_set_position_and_set_menu() {
         let mut lcd = Lcd::default();
         lcd.set_position(6, 14).unwrap();
         lcd.write(b"abc");
@@ -430,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_outside_is_left_out() {
+    fn drawing_is_clipped_to_the_display() {
         let mut lcd = Lcd::default();
         assert_eq!(lcd.draw_line([-5, 10], [2, 10], Ink::Set), 3);
         assert_eq!(lcd.draw_line([i32::MIN, i32::MIN], [i32::MAX, i32::MAX], Ink::Set), 64, "the diagonal");
@@ -450,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_go_in_and_out() {
+    fn a_picture_is_shown_and_read_back() {
         let mut picture = [0; PICTURE_BYTES];
         picture[0] = 0b1000_0001;
         picture[PICTURE_BYTES - 1] = 1;
@@ -463,7 +463,7 @@ mod tests {
     #[test]
     fn grey_is_dithered() {
         let mut lcd = written("x");
-        // Half grey: one pixel of two is black, as a chequered pattern of the thresholds.
+        // At half grey every second pixel is black: the thresholds form a chequered pattern.
         lcd.show_grey(std::iter::repeat_n(128, 80 * 54), 80);
         assert_eq!(art(&lcd, 2, 4), ".#.#\n#.#.\n");
         assert_eq!(lcd.pixel(0, 81), Ok(false));

@@ -32,55 +32,57 @@ pub fn set_gait(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
     let call = call.into();
     let name = |legs: &Legs, index: usize| legs.gaits.get(index).map(|gait| gait.name.clone());
     let found = robot.motion.legs().zip(index_of(number)).and_then(|(legs, index)| Some((index, name(legs, index)?)));
-    let Some((index, name)) = found else { return has_no(robot, call, "gait", number, gaits) };
-    let accepted = robot.state.motion.command_legs(robot.state.now, LegCommand::Gait(index));
-    if accepted.is_ok() {
+    let Some((index, name)) = found else { return refuse_missing_part(robot, call, "gait", number, list_gaits) };
+    let outcome = robot.state.motion.command_legs(robot.state.now, LegCommand::Gait(index));
+    if outcome.is_ok() {
         robot.record(Event::Gait { gait: index as u32 + 1, name: &name });
     }
-    robot.answered(call, FAILURE, accepted)
+    robot.answer_call(call, FAILURE, outcome)
 }
 
 /// `LEGSetSpeed`
 pub fn set_speed(robot: &mut Robot, world: &World, call: impl Into<Call>, [vx, vy, omega]: [i32; 3]) -> i32 {
     let call = call.into();
     if robot.motion.legs().is_none() {
-        return has_none(robot, call);
+        return refuse_without_legs(robot, call);
     }
     let twist = Twist { vx: metres(vx), vy: metres(vy), omega: radians(omega) };
-    let accepted = robot.command(world, Command::Twist(twist));
-    if accepted.is_ok() {
+    let outcome = robot.command(world, Command::Twist(twist));
+    if outcome.is_ok() {
         let Twist { vx, vy, omega } = twist;
         robot.record(Event::LegSpeed { vx_m_per_s: vx, vy_m_per_s: vy, omega_rad_per_s: omega });
     }
-    robot.answered(call, FAILURE, accepted)
+    robot.answer_call(call, FAILURE, outcome)
 }
 
 /// `LEGSetStep`
 pub fn set_step(robot: &mut Robot, call: impl Into<Call>, height_mm: i32) -> i32 {
     let (call, height) = (call.into(), metres(height_mm));
     if robot.motion.legs().is_none() {
-        return has_none(robot, call);
+        return refuse_without_legs(robot, call);
     }
-    let accepted = robot.state.motion.command_legs(robot.state.now, LegCommand::StepHeight(height));
-    if accepted.is_ok() {
+    let outcome = robot.state.motion.command_legs(robot.state.now, LegCommand::StepHeight(height));
+    if outcome.is_ok() {
         robot.record(Event::StepHeight { height_m: height });
     }
-    robot.answered(call, FAILURE, accepted)
+    robot.answer_call(call, FAILURE, outcome)
 }
 
 /// `LEGGetJoint`
 pub fn joint(robot: &mut Robot, call: impl Into<Call>, [number, joint]: [i32; 2], degrees: &mut Out<f32>) -> i32 {
     let call = call.into();
-    let Some(found) = NamedLeg::leg(robot, number) else { return has_no(robot, call, "leg", number, legs) };
-    let Some(index) = index_of(joint).filter(|index| *index < found.leg.joint_count()) else {
-        let names = JOINTS[..found.leg.joint_count()].iter();
-        return has_no(robot, call, "joint", joint, |_| list(names.copied()));
+    let Some(named) = NamedLeg::find(robot, number) else {
+        return refuse_missing_part(robot, call, "leg", number, list_legs);
+    };
+    let Some(index) = index_of(joint).filter(|index| *index < named.leg.joint_count()) else {
+        let names = JOINTS[..named.leg.joint_count()].iter();
+        return refuse_missing_part(robot, call, "joint", joint, |_| list(names.copied()));
     };
     if degrees.is_null() {
-        return robot.refused(call, FAILURE, |_| "it takes a place for the angle".to_owned());
+        return robot.refuse_call(call, FAILURE, |_| "it takes a place for the angle".to_owned());
     }
-    let angle = robot.state.motion.stance(robot.state.now).joints[found.first_joint + index];
-    robot.record(Event::Joint { joint: &format!("{}.{}", found.leg.name, JOINTS[index]), angle_rad: angle });
+    let angle = robot.state.motion.stance(robot.state.now).joints[named.first_joint + index];
+    robot.record(Event::Joint { joint: &format!("{}.{}", named.leg.name, JOINTS[index]), angle_rad: angle });
     degrees.set(unit::degrees_from_radians(angle) as f32);
     0
 }
@@ -88,18 +90,20 @@ pub fn joint(robot: &mut Robot, call: impl Into<Call>, [number, joint]: [i32; 2]
 /// `LEGGetLink`
 pub fn link(robot: &mut Robot, call: impl Into<Call>, [number, link]: [i32; 2], pose: &mut OutFloats) -> i32 {
     let call = call.into();
-    let Some(found) = NamedLeg::leg(robot, number) else { return has_no(robot, call, "leg", number, legs) };
-    let Some((part, index)) = index_of(link).and_then(|index| found.leg.parts().nth(index)) else {
-        let names: Vec<_> = found.leg.parts().map(|(part, _)| part).collect();
-        return has_no(robot, call, "link", link, |_| list(names.into_iter()));
+    let Some(named) = NamedLeg::find(robot, number) else {
+        return refuse_missing_part(robot, call, "leg", number, list_legs);
+    };
+    let Some((part, index)) = index_of(link).and_then(|index| named.leg.parts().nth(index)) else {
+        let names: Vec<_> = named.leg.parts().map(|(part, _)| part).collect();
+        return refuse_missing_part(robot, call, "link", link, |_| list(names.into_iter()));
     };
     if pose.is_null() {
-        return robot.refused(call, FAILURE, |_| "it takes room for 6 numbers".to_owned());
+        return robot.refuse_call(call, FAILURE, |_| "it takes room for 6 numbers".to_owned());
     }
     let joints = robot.state.motion.stance(robot.state.now).joints;
-    let body_from_link = link_pose(&found.leg.links(0, found.first_joint), &joints, index);
+    let body_from_link = link_pose(&named.leg.links(0, named.first_joint), &joints, index);
     let (position, [roll, pitch, yaw]) = (body_from_link.position, body_from_link.angles());
-    let name = format!("{}.{part}", found.leg.name);
+    let name = format!("{}.{part}", named.leg.name);
     robot.record(Event::Link {
         link: &name,
         x_m: position.x,
@@ -120,10 +124,10 @@ pub fn link(robot: &mut Robot, call: impl Into<Call>, [number, link]: [i32; 2], 
 pub fn height(robot: &mut Robot, call: impl Into<Call>, mm: &mut Out<f32>) -> i32 {
     let call = call.into();
     if robot.motion.legs().is_none() {
-        return has_none(robot, call);
+        return refuse_without_legs(robot, call);
     }
     if mm.is_null() {
-        return robot.refused(call, FAILURE, |_| "it takes a place for the height".to_owned());
+        return robot.refuse_call(call, FAILURE, |_| "it takes a place for the height".to_owned());
     }
     let height = robot.state.motion.stance(robot.state.now).lift;
     robot.record(Event::BodyHeight { height_m: height });
@@ -134,8 +138,8 @@ pub fn height(robot: &mut Robot, call: impl Into<Call>, mm: &mut Out<f32>) -> i3
 /// `LEGGetFoot`
 pub fn foot(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
     let call = call.into();
-    let Some(NamedLeg { leg, index, .. }) = NamedLeg::leg(robot, number) else {
-        return has_no(robot, call, "leg", number, legs);
+    let Some(NamedLeg { leg, index, .. }) = NamedLeg::find(robot, number) else {
+        return refuse_missing_part(robot, call, "leg", number, list_legs);
     };
     let is_down = robot.state.motion.stance(robot.state.now).feet[index].is_down;
     robot.record(Event::Reading { device: &format!("{} foot", leg.name), value: i64::from(is_down) });
@@ -145,19 +149,19 @@ pub fn foot(robot: &mut Robot, call: impl Into<Call>, number: i32) -> i32 {
 /// `LEGCorrect`
 pub fn correct(robot: &mut Robot, call: impl Into<Call>, number: i32, [dx_mm, dy_mm, dz_mm]: [i32; 3]) -> i32 {
     let call = call.into();
-    let Some(NamedLeg { leg, index, .. }) = NamedLeg::leg(robot, number) else {
-        return has_no(robot, call, "leg", number, legs);
+    let Some(NamedLeg { leg, index, .. }) = NamedLeg::find(robot, number) else {
+        return refuse_missing_part(robot, call, "leg", number, list_legs);
     };
     let [dx, dy, dz] = [dx_mm, dy_mm, dz_mm].map(metres);
     let command = LegCommand::ShiftFoothold { leg: index, shift: DVec2::new(dx, dy), lift: dz };
-    let accepted = robot.state.motion.command_legs(robot.state.now, command);
-    if accepted.is_ok() {
+    let outcome = robot.state.motion.command_legs(robot.state.now, command);
+    if outcome.is_ok() {
         robot.record(Event::LegCorrection { leg: &leg.name, dx_m: dx, dy_m: dy, dz_m: dz });
     }
-    robot.answered(call, FAILURE, accepted)
+    robot.answer_call(call, FAILURE, outcome)
 }
 
-/// A leg that a program has named.
+/// A leg whose number a program has passed.
 struct NamedLeg {
     leg: Leg,
     index: usize,
@@ -166,7 +170,7 @@ struct NamedLeg {
 }
 
 impl NamedLeg {
-    fn leg(robot: &Robot, number: i32) -> Option<Self> {
+    fn find(robot: &Robot, number: i32) -> Option<Self> {
         let (legs, index) = (&robot.motion.legs()?.legs, index_of(number)?);
         let leg = legs.get(index)?.clone();
         let first_joint = legs[..index].iter().map(Leg::joint_count).sum();
@@ -174,38 +178,44 @@ impl NamedLeg {
     }
 }
 
-/// Index in a list of the element with this number.
+/// Index of the list element with this number.
 fn index_of(number: i32) -> Option<usize> {
     usize::try_from(number).ok()?.checked_sub(1)
 }
 
-/// Answer of a call on a robot without legs.
-fn has_none(robot: &mut Robot, call: Call) -> i32 {
-    robot.refused(call, FAILURE, |robot| {
+/// Refuses a call on a robot without legs.
+fn refuse_without_legs(robot: &mut Robot, call: Call) -> i32 {
+    robot.refuse_call(call, FAILURE, |robot| {
         format!("`{}` has no legs; in a companion they are tables `[[leg]]`", robot.spec.file)
     })
 }
 
-/// Answer of a call for a part that the robot does not have; `known` lists the parts that it has.
-fn has_no(robot: &mut Robot, call: Call, what: &str, number: i32, list: impl FnOnce(&Legs) -> String) -> i32 {
+/// Refuses a call for a part that the robot does not have; `list_parts` lists the existing parts.
+fn refuse_missing_part(
+    robot: &mut Robot,
+    call: Call,
+    kind: &str,
+    number: i32,
+    list_parts: impl FnOnce(&Legs) -> String,
+) -> i32 {
     if robot.motion.legs().is_none() {
-        return has_none(robot, call);
+        return refuse_without_legs(robot, call);
     }
-    robot.refused(call, FAILURE, |robot| {
-        let list = robot.motion.legs().map(list).unwrap_or_default();
-        format!("there is no {what} {number}, there are: {list}")
+    robot.refuse_call(call, FAILURE, |robot| {
+        let known = robot.motion.legs().map(list_parts).unwrap_or_default();
+        format!("there is no {kind} {number}, there are: {known}")
     })
 }
 
-fn legs(legs: &Legs) -> String {
+fn list_legs(legs: &Legs) -> String {
     list(legs.legs.iter().map(|leg| leg.name.as_str()))
 }
 
-fn gaits(legs: &Legs) -> String {
+fn list_gaits(legs: &Legs) -> String {
     list(legs.gaits.iter().map(|gait| gait.name.as_str()))
 }
 
-/// Names with their numbers.
+/// Lists names with their numbers.
 fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let named: Vec<String> = (1..).zip(names).map(|(number, name): (i32, _)| format!("{number} ({name})")).collect();
     named.join(", ")

@@ -1,7 +1,7 @@
 //! The laser scanner of RoBIOS-7, and this simulator's function that reads it in RoBIOS 6.
 //!
-//! A scan is taken as a whole at the call's end, and turns with the robot. Source: RoBIOS-7 library, LIDAR; position
-//! and range of a scanner that the robi does not place are our choice.
+//! All points of a scan are taken at the call's end; the scanner turns with the robot. Source: RoBIOS-7 library, LIDAR;
+//! position and range of a scanner that the robi does not place are our choice.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -28,12 +28,12 @@ use sim_core::simulation;
 pub fn points(robot: &mut Robot, world: &World, at: Time) -> Option<(DVec3, Vec<DVec3>)> {
     let simulation::Robot { spec, motion, devices, .. } = &mut robot.state;
     let lidar = spec.lidar.as_ref()?;
-    let as_described;
+    let default_scanner;
     let scanner = match &devices.scanner {
         Some(scanner) => scanner,
         None => {
-            as_described = Scanner::new(spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
-            &as_described
+            default_scanner = Scanner::new(spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
+            &default_scanner
         }
     };
     let (world_from_scanner, distances) = devices.ranges.exact_scan(scanner, &devices.servos, motion, world, at);
@@ -57,15 +57,15 @@ pub fn scan6(robot: &mut Robot, world: &World, distances: &mut OutInts) -> i32 {
 /// `failure`.
 fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances: &mut OutInts) -> Result<usize, i32> {
     let spec = Arc::clone(&robot.spec);
-    let Some(lidar) = &spec.lidar else { return Err(robot.refused(call, failure, has_none)) };
+    let Some(lidar) = &spec.lidar else { return Err(robot.refuse_call(call, failure, no_scanner_reason)) };
     if distances.is_null() {
-        return Err(robot.refused(call, failure, |_| "it takes room for the distances".to_owned()));
+        return Err(robot.refuse_call(call, failure, |_| "it takes room for the distances".to_owned()));
     }
     let Robot { state, robios, .. } = robot;
     let simulation::Robot { id, now, motion, journal, devices, .. } = state;
     let Devices { scanner, servos, ranges, switches, .. } = devices;
-    let as_described = || Scanner::new(&spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
-    let scanner = scanner.get_or_insert_with(as_described);
+    let default_scanner = || Scanner::new(&spec, lidar, [lidar.sweep, lidar.tilt], lidar.points);
+    let scanner = scanner.get_or_insert_with(default_scanner);
     let (world_from_scanner, mut metres) = ranges.scan(scanner, servos, motion, world, *now);
     if !switches.is_on(SensorId::Lidar) {
         metres.fill(None);
@@ -95,15 +95,15 @@ fn scan(robot: &mut Robot, world: &World, call: AnyCall, failure: i32, distances
     Ok(numbers.len())
 }
 
-/// `LIDARSet`; 360 degrees are exactly one turn.
+/// `LIDARSet`: 360 degrees are exactly 2 pi.
 pub fn set(robot: &mut Robot, range_degrees: i32, tilt_degrees: i32, points: i32) {
     let spec = Arc::clone(&robot.spec);
-    let Some(lidar) = &spec.lidar else { return robot.rejected(Call::LIDARSet, has_none) };
-    let is_sound = (1..=360).contains(&range_degrees)
+    let Some(lidar) = &spec.lidar else { return robot.skip_call(Call::LIDARSet, no_scanner_reason) };
+    let is_valid = (1..=360).contains(&range_degrees)
         && (-90..=90).contains(&tilt_degrees)
         && (1..=MAX_LIDAR_POINTS as i32).contains(&points);
-    if !is_sound {
-        return robot.rejected(Call::LIDARSet, |_| {
+    if !is_valid {
+        return robot.skip_call(Call::LIDARSet, |_| {
             format!("it takes a range of 1 to 360 degrees, a tilt of -90 to 90, and 1 to {MAX_LIDAR_POINTS} points")
         });
     }
@@ -116,7 +116,7 @@ pub fn set(robot: &mut Robot, range_degrees: i32, tilt_degrees: i32, points: i32
     }
 }
 
-fn has_none(robot: &Robot) -> String {
+fn no_scanner_reason(robot: &Robot) -> String {
     format!(
         "`{}` has no laser scanner; its line in a robi file is `lidar POINTS TILT`, its table in a companion `[lidar]`",
         robot.spec.file

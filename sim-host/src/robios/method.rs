@@ -1,6 +1,6 @@
-//! Macros for the call list of a generation: one line per function.
+//! Macros that implement the calls of a generation, one line per function.
 //!
-//! `Call` is the call list of the generation that uses the macros.
+//! Where they are used, `Call` must be the generation's list of calls.
 
 /// Methods that act at the call's end: `fn Name(arguments) -> Result = |robot, world| effect;`.
 macro_rules! act {
@@ -11,7 +11,7 @@ macro_rules! act {
     )*};
 }
 
-/// Methods that wait, in the same form.
+/// Methods that wait, with the same syntax: `poll` returns a `Poll`.
 macro_rules! wait {
     ($(fn $name:ident($($argument:ident: $kind:ty),* $(,)?) -> $result:ty = $poll:expr;)*) => {$(
         fn $name(&self, $($argument: $kind),*) -> Result<$result, Stop> {

@@ -1,8 +1,8 @@
-//! Effects of RoBIOS calls: one file per family of functions, over models of the devices.
+//! Effects of RoBIOS calls: one file per family of functions, based on models of the devices.
 //!
-//! `robios6` and `robios7` map each call to a function of a family; the families change a [`robot::Robot`] at the
-//! call's end and are independent of threads and slots. Their return values are documented in `docs/robios6.md` and
-//! `docs/robios7.md`.
+//! `robios6` and `robios7` map each call to a function of a family. These functions change a [`robot::Robot`] at the
+//! call's end and do not depend on threads and slots. The pages `docs/robios6.md` and `docs/robios7.md` document their
+//! return values.
 #![forbid(unsafe_code)]
 
 #[macro_use]
@@ -143,23 +143,23 @@ pub struct Robios {
     pub entity_numbers: Arc<ground_truth::EntityNumbers>,
     /// Hints given for the program.
     pub hints: hint::Hints,
-    /// The program is in Rust, whose library has names of its own for devices.
+    /// The program is in Rust: messages use the device names of its library.
     pub is_rust: bool,
 }
 
 impl Robios {
-    /// State for a robot of this type whose program is of RoBIOS 6.
+    /// State for a robot of this type whose program uses RoBIOS 6.
     pub fn new(spec: &RobiSpec) -> Self {
         let serial = serial::Serial::new(&spec.serials);
         Self { table: Arc::new(table::Table::new(spec)), serial, ..Self::default() }
     }
 
-    /// State for a robot of this type whose program is of RoBIOS-7.
+    /// State for a robot of this type whose program uses RoBIOS-7.
     pub fn of_robios7(spec: &RobiSpec) -> Self {
         Self { screen: Some(new_screen(spec)), ..Self::new(spec) }
     }
 
-    /// Returns true for a program of RoBIOS-7.
+    /// Returns true if the program uses RoBIOS-7.
     pub fn is_of_robios7(&self) -> bool {
         self.screen.is_some()
     }
@@ -196,56 +196,57 @@ impl Robot {
     }
 
     /// Counts a failure of `call` and returns `answer`. A program that keeps ignoring failures is given a hint.
-    fn failed(&mut self, call: impl Into<Call>, answer: i32) -> i32 {
+    fn fail_call(&mut self, call: impl Into<Call>, answer: i32) -> i32 {
         if let Some(text) = self.robios.hints.count_failure(call.into()) {
             self.hint(&text);
         }
         answer
     }
 
-    /// Like [`Self::failed`], for a failure whose reason the program cannot see: it is reported once per function.
-    fn refused(&mut self, call: impl Into<Call>, answer: i32, reason: impl FnOnce(&Self) -> String) -> i32 {
+    /// Like [`Self::fail_call`], for a failure whose reason the program cannot find out: a hint gives the reason, once
+    /// per function.
+    fn refuse_call(&mut self, call: impl Into<Call>, answer: i32, reason: impl FnOnce(&Self) -> String) -> i32 {
         let call = call.into();
         if self.robios.hints.is_first_failure(call) {
             let text = format!("`{}` returned {answer}: {}", call.name(), reason(self));
             self.hint(&text);
         }
-        self.failed(call, answer)
+        self.fail_call(call, answer)
     }
 
-    /// Answer of a call: 0 if it succeeded, otherwise `failure`, and the error is reported.
-    fn answered<E: Display>(&mut self, call: impl Into<Call>, failure: i32, outcome: Result<(), E>) -> i32 {
-        outcome.map_or_else(|error| self.refused(call, failure, |_| error.to_string()), |()| 0)
+    /// Answers a call: 0 if it succeeded, otherwise `failure`, with a hint that gives the error.
+    fn answer_call<E: Display>(&mut self, call: impl Into<Call>, failure: i32, outcome: Result<(), E>) -> i32 {
+        outcome.map_or_else(|error| self.refuse_call(call, failure, |_| error.to_string()), |()| 0)
     }
 
-    /// Tells the user, once per function, why a call without a result did nothing.
-    fn rejected(&mut self, call: impl Into<Call>, reason: impl FnOnce(&Self) -> String) {
+    /// Handles a call without a result that does nothing: a hint gives the reason, once per function.
+    fn skip_call(&mut self, call: impl Into<Call>, reason: impl FnOnce(&Self) -> String) {
         let call = call.into();
         if self.robios.hints.is_first_failure(call) {
             let text = format!("`{}` did nothing: {}", call.name(), reason(self));
             self.hint(&text);
         }
-        self.failed(call, 0);
+        self.fail_call(call, 0);
     }
 
     /// Records a call of a forbidden function, which has no other effect.
     fn record_forbidden(&mut self, call: Call) {
-        self.rejected(call, |_| "it is forbidden here".to_owned());
+        self.skip_call(call, |_| "it is forbidden here".to_owned());
         self.record(Event::Forbidden { function: call.name() });
     }
 
-    /// Answer of a call for a device that the robot does not have.
-    fn has_no(&mut self, call: impl Into<Call>, answer: i32, kind: i32, semantics: i32) -> i32 {
-        self.refused(call, answer, |robot| {
-            let wanted = SEMANTICS.iter().find(|constant| constant.value == i64::from(semantics));
-            let told = |name: &str| match robot.robios.is_rust {
+    /// Refuses a call for a device that the robot does not have.
+    fn refuse_missing_device(&mut self, call: impl Into<Call>, answer: i32, kind: i32, semantics: i32) -> i32 {
+        self.refuse_call(call, answer, |robot| {
+            let constant = SEMANTICS.iter().find(|constant| constant.value == i64::from(semantics));
+            let display_name = |name: &str| match robot.robios.is_rust {
                 true => table::name_in_rust(name).unwrap_or_else(|| name.to_owned()),
                 false => name.to_owned(),
             };
-            let wanted = wanted.map_or_else(|| semantics.to_string(), |constant| told(constant.name));
+            let wanted = constant.map_or_else(|| semantics.to_string(), |constant| display_name(constant.name));
             let name = |device: &table::Device| match device.number() {
                 0 => format!("{} (without a number)", device.name),
-                _ => told(&device.name),
+                _ => display_name(&device.name),
             };
             let names: Vec<String> = robot.robios.table.of_kind(kind).map(name).collect();
             let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
@@ -253,7 +254,8 @@ impl Robot {
         })
     }
 
-    /// Index of the device of a kind with RoBIOS-7's `number`; reports, once per function, if there is none.
+    /// Index of the device of a kind with RoBIOS-7's `number`. If there is none, a hint lists the numbers, once per
+    /// function.
     fn find_numbered(&mut self, call: Call7, kind: i32, number: i32, names: &[&str]) -> Option<usize> {
         let found = self.robios.table.numbered(kind, number, names).map(|device| device.index);
         if found.is_none() && self.robios.hints.is_first_failure(call.into()) {
@@ -268,12 +270,12 @@ impl Robot {
         found
     }
 
-    /// Tells the user of a likely mistake, once per robot.
+    /// Gives the hint at a likely mistake, once per robot.
     fn hint_at(&mut self, mistake: Mistake) {
         self.hint_once(mistake, mistake.text());
     }
 
-    /// Tells the user of a likely mistake with the message `text`, once per robot.
+    /// Gives the hint `text` at a likely mistake, once per robot.
     fn hint_once(&mut self, mistake: Mistake, text: &str) {
         if self.robios.hints.is_first(mistake) {
             self.hint(text);
@@ -287,7 +289,7 @@ impl Robot {
     }
 }
 
-/// Text of a program as it is recorded: invalid UTF-8 is replaced.
+/// Text from a program, for records: invalid UTF-8 is replaced.
 fn text(characters: &[u8]) -> Cow<'_, str> {
     String::from_utf8_lossy(characters)
 }

@@ -15,28 +15,28 @@ use sim_core::record::Event;
 /// `MOTORInit`
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     if robot.robios.vw.is_open {
-        return robot.refused(Call::MOTORInit, 0, |_| "`VWInit` holds the motors until `VWRelease`".to_owned());
+        return robot.refuse_call(Call::MOTORInit, 0, |_| "`VWInit` holds the motors until `VWRelease`".to_owned());
     }
     match robot.robios.table.find(HDT_MOTOR, semantics).map(|device| device.index) {
         Some(index) => robot.robios.motors.open(index),
-        None => robot.has_no(Call::MOTORInit, 0, HDT_MOTOR, semantics),
+        None => robot.refuse_missing_device(Call::MOTORInit, 0, HDT_MOTOR, semantics),
     }
 }
 
 /// `MOTORRelease`
 pub fn release(robot: &mut Robot, world: &World, handles: i32) -> i32 {
-    let motors = robot.robios.motors.all(handles);
+    let motors = robot.robios.motors.devices(handles);
     let remaining = robot.robios.motors.release(handles);
     match motors {
         Some(motors) => set(robot, world, motors, 0),
-        None => _ = robot.failed(Call::MOTORRelease, remaining),
+        None => _ = robot.fail_call(Call::MOTORRelease, remaining),
     }
     remaining
 }
 
 /// `MOTORDrive`
 pub fn drive(robot: &mut Robot, world: &World, handles: i32, percent: i32) -> i32 {
-    let Some(motors) = robot.robios.motors.all(handles) else { return robot.failed(Call::MOTORDrive, -1) };
+    let Some(motors) = robot.robios.motors.devices(handles) else { return robot.fail_call(Call::MOTORDrive, -1) };
     set(robot, world, motors, percent.clamp(-100, 100));
     0
 }
@@ -50,7 +50,7 @@ fn set(robot: &mut Robot, world: &World, motors: impl Iterator<Item = usize>, pe
 /// `QUADInit`
 pub fn quad_init(robot: &mut Robot, semantics: i32) -> i32 {
     let Some(index) = robot.robios.table.find(HDT_QUAD, semantics).map(|device| device.index) else {
-        return robot.has_no(Call::QUADInit, 0, HDT_QUAD, semantics);
+        return robot.refuse_missing_device(Call::QUADInit, 0, HDT_QUAD, semantics);
     };
     if !robot.robios.quads.is_open(index) {
         reset(robot, index);
@@ -61,19 +61,19 @@ pub fn quad_init(robot: &mut Robot, semantics: i32) -> i32 {
 
 /// `QUADRelease`
 pub fn quad_release(robot: &mut Robot, handles: i32) -> i32 {
-    if robot.robios.quads.release(handles) == 0 { 0 } else { robot.failed(Call::QUADRelease, -1) }
+    if robot.robios.quads.release(handles) == 0 { 0 } else { robot.fail_call(Call::QUADRelease, -1) }
 }
 
 /// `QUADReset`
 pub fn quad_reset(robot: &mut Robot, handles: i32) -> i32 {
-    let Some(quads) = robot.robios.quads.all(handles) else { return robot.failed(Call::QUADReset, -1) };
+    let Some(quads) = robot.robios.quads.devices(handles) else { return robot.fail_call(Call::QUADReset, -1) };
     quads.for_each(|index| reset(robot, index));
     0
 }
 
 /// `QUADRead`
 pub fn quad_read(robot: &mut Robot, handle: i32) -> i32 {
-    let Some(index) = robot.robios.quads.one(handle) else { return robot.failed(Call::QUADRead, 0) };
+    let Some(index) = robot.robios.quads.device(handle) else { return robot.fail_call(Call::QUADRead, 0) };
     count(robot, index)
 }
 
@@ -97,13 +97,13 @@ pub fn quad_motor(robot: &mut Robot, semantics: i32) -> i32 {
     let table = &robot.robios.table;
     let index = table.find(HDT_QUAD, semantics).map(|device| device.index);
     let motor = index.and_then(|index| table.of_kind(HDT_MOTOR).find(|motor| motor.index == index));
-    motor.map(|motor| motor.number()).unwrap_or_else(|| robot.failed(Call::QUADGetMotor, 0))
+    motor.map(|motor| motor.number()).unwrap_or_else(|| robot.fail_call(Call::QUADGetMotor, 0))
 }
 
 /// `QUADODORead`
 pub fn odometer_read(robot: &mut Robot, handle: i32) -> f32 {
-    let Some(index) = robot.robios.quads.one(handle) else {
-        robot.failed(Call::QUADODORead, 0);
+    let Some(index) = robot.robios.quads.device(handle) else {
+        robot.fail_call(Call::QUADODORead, 0);
         return 0.0;
     };
     let simulation::Robot { now, motion, devices, .. } = &mut robot.state;
@@ -115,7 +115,7 @@ pub fn odometer_read(robot: &mut Robot, handle: i32) -> f32 {
 
 /// `QUADODOReset`
 pub fn odometer_reset(robot: &mut Robot, handles: i32) -> i32 {
-    let Some(quads) = robot.robios.quads.all(handles) else { return robot.failed(Call::QUADODOReset, -1) };
+    let Some(quads) = robot.robios.quads.devices(handles) else { return robot.fail_call(Call::QUADODOReset, -1) };
     quads.for_each(|index| reset_distance(robot, index));
     0
 }

@@ -31,10 +31,10 @@ pub fn drive_raw(robot: &mut Robot, world: &World, motor: i32, raw: i32) -> i32 
 pub fn speed(robot: &mut Robot, world: &World, motor: i32, ticks_per_s: i32) -> i32 {
     let Some(wheel) = find(robot, Call::MOTORSpeed, motor) else { return 1 };
     let rate = f64::from(ticks_per_s) / robot.motion.model().ticks_per_turn * TAU;
-    let accepted = robot.command(world, Command::WheelSpeed { wheel, rate });
+    let outcome = robot.command(world, Command::WheelSpeed { wheel, rate });
     let device = &robot.state.spec.drive.motors[wheel].motor;
     robot.state.journal.record(robot.state.now, &Event::Output { device, value: ticks_per_s.into() });
-    robot.answered(Call::MOTORSpeed, 1, accepted)
+    robot.answer_call(Call::MOTORSpeed, 1, outcome)
 }
 
 /// `MOTORPID`: out = p/10 e + i/10 (integral of e) + d/1000 (derivative of the wheel's rate), in rates of the wheel and
@@ -42,51 +42,51 @@ pub fn speed(robot: &mut Robot, world: &World, motor: i32, ticks_per_s: i32) -> 
 pub fn start_control(robot: &mut Robot, motor: i32, [p, i, d]: [i32; 3]) -> i32 {
     let Some(wheel) = find(robot, Call::MOTORPID, motor) else { return 1 };
     if [p, i, d].iter().any(|factor| !(0..=255).contains(factor)) {
-        return robot.refused(Call::MOTORPID, 1, |_| "each parameter must be 0 to 255".to_owned());
+        return robot.refuse_call(Call::MOTORPID, 1, |_| "each parameter must be 0 to 255".to_owned());
     }
     let pid = Pid { p: f64::from(p) / 10.0, i: f64::from(i) / 10.0, d: f64::from(d) / 1000.0 };
-    let accepted = robot.state.motion.start_wheel_control(robot.state.now, wheel, pid);
-    robot.answered(Call::MOTORPID, 1, accepted)
+    let outcome = robot.state.motion.start_wheel_control(robot.state.now, wheel, pid);
+    robot.answer_call(Call::MOTORPID, 1, outcome)
 }
 
 /// `MOTORPIDOff`
 pub fn stop_control(robot: &mut Robot, motor: i32) -> i32 {
     let Some(wheel) = find(robot, Call::MOTORPIDOff, motor) else { return 1 };
-    let accepted = robot.state.motion.stop_wheel_control(robot.state.now, wheel);
-    robot.answered(Call::MOTORPIDOff, 1, accepted)
+    let outcome = robot.state.motion.stop_wheel_control(robot.state.now, wheel);
+    robot.answer_call(Call::MOTORPIDOff, 1, outcome)
 }
 
 /// `ENCODERRead`
 pub fn encoder(robot: &mut Robot, quad: i32) -> i32 {
     match robot.find_numbered(Call::ENCODERRead, HDT_QUAD, quad, &[]) {
         Some(index) => motor::count(robot, index),
-        None => robot.failed(Call::ENCODERRead, 0),
+        None => robot.fail_call(Call::ENCODERRead, 0),
     }
 }
 
 /// `ENCODERReset`
 pub fn reset_encoder(robot: &mut Robot, quad: i32) -> i32 {
     let Some(index) = robot.find_numbered(Call::ENCODERReset, HDT_QUAD, quad, &[]) else {
-        return robot.failed(Call::ENCODERReset, 1);
+        return robot.fail_call(Call::ENCODERReset, 1);
     };
     motor::reset(robot, index);
     0
 }
 
 /// Drives a motor at a fraction of the wheels' maximum rate.
-fn set(robot: &mut Robot, world: &World, call: Call, motor: i32, part: f64) -> i32 {
+fn set(robot: &mut Robot, world: &World, call: Call, motor: i32, fraction: f64) -> i32 {
     let Some(wheel) = find(robot, call, motor) else { return 1 };
-    let rate = part * robot.motion.model().max_wheel_rate;
-    let accepted = robot.command(world, Command::Wheel { wheel, rate });
+    let rate = fraction * robot.motion.model().max_wheel_rate;
+    let outcome = robot.command(world, Command::Wheel { wheel, rate });
     let device = &robot.state.spec.drive.motors[wheel].motor;
-    robot.state.journal.record(robot.state.now, &Event::Motor { device, percent: (100.0 * part).round() as i32 });
-    robot.answered(call, 1, accepted)
+    robot.state.journal.record(robot.state.now, &Event::Motor { device, percent: (100.0 * fraction).round() as i32 });
+    robot.answer_call(call, 1, outcome)
 }
 
 fn find(robot: &mut Robot, call: Call, motor: i32) -> Option<usize> {
     let found = robot.find_numbered(call, HDT_MOTOR, motor, &[]);
     if found.is_none() {
-        robot.failed(call, 1);
+        robot.fail_call(call, 1);
     }
     found
 }

@@ -1,6 +1,6 @@
 //! Multi-tasking: tasks of RoBIOS 6 and their semaphores.
 //!
-//! Source: RoBIOS 6 library, multi-tasking; what it leaves open is in `docs/tasks.md`.
+//! Source: RoBIOS 6 library, multi-tasking; `docs/tasks.md` describes our choices where the source is silent.
 
 use parking_lot::MutexGuard;
 use robios_sys::robios6::{COOP, MAX_PRI, MIN_PRI, NOTASK, PREEMPT};
@@ -37,7 +37,7 @@ pub struct Spawn<'a> {
     pub uid: i32,
 }
 
-/// Outcome of a call about tasks.
+/// Outcome of a call that acts on tasks.
 enum Answer {
     /// The call returns the contained value, once it is the calling task's turn.
     Returned(i32),
@@ -47,18 +47,20 @@ enum Answer {
 
 impl<F: Flow> Caller<F> {
     /// `OSSpawn`
-    pub(super) fn create(&self, spawn: &Spawn<'_>) -> Result<i32, Stop> {
+    pub(super) fn create_task(&self, spawn: &Spawn<'_>) -> Result<i32, Stop> {
         let site = self.flow().call_site();
         let call = Call::OSSpawn.into();
-        self.within(call, |caller| {
+        self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
-            let Some(task) = create(&mut robot, spawn, site) else { return Ok(0) };
+            let Some(task) = add_task(&mut robot, spawn, site) else { return Ok(0) };
             drop(robot);
             let code = spawn.code.unwrap_or(Callback::NONE);
             if let Err(error) = caller.flow().start_task(task, code) {
                 let mut robot = caller.robot();
                 robot.tasks.forget(task);
-                return Ok(robot.refused(Call::OSSpawn, 0, |_| format!("the system has no room for a task: {error}")));
+                return Ok(
+                    robot.refuse_call(Call::OSSpawn, 0, |_| format!("the system has no room for a task: {error}"))
+                );
             }
             caller.take_turns(caller.robot(), call)?;
             Ok(task.cast_signed())
@@ -67,22 +69,22 @@ impl<F: Flow> Caller<F> {
 
     /// `OSSuspend`
     pub(super) fn suspend_task(&self, task: i32) -> Result<i32, Stop> {
-        self.arrange(Call::OSSuspend, |robot| {
-            let number = match find(robot, Call::OSSuspend, task) {
+        self.call_on_tasks(Call::OSSuspend, |robot| {
+            let number = match find_task(robot, Call::OSSuspend, task) {
                 Ok(number) => number,
                 Err(answer) => return Answer::Returned(answer),
             };
             if number == robot.tasks.current().number {
                 return Answer::Suspended;
             }
-            scheduler(robot, |scheduler| scheduler.suspend(number));
+            change_scheduler(robot, |scheduler| scheduler.suspend(number));
             Answer::Returned(0)
         })
     }
 
     /// `OSYield`
     pub(super) fn yield_task(&self) -> Result<i32, Stop> {
-        self.arrange(Call::OSYield, |robot| match is_started(robot, Call::OSYield) {
+        self.call_on_tasks(Call::OSYield, |robot| match is_started(robot, Call::OSYield) {
             true => Answer::Suspended,
             false => Answer::Returned(-1),
         })
@@ -90,10 +92,10 @@ impl<F: Flow> Caller<F> {
 
     /// `OSReschedule`
     pub(super) fn reschedule(&self) -> Result<i32, Stop> {
-        self.arrange(Call::OSReschedule, |robot| {
+        self.call_on_tasks(Call::OSReschedule, |robot| {
             let is_started = is_started(robot, Call::OSReschedule);
             if is_started && can_yield(robot, Call::OSReschedule) {
-                scheduler(robot, Scheduler::reschedule);
+                change_scheduler(robot, Scheduler::reschedule);
             }
             Answer::Returned(if is_started { 0 } else { -1 })
         })
@@ -101,10 +103,10 @@ impl<F: Flow> Caller<F> {
 
     /// `OSRun`
     pub(super) fn run_task(&self, task: i32) -> Result<i32, Stop> {
-        self.arrange(Call::OSRun, |robot| {
-            let answer = ready(robot, Call::OSRun, task);
+        self.call_on_tasks(Call::OSRun, |robot| {
+            let answer = make_ready(robot, Call::OSRun, task);
             if answer == 0 && can_yield(robot, Call::OSRun) {
-                scheduler(robot, Scheduler::reschedule);
+                change_scheduler(robot, Scheduler::reschedule);
             }
             Answer::Returned(answer)
         })
@@ -113,9 +115,9 @@ impl<F: Flow> Caller<F> {
     /// `OSKill`
     pub(super) fn kill_task(&self, task: i32) -> Result<i32, Stop> {
         let call = call::Call::from(Call::OSKill);
-        self.within(call, |caller| {
+        self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
-            let number = match find(&mut robot, Call::OSKill, task) {
+            let number = match find_task(&mut robot, Call::OSKill, task) {
                 Ok(number) => number,
                 Err(answer) => return Ok(answer),
             };
@@ -140,7 +142,7 @@ impl<F: Flow> Caller<F> {
     /// `OSExit`
     pub(super) fn exit(&self, code: i32) -> Result<i32, Stop> {
         let call = call::Call::from(Call::OSExit);
-        self.within(call, |caller| {
+        self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
             if robot.tasks.scheduler().is_none() || robot.tasks.current().number == MAIN {
                 super::os::exit(&mut robot, code);
@@ -178,20 +180,20 @@ impl<F: Flow> Caller<F> {
             // A timer callback is not a task: it cannot wait in a queue.
             let is_task = !robot.timers.in_callback;
             let tasks = &mut robot.tasks;
-            let passing = if is_task { tasks.pass_semaphore(number, &site) } else { tasks.semaphores.try_pass(number) };
-            match passing {
+            let outcome = if is_task { tasks.pass_semaphore(number, &site) } else { tasks.semaphores.try_pass(number) };
+            match outcome {
                 PassOutcome::Passed => Poll::Ready(0),
                 PassOutcome::Closed => Poll::Pending { at: Time::NEVER, reason: WaitReason::Semaphore(number) },
-                PassOutcome::Unknown => Poll::Ready(no_semaphore(robot, Call::OSSemP)),
+                PassOutcome::Unknown => Poll::Ready(refuse_unknown_semaphore(robot, Call::OSSemP)),
             }
         })
     }
 
-    /// Makes a call about tasks, after which it may be another task's turn.
-    fn arrange(&self, call: Call, act: impl FnOnce(&mut Robot) -> Answer) -> Result<i32, Stop> {
+    /// Carries out a call that acts on tasks, after which it may be another task's turn.
+    fn call_on_tasks(&self, call: Call, act: impl FnOnce(&mut Robot) -> Answer) -> Result<i32, Stop> {
         let site = self.flow().call_site();
         let call = call::Call::from(call);
-        self.within(call, |caller| {
+        self.run_in_call(call, |caller| {
             let mut robot = caller.spend(call)?;
             match act(&mut robot) {
                 Answer::Returned(answer) => caller.take_turns(robot, call).map(|()| answer),
@@ -202,7 +204,7 @@ impl<F: Flow> Caller<F> {
                 Answer::Suspended => {
                     let (now, number) = (robot.now, robot.tasks.current().number);
                     robot.tasks.note_suspension(Wait { call, reason: WaitReason::Ready, since: now, site });
-                    scheduler(&mut robot, |scheduler| scheduler.suspend(number));
+                    change_scheduler(&mut robot, |scheduler| scheduler.suspend(number));
                     let mut robot = caller.await_turn(robot)?;
                     robot.tasks.end_wait();
                     Ok(0)
@@ -241,13 +243,16 @@ pub fn start(robot: &mut Robot, mode: u8) -> i32 {
     let policy = match i32::from(mode) {
         COOP => Policy::Coop,
         PREEMPT => Policy::Preempt { is_permitted: false },
-        _ => return robot.refused(Call::OSMTInit, -1, |_| format!("mode {mode} is neither COOP (0) nor PREEMPT (1)")),
+        _ => {
+            return robot
+                .refuse_call(Call::OSMTInit, -1, |_| format!("mode {mode} is neither COOP (0) nor PREEMPT (1)"));
+        }
     };
     let now = robot.now;
     if robot.tasks.start(now, policy) {
         return 0;
     }
-    robot.refused(Call::OSMTInit, -1, |robot| {
+    robot.refuse_call(Call::OSMTInit, -1, |robot| {
         let is_started = robot.tasks.scheduler().is_some();
         let reason = if is_started { "multi-tasking was started before" } else { "the program has threads already" };
         reason.to_owned()
@@ -264,10 +269,10 @@ pub fn status(robot: &Robot) -> i32 {
 }
 
 /// `OSReady`, `OSRun`
-pub fn ready(robot: &mut Robot, call: Call, task: i32) -> i32 {
-    match find(robot, call, task) {
+pub fn make_ready(robot: &mut Robot, call: Call, task: i32) -> i32 {
+    match find_task(robot, call, task) {
         Ok(number) => {
-            scheduler(robot, |scheduler| scheduler.ready(number));
+            change_scheduler(robot, |scheduler| scheduler.make_ready(number));
             0
         }
         Err(answer) => answer,
@@ -275,11 +280,11 @@ pub fn ready(robot: &mut Robot, call: Call, task: i32) -> i32 {
 }
 
 /// `OSPermit`, `OSForbid`
-pub fn permit(robot: &mut Robot, call: Call, is_to_be: bool) -> i32 {
+pub fn set_preemption(robot: &mut Robot, call: Call, is_permitted: bool) -> i32 {
     if !is_started(robot, call) {
         return -1;
     }
-    scheduler(robot, |scheduler| scheduler.permit(is_to_be));
+    change_scheduler(robot, |scheduler| scheduler.set_preemption(is_permitted));
     0
 }
 
@@ -287,7 +292,7 @@ pub fn permit(robot: &mut Robot, call: Call, is_to_be: bool) -> i32 {
 pub fn uid(robot: &mut Robot, task: i32) -> i32 {
     match robot.tasks.find(task) {
         Some(task) => task.origin.uid,
-        None => robot.refused(Call::OSGetUID, 0, |_| "it got no task, or one that has ended".to_owned()),
+        None => robot.refuse_call(Call::OSGetUID, 0, |_| "it got no task, or one that has ended".to_owned()),
     }
 }
 
@@ -297,40 +302,41 @@ pub fn release_semaphore(robot: &mut Robot, semaphore: i32) -> i32 {
     let now = robot.now;
     robot.tasks.scheduler_at(now);
     if robot.tasks.semaphores.get(number).is_none() {
-        return no_semaphore(robot, Call::OSSemV);
+        return refuse_unknown_semaphore(robot, Call::OSSemV);
     }
     if robot.tasks.release_semaphore(number) {
         return 0;
     }
-    robot.refused(Call::OSSemV, -1, |_| format!("semaphore {number} counts no further than {}", i32::MAX))
+    robot.refuse_call(Call::OSSemV, -1, |_| format!("semaphore {number} counts no further than {}", i32::MAX))
 }
 
-fn no_semaphore(robot: &mut Robot, call: Call) -> i32 {
-    robot.refused(call, -1, |_| "it got no semaphore that `OSSemInit` has made".to_owned())
+fn refuse_unknown_semaphore(robot: &mut Robot, call: Call) -> i32 {
+    robot.refuse_call(call, -1, |_| "it got no semaphore that `OSSemInit` has made".to_owned())
 }
 
 fn make_semaphore(robot: &mut Robot, semaphore: Option<&mut i32>, count: i32, site: Site) -> i32 {
     let Some(pointer) = semaphore else {
-        return robot.refused(Call::OSSemInit, -1, |_| "the semaphore is a null pointer".to_owned());
+        return robot.refuse_call(Call::OSSemInit, -1, |_| "the semaphore is a null pointer".to_owned());
     };
     if count < 0 {
-        return robot.refused(Call::OSSemInit, -1, |_| format!("{count} tasks cannot pass: the count is 0 or more"));
+        return robot
+            .refuse_call(Call::OSSemInit, -1, |_| format!("{count} tasks cannot pass: the count is 0 or more"));
     }
-    let before = u32::try_from(*pointer).unwrap_or(0);
-    if robot.tasks.semaphores.get(before).is_some_and(Semaphore::has_waiters) {
-        robot.hint(&format!("`OSSemInit` makes semaphore {before} anew: the tasks that wait at it never pass"));
+    let previous = u32::try_from(*pointer).unwrap_or(0);
+    if robot.tasks.semaphores.get(previous).is_some_and(Semaphore::has_waiters) {
+        robot.hint(&format!("`OSSemInit` makes semaphore {previous} anew: the tasks that wait at it never pass"));
     }
-    match robot.tasks.semaphores.make(count, site) {
+    match robot.tasks.semaphores.create(count, site) {
         Some(number) => {
             *pointer = number.cast_signed();
             0
         }
-        None => robot.refused(Call::OSSemInit, -1, |_| "there are too many semaphores".to_owned()),
+        None => robot.refuse_call(Call::OSSemInit, -1, |_| "there are too many semaphores".to_owned()),
     }
 }
 
 /// Adds the task that `OSSpawn` requests and returns its number; `None` if the request is refused.
-fn create(robot: &mut Robot, spawn: &Spawn<'_>, site: Site) -> Option<u32> {
+fn add_task(robot: &mut Robot, spawn: &Spawn<'_>, site: Site) -> Option<u32> {
     let Spawn { stack_bytes, priority, uid, .. } = *spawn;
     let reason = if robot.tasks.scheduler().is_none() {
         Some(NOT_STARTED.to_owned())
@@ -344,49 +350,49 @@ fn create(robot: &mut Robot, spawn: &Spawn<'_>, site: Site) -> Option<u32> {
         None
     };
     if let Some(reason) = reason {
-        robot.refused(Call::OSSpawn, 0, |_| reason);
+        robot.refuse_call(Call::OSSpawn, 0, |_| reason);
         return None;
     }
     let name = text(spawn.name.unwrap_or_default()).chars().take(MAX_NAME).collect();
     let now = robot.now;
     let task = robot.tasks.create(now, Origin { name, uid, site }, priority as usize);
     if task.is_none() {
-        robot.refused(Call::OSSpawn, 0, |_| format!("a robot has at most {MAX_TASKS} tasks"));
+        robot.refuse_call(Call::OSSpawn, 0, |_| format!("a robot has at most {MAX_TASKS} tasks"));
     }
     task
 }
 
-/// Number of the task that a program names; 0 names the calling task.
-fn find(robot: &mut Robot, call: Call, task: i32) -> Result<u32, i32> {
+/// Number of the task that a program passes; 0 is the calling task.
+fn find_task(robot: &mut Robot, call: Call, task: i32) -> Result<u32, i32> {
     if !is_started(robot, call) {
         return Err(-1);
     }
     let number = robot.tasks.find(task).map(|task| task.number);
-    number.ok_or_else(|| robot.refused(call, -1, |_| "it got no task, or one that has ended".to_owned()))
+    number.ok_or_else(|| robot.refuse_call(call, -1, |_| "it got no task, or one that has ended".to_owned()))
 }
 
 const NOT_STARTED: &str = "there is no multi-tasking before `OSMTInit`";
 
-/// Returns true if multi-tasking has been started; otherwise that is reported.
+/// Returns true if multi-tasking has been started; otherwise refuses the call.
 fn is_started(robot: &mut Robot, call: Call) -> bool {
     let is_started = robot.tasks.scheduler().is_some();
     if !is_started {
-        robot.refused(call, -1, |_| NOT_STARTED.to_owned());
+        robot.refuse_call(call, -1, |_| NOT_STARTED.to_owned());
     }
     is_started
 }
 
-/// Returns true if the calling task can yield: not in a timer callback, which belongs to no task, nor while the task
-/// ends.
+/// Returns true if the calling task can yield. A timer callback, which belongs to no task, and a task that is ending
+/// cannot.
 fn can_yield(robot: &mut Robot, call: Call) -> bool {
     if robot.timers.in_callback {
-        robot.rejected(call, |_| "a timer's function gives way to nobody".to_owned());
+        robot.skip_call(call, |_| "a timer's function gives way to nobody".to_owned());
     }
     !robot.timers.in_callback && !robot.tasks.current().is_unwinding()
 }
 
 /// Applies `change` to the scheduler, if there is one.
-fn scheduler(robot: &mut Robot, change: impl FnOnce(&mut Scheduler)) {
+fn change_scheduler(robot: &mut Robot, change: impl FnOnce(&mut Scheduler)) {
     let now = robot.now;
     if let Some(scheduler) = robot.tasks.scheduler_at(now) {
         change(scheduler);

@@ -51,16 +51,16 @@ impl<F: Flow> Caller<F> {
         call: impl Into<call::Call>,
         message: Option<&[u8]>,
         number: i32,
-        is_dead: bool,
+        is_fatal: bool,
     ) -> Result<i32, Stop> {
         let mut is_shown = false;
         let result = self.wait(call, |robot, _| {
             if !std::mem::replace(&mut is_shown, true) {
-                error(robot, message, number, is_dead);
+                error(robot, message, number, is_fatal);
             }
-            if is_dead { Poll::Ready(0) } else { acknowledge(robot) }
+            if is_fatal { Poll::Ready(0) } else { wait_for_acknowledgement(robot) }
         });
-        if is_dead { Err(Stop) } else { result }
+        if is_fatal { Err(Stop) } else { result }
     }
 }
 
@@ -91,12 +91,12 @@ pub fn machine_id(robot: &Robot) -> u8 {
     robot.id.0 as u8
 }
 
-/// `OSError`: shows message and number at the cursor of the display. Ends the program if `is_dead`.
-pub fn error(robot: &mut Robot, message: Option<&[u8]>, number: i32, is_dead: bool) {
+/// `OSError`: shows message and number at the cursor of the display. Ends the program if `is_fatal`.
+pub fn error(robot: &mut Robot, message: Option<&[u8]>, number: i32, is_fatal: bool) {
     let message = String::from_utf8_lossy(message.unwrap_or_default()).into_owned();
     let screen_text = format!("{message}\nError {number}\n");
     show(robot, screen_text.as_bytes());
-    if is_dead {
+    if is_fatal {
         let reason = format!("{}OSError {number}: {}", robot.tasks.prefix(), text(message.as_bytes()));
         robot.ending.get_or_insert(Ending::Failed { reason });
     }
@@ -111,8 +111,8 @@ fn show(robot: &mut Robot, text: &[u8]) {
     }
 }
 
-/// Wait for any key, after an `OSError` that does not end the program.
-pub fn acknowledge(robot: &mut Robot) -> Poll<i32> {
+/// Waits for any key, after an `OSError` that does not end the program.
+pub fn wait_for_acknowledgement(robot: &mut Robot) -> Poll<i32> {
     key::wait_for(robot, ANYKEY).map(|_| 0)
 }
 
@@ -133,7 +133,7 @@ pub fn variable(robot: &mut Robot, number: i32) -> i32 {
     let index = usize::try_from(number).ok();
     match index.and_then(|index| robot.robios.os.variables.get(index)) {
         Some(value) => *value,
-        None => robot.failed(Call::OSGetVar, 0),
+        None => robot.fail_call(Call::OSGetVar, 0),
     }
 }
 
@@ -145,16 +145,16 @@ pub fn set_variable(robot: &mut Robot, number: i32, value: i32) -> i32 {
             *variable = value;
             0
         }
-        None => robot.failed(Call::OSPutVar, -1),
+        None => robot.fail_call(Call::OSPutVar, -1),
     }
 }
 
 /// `OSSetTime`
 pub fn set_time(robot: &mut Robot, time: [i32; 3]) -> i32 {
-    if set_clock(robot, time) { 0 } else { robot.failed(Call::OSSetTime, -1) }
+    if set_clock(robot, time) { 0 } else { robot.fail_call(Call::OSSetTime, -1) }
 }
 
-/// Sets the robot's clock; returns false and changes nothing if it is not a time of day.
+/// Sets the robot's clock; returns false and changes nothing if the arguments are not a time of day.
 pub fn set_clock(robot: &mut Robot, [hours, minutes, seconds]: [i32; 3]) -> bool {
     let is_time = (0..24).contains(&hours) && (0..60).contains(&minutes) && (0..60).contains(&seconds);
     if is_time {
@@ -185,7 +185,7 @@ pub fn clock(robot: &Robot, tick: Time) -> [i32; 4] {
     [seconds / 3600, seconds / 60 % 60, seconds % 60, clock % SECOND / tick.0].map(|value| value as i32)
 }
 
-/// Wait of `OSWait` until `end`.
+/// Waits until `end`, for `OSWait` and `OSSleep`.
 pub fn wait_until(robot: &Robot, end: Time) -> Poll<i32> {
     if robot.now >= end { Poll::Ready(0) } else { Poll::Pending { at: end, reason: WaitReason::Time(end) } }
 }
@@ -200,7 +200,7 @@ pub fn attach_timer(
 ) -> i32 {
     let handle = callback.map_or(0, |callback| robot.timers.attach(robot.now, tick, scale, callback));
     if handle == 0 {
-        return robot.failed(call, 0);
+        return robot.fail_call(call, 0);
     }
     let period_s = Time(i64::from(scale) * tick.0).seconds();
     robot.record(Event::TimerAttached { timer: handle.unsigned_abs(), period_s });

@@ -38,22 +38,22 @@ pub fn span_of_milliseconds(n: i32) -> Time {
 
 /// `OSVersion`, `OSVersionIO`
 pub fn version(robot: &mut Robot, call: Call, text: &mut OutBytes) -> i32 {
-    put_name(robot, call, text, VERSION)
+    put_text(robot, call, text, VERSION)
 }
 
 /// `OSMachineName`: the robi's name.
 pub fn machine_name(robot: &mut Robot, text: &mut OutBytes) -> i32 {
     let spec = robot.spec.clone();
-    put_name(robot, Call::OSMachineName, text, &spec.name)
+    put_text(robot, Call::OSMachineName, text, &spec.name)
 }
 
 /// Stores a text with a final 0, truncated to the buffer's capacity.
-fn put_name(robot: &mut Robot, call: Call, text: &mut OutBytes, name: &str) -> i32 {
-    let room = text.capacity().min(MAX_NAME);
-    if text.is_null() || room == 0 {
-        return robot.failed(call, 1);
+fn put_text(robot: &mut Robot, call: Call, out: &mut OutBytes, text: &str) -> i32 {
+    let room = out.capacity().min(MAX_NAME);
+    if out.is_null() || room == 0 {
+        return robot.fail_call(call, 1);
     }
-    text.set(&terminated(name.as_bytes(), room));
+    out.set(&terminated(text.as_bytes(), room));
     0
 }
 
@@ -76,12 +76,12 @@ pub fn attach_timer(robot: &mut Robot, scale: i32, callback: Option<Callback>) -
 
 /// `OSDetachTimer`
 pub fn detach_timer(robot: &mut Robot, timer: i32) -> i32 {
-    if os::detach_timer(robot, timer) { 0 } else { robot.failed(Call::OSDetachTimer, 1) }
+    if os::detach_timer(robot, timer) { 0 } else { robot.fail_call(Call::OSDetachTimer, 1) }
 }
 
 /// `OSSetTime`
 pub fn set_time(robot: &mut Robot, time: [i32; 3]) -> i32 {
-    if os::set_clock(robot, time) { 0 } else { robot.failed(Call::OSSetTime, 1) }
+    if os::set_clock(robot, time) { 0 } else { robot.fail_call(Call::OSSetTime, 1) }
 }
 
 /// `OSGetTime`
@@ -93,9 +93,9 @@ pub fn time(robot: &Robot, out: [&mut Out<i32>; 4]) -> i32 {
 /// `OSExecute`: runs a command if the user has allowed it, and waits for its end for at most [`EXECUTE_TIMEOUT`] of
 /// wall-clock time.
 pub fn execute(robot: &mut Robot, command: Option<&[u8]>, out: &mut OutBytes) -> i32 {
-    let Some(command) = command else { return robot.failed(Call::OSExecute, 1) };
+    let Some(command) = command else { return robot.fail_call(Call::OSExecute, 1) };
     if !robot.robios.os.may_execute {
-        return robot.refused(Call::OSExecute, 1, |_| {
+        return robot.refuse_call(Call::OSExecute, 1, |_| {
             format!("`{}` is not run: `--allow-execute` on the command line allows it", super::text(command))
         });
     }
@@ -110,11 +110,11 @@ pub fn execute(robot: &mut Robot, command: Option<&[u8]>, out: &mut OutBytes) ->
             if room > 0 {
                 out.set(&terminated(&output.stdout, room));
             }
-            if output.status.success() { 0 } else { robot.failed(Call::OSExecute, 1) }
+            if output.status.success() { 0 } else { robot.fail_call(Call::OSExecute, 1) }
         }
         Err(error) if error.kind() == io::ErrorKind::TimedOut => {
-            robot.refused(Call::OSExecute, 1, |_| format!("`{}`: {error}", super::text(command)))
+            robot.refuse_call(Call::OSExecute, 1, |_| format!("`{}`: {error}", super::text(command)))
         }
-        Err(error) => robot.refused(Call::OSExecute, 1, |_| format!("there is no shell: {error}")),
+        Err(error) => robot.refuse_call(Call::OSExecute, 1, |_| format!("there is no shell: {error}")),
     }
 }

@@ -35,7 +35,7 @@ impl Panel {
         }
     }
 
-    /// Lines of text, the menu last.
+    /// Lines of text; the last one is the menu.
     pub fn lines(&self) -> Vec<String> {
         self.as_ref().lines()
     }
@@ -47,7 +47,7 @@ impl Panel {
 }
 
 impl PanelRef<'_> {
-    /// Lines of text, the menu last.
+    /// Lines of text; the last one is the menu.
     pub fn lines(self) -> Vec<String> {
         match self {
             Self::Classic(lcd) => lcd.lines().to_vec(),

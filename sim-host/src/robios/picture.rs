@@ -37,7 +37,7 @@ impl Size {
 /// # Panics
 /// If `source` has fewer pixels than `size`.
 pub fn laplace(size: Size, source: &[u8]) -> Vec<u8> {
-    inner(size, source, |[[_, n, _], [w, c, e], [_, s, _]]| (4 * c - n - s - w - e).abs())
+    map_inner_pixels(size, source, |[[_, n, _], [w, c, e], [_, s, _]]| (4 * c - n - s - w - e).abs())
 }
 
 /// Edges of a grey image by the Sobel operator: |gx| + |gy|, at most 255. Border pixels are 0.
@@ -45,7 +45,7 @@ pub fn laplace(size: Size, source: &[u8]) -> Vec<u8> {
 /// # Panics
 /// If `source` has fewer pixels than `size`.
 pub fn sobel(size: Size, source: &[u8]) -> Vec<u8> {
-    inner(size, source, |[[nw, n, ne], [w, _, e], [sw, s, se]]| {
+    map_inner_pixels(size, source, |[[nw, n, ne], [w, _, e], [sw, s, se]]| {
         let gx = ne + 2 * e + se - nw - 2 * w - sw;
         let gy = sw + 2 * s + se - nw - 2 * n - ne;
         gx.abs() + gy.abs()
@@ -53,7 +53,7 @@ pub fn sobel(size: Size, source: &[u8]) -> Vec<u8> {
 }
 
 /// Image whose inner pixels are `operator` of their 3 x 3 neighbourhoods, limited to 0..=255; border pixels are 0.
-fn inner(size: Size, source: &[u8], operator: impl Fn([[i32; 3]; 3]) -> i32) -> Vec<u8> {
+fn map_inner_pixels(size: Size, source: &[u8], operator: impl Fn([[i32; 3]; 3]) -> i32) -> Vec<u8> {
     let Size { width, height } = size;
     let mut result = vec![0; size.pixels()];
     if width < 3 || height < 3 {
@@ -121,8 +121,8 @@ pub fn hsi(rgb: [u8; 3]) -> [u8; 3] {
     [hue(rgb), saturation as u8, grey(rgb)]
 }
 
-/// Hue of a colour: red 43, green 128, blue 213, 42 to either side of each; 0 for grey, a colour whose largest and
-/// smallest channel differ by at most half of the largest.
+/// Hue of a colour: red is 43, green 128, blue 213; other hues differ from the nearest of these by up to 42. The hue is
+/// 0 for grey: a colour whose largest and smallest channel differ by at most half of the largest.
 ///
 /// Source: Bräunl, Embedded Robotics, colour; the offset as in the EyeBot's library.
 pub fn hue([red, green, blue]: [u8; 3]) -> u8 {
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_are_where_the_step_is_and_the_border_is_black() {
+    fn edges_are_found_at_the_step_and_the_border_is_black() {
         // Laplace: 10 on both sides of the step. Sobel: (1 + 2 + 1) * 10 on both sides.
         assert_eq!(laplace(SIZE, &step(10)), [[0; 6], [0, 0, 10, 10, 0, 0], [0, 0, 10, 10, 0, 0], [0; 6]].concat());
         assert_eq!(sobel(SIZE, &step(10)), [[0; 6], [0, 0, 40, 40, 0, 0], [0, 0, 40, 40, 0, 0], [0; 6]].concat());
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn both_directions_of_an_edge_count() {
+    fn sobel_adds_the_gradients_of_both_directions() {
         // One bright pixel in a corner of the neighbourhood: |gx| + |gy| = 2 * 7; over it: |gy| = 2 * 7.
         let size = Size { width: 5, height: 5 };
         let mut image = vec![0; 25];
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn images_without_an_inside_are_black() {
+    fn images_without_inner_pixels_are_black() {
         for (width, height) in [(1, 1), (2, 9), (9, 2)] {
             let size = Size::new(width, height).unwrap();
             assert_eq!(sobel(size, &vec![9; size.pixels()]), vec![0; size.pixels()]);

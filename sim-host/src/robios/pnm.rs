@@ -46,14 +46,14 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
         _ => return Err(PnmError::Kind),
     };
     let mut text = Text { rest };
-    let side = "a whole number above 0";
-    let width = text.number(u32::MAX).filter(|it| *it > 0).ok_or(PnmError::Header("width", side))?;
-    let height = text.number(u32::MAX).filter(|it| *it > 0).ok_or(PnmError::Header("height", side))?;
+    let expected_side = "a whole number above 0";
+    let width = text.number(u32::MAX).filter(|number| *number > 0).ok_or(PnmError::Header("width", expected_side))?;
+    let height = text.number(u32::MAX).filter(|number| *number > 0).ok_or(PnmError::Header("height", expected_side))?;
     let max = match kind {
         1 | 4 => 1,
         _ => text
             .number(65_535)
-            .filter(|it| *it > 0)
+            .filter(|number| *number > 0)
             .ok_or(PnmError::Header("greatest value", "a whole number from 1 to 65535"))?,
     };
     let depth = if matches!(kind, 3 | 6) { 3 } else { 1 };
@@ -63,8 +63,8 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
         return Err(PnmError::Short(pixels));
     }
     let (width, samples) = (width as usize, pixels as usize * depth);
-    let sample = |number: usize, value: Option<u32>| {
-        let value = value.filter(|value| *value <= max).ok_or(PnmError::Sample((number / depth) as u64, max))?;
+    let sample = |index: usize, value: Option<u32>| {
+        let value = value.filter(|value| *value <= max).ok_or(PnmError::Sample((index / depth) as u64, max))?;
         Ok(((value * 255 + max / 2) / max) as u8)
     };
     // One blank ends the header of a binary file.
@@ -72,24 +72,33 @@ pub fn read(file: &[u8], size: Size) -> Result<Picture, PnmError> {
     let short = PnmError::Short(pixels);
     let levels: Vec<u8> = match kind {
         // The digits of a plain bitmap need no blanks between them.
-        1 => (0..samples).map(|at| sample(at, text.digit()).map(|level| 255 - level)).collect::<Result<_, _>>()?,
-        2 | 3 => (0..samples).map(|at| sample(at, text.number(max))).collect::<Result<_, _>>()?,
+        1 => {
+            (0..samples).map(|index| sample(index, text.digit()).map(|level| 255 - level)).collect::<Result<_, _>>()?
+        }
+        2 | 3 => (0..samples).map(|index| sample(index, text.number(max))).collect::<Result<_, _>>()?,
         4 => {
             let row = width.div_ceil(8);
             let rows = data.get(..row * height as usize).ok_or(short)?.chunks_exact(row);
-            rows.flat_map(|row| (0..width).map(|at| if row[at / 8] >> (7 - at % 8) & 1 == 1 { 0 } else { 255 }))
-                .collect()
+            rows.flat_map(|row| {
+                (0..width).map(|column| if row[column / 8] >> (7 - column % 8) & 1 == 1 { 0 } else { 255 })
+            })
+            .collect()
         }
         _ if max < 256 => {
             let data = data.get(..samples).ok_or(short)?;
-            data.iter().enumerate().map(|(at, level)| sample(at, Some((*level).into()))).collect::<Result<_, _>>()?
+            data.iter()
+                .enumerate()
+                .map(|(index, level)| sample(index, Some((*level).into())))
+                .collect::<Result<_, _>>()?
         }
         _ => {
             let levels = data.get(..2 * samples).ok_or(short)?.as_chunks().0.iter().enumerate();
-            levels.map(|(at, level)| sample(at, Some(u16::from_be_bytes(*level).into()))).collect::<Result<_, _>>()?
+            levels
+                .map(|(index, level)| sample(index, Some(u16::from_be_bytes(*level).into())))
+                .collect::<Result<_, _>>()?
         }
     };
-    Ok(Picture { kind, pixels: fitted(&levels, width * depth, size.width * depth, size.height) })
+    Ok(Picture { kind, pixels: crop_or_fill(&levels, width * depth, size.width * depth, size.height) })
 }
 
 /// The part of a file that consists of decimal numbers between blanks and comments.
@@ -99,7 +108,7 @@ struct Text<'f> {
 
 impl Text<'_> {
     /// Skips blanks, and comments from `#` to the end of their line.
-    fn skip(&mut self) {
+    fn skip_blanks(&mut self) {
         loop {
             match self.rest {
                 [blank, rest @ ..] if blank.is_ascii_whitespace() => self.rest = rest,
@@ -114,7 +123,7 @@ impl Text<'_> {
 
     /// The next number, at most `max`; `None` if there is none.
     fn number(&mut self, max: u32) -> Option<u32> {
-        self.skip();
+        self.skip_blanks();
         let length = self.rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
         let (digits, rest) = self.rest.split_at(length);
         self.rest = rest;
@@ -123,7 +132,7 @@ impl Text<'_> {
 
     /// The next digit, 0 or 1 in a bitmap.
     fn digit(&mut self) -> Option<u32> {
-        self.skip();
+        self.skip_blanks();
         let (digit, rest) = self.rest.split_first()?;
         self.rest = rest;
         char::from(*digit).to_digit(10)
@@ -131,7 +140,7 @@ impl Text<'_> {
 }
 
 /// Crops or fills rows of `from_width` bytes to `height` rows of `width` bytes.
-fn fitted(bytes: &[u8], from_width: usize, width: usize, height: usize) -> Vec<u8> {
+fn crop_or_fill(bytes: &[u8], from_width: usize, width: usize, height: usize) -> Vec<u8> {
     let mut result = vec![0; width * height];
     let common = width.min(from_width);
     for (to, from) in result.chunks_exact_mut(width).zip(bytes.chunks_exact(from_width.max(1))) {
@@ -186,14 +195,14 @@ mod tests {
     }
 
     #[test]
-    fn other_sizes_are_cut_and_filled() {
+    fn other_sizes_are_cropped_or_filled() {
         assert_eq!(pixels(b"P2 3 1 255 1 2 3"), (2, vec![1, 2, 0, 0]));
         assert_eq!(pixels(b"P2 1 3 255 1 2 3"), (2, vec![1, 0, 2, 0]));
         assert_eq!(pixels(b"P3 1 1 255 1 2 3"), (3, [&[1, 2, 3], [0; 9].as_slice()].concat()));
     }
 
     #[test]
-    fn damaged_files_are_told_of() {
+    fn damaged_files_are_rejected() {
         let file = b"P6 2 2 255\n\x01\x02\x03\x04\x05\x06\x07\x08\x09\x0a\x0b\x0c";
         for length in 0..file.len() {
             assert!(read(&file[..length], TWO_BY_TWO).is_err(), "cut after {length} bytes");
@@ -221,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn written_files_are_read_back() {
         let size = Size { width: 3, height: 2 };
         let (grey, colour): (Vec<u8>, Vec<u8>) = ((0..6).collect(), (0..18).collect());
         assert_eq!(read(&write_grey(size, &grey), size).unwrap(), Picture { kind: 5, pixels: grey });

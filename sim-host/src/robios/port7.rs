@@ -1,8 +1,8 @@
 //! Digital lines and analog channels of RoBIOS-7: inputs read the values of the robi's companion, outputs hold the
 //! value written.
 //!
-//! Source: RoBIOS-7 library, digital and analog I/O; the lines' initial direction, and that a recording holds the upper
-//! 8 bits of each value, are our choice.
+//! Source: RoBIOS-7 library, digital and analog I/O; our choices: the initial direction of the lines, and recordings of
+//! the upper 8 bits of each value.
 
 use robios_sys::robios7::Char;
 use robios_sys::{OutBytes, Robios7Call as Call};
@@ -100,7 +100,7 @@ pub fn set_up(robot: &mut Robot, line: i32, direction: Char) -> i32 {
     };
     let (Some(index), Some(direction)) = (index_of(line), direction) else {
         let reason = |_: &Robot| format!("expected a line from 1 to {LINES}, and 'i', 'o', 'I' or 'J'");
-        return robot.refused(Call::DIGITALSetup, 1, reason);
+        return robot.refuse_call(Call::DIGITALSetup, 1, reason);
     };
     robot.robios.ports.lines[index] = direction;
     0
@@ -108,7 +108,7 @@ pub fn set_up(robot: &mut Robot, line: i32, direction: Char) -> i32 {
 
 /// `DIGITALRead`
 pub fn read(robot: &mut Robot, line: i32) -> i32 {
-    let Some(index) = index_of(line) else { return robot.failed(Call::DIGITALRead, -1) };
+    let Some(index) = index_of(line) else { return robot.fail_call(Call::DIGITALRead, -1) };
     let state = robot.robios.ports.state(&robot.spec.inputs, index);
     robot.record(Event::Reading { device: NAMES[index], value: state.into() });
     state.into()
@@ -124,10 +124,10 @@ pub fn read_all(robot: &mut Robot) -> i32 {
 
 /// `DIGITALWrite`
 pub fn write(robot: &mut Robot, line: i32, state: i32) -> i32 {
-    let line_of =
+    let output_index =
         |robot: &Robot| index_of(line).filter(|index| matches!(robot.robios.ports.lines[*index], Direction::Out(_)));
-    let (Some(index), 0 | 1) = (line_of(robot), state) else {
-        return robot.refused(Call::DIGITALWrite, 1, |_| {
+    let (Some(index), 0 | 1) = (output_index(robot), state) else {
+        return robot.refuse_call(Call::DIGITALWrite, 1, |_| {
             format!("expected 0 or 1, and a line that `DIGITALSetup({line}, 'o')` has made an output")
         });
     };
@@ -139,13 +139,13 @@ pub fn write(robot: &mut Robot, line: i32, state: i32) -> i32 {
 /// Value of an analog channel, 0 to 1023; `None` if there is no such channel.
 fn analog(inputs: &InputSpec, channel: i32) -> Option<u16> {
     let level = inputs.analog.iter().find(|(number, _)| i32::from(*number) == channel).map(|(_, value)| *value);
-    let open = if channel == MICROPHONE { 4 * u16::from(inputs.microphone) } else { 0 };
-    (0..CHANNELS).contains(&channel).then(|| level.unwrap_or(open))
+    let default = if channel == MICROPHONE { 4 * u16::from(inputs.microphone) } else { 0 };
+    (0..CHANNELS).contains(&channel).then(|| level.unwrap_or(default))
 }
 
 /// `ANALOGRead`
 pub fn read_analog(robot: &mut Robot, channel: i32) -> i32 {
-    let Some(value) = analog(&robot.spec.inputs, channel) else { return robot.failed(Call::ANALOGRead, -1) };
+    let Some(value) = analog(&robot.spec.inputs, channel) else { return robot.fail_call(Call::ANALOGRead, -1) };
     robot.record(Event::Reading { device: "A/D", value: value.into() });
     value.into()
 }
@@ -161,7 +161,7 @@ pub fn read_voltage(robot: &mut Robot) -> i32 {
 pub fn record(robot: &mut Robot, channel: i32, count: i32) -> i32 {
     let is_busy = robot.robios.ports.recording.is_some_and(|recording| recording.end > robot.now);
     let value = analog(&robot.spec.inputs, channel).filter(|_| !is_busy && (1..=MAX_RECORDING).contains(&count));
-    let Some(value) = value else { return robot.failed(Call::ANALOGRecord, 1) };
+    let Some(value) = value else { return robot.fail_call(Call::ANALOGRecord, 1) };
     let end = robot.now + Time(i64::from(count) * MILLISECOND.0);
     robot.robios.ports.recording = Some(Recording { end, value: (value >> 2) as u8, count: count as usize });
     0

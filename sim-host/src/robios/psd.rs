@@ -31,8 +31,8 @@ pub fn mm_from_distance(metres: Option<f64>) -> i32 {
 /// Converts a distance in metres for `PSDGetRaw`: 20 400 divided by the millimetres, at most 255 (from 80 mm down), 0
 /// for no return.
 ///
-/// The characteristic is the sensor's (the nearer, the larger); the constant is our choice, so that the 80 to 800 mm of
-/// the Sharp GP2D02 use the whole byte.
+/// As for the real sensor, nearer objects give larger values. The constant is our choice: with it, the range of the
+/// Sharp GP2D02, 80 to 800 mm, uses the whole byte.
 pub fn raw_from_distance(metres: Option<f64>) -> i32 {
     // A distance of 0 yields infinity, which the conversion saturates.
     metres.map_or(0, |metres| i32::from((RAW_MM / sim_core::unit::mm_from_metres(metres)).round() as u8))
@@ -42,7 +42,7 @@ pub fn raw_from_distance(metres: Option<f64>) -> i32 {
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     match robot.robios.table.find(HDT_PSD, semantics).map(|device| device.index) {
         Some(index) => match robot.robios.psds.open(index) {
-            0 => robot.refused(Call::PSDInit, 0, |robot| {
+            0 => robot.refuse_call(Call::PSDInit, 0, |robot| {
                 format!(
                     "a handle is a bit, and the first {MAX_DEVICES} range sensors of `{}` have them all",
                     robot.spec.file
@@ -50,7 +50,7 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
             }),
             handle => handle,
         },
-        None => robot.has_no(Call::PSDInit, 0, HDT_PSD, semantics),
+        None => robot.refuse_missing_device(Call::PSDInit, 0, HDT_PSD, semantics),
     }
 }
 
@@ -63,15 +63,15 @@ pub fn release(robot: &mut Robot) -> i32 {
 
 /// `PSDStart`
 pub fn start(robot: &mut Robot, handles: i32, is_continuous: bool) -> i32 {
-    if robot.robios.psds.all(handles).is_none() {
-        return robot.failed(Call::PSDStart, -1);
+    if robot.robios.psds.devices(handles).is_none() {
+        return robot.fail_call(Call::PSDStart, -1);
     }
     let Robot { state, .. } = robot;
     if state.devices.psds.start(handles as u32, is_continuous, state.now) {
         return 0;
     }
     robot.hint_at(Mistake::PsdBusy);
-    robot.failed(Call::PSDStart, 1)
+    robot.fail_call(Call::PSDStart, 1)
 }
 
 /// `PSDStop`
@@ -97,7 +97,7 @@ pub fn get_raw(robot: &mut Robot, world: &World, handle: i32) -> i32 {
 
 /// `PSDGetSignal`
 pub fn get_signal(robot: &mut Robot, world: &World, handle: i32) -> f32 {
-    let Some((index, Measured { measured_at, reading })) = value(robot, world, handle, Call::PSDGetSignal) else {
+    let Some((index, Measured { measured_at, reading })) = measurement(robot, world, handle, Call::PSDGetSignal) else {
         return NO_SIGNAL;
     };
     record_signal(robot, index, measured_at, reading.signal);
@@ -112,17 +112,19 @@ fn distance(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Result
         }
         return Err(robot.state.devices.psds.stamp(robot.state.now).map_or(0, os::hundredths));
     }
-    let Some((index, Measured { measured_at, reading })) = value(robot, world, handle, call) else { return Ok(None) };
+    let Some((index, Measured { measured_at, reading })) = measurement(robot, world, handle, call) else {
+        return Ok(None);
+    };
     record_distance(robot, index, measured_at, reading.distance);
     Ok(reading.distance)
 }
 
-/// Index of a handle's sensor and its measurement; `None`, with a hint, if there is no such sensor or no measurement
-/// yet.
-fn value(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Option<(usize, Measured)> {
-    let Some(index) = robot.robios.psds.one(handle) else {
+/// Index and measurement of the sensor with this handle; `None`, with a hint, if there is no such sensor or no
+/// measurement yet.
+fn measurement(robot: &mut Robot, world: &World, handle: i32, call: Call) -> Option<(usize, Measured)> {
+    let Some(index) = robot.robios.psds.device(handle) else {
         robot.hint_at(Mistake::PsdNotOpen);
-        robot.failed(call, PSD_OUT_OF_RANGE);
+        robot.fail_call(call, PSD_OUT_OF_RANGE);
         return None;
     };
     let measured = robot.measured_range(world, index);
@@ -152,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units() {
+    fn conversions_of_distances() {
         assert_eq!(mm_from_distance(Some(0.1234)), 123);
         assert_eq!(mm_from_distance(Some(0.1236)), 124);
         assert_eq!([mm_from_distance(None), mm_from_distance(Some(50.0))], [9999, 9999]);

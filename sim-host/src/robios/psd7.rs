@@ -16,12 +16,12 @@ const NAMES: [&str; 7] =
 
 /// `PSDGet`
 pub fn get(robot: &mut Robot, world: &World, psd: i32) -> i32 {
-    see(robot, world, Call::PSDGet, psd).map_or(0, mm_from_distance)
+    distance(robot, world, Call::PSDGet, psd).map_or(0, mm_from_distance)
 }
 
 /// `PSDGetRaw`
 pub fn get_raw(robot: &mut Robot, world: &World, psd: i32) -> i32 {
-    see(robot, world, Call::PSDGetRaw, psd).map_or(0, raw_from_distance)
+    distance(robot, world, Call::PSDGetRaw, psd).map_or(0, raw_from_distance)
 }
 
 /// `PSDGetSignal`
@@ -32,7 +32,7 @@ pub fn get_signal(robot: &mut Robot, world: &World, psd: i32) -> f32 {
 }
 
 /// Current distance of a sensor in metres, `Some(None)` for no return; `None` if there is no such sensor.
-fn see(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<Option<f64>> {
+fn distance(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<Option<f64>> {
     let (index, reading) = read(robot, world, call, psd)?;
     record_distance(robot, index, robot.now, reading.distance);
     Some(reading.distance)
@@ -41,7 +41,7 @@ fn see(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<Option<
 /// Index of a sensor and its current reading; `None` if there is no such sensor.
 fn read(robot: &mut Robot, world: &World, call: Call, psd: i32) -> Option<(usize, Reading)> {
     let Some(index) = robot.find_numbered(call, HDT_PSD, psd, &NAMES) else {
-        robot.failed(call, 0);
+        robot.fail_call(call, 0);
         return None;
     };
     Some((index, robot.read_range(world, index)))

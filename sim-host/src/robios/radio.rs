@@ -28,7 +28,7 @@ pub struct Radio {
 /// `RADIOInit`: switches on the station `address`, which sends at `baud`.
 pub fn init(robot: &mut Robot, world: &World, call: impl Into<Call>, failure: i32, address: u32, baud: u32) -> i32 {
     if robot.radio_member().is_some() {
-        return robot.refused(call, failure, |_| "the radio is on already".to_owned());
+        return robot.refuse_call(call, failure, |_| "the radio is on already".to_owned());
     }
     robot.switch_radio_on(world, address, baud);
     0
@@ -37,19 +37,19 @@ pub fn init(robot: &mut Robot, world: &World, call: impl Into<Call>, failure: i3
 /// `RADIOTerm`, `RADIORelease`
 pub fn release(robot: &mut Robot, call: impl Into<Call>, failure: i32) -> i32 {
     if robot.radio_member().is_none() {
-        return is_off(robot, call, failure);
+        return refuse_while_off(robot, call, failure);
     }
     switch_off(robot);
     0
 }
 
-/// Answer of a call that requires the radio to be on.
-pub fn is_off(robot: &mut Robot, call: impl Into<Call>, failure: i32) -> i32 {
-    robot.refused(call, failure, |_| "the radio is off: `RADIOInit` switches it on".to_owned())
+/// Refuses a call that requires the radio to be on.
+pub fn refuse_while_off(robot: &mut Robot, call: impl Into<Call>, failure: i32) -> i32 {
+    robot.refuse_call(call, failure, |_| "the radio is off: `RADIOInit` switches it on".to_owned())
 }
 
-/// Switches the radio off; returns the number of messages left unsent. In RoBIOS-7 messages that were sent are still
-/// transmitted, as in EyeSim VR.
+/// Switches the radio off; returns the number of messages that are not transmitted. In RoBIOS-7 messages that were sent
+/// are still transmitted, as in EyeSim VR.
 fn switch_off(robot: &mut Robot) -> usize {
     let unsent = if robot.robios.is_of_robios7() { robot.retire_radio() } else { robot.switch_radio_off() };
     robot.tasks.recheck_radio(robot.state.now);
@@ -60,11 +60,11 @@ fn switch_off(robot: &mut Robot) -> usize {
 pub fn send(robot: &mut Robot, world: &World, call: impl Into<Call>, to: u32, payload: Result<&[u8], String>) -> i32 {
     const FAILURE: i32 = 1;
     if robot.radio_member().is_none() {
-        return is_off(robot, call, FAILURE);
+        return refuse_while_off(robot, call, FAILURE);
     }
     let payload = match payload {
         Ok(payload) => payload,
-        Err(reason) => return robot.refused(call, FAILURE, |_| reason),
+        Err(reason) => return robot.refuse_call(call, FAILURE, |_| reason),
     };
     if !is_known(robot, world, to) {
         let text = format!("`RADIOSend` to {to}: no other robot has this address, nobody hears the message");
@@ -72,13 +72,13 @@ pub fn send(robot: &mut Robot, world: &World, call: impl Into<Call>, to: u32, pa
     }
     let to = if to == BROADCAST as u32 { Address::All } else { Address::One(to) };
     if robot.send_message(world, to, payload).is_err() {
-        return robot.failed(call, FAILURE);
+        return robot.fail_call(call, FAILURE);
     }
     robot.robios.radio.sent = robot.robios.radio.sent.saturating_add(1);
     0
 }
 
-/// Returns true for the broadcast address, and for the known address of another robot.
+/// Returns true for the broadcast address, and for the address of another robot.
 fn is_known(robot: &Robot, world: &World, address: u32) -> bool {
     let is_own = robot.radio_member().is_some_and(|member| member.address == address);
     let is_number = address > 0 && world.is_robot_present(RobotId(address), robot.now);
@@ -89,28 +89,28 @@ fn is_known(robot: &Robot, world: &World, address: u32) -> bool {
 /// `RADIOCheck`
 pub fn check(robot: &mut Robot, call: impl Into<Call>) -> i32 {
     if robot.radio_member().is_none() {
-        return is_off(robot, call, 0);
+        return refuse_while_off(robot, call, 0);
     }
     robot.radio_waiting() as i32
 }
 
-/// Waits for a message, which `give` passes to the program.
+/// Waits for a message, which `deliver` passes to the program.
 pub fn receive(
     robot: &mut Robot,
     call: impl Into<Call>,
     failure: i32,
-    give: impl FnOnce(&ReceivedMessage),
+    deliver: impl FnOnce(&ReceivedMessage),
 ) -> Poll<i32> {
     let now = robot.now;
     robot.settle_radio(now);
     if robot.radio_member().is_none() {
-        return Poll::Ready(is_off(robot, call, failure));
+        return Poll::Ready(refuse_while_off(robot, call, failure));
     }
     let Some(message) = robot.receive_message() else {
         return Poll::Pending { at: robot.next_message(), reason: WaitReason::Message };
     };
     robot.robios.radio.received = robot.robios.radio.received.saturating_add(1);
-    give(&message);
+    deliver(&message);
     Poll::Ready(0)
 }
 

@@ -42,7 +42,7 @@ pub fn send(robot: &mut Robot, world: &World, id: u8, buffer: Option<&[u8]>) -> 
 /// `RADIORecv`: bytes beyond the buffer's capacity are lost.
 pub fn receive(robot: &mut Robot, id: &mut Out<u8>, received: &mut Out<i32>, buffer: &mut OutBytes) -> Poll<i32> {
     if buffer.is_null() {
-        return Poll::Ready(robot.refused(Call::RADIORecv, FAILURE, |_| "no buffer".to_owned()));
+        return Poll::Ready(robot.refuse_call(Call::RADIORecv, FAILURE, |_| "no buffer".to_owned()));
     }
     radio::receive(robot, Call::RADIORecv, FAILURE, |message| {
         id.set(message.address as u8);
@@ -53,7 +53,7 @@ pub fn receive(robot: &mut Robot, id: &mut Out<u8>, received: &mut Out<i32>, buf
 /// `RADIOGetIoctl`
 pub fn get_settings(robot: &mut Robot, world: &World, parameters: &mut Out<RadioIOParameters>) -> i32 {
     if parameters.is_null() {
-        return robot.refused(Call::RADIOGetIoctl, FAILURE, |_| "no place for the settings".to_owned());
+        return robot.refuse_call(Call::RADIOGetIoctl, FAILURE, |_| "no place for the settings".to_owned());
     }
     parameters.set(settings(robot, world));
     0
@@ -61,19 +61,21 @@ pub fn get_settings(robot: &mut Robot, world: &World, parameters: &mut Out<Radio
 
 /// `RADIOSetIoctl`
 pub fn set_settings(robot: &mut Robot, world: &World, parameters: Option<&RadioIOParameters>) -> i32 {
-    let outcome = accepted(robot, world, parameters);
+    let outcome = checked_settings(robot, world, parameters);
     if let Ok(settings) = outcome {
         robot.robios.radio.settings = Some(settings);
     }
-    robot.answered(Call::RADIOSetIoctl, FAILURE, outcome.map(drop))
+    robot.answer_call(Call::RADIOSetIoctl, FAILURE, outcome.map(drop))
 }
 
 /// `RADIOGetStatus`
 pub fn status(robot: &mut Robot, status: &mut Out<RadioStatus>) -> i32 {
     if status.is_null() {
-        return robot.refused(Call::RADIOGetStatus, FAILURE, |_| "no place for the status".to_owned());
+        return robot.refuse_call(Call::RADIOGetStatus, FAILURE, |_| "no place for the status".to_owned());
     }
-    let Some(member) = robot.radio_member() else { return radio::is_off(robot, Call::RADIOGetStatus, FAILURE) };
+    let Some(member) = robot.radio_member() else {
+        return radio::refuse_while_off(robot, Call::RADIOGetStatus, FAILURE);
+    };
     let waiting = robot.radio_waiting() as i32;
     let radio::Radio { sent, received, .. } = robot.robios.radio;
     status.set(RadioStatus { id: member.address as i32, sent, received, waiting });
@@ -93,23 +95,27 @@ fn settings(robot: &Robot, world: &World) -> RadioIOParameters {
 }
 
 /// Checks the settings that the program requests.
-fn accepted(robot: &Robot, world: &World, parameters: Option<&RadioIOParameters>) -> Result<RadioIOParameters, String> {
-    let Some(wanted) = parameters else { return Err("no settings".to_owned()) };
+fn checked_settings(
+    robot: &Robot,
+    world: &World,
+    parameters: Option<&RadioIOParameters>,
+) -> Result<RadioIOParameters, String> {
+    let Some(requested) = parameters else { return Err("no settings".to_owned()) };
     if robot.radio_member().is_some() {
         return Err("the radio is on: its settings are made before `RADIOInit`".to_owned());
     }
-    let RadioIOParameters { interface, speed, id, remote_on, image_transfer, debug } = *wanted;
-    let usual = settings(robot, world);
+    let RadioIOParameters { interface, speed, id, remote_on, image_transfer, debug } = *requested;
+    let current = settings(robot, world);
     let checks = [
         ((SERIAL1..=SERIAL3).contains(&interface), "interface", interface, "SERIAL1 to SERIAL3"),
-        (RATES.contains(&speed) || speed == usual.speed, "speed", speed, "SER9600 to SER115200"),
-        ((1..=255).contains(&id) || id == usual.id, "id", id, "1 to 255"),
+        (RATES.contains(&speed) || speed == current.speed, "speed", speed, "SER9600 to SER115200"),
+        ((1..=255).contains(&id) || id == current.id, "id", id, "1 to 255"),
         ((0..=1).contains(&remote_on), "remoteOn", remote_on, "0 or 1"),
         ((0..=2).contains(&image_transfer), "imageTransfer", image_transfer, "0, 1 or 2"),
         ((0..=100).contains(&debug), "debug", debug, "0 to 100"),
     ];
-    match checks.iter().find(|(is_right, ..)| !is_right) {
+    match checks.iter().find(|(is_valid, ..)| !is_valid) {
         Some((_, name, value, expected)) => Err(format!("{name} is {value}, expected {expected}")),
-        None => Ok(*wanted),
+        None => Ok(*requested),
     }
 }

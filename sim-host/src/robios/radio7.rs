@@ -44,7 +44,9 @@ pub fn send(robot: &mut Robot, world: &World, id: i32, text: Option<&[u8]>) -> i
 /// 0.
 pub fn receive(robot: &mut Robot, id: &mut Out<i32>, text: &mut OutBytes) -> Poll<i32> {
     if text.capacity() == 0 {
-        return Poll::Ready(robot.refused(Call::RADIOReceive, FAILURE, |_| "no buffer, or no room in it".to_owned()));
+        return Poll::Ready(
+            robot.refuse_call(Call::RADIOReceive, FAILURE, |_| "no buffer, or no room in it".to_owned()),
+        );
     }
     radio::receive(robot, Call::RADIOReceive, FAILURE, |message| {
         id.set(i32::try_from(message.address).unwrap_or(i32::MAX));
@@ -56,9 +58,9 @@ pub fn receive(robot: &mut Robot, id: &mut Out<i32>, text: &mut OutBytes) -> Pol
 /// `RADIOStatus`: addresses of the stations that were on at the slot's start, and of the robot's own station.
 pub fn status(robot: &mut Robot, world: &World, addresses: &mut OutInts) -> i32 {
     if addresses.is_null() {
-        return robot.refused(Call::RADIOStatus, 0, |_| "no place for the addresses".to_owned());
+        return robot.refuse_call(Call::RADIOStatus, 0, |_| "no place for the addresses".to_owned());
     }
-    let Some(own) = robot.radio_member() else { return radio::is_off(robot, Call::RADIOStatus, 0) };
+    let Some(own) = robot.radio_member() else { return radio::refuse_while_off(robot, Call::RADIOStatus, 0) };
     let others = world.radio().members().iter().filter(|member| member.robot != own.robot);
     let mut members: Vec<_> = others.chain([&own]).collect();
     members.sort_unstable_by_key(|member| member.robot);

@@ -60,7 +60,7 @@ impl<F: Flow> Robios6 for Caller<F> {
         fn OSAttachTimer(scale: i32, callback: Option<Callback>) -> i32 =
             |robot, _| os::attach_timer(robot, Call::OSAttachTimer, TICK, scale, callback);
         fn OSDetachTimer(handle: i32) -> i32 =
-            |robot, _| if os::detach_timer(robot, handle) { 1 } else { robot.failed(Call::OSDetachTimer, 0) };
+            |robot, _| if os::detach_timer(robot, handle) { 1 } else { robot.fail_call(Call::OSDetachTimer, 0) };
     }
 
     fn OSWait(&self, n: i32) -> Result<i32, Stop> {
@@ -155,10 +155,10 @@ impl<F: Flow> Robios6 for Caller<F> {
         fn OSCheckInRS232(interface: i32) -> i32 = |robot, _| serial::check_in(robot, interface);
         fn OSCheckOutRS232(interface: i32) -> i32 =
             |robot, _| serial::check_out(robot, Call::OSCheckOutRS232, interface);
-        fn USRStart() -> i32 = |robot, _| robot.failed(Call::USRStart, -1);
-        fn USRResident(_name: Text<'_>, _mode: i32) -> i32 = |robot, _| robot.failed(Call::USRResident, -1);
+        fn USRStart() -> i32 = |robot, _| robot.fail_call(Call::USRStart, -1);
+        fn USRResident(_name: Text<'_>, _mode: i32) -> i32 = |robot, _| robot.fail_call(Call::USRResident, -1);
         fn OSDownload(_name: &mut Out<[u8; 16]>, _bytes: &mut Out<i32>, _baud: i32, _handshake: i32, _interface: i32)
-            -> i32 = |robot, _| robot.failed(Call::OSDownload, 1);
+            -> i32 = |robot, _| robot.fail_call(Call::OSDownload, 1);
     }
     wait! {
         fn OSRecvRS232(buffer: &mut Out<u8>, interface: i32) -> i32 =
@@ -175,7 +175,7 @@ impl<F: Flow> Robios6 for Caller<F> {
         fn AUBeep() -> i32 = |robot, _| audio::beep(robot);
         fn AURecordSample(buffer: &mut OutBytes, rate_hz: i64) -> i32 =
             |robot, _| audio::record_6(robot, buffer, rate_hz);
-        fn AUCheckRecord() -> i32 = |robot, _| robot.robios.audio.is_record_done(robot.now).into();
+        fn AUCheckRecord() -> i32 = |robot, _| robot.robios.audio.is_recording_done(robot.now).into();
         fn AUCaptureMic() -> i32 = |robot, _| audio::microphone_6(robot);
     }
 
@@ -335,10 +335,10 @@ impl<F: Flow> Robios6 for Caller<F> {
     act! {
         fn OSMTInit(mode: u8) -> i32 = |robot, _| multitasking::start(robot, mode);
         fn OSMTStatus() -> i32 = |robot, _| multitasking::status(robot);
-        fn OSReady(task: i32) -> i32 = |robot, _| multitasking::ready(robot, Call::OSReady, task);
+        fn OSReady(task: i32) -> i32 = |robot, _| multitasking::make_ready(robot, Call::OSReady, task);
         fn OSGetUID(task: i32) -> i32 = |robot, _| multitasking::uid(robot, task);
-        fn OSForbid() -> i32 = |robot, _| multitasking::permit(robot, Call::OSForbid, false);
-        fn OSPermit() -> i32 = |robot, _| multitasking::permit(robot, Call::OSPermit, true);
+        fn OSForbid() -> i32 = |robot, _| multitasking::set_preemption(robot, Call::OSForbid, false);
+        fn OSPermit() -> i32 = |robot, _| multitasking::set_preemption(robot, Call::OSPermit, true);
         fn OSSemV(semaphore: i32) -> i32 = |robot, _| multitasking::release_semaphore(robot, semaphore);
     }
 
@@ -350,7 +350,7 @@ impl<F: Flow> Robios6 for Caller<F> {
         priority: i32,
         uid: i32,
     ) -> Result<i32, Stop> {
-        self.create(&Spawn { name, code, stack_bytes, priority, uid })
+        self.create_task(&Spawn { name, code, stack_bytes, priority, uid })
     }
 
     fn OSSuspend(&self, task: i32) -> Result<i32, Stop> {

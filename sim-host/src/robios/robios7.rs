@@ -64,7 +64,7 @@ impl<F: Flow> Robios7 for Caller<F> {
         };
         fn LCDImageSize(resolution: i32) -> i32 = |robot, _| display::set_resolution(robot, resolution);
         fn LCDImageStart(x: i32, y: i32, width: i32, height: i32) -> i32 =
-            |robot, _| display::set_image(robot, [x, y], [width, height]);
+            |robot, _| display::set_image_start(robot, [x, y], [width, height]);
         fn LCDImage(width: i32, height: i32, image: Bytes<'_>) -> i32 =
             |robot, _| display::show_colours(robot, [width, height], image);
         fn LCDImageGray(width: i32, height: i32, image: Bytes<'_>) -> i32 =
@@ -77,12 +77,12 @@ impl<F: Flow> Robios7 for Caller<F> {
     // KEY.
     act! {
         fn KEYRead() -> i32 = |robot, _| key::read(robot);
-        fn KEYReadXY(x: &mut Out<i32>, y: &mut Out<i32>) -> i32 = |robot, _| key::read_place(robot, x, y);
+        fn KEYReadXY(x: &mut Out<i32>, y: &mut Out<i32>) -> i32 = |robot, _| key::read_touch(robot, x, y);
     }
     wait! {
         fn KEYGet() -> i32 = |robot, _| key::wait_for(robot, ANYKEY);
         fn KEYWait(codes: i32) -> i32 = |robot, _| key::wait_for_one(robot, codes);
-        fn KEYGetXY(x: &mut Out<i32>, y: &mut Out<i32>) -> i32 = |robot, _| key::touched(robot, x, y);
+        fn KEYGetXY(x: &mut Out<i32>, y: &mut Out<i32>) -> i32 = |robot, _| key::wait_for_touch(robot, x, y);
     }
 
     // CAM.
@@ -194,7 +194,7 @@ impl<F: Flow> Robios7 for Caller<F> {
         fn AUCheckTone() -> i32 = |robot, _| robot.robios.audio.is_tone_done(robot.now).into();
         fn AUCheckPlay() -> i32 = |robot, _| robot.robios.audio.is_sample_done(robot.now).into();
         fn AURecord(buf: &mut OutBytes, freq_hz: i64) -> i32 = |robot, _| audio::record_7(robot, buf, freq_hz);
-        fn AUCheckRecord() -> i32 = |robot, _| robot.robios.audio.is_record_done(robot.now).into();
+        fn AUCheckRecord() -> i32 = |robot, _| robot.robios.audio.is_recording_done(robot.now).into();
     }
 
     // PSD.

@@ -16,7 +16,7 @@ use crate::program::site::Site;
 
 /// A robot with the state of its running program, all guarded by one lock.
 pub struct Robot {
-    /// The robot as the simulation knows it.
+    /// The robot of the simulation.
     pub state: simulation::Robot,
     /// State that RoBIOS keeps for its program.
     pub robios: Robios,
@@ -30,9 +30,9 @@ pub struct Robot {
     pub tasks: Tasks,
     /// Ending of its program, once known.
     pub ending: Option<Ending>,
-    /// One of its tasks that has ended has called a function of RoBIOS.
+    /// A task of the program has called a function of RoBIOS and has ended.
     pub has_called: bool,
-    /// Hints given in the call in progress, whose line is not noted yet.
+    /// Hints given in the call in progress, not yet recorded with their line of the program.
     pub new_hints: Vec<String>,
 }
 
@@ -118,29 +118,29 @@ impl Robot {
         robot
     }
 
-    /// Records a hint to the user about a likely mistake, which the call in progress has shown. A hint outside of calls
-    /// is recorded only in the [`state`](Self::state).
+    /// Records a hint to the user about a likely mistake that the call in progress has revealed. A hint outside of
+    /// calls is recorded only in the [`state`](Self::state).
     pub fn hint(&mut self, text: &str) {
         self.state.hint(text);
         self.new_hints.push(text.to_owned());
     }
 
-    /// Tells the user if the program has ended before a drive that it commanded.
+    /// Gives a hint if the program has ended before the end of a drive that it commanded.
     pub fn hint_at_pending_drive(&mut self) {
         if self.motion.drive_end().is_some_and(|end| end > self.now)
-            && let Some((_, wait)) = self.robios.vw.begun
+            && let Some((_, wait_function)) = self.robios.vw.last_drive
         {
             self.state.hint(&format!(
-                "the program ended while it drove, which stops the motors: `{wait}` waits for the end of a drive"
+                "the program ended while it drove, which stops the motors: `{wait_function}` waits for the end of a drive"
             ));
         }
     }
 
-    /// Tells the user if `main` has ended before other tasks of RoBIOS 6, which end with it.
+    /// Gives a hint if `main` has ended before other tasks of RoBIOS 6, which end with it.
     pub fn hint_at_unfinished_tasks(&mut self) {
-        let is_by_main = !self.tasks.is_exiting() && matches!(self.ending, None | Some(Ending::Exited { .. }));
-        if is_by_main && self.tasks.scheduler().is_some() && self.tasks.has_others() {
-            let others = self.tasks.others_in_words();
+        let is_ended_by_main = !self.tasks.is_exiting() && matches!(self.ending, None | Some(Ending::Exited { .. }));
+        if is_ended_by_main && self.tasks.scheduler().is_some() && self.tasks.has_others() {
+            let others = self.tasks.names_of_others();
             self.state
                 .hint(&format!("the program ended with `main`, before {others}: `OSSuspend(0)` lets `main` wait"));
         }
@@ -178,13 +178,13 @@ impl WaitReason {
 }
 
 impl std::fmt::Display for WaitReason {
-    /// What the robot does: `waits for KEY4`, `sleeps until 2.350 s`.
+    /// Writes what the robot does: `waits for KEY4`, `sleeps until 2.350 s`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Time(Time::NEVER) => f.write_str("sleeps for ever"),
             Self::Time(time) => write!(f, "sleeps until {time}"),
             Self::Drive => f.write_str("waits for the end of its drive"),
-            Self::Key(what) | Self::Input(what) => write!(f, "waits for {what}"),
+            Self::Key(awaited) | Self::Input(awaited) => write!(f, "waits for {awaited}"),
             Self::Message => f.write_str("waits for a message"),
             Self::Task(wait) => write!(f, "waits for {wait}"),
             Self::Semaphore(number) => write!(f, "waits for semaphore {number}"),

@@ -1,7 +1,7 @@
 //! Serial interfaces: output is recorded; input comes from the device that the robi's companion connects.
 //!
-//! A byte takes 10 bits at the baud rate. A loop-back returns all output; a file is sent from the moment that the
-//! interface is opened. An interface with nothing connected never receives anything. Sources: RoBIOS 6 library, RS-232;
+//! A byte takes 10 bits at the baud rate. A loop-back returns all output; a connected file is sent from the opening of
+//! the interface on. An interface with nothing connected never receives anything. Sources: RoBIOS 6 library, RS-232;
 //! RoBIOS-7 library, serial communication; the transmission time of bytes is our choice.
 
 use std::collections::{BTreeMap, VecDeque};
@@ -25,7 +25,7 @@ const NAMES: [&str; 16] = [
 ];
 
 /// Number of interfaces of RoBIOS 6: `SERIAL1` to `SERIAL3`.
-const PORTS_OF_6: i32 = 3;
+const INTERFACES_OF_6: i32 = 3;
 
 /// Baud rates of RoBIOS 6.
 const RATES_OF_6: [i32; 6] = [SER4800, SER9600, SER19200, SER38400, SER57600, SER115200];
@@ -34,7 +34,7 @@ const RATES_OF_6: [i32; 6] = [SER4800, SER9600, SER19200, SER38400, SER57600, SE
 const MAX_BAUD: i32 = 4_000_000;
 
 /// Transmission time of a byte in microseconds, times the baud rate.
-const BYTE: i64 = 10_000_000;
+const BYTE_US_BAUD: i64 = 10_000_000;
 
 /// Capacity of a loop-back in bytes: further bytes are lost; our choice.
 const LOOPBACK_CAPACITY: usize = 1 << 16;
@@ -42,7 +42,7 @@ const LOOPBACK_CAPACITY: usize = 1 << 16;
 /// The interfaces of a robot.
 #[derive(Clone, Debug, Default)]
 pub struct Serial {
-    lines: BTreeMap<i32, Peer>,
+    peers: BTreeMap<i32, Peer>,
     open: BTreeMap<i32, OpenInterface>,
 }
 
@@ -72,83 +72,87 @@ struct OpenInterface {
 impl Serial {
     /// Interfaces of a robot with the given connections.
     pub fn new(specs: &[SerialSpec]) -> Self {
-        let line = |line: &SerialLine| match line {
+        let peer = |line: &SerialLine| match line {
             SerialLine::Loopback => Peer::Loopback,
             SerialLine::File { bytes, .. } => Peer::Device { bytes: Arc::clone(bytes), sent: 0 },
         };
-        let lines = specs.iter().map(|spec| (spec.interface.into(), line(&spec.line))).collect();
-        Self { lines, open: BTreeMap::new() }
+        let peers = specs.iter().map(|spec| (spec.interface.into(), peer(&spec.line))).collect();
+        Self { peers, open: BTreeMap::new() }
     }
 
     /// Opens an interface, or opens it again with another rate; received bytes are discarded.
     pub fn open(&mut self, number: i32, baud: i32, now: Time) {
         self.close(number, now);
-        let port = OpenInterface { baud: baud.into(), opened_at: now, incoming: VecDeque::new(), read_count: 0 };
-        self.open.insert(number, port);
+        let interface = OpenInterface { baud: baud.into(), opened_at: now, incoming: VecDeque::new(), read_count: 0 };
+        self.open.insert(number, interface);
     }
 
     /// Closes an interface; returns false if it is not open.
     pub fn close(&mut self, number: i32, now: Time) -> bool {
-        let Some(port) = self.open.remove(&number) else { return false };
+        let Some(interface) = self.open.remove(&number) else { return false };
         if let Some(Peer::Device { bytes, sent }) = self.lines.get_mut(&number) {
-            *sent += port.arrived(now, bytes.len() - *sent);
+            *sent += interface.arrived_count(now, bytes.len() - *sent);
         }
         true
     }
 
     /// Name of an open interface; `None` if it is not open.
-    pub fn opened(&self, number: i32) -> Option<&'static str> {
+    pub fn name_if_open(&self, number: i32) -> Option<&'static str> {
         let index = usize::try_from(number).ok()?.checked_sub(1)?;
         self.open.contains_key(&number).then(|| NAMES.get(index).copied())?
     }
 
     /// Sends bytes through an open interface.
     fn send(&mut self, number: i32, now: Time, bytes: &[u8]) {
-        if let (Some(port), Some(Peer::Loopback)) = (self.open.get_mut(&number), self.lines.get(&number)) {
-            let mut at = port.incoming.back().map_or(now, |(last, _)| now.max(*last));
-            for byte in bytes.iter().take(LOOPBACK_CAPACITY - port.incoming.len()) {
-                at += Time(BYTE.div_euclid(port.baud).max(1));
-                port.incoming.push_back((at, *byte));
+        if let (Some(interface), Some(Peer::Loopback)) = (self.open.get_mut(&number), self.lines.get(&number)) {
+            let mut arrival = interface.incoming.back().map_or(now, |(last, _)| now.max(*last));
+            for byte in bytes.iter().take(LOOPBACK_CAPACITY - interface.incoming.len()) {
+                arrival += Time(BYTE_US_BAUD.div_euclid(interface.baud).max(1));
+                interface.incoming.push_back((arrival, *byte));
             }
         }
     }
 
-    /// An open interface with the bytes that its device has not sent before the interface was opened.
+    /// An open interface to a device, and the bytes that the device had not sent before the interface was opened.
     fn device(&self, number: i32) -> Option<(&OpenInterface, &[u8])> {
-        let (port, line) = (self.open.get(&number)?, self.lines.get(&number)?);
-        let Peer::Device { bytes, sent } = line else { return None };
-        Some((port, &bytes[*sent..]))
+        let (interface, peer) = (self.open.get(&number)?, self.peers.get(&number)?);
+        let Peer::Device { bytes, sent } = peer else { return None };
+        Some((interface, &bytes[*sent..]))
     }
 
-    /// Number of received bytes at `now`.
-    pub fn waiting(&self, number: i32, now: Time) -> usize {
-        if let Some((port, bytes)) = self.device(number) {
-            return port.arrived(now, bytes.len()) - port.read_count;
+    /// Number of bytes that were received by `now` and not taken.
+    pub fn received_count(&self, number: i32, now: Time) -> usize {
+        if let Some((interface, bytes)) = self.device(number) {
+            return interface.arrived_count(now, bytes.len()) - interface.read_count;
         }
-        self.open.get(&number).map_or(0, |port| port.incoming.partition_point(|(at, _)| *at <= now))
+        self.open.get(&number).map_or(0, |interface| interface.incoming.partition_point(|(arrival, _)| *arrival <= now))
     }
 
     /// Takes up to `max_count` of the bytes received by `now`, the earliest first.
     fn take(&mut self, number: i32, now: Time, max_count: usize) -> Vec<u8> {
-        let count = self.waiting(number, now).min(max_count);
-        let from_device =
-            self.device(number).map(|(port, bytes)| bytes[port.read_count..port.read_count + count].to_vec());
-        let Some(port) = self.open.get_mut(&number) else { return Vec::new() };
+        let count = self.received_count(number, now).min(max_count);
+        let from_device = self
+            .device(number)
+            .map(|(interface, bytes)| bytes[interface.read_count..interface.read_count + count].to_vec());
+        let Some(interface) = self.open.get_mut(&number) else { return Vec::new() };
         match from_device {
             Some(bytes) => {
-                port.read_count += count;
+                interface.read_count += count;
                 bytes
             }
-            None => port.incoming.drain(..count).map(|(_, byte)| byte).collect(),
+            None => interface.incoming.drain(..count).map(|(_, byte)| byte).collect(),
         }
     }
 
     /// Arrival time of the next byte; [`Time::NEVER`] if none is in transmission.
     fn next_arrival(&self, number: i32) -> Time {
         match self.device(number) {
-            Some((port, bytes)) if port.read_count < bytes.len() => port.arrival(port.read_count),
+            Some((interface, bytes)) if interface.read_count < bytes.len() => interface.arrival(interface.read_count),
             Some(_) => Time::NEVER,
-            None => self.open.get(&number).and_then(|port| port.incoming.front()).map_or(Time::NEVER, |(at, _)| *at),
+            None => {
+                let next = self.open.get(&number).and_then(|interface| interface.incoming.front());
+                next.map_or(Time::NEVER, |(arrival, _)| *arrival)
+            }
         }
     }
 }
@@ -156,22 +160,22 @@ impl Serial {
 impl OpenInterface {
     /// Arrival time of byte `index` of a device, counted from the opening.
     fn arrival(&self, index: usize) -> Time {
-        let bits = i128::from(BYTE) * (index as i128 + 1);
+        let bits = i128::from(BYTE_US_BAUD) * (index as i128 + 1);
         self.opened_at + Time((bits + i128::from(self.baud) - 1).div_euclid(i128::from(self.baud)) as i64)
     }
 
     /// Number of bytes, of `count` bytes of a device, that have arrived by `now`.
-    fn arrived(&self, now: Time, count: usize) -> usize {
+    fn arrived_count(&self, now: Time, count: usize) -> usize {
         let bits = i128::from((now - self.opened_at).0) * i128::from(self.baud);
-        usize::try_from(bits.div_euclid(i128::from(BYTE))).unwrap_or_default().min(count)
+        usize::try_from(bits.div_euclid(i128::from(BYTE_US_BAUD))).unwrap_or_default().min(count)
     }
 }
 
 /// `OSInitRS232`
 pub fn init_6(robot: &mut Robot, baud: i32, handshake: i32, number: i32) -> i32 {
-    let is_setting = RATES_OF_6.contains(&baud) && [NONE, RTSCTS].contains(&handshake);
-    if !is_setting || !(1..=PORTS_OF_6).contains(&number) {
-        return robot.failed(Robios6Call::OSInitRS232, -1);
+    let is_valid_setting = RATES_OF_6.contains(&baud) && [NONE, RTSCTS].contains(&handshake);
+    if !is_valid_setting || !(1..=INTERFACES_OF_6).contains(&number) {
+        return robot.fail_call(Robios6Call::OSInitRS232, -1);
     }
     robot.robios.serial.open(number, baud, robot.now);
     0
@@ -179,9 +183,9 @@ pub fn init_6(robot: &mut Robot, baud: i32, handshake: i32, number: i32) -> i32 
 
 /// `SERInit`
 pub fn init_7(robot: &mut Robot, number: i32, baud: i32, handshake: i32) -> i32 {
-    let is_setting = (1..=MAX_BAUD).contains(&baud) && [NONE, RTSCTS].contains(&handshake);
-    if !is_setting || !(1..=NAMES.len() as i32).contains(&number) {
-        return robot.refused(Robios7Call::SERInit, 1, |_| {
+    let is_valid_setting = (1..=MAX_BAUD).contains(&baud) && [NONE, RTSCTS].contains(&handshake);
+    if !is_valid_setting || !(1..=NAMES.len() as i32).contains(&number) {
+        return robot.refuse_call(Robios7Call::SERInit, 1, |_| {
             format!(
                 "interface {number}, {baud} baud, handshake {handshake}: expected 1 to {}, 1 to {MAX_BAUD}, 0 or 1",
                 NAMES.len()
@@ -194,8 +198,8 @@ pub fn init_7(robot: &mut Robot, number: i32, baud: i32, handshake: i32) -> i32 
 
 /// `OSSendCharRS232`, `OSSendRS232`, `SERSendChar`, `SERSend`
 pub fn send(robot: &mut Robot, call: impl Into<Call>, failure: i32, data: Option<&[u8]>, number: i32) -> i32 {
-    let (Some(data), Some(port)) = (data, robot.robios.serial.opened(number)) else {
-        return robot.failed(call, failure);
+    let (Some(data), Some(port)) = (data, robot.robios.serial.name_if_open(number)) else {
+        return robot.fail_call(call, failure);
     };
     robot.robios.serial.send(number, robot.now, data);
     robot.record(Event::SerialSent { port, data });
@@ -204,8 +208,8 @@ pub fn send(robot: &mut Robot, call: impl Into<Call>, failure: i32, data: Option
 
 /// `OSRecvRS232`
 pub fn receive_6(robot: &mut Robot, buffer: &mut Out<u8>, number: i32) -> Poll<i32> {
-    if buffer.is_null() || robot.robios.serial.opened(number).is_none() {
-        return Poll::Ready(robot.failed(Robios6Call::OSRecvRS232, -1));
+    if buffer.is_null() || robot.robios.serial.name_if_open(number).is_none() {
+        return Poll::Ready(robot.fail_call(Robios6Call::OSRecvRS232, -1));
     }
     receive(robot, number).map(|byte| {
         buffer.set(byte);
@@ -215,8 +219,8 @@ pub fn receive_6(robot: &mut Robot, buffer: &mut Out<u8>, number: i32) -> Poll<i
 
 /// `SERReceiveChar`
 pub fn receive_char(robot: &mut Robot, number: i32) -> Poll<Char> {
-    if robot.robios.serial.opened(number).is_none() {
-        robot.failed(Robios7Call::SERReceiveChar, 0);
+    if robot.robios.serial.name_if_open(number).is_none() {
+        robot.fail_call(Robios7Call::SERReceiveChar, 0);
         return Poll::Ready(0);
     }
     receive(robot, number)
@@ -228,20 +232,20 @@ fn receive(robot: &mut Robot, number: i32) -> Poll<u8> {
         return Poll::Ready(byte);
     }
     let serial = &robot.robios.serial;
-    let (name, at) = (serial.opened(number).unwrap_or_default(), serial.next_arrival(number));
-    let what = match serial.lines.get(&number) {
+    let (name, at) = (serial.name_if_open(number).unwrap_or_default(), serial.next_arrival(number));
+    let connection = match serial.peers.get(&number) {
         None => "to which nothing is connected",
         Some(Peer::Loopback) => "which gives back what is sent",
         Some(Peer::Device { .. }) => "whose file is at its end",
     };
-    Poll::Pending { at, reason: WaitReason::Input(format!("a byte on {name}, {what}")) }
+    Poll::Pending { at, reason: WaitReason::Input(format!("a byte on {name}, {connection}")) }
 }
 
 /// Takes up to `max_count` received bytes and records them.
 fn take(robot: &mut Robot, number: i32, max_count: usize) -> Vec<u8> {
     let now = robot.now;
     let data = robot.robios.serial.take(number, now, max_count);
-    if let (false, Some(port)) = (data.is_empty(), robot.robios.serial.opened(number)) {
+    if let (false, Some(port)) = (data.is_empty(), robot.robios.serial.name_if_open(number)) {
         robot.record(Event::SerialReceived { port, data: &data });
     }
     data
@@ -249,8 +253,8 @@ fn take(robot: &mut Robot, number: i32, max_count: usize) -> Vec<u8> {
 
 /// `SERReceive`: returns the received bytes and a final 0.
 pub fn receive_all(robot: &mut Robot, number: i32, buffer: &mut OutBytes) -> i32 {
-    if buffer.is_null() || robot.robios.serial.opened(number).is_none() {
-        return robot.failed(Robios7Call::SERReceive, 0);
+    if buffer.is_null() || robot.robios.serial.name_if_open(number).is_none() {
+        return robot.fail_call(Robios7Call::SERReceive, 0);
     }
     let mut data = take(robot, number, buffer.capacity().min(MAX_SERIAL).saturating_sub(1));
     let count = data.len();
@@ -261,24 +265,24 @@ pub fn receive_all(robot: &mut Robot, number: i32, buffer: &mut OutBytes) -> i32
 
 /// `OSCheckInRS232`: number of received bytes.
 pub fn check_in(robot: &mut Robot, number: i32) -> i32 {
-    if robot.robios.serial.opened(number).is_none() {
-        return robot.failed(Robios6Call::OSCheckInRS232, -1);
+    if robot.robios.serial.name_if_open(number).is_none() {
+        return robot.fail_call(Robios6Call::OSCheckInRS232, -1);
     }
-    robot.robios.serial.waiting(number, robot.now) as i32
+    robot.robios.serial.received_count(number, robot.now) as i32
 }
 
 /// `SERCheck`
 pub fn has_input(robot: &mut Robot, number: i32) -> Flag {
-    if robot.robios.serial.opened(number).is_none() {
-        robot.failed(Robios7Call::SERCheck, 0);
+    if robot.robios.serial.name_if_open(number).is_none() {
+        robot.fail_call(Robios7Call::SERCheck, 0);
     }
-    (robot.robios.serial.waiting(number, robot.now) > 0).into()
+    (robot.robios.serial.received_count(number, robot.now) > 0).into()
 }
 
 /// `OSFlushInRS232`, `SERFlush`: discards received bytes.
 pub fn flush(robot: &mut Robot, call: impl Into<Call>, failure: i32, number: i32) -> i32 {
-    if robot.robios.serial.opened(number).is_none() {
-        return robot.failed(call, failure);
+    if robot.robios.serial.name_if_open(number).is_none() {
+        return robot.fail_call(call, failure);
     }
     robot.robios.serial.take(number, robot.now, usize::MAX);
     0
@@ -286,13 +290,13 @@ pub fn flush(robot: &mut Robot, call: impl Into<Call>, failure: i32, number: i32
 
 /// `OSFlushOutRS232`, `OSCheckOutRS232`: the output buffers are always empty.
 pub fn check_out(robot: &mut Robot, call: Robios6Call, number: i32) -> i32 {
-    if robot.robios.serial.opened(number).is_some() { 0 } else { robot.failed(call, -1) }
+    if robot.robios.serial.name_if_open(number).is_some() { 0 } else { robot.fail_call(call, -1) }
 }
 
 /// `SERClose`
 pub fn close(robot: &mut Robot, number: i32) -> i32 {
     let now = robot.now;
-    if robot.robios.serial.close(number, now) { 0 } else { robot.failed(Robios7Call::SERClose, 1) }
+    if robot.robios.serial.close(number, now) { 0 } else { robot.fail_call(Robios7Call::SERClose, 1) }
 }
 
 #[cfg(test)]
@@ -309,14 +313,14 @@ mod tests {
     }
 
     #[test]
-    fn interfaces_are_used_after_they_are_opened() {
+    fn an_interface_is_usable_only_while_it_is_open() {
         let mut serial = Serial::default();
-        assert_eq!(serial.opened(2), None);
+        assert_eq!(serial.name_if_open(2), None);
         serial.open(2, 9_600, Time(0));
-        assert_eq!(serial.opened(2), Some("SERIAL2"));
-        assert_eq!([serial.opened(1), serial.opened(0), serial.opened(-1)], [None; 3]);
+        assert_eq!(serial.name_if_open(2), Some("SERIAL2"));
+        assert_eq!([serial.name_if_open(1), serial.name_if_open(0), serial.name_if_open(-1)], [None; 3]);
         assert_eq!(
-            (serial.waiting(2, Time(1_000_000)), serial.next_arrival(2)),
+            (serial.received_count(2, Time(1_000_000)), serial.next_arrival(2)),
             (0, Time::NEVER),
             "nothing is connected"
         );
@@ -324,18 +328,21 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_back_gives_back_each_byte_after_its_ten_bits() {
+    fn a_loop_back_returns_each_byte_after_its_ten_bits() {
         let mut serial = serial(SerialLine::Loopback);
         serial.send(2, Time(0), b"lost, as it is not open");
         // 10 bits at 10,000 baud: 1 ms.
         serial.open(2, 10_000, Time(0));
         serial.send(2, Time(500), b"abc");
         assert_eq!(serial.next_arrival(2), Time(1_500));
-        assert_eq!([0, 1_499, 1_500, 2_499, 2_500, 9_000].map(|now| serial.waiting(2, Time(now))), [0, 0, 1, 1, 2, 3]);
+        assert_eq!(
+            [0, 1_499, 1_500, 2_499, 2_500, 9_000].map(|now| serial.received_count(2, Time(now))),
+            [0, 0, 1, 1, 2, 3]
+        );
         assert_eq!(serial.take(2, Time(2_500), 9), b"ab");
         assert_eq!(serial.take(2, Time(9_000), 9), b"c");
         serial.send(2, Time(9_000), &vec![7; 2 * LOOPBACK_CAPACITY]);
-        assert_eq!(serial.waiting(2, Time(1_000_000_000)), LOOPBACK_CAPACITY);
+        assert_eq!(serial.received_count(2, Time(1_000_000_000)), LOOPBACK_CAPACITY);
     }
 
     #[test]
@@ -344,7 +351,7 @@ mod tests {
         serial.open(2, 10_000, Time(5_000));
         assert_eq!(serial.next_arrival(2), Time(6_000));
         assert_eq!(serial.take(2, Time(7_500), 1), b"a");
-        assert_eq!((serial.waiting(2, Time(7_999)), serial.waiting(2, Time(8_000))), (1, 2));
+        assert_eq!((serial.received_count(2, Time(7_999)), serial.received_count(2, Time(8_000))), (1, 2));
         // Opened again after 3 bytes: the two received bytes that were not taken are discarded.
         serial.open(2, 5_000, Time(8_500));
         assert_eq!(serial.next_arrival(2), Time(10_500));
@@ -353,14 +360,14 @@ mod tests {
     }
 
     #[test]
-    fn times_of_arrival_and_numbers_of_bytes_agree() {
+    fn arrival_times_and_received_counts_agree() {
         for baud in [300, 9_600, 115_200, MAX_BAUD] {
             let mut serial = device(&[0; 500]);
             serial.open(2, baud, Time(17));
             for index in 0..500 {
                 let at = serial.next_arrival(2);
                 assert!(
-                    serial.waiting(2, at - Time(1)) == 0 && serial.waiting(2, at) > 0,
+                    serial.received_count(2, at - Time(1)) == 0 && serial.received_count(2, at) > 0,
                     "byte {index} at {baud} baud"
                 );
                 assert_eq!(serial.take(2, at, 1).len(), 1);

@@ -13,7 +13,7 @@ use super::robot::Robot;
 #[derive(Clone, Debug, Default)]
 pub struct Servos {
     handles: Handles,
-    /// For each servo, its positions for 0 and 255 of RoBIOS-7; only as many entries as `SERVORange` has needed.
+    /// For each servo, its positions for 0 and 255 of RoBIOS-7; servos beyond the end of the list have the whole range.
     ranges: Vec<[u8; 2]>,
 }
 
@@ -37,7 +37,7 @@ impl Servos {
 pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
     match robot.robios.table.find(HDT_SERVO, semantics).map(|device| device.index) {
         Some(index) => robot.robios.servos.handles.open(index),
-        None => robot.has_no(Call::SERVOInit, 0, HDT_SERVO, semantics),
+        None => robot.refuse_missing_device(Call::SERVOInit, 0, HDT_SERVO, semantics),
     }
 }
 
@@ -45,15 +45,15 @@ pub fn init(robot: &mut Robot, semantics: i32) -> i32 {
 pub fn release(robot: &mut Robot, handles: i32) -> i32 {
     match robot.robios.servos.handles.release(handles) {
         0 => 0,
-        left => robot.failed(Call::SERVORelease, left),
+        unopened => robot.fail_call(Call::SERVORelease, unopened),
     }
 }
 
 /// `SERVOSet`
 pub fn set(robot: &mut Robot, world: &World, handles: i32, position: i32) -> i32 {
-    let servos = robot.robios.servos.handles.all(handles);
+    let servos = robot.robios.servos.handles.devices(handles);
     let (Some(servos), Ok(position)) = (servos, u8::try_from(position)) else {
-        return robot.failed(Call::SERVOSet, -1);
+        return robot.fail_call(Call::SERVOSet, -1);
     };
     for index in servos {
         turn(robot, world, index, position);

@@ -13,8 +13,8 @@ use super::servo;
 pub fn set(robot: &mut Robot, world: &World, servo: i32, position: i32) -> i32 {
     let Some((index, position)) = find(robot, Call::SERVOSet, servo, position) else { return 1 };
     let [low, high] = robot.robios.servos.range(index).map(f64::from);
-    let own = low + f64::from(position) / 255.0 * (high - low);
-    servo::turn(robot, world, index, own.round() as u8);
+    let raw_position = low + f64::from(position) / 255.0 * (high - low);
+    servo::turn(robot, world, index, raw_position.round() as u8);
     0
 }
 
@@ -33,25 +33,25 @@ pub fn set_range(robot: &mut Robot, servo: i32, [low, high]: [i32; 2]) -> i32 {
     0
 }
 
-/// `SERVOGet`: position in terms of `SERVOSet` and the current range.
+/// `SERVOGet`: position in the scale of `SERVOSet`, for the current range.
 pub fn position(robot: &mut Robot, servo: i32) -> i32 {
     let Some(index) = robot.find_numbered(Call::SERVOGet, HDT_SERVO, servo, &[]) else {
-        return robot.failed(Call::SERVOGet, -1);
+        return robot.fail_call(Call::SERVOGet, -1);
     };
     let [low, high] = robot.robios.servos.range(index).map(f64::from);
-    let own = f64::from(robot.devices.servos.position(index));
-    let position = if low == high { own } else { 255.0 * (own - low) / (high - low) };
+    let raw_position = f64::from(robot.devices.servos.position(index));
+    let position = if low == high { raw_position } else { 255.0 * (raw_position - low) / (high - low) };
     position.round().clamp(0.0, 255.0) as i32
 }
 
 /// Index of a servo, and `number` as a position; `None` if either is invalid, which is counted as a failure.
 fn find(robot: &mut Robot, call: Call, servo: i32, number: i32) -> Option<(usize, u8)> {
     let Some(index) = robot.find_numbered(call, HDT_SERVO, servo, &[]) else {
-        robot.failed(call, 1);
+        robot.fail_call(call, 1);
         return None;
     };
     let Ok(number) = u8::try_from(number) else {
-        robot.refused(call, 1, |_| format!("a position is 0 to 255, not {number}"));
+        robot.refuse_call(call, 1, |_| format!("a position is 0 to 255, not {number}"));
         return None;
     };
     Some((index, number))

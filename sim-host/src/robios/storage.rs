@@ -22,7 +22,7 @@ use crate::program::sandbox::files::open_beneath;
 /// Maximum size of a file that is read: larger files are not images or sounds.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// Message for a program that does not find the file `name`, with the folder that was searched.
+/// Message for a program that did not find the file `name`; contains the folder that was searched.
 pub fn missing_file(name: Option<&str>) -> String {
     let folder = std::env::current_dir().unwrap_or_default();
     match name {
@@ -50,7 +50,7 @@ pub struct Storage {
 /// Files of a robot whose program is in a sandbox.
 #[derive(Clone, Debug, Default)]
 struct Confined {
-    own_folder: Option<PathBuf>,
+    program_folder: Option<PathBuf>,
     /// Written files, which exist only for this robot.
     written: BTreeMap<PathBuf, Vec<u8>>,
 }
@@ -75,9 +75,9 @@ impl Storage {
         Self { scene_folder: scene_folder.to_owned(), ..Self::default() }
     }
 
-    /// Files of a robot in a sandbox, whose program lies in `own_folder`.
-    pub fn confined(scene_folder: &Path, own_folder: Option<PathBuf>) -> Self {
-        let confined = Some(Confined { own_folder, ..Confined::default() });
+    /// Files of a robot in a sandbox, whose program is in `program_folder`.
+    pub fn confined(scene_folder: &Path, program_folder: Option<PathBuf>) -> Self {
+        let confined = Some(Confined { program_folder, ..Confined::default() });
         Self { confined, ..Self::new(scene_folder) }
     }
 
@@ -90,8 +90,8 @@ impl Storage {
         if let Some(confined) = &self.confined {
             return confined.read(&path, &self.scene_folder);
         }
-        let beside_scene = self.scene_folder.join(&path);
-        for path in [&path, &beside_scene] {
+        let path_in_scene_folder = self.scene_folder.join(&path);
+        for path in [&path, &path_in_scene_folder] {
             if let Some((_, bytes)) = self.pending_writes.get(path) {
                 return Ok(bytes.clone());
             }
@@ -102,7 +102,7 @@ impl Storage {
         read_file(&path)
     }
 
-    /// Stores a file to be written in the working folder when the slot ends.
+    /// Stores a file, which is written in the working folder when the slot ends.
     ///
     /// # Errors
     /// If the parent folder does not exist, or a folder has this name.
@@ -122,7 +122,7 @@ impl Storage {
         Ok(())
     }
 
-    /// Notes that the C library could not open the file `name`, with the number of the system's `error`.
+    /// Records that the C library could not open the file `name`; `error` is the system's error number.
     pub fn note_open_failure(&mut self, name: &str, error: i32) {
         let error = io::Error::from_raw_os_error(error);
         self.open_failure = Some(match error.kind() {
@@ -154,7 +154,7 @@ impl Confined {
             return Ok(bytes.clone());
         }
         let mut result = Err(io::ErrorKind::NotFound.into());
-        for folder in self.own_folder.iter().map(PathBuf::as_path).chain([scene_folder]) {
+        for folder in self.program_folder.iter().map(PathBuf::as_path).chain([scene_folder]) {
             result = open_beneath(folder, path).and_then(read_open);
             if result.is_ok() {
                 break;
@@ -168,8 +168,8 @@ impl Confined {
         if !is_plain || path.file_name().is_none() {
             return Err(io::ErrorKind::PermissionDenied.into());
         }
-        let others = self.written.iter().filter(|(other, _)| **other != path).map(|(_, bytes)| bytes.len());
-        if others.sum::<usize>() + bytes.len() > MAX_WRITTEN {
+        let other_sizes = self.written.iter().filter(|(other, _)| **other != path).map(|(_, bytes)| bytes.len());
+        if other_sizes.sum::<usize>() + bytes.len() > MAX_WRITTEN {
             return Err(io::ErrorKind::StorageFull.into());
         }
         self.written.insert(path, bytes);
@@ -187,7 +187,7 @@ impl PendingWrite {
     }
 }
 
-/// Path of a name as programs write it: bytes, with either slash.
+/// Path for a name in a program: bytes, with slashes or backslashes.
 fn path_of(name: &[u8]) -> PathBuf {
     let slashed: Vec<u8> = name.iter().map(|byte| if *byte == b'\\' { b'/' } else { *byte }).collect();
     PathBuf::from(OsStr::from_bytes(&slashed))
@@ -224,14 +224,14 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_in_a_sandbox_reads_its_own_folder_and_writes_memory() {
+    fn a_robot_in_a_sandbox_reads_its_program_folder_and_writes_to_memory() {
         let folder = tempfile::tempdir().unwrap();
-        let own = folder.path().join("own");
-        fs::create_dir_all(own.join("images")).unwrap();
+        let program_folder = folder.path().join("own");
+        fs::create_dir_all(program_folder.join("images")).unwrap();
         fs::write(folder.path().join("secret"), "s").unwrap();
-        fs::write(own.join("images/a.pgm"), "a").unwrap();
-        std::os::unix::fs::symlink("../secret", own.join("link")).unwrap();
-        let mut storage = Storage::confined(Path::new("/nowhere"), Some(own.clone()));
+        fs::write(program_folder.join("images/a.pgm"), "a").unwrap();
+        std::os::unix::fs::symlink("../secret", program_folder.join("link")).unwrap();
+        let mut storage = Storage::confined(Path::new("/nowhere"), Some(program_folder.clone()));
         assert_eq!(storage.read(b"images\\a.pgm").unwrap(), b"a");
         let secret = folder.path().join("secret");
         let outside: [&[u8]; 5] = [b"../secret", b"link", name(&secret), b"/etc/passwd", b"/proc/self/environ"];
@@ -240,7 +240,7 @@ mod tests {
         }
         storage.write(Time::ZERO, b"b.pgm", b"b".to_vec()).unwrap();
         assert_eq!(storage.read(b"b.pgm").unwrap(), b"b");
-        assert!(!storage.has_pending_writes() && !own.join("b.pgm").exists());
+        assert!(!storage.has_pending_writes() && !program_folder.join("b.pgm").exists());
         assert!(storage.write(Time::ZERO, b"../secret", Vec::new()).is_err());
         assert!(storage.write(Time::ZERO, name(&secret), Vec::new()).is_err());
         assert!(storage.write(Time::ZERO, b"c", vec![0; MAX_WRITTEN]).is_err(), "one byte is taken");
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read_back_and_saved_at_the_slots_end() {
+    fn written_files_are_read_back_and_saved_when_the_slot_ends() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.pgm");
         let mut storage = Storage::default();
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn files_beside_the_scene_are_found() {
+    fn files_in_the_folder_of_the_scene_are_found() {
         let folder = tempfile::tempdir().unwrap();
         fs::create_dir(folder.path().join("images")).unwrap();
         fs::write(folder.path().join("images/a.pgm"), "x").unwrap();
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_cannot_be_written() {
+    fn writing_to_an_invalid_path_fails() {
         let folder = tempfile::tempdir().unwrap();
         let mut storage = Storage::default();
         for path in [folder.path().join("none/a.pgm"), folder.path().to_owned(), PathBuf::new(), "..".into()] {

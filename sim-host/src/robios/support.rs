@@ -1,5 +1,5 @@
-//! Services that the language runtimes of programs (Rust, Python, shim) call: console, random numbers, virtual time,
-//! reason of a failure, tasks.
+//! Services for the language runtimes of programs (Rust, Python, shim): console, random numbers, virtual time, reasons
+//! of failures, tasks.
 
 use std::collections::BTreeMap;
 
@@ -40,7 +40,7 @@ impl Generators {
     }
 
     /// Restarts the stream for `purpose` with the program's seed, as its substream `program_seed` + 1; substream 0 is
-    /// the unseeded one.
+    /// for programs that set no seed.
     pub fn seed(&mut self, purpose: u32, program_seed: u64) {
         let substream = program_seed.wrapping_add(1);
         self.streams.insert(purpose, Stream::new(self.seed, self.robot, Purpose::Program, purpose, substream));
@@ -52,7 +52,7 @@ impl<F: Flow> Support for Caller<F> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
         // The output of a program that must stop is still recorded, but costs no virtual time.
         let result = if self.flow().is_exiting() { Ok(()) } else { self.spend_on_console() };
-        self.untimed(SupportCall::console, |robot| print_lines(robot, stream, &text));
+        self.act_untimed(SupportCall::console, |robot| print_lines(robot, stream, &text));
         result.map(|()| 0)
     }
 
@@ -85,7 +85,7 @@ impl<F: Flow> Support for Caller<F> {
             failure::STACK => "the program wrote over the end of a local array (stack smashed)".to_owned(),
             _ => text.into_owned(),
         };
-        self.untimed(SupportCall::failed, |robot| {
+        self.act_untimed(SupportCall::failed, |robot| {
             let reason = robot.tasks.prefix() + &reason + &location.unwrap_or_default();
             robot.ending.get_or_insert(Ending::Failed { reason });
         });
@@ -94,20 +94,20 @@ impl<F: Flow> Support for Caller<F> {
 
     fn open_failed(&self, name: Option<&[u8]>, error: i32) -> Result<i32, Stop> {
         let name = String::from_utf8_lossy(name.unwrap_or_default());
-        self.untimed(SupportCall::open_failed, |robot| robot.robios.storage.note_open_failure(&name, error));
+        self.act_untimed(SupportCall::open_failed, |robot| robot.robios.storage.note_open_failure(&name, error));
         Ok(0)
     }
 
     fn hint(&self, text: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(text.unwrap_or_default());
-        self.untimed(SupportCall::hint, |robot| robot.hint(&text));
+        self.act_untimed(SupportCall::hint, |robot| robot.hint(&text));
         Ok(0)
     }
 
     fn open_failed_at(&self, name: Option<&[u8]>, error: i32, stack: Option<&[u8]>) -> Result<i32, Stop> {
         let name = String::from_utf8_lossy(name.unwrap_or_default());
         let line = self.flow().line_of(&addresses(stack));
-        self.untimed(SupportCall::open_failed_at, |robot| {
+        self.act_untimed(SupportCall::open_failed_at, |robot| {
             robot.robios.storage.note_open_failure(&name, error);
             if !robot.robios.hints.is_first(Mistake::Unopened) {
                 return;
@@ -123,9 +123,9 @@ impl<F: Flow> Support for Caller<F> {
 
     fn read_at_end(&self, stack: Option<&[u8]>) -> Result<i32, Stop> {
         let line = self.flow().line_of(&addresses(stack));
-        self.untimed(SupportCall::read_at_end, |_| {
+        self.act_untimed(SupportCall::read_at_end, |_| {
             line.as_deref().and_then(RemoteSite::of_line).into_iter().for_each(|site| {
-                self.flow().note_hint(input::EMPTY, &Site::Reported(site));
+                self.flow().note_hint(input::EMPTY_HINT, &Site::Reported(site));
             });
         });
         Ok(0)
@@ -133,7 +133,7 @@ impl<F: Flow> Support for Caller<F> {
 
     fn unfinished(&self, stream: i32, bytes: Option<&[u8]>) -> Result<i32, Stop> {
         let text = String::from_utf8_lossy(bytes.unwrap_or_default());
-        self.untimed(SupportCall::unfinished, |robot| print_lines(robot, stream, &text));
+        self.act_untimed(SupportCall::unfinished, |robot| print_lines(robot, stream, &text));
         Ok(0)
     }
 
@@ -150,7 +150,7 @@ impl<F: Flow> Support for Caller<F> {
     ) -> Result<i32, Stop> {
         let extent = Extent { corner: [x_m, y_m], cell: cell_m, size: [columns, rows] };
         let label = Label { name, frame };
-        Ok(self.untimed(SupportCall::show_grid, |robot| layer::show_grid(robot, label, extent, cells)))
+        Ok(self.act_untimed(SupportCall::show_grid, |robot| layer::show_grid(robot, label, extent, cells)))
     }
 
     fn show_points(
@@ -162,7 +162,7 @@ impl<F: Flow> Support for Caller<F> {
         coordinates: Option<&[u8]>,
     ) -> Result<i32, Stop> {
         let (label, size) = (Label { name, frame }, [dimensions, count]);
-        Ok(self.untimed(SupportCall::show_points, |robot| layer::show_points(robot, label, size, coordinates)))
+        Ok(self.act_untimed(SupportCall::show_points, |robot| layer::show_points(robot, label, size, coordinates)))
     }
 
     fn show_line(
@@ -174,11 +174,11 @@ impl<F: Flow> Support for Caller<F> {
         coordinates: Option<&[u8]>,
     ) -> Result<i32, Stop> {
         let (label, size) = (Label { name, frame }, [dimensions, count]);
-        Ok(self.untimed(SupportCall::show_line, |robot| layer::show_line(robot, label, size, coordinates)))
+        Ok(self.act_untimed(SupportCall::show_line, |robot| layer::show_line(robot, label, size, coordinates)))
     }
 
     fn program_name(&self, name: &mut OutBytes) -> Result<i32, Stop> {
-        let length = self.untimed(SupportCall::program_name, |robot| {
+        let length = self.act_untimed(SupportCall::program_name, |robot| {
             name.set(robot.program.as_bytes());
             robot.program.len()
         });
@@ -207,17 +207,17 @@ impl<F: Flow> Support for Caller<F> {
     }
 
     fn task_wake(&self, key: u64) -> Result<i32, Stop> {
-        Ok(self.untimed(SupportCall::task_wake, |robot| robot.tasks.wake_first(key).map_or(0, u32::cast_signed)))
+        Ok(self.act_untimed(SupportCall::task_wake, |robot| robot.tasks.wake_first(key).map_or(0, u32::cast_signed)))
     }
 
     fn task_wake_all(&self, key: u64) -> Result<i32, Stop> {
         let wake_all = |robot: &mut Robot| std::iter::from_fn(|| robot.tasks.wake_first(key)).count();
-        Ok(self.untimed(SupportCall::task_wake_all, wake_all) as i32)
+        Ok(self.act_untimed(SupportCall::task_wake_all, wake_all) as i32)
     }
 
     fn task_interrupt(&self, task: i32) -> Result<i32, Stop> {
         let number = u32::try_from(task).unwrap_or(0);
-        Ok(i32::from(self.untimed(SupportCall::task_interrupt, |robot| robot.tasks.interrupt(number))))
+        Ok(i32::from(self.act_untimed(SupportCall::task_interrupt, |robot| robot.tasks.interrupt(number))))
     }
 
     fn task_yield(&self) -> Result<i32, Stop> {
@@ -225,7 +225,7 @@ impl<F: Flow> Support for Caller<F> {
     }
 
     fn task_turn(&self) -> Result<i32, Stop> {
-        self.turn(SupportCall::task_turn).map(|()| 0)
+        self.yield_if_due(SupportCall::task_turn).map(|()| 0)
     }
 
     fn input(&self, bytes: &mut OutBytes) -> Result<i32, Stop> {
@@ -233,12 +233,12 @@ impl<F: Flow> Support for Caller<F> {
         match read {
             Read::Bytes(line) => Ok(bytes.set(&line) as i32),
             Read::End => Ok(0),
-            Read::Loop => Err(self.fail(self.robot(), input::LOOP.to_owned())),
+            Read::Loop => Err(self.fail(self.robot(), input::LOOP_REASON.to_owned())),
         }
     }
 }
 
-/// The addresses of a call stack, as they come from the program.
+/// The addresses of a call stack, which the program passes as bytes.
 fn addresses(stack: Option<&[u8]>) -> Vec<usize> {
     let chunks = stack.unwrap_or_default().as_chunks().0;
     chunks.iter().map(|address| usize::from_ne_bytes(*address)).collect()
@@ -249,7 +249,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_seed_starts_the_sequence_anew_and_robots_differ() {
+    fn a_seed_restarts_the_sequence_and_robots_differ() {
         let draw = |generators: &mut Generators| (0..3).map(|_| generators.bits(1)).collect::<Vec<_>>();
         let mut one = Generators::new(5, RobotId(1));
         let unseeded = draw(&mut one);

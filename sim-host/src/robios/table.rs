@@ -12,7 +12,8 @@ use sim_core::spec::RobiSpec;
 /// Maximum device number in RoBIOS-7: programs can address 4 motors, 6 PSDs, 14 servos; 31 is our choice.
 pub const MAX_NUMBER: i32 = 31;
 
-/// The name that the Rust library gives to a device of `hdt_sem.h`: `PsdAt::FrontLeft` for `PSD_FRONTLEFT`. Other devices have none.
+/// Name of a device of `hdt_sem.h` in the Rust library: `PsdAt::FrontLeft` for `PSD_FRONTLEFT`. Other devices have no
+/// such name.
 pub fn name_in_rust(name: &str) -> Option<String> {
     const KINDS: [(&str, &str); 6] = [
         ("PSD_", "PsdAt"),
@@ -46,9 +47,9 @@ pub fn name_in_rust(name: &str) -> Option<String> {
     }
     let mut rust_name = String::new();
     while !rest.is_empty() {
-        let (word, left) = WORDS.iter().find_map(|(word, rust)| Some((rust, rest.strip_prefix(word)?)))?;
+        let (word, remaining) = WORDS.iter().find_map(|(word, rust)| Some((rust, rest.strip_prefix(word)?)))?;
         rust_name.push_str(word);
-        rest = left;
+        rest = remaining;
     }
     Some(format!("{kind}::{rust_name}"))
 }
@@ -62,7 +63,8 @@ pub struct Device {
     pub index: usize,
     /// Name of the device, such as `PSD_FRONT`.
     pub name: String,
-    /// Numbers of the device: of its line in the robi or companion, of the companion's table, of `hdt_sem.h`.
+    /// Numbers of the device from three sources: its line in the robi or companion, the companion's table `[hdt]`, and
+    /// `hdt_sem.h`.
     numbers: [Option<i32>; 3],
 }
 
@@ -134,20 +136,20 @@ impl Table {
     pub fn numbered(&self, kind: i32, number: i32, names: &[&str]) -> Option<&Device> {
         let index = |number: i32| usize::try_from(number).ok()?.checked_sub(1);
         let unnumbered = || self.of_kind(kind).filter(|device| device.small_numbers().next().is_none());
-        let is_taken = |number: i32| {
-            let own = self.of_kind(kind).find(|device| device.small_numbers().any(|own| own == number));
+        let assigned = |number: i32| {
+            let by_number = self.of_kind(kind).find(|device| device.small_numbers().any(|small| small == number));
             let name = index(number).and_then(|index| names.get(index).copied());
-            own.or_else(|| unnumbered().find(|device| Some(device.name.as_str()) == name))
+            by_number.or_else(|| unnumbered().find(|device| Some(device.name.as_str()) == name))
         };
-        let others = || unnumbered().filter(|device| !names.contains(&device.name.as_str()));
-        if let Some(device) = is_taken(number) {
+        let remaining = || unnumbered().filter(|device| !names.contains(&device.name.as_str()));
+        if let Some(device) = assigned(number) {
             return Some(device);
         }
         // A device takes at most two numbers: beyond this bound every device has one already.
         if index(number)? > 3 * self.devices.len() {
             return None;
         }
-        others().nth((1..number).filter(|number| is_taken(*number).is_none()).count())
+        remaining().nth((1..number).filter(|number| assigned(*number).is_none()).count())
     }
 
     /// Name of device `index` of a kind; empty if there is none.
@@ -160,9 +162,15 @@ impl Table {
     }
 
     fn add_at(&mut self, spec: &RobiSpec, kind: i32, index: usize, name: &str, id: Option<i32>) {
-        let own = spec.hdt.iter().find(|(device, _)| device == name).map(|(_, number)| *number);
-        let header = SEMANTICS.iter().find(|constant| constant.name == name).map(|constant| constant.value as i32);
-        self.devices.push(Device { kind, index, name: name.to_owned(), numbers: [id, own, header] });
+        let companion_number = spec.hdt.iter().find(|(device, _)| device == name).map(|(_, number)| *number);
+        let header_number =
+            SEMANTICS.iter().find(|constant| constant.name == name).map(|constant| constant.value as i32);
+        self.devices.push(Device {
+            kind,
+            index,
+            name: name.to_owned(),
+            numbers: [id, companion_number, header_number],
+        });
     }
 }
 
@@ -200,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn devices_that_only_a_robi_names_have_no_name_in_rust() {
+    fn device_names_outside_the_header_have_no_name_in_rust() {
         for name in [
             "PSD_1", "IR_12", "MOTOR_2", "SERVO0", "SERVO01", "SERVO13", "SERVO99", "SERVO", "PSD_", "PSD_FL",
             "PSD_TOP",
@@ -210,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sensor_of_the_companion_takes_no_number_from_a_psd() {
+    fn a_sensor_of_the_companion_does_not_take_the_number_of_a_psd() {
         // Regression: a laser with a number hid all PSDs without one, and a laser without a number had none at all.
         let some = |name: &str| Some(name.to_owned());
         let robi = "psd PSD_FRONT -200 0 0 0 0\n";
@@ -222,14 +230,14 @@ mod tests {
     }
 
     #[test]
-    fn numbers_far_off_are_none() {
+    fn numbers_out_of_range_name_no_device() {
         let (table, names) = (Table::default(), ["PSD_FRONT"]);
         let found = [i32::MIN, -1, 0, 9999, i32::MAX].map(|number| table.numbered(HDT_PSD, number, &names));
         assert_eq!(found, [None; 5]);
     }
 
     #[test]
-    fn numbers_of_the_robi_go_before_names_and_those_before_what_is_left() {
+    fn robi_numbers_precede_known_names_which_precede_other_devices() {
         let some = |name: &str| Some(name.to_owned());
         let by_id = psds("psd PSD_LEFT 1 0 0 0 0\npsd PSD_FRONT 3 0 0 0 0\npsd PSD_BACK -212 0 0 0 0\n", "");
         assert_eq!(by_id, [None, some("PSD_LEFT"), some("PSD_BACK"), some("PSD_FRONT"), None]);

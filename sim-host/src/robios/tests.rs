@@ -78,7 +78,7 @@ impl Bench {
         let walls = build::walls(&field);
         let model = Arc::new(build::model(&spec));
         let mut motion = Motion::new(RobotId(1), model, walls.clone(), Pose::new(1.0, 0.5, 0.0));
-        // One slot for the whole test: a single robot sees the same for any slot length.
+        // The whole test is one slot: for a single robot, the results do not depend on the slot length.
         let world = World::new(walls, Time::from_millis(100_000), [&mut motion]);
         let robios = Robios::new(&spec);
         let devices = Devices::new(&spec);
@@ -101,7 +101,7 @@ impl Bench {
     }
 
     /// Opens the rover's driving interface.
-    fn vw(&mut self) -> i32 {
+    fn open_vw(&mut self) -> i32 {
         let handle = vw::init(&mut self.robot, &self.world, VW_DRIVE, 1);
         assert_eq!(handle, vw::HANDLE);
         handle
@@ -124,7 +124,7 @@ fn ready<R>(poll: Poll<R>) -> R {
 }
 
 #[test]
-fn layers_are_in_the_frame_of_odometry_as_the_program_has_set_it() {
+fn layers_use_the_odometry_frame_that_the_program_has_set() {
     let mut bench = Bench::rover();
     let frame = |bench: &mut Bench| {
         let label = layer::Label { name: Some(b"map"), frame: ODOMETRY };
@@ -133,7 +133,7 @@ fn layers_are_in_the_frame_of_odometry_as_the_program_has_set_it() {
         [position.x, position.y, heading.radians()]
     };
     assert_eq!(frame(&mut bench), [1.0, 0.5, 0.0], "that of the start");
-    let handle = bench.vw();
+    let handle = bench.open_vw();
     assert_eq!(vw::set_position(&mut bench.robot, handle, 0.25, 0.0, std::f32::consts::FRAC_PI_2), 0);
     // A quarter turn to the right, about the robot.
     let expected = [1.0, 0.75, -std::f64::consts::FRAC_PI_2];
@@ -144,7 +144,7 @@ fn layers_are_in_the_frame_of_odometry_as_the_program_has_set_it() {
 }
 
 #[test]
-fn a_refused_layer_leaves_the_others_as_they_are() {
+fn a_refused_layer_does_not_change_the_others() {
     let mut bench = Bench::rover();
     let mut show = |name: &[u8], frame| {
         let label = layer::Label { name: Some(name), frame };
@@ -162,7 +162,7 @@ fn a_refused_layer_leaves_the_others_as_they_are() {
 }
 
 #[test]
-fn devices_answer_to_the_numbers_of_robi_and_header() {
+fn devices_are_found_by_the_numbers_of_robi_and_header() {
     let table = Bench::rover().robot.robios.table;
     let name = |number| table.find(HDT_PSD, number).map(|device| device.name.as_str());
     assert_eq!([name(PSD_FRONT), name(2), name(PSD_LEFT)], [Some("PSD_FRONT"), Some("PSD_LEFT"), Some("PSD_LEFT")]);
@@ -186,7 +186,7 @@ fn devices_answer_to_the_numbers_of_robi_and_header() {
 }
 
 #[test]
-fn a_psd_sees_what_was_there_at_the_end_of_its_cycle() {
+fn a_psd_reading_is_taken_at_the_end_of_its_cycle() {
     let mut bench = Bench::rover();
     let robot = &mut bench.robot;
     let (front, left) = (psd::init(robot, PSD_FRONT), psd::init(robot, PSD_LEFT));
@@ -195,7 +195,7 @@ fn a_psd_sees_what_was_there_at_the_end_of_its_cycle() {
     assert_eq!(psd::get(robot, &bench.world, 0), 0);
     assert_eq!([psd::start(robot, 8, true), psd::start(robot, front | left, true)], [-1, 0]);
     assert_eq!([psd::start(robot, front, true), psd::check(robot)], [1, 0]);
-    let vw = bench.vw();
+    let vw = bench.open_vw();
     // Towards the wall at x = 2 m. The sensor at x = 1.06 m is 0.94 m from it, beyond its range of 0.8 m. After 1.98 s,
     // the end of cycle 33, it is 0.1 m/s * 1.98 s nearer.
     assert_eq!(vw::drive_straight(&mut bench.robot, &bench.world, vw, 0.5, 0.1), 0);
@@ -216,9 +216,9 @@ fn a_psd_sees_what_was_there_at_the_end_of_its_cycle() {
 }
 
 #[test]
-fn drives_end_where_and_when_they_should() {
+fn drives_end_at_the_commanded_place_and_time() {
     let mut bench = Bench::rover();
-    let handle = bench.vw();
+    let handle = bench.open_vw();
     let Bench { robot, world } = &mut bench;
     assert_eq!(vw::drive_done(robot, handle), 1, "none was commanded");
     assert_eq!(vw::drive_straight(robot, world, handle, -0.25, 0.125), 0);
@@ -234,7 +234,7 @@ fn drives_end_where_and_when_they_should() {
     let mut position = Out::<PositionType>::wanted();
     assert_eq!(vw::position(&mut bench.robot, handle, &mut position), 0);
     assert_eq!(position.value(), Some(&PositionType { x: -0.25, y: 0.0, phi: 0.0 }));
-    // A turn, whose rate has a sign that is ignored, and a curve of 1 rad.
+    // A turn (the sign of its rate is ignored) and a curve of 1 rad.
     let Bench { robot, world } = &mut bench;
     assert_eq!(vw::drive_turn(robot, world, handle, 0.5, -0.25), 0);
     assert_eq!(wait_of(vw::drive_wait(robot, handle)).0, Time(4_000_000));
@@ -248,7 +248,7 @@ fn drives_end_where_and_when_they_should() {
 #[test]
 fn a_drive_against_a_wall_stalls_and_never_ends() {
     let mut bench = Bench::rover();
-    let handle = bench.vw();
+    let handle = bench.open_vw();
     let front = bump::init(&mut bench.robot, BUMP_FRONT);
     let back = bump::init(&mut bench.robot, BUMP_BACK);
     let Bench { robot, world } = &mut bench;
@@ -269,7 +269,7 @@ fn a_drive_against_a_wall_stalls_and_never_ends() {
 }
 
 #[test]
-fn wrong_arguments_of_the_driving_interface() {
+fn wrong_arguments_of_the_driving_interface_are_refused() {
     let mut bench = Bench::rover();
     let Bench { robot, world } = &mut bench;
     assert_eq!(vw::init(robot, world, PSD_FRONT, 1), 0);
@@ -318,8 +318,8 @@ fn motors_turn_wheels_and_encoders_count_them() {
     let mut bench = Bench::rover();
     let Bench { robot, world } = &mut bench;
     let (left, right) = (motor::init(robot, MOTOR_LEFT), motor::init(robot, MOTOR_RIGHT));
-    let (quad, other) = (motor::quad_init(robot, QUAD_LEFT), motor::quad_init(robot, QUAD_RIGHT));
-    assert_eq!([left, right, quad, other, motor::init(robot, MOTOR_FL)], [1, 2, 1, 2, 0]);
+    let (left_quad, right_quad) = (motor::quad_init(robot, QUAD_LEFT), motor::quad_init(robot, QUAD_RIGHT));
+    assert_eq!([left, right, left_quad, right_quad, motor::init(robot, MOTOR_FL)], [1, 2, 1, 2, 0]);
     assert_eq!(motor::quad_motor(robot, QUAD_RIGHT), MOTOR_RIGHT);
     assert_eq!(motor::quad_motor(robot, PSD_FRONT), 0);
     assert_eq!(vw::init(robot, world, VW_DRIVE, 1), 0, "the motors are taken");
@@ -329,16 +329,16 @@ fn motors_turn_wheels_and_encoders_count_them() {
     assert_eq!(motor::drive(robot, world, right, -10), 0);
     bench.at_ms(1_500);
     let Bench { robot, world } = &mut bench;
-    assert_eq!([motor::quad_read(robot, quad), motor::quad_read(robot, other)], [1_500, -1_500]);
+    assert_eq!([motor::quad_read(robot, left_quad), motor::quad_read(robot, right_quad)], [1_500, -1_500]);
     assert_eq!([motor::quad_read(robot, 3), motor::quad_read(robot, 4)], [0, 0]);
-    assert!((motor::odometer_read(robot, quad) - 1.5 * std::f32::consts::PI * 0.1).abs() < 1e-6);
-    assert_eq!([motor::quad_reset(robot, quad), motor::quad_reset(robot, 4)], [0, -1]);
-    assert_eq!(motor::odometer_reset(robot, other), 0);
+    assert!((motor::odometer_read(robot, left_quad) - 1.5 * std::f32::consts::PI * 0.1).abs() < 1e-6);
+    assert_eq!([motor::quad_reset(robot, left_quad), motor::quad_reset(robot, 4)], [0, -1]);
+    assert_eq!(motor::odometer_reset(robot, right_quad), 0);
     assert_eq!(motor::drive(robot, world, left | right, 1_000), 0, "limited to 100");
     bench.at_ms(1_600);
     let Bench { robot, world } = &mut bench;
-    assert_eq!([motor::quad_read(robot, quad), motor::quad_read(robot, other)], [1_000, -500]);
-    assert!((motor::odometer_read(robot, other) - std::f32::consts::PI * 0.1).abs() < 1e-6);
+    assert_eq!([motor::quad_read(robot, left_quad), motor::quad_read(robot, right_quad)], [1_000, -500]);
+    assert!((motor::odometer_read(robot, right_quad) - std::f32::consts::PI * 0.1).abs() < 1e-6);
     assert_eq!([motor::release(robot, world, 8), motor::release(robot, world, 9)], [handle::WRONG_HANDLE, 8]);
     assert_eq!(motor::release(robot, world, left | right), 0);
     assert!(!robot.state.motion.is_moving(robot.state.now), "released motors stop");
@@ -346,7 +346,7 @@ fn motors_turn_wheels_and_encoders_count_them() {
     assert_eq!((vw, motor::init(robot, MOTOR_LEFT)), (vw::HANDLE, 0));
     vw::release(robot, world, vw);
     assert_eq!(motor::init(robot, MOTOR_LEFT), 1);
-    assert_eq!([motor::quad_release(robot, quad), motor::quad_release(robot, quad)], [0, -1]);
+    assert_eq!([motor::quad_release(robot, left_quad), motor::quad_release(robot, left_quad)], [0, -1]);
 }
 
 #[test]
@@ -369,7 +369,7 @@ fn a_car_steers_and_cannot_turn_on_the_spot() {
     assert_eq!((servo::set(robot, world, camera, 200), robot.devices.servos.position(2)), (0, 200));
     assert_eq!(servo::release(robot, servo | camera), 0);
     motor::release(robot, world, motor);
-    let vw = bench.vw();
+    let vw = bench.open_vw();
     let Bench { robot, world } = &mut bench;
     assert_eq!(vw::drive_turn(robot, world, vw, 1.0, 1.0), -1);
     assert_eq!(vw::set_speed(robot, world, vw, 0.0, 1.0), -1);
@@ -377,7 +377,7 @@ fn a_car_steers_and_cannot_turn_on_the_spot() {
 }
 
 #[test]
-fn infrared_compass_and_inputs() {
+fn infrared_sensor_compass_and_inputs() {
     let mut bench = Bench::rover();
     let infrared = ir::init(&mut bench.robot, IR_FRONT);
     assert_eq!(ir::read(&mut bench.robot, &bench.world, infrared), 0);
@@ -385,7 +385,7 @@ fn infrared_compass_and_inputs() {
     assert_eq!([compass::start(&mut bench.robot, true), compass::get(&mut bench.robot)], [1, -1]);
     assert_eq!([compass::init(&mut bench.robot, IR_FRONT), compass::init(&mut bench.robot, COMPASS)], [1, 0]);
     assert_eq!([compass::start(&mut bench.robot, true), compass::check(&mut bench.robot)], [0, 0]);
-    let vw = bench.vw();
+    let vw = bench.open_vw();
     // After 0.7 m the sensor at 0.1 m is 0.2 m from the wall; after 0.8 m it is at 0.1 m, nearer than its range of 0.15
     // m.
     vw::drive_straight(&mut bench.robot, &bench.world, vw, 0.7, 7.0);
@@ -409,7 +409,7 @@ fn infrared_compass_and_inputs() {
 }
 
 #[test]
-fn keys_are_waited_for() {
+fn waits_for_keys_end_at_the_press() {
     let mut bench = Bench::rover();
     assert_eq!(key::read(&mut bench.robot), 0);
     let any_key = WaitReason::Key("any key".to_owned());
@@ -427,7 +427,7 @@ fn keys_are_waited_for() {
 }
 
 #[test]
-fn waiting_for_one_key_forgets_the_others() {
+fn waiting_for_one_key_discards_earlier_presses_of_others() {
     let mut bench = Bench::rover();
     bench.robot.devices.press(Time(2_700_000), UserInput::Key(2));
     bench.at_ms(2_600);
@@ -477,7 +477,7 @@ fn the_display_takes_text_and_numbers() {
 }
 
 #[test]
-fn the_machine() {
+fn machine_name_variables_clock_and_errors() {
     let mut bench = Bench::rover();
     let mut text = OutBytes::with_capacity(3);
     assert_eq!((os::machine_name(&bench.robot, &mut text), text.bytes()), (5, b"Rov".as_slice()));
@@ -502,7 +502,7 @@ fn the_machine() {
 }
 
 #[test]
-fn what_nobody_sends_is_waited_for_in_vain() {
+fn receivers_without_a_sender_wait_for_ever() {
     let mut bench = Bench::rover();
     let robot = &mut bench.robot;
     assert_eq!(ready(serial::receive_6(robot, &mut Out::wanted(), SERIAL1)), -1, "not open");
@@ -557,7 +557,7 @@ impl Fuzzer {
 }
 
 #[test]
-fn no_argument_does_harm() {
+fn no_argument_panics_or_drives_the_robot_through_a_wall() {
     let (mut bench, mut fuzzer) = (Bench::rover(), Fuzzer(1));
     for step in 0..4_000 {
         bench.robot.state.now += Time(fuzzer.next(22_000) as i64);

@@ -42,9 +42,9 @@ impl Timers {
 
     /// Removes a timer; returns false if no timer has this handle.
     pub fn detach(&mut self, handle: i32) -> bool {
-        let before = self.list.len();
+        let old_count = self.list.len();
         self.list.retain(|timer| timer.handle != handle);
-        self.list.len() < before
+        self.list.len() < old_count
     }
 
     /// Time of the next callback; [`Time::NEVER`] without timers, while they are held, and inside a callback.
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn callbacks_come_on_the_global_grid() {
+    fn callbacks_are_due_on_the_global_grid() {
         let mut timers = Timers::default();
         assert_eq!(timers.attach(Time(2_300), MILLISECOND, 5, Callback::NONE), 1);
         assert_eq!(timers.attach(Time(2_300), MILLISECOND, 0, Callback::NONE), 0);
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn ticks_that_pass_while_callbacks_run_are_left_out() {
+    fn ticks_during_callbacks_are_dropped() {
         let mut timers = Timers::default();
         timers.attach(Time(0), MILLISECOND, 1, Callback::NONE);
         timers.attach(Time(0), MILLISECOND, 2, Callback::NONE);
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_held_is_made_up_for_once() {
+    fn held_timers_run_once_when_they_are_released() {
         let mut timers = Timers::default();
         timers.attach(Time(0), MILLISECOND, 1, Callback::NONE);
         timers.are_held = true;

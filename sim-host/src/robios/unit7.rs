@@ -37,7 +37,7 @@ pub fn pose_numbers(pose: &Pose) -> [i32; 3] {
 }
 
 /// Rounds a remaining length in millimetres or angle in degrees up, so that the result is 0 only if nothing remains.
-pub fn left(rest: f64) -> i32 {
+pub fn remaining(rest: f64) -> i32 {
     // An excess below a millionth is a rounding error.
     if rest > 0.0 { ((rest - 1e-6).ceil() as i32).max(1) } else { 0 }
 }
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_come_back_whatever_their_size() {
+    fn conversions_to_si_and_back_keep_all_integers() {
         for number in [0, 1, -1, 7, -333, 32_768, -40_000, 1_234_567, i32::MAX, i32::MIN] {
             assert_eq!(mm(metres(number)), number);
             assert_eq!(degrees(radians(number)), number);
@@ -69,9 +69,16 @@ mod tests {
     }
 
     #[test]
-    fn something_left_is_never_0() {
+    fn a_remainder_above_0_is_never_rounded_to_0() {
         assert_eq!(
-            [left(0.0), left(1e-9), left(0.2), left(499.2), left(500.0), left(500.000_000_01)],
+            [
+                remaining(0.0),
+                remaining(1e-9),
+                remaining(0.2),
+                remaining(499.2),
+                remaining(500.0),
+                remaining(500.000_000_01)
+            ],
             [0, 1, 1, 500, 500, 500]
         );
     }

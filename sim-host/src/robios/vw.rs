@@ -27,8 +27,9 @@ pub struct Vw {
     /// The interface is open, from `VWInit` to `VWRelease` of RoBIOS 6: motors are reserved.
     pub is_open: bool,
     /// Start of the last drive, and the function that waits for its end.
-    pub begun: Option<(Time, &'static str)>,
-    /// Pose of the odometry frame in the world: that of the robot's axle at its start, or as the program has set it since.
+    pub last_drive: Option<(Time, &'static str)>,
+    /// Pose of the odometry frame in the world: the pose of the robot's axle at its start, until the program sets the
+    /// odometry.
     pub world_from_odometry: Pose,
 }
 
@@ -45,12 +46,12 @@ pub enum DriveRefusal {
 
 /// `VWInit`
 pub fn init(robot: &mut Robot, world: &World, semantics: i32, timescale: i32) -> i32 {
-    if let Some(obstacle) = obstacle(robot, semantics, timescale) {
-        return robot.refused(Call::VWInit, 0, |_| obstacle.to_owned());
+    if let Some(reason) = init_failure(robot, semantics, timescale) {
+        return robot.refuse_call(Call::VWInit, 0, |_| reason.to_owned());
     }
     robot.robios.vw.is_open = true;
     robot.halt(world);
-    // This cannot be refused, since the origin is finite.
+    // The drive accepts this pose, which is finite.
     let _ = robot.state.motion.set_odometry(robot.state.now, Pose::default());
     locate_odometry(robot);
     robot.record(Event::SetOdometry { x_m: 0.0, y_m: 0.0, phi_rad: 0.0 });
@@ -60,7 +61,7 @@ pub fn init(robot: &mut Robot, world: &World, semantics: i32, timescale: i32) ->
 /// `VWRelease`
 pub fn release(robot: &mut Robot, world: &World, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.failed(Call::VWRelease, -1);
+        return robot.fail_call(Call::VWRelease, -1);
     }
     robot.halt(world);
     robot.state.motion.stop_control(robot.state.now);
@@ -72,16 +73,16 @@ pub fn release(robot: &mut Robot, world: &World, handle: i32) -> i32 {
 pub fn set_speed(robot: &mut Robot, world: &World, handle: i32, v: f32, omega: f32) -> i32 {
     let (v, omega) = (f64::from(v), f64::from(omega));
     if !is_handle(robot, handle) {
-        return robot.failed(Call::VWSetSpeed, -1);
+        return robot.fail_call(Call::VWSetSpeed, -1);
     }
-    let accepted = set_twist(robot, world, v, omega);
-    robot.answered(Call::VWSetSpeed, -1, accepted)
+    let outcome = set_twist(robot, world, v, omega);
+    robot.answer_call(Call::VWSetSpeed, -1, outcome)
 }
 
 /// `VWGetSpeed`
 pub fn speed(robot: &mut Robot, handle: i32, speed: &mut Out<SpeedType>) -> i32 {
     if !is_handle(robot, handle) || speed.is_null() {
-        return robot.failed(Call::VWGetSpeed, -1);
+        return robot.fail_call(Call::VWGetSpeed, -1);
     }
     let twist = twist(robot);
     speed.set(SpeedType { v: twist.vx as f32, w: twist.omega as f32 });
@@ -92,16 +93,16 @@ pub fn speed(robot: &mut Robot, handle: i32, speed: &mut Out<SpeedType>) -> i32 
 pub fn set_position(robot: &mut Robot, handle: i32, x: f32, y: f32, phi: f32) -> i32 {
     let [x, y, phi] = [x, y, phi].map(f64::from);
     if !is_handle(robot, handle) || !phi.is_finite() {
-        return robot.failed(Call::VWSetPosition, -1);
+        return robot.fail_call(Call::VWSetPosition, -1);
     }
-    let accepted = set_odometry(robot, [x, y, phi]);
-    robot.answered(Call::VWSetPosition, -1, accepted)
+    let outcome = set_odometry(robot, [x, y, phi]);
+    robot.answer_call(Call::VWSetPosition, -1, outcome)
 }
 
 /// `VWGetPosition`: the heading is within [-pi, pi).
 pub fn position(robot: &mut Robot, handle: i32, position: &mut Out<PositionType>) -> i32 {
     if !is_handle(robot, handle) || position.is_null() {
-        return robot.failed(Call::VWGetPosition, -1);
+        return robot.fail_call(Call::VWGetPosition, -1);
     }
     let pose = odometry(robot);
     let (x, y, phi) = (pose.position.x, pose.position.y, pose.heading.remainder());
@@ -112,16 +113,16 @@ pub fn position(robot: &mut Robot, handle: i32, position: &mut Out<PositionType>
 /// `VWStartControl`
 pub fn start_control(robot: &mut Robot, handle: i32, [vv, tv, vw, tw]: [f32; 4]) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.failed(Call::VWStartControl, -1);
+        return robot.fail_call(Call::VWStartControl, -1);
     }
-    let accepted = set_gains(robot, Gains { vv: vv.into(), tv: tv.into(), vw: vw.into(), tw: tw.into() });
-    robot.answered(Call::VWStartControl, -1, accepted)
+    let outcome = set_gains(robot, Gains { vv: vv.into(), tv: tv.into(), vw: vw.into(), tw: tw.into() });
+    robot.answer_call(Call::VWStartControl, -1, outcome)
 }
 
 /// `VWStopControl`
 pub fn stop_control(robot: &mut Robot, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.failed(Call::VWStopControl, -1);
+        return robot.fail_call(Call::VWStopControl, -1);
     }
     clear_gains(robot);
     0
@@ -168,7 +169,7 @@ pub fn drive_curve(robot: &mut Robot, world: &World, handle: i32, [distance, ang
 /// `VWDriveRemain`
 pub fn drive_remain(robot: &mut Robot, handle: i32) -> f32 {
     if !is_handle(robot, handle) {
-        robot.failed(Call::VWDriveRemain, 0);
+        robot.fail_call(Call::VWDriveRemain, 0);
         return 0.0;
     }
     robot.state.motion.drive_remaining(robot.state.now) as f32
@@ -177,7 +178,7 @@ pub fn drive_remain(robot: &mut Robot, handle: i32) -> f32 {
 /// `VWDriveDone`
 pub fn drive_done(robot: &mut Robot, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.failed(Call::VWDriveDone, -1);
+        return robot.fail_call(Call::VWDriveDone, -1);
     }
     i32::from(robot.state.motion.is_drive_done(robot.state.now))
 }
@@ -185,7 +186,7 @@ pub fn drive_done(robot: &mut Robot, handle: i32) -> i32 {
 /// `VWDriveWait`
 pub fn drive_wait(robot: &mut Robot, handle: i32) -> Poll<i32> {
     if !is_handle(robot, handle) {
-        return Poll::Ready(robot.failed(Call::VWDriveWait, -1));
+        return Poll::Ready(robot.fail_call(Call::VWDriveWait, -1));
     }
     wait_for_drive(robot)
 }
@@ -193,13 +194,13 @@ pub fn drive_wait(robot: &mut Robot, handle: i32) -> Poll<i32> {
 /// `VWStalled`
 pub fn stalled(robot: &mut Robot, handle: i32) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.failed(Call::VWStalled, -1);
+        return robot.fail_call(Call::VWStalled, -1);
     }
     i32::from(robot.state.motion.is_stalled(robot.state.now))
 }
 
 /// Reason why `VWInit` fails, if it does.
-fn obstacle(robot: &Robot, semantics: i32, timescale: i32) -> Option<&'static str> {
+fn init_failure(robot: &Robot, semantics: i32, timescale: i32) -> Option<&'static str> {
     if robot.robios.table.find(HDT_VW, semantics).is_none() {
         Some("the first argument must be `VW_DRIVE`")
     } else if timescale < 1 {
@@ -227,10 +228,10 @@ fn start(
     (call, event): (Call, Event<'_>),
 ) -> i32 {
     if !is_handle(robot, handle) {
-        return robot.failed(call, -1);
+        return robot.fail_call(call, -1);
     }
-    let accepted = start_drive(robot, world, displacement, seconds, (event, Call::VWDriveWait.name()));
-    robot.answered(call, -1, accepted)
+    let outcome = start_drive(robot, world, displacement, seconds, (event, Call::VWDriveWait.name()));
+    robot.answer_call(call, -1, outcome)
 }
 
 // The functions below serve both generations, in metres, radians and seconds.
@@ -245,29 +246,30 @@ pub(super) fn curve_seconds(distance: f64, angle: f64, v: f64) -> f64 {
     if distance == 0.0 && angle != 0.0 { f64::NAN } else { seconds(distance, v) }
 }
 
-/// Starts a drive of `seconds`, whose sign (the speed's) is ignored. `wait` names the function that waits for its end.
+/// Starts a drive that takes |`seconds`|: the sign, which is the speed's, is ignored. `wait_function` is the name of
+/// the function that waits for its end.
 pub(super) fn start_drive(
     robot: &mut Robot,
     world: &World,
     displacement: Twist,
     seconds: f64,
-    (event, wait): (Event<'_>, &'static str),
+    (event, wait_function): (Event<'_>, &'static str),
 ) -> Result<(), DriveRefusal> {
     // A speed of 0 yields an infinite time, or NaN for a distance of 0.
     if !seconds.is_finite() {
         return Err(DriveRefusal::Endless);
     }
     let replaces_immediately =
-        robot.robios.vw.begun.is_some_and(|(begun, _)| robot.now - begun <= IMMEDIATE_REPLACEMENT);
+        robot.robios.vw.last_drive.is_some_and(|(start, _)| robot.now - start <= IMMEDIATE_REPLACEMENT);
     if replaces_immediately && !robot.state.motion.is_drive_done(robot.state.now) {
         let text = format!(
             "a drive replaces the one before, which has just begun: write `{}` above this line, which waits for its end",
-            if wait == "VWWait" { "VWWait()" } else { wait }
+            if wait_function == "VWWait" { "VWWait()" } else { wait_function }
         );
         robot.hint_once(Mistake::MissingWait, &text);
     }
     robot.command(world, Command::Drive { displacement, duration: seconds.abs() })?;
-    robot.robios.vw.begun = Some((robot.now, wait));
+    robot.robios.vw.last_drive = Some((robot.now, wait_function));
     robot.record(event);
     Ok(())
 }
@@ -279,7 +281,7 @@ pub(super) fn set_twist(robot: &mut Robot, world: &World, v: f64, omega: f64) ->
     Ok(())
 }
 
-/// Speeds measured at the wheels.
+/// Linear and angular speed as measured at the wheels.
 pub(super) fn twist(robot: &mut Robot) -> Twist {
     let twist = robot.state.motion.speed(robot.state.now);
     robot.record(Event::OdometrySpeed { v_m_per_s: twist.vx, omega_rad_per_s: twist.omega });
@@ -294,7 +296,7 @@ pub(super) fn set_odometry(robot: &mut Robot, [x, y, phi]: [f64; 3]) -> Result<(
     Ok(())
 }
 
-/// Stores the pose of the odometry frame in the world at which the odometry is now true.
+/// Stores the pose of the odometry frame in the world for which the current odometry equals the true pose.
 pub(super) fn locate_odometry(robot: &mut Robot) {
     let State { world_from_axle, odometry, .. } = robot.state.motion.state(robot.state.now);
     let turn = Pose::new(0.0, 0.0, world_from_axle.heading.radians() - odometry.heading.radians());

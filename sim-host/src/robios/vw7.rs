@@ -1,6 +1,6 @@
 //! The driving interface of RoBIOS-7: always open, without a handle, in millimetres and degrees.
 //!
-//! Source: RoBIOS-7 library, V-Omega driving. The motors follow the last command, whether from here or from
+//! Source: RoBIOS-7 library, V-Omega driving. The motors follow the last command, whether of this family or of
 //! `MOTORDrive`: our choice.
 
 use robios_sys::{Out, Robios7Call as Call};
@@ -11,21 +11,21 @@ use sim_core::world::World;
 use super::caller::Poll;
 use super::hint::Mistake;
 use super::robot::Robot;
-use super::unit7::{degrees, left, metres, mm, pose_numbers, radians};
+use super::unit7::{degrees, metres, mm, pose_numbers, radians, remaining};
 use super::vw::{self, DriveRefusal};
 use sim_core::record::Event;
 
-/// A length and a speed both below this are probably meant in metres.
+/// If a length and a speed are both below this limit, they are probably in metres.
 const SHORT_MM: i32 = 5;
 
-/// An angle and a turning speed both up to this are probably meant in radians.
+/// If an angle and a turning speed are both at most this limit, they are probably in radians.
 const SMALL_DEGREES: i32 = 6;
 
 /// `VWSetSpeed`
 pub fn set_speed(robot: &mut Robot, world: &World, v_mm: i32, omega_degrees: i32) -> i32 {
-    hint_at_no_number(robot, &[v_mm, omega_degrees]);
-    let accepted = vw::set_twist(robot, world, metres(v_mm), radians(omega_degrees));
-    robot.answered(Call::VWSetSpeed, 1, accepted)
+    hint_at_nan(robot, &[v_mm, omega_degrees]);
+    let outcome = vw::set_twist(robot, world, metres(v_mm), radians(omega_degrees));
+    robot.answer_call(Call::VWSetSpeed, 1, outcome)
 }
 
 /// `VWGetSpeed`
@@ -38,21 +38,21 @@ pub fn speed(robot: &mut Robot, [v, omega]: [&mut Out<i32>; 2]) -> i32 {
 
 /// `VWSetPosition`
 pub fn set_position(robot: &mut Robot, [x_mm, y_mm, phi_degrees]: [i32; 3]) -> i32 {
-    let accepted = vw::set_odometry(robot, [metres(x_mm), metres(y_mm), radians(phi_degrees)]);
-    robot.answered(Call::VWSetPosition, 1, accepted)
+    let outcome = vw::set_odometry(robot, [metres(x_mm), metres(y_mm), radians(phi_degrees)]);
+    robot.answer_call(Call::VWSetPosition, 1, outcome)
 }
 
 /// `VWGetPosition`
-pub fn position(robot: &mut Robot, into: [&mut Out<i32>; 3]) -> i32 {
+pub fn position(robot: &mut Robot, out: [&mut Out<i32>; 3]) -> i32 {
     let numbers = pose_numbers(&vw::odometry(robot));
-    into.into_iter().zip(numbers).for_each(|(out, number)| out.set(number));
+    out.into_iter().zip(numbers).for_each(|(out, number)| out.set(number));
     0
 }
 
 /// `VWStraight`: the direction is the sign of `distance_mm`; the sign of the speed is ignored.
 pub fn straight(robot: &mut Robot, world: &World, distance_mm: i32, v_mm: i32) -> i32 {
     hint_at_metres(robot, distance_mm, v_mm);
-    hint_at_no_number(robot, &[distance_mm, v_mm]);
+    hint_at_nan(robot, &[distance_mm, v_mm]);
     if distance_mm == 0 && v_mm != 0 {
         robot.hint_at(Mistake::NoLengthInMm);
     }
@@ -67,7 +67,7 @@ pub fn turn(robot: &mut Robot, world: &World, angle_degrees: i32, omega_degrees:
     if is_small(angle_degrees) && is_small(omega_degrees) {
         robot.hint_at(Mistake::Radians);
     }
-    hint_at_no_number(robot, &[angle_degrees, omega_degrees]);
+    hint_at_nan(robot, &[angle_degrees, omega_degrees]);
     let (angle, omega) = (radians(angle_degrees), radians(omega_degrees));
     let event = Event::DriveTurn { angle_rad: angle, omega_rad_per_s: omega };
     start(robot, world, Call::VWTurn, Twist::new(0.0, angle), angle / omega, event)
@@ -76,7 +76,7 @@ pub fn turn(robot: &mut Robot, world: &World, angle_degrees: i32, omega_degrees:
 /// `VWCurve`: forwards or backwards by the sign of `distance_mm`; the sign of the speed is ignored.
 pub fn curve(robot: &mut Robot, world: &World, [distance_mm, angle_degrees]: [i32; 2], v_mm: i32) -> i32 {
     hint_at_metres(robot, distance_mm, v_mm);
-    hint_at_no_number(robot, &[distance_mm, angle_degrees, v_mm]);
+    hint_at_nan(robot, &[distance_mm, angle_degrees, v_mm]);
     let (distance, angle, v) = (metres(distance_mm), radians(angle_degrees), metres(v_mm));
     let event = Event::DriveCurve { distance_m: distance, angle_rad: angle, v_m_per_s: v };
     start(robot, world, Call::VWCurve, Twist::new(distance, angle), vw::curve_seconds(distance, angle, v), event)
@@ -85,20 +85,20 @@ pub fn curve(robot: &mut Robot, world: &World, [distance_mm, angle_degrees]: [i3
 /// `VWDrive`: drives an arc that begins straight ahead, or straight back for a negative `dx_mm`.
 pub fn drive(robot: &mut Robot, world: &World, [dx_mm, dy_mm]: [i32; 2], v_mm: i32) -> i32 {
     hint_at_metres(robot, dx_mm.saturating_abs().max(dy_mm.saturating_abs()), v_mm);
-    hint_at_no_number(robot, &[dx_mm, dy_mm, v_mm]);
+    hint_at_nan(robot, &[dx_mm, dy_mm, v_mm]);
     let v = metres(v_mm);
     let arc = arc_to([metres(dx_mm), metres(dy_mm)].into());
     let event = Event::DriveCurve { distance_m: arc.vx, angle_rad: arc.omega, v_m_per_s: v };
     start(robot, world, Call::VWDrive, arc, arc.vx / v, event)
 }
 
-/// `VWRemain`: the rest in millimetres, in degrees for a turn.
+/// `VWRemain`: the remaining distance in millimetres; for a turn, the remaining angle in degrees.
 pub fn remain(robot: &mut Robot) -> i32 {
     let rest = robot.state.motion.drive_remaining(robot.state.now);
     if robot.state.motion.is_drive_turn(robot.state.now) {
-        left(sim_core::unit::degrees_from_radians(rest))
+        remaining(sim_core::unit::degrees_from_radians(rest))
     } else {
-        left(sim_core::unit::mm_from_metres(rest))
+        remaining(sim_core::unit::mm_from_metres(rest))
     }
 }
 
@@ -121,8 +121,8 @@ pub fn stalled(robot: &mut Robot) -> i32 {
 /// `VWControl`: gains in tenths, times in hundredths of a second.
 pub fn start_control(robot: &mut Robot, [vv, tv, vw, tw]: [i32; 4]) -> i32 {
     let (gain, seconds) = (|tenths: i32| f64::from(tenths) / 10.0, |hundredths: i32| f64::from(hundredths) / 100.0);
-    let accepted = vw::set_gains(robot, Gains { vv: gain(vv), tv: seconds(tv), vw: gain(vw), tw: seconds(tw) });
-    robot.answered(Call::VWControl, 1, accepted)
+    let outcome = vw::set_gains(robot, Gains { vv: gain(vv), tv: seconds(tv), vw: gain(vw), tw: seconds(tw) });
+    robot.answer_call(Call::VWControl, 1, outcome)
 }
 
 /// `VWControlOff`
@@ -131,22 +131,22 @@ pub fn stop_control(robot: &mut Robot) -> i32 {
     0
 }
 
-/// Starts a drive of `seconds`, whose sign is ignored.
+/// Starts a drive that takes |`seconds`|.
 fn start(robot: &mut Robot, world: &World, call: Call, displacement: Twist, seconds: f64, event: Event<'_>) -> i32 {
     match vw::start_drive(robot, world, displacement, seconds, (event, Call::VWWait.name())) {
         Ok(()) => 0,
         Err(DriveRefusal::Endless) if displacement.vx == 0.0 && call == Call::VWCurve => {
-            robot.refused(call, 1, |_| "a curve takes a length other than 0, `VWTurn` turns on the spot".to_owned())
+            robot.refuse_call(call, 1, |_| "a curve takes a length other than 0, `VWTurn` turns on the spot".to_owned())
         }
-        Err(DriveRefusal::Endless) => robot.refused(call, 1, |_| {
+        Err(DriveRefusal::Endless) => robot.refuse_call(call, 1, |_| {
             "its speed is 0: RoBIOS-7 takes whole mm/s and degrees/s, such as 300; 0.3 becomes 0".to_owned()
         }),
-        Err(refusal) => robot.refused(call, 1, |_| refusal.to_string()),
+        Err(refusal) => robot.refuse_call(call, 1, |_| refusal.to_string()),
     }
 }
 
-/// Hints at a number that is NaN in the program: on x86-64 its conversion to an integer yields the minimum.
-fn hint_at_no_number(robot: &mut Robot, numbers: &[i32]) {
+/// Gives a hint if a number was NaN in the program: on x86-64, the conversion of NaN to an integer yields the minimum.
+fn hint_at_nan(robot: &mut Robot, numbers: &[i32]) {
     if numbers.contains(&i32::MIN) {
         robot.hint_at(Mistake::NoNumber);
     }

@@ -1,7 +1,7 @@
 //! Coloured pixels and integer drawing operations on them.
 //!
-//! x to the right, y down, from the upper left corner. Shapes are clipped to the canvas at any distance, and drawing
-//! takes no longer than its visible pixels.
+//! The origin is the upper left corner, x to the right, y down. Shapes of any size and position are clipped to the
+//! canvas; the time for drawing depends on the canvas, not on the size of the shape.
 
 /// Red, green and blue.
 pub type Rgb = [u8; 3];
@@ -24,7 +24,7 @@ pub fn code([red, green, blue]: Rgb) -> i32 {
 
 /// The complement of a colour.
 pub fn inverse(colour: Rgb) -> Rgb {
-    colour.map(|part| !part)
+    colour.map(|channel| !channel)
 }
 
 /// Effect of drawing on a pixel.
@@ -102,7 +102,7 @@ impl Canvas {
     /// pixel. Draws nothing for a negative radius.
     pub fn fill_circle(&mut self, [x, y]: [i32; 2], radius: i32, ink: Ink) -> u32 {
         let (x, y) = (i64::from(x), i64::from(y));
-        let rows = visible(y, radius, self.height);
+        let rows = visible_range(y, radius, self.height);
         rows.filter_map(|row| Some((row, half_chord(radius, row - y)?)))
             .map(|(row, half)| self.draw_span(row, x - half, x + half, ink))
             .sum()
@@ -112,14 +112,15 @@ impl Canvas {
     pub fn draw_circle(&mut self, [x, y]: [i32; 2], radius: i32, ink: Ink) -> u32 {
         let (x, y) = (i64::from(x), i64::from(y));
         let mut changed = 0;
-        // Columns are drawn where the rim is flat, rows where it is steep: no pixel twice, no gap on the diagonal.
-        for column in visible(x, radius, self.width) {
+        // Where the rim is flat, it is drawn column by column; where it is steep, row by row. So no pixel is drawn
+        // twice, and there is no gap on the diagonal.
+        for column in visible_range(x, radius, self.width) {
             let offset = column - x;
             if let Some(half) = half_chord(radius, offset).filter(|half| *half >= offset.abs()) {
                 changed += self.draw_pair([column, y - half], [column, y + half], ink);
             }
         }
-        for row in visible(y, radius, self.height) {
+        for row in visible_range(y, radius, self.height) {
             let offset = row - y;
             if let Some(half) = half_chord(radius, offset).filter(|half| *half > offset.abs()) {
                 changed += self.draw_pair([x - half, row], [x + half, row], ink);
@@ -133,12 +134,12 @@ impl Canvas {
         let rows = self.height as i64 - i64::from(y);
         // Rows below the canvas are not read.
         let visible_pixels = usize::try_from(rows).unwrap_or(0).saturating_mul(width);
-        let (mut dx, mut down, mut changed) = (0, i64::from(y), 0);
+        let (mut dx, mut row, mut changed) = (0, i64::from(y), 0);
         for colour in image.take(visible_pixels) {
-            changed += self.draw(i64::from(x) + dx, down, Ink::Colour(colour));
+            changed += self.draw(i64::from(x) + dx, row, Ink::Colour(colour));
             dx += 1;
             if dx == width as i64 {
-                (dx, down) = (0, down + 1);
+                (dx, row) = (0, row + 1);
             }
         }
         changed
@@ -148,7 +149,7 @@ impl Canvas {
     pub fn blend(&mut self, x: i32, y: i32, colour: Rgb, coverage: u8) {
         if let Some(index) = self.pixel_index(x.into(), y.into()) {
             let under = self.pixels[index];
-            self.pixels[index] = std::array::from_fn(|part| mix(under[part], colour[part], coverage));
+            self.pixels[index] = std::array::from_fn(|channel| mix(under[channel], colour[channel], coverage));
         }
     }
 
@@ -191,24 +192,24 @@ impl Canvas {
 pub fn line(from: [i32; 2], to: [i32; 2], size: [usize; 2]) -> impl Iterator<Item = [i64; 2]> {
     let [[x1, y1], [x2, y2]] = [from, to].map(|point| point.map(i64::from));
     let is_flat = (x2 - x1).abs() >= (y2 - y1).abs();
-    let (from, to, [end, across]) = match is_flat {
+    let (from, to, [end, cross_end]) = match is_flat {
         true => ([x1, y1], [x2, y2], size),
         false => ([y1, x1], [y2, x2], [size[1], size[0]]),
     };
-    along(from, to, end as i64)
-        .filter(move |(_, value)| (0..across as i64).contains(value))
+    shallow_line(from, to, end as i64)
+        .filter(move |(_, value)| (0..cross_end as i64).contains(value))
         .map(move |(index, value)| if is_flat { [index, value] } else { [value, index] })
 }
 
 /// Points of a line that is at least as long along its first coordinate as along its second, clipped to first
 /// coordinates of `0..end`.
-fn along(from: [i64; 2], to: [i64; 2], end: i64) -> impl Iterator<Item = (i64, i64)> {
+fn shallow_line(from: [i64; 2], to: [i64; 2], end: i64) -> impl Iterator<Item = (i64, i64)> {
     let ([start, first], [stop, last]) = if from[0] <= to[0] { (from, to) } else { (to, from) };
     let (length, rise) = (i128::from(stop - start), i128::from(last - first));
     (start.max(0)..=stop.min(end - 1)).map(move |index| {
-        // Rounded to the nearest, halves up; a line of one point has length 0.
-        let twice = 2 * rise * i128::from(index - start) + length;
-        (index, first + if length == 0 { 0 } else { twice.div_euclid(2 * length) as i64 })
+        // The second coordinate is rounded to the nearest integer, halves up; a line of one point has length 0.
+        let numerator = 2 * rise * i128::from(index - start) + length;
+        (index, first + if length == 0 { 0 } else { numerator.div_euclid(2 * length) as i64 })
     })
 }
 
@@ -218,7 +219,7 @@ fn corners([x1, y1]: [i32; 2], [x2, y2]: [i32; 2]) -> ([i64; 2], [i64; 2]) {
 }
 
 /// Coordinates of `0..end` within a radius of a centre.
-fn visible(centre: i64, radius: i32, end: usize) -> std::ops::RangeInclusive<i64> {
+fn visible_range(centre: i64, radius: i32, end: usize) -> std::ops::RangeInclusive<i64> {
     let radius = i64::from(radius);
     (centre - radius).max(0)..=(centre + radius).min(end as i64 - 1)
 }
@@ -227,7 +228,7 @@ fn visible(centre: i64, radius: i32, end: usize) -> std::ops::RangeInclusive<i64
 fn half_chord(radius: i32, distance: i64) -> Option<i64> {
     let radius = u64::try_from(radius).ok()?;
     let distance = distance.unsigned_abs();
-    // Centres within the radius plus a half: d^2 <= r^2 + r in whole numbers.
+    // A centre at distance d is nearer than r + 1/2 if d^2 <= r^2 + r, in integers.
     let rest = (radius * radius + radius).checked_sub(distance.checked_mul(distance)?)?;
     (distance <= radius).then(|| rest.isqrt() as i64)
 }

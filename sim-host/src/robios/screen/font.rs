@@ -12,11 +12,11 @@ use parking_lot::Mutex;
 /// A family of fonts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Family {
-    /// DejaVu Sans stands for Helvetica.
+    /// Helvetica, drawn with DejaVu Sans.
     Helvetica,
-    /// DejaVu Serif stands for Times.
+    /// Times, drawn with DejaVu Serif.
     Times,
-    /// DejaVu Sans Mono stands for Courier; each character is as wide as a column.
+    /// Courier, drawn with DejaVu Sans Mono; each character is as wide as a column.
     Courier,
 }
 
@@ -31,7 +31,7 @@ pub enum Variation {
     Italics,
 }
 
-/// A text size, by the numbers of `LCDSetFontSize`.
+/// A text size, with its number for `LCDSetFontSize`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Size {
     /// 8: cells of 5 x 9 pixels.
@@ -47,8 +47,8 @@ pub enum Size {
 }
 
 impl Size {
-    /// Size with this number.
-    pub fn of(number: i32) -> Option<Self> {
+    /// Size with this number for `LCDSetFontSize`.
+    pub fn from_number(number: i32) -> Option<Self> {
         match number {
             8 => Some(Self::Tiny),
             12 => Some(Self::Normal),
@@ -110,8 +110,8 @@ impl Font {
 
     fn rasterise(self, face: &FontRef<'_>, id: GlyphId) -> Glyph {
         let [column, height] = self.size.cell();
-        let natural = face.as_scaled(f32::from(height));
-        let advance = natural.h_advance(id);
+        let scaled_face = face.as_scaled(f32::from(height));
+        let advance = scaled_face.h_advance(id);
         let (width, scale) = match self.family {
             // The glyph is squeezed to the width of the column.
             Family::Courier => {
@@ -120,7 +120,7 @@ impl Font {
             }
             _ => (advance.round().clamp(0.0, 255.0) as u8, PxScale::from(f32::from(height))),
         };
-        let baseline = natural.ascent().round();
+        let baseline = scaled_face.ascent().round();
         let mut coverage = vec![0; usize::from(width) * usize::from(height)];
         if let Some(outline) = face.outline_glyph(id.with_scale_and_position(scale, point(0.0, baseline))) {
             let corner = outline.px_bounds().min;

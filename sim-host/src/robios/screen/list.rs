@@ -23,7 +23,7 @@ pub struct ListLine {
 }
 
 /// Number of lines that fit above the menu on a display of `height` rows of pixels.
-pub fn room(height: u16) -> usize {
+pub fn max_lines(height: u16) -> usize {
     (height.saturating_sub(menu::HEIGHT) / ROW).into()
 }
 

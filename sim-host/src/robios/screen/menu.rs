@@ -4,7 +4,7 @@ use super::canvas::{BLACK, Canvas, Ink, Rgb};
 use super::font::{Family, Font, Size, Variation};
 use super::page::draw_glyph;
 
-/// Height of the menu in pixels: on a display of 240 rows it leaves 16 rows of text of size 12.
+/// Height of the menu in pixels: above it, a display of 240 rows has 16 rows of text of size 12.
 pub const HEIGHT: u16 = 32;
 
 /// Number of keys.
@@ -47,15 +47,15 @@ pub fn draw(entries: &[Entry; KEYS], canvas: &mut Canvas) {
     }
 }
 
-/// Draws a key's text in the middle of its field: in two lines if one does not fit, otherwise in the smallest size, and
-/// cut if even that does not fit.
+/// Draws a key's text in the middle of its field: in the normal size, split into two lines if necessary;
+/// otherwise in the smallest size, in which text that does not fit is cut.
 fn draw_label(entry: &Entry, [left, top]: [i32; 2], [right, bottom]: [i32; 2], canvas: &mut Canvas) {
     let (width, height) = (right - left + 1, bottom - top + 1);
     let font = |size| Font { family: Family::Helvetica, variation: Variation::Bold, size };
-    let length = |line: &str, font: Font| -> i32 { line.chars().map(|c| i32::from(font.advance(c))).sum() };
-    let is_fitting = |lines: &[&str], font: Font| {
+    let text_width = |line: &str, font: Font| -> i32 { line.chars().map(|c| i32::from(font.advance(c))).sum() };
+    let fits = |lines: &[&str], font: Font| {
         let rows = lines.len() as i32 * i32::from(font.size.cell()[1]);
-        rows <= height && lines.iter().all(|line| length(line, font) <= width)
+        rows <= height && lines.iter().all(|line| text_width(line, font) <= width)
     };
     let lines: Vec<&str> = entry.text.split('\n').map(str::trim).collect();
     // Split at the blank nearest to the middle.
@@ -63,14 +63,16 @@ fn draw_label(entry: &Entry, [left, top]: [i32; 2], [right, bottom]: [i32; 2], c
     let halves = halves.min_by_key(|(index, _)| index.abs_diff(entry.text.len() / 2));
     let halves = halves.map(|(index, _)| vec![entry.text[..index].trim(), entry.text[index..].trim()]);
     let (lines, font) = match halves {
-        _ if is_fitting(&lines, font(Size::Normal)) => (lines, font(Size::Normal)),
-        Some(halves) if is_fitting(&halves, font(Size::Normal)) => (halves, font(Size::Normal)),
+        _ if fits(&lines, font(Size::Normal)) => (lines, font(Size::Normal)),
+        Some(halves) if fits(&halves, font(Size::Normal)) => (halves, font(Size::Normal)),
         _ => (lines, font(Size::Tiny)),
     };
-    let row = i32::from(font.size.cell()[1]);
-    let first = top + ((height - lines.len() as i32 * row) / 2).max(0);
-    for (y, line) in (first..).step_by(row as usize).zip(&lines).take_while(|(y, _)| y + row <= bottom + 1) {
-        let mut x = left + ((width - length(line, font)) / 2).max(0);
+    let row_height = i32::from(font.size.cell()[1]);
+    let text_top = top + ((height - lines.len() as i32 * row_height) / 2).max(0);
+    for (y, line) in
+        (text_top..).step_by(row_height as usize).zip(&lines).take_while(|(y, _)| y + row_height <= bottom + 1)
+    {
+        let mut x = left + ((width - text_width(line, font)) / 2).max(0);
         for character in line.chars().filter(|character| !character.is_control()) {
             let end = x + i32::from(font.advance(character));
             if end > right + 1 {

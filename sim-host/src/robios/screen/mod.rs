@@ -1,7 +1,7 @@
 //! The colour display of RoBIOS-7: pixels, text in cells of a font, four keys at the lower edge, touches.
 //!
-//! A pure model, independent of calls and robots. Source: RoBIOS-7 library, LCD output; our choices where the source is
-//! silent are in `docs/robios7.md`.
+//! This model does not depend on calls and robots. Source: RoBIOS-7 library, LCD output; `docs/robios7.md` describes
+//! our choices where the source is silent.
 
 pub mod canvas;
 pub mod font;
@@ -66,7 +66,7 @@ pub struct Screen {
     /// Modes of text output.
     pub modes: Modes,
     /// Upper left corner of the next image.
-    image_at: [i32; 2],
+    image_corner: [i32; 2],
 }
 
 #[derive(Clone, Debug)]
@@ -97,7 +97,7 @@ impl Screen {
             ink: WHITE,
             paper: canvas::BLACK,
             modes: Modes::default(),
-            image_at: [0, 0],
+            image_corner: [0, 0],
         }
     }
 
@@ -114,7 +114,7 @@ impl Screen {
 
     /// Visible pixels: drawing, text, list and menu.
     pub fn picture(&self) -> Canvas {
-        self.shown().picture()
+        self.visible_content().picture()
     }
 
     /// Colour of a pixel; black outside.
@@ -129,7 +129,7 @@ impl Screen {
     /// Visible text without trailing blanks: the lines of the list if one is shown, otherwise the rows from the top to
     /// the last one with text; then one line of the menu texts, separated by ` | ` and empty without a menu.
     pub fn lines(&self) -> Vec<String> {
-        let content = self.shown();
+        let content = self.visible_content();
         let mut lines = match content.shown_list() {
             [] => content.page.lines(),
             list => list.iter().map(|line| line.entry.text.trim_end().to_owned()).collect(),
@@ -152,7 +152,7 @@ impl Screen {
         }
     }
 
-    fn shown(&self) -> &Content {
+    fn visible_content(&self) -> &Content {
         self.visible.as_deref().unwrap_or(&self.content)
     }
 }
@@ -185,7 +185,7 @@ impl Screen {
         (self.ink, self.paper) = (ink, paper);
     }
 
-    /// Sets the font of the following text; its size is kept.
+    /// Sets the font of the following text; the size does not change.
     pub fn set_font(&mut self, family: Family, variation: Variation) {
         self.font = Font { family, variation, size: self.font.size };
     }
@@ -198,14 +198,14 @@ impl Screen {
     /// Row and column of the next character, in cells of the current size.
     pub fn position(&self) -> [i32; 2] {
         let [x, y] = self.cursor;
-        let [column, row] = self.font.size.cell().map(i32::from);
-        [y.div_euclid(row), x.div_euclid(column)]
+        let [width, height] = self.font.size.cell().map(i32::from);
+        [y.div_euclid(height), x.div_euclid(width)]
     }
 
     /// Number of rows and columns of the whole display, in cells of the current size.
     pub fn rows_and_columns(&self) -> [i32; 2] {
-        let [column, row] = self.font.size.cell().map(u16::from);
-        [(self.size[1] / row).into(), (self.size[0] / column).into()]
+        let [width, height] = self.font.size.cell().map(u16::from);
+        [(self.size[1] / height).into(), (self.size[0] / width).into()]
     }
 
     /// Sets the position of the next character, in cells of the current size.
@@ -219,13 +219,13 @@ impl Screen {
     /// `\n` begins a new row, `\r` goes back to the row's beginning, `\t` to the next multiple of 4 columns, `\b` one
     /// column back; other control characters are ignored, and so are characters that are not entirely on the display.
     pub fn write(&mut self, text: &str) {
-        let column = i32::from(self.font.size.cell()[0]);
+        let width = i32::from(self.font.size.cell()[0]);
         for character in text.chars() {
             match character {
                 '\n' => self.begin_row(),
                 '\r' => self.cursor[0] = 0,
-                '\t' => self.cursor[0] = (self.cursor[0].div_euclid(column * TAB) + 1).saturating_mul(column * TAB),
-                '\x08' => self.cursor[0] = self.cursor[0].saturating_sub(column).max(0),
+                '\t' => self.cursor[0] = (self.cursor[0].div_euclid(width * TAB) + 1).saturating_mul(width * TAB),
+                '\x08' => self.cursor[0] = self.cursor[0].saturating_sub(width).max(0),
                 character if character.is_control() => {}
                 character => self.write_character(character),
             }
@@ -242,9 +242,9 @@ impl Screen {
             self.begin_row();
         }
         let [x, y] = self.cursor;
-        let turned = |colour, is_inverse| if is_inverse { inverse(colour) } else { colour };
-        let ink = turned(self.ink, self.modes.is_ink_inverse);
-        let paper = (!self.modes.is_transparent).then(|| turned(self.paper, self.modes.is_paper_inverse));
+        let with_mode = |colour, is_inverse| if is_inverse { inverse(colour) } else { colour };
+        let ink = with_mode(self.ink, self.modes.is_ink_inverse);
+        let paper = (!self.modes.is_transparent).then(|| with_mode(self.paper, self.modes.is_paper_inverse));
         if paper.is_some() || character != ' ' {
             self.content.page.put(x, y, Cell { character, font: self.font, width, ink, paper });
         }
@@ -252,26 +252,26 @@ impl Screen {
     }
 
     fn begin_row(&mut self) {
-        let row = i32::from(self.font.size.cell()[1]);
+        let row_height = i32::from(self.font.size.cell()[1]);
         let bottom = self.text_bottom();
-        self.cursor = [0, self.cursor[1].saturating_add(row)];
-        if self.cursor[1].saturating_add(row) > i32::from(bottom) {
+        self.cursor = [0, self.cursor[1].saturating_add(row_height)];
+        if self.cursor[1].saturating_add(row_height) > i32::from(bottom) {
             if self.modes.is_scrolling {
-                self.cursor[1] = (i32::from(bottom) / row - 1) * row;
-                self.content.page.scroll(bottom, row as u16);
+                self.cursor[1] = (i32::from(bottom) / row_height - 1) * row_height;
+                self.content.page.scroll(bottom, row_height as u16);
             } else {
                 self.cursor[1] = 0;
             }
         }
     }
 
-    /// First row of pixels below the text: the top of the menu, or the display's end.
+    /// First row of pixels below the text: the top of the menu, or the row below the display.
     fn text_bottom(&self) -> u16 {
         self.size[1] - if self.content.has_menu { menu::HEIGHT } else { 0 }
     }
 }
 
-/// Graphics. Drawing functions return the number of changed pixels; the menu lies above all drawing.
+/// Graphics. Drawing functions return the number of changed pixels; the menu covers all drawing.
 impl Screen {
     /// Draws on the pixels; text under the drawing stays part of [`lines`](Self::lines).
     pub fn draw(&mut self, shape: impl FnOnce(&mut Canvas) -> u32) -> u32 {
@@ -290,20 +290,20 @@ impl Screen {
     }
 
     /// Sets the upper left corner of the following images.
-    pub fn set_image_place(&mut self, at: [i32; 2]) {
-        self.image_at = at;
+    pub fn set_image_corner(&mut self, corner: [i32; 2]) {
+        self.image_corner = corner;
     }
 
-    /// Shows an image of `width` x `height` pixels; the text that it covers is removed. Missing pixels at its end
-    /// change nothing.
+    /// Shows an image of `width` x `height` pixels; the text that it covers is removed. If the image has fewer
+    /// pixels, the rest of its area does not change.
     pub fn show_image(&mut self, [width, height]: [usize; 2], image: impl Iterator<Item = Rgb>) -> u32 {
         if width == 0 || height == 0 {
             return 0;
         }
-        let at = self.image_at;
-        let last = |at: i32, size: usize| at.saturating_add(i32::try_from(size - 1).unwrap_or(i32::MAX));
-        self.content.page.cover(at, [last(at[0], width), last(at[1], height)]);
-        self.draw(|canvas| canvas.show(at, width, image.take(width.saturating_mul(height))))
+        let corner = self.image_corner;
+        let last = |first: i32, size: usize| first.saturating_add(i32::try_from(size - 1).unwrap_or(i32::MAX));
+        self.content.page.cover(corner, [last(corner[0], width), last(corner[1], height)]);
+        self.draw(|canvas| canvas.show(corner, width, image.take(width.saturating_mul(height))))
     }
 }
 
@@ -337,9 +337,9 @@ impl Screen {
     /// Sets line `index` of the list and shows the list; `None` truncates the list before that line. Returns false if
     /// the line above it is missing, or the list is full.
     pub fn set_list_line(&mut self, index: usize, line: Option<ListLine>) -> bool {
-        let is_place = index <= self.content.list.len() && index < self.list_room();
+        let is_valid_index = index <= self.content.list.len() && index < self.max_list_lines();
         match line {
-            Some(line) if is_place => {
+            Some(line) if is_valid_index => {
                 self.content.list.splice(index..self.content.list.len().min(index + 1), [line]);
                 self.content.has_list = true;
             }
@@ -350,14 +350,14 @@ impl Screen {
     }
 
     /// Maximum number of lines in the list.
-    pub fn list_room(&self) -> usize {
-        list::room(self.size[1])
+    pub fn max_list_lines(&self) -> usize {
+        list::max_lines(self.size[1])
     }
 
     /// Code of the list line at a pixel; 0 for none.
     pub fn list_key_at(&self, [x, y]: [i32; 2]) -> i32 {
-        let is_across = (0..i32::from(self.size[0])).contains(&x);
-        let row = usize::try_from(y).ok().filter(|_| is_across).map(|y| y / usize::from(list::ROW));
+        let is_on_display = (0..i32::from(self.size[0])).contains(&x);
+        let row = usize::try_from(y).ok().filter(|_| is_on_display).map(|y| y / usize::from(list::ROW));
         row.and_then(|row| self.content.shown_list().get(row)).map_or(0, |line| line.key)
     }
 
@@ -369,7 +369,7 @@ impl Screen {
     }
 
     /// Pixel in the middle of key `index` (0 to 3).
-    pub fn middle_of_key(&self, index: usize) -> [i32; 2] {
+    pub fn key_centre(&self, index: usize) -> [i32; 2] {
         let [width, height] = self.size.map(usize::from);
         let [left, right] = menu::columns(index, width);
         [(left + right) as i32 / 2, height as i32 - i32::from(menu::HEIGHT) / 2]

@@ -1,7 +1,8 @@
 //! Text and pixels of a display; the pixels are allocated lazily.
 //!
-//! Most programs only print; then the page is a list of characters on black. The first drawing turns it into pixels,
-//! and text is written to both from then on; [`Page::clear`] drops the pixels again. Both forms show the same content.
+//! Most programs only print; then the page is a list of characters on black. The first drawing allocates the pixels,
+//! and from then on text is written to the list and to the pixels; [`Page::clear`] drops the pixels again. A page looks
+//! the same with and without allocated pixels.
 
 use std::collections::BTreeMap;
 
@@ -34,7 +35,7 @@ type Area = [i64; 4];
 pub struct Page {
     width: u16,
     height: u16,
-    /// Pixels; while `None`, the page is black except for `cells`, all of which have paper.
+    /// Pixels; while `None`, the page is black except for `cells`, all of which have a background colour.
     canvas: Option<Canvas>,
     /// Characters that have not been covered since they were written; no two overlap.
     cells: BTreeMap<CellIndex, Cell>,
@@ -74,12 +75,12 @@ impl Page {
     /// The pixels for drawing, allocated if necessary.
     pub fn canvas_mut(&mut self) -> &mut Canvas {
         let Self { width, height, canvas, cells } = self;
-        canvas.get_or_insert_with(|| painted(*width, *height, cells))
+        canvas.get_or_insert_with(|| paint(*width, *height, cells))
     }
 
     /// A copy of the current pixels.
     pub fn picture(&self) -> Canvas {
-        self.canvas.clone().unwrap_or_else(|| painted(self.width, self.height, &self.cells))
+        self.canvas.clone().unwrap_or_else(|| paint(self.width, self.height, &self.cells))
     }
 
     /// Writes a character; a character that is not entirely on the page is ignored.
@@ -90,22 +91,22 @@ impl Page {
         if area[2] > i64::from(self.width) || area[3] > i64::from(self.height) {
             return;
         }
-        let before =
+        let overwritten =
             self.cells.get_mut(&index).filter(|old| (old.width, old.font.size) == (cell.width, cell.font.size));
-        match before {
+        match overwritten {
             // The most frequent case by far: the cell is overwritten in place.
             Some(old) if cell.paper.is_some() => *old = cell,
-            _ => self.make_room(area, &mut cell, index),
+            _ => self.replace_overlapping(area, &mut cell, index),
         }
         if let Some(canvas) = &mut self.canvas {
             cell.draw(index, canvas);
         }
     }
 
-    fn make_room(&mut self, area: Area, cell: &mut Cell, index: CellIndex) {
+    fn replace_overlapping(&mut self, area: Area, cell: &mut Cell, index: CellIndex) {
         let under = self.overlapping(area);
-        let is_whole = |under: &CellIndex| contains(area, self.cells[under].area(*under));
-        if self.canvas.is_none() && !under.is_empty() && !(cell.paper.is_some() && under.iter().all(is_whole)) {
+        let is_covered = |under: &CellIndex| contains(area, self.cells[under].area(*under));
+        if self.canvas.is_none() && !under.is_empty() && !(cell.paper.is_some() && under.iter().all(is_covered)) {
             self.canvas_mut();
         }
         if self.canvas.is_none() {
@@ -119,13 +120,13 @@ impl Page {
     /// Positions of the characters that share a pixel with `area`.
     fn overlapping(&self, area: Area) -> Vec<CellIndex> {
         let [left, top, right, bottom] = area;
-        let highest = top - i64::from(super::font::Size::Huge.cell()[1]);
-        let range = (highest.max(0) as u16, 0)..(bottom.clamp(0, i64::from(u16::MAX)) as u16, 0);
-        let index = |(cell_index, cell): &(&CellIndex, &Cell)| {
+        let min_y = top - i64::from(super::font::Size::Huge.cell()[1]);
+        let range = (min_y.max(0) as u16, 0)..(bottom.clamp(0, i64::from(u16::MAX)) as u16, 0);
+        let overlaps = |(cell_index, cell): &(&CellIndex, &Cell)| {
             let [x1, y1, x2, y2] = cell.area(**cell_index);
             x1 < right && x2 > left && y1 < bottom && y2 > top
         };
-        self.cells.range(range).filter(index).map(|(cell_index, _)| *cell_index).collect()
+        self.cells.range(range).filter(overlaps).map(|(cell_index, _)| *cell_index).collect()
     }
 
     /// Removes the text that the rectangle between two corners, edges included, covers entirely.
@@ -159,22 +160,22 @@ impl Page {
     /// end.
     pub fn lines(&self) -> Vec<String> {
         let mut lines: Vec<String> = Vec::new();
-        let mut last: Option<(u16, i64)> = None;
+        let mut previous: Option<(u16, i64)> = None;
         for (&(y, x), cell) in &self.cells {
-            let [column, row] = cell.font.size.cell().map(usize::from);
-            let end = match last {
+            let [column_width, row_height] = cell.font.size.cell().map(usize::from);
+            let end = match previous {
                 Some((line, end)) if line == y => end,
                 _ => {
-                    lines.resize_with(lines.len().max(usize::from(y) / row) + 1, String::new);
+                    lines.resize_with(lines.len().max(usize::from(y) / row_height) + 1, String::new);
                     0
                 }
             };
             let gap = usize::try_from(i64::from(x) - end).unwrap_or(0);
             if let Some(line) = lines.last_mut() {
-                line.extend(std::iter::repeat_n(' ', (gap + column / 2) / column));
+                line.extend(std::iter::repeat_n(' ', (gap + column_width / 2) / column_width));
                 line.push(cell.character);
             }
-            last = Some((y, i64::from(x) + i64::from(cell.width)));
+            previous = Some((y, i64::from(x) + i64::from(cell.width)));
         }
         lines.iter_mut().for_each(|line| line.truncate(line.trim_end().len()));
         let count = lines.iter().rposition(|line| !line.is_empty()).map_or(0, |last| last + 1);
@@ -184,7 +185,7 @@ impl Page {
 
     /// Returns true while the page needs no memory for pixels.
     #[cfg(test)]
-    pub fn is_text_alone(&self) -> bool {
+    pub fn has_only_text(&self) -> bool {
         self.canvas.is_none()
     }
 }
@@ -196,15 +197,16 @@ pub fn draw_glyph(canvas: &mut Canvas, [x, y]: [i32; 2], font: Font, character: 
     }
     let glyph = font.glyph(character);
     for (row, coverage) in (y..).zip(glyph.coverage.chunks(usize::from(glyph.width).max(1))) {
-        for (column, &part) in (x..).zip(coverage) {
-            if part > 0 {
-                canvas.blend(column, row, ink, part);
+        for (column, &pixel_coverage) in (x..).zip(coverage) {
+            if pixel_coverage > 0 {
+                canvas.blend(column, row, ink, pixel_coverage);
             }
         }
     }
 }
 
-fn painted(width: u16, height: u16, cells: &BTreeMap<CellIndex, Cell>) -> Canvas {
+/// Draws the characters on a black canvas.
+fn paint(width: u16, height: u16, cells: &BTreeMap<CellIndex, Cell>) -> Canvas {
     let mut canvas = Canvas::new(width.into(), height.into(), BLACK);
     cells.iter().for_each(|(index, cell)| cell.draw(*index, &mut canvas));
     canvas

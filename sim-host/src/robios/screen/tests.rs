@@ -34,7 +34,7 @@ fn colours_are_0xrrggbb() {
 }
 
 #[test]
-fn lines_are_the_same_in_either_direction_and_cut_at_the_edges() {
+fn lines_are_the_same_in_both_directions_and_clipped_at_the_edges() {
     let ink = Ink::Colour(WHITE);
     let (changed, shown) = art(|canvas| canvas.draw_line([0, 0], [6, 2], ink));
     assert_eq!((changed, shown.as_str()), (7, "##\n..###\n.....##\n\n\n\n\n\n\n\n\n\n"));
@@ -46,7 +46,7 @@ fn lines_are_the_same_in_either_direction_and_cut_at_the_edges() {
 }
 
 #[test]
-fn areas_have_their_edges_whichever_corner_comes_first() {
+fn areas_include_their_edges_for_any_order_of_corners() {
     let ink = Ink::Colour(WHITE);
     assert_eq!(art(|canvas| canvas.fill_area([2, 1], [5, 3], ink)).0, 4 * 3);
     assert_eq!(art(|canvas| canvas.fill_area([5, 3], [2, 1], ink)).0, 4 * 3);
@@ -96,7 +96,7 @@ proptest! {
 
     /// The visible display does not depend on when its pixels are allocated.
     #[test]
-    fn text_alone_shows_what_pixels_show(steps in proptest::collection::vec((0..9, 0..60, 0..25, ".{0,12}"), 0..40)) {
+    fn lazy_and_eager_pixels_show_the_same(steps in proptest::collection::vec((0..9, 0..60, 0..25, ".{0,12}"), 0..40)) {
         let (mut lazy, mut eager) = (Screen::default(), Screen::default());
         for (kind, a, b, text) in &steps {
             eager.draw(|_| 0);
@@ -138,7 +138,7 @@ proptest! {
             screen.draw(|canvas| canvas.fill_circle([a, b], c, ink));
         }
         screen.fill_area([a, b], [c, d], RED);
-        screen.set_image_place([a, b]);
+        screen.set_image_corner([a, b]);
         screen.show_image([c, d].map(|side| side.unsigned_abs() as usize), std::iter::repeat_n(BLUE, 5000));
         screen.set_menu_text(a as usize, &text);
         screen.lines();
@@ -156,16 +156,16 @@ fn a_robot_that_only_prints_needs_no_pixels() {
         screen.set_position(16, 0);
     }
     screen.set_menu_text(0, "GO");
-    assert!(screen.content.page.is_text_alone());
+    assert!(screen.content.page.has_only_text());
     screen.fill_area([0, 0], [1, 1], RED);
-    assert!(!screen.content.page.is_text_alone());
+    assert!(!screen.content.page.has_only_text());
     screen.clear();
-    assert!(screen.content.page.is_text_alone(), "a cleared display is black again");
+    assert!(screen.content.page.has_only_text(), "a cleared display is black again");
     assert_eq!(screen.lines(), ["GO |  |  |"]);
 }
 
 #[test]
-fn text_stands_on_rows_and_columns() {
+fn text_is_placed_in_rows_and_columns() {
     let mut screen = written("one\ntwo\t|\rTWO");
     assert_eq!(screen.lines(), ["one", "TWO |", ""]);
     assert_eq!(screen.position(), [1, 3]);
@@ -218,7 +218,7 @@ fn pixels_scroll_with_the_text() {
 }
 
 #[test]
-fn glyphs_keep_to_their_cells() {
+fn glyphs_stay_within_their_cells() {
     let font = |family, size| Font { family, variation: Variation::Normal, size };
     for size in [Size::Tiny, Size::Normal, Size::Medium, Size::Large, Size::Huge] {
         let [column, row] = size.cell();
@@ -261,19 +261,19 @@ fn colours_and_modes_of_text() {
 }
 
 #[test]
-fn what_covers_text_removes_it() {
+fn drawing_over_text_removes_it() {
     let mut screen = written("one\ntwo\nthree");
     screen.fill_area([319, 25], [0, 13], BLACK);
     assert_eq!(screen.lines(), ["one", "", "three", ""]);
-    screen.set_image_place([0, 26]);
+    screen.set_image_corner([0, 26]);
     assert_eq!(screen.show_image([12, 13], std::iter::repeat(RED)), 12 * 13);
     assert_eq!(screen.lines(), ["one", "", "  ree", ""]);
 }
 
 #[test]
-fn images_go_where_they_are_told() {
+fn images_appear_at_the_set_corner() {
     let mut screen = Screen::default();
-    screen.set_image_place([318, 238]);
+    screen.set_image_corner([318, 238]);
     let image = (0..12).map(|index| [index + 1, 0, 0]);
     assert_eq!(screen.show_image([4, 3], image), 4, "what is outside is left out");
     assert_eq!([screen.pixel(318, 238), screen.pixel(319, 239)], [[1, 0, 0], [6, 0, 0]]);
@@ -281,7 +281,7 @@ fn images_go_where_they_are_told() {
 }
 
 #[test]
-fn the_menu_lies_above_all() {
+fn the_menu_covers_all_drawing() {
     let mut screen = Screen::default();
     screen.fill_area([0, 0], [319, 239], BLUE);
     assert_eq!(screen.pixel(5, 210), BLUE);
@@ -293,20 +293,20 @@ fn the_menu_lies_above_all() {
 }
 
 #[test]
-fn a_touch_in_a_field_of_the_menu_is_its_key() {
+fn a_touch_of_a_menu_field_presses_its_key() {
     let screen = Screen::default();
     let keys = [[0, 208], [79, 239], [80, 220], [240, 220], [319, 239]].map(|point| screen.key_at(point));
     assert_eq!(keys, [Some(0), Some(0), Some(1), Some(3), Some(3)]);
     for point in [[0, 207], [-1, 220], [320, 220], [5, 240]] {
         assert_eq!(screen.key_at(point), None);
     }
-    assert!((0..4).all(|index| screen.key_at(screen.middle_of_key(index)) == Some(index)));
+    assert!((0..4).all(|index| screen.key_at(screen.key_centre(index)) == Some(index)));
     let odd = Screen::new([131, 99]);
-    assert!((0..4).all(|index| odd.key_at(odd.middle_of_key(index)) == Some(index)));
+    assert!((0..4).all(|index| odd.key_at(odd.key_centre(index)) == Some(index)));
 }
 
 #[test]
-fn a_list_lies_above_the_text_and_its_lines_are_keys() {
+fn a_list_covers_the_text_and_its_lines_are_keys() {
     let line = |text: &str, key| Some(ListLine { entry: Entry { text: text.into(), ink: WHITE, paper: RED }, key });
     let mut screen = written("below");
     assert!(!screen.set_list_line(1, line("no line above", 1)));
@@ -317,7 +317,7 @@ fn a_list_lies_above_the_text_and_its_lines_are_keys() {
     let keys = [[0, 0], [319, 25], [5, 26], [5, 77], [5, 78], [320, 30], [5, -1]].map(|at| screen.list_key_at(at));
     assert_eq!(keys, [7, 7, 16, 32, 0, 0, 0]);
     // (240 - 32) / 26
-    assert_eq!(screen.list_room(), 8);
+    assert_eq!(screen.max_list_lines(), 8);
     (3..8).for_each(|index| assert!(screen.set_list_line(index, line("", 0))));
     assert!(!screen.set_list_line(8, line("no room", 0)));
     assert!(screen.set_list_line(1, None));
@@ -327,7 +327,7 @@ fn a_list_lies_above_the_text_and_its_lines_are_keys() {
 }
 
 #[test]
-fn a_display_that_does_not_refresh_itself_waits() {
+fn without_automatic_refresh_changes_appear_at_the_refresh() {
     let mut screen = written("a");
     screen.set_auto_refresh(false);
     screen.write("b");

@@ -39,9 +39,9 @@ pub struct Tasks {
     last_number: u32,
     /// Tick at which the time slice ends and other threads get their turn.
     slice_end: Time,
-    /// Number of waits in queues that have begun.
-    queued: u64,
-    /// The task that left first, once the program must end: no task continues, all leave.
+    /// Number of waits in queues so far.
+    queued_waits: u64,
+    /// Task that exited first, once the program must end: then every task exits instead of continuing.
     first_exiting: Option<u32>,
     /// Scheduler of RoBIOS 6, once multi-tasking has started.
     scheduler: Option<Scheduler>,
@@ -63,7 +63,7 @@ pub struct Task {
     queue: Option<Queue>,
     /// Another task has interrupted the wait.
     is_interrupted: bool,
-    /// The task has left with the whole program.
+    /// The task has exited with the whole program.
     has_exited: bool,
     /// Arguments of `OSSpawn`; the default for `main` and for threads.
     pub origin: Origin,
@@ -119,7 +119,7 @@ impl Default for Tasks {
             current: 0,
             last_number: MAIN,
             slice_end: TICK,
-            queued: 0,
+            queued_waits: 0,
             first_exiting: None,
             scheduler: None,
             is_idle: false,
@@ -152,8 +152,8 @@ impl Task {
         self.waiting.is_none() || self.wake <= now
     }
 
-    fn waits_for(&self, what: &WaitReason) -> bool {
-        self.waiting.as_ref().is_some_and(|waiting| waiting.reason == *what)
+    fn waits_for(&self, reason: &WaitReason) -> bool {
+        self.waiting.as_ref().is_some_and(|waiting| waiting.reason == *reason)
     }
 }
 
@@ -163,7 +163,7 @@ impl Tasks {
         &self.list[self.current]
     }
 
-    /// Tasks that have not ended, or had not when the program began to leave; in order of their numbers.
+    /// Tasks that have not ended, or had not ended when the program's exit began; in order of their numbers.
     pub fn iter(&self) -> impl Iterator<Item = &Task> {
         self.list.iter()
     }
@@ -189,9 +189,9 @@ impl Tasks {
         self.are_waiting() && self.list.iter().all(|task| task.waiting.as_ref().is_some_and(|wait| wait.since <= time))
     }
 
-    /// Returns true if every task waits, one of them for `what`.
-    pub fn wait_for(&self, what: &WaitReason) -> bool {
-        self.are_waiting() && self.list.iter().any(|task| task.waits_for(what))
+    /// Returns true if every task waits, one of them for `reason`.
+    pub fn are_waiting_one_for(&self, reason: &WaitReason) -> bool {
+        self.are_waiting() && self.list.iter().any(|task| task.waits_for(reason))
     }
 
     /// Adds a ready task, the last in order, and returns its number; `None` if there are [`MAX_TASKS`].
@@ -206,14 +206,14 @@ impl Tasks {
         self.list.push(Task::new(self.last_number));
         if let Some(scheduler) = &mut self.scheduler {
             scheduler.add(self.last_number, scheduler.priority(self.list[self.current].number));
-            scheduler.ready(self.last_number);
+            scheduler.make_ready(self.last_number);
         }
         Some(self.last_number)
     }
 
     /// Makes the running task wait until `wake`.
     pub fn wait(&mut self, now: Time, mut waiting: Wait, wake: Time) {
-        self.reach(now);
+        self.advance_in_call(now);
         let number = self.list[self.current].number;
         match &mut self.scheduler {
             Some(scheduler) if waiting.is_blocking() => scheduler.block(number, wake),
@@ -221,11 +221,11 @@ impl Tasks {
             None => {}
         }
         let task = &mut self.list[self.current];
-        if let (Some(Wait { reason: WaitReason::Task(before), .. }), WaitReason::Task(wait)) =
+        if let (Some(Wait { reason: WaitReason::Task(previous), .. }), WaitReason::Task(wait)) =
             (&task.waiting, &mut waiting.reason)
         {
             // The holder may have changed since the wait began.
-            wait.holder = before.holder;
+            wait.holder = previous.holder;
         }
         task.waiting = Some(waiting);
         task.wake = wake;
@@ -237,7 +237,7 @@ impl Tasks {
         task.waiting = None;
         task.queue = None;
         if let Some(scheduler) = &mut self.scheduler {
-            scheduler.run(task.number);
+            scheduler.resume(task.number);
         }
     }
 
@@ -249,9 +249,10 @@ impl Tasks {
     /// Thread that continues when the running one has to wait: the next ready one in order, otherwise the one with the
     /// earliest wake, with the running one preferred in a tie.
     pub fn next_thread(&self, now: Time) -> NextThread {
-        let after = |first: usize| (first..first + self.list.len()).map(|step| (self.current + step) % self.list.len());
-        let ready = after(1).find(|index| self.list[*index].is_ready(now));
-        let next = ready.or_else(|| after(0).min_by_key(|index| self.list[*index].wake));
+        let indices_from =
+            |first: usize| (first..first + self.list.len()).map(|step| (self.current + step) % self.list.len());
+        let ready = indices_from(1).find(|index| self.list[*index].is_ready(now));
+        let next = ready.or_else(|| indices_from(0).min_by_key(|index| self.list[*index].wake));
         match next {
             Some(index) if index != self.current => NextThread::Other(self.list[index].number),
             _ => NextThread::Same,
@@ -291,25 +292,28 @@ impl Tasks {
     pub fn enqueue_or_check(&mut self, key: u64) -> bool {
         let queue = &mut self.list[self.current].queue;
         if queue.is_none() {
-            self.queued += 1;
+            self.queued_waits += 1;
         }
-        queue.get_or_insert(Queue { key, position: self.queued, is_woken: false }).is_woken
+        queue.get_or_insert(Queue { key, position: self.queued_waits, is_woken: false }).is_woken
     }
 
     /// Wakes the first task in the queue of `key` and returns its number. The task now holds the awaited resource.
     pub fn wake_first(&mut self, key: u64) -> Option<u32> {
-        let position_of = |task: &Task| task.queue.as_ref().filter(|queue| queue.is(key)).map(|queue| queue.position);
+        let position_of =
+            |task: &Task| task.queue.as_ref().filter(|queue| queue.is_waiting_for(key)).map(|queue| queue.position);
         let (_, index) = self.list.iter().enumerate().filter_map(|(i, task)| Some((position_of(task)?, i))).min()?;
         let task = &mut self.list[index];
         let number = task.number;
         task.wake = Time::ZERO;
         if let Some(scheduler) = &mut self.scheduler {
-            scheduler.run(number);
+            scheduler.resume(number);
         }
         if let Some(queue) = &mut task.queue {
             queue.is_woken = true;
         }
-        for task in self.list.iter_mut().filter(|task| task.queue.as_ref().is_some_and(|queue| queue.is(key))) {
+        for task in
+            self.list.iter_mut().filter(|task| task.queue.as_ref().is_some_and(|queue| queue.is_waiting_for(key)))
+        {
             if let Some(Wait { reason: WaitReason::Task(wait), .. }) = &mut task.waiting
                 && wait.holder != 0
             {
@@ -332,7 +336,7 @@ impl Tasks {
         task.wake = Time::ZERO;
         task.is_interrupted = true;
         if let Some(scheduler) = &mut self.scheduler {
-            scheduler.run(number);
+            scheduler.resume(number);
         }
         true
     }
@@ -347,14 +351,14 @@ impl Tasks {
         self.recheck(now, |reason| *reason == WaitReason::Drive);
     }
 
-    fn recheck(&mut self, now: Time, is_meant: impl Fn(&WaitReason) -> bool) {
-        self.reach(now);
-        self.recheck_from(Time::ZERO, is_meant);
+    fn recheck(&mut self, now: Time, is_affected: impl Fn(&WaitReason) -> bool) {
+        self.advance_in_call(now);
+        self.recheck_from(Time::ZERO, is_affected);
     }
 
-    fn recheck_from(&mut self, time: Time, is_meant: impl Fn(&WaitReason) -> bool) {
+    fn recheck_from(&mut self, time: Time, is_affected: impl Fn(&WaitReason) -> bool) {
         for task in &mut self.list {
-            if task.waiting.as_ref().is_some_and(|waiting| is_meant(&waiting.reason)) {
+            if task.waiting.as_ref().is_some_and(|waiting| is_affected(&waiting.reason)) {
                 task.wake = task.wake.min(time);
                 if let Some(scheduler) = &mut self.scheduler {
                     scheduler.advance_wake(task.number, time);
@@ -373,15 +377,15 @@ impl Tasks {
         self.recheck_from(at, |reason| matches!(reason, WaitReason::Key(_) | WaitReason::Input(_)));
     }
 
-    /// Returns true if the running task waits, and some task waits for something that the scheduler step can bring: the end of the
-    /// drive, a message, or user input.
+    /// Returns true if the running task waits, and some task waits for something that the scheduler step can cause: the
+    /// end of the drive, a message, or user input.
     fn awaits_step(&self) -> bool {
-        let is_brought = |reason: &WaitReason| {
+        let is_from_step = |reason: &WaitReason| {
             matches!(reason, WaitReason::Drive | WaitReason::Message | WaitReason::Key(_) | WaitReason::Input(_))
         };
-        let is_meant = |task: &Task| task.waiting.as_ref().is_some_and(|waiting| is_brought(&waiting.reason));
+        let awaits = |task: &Task| task.waiting.as_ref().is_some_and(|waiting| is_from_step(&waiting.reason));
         let is_waiting = if self.scheduler.is_some() { self.is_idle } else { self.current().waiting.is_some() };
-        is_waiting && self.list.iter().any(is_meant)
+        is_waiting && self.list.iter().any(awaits)
     }
 
     /// Earliest time at which a wait may be over, given the end of the drive. `None` unless the scheduler step can end
@@ -391,26 +395,26 @@ impl Tasks {
             return None;
         }
         if let Some(scheduler) = &mut self.scheduler {
-            let of_drive = self.list.iter().filter(|task| task.waits_for(&WaitReason::Drive));
-            of_drive.for_each(|task| scheduler.reset_wake(task.number, drive_end));
+            let drive_waits = self.list.iter().filter(|task| task.waits_for(&WaitReason::Drive));
+            drive_waits.for_each(|task| scheduler.reset_wake(task.number, drive_end));
             return Some(if let NextTask::NotBefore(time) = scheduler.next() { time } else { Time::ZERO });
         }
         self.list.iter().map(|task| if task.waits_for(&WaitReason::Drive) { drive_end } else { task.wake }).min()
     }
 
-    /// Begins to leave the program; the running task is the first to leave.
+    /// Begins the program's exit; the running task is the first to exit.
     pub fn begin_exit(&mut self) {
         let number = self.current().number;
         self.first_exiting.get_or_insert(number);
     }
 
-    /// The task that left first, if the program had several.
+    /// The task that exited first, if the program had several.
     pub fn first_exiting(&self) -> Option<u32> {
         self.first_exiting.filter(|_| self.has_others())
     }
 
     /// Prefix `` task `x`:  `` of an error message, if RoBIOS 6 multi-tasking is on and the running task, or the first
-    /// to leave, is not `main`; otherwise empty.
+    /// to exit, is not `main`; otherwise empty.
     pub fn prefix(&self) -> String {
         let number = self.first_exiting().unwrap_or(self.current().number);
         if self.scheduler.is_none() || number == MAIN { String::new() } else { format!("{}: ", self.name(number)) }
@@ -421,8 +425,8 @@ impl Tasks {
         self.first_exiting.is_some()
     }
 
-    /// Ends the running task, which is not `main`, and returns the number of the task that continues. While the program
-    /// leaves, that is `main`, and the last wait of the ended task is kept.
+    /// Ends the running task, which is not `main`, and returns the number of the task that continues. During the
+    /// program's exit that task is `main`, and the last wait of the ended task is kept.
     pub fn end_current(&mut self, now: Time) -> u32 {
         if self.is_exiting() {
             self.list[self.current].has_exited = true;
@@ -432,7 +436,7 @@ impl Tasks {
         let number = self.current().number;
         if let Some(scheduler) = &mut self.scheduler {
             let killer = self.list[self.current].killer();
-            scheduler.reach(now);
+            scheduler.advance_in_call(now);
             scheduler.remove(number);
             self.list.remove(self.current);
             let killer = killer.filter(|killer| self.list.iter().any(|task| task.number == *killer));
@@ -440,7 +444,7 @@ impl Tasks {
                 // In a timer callback: the wait that it interrupts continues.
                 Some(killer) if self.is_idle => killer,
                 Some(killer) => {
-                    scheduler.take_over(killer);
+                    scheduler.run_out_of_turn(killer);
                     killer
                 }
                 None => {
@@ -474,23 +478,23 @@ impl Tasks {
         self.scheduler.as_ref()
     }
 
-    /// The scheduler, advanced to `now` for a change.
+    /// The scheduler, advanced to `now`, so that its state can be changed.
     pub fn scheduler_at(&mut self, now: Time) -> Option<&mut Scheduler> {
-        self.reach(now);
+        self.advance_in_call(now);
         self.scheduler.as_mut()
     }
 
     /// Advances the scheduler to virtual time `now`, within a call or a timer callback.
-    fn reach(&mut self, now: Time) {
+    fn advance_in_call(&mut self, now: Time) {
         match &mut self.scheduler {
             Some(scheduler) if self.is_idle => scheduler.advance(now),
-            Some(scheduler) => scheduler.reach(now),
+            Some(scheduler) => scheduler.advance_in_call(now),
             None => {}
         }
     }
 
     /// Task that continues at `now`, while no call is in progress; for programs with a scheduler.
-    pub fn turn(&mut self, now: Time) -> NextTask {
+    pub fn next_task(&mut self, now: Time) -> NextTask {
         self.is_idle = false;
         let Some(scheduler) = &mut self.scheduler else { return NextTask::Run(self.list[self.current].number) };
         scheduler.advance(now);
@@ -501,7 +505,7 @@ impl Tasks {
 
     /// Adds a suspended task and returns its number; `None` if there are [`MAX_TASKS`] or there is no scheduler.
     pub fn create(&mut self, now: Time, origin: Origin, priority: usize) -> Option<u32> {
-        self.reach(now);
+        self.advance_in_call(now);
         let scheduler = self.scheduler.as_mut().filter(|_| self.list.len() < MAX_TASKS)?;
         self.last_number += 1;
         scheduler.add(self.last_number, priority);
@@ -531,7 +535,7 @@ impl Tasks {
     }
 
     /// Names of the tasks other than `main` that have not ended, as shown to the user.
-    pub fn others_in_words(&self) -> String {
+    pub fn names_of_others(&self) -> String {
         let others = self.list.iter().filter(|task| task.number != MAIN).map(|task| self.name(task.number));
         others.collect::<Vec<_>>().join(", ")
     }
@@ -556,7 +560,7 @@ impl Tasks {
 
     /// Kills a task: it runs before all others, to unwind; then the running task continues, if it is another one.
     pub fn kill(&mut self, now: Time, number: u32) {
-        self.reach(now);
+        self.advance_in_call(now);
         let current = self.current().number;
         let Some(index) = self.index(number) else { return };
         let task = &mut self.list[index];
@@ -564,13 +568,13 @@ impl Tasks {
         task.queue = None;
         let held = std::mem::take(&mut task.has_semaphore);
         if let Some(Wait { reason: WaitReason::Semaphore(semaphore), .. }) = task.waiting.take() {
-            self.semaphores.leave(semaphore, number);
+            self.semaphores.dequeue(semaphore, number);
             if held {
                 self.release_semaphore(semaphore);
             }
         }
         if let Some(scheduler) = &mut self.scheduler {
-            scheduler.take_over(number);
+            scheduler.run_out_of_turn(number);
         }
     }
 
@@ -597,7 +601,7 @@ impl Tasks {
         let (task, site) = (task.number, task.waiting.as_ref().map(|waiting| waiting.site.clone()));
         self.semaphores.note_passing(number, self.name(task), site.unwrap_or_default());
         if let Some(scheduler) = &mut self.scheduler {
-            scheduler.run(task);
+            scheduler.resume(task);
         }
         true
     }
@@ -610,20 +614,20 @@ impl Tasks {
             return PassOutcome::Passed;
         }
         let task = task.number;
-        let passing = self.semaphores.pass(number, task);
-        if passing == PassOutcome::Passed {
+        let outcome = self.semaphores.pass(number, task);
+        if outcome == PassOutcome::Passed {
             self.semaphores.note_passing(number, self.name(task), site.clone());
         }
-        passing
+        outcome
     }
 
-    /// Number of a task other than `main` that has yet to leave.
+    /// Number of a task other than `main` that has not exited yet.
     pub fn next_to_exit(&self) -> Option<u32> {
         self.list.iter().skip(1).find(|task| !task.has_exited).map(|task| task.number)
     }
 }
 
-/// Thread of a program that continues.
+/// Thread of the program that continues next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NextThread {
     /// The running one.
@@ -642,8 +646,8 @@ impl Task {
 }
 
 impl Queue {
-    /// Returns true if this is a place in the queue of `key` that has not been woken.
-    fn is(&self, key: u64) -> bool {
+    /// Returns true if this is a place in the queue of `key` whose task has not been woken.
+    fn is_waiting_for(&self, key: u64) -> bool {
         self.key == key && !self.is_woken
     }
 }
@@ -658,7 +662,7 @@ impl TaskWait {
 impl TaskWait {
     /// Describes the wait; `name_of` names the holder.
     pub fn describe(self, name_of: impl Fn(u32) -> String) -> String {
-        let what = match self.kind {
+        let resource = match self.kind {
             wait::MUTEX => "a mutex",
             wait::CONDITION => "a condition to be signalled",
             wait::SEMAPHORE => "a semaphore",
@@ -671,10 +675,10 @@ impl TaskWait {
             _ => "another task",
         };
         match (self.kind, self.holder) {
-            (_, 0) => what.to_owned(),
-            (wait::ONCE, holder) => format!("{what} by {}", name_of(holder)),
-            (wait::STREAM, holder) => format!("{what} locked by {}", name_of(holder)),
-            (_, holder) => format!("{what} held by {}", name_of(holder)),
+            (_, 0) => resource.to_owned(),
+            (wait::ONCE, holder) => format!("{resource} by {}", name_of(holder)),
+            (wait::STREAM, holder) => format!("{resource} locked by {}", name_of(holder)),
+            (_, holder) => format!("{resource} held by {}", name_of(holder)),
         }
     }
 }
@@ -686,19 +690,19 @@ impl fmt::Display for TaskWait {
 }
 
 impl Robot {
-    /// Returns true if its suspended program waits for something that the scheduler step can bring.
+    /// Returns true if the suspended program waits for something that the scheduler step can cause.
     pub fn awaits_step(&self) -> bool {
-        // Calls of a callback are work, whatever the interrupted call waits for.
+        // A call made by a timer callback does not wait, whatever the interrupted call waits for.
         !self.timers.in_callback && self.tasks.awaits_step()
     }
 
-    /// Earliest time at which a wait of its tasks may be over, given the effects of the slot that ends at `slot_end`;
-    /// `None` if the scheduler step cannot have changed it.
+    /// Earliest time at which a wait of a task may be over, given the effects of the slot that ends at `slot_end`;
+    /// `None` if the scheduler step cannot have changed this time.
     pub fn earliest_wake_after(&mut self, slot_end: Time) -> Option<Time> {
         if !self.awaits_step() {
             return None;
         }
-        // The drive of a robot that was placed elsewhere is over.
+        // Placing a robot elsewhere ends its drive.
         let is_done = self.motion.is_drive_done(slot_end);
         let drive_end = if is_done { Some(slot_end) } else { self.motion.drive_end() };
         let drive_end = drive_end.unwrap_or(Time::NEVER).max(slot_end);

@@ -1,10 +1,11 @@
 //! Scheduler of RoBIOS 6: which of a robot's tasks has the processor, and from when on; a state machine driven only by
 //! virtual time.
 //!
-//! Strict priorities; round robin among equals, in order of readiness. A task that waits for the world (a busy wait)
-//! keeps its fraction of the processor; a task that sleeps, waits for another task or is suspended has none. Time slices
-//! end at the ticks of the global 10 ms grid. The transfer of control between tasks is not part of this model: turns of
-//! tasks in busy waits are computed in closed form, and [`Scheduler::next`] names only tasks that have something to do.
+//! Priorities are strict; tasks of equal priority take turns (round robin), in order of readiness. A task that waits
+//! for the world (a busy wait) keeps its fraction of the processor; a task that sleeps, waits for another task or is
+//! suspended has none. Time slices end at the ticks of the global 10 ms grid. The transfer of control between tasks is
+//! not part of this model: turns of tasks in busy waits are computed in closed form, and [`Scheduler::next`] names only
+//! tasks that have something to do.
 
 use std::collections::VecDeque;
 
@@ -30,7 +31,7 @@ pub enum Policy {
 pub enum NextTask {
     /// This task, now.
     Run(u32),
-    /// No task before this time, at which one may continue; [`Time::NEVER`] if none ever will.
+    /// No task can continue before this time; [`Time::NEVER`] if none ever can.
     NotBefore(Time),
 }
 
@@ -56,7 +57,7 @@ struct Entry {
     activity: Activity,
 }
 
-/// Use that a task makes of the processor.
+/// How a task uses the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Activity {
     /// Computes.
@@ -87,9 +88,9 @@ impl Scheduler {
     }
 
     /// Forbids or permits preemption; no effect under [`Policy::Coop`].
-    pub fn permit(&mut self, is_to_be: bool) {
+    pub fn set_preemption(&mut self, is_now_permitted: bool) {
         if let Policy::Preempt { is_permitted } = &mut self.policy {
-            *is_permitted = is_to_be;
+            *is_permitted = is_now_permitted;
         }
     }
 
@@ -118,8 +119,8 @@ impl Scheduler {
         self.index(number).is_some_and(|index| self.entries[index].is_suspended)
     }
 
-    /// Ends a task's suspension: it becomes the last among its equals, unless it is still blocked.
-    pub fn ready(&mut self, number: u32) {
+    /// Ends a task's suspension: it becomes the last one of its priority, unless it is still blocked.
+    pub fn make_ready(&mut self, number: u32) {
         self.change(number, |entry| entry.is_suspended = false);
     }
 
@@ -129,7 +130,7 @@ impl Scheduler {
     }
 
     /// Ends a task's wait: it computes from now on.
-    pub fn run(&mut self, number: u32) {
+    pub fn resume(&mut self, number: u32) {
         self.change(number, |entry| entry.activity = Activity::Run);
     }
 
@@ -176,7 +177,7 @@ impl Scheduler {
     }
 
     /// Assigns the processor to a task out of turn, for work that must precede all other work.
-    pub fn take_over(&mut self, number: u32) {
+    pub fn run_out_of_turn(&mut self, number: u32) {
         if self.owner == Some(number) {
             return;
         }
@@ -188,8 +189,8 @@ impl Scheduler {
         self.owner = Some(number);
     }
 
-    /// Advances to virtual time `now` within a call, whose task keeps the processor to the call's end.
-    pub fn reach(&mut self, now: Time) {
+    /// Advances to virtual time `now` within a call, whose task keeps the processor until the call's end.
+    pub fn advance_in_call(&mut self, now: Time) {
         self.wake_sleepers(now);
         self.now = self.now.max(now);
     }
@@ -203,8 +204,8 @@ impl Scheduler {
         self.settle();
         loop {
             match self.next() {
-                NextTask::NotBefore(time) if time <= to => self.pass(time),
-                NextTask::NotBefore(_) => return self.pass(to),
+                NextTask::NotBefore(time) if time <= to => self.pass_idle(time),
+                NextTask::NotBefore(_) => return self.pass_idle(to),
                 NextTask::Run(_) => return self.pass_within_call(to),
             }
         }
@@ -230,7 +231,7 @@ impl Scheduler {
     /// Earliest time at which one of the tasks that take turns has something to do in its own slice.
     fn earliest_turn(&self, owner_wake: Time, peers: &VecDeque<u32>) -> Time {
         let round = Time(TICK.0 * (peers.len() as i64 + 1));
-        let chance = |task_index: usize, wake: Time| {
+        let own_turn = |task_index: usize, wake: Time| {
             let end = self.slice_end + Time(TICK.0 * task_index as i64);
             if wake == Time::NEVER {
                 return Time::NEVER;
@@ -239,11 +240,11 @@ impl Scheduler {
             let end = end + Time(round.0 * rounds);
             wake.max(if task_index == 0 && rounds == 0 { self.now } else { end - TICK })
         };
-        let of_peers = peers.iter().enumerate().map(|(task_index, number)| {
+        let peer_turns = peers.iter().enumerate().map(|(task_index, number)| {
             let activity = self.index(*number).map(|index| self.entries[index].activity);
-            chance(task_index + 1, if let Some(Activity::Busy(wake)) = activity { wake } else { Time::ZERO })
+            own_turn(task_index + 1, if let Some(Activity::Busy(wake)) = activity { wake } else { Time::ZERO })
         });
-        of_peers.fold(chance(0, owner_wake), Time::min)
+        peer_turns.fold(own_turn(0, owner_wake), Time::min)
     }
 
     /// Earliest time at which a task of at least this priority becomes ready by itself.
@@ -253,14 +254,14 @@ impl Scheduler {
     }
 
     /// Lets time pass until `to` while no task has anything to do: the tasks in a busy wait take turns.
-    fn pass(&mut self, to: Time) {
-        let before = Time(to.0 - 1).max(self.now);
-        if before >= self.slice_end {
-            let ticks = (before - self.slice_end).0 / TICK.0 + 1;
+    fn pass_idle(&mut self, to: Time) {
+        let last_instant = Time(to.0 - 1).max(self.now);
+        if last_instant >= self.slice_end {
+            let ticks = (last_instant - self.slice_end).0 / TICK.0 + 1;
             self.rotate(ticks);
             self.slice_end += Time(TICK.0 * ticks);
         }
-        self.reach(to);
+        self.advance_in_call(to);
         if to >= self.slice_end {
             self.end_slice();
         }
@@ -269,7 +270,7 @@ impl Scheduler {
 
     /// Lets time pass until `to` within one call, or in a timer callback: no task switch happens before its end.
     fn pass_within_call(&mut self, to: Time) {
-        self.reach(to);
+        self.advance_in_call(to);
         if to >= self.slice_end {
             self.end_slice();
         }
@@ -283,24 +284,24 @@ impl Scheduler {
 
     /// Makes the tasks whose sleep ends by `to` ready, in order of their wake times.
     fn wake_sleepers(&mut self, to: Time) {
-        let mut risen: Vec<(Time, u32)> = Vec::new();
+        let mut woken: Vec<(Time, u32)> = Vec::new();
         for entry in &mut self.entries {
             if let Activity::Block(wake) = entry.activity
                 && wake <= to
             {
                 entry.activity = Activity::Run;
-                risen.push((wake, entry.number));
+                woken.push((wake, entry.number));
             }
         }
-        risen.sort_unstable();
-        for (_, number) in risen {
+        woken.sort_unstable();
+        for (_, number) in woken {
             if self.is_ready(number) {
                 self.queue_of(number).push_back(number);
             }
         }
     }
 
-    /// Takes `slices` turns among the tasks of the owner's priority.
+    /// Passes the processor on `slices` times among the tasks of the owner's priority.
     fn rotate(&mut self, slices: i64) {
         let Some(owner) = self.owner.filter(|_| self.is_permitted()) else { return };
         let queue = self.queue_of(owner);
@@ -385,14 +386,14 @@ fn slice_end(now: Time) -> Time {
 mod tests {
     use super::*;
 
-    const OPEN: Policy = Policy::Preempt { is_permitted: true };
+    const PREEMPTIVE: Policy = Policy::Preempt { is_permitted: true };
 
     /// A processor with tasks 2, 3, ... of these priorities, all ready; `main` (1) sleeps for ever.
     fn processor(policy: Policy, priorities: &[usize]) -> Scheduler {
         let mut scheduler = Scheduler::new(policy, 1, 0, Time::ZERO);
         for (number, priority) in (2..).zip(priorities) {
             scheduler.add(number, *priority);
-            scheduler.ready(number);
+            scheduler.make_ready(number);
         }
         scheduler.block(1, Time::NEVER);
         scheduler.advance(Time::ZERO);
@@ -400,8 +401,8 @@ mod tests {
     }
 
     #[test]
-    fn equals_take_turns_at_ticks_and_the_lower_ones_starve() {
-        let mut scheduler = processor(OPEN, &[3, 3, 2]);
+    fn equal_priorities_take_turns_at_ticks_and_lower_priorities_starve() {
+        let mut scheduler = processor(PREEMPTIVE, &[3, 3, 2]);
         let mut turns = Vec::new();
         for ms in 1..=60 {
             scheduler.advance(Time::from_millis(ms));
@@ -415,8 +416,8 @@ mod tests {
     }
 
     #[test]
-    fn turns_in_busy_waits_are_taken_in_closed_form() {
-        let mut scheduler = processor(OPEN, &[3, 3, 3]);
+    fn turns_in_busy_waits_are_computed_in_closed_form() {
+        let mut scheduler = processor(PREEMPTIVE, &[3, 3, 3]);
         for (task, wake_s, slice_end_ms) in [(2, 1_000_000, 10), (3, 2_000_000, 20), (4, 3_000_000, 20)] {
             assert_eq!(scheduler.next(), NextTask::Run(task));
             scheduler.wait(task, Time::from_millis(1000 * wake_s));
@@ -430,7 +431,7 @@ mod tests {
 
     #[test]
     fn no_task_continues_if_all_wait_for_ever() {
-        let mut scheduler = processor(OPEN, &[3, 3]);
+        let mut scheduler = processor(PREEMPTIVE, &[3, 3]);
         scheduler.wait(2, Time::NEVER);
         scheduler.advance(Time::from_millis(10));
         scheduler.wait(3, Time::NEVER);
@@ -450,35 +451,35 @@ mod tests {
             scheduler.wait(3, Time::from_millis(95));
             assert_eq!(scheduler.next(), NextTask::NotBefore(Time::from_millis(95)));
             scheduler.advance(Time::from_millis(95));
-            scheduler.run(3);
+            scheduler.resume(3);
             scheduler.reschedule();
             assert_eq!(scheduler.next(), NextTask::Run(3), "a lower one does not get it");
             scheduler.block(3, Time::from_millis(100));
             assert_eq!(scheduler.next(), NextTask::Run(2));
             scheduler.advance(Time::from_millis(200));
             assert_eq!(scheduler.next(), NextTask::Run(2), "not even when a higher one is ready");
-            scheduler.permit(true);
+            scheduler.set_preemption(true);
             scheduler.advance(Time::from_millis(200));
             assert_eq!(scheduler.next(), NextTask::Run(if policy == Policy::Coop { 2 } else { 3 }));
         }
     }
 
     #[test]
-    fn a_suspended_task_goes_on_when_its_sleep_is_over_too() {
-        let mut scheduler = processor(OPEN, &[3]);
+    fn a_suspended_task_continues_only_after_its_sleep_and_when_made_ready() {
+        let mut scheduler = processor(PREEMPTIVE, &[3]);
         scheduler.block(2, Time::from_millis(50));
         scheduler.suspend(2);
         scheduler.advance(Time::from_millis(60));
         assert_eq!(scheduler.next(), NextTask::NotBefore(Time::NEVER));
-        scheduler.ready(2);
+        scheduler.make_ready(2);
         scheduler.advance(Time::from_millis(60));
         assert_eq!(scheduler.next(), NextTask::Run(2));
     }
 
     #[test]
-    fn take_over_preempts_all_tasks() {
-        let mut scheduler = processor(OPEN, &[5, 2]);
-        scheduler.take_over(3);
+    fn a_task_run_out_of_turn_preempts_all_others() {
+        let mut scheduler = processor(PREEMPTIVE, &[5, 2]);
+        scheduler.run_out_of_turn(3);
         assert_eq!(scheduler.next(), NextTask::Run(3));
         scheduler.remove(3);
         assert_eq!(scheduler.next(), NextTask::Run(2));

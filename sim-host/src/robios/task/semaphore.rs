@@ -19,7 +19,7 @@ pub struct Semaphore {
     waiting: VecDeque<u32>,
     /// Location in the program of the call that created it.
     pub made_at: Site,
-    /// Task that passed last, as named to the user, and the location of its call.
+    /// Name, as shown to the user, of the task that passed last, and the location of its call.
     pub last: Option<(String, Site)>,
 }
 
@@ -36,7 +36,7 @@ pub enum PassOutcome {
 
 impl Semaphores {
     /// Creates a semaphore with this initial count and returns its number; `None` if there are too many.
-    pub fn make(&mut self, count: i32, made_at: Site) -> Option<u32> {
+    pub fn create(&mut self, count: i32, made_at: Site) -> Option<u32> {
         if self.list.len() >= MAX_SEMAPHORES {
             return None;
         }
@@ -65,14 +65,14 @@ impl Semaphores {
 
     /// Passes a semaphore for `task`, or puts the task at the end of its queue, unless it is in the queue already.
     pub fn pass(&mut self, number: u32, task: u32) -> PassOutcome {
-        let passing = self.try_pass(number);
-        if passing == PassOutcome::Closed
+        let outcome = self.try_pass(number);
+        if outcome == PassOutcome::Closed
             && let Some(semaphore) = self.get_mut(number)
             && !semaphore.waiting.contains(&task)
         {
             semaphore.waiting.push_back(task);
         }
-        passing
+        outcome
     }
 
     /// Releases a semaphore: `Some(Some(task))` for the longest waiting task, which passes; `Some(None)` if none waits
@@ -87,7 +87,7 @@ impl Semaphores {
     }
 
     /// Removes `task` from the queue of a semaphore.
-    pub fn leave(&mut self, number: u32, task: u32) {
+    pub fn dequeue(&mut self, number: u32, task: u32) {
         if let Some(semaphore) = self.get_mut(number) {
             semaphore.waiting.retain(|other| *other != task);
         }
@@ -115,12 +115,12 @@ mod tests {
     #[test]
     fn semaphores_are_first_come_first_served() {
         let mut semaphores = Semaphores::default();
-        let number = semaphores.make(1, Site::default()).unwrap();
+        let number = semaphores.create(1, Site::default()).unwrap();
         assert_eq!([2, 5, 3, 5].map(|task| semaphores.pass(number, task)), {
             [PassOutcome::Passed, PassOutcome::Closed, PassOutcome::Closed, PassOutcome::Closed]
         });
         assert_eq!(semaphores.release(number), Some(Some(5)));
-        semaphores.leave(number, 3);
+        semaphores.dequeue(number, 3);
         assert_eq!(semaphores.release(number), Some(None));
         assert_eq!(semaphores.pass(number, 9), PassOutcome::Passed);
         assert_eq!(semaphores.pass(number + 1, 9), PassOutcome::Unknown);
@@ -128,9 +128,9 @@ mod tests {
     }
 
     #[test]
-    fn a_count_ends_at_its_limit() {
+    fn release_fails_at_the_maximum_count() {
         let mut semaphores = Semaphores::default();
-        let number = semaphores.make(i32::MAX, Site::default()).unwrap();
+        let number = semaphores.create(i32::MAX, Site::default()).unwrap();
         assert_eq!(semaphores.release(number), None);
         assert_eq!(semaphores.pass(number, 1), PassOutcome::Passed);
         assert_eq!(semaphores.release(number), Some(None));
