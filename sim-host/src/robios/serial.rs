@@ -90,7 +90,7 @@ impl Serial {
     /// Closes an interface; returns false if it is not open.
     pub fn close(&mut self, number: i32, now: Time) -> bool {
         let Some(interface) = self.open.remove(&number) else { return false };
-        if let Some(Peer::Device { bytes, sent }) = self.lines.get_mut(&number) {
+        if let Some(Peer::Device { bytes, sent }) = self.peers.get_mut(&number) {
             *sent += interface.arrived_count(now, bytes.len() - *sent);
         }
         true
@@ -104,7 +104,7 @@ impl Serial {
 
     /// Sends bytes through an open interface.
     fn send(&mut self, number: i32, now: Time, bytes: &[u8]) {
-        if let (Some(interface), Some(Peer::Loopback)) = (self.open.get_mut(&number), self.lines.get(&number)) {
+        if let (Some(interface), Some(Peer::Loopback)) = (self.open.get_mut(&number), self.peers.get(&number)) {
             let mut arrival = interface.incoming.back().map_or(now, |(last, _)| now.max(*last));
             for byte in bytes.iter().take(LOOPBACK_CAPACITY - interface.incoming.len()) {
                 arrival += Time(BYTE_US_BAUD.div_euclid(interface.baud).max(1));
