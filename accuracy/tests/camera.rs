@@ -9,6 +9,7 @@ use accuracy::camera::{Agreement, Reference, Shot};
 use accuracy::room;
 use accuracy::world::{Random, empty};
 use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator as _, IntoParallelIterator as _, ParallelIterator as _};
 use sim_core::RobotId;
 use sim_core::build;
 use sim_core::camera::{Camera, Lens, Light, PosedScenery, View};
@@ -113,23 +114,27 @@ fn compare(posed: &PosedScenery, views: impl IntoIterator<Item = (View, Option<R
     agreement
 }
 
+/// Agreement of random pictures of a sample scene, number `index` of all, with the reference.
+fn agreement_in((index, (name, mut scene)): (usize, (String, SceneSpec))) -> Agreement {
+    // Every other scene has shadows, regardless of its setting.
+    scene.world.looks.light.shadows |= index % 2 == 1;
+    let disk = Disk(root().to_string_lossy().into_owned());
+    let scenery = build::scenery(&scene, &mut MeshReader::new(&disk));
+    let world = world(&scene);
+    let posed = scenery.pose_at(&world, Time::ZERO);
+    let mut random = Random::new(72);
+    let views = (0..VIEWS).map(|number| random_view(&mut random, &scene, number, [16, 12]));
+    let agreement = compare(&posed, views);
+    println!("{name}: {} of {} pixels differ", agreement.differing, agreement.pixels);
+    agreement.assert_right(&name);
+    agreement
+}
+
 #[test]
 fn sample_worlds_match_the_reference() {
+    let agreements: Vec<Agreement> = scenes().into_par_iter().enumerate().map(agreement_in).collect();
     let mut total = Agreement::default();
-    for (index, (name, mut scene)) in scenes().into_iter().enumerate() {
-        // Every other scene has shadows, regardless of its setting.
-        scene.world.looks.light.shadows |= index % 2 == 1;
-        let disk = Disk(root().to_string_lossy().into_owned());
-        let scenery = build::scenery(&scene, &mut MeshReader::new(&disk));
-        let world = world(&scene);
-        let posed = scenery.pose_at(&world, Time::ZERO);
-        let mut random = Random::new(72);
-        let views = (0..VIEWS).map(|number| random_view(&mut random, &scene, number, [16, 12]));
-        let agreement = compare(&posed, views);
-        println!("{name}: {} of {} pixels differ", agreement.differing, agreement.pixels);
-        agreement.assert_right(&name);
-        total += agreement;
-    }
+    agreements.into_iter().for_each(|agreement| total += agreement);
     println!("all: {} of {} pixels differ", total.differing, total.pixels);
     assert!(total.share() < 1e-3, "{}", total.share());
 }

@@ -483,10 +483,7 @@ mod tests {
     fn missing_library_is_replaced_by_its_source() {
         let test_folder =
             TestFolder::with(&[("sims/maze.c", b""), ("sims/wall/Cargo.toml", b""), ("sims/wall/src/lib.rs", b"")]);
-        for name in ["maze.dll", "maze.so", "maze.x", "maze.hex", "maze.o", "maze", "MAZE/../maze.dll"] {
-            if name.starts_with("MAZE") {
-                continue;
-            }
+        for name in ["maze.dll", "maze.so", "maze.x", "maze.hex", "maze.o", "maze"] {
             test_folder.check(name, &["sims/maze.c"]);
         }
         for name in ["wall.so", "wall.dll", "wall", "wall/", "wall/Cargo.toml"] {

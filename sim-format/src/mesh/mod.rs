@@ -55,7 +55,7 @@ pub(crate) struct GreyImage {
     pub(crate) is_transparent: Vec<bool>,
 }
 
-/// Decodes a png, jpg or bmp image as a grey image: the mean of its channels, including opacity if `with_opacity`.
+/// Decodes a png, jpg or bmp image as a grey image: the sum of its channels, including opacity if `with_opacity`.
 ///
 /// # Errors
 /// The reason, worded for the user.

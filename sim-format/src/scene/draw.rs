@@ -14,6 +14,7 @@ use toml::de::{DeArray, DeTable, DeValue};
 
 use super::labyrinth;
 use crate::code::Code;
+use crate::form::place::MAX_REPETITIONS;
 use crate::line::{Quantity, nearest};
 use crate::spec::Drawn;
 use crate::table::{Reader, Section};
@@ -25,9 +26,6 @@ const DRAWS: [&str; 5] = ["uniform", "choice", "normal", "same_as", "random_maze
 
 /// Lists of a scene whose entries have paths and may be repeated.
 const LISTS: [&str; 6] = ["robot", "object", "marker", "world.wall", "world.object", "world.start"];
-
-/// Maximum number of repetitions of an entry.
-const MAX_REPETITIONS: i64 = 100_000;
 
 /// Maximum number of columns and of rows of a random maze.
 const MAX_MAZE_SIDE: i64 = 200;
