@@ -79,6 +79,12 @@ impl Types {
                 types.register(&mut sink, kind, path.span);
             }
         }
+        for (robi, span) in &sim.inline.robot_types {
+            types.register(&mut sink, LoadedType::Robot(Arc::new(robi.clone())), *span);
+        }
+        for (object, span) in &sim.inline.object_types {
+            types.register(&mut sink, LoadedType::Object(Arc::new(object.clone())), *span);
+        }
         loader.diagnostics.extend(sink.finish());
         types
     }
