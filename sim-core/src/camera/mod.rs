@@ -11,15 +11,14 @@
 //!
 //! # Definition of a hit
 //! A ray from the camera hits a face if it lies in the cone of the rays to the points of the face. Both sides of a face
-//! can be hit. With the corners v0, v1, v2 in the camera's frame and e0 = v1 x v2, e1 = v2 x v0, e2 = v0 x v1, the ray lies
-//! in the cone if all dot products e . ray have the sign of the determinant v0 . e0 (Olano and Greer, Triangle scan
-//! conversion using 2D homogeneous coordinates, 1997). The test is the same for every lens, and faces behind the camera or
-//! crossing its plane need no clipping.
-//! Edges are widened by 1e-4 pixels (2e-6 rad for a fisheye), which exceeds all rounding, so that nothing shows through
-//! between faces that share an edge or a corner. Among coplanar faces the lowest part number is visible, then the
-//! lowest triangle number. A face is invisible to a camera less than 1 nm from the face's plane. The ground is the
-//! plane z = 0, visible only from above; behind all faces and the ground is the sky. Ground and sky are computed
-//! without faces. These definitions are our choice.
+//! can be hit. With the corners v0, v1, v2 in the camera's frame and e0 = v1 x v2, e1 = v2 x v0, e2 = v0 x v1, the ray
+//! lies in the cone if all dot products e . ray have the sign of the determinant v0 . e0 (Olano and Greer, Triangle
+//! scan conversion using 2D homogeneous coordinates, 1997). The test is the same for every lens, and faces behind the
+//! camera or crossing its plane need no clipping. Edges are widened by 1e-4 pixels (2e-6 rad for a fisheye), which
+//! exceeds all rounding, so that nothing shows through between faces that share an edge or a corner. Among coplanar
+//! faces the lowest part number is visible, then the lowest triangle number. A face is invisible to a camera less than
+//! 1 nm from the face's plane. The ground is the plane z = 0, visible only from above; the sky is behind all faces and
+//! the ground. Ground and sky are computed without faces. These definitions are our choice.
 //!
 //! # Colour
 //! The colour of a surface is its material's colour times its texture times the light: `ambient`, `fill` times (1 + n .

@@ -109,7 +109,7 @@ impl Monitor {
         pending.append_robot(motion, (from, to));
     }
 
-    /// Ends the slot at `to`: bodies not observed in it were at rest. Evaluates the complete cells.
+    /// Ends the slot at `to` and evaluates all complete cells. Bodies that were not observed in the slot were at rest.
     pub(crate) fn end_slot(&mut self, world: &mut World, to: Time) {
         let to = to.min(self.until);
         self.extend_rest(world, to);

@@ -35,7 +35,7 @@ pub struct Push {
 pub struct Slide {
     /// Path of the centre.
     pub path: Path,
-    /// Duration in seconds. Infinite for motion without contact, because the next wall is searched elsewhere.
+    /// Duration in seconds. Infinite for motion without contact, because the caller searches for the next wall.
     pub duration: f64,
     /// Wall against which the disc is pressed, and the touched point; `None` for motion without contact.
     pub pressed_wall: Option<(WallId, DVec2)>,
@@ -116,7 +116,7 @@ impl Push {
     }
 
     /// Motion that this contact allows if it is the only one: the slip speed of the wheels over the floor, m/s, and the
-    /// track of the centre. `is_grazed` states that the disc approaches the wall only by a rounding error, so that it
+    /// track of the centre. `is_grazed` is true if the disc approaches the wall only by a rounding error, so that it
     /// touches the wall without pressure.
     fn track_along(&self, contact: &Contact, is_grazed: bool) -> Option<(f64, Track)> {
         let is_end = |fraction: f64| fraction <= 0.0 || fraction >= 1.0;

@@ -67,12 +67,12 @@ pub fn first_contact(path: &Path, radius: f64, wall: &Segment, duration: f64) ->
 struct IntervalEnd {
     time: f64,
     gap: f64,
-    /// The sign gives the side of the wall's line on which the centre is.
+    /// Number whose sign gives the side of the wall's line on which the centre is.
     side: f64,
 }
 
-/// Root of `f` between two instants, each given with its value. At the returned instant `f` has already changed its
-/// sign; at most a rounding error earlier it has not.
+/// Root of `f` between two instants, each given with its value. At the returned instant `f` has changed its sign, at
+/// most a rounding error ago.
 fn root(f: impl Fn(f64) -> f64, from: (f64, f64), to: (f64, f64)) -> f64 {
     let (mut low, mut low_value) = from;
     let (mut high, mut high_value) = to;

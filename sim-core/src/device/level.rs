@@ -1,7 +1,8 @@
 //! Camera settings that change the levels of images.
 //!
-//! Three numbers from 0 to 255, where 128 is neutral: brightness, offset and contrast for grey images; brightness, hue and
-//! saturation for colour images. Source: the camera of the EyeBot; the effect of the numbers is our choice.
+//! The settings are three numbers from 0 to 255, where 128 is neutral: brightness, offset and contrast for grey images;
+//! brightness, hue and saturation for colour images. Source: the camera of the EyeBot; the effect of the numbers is our
+//! choice.
 
 use std::f64::consts::PI;
 
@@ -69,7 +70,7 @@ impl Levels {
         }
     }
 
-    /// Settings as multiples of the neutral one.
+    /// Settings as multiples of the neutral setting.
     fn fractions(&self) -> [f64; 3] {
         self.numbers.map(|number| f64::from(number) / f64::from(NEUTRAL))
     }

@@ -50,8 +50,8 @@ pub enum Command {
 ///
 /// The arc lies on the circle that is tangent to the robot's heading and passes through `point`; its curvature is 2 y /
 /// (x² + y²). The robot drives forwards to a point ahead of it and backwards (negative length) to a point behind it, on
-/// at most half of the circle. A point exactly at the side takes half a circle forwards (our choice), a point on the x
-/// axis a straight line. The displacement to the robot's own position is zero.
+/// at most half of the circle. To a point exactly at its side, the robot drives half a circle forwards (our choice); to
+/// a point on the x axis, a straight line. The displacement to the robot's own position is zero.
 ///
 /// Source: `VWDrive` of RoBIOS-7, which requires x > |y|; the result for other points is our choice.
 pub fn arc_to(point: DVec2) -> Twist {

@@ -94,7 +94,7 @@ impl Hull {
     }
 
     /// Terminal velocity along each axis at full thrust without motion along the other axes. Since no thruster pushes
-    /// sideways, the value of the sideways axis is the one ahead.
+    /// sideways, the sideways axis has the value of the forward axis.
     fn terminal_velocities(&self, model: &Model) -> [f64; 4] {
         let forces = [[1.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]];
         let [ahead, turn, up] = forces.map(|fractions| self.forces(model, fractions));

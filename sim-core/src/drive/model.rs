@@ -33,7 +33,7 @@ pub struct Model {
     pub wheel_diameter: f64,
     /// Maximum rate of a wheel, rad/s.
     pub max_wheel_rate: f64,
-    /// Encoder ticks in one turn of a wheel.
+    /// Encoder counts per turn of a wheel.
     pub ticks_per_turn: f64,
     /// Distance between the left and right wheels, m.
     pub track: f64,

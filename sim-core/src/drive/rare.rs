@@ -9,7 +9,7 @@ pub(super) trait ConstDefault: Clone + PartialEq + 'static {
 }
 
 /// A `T` that is allocated only when it is written; until then it is [`ConstDefault::DEFAULT`]. This keeps stages
-/// small: a drive with errors makes and copies one at each tick.
+/// small; a drive with errors makes and copies a stage at each tick.
 #[derive(Clone, Debug)]
 pub(super) struct Rare<T>(Option<Box<T>>);
 

@@ -24,8 +24,8 @@ pub struct RangeNoise {
     pub sigma: f64,
     /// Standard deviation of each reading as a fraction of the distance.
     pub sigma_share: f64,
-    /// Coefficient k of a standard deviation k d^2 of each reading, 1/m, as of a sensor with a signal proportional to 1/d and constant
-    /// noise.
+    /// Coefficient k of a standard deviation k d^2 of each reading, 1/m. It models a sensor with constant noise on a
+    /// signal proportional to 1/d.
     pub sigma_square: f64,
     /// Error of all readings of all sensors, m.
     pub bias: f64,

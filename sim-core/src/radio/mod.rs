@@ -4,7 +4,7 @@
 //! the sent messages. It decides for each message and station whether and when the message is received, and with which
 //! bit errors; the result is a [`Delivery`].
 //!
-//! Source: Koestler & Bräunl, sections 5.1 and 6.2; for the timing rules, design section 7.
+//! Source: Koestler & Bräunl, sections 5.1 and 6.2. The timing rules are our choice: see docs/radio.md.
 
 mod air;
 mod channel;
@@ -112,7 +112,7 @@ pub enum Loss {
     Range,
     /// A wall blocked the line of sight.
     Sight,
-    /// Another message was on the air at the same time, or the receiver was message.
+    /// Another message was on the air at the same time, or the receiver was transmitting.
     Collision,
     /// The receiver uses another speed.
     Baud,

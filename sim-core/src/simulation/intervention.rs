@@ -50,7 +50,7 @@ pub enum Refusal {
     /// The type does not exist.
     #[error("there is no type of {what} `{name}`, accepted: {known}")]
     NoType {
-        /// Kind of the type: robots or movable objects.
+        /// What the type describes: robots or movable objects.
         what: &'static str,
         /// The requested name.
         name: String,
@@ -62,11 +62,11 @@ pub enum Refusal {
         "x {x_m} m, y {y_m} m, phi {phi_rad} rad is no place: expected up to 1e6 m from the origin, and a heading up to 1e6 rad"
     )]
     Place {
-        /// m
+        /// World x, m.
         x_m: f64,
-        /// m
+        /// World y, m.
         y_m: f64,
-        /// rad
+        /// Heading, rad.
         phi_rad: f64,
     },
     /// An obstacle overlaps the body of a new robot at its position.

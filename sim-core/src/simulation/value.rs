@@ -250,7 +250,7 @@ impl Simulation {
         self.robots[id.index()].motion.pose(self.now)
     }
 
-    /// Odometry pose of robot `id`, now, in the frame in which it started.
+    /// Odometry pose of robot `id` now, in the odometry frame.
     ///
     /// # Panics
     /// If the robot does not exist.

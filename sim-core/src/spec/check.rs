@@ -175,7 +175,7 @@ pub enum CheckKind {
         /// The expected text or numbers.
         expected: ExpectedOutput,
     },
-    /// Programs end in a certain way.
+    /// Programs end with a given outcome.
     Outcome {
         /// The robot; `None` for each robot that has a program.
         robot: Option<RobotId>,

@@ -25,7 +25,7 @@ pub use body::{ROBOT_COLOURS, wheel_centres};
 use mesh_builder::MeshBuilder;
 pub use visuals::{NoMeshes, SpawnedEntity, Visuals};
 
-/// Default colour of walls, red, green, blue: nearly white, distinct from floor and sky. Source: our choice.
+/// Default colour of walls (red, green, blue): nearly white, distinct from floor and sky. Source: our choice.
 pub const WALL_COLOUR: [u8; 3] = [228, 228, 224];
 
 /// Radius of a marker's spot in metres. Source: our choice, since the file formats do not define it.

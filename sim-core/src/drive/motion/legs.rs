@@ -71,8 +71,7 @@ impl Motion {
         Some(ceiling - self.lift(at))
     }
 
-    /// The footfalls before `until` that no earlier call has returned, in the order of time, footfalls at the same time
-    /// in the order of the legs.
+    /// The footfalls before `until` that no earlier call has returned, in the order of time, then of the legs.
     pub fn take_footfalls(&mut self, until: Time) -> Vec<Footfall> {
         let Some(mut walk) = self.walk.take() else { return Vec::new() };
         let footfalls = walk.take_footfalls(self, until);

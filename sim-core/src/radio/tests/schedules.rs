@@ -155,7 +155,8 @@ fn ten_thousand_schedules_match_the_oracle() {
     assert!(read > 10_000, "{read}");
 }
 
-/// Checks the timing rules: no arrival before the time of queuing plus the delay, and visibility as in design section 7.
+/// Checks the timing rules of docs/radio.md: no message arrives before the time of queuing plus the delay, and each
+/// becomes visible at the right time.
 fn check_times(schedule: &Schedule, outcome: &Outcome) {
     let Schedule { model, slot, .. } = *schedule;
     let boundary = |time: Time| (time + slot - Time(1)).floor_to(slot);
