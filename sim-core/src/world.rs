@@ -1,4 +1,4 @@
-//! The world with all its robots: queries about published motion, and the end of a slot.
+//! The world with all its robots: queries of published motion, and the end of a slot.
 //!
 //! The world does not change during a slot. The robots query the motion that was published at the start of the slot
 //! ([`World::cast`], [`World::touching`]), each at its own virtual time. At the end of the slot, [`World::advance`]
@@ -91,7 +91,7 @@ pub struct World {
     truth: TrueMotions,
     /// The movable objects; `None` in a scene without any.
     objects: Option<Box<Objects>>,
-    /// Geometry that only rays in space and legs can touch.
+    /// Geometry that only three-dimensional rays and legs can touch.
     indexed_space: Arc<IndexedSpace>,
     quiescence: Quiescence,
     radio: Channel,
@@ -165,7 +165,7 @@ impl World {
         self
     }
 
-    /// Sets the geometry that only rays in space and legs can touch: shapes, heights and surfaces.
+    /// Sets the geometry that only three-dimensional rays and legs can touch: shapes, heights and surfaces.
     pub fn with_space(mut self, space: Space) -> Self {
         self.indexed_space = Arc::new(IndexedSpace::new(space, &self.walls));
         self
@@ -506,8 +506,8 @@ impl World {
         self.stances.insert(motion.id(), PublishedStance { stance, parts });
     }
 
-    /// Pose of a robot's frame in space at `at`. The height is that of the published stance at the start of the present
-    /// slot.
+    /// Three-dimensional pose of a robot's frame at `at`. The height is that of the published stance at the start of
+    /// the present slot.
     pub fn robot_pose_in_space(&self, robot: RobotId, at: Time) -> Pose3 {
         Pose3::from_planar(&self.robot_pose(robot, at), self.stance(robot).map_or(0.0, |stance| stance.lift))
     }
@@ -605,7 +605,7 @@ impl World {
         if !(self.bounds.is_empty() && self.moving.is_empty()) {
             self.moving.rebuild(&self.bounds);
         }
-        // A body that has last_begun to move stays in the index of bodies at rest until that index is rebuilt.
+        // A body that has begun to move stays in the index of bodies at rest until that index is rebuilt.
         let count = self.tracks.len() - self.removed_count - self.bounds.len();
         if has_rest_changed || count != self.resting.len() {
             self.bounds.clear();

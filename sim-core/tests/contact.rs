@@ -28,7 +28,7 @@ fn first_contact_matches_brute_force() {
         let position = random.point_in(bounds);
         let start = Pose { position, ..Pose::new(0.0, 0.0, random.between(-PI, PI)) };
         let radius = random.between(0.01, 0.3);
-        // Only discs that do not touch a wall at the start: for contact at the start other rules apply.
+        // Discs that touch a wall at the start are skipped, because other rules apply to them.
         if oracle::clearance(&walls, position, radius) < 1e-5 {
             continue;
         }

@@ -216,7 +216,7 @@ fn placement_touches_nothing_between_the_two_poses() {
     scene.advance();
     assert_eq!(scene.contacts, []);
     assert!((scene.position(0) - DVec2::new(3.5, 1.0)).length() < 1e-15);
-    // Out of the room and back, through walls.
+    // Robot 1 is placed outside the room and then back in it, through walls.
     scene.motions[0].place(Time(60_000), Pose::new(-7.0, 1.0, PI)).expect("sound");
     scene.advance();
     scene.motions[0].place(Time(110_000), Pose::new(0.5, 3.0, PI)).expect("sound");

@@ -280,7 +280,7 @@ impl Conversion<'_> {
             self.write_inline(&mut sim);
             print::print_sim(&sim, &loaded.scene)
         } else {
-            let lost = if sim.form == SceneFormat::Sim {
+            let lost = if sim.format == SceneFormat::Sim {
                 set_generations(&mut sim, &loaded.scene, generation_of)
             } else {
                 Vec::new()
@@ -353,7 +353,7 @@ impl Conversion<'_> {
         if target == FileFormat::Map
             && let Some((grid, loaded)) = self.source_grid()
         {
-            // From grid to grid, the cells are copied without a conversion to walls.
+            // If source and target are grids, the cells are copied without a conversion to walls.
             grid.iter().for_each(|grid| self.write_grid(grid));
             return loaded;
         }
@@ -386,7 +386,7 @@ impl Conversion<'_> {
         self.files.read(self.from).is_ok_and(|bytes| scene::is_scene(self.from, &decode(&bytes).0))
     }
 
-    /// Converts a scene to a map, in which all that its robots can reach is free.
+    /// Converts a scene to a map in which all cells that the robots can reach are free.
     fn convert_scene_to_map(&mut self) -> Loaded {
         let overrides =
             Overrides { seed: self.options.seed, maze_cell: self.options.maze_cell, ..Overrides::default() };
@@ -484,7 +484,7 @@ impl Conversion<'_> {
                 }
             },
             _ => {
-                let mut sim = SimSpec { form: SceneFormat::Toml, ..SimSpec::default() };
+                let mut sim = SimSpec { format: SceneFormat::Toml, ..SimSpec::default() };
                 sim.inline.world = Some(world.clone());
                 Printed { text: print::print_scene(&sim), lost: Vec::new() }
             }
@@ -691,7 +691,7 @@ fn fix_random_positions(sim: &mut SimSpec, scene: &SceneSpec) {
             (line.pose, line.scatter) = (placed.pose, None);
         }
     }
-    // Demands refer to the paths of lines, so these must stay the same.
+    // Requirements refer to the paths of lines, so the paths must stay the same.
     let robots = sim.robots.iter_mut().map(|line| (&line.path, &mut line.name));
     name_by_path("robot.", robots);
     name_by_path("object.", sim.objects.iter_mut().map(|line| (&line.path, &mut line.name)));

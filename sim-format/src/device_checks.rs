@@ -118,7 +118,7 @@ impl Reader {
             let index = link.mount.link.as_ref().and_then(|link| names.get(&link.text).copied());
             index.filter(|index| *index < count)
         };
-        // For each link, the first start from which it was reached.
+        // For each link, the first `start` whose chain of parents contains the link.
         let mut first_start: Vec<Option<usize>> = vec![None; links.len()];
         for start in 0..links.len() {
             let mut current = Some(start);

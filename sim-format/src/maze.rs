@@ -29,9 +29,9 @@ pub struct CellRules {
     pub cell: Option<f64>,
 }
 
-/// Form of a maze file.
+/// Format of a maze file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum MazeForm {
+pub(crate) enum MazeFormat {
     /// EyeSim's drawing.
     Drawing,
     /// A drawing with posts.
@@ -42,18 +42,18 @@ pub(crate) enum MazeForm {
     Binary,
 }
 
-/// Form of a maze file with these `bytes`.
-pub(crate) fn form_of(bytes: &[u8]) -> MazeForm {
+/// Format of a maze file with these `bytes`.
+pub(crate) fn format_of(bytes: &[u8]) -> MazeFormat {
     if binary::is_binary(bytes) {
-        return MazeForm::Binary;
+        return MazeFormat::Binary;
     }
     let text = String::from_utf8_lossy(bytes);
     if numbers::is_numbers(&text) {
-        MazeForm::Numbers
+        MazeFormat::Numbers
     } else if posts::is_posts(&text) {
-        MazeForm::Posts
+        MazeFormat::Posts
     } else {
-        MazeForm::Drawing
+        MazeFormat::Drawing
     }
 }
 
@@ -81,11 +81,12 @@ pub(crate) fn read_maze_bytes(
 pub(crate) fn read_maze_text(
     file: &str,
     text: &str,
-    form: MazeForm,
+    format: MazeFormat,
     rules: CellRules,
 ) -> (WorldSpec, Vec<Diagnostic>, Option<String>) {
     let mut sink = Sink::new(file);
-    let maze = if form == MazeForm::Numbers { numbers::read(&mut sink, text) } else { posts::read(&mut sink, text) };
+    let maze =
+        if format == MazeFormat::Numbers { numbers::read(&mut sink, text) } else { posts::read(&mut sink, text) };
     maze.into_world(sink, file, rules)
 }
 

@@ -49,9 +49,9 @@ pub fn read_sim(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
 struct Reader {
     sink: Sink,
     sim: SimSpec,
-    /// True if a line has a form that EyeSim VR of 2018 has and newer versions do not have.
+    /// True if a line has a syntax of EyeSim VR of 2018 that newer versions lack.
     has_form_of_2018: bool,
-    /// True if a line has a form that EyeSim VR of 2018 does not have.
+    /// True if a line has a syntax that EyeSim VR of 2018 lacks.
     has_newer_form: bool,
 }
 

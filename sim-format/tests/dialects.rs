@@ -138,7 +138,8 @@ fn robots_of_every_dialect_are_what_their_files_say() {
     assert_eq!(facts(s4y), ("S4Y".to_owned(), 186.0, 90.0, 0.0, 90.0, vec![]));
     let car = "vr-2018/Test Assets/robots/Ackermann/Ackermann.robi";
     assert_eq!(facts(car), ("Ackermann2".to_owned(), 258.155, 89.0, -94.0, 160.1, vec![]));
-    // Neither body nor drive devices, PSDs numbered as in classic files: the values of its twin odw, as far as given.
+    // The file has no body and no drive devices, and its PSDs are numbered as in classic files. Its other values are
+    // those of `odw`.
     let omni = "vr-2018/Test Assets/robots/Omni/Omni.robi";
     let codes = vec![Code::RobiBodyMissing, Code::RobiPsdOrder];
     assert_eq!(facts(omni), ("Omni1".to_owned(), 388.33, 220.0, 0.0, 220.0, codes));

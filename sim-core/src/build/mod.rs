@@ -68,7 +68,7 @@ pub fn ground(world: &WorldSpec) -> Arc<Ground> {
     Arc::new(height_field(world).map_or(Ground::Flat, |field| Ground::Field(Arc::clone(field))))
 }
 
-/// Three-dimensional shapes of bodies, and upper faces of walls. Only rays in three dimensions use them, in addition to
+/// Three-dimensional shapes of bodies, and upper faces of walls. Only three-dimensional rays use them, in addition to
 /// the scene's [`obstacles`] and [`movable_objects`].
 ///
 /// A robot is an upright cylinder of the robot's diameter, as high as its highest collider. Without colliders, the

@@ -400,7 +400,7 @@ events! {
         message: u64,
         /// Time at which the message would have arrived, s.
         arrived_s: f64,
-        /// Cause of the loss: `packet`, `range`, `sight`, `collision`, `baud`, `nobody`, `off`, `overflow`, `unsent` or `end`.
+        /// Cause: `packet`, `range`, `sight`, `collision`, `baud`, `nobody`, `off`, `overflow`, `unsent` or `end`.
         cause: &'a str,
     }
     /// The program reads a message from its radio.

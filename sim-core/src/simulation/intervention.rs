@@ -50,7 +50,7 @@ pub enum Refusal {
     /// The type does not exist.
     #[error("there is no type of {what} `{name}`, accepted: {known}")]
     NoType {
-        /// What the type describes: robots or movable objects.
+        /// Word for the entities of this type: robots or movable objects.
         what: &'static str,
         /// The requested name.
         name: String,

@@ -113,7 +113,7 @@ pub enum CheckKind {
         width: f64,
         /// Corners of the area; `None` for the floor.
         area: Option<Vec<DVec2>>,
-        /// Side of the squares into which the area is divided; a square is covered if its middle is.
+        /// Side of the squares into which the area is divided; a square is covered if its middle is covered.
         cell: f64,
         /// Smallest fraction of the squares, 0 to 1.
         share: f64,
@@ -402,7 +402,7 @@ pub enum SwarmMetric {
         width: f64,
         /// Corners of the area; `None` for the floor.
         area: Option<Vec<DVec2>>,
-        /// Side of the squares into which the area is divided, m; a square is covered if its middle is.
+        /// Side of the squares into which the area is divided, m; a square is covered if its middle is covered.
         cell: f64,
     },
 }

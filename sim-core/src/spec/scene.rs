@@ -349,7 +349,7 @@ pub struct CostTable {
 /// One entry of a cost table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostEntry {
-    /// Generation of the API: the name of its section, `robios6`.
+    /// Generation of the API: the name of its section, such as `robios6`.
     pub generation: String,
     /// Name of a function, or a prefix followed by `*`.
     pub function: String,
@@ -421,7 +421,7 @@ pub struct SimSpec {
     /// Name of the file.
     pub file: String,
     /// File format.
-    pub form: SceneFormat,
+    pub format: SceneFormat,
     /// The world; `None` if no usable line names one.
     pub world: Option<WorldLine>,
     /// Display options of the window.

@@ -72,7 +72,7 @@ impl Form for GaitSpec {
     }
 }
 
-/// How the joints move in a gait.
+/// Motion of the joints in a gait.
 #[derive(Clone, Copy, PartialEq)]
 enum Curve {
     Plain,

@@ -392,7 +392,7 @@ impl Form for ReachableSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form(
             "ReachableForm",
-            "A demand that a way leads from one place to another, on which random places are drawn again.",
+            "A requirement that a path leads from one place to another; if it is not met, random places are drawn again.",
         );
         keys.span(&mut self.span);
         keys.key("from", "Start of the way: a robot or object by its path, as `robot.1`, or [x, y] in mm.")

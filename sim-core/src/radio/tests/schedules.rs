@@ -5,7 +5,7 @@ use accuracy::world::Random;
 use super::oracle::{Operation, Outcome, Schedule, simulate};
 use super::*;
 
-/// Which slots are run, and in which order messages are passed to the channel.
+/// Selection of the slots to run, and the order in which messages are passed to the channel.
 #[derive(Clone, Copy, Debug)]
 struct RunOrder {
     /// True to run every slot, not only due slots.
