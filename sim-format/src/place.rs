@@ -485,7 +485,9 @@ impl Placer<'_> {
     fn check_routes(&mut self, world: Option<&WorldSpec>, walls: &[WallSpec]) {
         let Some(world) = world.filter(|_| !self.may_retry) else { return };
         for requirement in &self.sim.reachable {
-            let Some((from, to)) = self.route_end(&requirement.from).zip(self.route_end(&requirement.to)) else { continue };
+            let Some((from, to)) = self.route_end(&requirement.from).zip(self.route_end(&requirement.to)) else {
+                continue;
+            };
             let is_robot = matches!(from.entity, Some(Entity::Robot(_)));
             let Some(width) = requirement.width.or(is_robot.then_some(2.0 * from.radius)) else {
                 let message = "the width of the way is not known: it does not begin at a robot";

@@ -54,7 +54,8 @@ impl Form for SimSpec {
         keys.key("object", "Passive objects.").list(TABLES, &mut self.objects);
         keys.key("marker", "Flat spots of colour on the floor.").list(TABLES, &mut self.markers);
         keys.key("fault", "Faults on purpose.").list(TABLES, &mut self.faults);
-        keys.key("reachable", "Requirements that paths lead from one place to another.").list(TABLES, &mut self.reachable);
+        keys.key("reachable", "Requirements that paths lead from one place to another.")
+            .list(TABLES, &mut self.reachable);
         keys.key("check", "Conditions that a run must meet.").list(TABLES, &mut self.checks);
     }
 }
