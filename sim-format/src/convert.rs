@@ -339,7 +339,12 @@ impl Conversion<'_> {
     fn write(&mut self, path: String, printed: Printed) {
         for property in printed.lost {
             let message = format!("`{path}` has no place for {property}");
-            self.sink.warn(Code::ConvertLost, Span::default(), message, "a form that holds it, such as .scene.toml");
+            self.sink.warn(
+                Code::ConvertLost,
+                Span::default(),
+                message,
+                "a format that can represent it, such as .scene.toml",
+            );
         }
         self.outputs.push(Output { path, bytes: printed.text.into_bytes() });
     }
@@ -402,7 +407,7 @@ impl Conversion<'_> {
                     Code::ConvertLost,
                     Span::default(),
                     message,
-                    "a form that holds it, such as .scene.toml",
+                    "a format that can represent it, such as .scene.toml",
                 );
             }
             self.write_map(&world);

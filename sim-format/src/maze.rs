@@ -151,7 +151,7 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
                 other.word.text,
                 in_mm(cell)
             );
-            sink.warn(Code::MazCellFirst, other.word.span, message, CELL_FORM);
+            sink.warn(Code::MazCellFirst, other.word.span, message, CELL_SYNTAX);
         }
         return cell;
     }
@@ -161,7 +161,7 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
             && old != new
         {
             let message = format!("a second cell size `{}`; it replaces {} mm", word.text, in_mm(old));
-            sink.warn(Code::MazCellTwice, word.span, message, CELL_FORM);
+            sink.warn(Code::MazCellTwice, word.span, message, CELL_SYNTAX);
         }
         cell = size.or(cell);
     }
@@ -174,13 +174,13 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
             first.word.text,
             in_mm(DEFAULT_CELL)
         );
-        let diagnostic = sink.warn(Code::MazCellFirst, first.word.span, message, CELL_FORM);
+        let diagnostic = sink.warn(Code::MazCellFirst, first.word.span, message, CELL_SYNTAX);
         diagnostic.suggestion = Some("`--maze-cell MM` or `cell_mm` of a scene says which one is meant".to_owned());
     }
     cell.unwrap_or(DEFAULT_CELL)
 }
 
-const CELL_FORM: &str = "the cell size in mm, alone on the last line";
+const CELL_SYNTAX: &str = "the cell size in mm, alone on the last line";
 
 /// Drawn lines from top to bottom, the upper border first, and the lines with a cell size.
 fn rows_and_sizes<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, Vec<SizeLine<'a>>) {
@@ -199,7 +199,7 @@ fn rows_and_sizes<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, Vec<Siz
         if line::looks_numeric(first.text) {
             if let Some(extra) = words.get(1) {
                 let message = format!("`{}` is left over after the cell size", extra.text);
-                sink.warn(Code::WordExtra, extra.span, message, CELL_FORM);
+                sink.warn(Code::WordExtra, extra.span, message, CELL_SYNTAX);
             }
             let size = line::number(sink, Severity::Warning, first, &Quantity::size("cell size"));
             sizes.push(SizeLine { word: *first, size, rows_above: rows.len(), is_last: false });

@@ -537,14 +537,14 @@ impl Placer<'_> {
 
     /// Places an object of a loaded type.
     fn place_named_object(&mut self, line: &RobotLine, kind: Arc<ObjectType>) {
-        let form = "`NAME X Y PHI` in mm and degrees";
+        let syntax = "`NAME X Y PHI` in mm and degrees";
         if let Some(program) = &line.program {
             let message = format!("`{}` is left over: an object has no program", program.text);
-            self.sink.warn(Code::WordExtra, program.span, message, form);
+            self.sink.warn(Code::WordExtra, program.span, message, syntax);
         }
         let StartRef::Pose(pose) = line.start else {
             let message = format!("`{}` is an object; only robots start at a letter", line.kind.written().text);
-            self.sink.error(Code::SimPlaceArity, line.span, message, form);
+            self.sink.error(Code::SimPlaceArity, line.span, message, syntax);
             return;
         };
         let friction = kind.friction;

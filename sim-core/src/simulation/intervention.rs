@@ -143,7 +143,7 @@ pub struct Effect {
     /// Robots whose wait may have ended, or whose motion has changed.
     pub robots: Vec<RobotId>,
     /// The movable object that was added.
-    pub came: Option<ObjectId>,
+    pub added_object: Option<ObjectId>,
 }
 
 /// Access to robots, one at a time.
@@ -277,7 +277,7 @@ impl Environment {
                         world.republish(&mut robot.motion);
                     });
                 }
-                return Effect { robots: profiles.iter().map(|(id, _)| *id).collect(), came: None };
+                return Effect { robots: profiles.iter().map(|(id, _)| *id).collect(), added_object: None };
             }
             Intervention::SwitchSensor(id, sensor, is_on) => {
                 robots.with(*id, |robot| robot.switch_sensor(at, sensor, *is_on));
@@ -293,7 +293,7 @@ impl Environment {
                     unreachable!("the pose was validated")
                 };
                 self.record_object(at, object);
-                return Effect { came: Some(object), ..Effect::default() };
+                return Effect { added_object: Some(object), ..Effect::default() };
             }
             Intervention::RemoveObject(object) => world.remove_object(*object),
             Intervention::HaltRobot(id) => {
@@ -321,7 +321,7 @@ impl Environment {
 
 impl Effect {
     fn of_robot(id: RobotId) -> Self {
-        Self { robots: vec![id], came: None }
+        Self { robots: vec![id], added_object: None }
     }
 }
 

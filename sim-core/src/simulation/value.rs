@@ -203,7 +203,7 @@ impl Simulation {
         }
         let effect = self.environment.intervene(&intervention, &mut self.robots[..]);
         self.acted.extend(effect.robots);
-        if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.came) {
+        if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.added_object) {
             self.add_visuals(SpawnedEntity::Object(id, Arc::clone(&spec.kind)));
             Arc::make_mut(&mut self.roster).keep_object(*spec);
         }

@@ -17,7 +17,7 @@ use sim_core::scene::Triangle;
 /// Maximum number of triangles, and of entries in each list: a hundred times the number in typical robot models.
 const MAX_COUNT: usize = 2_000_000;
 
-const FACE_FORM: &str = "`f` and three or more corners of the form V, V/T, V//N or V/T/N";
+const FACE_SYNTAX: &str = "`f` and three or more corners of the form V, V/T, V//N or V/T/N";
 
 /// Content of a file, with its corners transformed into the body frame.
 #[derive(Default)]
@@ -149,7 +149,7 @@ impl Reader {
         }
         if count < 3 {
             let message = || format!("`{}` has fewer than three corners", shortened(line.text));
-            self.mistakes.warn(Code::MeshLine, line, FACE_FORM, message);
+            self.mistakes.warn(Code::MeshLine, line, FACE_SYNTAX, message);
         }
     }
 
@@ -157,7 +157,7 @@ impl Reader {
     fn read_corner(&mut self, line: &Line<'_>, word: &str) -> Option<Corner> {
         let Some([Some(position), uv, normal]) = corner_numbers(word) else {
             let message = || format!("`{}` is no corner of a face", shortened(word));
-            self.mistakes.warn(Code::MeshLine, line, FACE_FORM, message);
+            self.mistakes.warn(Code::MeshLine, line, FACE_SYNTAX, message);
             return None;
         };
         let Some(index) = index_in_list(position, self.positions.len()) else {

@@ -59,8 +59,8 @@ fn run(schedule: &Schedule, order: RunOrder) -> Outcome {
         }
         channel.take_transmitted().into_iter().for_each(|(robot, sequence)| stations[robot.index()].release(sequence));
         let next_visible = stations.iter().map(Station::next_visible).min().unwrap_or(Time::NEVER);
-        let next_deed = operations.peek().map_or(Time::NEVER, |(at, ..)| *at);
-        let due = next_visible.min(next_deed).min(channel.due());
+        let next_operation = operations.peek().map_or(Time::NEVER, |(at, ..)| *at);
+        let due = next_visible.min(next_operation).min(channel.due());
         start = if order.is_every_slot_run { slot_end } else { due.min(schedule.end).floor_to(slot).max(slot_end) };
     }
     outcome.deliveries.sort_by_key(|it| (it.visible, it.to, it.arrives, it.from, it.sequence));
