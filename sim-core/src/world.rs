@@ -364,7 +364,7 @@ impl World {
     }
 
     /// The bodies of other robots that touch the body of `motion` at `at`, in the order of their ids, for
-    /// [`Motion::command`]. The poses of the others are the published ones; the pose of `motion` is the exact one.
+    /// [`Motion::command`]. The other robots have their published poses, and `motion` has its exact pose.
     pub fn touching(&self, motion: &mut Motion, at: Time) -> Vec<Body> {
         if self.tracks.len() < 2 {
             return Vec::new();
@@ -408,8 +408,8 @@ impl World {
     }
 
     /// First part of the end of a slot: resolves the contacts between bodies, and releases bodies whose path has become
-    /// free. `active` is as for [`World::advance`], in the order of ids. `observe` is called with each motion when its
-    /// contacts are resolved and the whole slot can still be queried.
+    /// free. `active` contains the motions that [`World::advance`] requires, in the order of ids. `observe` is called
+    /// with each motion when its contacts are resolved and the whole slot can still be queried.
     ///
     /// Returns false if nothing can have changed; the world has then already advanced to the next slot. Otherwise the
     /// caller must publish all [publications](World::publications) and call [`World::conclude`].

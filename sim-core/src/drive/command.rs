@@ -62,7 +62,7 @@ pub fn arc_to(point: DVec2) -> Twist {
     Twist::new(direction * chord / math::sinc(half_angle), direction * 2.0 * half_angle)
 }
 
-/// Reason why a command was refused; the motion of the robot does not change then.
+/// Reason why a command was rejected; the robot's motion is then unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CommandError {
     /// A number is NaN, infinite, of a magnitude greater than 10^12, or negative where it must not be.

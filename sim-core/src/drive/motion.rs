@@ -214,14 +214,16 @@ impl Motion {
         }
     }
 
-    /// This motion, not yet commanded, for a robot that enters the world at `start` instead of at the start of the run.
+    /// Returns this motion, which must have no command yet, for a robot that enters the world at `start` instead of at
+    /// the start of the run.
     pub fn starting_at(mut self, start: Time) -> Self {
         self.stages.iter_mut().for_each(|stage| stage.piece.start = start);
         self.committed = start;
         self
     }
 
-    /// This motion, not yet commanded, with an imperfection. The random numbers are those of a run with `seed`.
+    /// Adds an imperfection to this motion, which must have no command yet. The random numbers are those of a run with
+    /// `seed`.
     ///
     /// # Errors
     /// [`ModelError`] with the first number of the imperfection that is out of range.
@@ -231,7 +233,7 @@ impl Motion {
         Ok(self)
     }
 
-    /// This motion, not yet commanded, with the contact rule `rule`; for a robot with legs the rule is always
+    /// Sets the contact rule of this motion, which must have no command yet. For a robot with legs the rule is always
     /// [`ContactRule::Stall`].
     ///
     /// # Errors
@@ -247,8 +249,9 @@ impl Motion {
         Ok(self)
     }
 
-    /// This motion, not yet commanded, for a robot with [`DriveKind::Thrusters`] in the water: at rest, with its frame
-    /// `height` metres above the floor. Its contact rule must be [`ContactRule::Slide`].
+    /// Adds a hull to this motion, which must have no command yet, of a robot with [`DriveKind::Thrusters`] in the
+    /// water. The robot is at rest, with its frame `height` metres above the floor. Its contact rule must be
+    /// [`ContactRule::Slide`].
     ///
     /// # Errors
     /// [`ModelError`] with the first number of the hull that is out of range.
@@ -324,12 +327,12 @@ impl Motion {
         self.revision
     }
 
-    /// Obeys a command at `at`, which must not precede the last command. `touching` are the bodies of other robots that
-    /// may be in contact, from [`World::touching`](crate::world::World::touching). If the command would approach one of
-    /// these bodies, the robot is blocked at once.
+    /// Applies a command at `at`, which must not precede the last command. `touching` are the bodies of other robots
+    /// that may be in contact, from [`World::touching`](crate::world::World::touching). If the command would approach
+    /// one of these bodies, the robot is blocked at once.
     ///
     /// # Errors
-    /// A [`CommandError`] for a command that this drive cannot obey; nothing changes then.
+    /// A [`CommandError`] for a command that this drive cannot carry out; nothing changes then.
     pub fn command(&mut self, at: Time, command: Command, touching: &[Body]) -> Result<(), CommandError> {
         self.input(at, Input::Command(command), touching)
     }

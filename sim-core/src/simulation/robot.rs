@@ -236,7 +236,7 @@ impl Robot {
     /// Commands the drive at the robot's present virtual time.
     ///
     /// # Errors
-    /// [`CommandError`] for a command that the drive cannot obey; nothing changes then.
+    /// [`CommandError`] for a command that the drive cannot carry out; nothing changes then.
     pub fn command(&mut self, world: &World, command: Command) -> Result<(), CommandError> {
         let touching = world.touching(&mut self.motion, self.now);
         self.motion.command(self.now, command, &touching)

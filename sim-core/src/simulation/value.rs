@@ -157,7 +157,7 @@ impl Simulation {
     /// Commands the drive of robot `id` at the present time.
     ///
     /// # Errors
-    /// [`CommandError`] for a command that the drive cannot obey; nothing changes then.
+    /// [`CommandError`] for a command that the drive cannot carry out; nothing changes then.
     ///
     /// # Panics
     /// If the robot does not exist.

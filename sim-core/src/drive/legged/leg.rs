@@ -265,7 +265,7 @@ mod tests {
         let (offset, sole) = (DVec2::new(0.3, -0.2), Sole { from_ankle: 0.15, pitch: -0.5 });
         let height = leg.max_hip_height(offset, sole).expect("within reach");
         let knee = leg.joints(offset.extend(-height), 0.0, sole).knee;
-        // Hip to ankle is 0.998 * 0.9 m: the law of cosines.
+        // The law of cosines, with a distance of 0.998 * 0.9 m from hip to ankle.
         let cosine = ((0.998f64 * 0.9).powi(2) - 0.16 - 0.25) / 0.4;
         assert!((math::cos(knee) - cosine).abs() < 1e-12, "{knee}");
         assert_eq!(leg.max_hip_height(DVec2::new(1.2, 0.0), sole), None);

@@ -15,7 +15,7 @@ impl Motion {
         self.walk.is_some() || self.vehicle.hull.is_some()
     }
 
-    /// This motion, not yet commanded, for a robot that walks on `ground` with `legs`.
+    /// Adds `legs` that walk on `ground` to this motion, which must have no command yet.
     pub fn with_legs(mut self, legs: Arc<Legs>, ground: Arc<Ground>) -> Self {
         self.walk = Some(Box::new(Walk::new(legs, ground)));
         self
@@ -36,10 +36,10 @@ impl Motion {
         self.walk.as_ref().map_or(0, |walk| walk.settings_at(at).gait)
     }
 
-    /// Obeys a leg command at `at`, which must not precede the last leg command.
+    /// Applies a leg command at `at`, which must not precede the last leg command.
     ///
     /// # Errors
-    /// A [`LegCommandError`] for a command that these legs cannot obey; nothing changes then.
+    /// A [`LegCommandError`] for a command that these legs cannot carry out; nothing changes then.
     pub fn command_legs(&mut self, at: Time, command: LegCommand) -> Result<(), LegCommandError> {
         let walk = self.walk.as_mut().ok_or(LegCommandError::NoLegs)?;
         walk.command(at, command)
