@@ -168,7 +168,7 @@ impl Pose3 {
     pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DMat3::IDENTITY };
 
     /// The frame at `position`, turned about x by `roll`, then about y so that x rises by `pitch`, then about z by
-    /// `yaw`, all about the outer frame's axes and in rad: Rz(yaw) Ry(-pitch) Rx(roll).
+    /// `yaw`. All rotations are about the outer frame's axes and in rad: Rz(yaw) Ry(-pitch) Rx(roll).
     ///
     /// A positive `pitch` raises the x axis, a positive `roll` raises the left side, a positive `yaw` turns to the
     /// left. Rotations by 0 are exact: without roll and pitch, the x and y axes are exactly level.

@@ -347,7 +347,7 @@ impl World {
         self.tracks[robot.index()].pose(at)
     }
 
-    /// Published motion of a robot in the present slot: at least one piece, in the order of time; the first one
+    /// Published motion of a robot in the present slot: at least one piece, in the order of time. The first piece
     /// includes the slot's start.
     pub fn published_pieces(&self, robot: RobotId) -> impl Iterator<Item = PublishedPiece> {
         let passages = self.tracks[robot.index()].passages();

@@ -21,7 +21,7 @@ const INSTALLATION_FOLDERS: [&str; 3] = ["", "worlds", "robis"];
 /// - An absolute path is tried unchanged, then below the installation, since old files contain such paths.
 ///
 /// Source: files of the EyeSim versions. Our choice: `folder` precedes the working folder, so that a scene does not
-/// depend on the directory from which it is run; `..` removes the part before it, even if that part is a link.
+/// depend on the directory from which it is run. A `..` removes the part before it, even if that part is a link.
 pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     let mut paths = Vec::new();

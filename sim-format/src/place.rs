@@ -627,8 +627,8 @@ impl<'a> Starts<'a> {
         Some(self.world?.starts[index].pose)
     }
 
-    /// Takes the start of a maze in EyeSim VR of 2018: the cell of the last letter, whichever letter that is; the robot
-    /// faces along x.
+    /// Takes the start of a maze in EyeSim VR of 2018: the cell of the last letter, for any letter. The robot faces
+    /// along x.
     fn take_start_of_2018(&mut self) -> Option<Pose> {
         let starts = &self.world?.starts;
         let index = (0..starts.len()).rfind(|index| starts[*index].letter.is_some())?;

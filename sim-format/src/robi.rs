@@ -25,9 +25,10 @@ const RESERVED: [&str; 2] = ["LabBot", "S4"];
 
 /// Reads a robi file of any dialect, without its companion ([`super::read_companion`]).
 ///
-/// The newest dialect that any line requires applies to the whole file. Missing values get the
-/// defaults of docs/formats/robi.md; a missing `wheel` or `drive` line gives a warning. The wheelbase is the distance between the two
-/// `axel` lines; without them it is estimated from the geometry: 0.6 of the diameter for Ackermann, the track otherwise.
+/// The newest dialect that any line requires applies to the whole file. Missing values get the defaults of
+/// docs/formats/robi.md; a missing `wheel` or `drive` line gives a warning. The wheelbase is the distance between the
+/// two `axel` lines. Without them it is estimated from the geometry: 0.6 of the diameter for Ackermann, the track
+/// otherwise.
 pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
     let lines: Vec<(Line<'_>, Vec<Word<'_>>)> = line::lines(text).map(|line| (line, line.words())).collect();
     let mut reader = Reader::new(file, Dialect::of(lines.iter().map(|(_, words)| words.as_slice())));

@@ -438,8 +438,8 @@ fn person() -> Legs {
     Legs { legs: vec![leg("LEFT", 0.09), leg("RIGHT", -0.09)], step_height: 0.0, ..biped() }
 }
 
-/// A sensor on the shank looks ahead at right angles to it, with a range of 2 m, at full natural walk: its incidence angle on the
-/// floor runs from 33 to 78 degrees in France et al. 1999, section 6.3.
+/// A sensor on the shank looks ahead at right angles to the shank, with a range of 2 m, while the robot walks at its
+/// full natural speed. In France et al. 1999, section 6.3, its incidence angle on the floor runs from 33 to 78 degrees.
 #[test]
 fn a_sensor_on_the_shank_meets_the_floor_as_in_the_paper() {
     let legs = Arc::new(person());

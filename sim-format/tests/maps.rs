@@ -421,8 +421,8 @@ fn mistakes_of_mazes_are_told_with_their_place() {
     }
 }
 
-/// Random walls of a maze of `side` times `side` cells, in columns from the south-west corner, whose border is closed
-/// and whose start is open to the north only: bits for north, east, south and west.
+/// Random walls of a maze of `side` times `side` cells, as bits for north, east, south and west, in columns from the
+/// south-west corner. The border is closed, and the start is open to the north only.
 fn random_maze(side: usize, mut seed: u64, share: u64) -> Vec<u8> {
     let mut draw = || {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);

@@ -11,8 +11,8 @@
 //!
 //! # Definition of a hit
 //! A ray from the camera hits a face if it lies in the cone of the rays to the points of the face. Both sides of a face
-//! can be hit. With the corners v0, v1, v2 in the camera's frame and e0 = v1 x v2, e1 = v2 x v0, e2 = v0 x v1, the ray
-//! lies in the cone if all dot products e . ray have the sign of the determinant v0 . e0 (Olano and Greer, Triangle
+//! can be hit. Let v0, v1, v2 be the corners in the camera's frame, and e0 = v1 x v2, e1 = v2 x v0, e2 = v0 x v1. The
+//! ray lies in the cone if all dot products e . ray have the sign of the determinant v0 . e0 (Olano and Greer, Triangle
 //! scan conversion using 2D homogeneous coordinates, 1997). The test is the same for every lens, and faces behind the
 //! camera or crossing its plane need no clipping. Edges are widened by 1e-4 pixels (2e-6 rad for a fisheye), which
 //! exceeds all rounding, so that nothing shows through between faces that share an edge or a corner. Among coplanar

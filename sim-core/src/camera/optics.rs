@@ -1,8 +1,8 @@
 //! Projection of a view for faces and tiles.
 //!
-//! Faces are transformed to *lens space*, a linear image of the camera's frame in which the ray of a pixel is simple:
-//! for a pinhole, the ray through the point (x, y) of the image is (x, y, 1) (homogeneous coordinates of the image:
-//! Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates, 1997); for a fisheye, lens space is the
+//! Faces are transformed to *lens space*, a linear image of the camera's frame in which the ray of a pixel is simple.
+//! For a pinhole, the ray through the point (x, y) of the image is (x, y, 1), in homogeneous coordinates of the image
+//! (Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates, 1997). For a fisheye, lens space is the
 //! camera's frame, and rays come from a table.
 
 use std::f64::consts::FRAC_PI_3;

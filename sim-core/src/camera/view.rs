@@ -113,8 +113,9 @@ impl View {
         Self::new(self.world_from_camera, self.lens, self.size.map(|side| side.saturating_mul(factor)))
     }
 
-    /// The ray through an image position (columns to the right, rows downwards), in the camera's frame: (1, y, z) for a
-    /// pinhole, of length 1 for a fisheye; `None` more than pi off the axis, beyond the end of a fisheye's image.
+    /// The ray through an image position (columns to the right, rows downwards), in the camera's frame. It is (1, y, z)
+    /// for a pinhole and has length 1 for a fisheye. `None` beyond the end of a fisheye's image, more than pi off the
+    /// axis.
     pub fn ray(&self, position: DVec2) -> Option<DVec3> {
         let (angle, ray) = self.continued_ray(position);
         (angle <= PI).then_some(ray)

@@ -373,8 +373,8 @@ impl Contact {
         length_to(self.segment.a).max(length_to(self.segment.b)).max(0.0)
     }
 
-    /// Angle in rad by which the normal must turn around the wall's end, to the left (`sense` 1) or to the right (-1),
-    /// until it is perpendicular to the wall; infinite for a wall of length 0.
+    /// Angle in rad by which the normal must turn around the wall's end until it is perpendicular to the wall. The
+    /// normal turns to the left (`sense` 1) or to the right (-1). Infinite for a wall of length 0.
     fn angle_to_face(&self, sense: f64) -> f64 {
         let Segment { a, b } = self.segment;
         // Because of rounding, the point may differ from the wall's end.

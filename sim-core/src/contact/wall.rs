@@ -1,9 +1,9 @@
 //! First contact of a moving disc with a wall: closed forms bracket the instant, and an iteration refines it.
 //!
-//! On a path of constant twist, the distance from the centre to a wall has two kinds of critical points: points at
-//! which the path is parallel to the wall, and points at which the centre is nearest to or farthest from one of the
-//! wall's ends. Their times have closed forms. Between two neighbouring critical points the distance is monotone, so
-//! every contact is bracketed and none is missed.
+//! On a path of constant twist, the distance from the centre to a wall has two kinds of critical points. At one kind
+//! the path is parallel to the wall; at the other kind the centre is nearest to or farthest from one of the wall's
+//! ends. Their times have closed forms. Between two neighbouring critical points the distance is monotone, so every
+//! contact is bracketed and none is missed.
 
 use std::f64::consts::PI;
 

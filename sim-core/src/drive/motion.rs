@@ -38,8 +38,8 @@ const MAX_TICKS_AHEAD: usize = 100_000;
 pub struct Impact {
     /// Instant of the contact, rounded up to a microsecond.
     pub time: Time,
-    /// Instant from which the robot's program can detect the impact: `time` for a wall; for a robot or an object the
-    /// end of the slot, at which such impacts are computed.
+    /// Instant from which the robot's program can detect the impact. For a wall this is `time`. For a robot or an
+    /// object it is the end of the slot, at which such impacts are computed.
     pub known_at: Time,
     /// The touched obstacle.
     pub thing: Thing,
@@ -464,8 +464,8 @@ impl Motion {
         self.stage_at(at).commands.steering
     }
 
-    /// Remaining part of the drive in progress at `at`: arc length, m, or for a turn on the spot the angle, rad; 0
-    /// without a drive.
+    /// Remaining part of the drive in progress at `at`: the arc length, m, or the angle of a turn on the spot, rad. It
+    /// is 0 without a drive.
     pub fn drive_remaining(&mut self, at: Time) -> f64 {
         match self.stage_at(at).commands_at(at).active {
             ActiveCommand::Drive { total, remaining, .. } => ActiveCommand::progress(total, remaining).max(0.0),
@@ -538,7 +538,7 @@ impl Motion {
     }
 
     /// Slip ratio of the wheels at `at` because of a wall: slip speed over the floor, divided by the speed that the
-    /// wheels command; 0 without contact, 1 for a body at rest.
+    /// wheels command. It is 0 without contact and 1 for a body at rest.
     pub fn slip(&mut self, at: Time) -> f64 {
         let index = self.index_at(at);
         self.stages[index].slip(&self.vehicle.model, at).map_or(0.0, |(_, ratio)| ratio)

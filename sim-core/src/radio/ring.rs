@@ -11,8 +11,8 @@
 //! token therefore sends next, and no station starves.
 //!
 //! Source: the network of the EyeBot has token, time-out and wild card. The choice of the polling station and the
-//! durations are our choice, and so are these simplifications: polls are never lost, and all stations receive tokens
-//! and polls at any speed, from any distance and through walls.
+//! durations are ours. These simplifications are ours too: polls are never lost, and all stations receive tokens and
+//! polls at any speed, from any distance and through walls.
 
 use std::collections::{BTreeMap, VecDeque};
 

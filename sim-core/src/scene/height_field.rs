@@ -22,11 +22,11 @@ const TINTS: [[f32; 3]; 5] =
 /// Height as a function of the position in a rectangle of the plane, world frame, in metres.
 ///
 /// The heights are given at the corners of a rectilinear grid. Each cell is divided into two triangles by the diagonal
-/// from its minimum x and y to its maximum x and y, so the surface is continuous and rays find no gap. (One exception: if
-/// steps along x and along y meet in one vertical line with more than two heights, a ray aimed exactly at that line may
-/// pass within rounding.) A grid coordinate may occur twice: the cell between the two lines has no width and is an exact
-/// vertical step. Outside the rectangle the ground continues level from its border, see [`height`](Self::height), but
-/// rays hit nothing.
+/// from its minimum x and y to its maximum x and y, so the surface is continuous and rays find no gap. (There is one
+/// exception: if steps along x and along y meet in one vertical line with more than two heights, a ray aimed exactly at
+/// that line may pass within rounding.) A grid coordinate may occur twice. The cell between the two lines then has no
+/// width and is an exact vertical step. Outside the rectangle the ground continues level from its border, see
+/// [`height`](Self::height), but rays hit nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     xs: Vec<f64>,
@@ -113,8 +113,8 @@ impl HeightField {
         DVec3::new(self.xs[column], self.ys[row], self.corner_height(column, row))
     }
 
-    /// Height of the ground at a point in the world frame, in metres: at a step, the height of its upper side; outside
-    /// the rectangle, the height of the nearest point of its border. NaN if a coordinate is NaN.
+    /// Height of the ground at a point in the world frame, in metres. At a step, it is the height of the upper side;
+    /// outside the rectangle, it is the height of the nearest point of the border. NaN if a coordinate is NaN.
     pub fn height(&self, x: f64, y: f64) -> f64 {
         if x.is_nan() || y.is_nan() {
             return f64::NAN;

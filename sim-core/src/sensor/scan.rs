@@ -107,9 +107,9 @@ impl Scan {
         self.tilt.direction(self.rays[ray as usize])
     }
 
-    /// Distances measured by the scanner of the robot `observer`, whose centre is at `world_from_robot` at the instant `at`:
-    /// for each ray the metres along the ray to the first hit, or `None` if nothing is within range. All rays are cast at
-    /// the same instant.
+    /// Distances measured by the scanner of the robot `observer`, whose centre is at `world_from_robot` at the instant
+    /// `at`. For each ray, this is the distance along the ray to the first hit, m, or `None` if nothing is within
+    /// range. All rays are cast at the same instant.
     ///
     /// [`Ray::tilted`] constructs the rays (our choice). They do not hit the robot itself. The caller adds noise.
     pub fn distances(&self, world: &World, observer: RobotId, world_from_robot: &Pose, at: Time) -> Vec<Option<f64>> {

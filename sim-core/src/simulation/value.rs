@@ -286,8 +286,8 @@ impl Simulation {
         })
     }
 
-    /// Depth of each pixel of the last image of robot `id`, without errors: m along the line of sight through the
-    /// centre of the pixel; infinite for the sky.
+    /// Depth of each pixel of the last image of robot `id`, without errors: the distance along the line of sight
+    /// through the centre of the pixel, m. It is infinite for the sky.
     ///
     /// # Errors
     /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before the first image.

@@ -475,8 +475,8 @@ pub struct RobotSpec {
     /// Noise profile of devices and drive: that of the robot's line, otherwise that of the scene. A profile in a file has been
     /// read.
     pub noise: Option<NoiseRef>,
-    /// Generation of the RoBIOS API that corresponds to the dialect of the robot's line: 6 for `robi` lines, 7 for lines of
-    /// EyeSim VR; in our own format, the generation of the scene's dialect.
+    /// Generation of the RoBIOS API that corresponds to the dialect of the robot's line: 6 for `robi` lines, 7 for
+    /// lines of EyeSim VR. In our own format, it is the generation of the scene's dialect.
     pub dialect: Option<u32>,
     /// Path of its line in a scene in TOML, such as `robot.2`; otherwise empty.
     pub line: String,

@@ -150,9 +150,9 @@ impl World {
         object.index() < self.object_count() && self.object_lifetime(object).contains(at)
     }
 
-    /// An obstacle that a disc of `radius` metres around `centre` would overlap at the start of the present slot; if
-    /// there are several, in this order: a wall or fixed body (also if the disc is completely inside it), a robot, a
-    /// movable object. A touching obstacle does not overlap the disc.
+    /// An obstacle that a disc of `radius` metres around `centre` would overlap at the start of the present slot. If
+    /// there are several, the result is the first one in this order: a wall or fixed body (also if the disc is
+    /// completely inside it), a robot, a movable object. A touching obstacle does not overlap the disc.
     pub fn overlapped_by_disc(&self, centre: DVec2, radius: f64) -> Option<Thing> {
         let overlap_radius = (radius - TOUCH).max(0.0);
         let mut wall = self.surrounding_wall(centre);

@@ -42,10 +42,10 @@ impl World {
     /// `max_clearance` metres; `None` for a robot without legs. If `max_clearance` is 0, the function searches only for
     /// contacts, which is fastest.
     ///
-    /// Contacts with the ground are those of the body, of thighs, and of shanks without their lowest part of three
-    /// radii, so that a leg can lean by up to 70 degrees while its foot is on the ground. Feet are not tested. Contacts
-    /// with other obstacles are those of thighs and shanks on their whole length; the body's contacts with other
-    /// obstacles are reported as for any robot. Our choice.
+    /// The body, the thighs and the shanks are tested for contacts with the ground. The lowest part of a shank, three
+    /// radii long, is not tested, so that a leg can lean by up to 70 degrees while its foot is on the ground. Feet are
+    /// not tested. Thighs and shanks are tested for contacts with other obstacles on their whole length. The body's
+    /// contacts with other obstacles are reported as they are for any robot. Our choice.
     ///
     /// For the ground, the body is a disc at the height of its underside; a cell of the ground that the edge of the
     /// disc crosses is tested as a whole. The clearance of a limb is exact, except beyond a terrain's border, see

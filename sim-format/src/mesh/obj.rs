@@ -1,8 +1,9 @@
 //! Wavefront OBJ: lines `v`, `vt`, `vn`, `f`, `usemtl`, `mtllib`. Other lines do not describe triangles and are ignored.
 //!
-//! The tests compare this reader with the crate `tobj` 4 on valid files. `tobj` is not used itself: `Kd` with one number makes
-//! it panic, out-of-range indices of `vt` overflow, mixing corners with and without `vt` in one object shifts the texture coordinates of
-//! all later corners, reading stops at the first mistake, and errors carry no line number.
+//! The tests compare this reader with the crate `tobj` 4 on valid files. This crate does not use `tobj`, for these
+//! reasons: `Kd` with one number makes it panic; out-of-range indices of `vt` overflow; an object with some corners
+//! without `vt` shifts the texture coordinates of all later corners; reading stops at the first mistake; and errors
+//! carry no line number.
 
 use std::collections::BTreeMap;
 

@@ -74,8 +74,9 @@ impl Reader {
         }
     }
 
-    /// Diameter of the body, if the file determines it: `diameter`, otherwise that of the smallest disc around the robot's centre that
-    /// contains all colliders; in a classic file without either, the default.
+    /// Diameter of the body, if the file determines it: `diameter`, otherwise that of the smallest disc around the
+    /// robot's centre that contains all colliders. In a classic file without `diameter` and colliders, it is the
+    /// default.
     fn body_diameter(&self) -> Option<f64> {
         if self.has_diameter {
             return Some(self.robi.diameter);

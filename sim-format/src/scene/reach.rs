@@ -20,8 +20,9 @@ const MAX_STEPS: f64 = 2000.0;
 pub(crate) fn is_reachable(space: &FreeSpace, floor: DVec2, radius: f64, from: (DVec2, f64), to: (DVec2, f64)) -> bool {
     let step = (2.0 * radius * STEP).max(floor.max_element() / MAX_STEPS).max(1e-3);
     let [columns, rows] = (floor / step).floor().to_array().map(|count| count as usize + 1);
-    // If a disc of this radius is free at both ends of a step, a disc of the given radius is free along the whole step: the point of a
-    // convex obstacle nearest to the step is at most half a step from one of the ends, measured along the step.
+    // If a disc of this radius is free at both ends of a step, a disc of the given radius is free along the whole step.
+    // The reason is that the point of a convex obstacle nearest to the step is at most half a step from one of the
+    // ends, measured along the step.
     let inflated_radius = (radius * radius + 0.25 * step * step).sqrt();
     let diagonal = std::f64::consts::SQRT_2 * step;
     let point = |node: usize| DVec2::new((node % columns) as f64, (node / columns) as f64) * step;

@@ -25,8 +25,9 @@ const HIP_SINKS_FROM: f64 = 0.4;
 /// Number of intervals in the table of the swing path.
 const SWING_INTERVALS: usize = 40;
 
-/// Angles in degrees every 2 % of the gait cycle since heel strike: thigh from the vertical, forwards positive; knee
-/// flexion; ankle dorsiflexion (toes up) from the right angle to the shank. Children at free walking speed.
+/// Angles in degrees every 2 % of the gait cycle since heel strike, of children at free walking speed. They are the
+/// angle of the thigh from the vertical (forwards positive), knee flexion, and ankle dorsiflexion (toes up) from the
+/// right angle to the shank.
 ///
 /// Source: Schwartz, Rozumalski and Trost 2008, "The effect of walking speed on the gait of typically developing
 /// children", J. Biomechanics 41, 1639-1650, electronic addendum, free speed, means: hip flexion less pelvic tilt, knee

@@ -21,9 +21,9 @@ const MAX_KNEE: f64 = 150.0 / 180.0 * PI;
 
 /// One leg: a thigh that hangs from the hip, a shank that hangs from the knee, and optionally a foot.
 ///
-/// The joints are, in this order: in the hip `yaw` about z, `roll` about x (both right-handed) and `pitch` of the thigh
-/// (positive forwards), then `knee` (flexion positive) and, if the leg has a foot, `ankle` (toes up positive). At
-/// angles of 0 the leg hangs straight down and the foot is level. A leg without a foot stands on the tip of its shank.
+/// The hip has the joints `yaw` about z, `roll` about x (both right-handed) and `pitch` of the thigh (positive
+/// forwards). Then follow `knee` (flexion positive) and, if the leg has a foot, `ankle` (toes up positive). At angles
+/// of 0 the leg hangs straight down and the foot is level. A leg without a foot stands on the tip of its shank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leg {
     /// Name of the leg, such as `LEFT`: its links are then `LEFT.thigh`, `LEFT.shank` and `LEFT.foot`.

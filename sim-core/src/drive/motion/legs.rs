@@ -64,8 +64,8 @@ impl Motion {
         if self.has_variable_height() { self.stance(at).lift } else { 0.0 }
     }
 
-    /// Depth of the top of a hull under the surface of the water at `at`, m: 0 for a hull at the surface; `None` for
-    /// robots that are not in the water.
+    /// Depth of the top of a hull under the surface of the water at `at`, m. It is 0 for a hull at the surface, and
+    /// `None` for robots that are not in the water.
     pub fn depth(&mut self, at: Time) -> Option<f64> {
         let ceiling = self.hull()?.ceiling;
         Some(ceiling - self.lift(at))
