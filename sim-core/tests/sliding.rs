@@ -56,7 +56,7 @@ fn seconds(seconds: f64) -> Time {
     Time::from_seconds_ceil(seconds)
 }
 
-/// Pose below a wall along the x axis: the rim is `gap` m from the wall, the heading is turned by `angle` from x
+/// Pose below a wall along the x axis. The rim is `gap` m from the wall, and the heading is turned by `angle` from x
 /// towards the wall.
 fn below(gap: f64, angle: f64) -> Pose {
     Pose::new(0.0, -RADIUS - SKIN - gap, angle)

@@ -191,7 +191,7 @@ pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
 /// Function that returns the generation of the RoBIOS API, 6 or 7, of a robot's program, if the program determines it.
 pub type GenerationOf<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Option<u32> + 'a;
 
-/// Converts like [`convert`]. A scene in TOML states the generations that `generation_of` returns; for all other
+/// Converts like [`convert`]. A scene in TOML states the generations that `generation_of` returns. For all other
 /// programs it states the dialect of the sim file, which applies only if a program does not determine its generation.
 ///
 /// Random values and positions of a scene are drawn with the seed of the `options`, which the result then contains,
@@ -619,8 +619,9 @@ impl Conversion<'_> {
         }
     }
 
-    /// Rewrites a reference for the target's folder in two cases: it is relative to the source's folder and the file
-    /// exists, or no file exists at its paths but one exists near the source. Other references do not change.
+    /// Rewrites a reference for the target's folder in two cases: the reference is relative to the source's folder and
+    /// the file exists, or no file exists at the paths of the reference but one exists near the source. Other
+    /// references do not change.
     fn rewrite_path(&self, reference: &mut SpannedText) {
         let (source_folder, target_folder) = (path::folder_of(self.from), path::folder_of(self.to));
         if source_folder == target_folder {

@@ -781,7 +781,8 @@ fn poses_of_models_links_and_collisions_add_up() {
          <normal>0 0 1</normal><size>9 9</size></plane></geometry></collision></link></model>");
     let loaded = load(&[("w.sdf", text.as_bytes())]);
     assert_eq!(codes(&loaded), [""; 0]);
-    // The box at (1, 2) + turned (1, 1) = (0, 3), 0.2 wide and 0.4 high; the world begins at its left and below the sphere.
+    // The box is at (1, 2) + turned (1, 1) = (0, 3), and is 0.2 wide and 0.4 high. The world begins at the left of the
+    // box and below the sphere.
     let world = &loaded.scene.world;
     assert!((world.floor - DVec2::new(0.2, 3.2)).abs().max_element() < 0.002, "{}", world.floor);
     let (low, high) = world.walls[..4]

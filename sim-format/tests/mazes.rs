@@ -115,8 +115,8 @@ impl Drawing {
     }
 }
 
-/// Rows normalised to walls at even positions, from 0: a drawing with all walls at odd positions is indented, one with walls at
-/// positions 0, 3, 6, ... has cells of two characters.
+/// Rows normalised to walls at even positions, from 0. A drawing with all walls at odd positions is indented; a drawing
+/// with walls at positions 0, 3, 6, ... has cells of two characters.
 fn in_usual_columns(rows: &[Vec<char>]) -> Vec<Vec<char>> {
     let walls = || rows.iter().flat_map(|row| (0..row.len()).filter(|&column| row[column] == '|'));
     if walls().all(|column| column % 2 == 0) {

@@ -55,8 +55,8 @@ pub fn obstacles(scene: &SceneSpec) -> Arc<Walls> {
     Arc::new(Walls::new(segments).with_heights(heights))
 }
 
-/// Height field of a world's terrain, built from an image, random relief or steps; `None` for the plane z = 0, and for
-/// a terrain that is a mesh file.
+/// Height field of a world's terrain, built from an image, random relief or steps. `None` for the plane z = 0 and for a
+/// terrain from a mesh file.
 ///
 /// It depends only on the text of the scene and its images. [`HeightField::height`] is the ground truth of the terrain.
 pub fn height_field(world: &WorldSpec) -> Option<&Arc<HeightField>> {

@@ -15,7 +15,7 @@
 //! ray lies in the cone if all dot products e . ray have the sign of the determinant v0 . e0 (Olano and Greer, Triangle
 //! scan conversion using 2D homogeneous coordinates, 1997). The test is the same for every lens, and faces behind the
 //! camera or crossing its plane need no clipping. Edges are widened by 1e-4 pixels (2e-6 rad for a fisheye), which
-//! exceeds all rounding, so that nothing shows through between faces that share an edge or a corner. Among coplanar
+//! exceeds all rounding. Nothing therefore shows through between faces that share an edge or a corner. Among coplanar
 //! faces the lowest part number is visible, then the lowest triangle number. A face is invisible to a camera less than
 //! 1 nm from the face's plane. The ground is the plane z = 0, visible only from above; the sky is behind all faces and
 //! the ground. Ground and sky are computed without faces. These definitions are our choice.
@@ -31,7 +31,7 @@
 //! without gamma correction.
 //!
 //! # Implementation
-//! Faces are binned into tiles of 8 x 8 pixels (`bins`); for each tile, `tile` finds the nearest face of each pixel
+//! Faces are binned into tiles of 8 x 8 pixels (`bins`). For each tile, `tile` finds the nearest face of each pixel
 //! with SIMD instructions, and `shade` then colours the pixels, face by face. Linear forms on rays are set up in `f64`
 //! and evaluated relative to a tile's middle in `f32`. Images are bit-identical on every processor, because no
 //! operations are fused and no sum runs over lanes.

@@ -158,8 +158,8 @@ impl Optics {
         Some(PixelRect { first: [left, top], last: [right, bottom] })
     }
 
-    /// Pixels that may show part of a face through a fisheye: the bounding rectangle of a circle about the face's middle,
-    /// whose radius is computed with the lens's maximum magnification in the circle.
+    /// Pixels that may show part of a face through a fisheye: the bounding rectangle of a circle about the face's
+    /// middle. The radius of the circle is computed with the lens's maximum magnification in the circle.
     fn curved_area(&self, corners: [DVec3; 3]) -> Option<PixelRect> {
         let middle = (corners[0] + corners[1] + corners[2]).normalize_or_zero();
         let chord = corners.iter().map(|corner| middle.distance(*corner)).fold(0.0, f64::max);

@@ -121,8 +121,8 @@ impl View {
         (angle <= PI).then_some(ray)
     }
 
-    /// Angle off the axis (0 for a pinhole) and ray through an image position, also beyond the end of a fisheye's image,
-    /// where the angle exceeds pi.
+    /// Angle off the axis (0 for a pinhole), and ray through an image position. The position may be beyond the end of a
+    /// fisheye's image, where the angle exceeds pi.
     pub(super) fn continued_ray(&self, position: DVec2) -> (f64, DVec3) {
         let [width, height] = self.size.map(f64::from);
         let (y, z) = ((0.5 * width - position.x) / self.focal, (0.5 * height - position.y) / self.focal);

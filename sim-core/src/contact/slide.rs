@@ -176,8 +176,8 @@ impl Push {
         Some(SlideMotion { regime, sense, seconds })
     }
 
-    /// Components of the push in m/s, into the wall and along the tangent of the contact, for the angle `alpha` from
-    /// the normal of the contact to the push.
+    /// Components of the push, m/s: into the wall, and along the tangent of the contact. `alpha` is the angle from the
+    /// normal of the contact to the push.
     fn components(&self, alpha: f64) -> (f64, f64) {
         let (sin, cos) = math::sin_cos(alpha);
         (-self.speed() * cos, self.speed() * sin)
@@ -365,8 +365,8 @@ impl Contact {
         }
     }
 
-    /// Length in metres from the touched point to the end of the face, in the direction of the contact's tangent
-    /// (`sense` 1: to the left of the normal) or in the opposite direction (-1).
+    /// Length in metres from the touched point to the end of the face. The direction is that of the contact's tangent,
+    /// to the left of the normal (`sense` 1), or the opposite one (-1).
     fn length_to_face_end(&self, sense: f64) -> f64 {
         let tangent = self.normal.perp() * sense;
         let length_to = |end: DVec2| (end - self.point).dot(tangent);

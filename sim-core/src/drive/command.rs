@@ -46,7 +46,7 @@ pub enum Command {
 }
 
 /// Displacement (arc length and angle) of a drive along the arc that starts in the direction of the robot's heading and
-/// ends at `point`, given in the robot's frame (x ahead, y left, m).
+/// ends at `point`. `point` is in the robot's frame (x ahead, y left, m).
 ///
 /// The arc lies on the circle that is tangent to the robot's heading and passes through `point`; its curvature is 2 y /
 /// (x² + y²). The robot drives forwards to a point ahead of it and backwards (negative length) to a point behind it, on

@@ -490,8 +490,8 @@ impl Motion {
     /// Instant at which the last drive ends or has ended, rounded up to a microsecond. `None` if there is no drive, or
     /// if an obstacle stops the body before the target on the present plan.
     ///
-    /// If ticks change a drive for more than 1,000 s (random errors, a controller that oscillates), the result is an
-    /// instant before the end; the caller has to call again at that instant.
+    /// If ticks change a drive for more than 1,000 s (because of random errors or a controller that oscillates), the
+    /// result is an instant before the end. The caller must call again at that instant.
     pub fn drive_end(&mut self) -> Option<Time> {
         if let Some((revision, end)) = self.drive_end
             && revision == self.revision

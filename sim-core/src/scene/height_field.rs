@@ -136,9 +136,10 @@ impl HeightField {
         highest
     }
 
-    /// Upward unit normal of the ground at a point: the normal of the triangle that contains the point. A point on an edge
-    /// belongs to the triangle at larger x, then to the one at larger y; a point on a step belongs to the upper side.
-    /// Outside the rectangle, the ground does not rise or fall with the distance from the border.
+    /// Upward unit normal of the ground at a point: the normal of the triangle that contains the point. A point on an
+    /// edge belongs to the triangle at larger x, and if both have the same x, to the triangle at larger y. A point on a
+    /// step belongs to the upper side. Outside the rectangle, the ground does not rise or fall with the distance from
+    /// the border.
     ///
     /// The normal is straight up if a coordinate is NaN.
     pub fn normal(&self, x: f64, y: f64) -> DVec3 {
@@ -252,8 +253,8 @@ impl HeightField {
         if right >= up { a + right * (b - a) + up * (c - b) } else { a + up * (d - a) + right * (c - d) }
     }
 
-    /// Slopes along x and along y (as x and y of the result) of the triangle at a position; for a cell without width, the
-    /// slopes of the previous cell.
+    /// Slopes along x and along y (as x and y of the result) of the triangle at a position. In a cell without width,
+    /// they are the slopes of the previous cell.
     fn slope(&self, (column, right): (usize, f64), (row, up): (usize, f64)) -> DVec3 {
         // The last corner, and the first of the two corners at a step, belong to the previous cell.
         let in_wide_cell = |lines: &[f64], cell: usize, fraction: f64| {

@@ -13,9 +13,9 @@ use crate::{
 /// A laser scanner: a fan of rays in the robot's frame, from left to right.
 ///
 /// In a fan of n rays, ray i is (n/2 - i) spacings to the left of the line of sight, with n/2 rounded down, so ray n/2
-/// points exactly ahead. The fan turns with the robot. A full turn has n spacings and begins straight behind (for an even
-/// n). A smaller sweep begins half of the sweep to the left; for an odd n it ends half of the sweep to the right, for an
-/// even n one spacing earlier. So the spacing is 1 degree for 180 degrees and 180 or 181 points.
+/// points exactly ahead. The fan turns with the robot. A full turn has n spacings and begins straight behind (for an
+/// even n). A smaller sweep begins half of the sweep to the left. For an odd n it ends half of the sweep to the right;
+/// for an even n it ends one spacing earlier. So the spacing is 1 degree for 180 degrees and 180 or 181 points.
 ///
 /// A tilted fan is a cone: all of its rays rise or fall at the same angle. Distances are measured along the rays.
 ///

@@ -160,8 +160,8 @@ impl Robots for [Robot] {
 
 impl Intervention {
     /// Validates `action` for `world`, at the start of its present slot or of a later slot until which nothing happens.
-    /// The actions to type a line to a program, to add a robot and to end the run must be handled by the caller; this
-    /// function rejects them with [`Refusal::Other`].
+    /// The caller must handle the actions that type a line to a program, add a robot or end the run; this function
+    /// rejects them with [`Refusal::Other`].
     ///
     /// # Errors
     /// [`Refusal`] for unknown robots, objects, types or sensors, and for invalid values.

@@ -218,8 +218,8 @@ impl Simulation {
         }
     }
 
-    /// Findings of the scene's checks on motion, each with the index of its check in the scene, up to the last whole
-    /// tenth of a second before the end of the last completed slot.
+    /// Findings of the scene's checks on motion, each with the index of its check in the scene. They include the motion
+    /// up to the last whole tenth of a second before the end of the last completed slot.
     pub fn findings(&self) -> impl Iterator<Item = (usize, Finding)> {
         self.environment.monitor().into_iter().flat_map(Monitor::findings)
     }

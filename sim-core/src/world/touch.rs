@@ -39,7 +39,7 @@ pub struct LegClearance {
 
 impl World {
     /// Contacts of thighs, shanks and body of a legged robot at `at`, and their clearance from the ground, at most
-    /// `max_clearance` metres; `None` for a robot without legs. If `max_clearance` is 0, the function searches only for
+    /// `max_clearance` metres. `None` for a robot without legs. If `max_clearance` is 0, the function searches only for
     /// contacts, which is fastest.
     ///
     /// The body, the thighs and the shanks are tested for contacts with the ground. The lowest part of a shank, three
@@ -47,9 +47,9 @@ impl World {
     /// not tested. Thighs and shanks are tested for contacts with other obstacles on their whole length. The body's
     /// contacts with other obstacles are reported as they are for any robot. Our choice.
     ///
-    /// For the ground, the body is a disc at the height of its underside; a cell of the ground that the edge of the
-    /// disc crosses is tested as a whole. The clearance of a limb is exact, except beyond a terrain's border, see
-    /// [`HeightField::clearance`](crate::scene::HeightField::clearance).
+    /// For contacts with the ground, the body is a disc at the height of its underside. A cell of the ground that the
+    /// edge of the disc crosses is tested as a whole. The clearance of a limb is exact, except beyond a terrain's
+    /// border, see [`HeightField::clearance`](crate::scene::HeightField::clearance).
     pub fn leg_clearance(&self, motion: &mut Motion, at: Time, max_clearance: f64) -> Option<LegClearance> {
         motion.legs()?;
         let robot = motion.id();

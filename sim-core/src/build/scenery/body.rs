@@ -1,10 +1,10 @@
 //! Default appearance of robots without a mesh.
 //!
-//! The hull has the robot's colour. It consists of the robi's colliders; without colliders it is a cylinder of the
-//! robot's diameter, or for cars and Mecanum drives a box whose diagonal is that diameter. The heading is visible from
-//! every side: a bright wedge points forwards, lamps are white in front, red behind, green at the right and red at the
-//! left (as on ships), and a sloping display is towards the rear. The camera and dark wheels, which match the drive,
-//! show the heading too. Source: our choice.
+//! The hull has the robot's colour. It consists of the robi's colliders. Without colliders it is a cylinder of the
+//! robot's diameter; for cars and Mecanum drives, it is a box whose diagonal is that diameter. The heading is visible
+//! from every side: a bright wedge points forwards, lamps are white in front, red behind, green at the right and red at
+//! the left (as on ships), and a sloping display is towards the rear. The camera and dark wheels, which match the
+//! drive, show the heading too. Source: our choice.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;

@@ -99,7 +99,7 @@ impl MeshCache {
 
 /// The scenery of a scene: ground, walls, objects and robots.
 ///
-/// Meshes and textures come from `reader`. An object without a mesh is shown as its colliders; a robot without a mesh
+/// Meshes and textures come from `reader`. An object without a mesh is shown as its colliders. A robot without a mesh
 /// gets a body with wheels, lamps and a nose, in a colour chosen by its id.
 pub fn scenery(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Scenery {
     scenery_with(scene, &mut MeshCache::default(), reader)

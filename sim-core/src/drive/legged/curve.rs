@@ -136,8 +136,8 @@ impl NaturalGait {
     }
 }
 
-/// Position, relative to the hip, of the point on the sole that is `from_ankle` m in front of the ankle, at `phase`;
-/// components forwards and up in the plane of the leg, m.
+/// Position, relative to the hip, at `phase`, of the point on the sole that is `from_ankle` m in front of the ankle.
+/// The components are forwards and up in the plane of the leg, m.
 fn sole_point(leg: &Leg, foot: Foot, phase: f64, from_ankle: f64) -> DVec2 {
     let [thigh, knee, _] = natural_angles(phase);
     let ((sin_thigh, cos_thigh), (sin_shank, cos_shank)) = (math::sin_cos(thigh), math::sin_cos(thigh - knee));

@@ -159,8 +159,8 @@ impl Leg {
     /// robot. `hip_to_point` is the vector from the hip to that point in the robot's axes, m. If the point is out of
     /// reach, the angles are those for the nearest reachable point.
     ///
-    /// Closed form: yaw is given, roll turns the plane of the leg until it contains the point, and in that plane thigh
-    /// and shank are two links that reach the ankle.
+    /// The solution has a closed form. Yaw is given, and roll turns the plane of the leg until it contains the point.
+    /// In that plane, thigh and shank are two links that reach the ankle.
     pub fn joints(&self, hip_to_point: DVec3, yaw: f64, sole: Sole) -> Joints {
         let (sin, cos) = math::sin_cos(yaw);
         let forwards = cos * hip_to_point.x + sin * hip_to_point.y;

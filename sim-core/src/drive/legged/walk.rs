@@ -827,8 +827,8 @@ fn foot_yaw(foothold: &Foothold, pose: &Pose) -> f64 {
     Heading::default().turned(foothold.heading - pose.heading.remainder()).remainder()
 }
 
-/// Vector from the hip of a body at height `lift` to the contact point of a foot, in the robot's axes, m; and the yaw
-/// of the foot relative to the body, rad.
+/// Vector from the hip of a body at height `lift` to the contact point of a foot, in the robot's axes, m. The second
+/// value is the yaw of the foot relative to the body, rad.
 fn hip_to_point(leg: &Leg, foot: &FootState, pose: &Pose, lift: f64) -> (DVec3, f64) {
     let point = pose.inverse_transform_point(foot.point.truncate()).extend(foot.point.z - lift);
     let yaw = Heading::default().turned(foot.heading - pose.heading.remainder()).remainder();
