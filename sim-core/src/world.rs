@@ -82,7 +82,7 @@ pub struct World {
     /// Index of the bodies at rest, by their bounds.
     resting: BoundsIndex<RobotId>,
     /// For each robot, true if its body is in the index `resting` and its [track](Track::is_resting) has not changed
-    /// since it was added.
+    /// since the body was added.
     are_resting: Vec<bool>,
     /// Number of robots that were removed before the published history begins.
     removed_count: usize,

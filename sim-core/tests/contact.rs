@@ -59,7 +59,7 @@ fn first_contact_matches_brute_force() {
 
 #[test]
 fn arc_meets_the_wall_at_the_closed_form_for_every_turning_speed() {
-    // A wall across the path at 1 m. The arc of the radius v / omega reaches it, or misses it if the radius is too
+    // A wall across the path at 1 m. The arc of radius v / omega reaches the wall, or misses it if the radius is too
     // small.
     let wall = Segment::new(DVec2::new(1.0, -1e3), DVec2::new(1.0, 1e3));
     let (v, radius) = (0.5, 0.1);

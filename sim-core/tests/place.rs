@@ -246,8 +246,8 @@ fn robot_placed_in_front_of_another_is_touched() {
     assert!((scene.position(0).x - (0.515 + 0.05)).abs() < 1e-5);
 }
 
-/// Distance that a robot covers in 0.4 s at 0.5 m/s with this heading, if it is placed so that it overlaps a resting
-/// robot by `depth` m.
+/// Distance that a robot covers in 0.4 s at 0.5 m/s with this heading, if the robot is placed so that it overlaps a
+/// resting robot by `depth` m.
 fn distance_out_of_a_robot(depth: f64, heading: f64) -> f64 {
     let mut scene = Scene::new(&[Pose::new(1.0, 2.0, 0.0), Pose::new(2.0, 2.0, 0.0)]);
     let deep = Pose::new(2.0 - (2.0 * RADIUS - depth), 2.0, heading);

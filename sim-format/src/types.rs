@@ -193,7 +193,7 @@ const DEPTH_BELOW: usize = 2;
 const MAX_ENTRIES: usize = 2000;
 const MAX_FILES: usize = 200;
 
-/// For each type in the files near `folder`, by its name, the line that would load it.
+/// Lines that would load the types in the files near `folder`, by the names of the types.
 fn find_nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
     let mut lines = BTreeMap::new();
     let (mut entries, mut files) = (0, 0);

@@ -274,7 +274,7 @@ fn mazes_have_the_sizes_starts_and_objects_of_their_files() {
     }
 
     let starts: Vec<_> = maze("two-starts/00-field.maz").starts.iter().map(|s| (s.letter, s.pose.position)).collect();
-    // The second stands in a wall column: it belongs to the cell on its left.
+    // The second letter is in a wall column, so it belongs to the cell on its left.
     assert_eq!(starts, [(Some('U'), DVec2::new(3.5, 0.5)), (Some('S'), DVec2::new(5.5, 0.5))]);
 
     let objects: Vec<_> = maze("vr-2018/Test Assets/maze1.maz")

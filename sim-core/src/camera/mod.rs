@@ -24,10 +24,10 @@
 //! The colour of a surface is its material's colour times its texture times the light. The light is the sum of
 //! `ambient`, of `fill` (1 + n . f) / 2 and, if the sun reaches the surface, of `diffuse` n . l. Here n is the unit
 //! normal, l the direction to the sun, and f the direction of the fill light, on the side opposite to the sun. On faces
-//! with normals at the corners, n is interpolated between them; it is flipped to the side from which the face is seen.
-//! With `shadows`, the sun reaches a point if no other face farther than 1e-6 m from it hides the sun. Shadows are hard
-//! and exact. Every visible face casts shadows, including faces of the camera's own robot; the ground does not.
-//! Textures are filtered: see [`MipMap`]. Colours are added and multiplied as the values of the image, 0 to 255,
+//! with normals at the corners, n is interpolated between these normals. n is flipped to the side from which the face
+//! is seen. With `shadows`, the sun reaches a point if no other face farther than 1e-6 m from it hides the sun. Shadows
+//! are hard and exact. Every visible face casts shadows, including faces of the camera's own robot; the ground does
+//! not. Textures are filtered: see [`MipMap`]. Colours are added and multiplied as the values of the image, 0 to 255,
 //! without gamma correction.
 //!
 //! # Implementation

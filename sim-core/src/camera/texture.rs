@@ -291,7 +291,7 @@ fn log2<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let mantissa = (bits & S::u32s::splat(simd, 0x007f_ffff)) | S::u32s::splat(simd, 0x3f80_0000);
     let mantissa: S::f32s = mantissa.bitcast();
     let t = mantissa - 1.0;
-    // Interpolates the values at 0, 1 and four points between them, so it is continuous.
+    // The polynomial interpolates the values at 0, 1 and four points in between, so the result is continuous.
     let curve = ((t * -0.044_873_955 + 0.150_533_2) * t - 0.269_578) * t + 0.442_418_58;
     exponent + t + t * (S::f32s::splat(simd, 1.0) - t) * curve
 }

@@ -47,8 +47,8 @@ pub struct Impact {
     pub point: DVec2,
     /// Direction from the robot's centre to the touched point, in the robot's frame, rad counter-clockwise from ahead.
     pub bearing: f64,
-    /// False if an earlier contact continues: the body already touched the wall when it began to move, or the same
-    /// robot stopped it within the last 100 ms.
+    /// False if an earlier contact continues: the body already touched the wall when the body began to move, or the
+    /// same robot stopped the body within the last 100 ms.
     pub fresh: bool,
 }
 
@@ -571,8 +571,8 @@ impl Motion {
         })
     }
 
-    /// Returns true if [`World::advance`](crate::world::World::advance) must process this motion: it has an input in
-    /// the present slot, the robot moves, or it is blocked by a robot or an object that may move away.
+    /// Returns true if [`World::advance`](crate::world::World::advance) must process this motion: the motion has an
+    /// input in the present slot, the robot moves, or the robot is blocked by a robot or an object that may move away.
     pub fn is_active(&self) -> bool {
         let piece = &self.last().piece;
         let rests = piece.rates.truth.is_zero() && piece.rates.wheels == [0.0; 4] || piece.has_ended(self.committed);

@@ -43,7 +43,7 @@ pub(super) struct Stage {
     pub is_placed: bool,
     /// True if the motion has random errors, which are valid for this tick only.
     has_random_errors: bool,
-    /// Instant until which the robot moves without errors, because its errors would press it against a contact.
+    /// Instant until which the robot moves without errors, because the errors would press the robot against a contact.
     error_free_until: Option<Time>,
     /// True if no later tick changes the motion.
     is_steady: bool,

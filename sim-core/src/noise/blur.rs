@@ -13,7 +13,7 @@ const MIN_SIGMA: f64 = 1e-3;
 fn weights(sigma: f64) -> Vec<f32> {
     let t = sigma * sigma;
     let radius = (4.0 * sigma).ceil() as usize + 1;
-    // So large that the arbitrary start values of the recurrence have no influence.
+    // `start` is so large that the arbitrary start values of the recurrence have no influence.
     let start = 2 * radius + 10;
     let mut bessel = vec![0.0; start + 2];
     bessel[start] = 1.0;

@@ -213,7 +213,8 @@ impl EchoSearch<'_> {
             };
             let (sin, cos) = math::sin_cos(angle);
             let hit = self.try_direction(forward * cos + offset * sin, angle);
-            // The plane of a mesh's triangle is known once a ray has hit it, so its perpendicular can be tried.
+            // Once a ray has hit a mesh's triangle, the plane of the triangle is known, and the perpendicular to this
+            // plane can be tried.
             if let Some(hit) = hit.filter(|_| self.world.has_meshes()) {
                 self.try_direction(-hit.normal, angle_between(-hit.normal, forward));
             }

@@ -28,7 +28,7 @@ impl CheckSpec {
         Self { name: String::new(), points: 1.0, is_required: false, kind, span: Span::default() }
     }
 
-    /// Its name, or the word of its kind.
+    /// Its name, or the word for its kind.
     pub fn title(&self) -> &str {
         if self.name.is_empty() { self.kind.word() } else { &self.name }
     }

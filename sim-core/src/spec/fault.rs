@@ -28,7 +28,7 @@ impl Default for FaultSpec {
 }
 
 impl FaultSpec {
-    /// Its name, or the word of its kind.
+    /// Its name, or the word for its kind.
     pub fn title(&self) -> &str {
         if self.name.is_empty() { self.kind.word() } else { &self.name }
     }

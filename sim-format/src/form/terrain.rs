@@ -26,7 +26,7 @@ const SOURCE_KEYS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
 const BOULDER_KEYS: [&str; 3] = ["boulders", "radius_mm", "height_mm"];
 /// Directions in which stairs rise, in degrees, in the order of [`StairsDirection::ALL`].
 const DIRECTIONS_DEG: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
-/// For each kind of terrain, a key that selects it, and its description.
+/// Kinds of terrain: a key that selects the kind, and a description of the kind.
 const SOURCES: [(&str, &str); 4] = [
     ("file", "A mesh file with its place in the world."),
     ("image", "A grey image."),

@@ -282,7 +282,8 @@ pub(crate) fn check_lengths(sink: &mut Sink, grid: &Grid, scenarios: &[Scenario]
 /// accumulate.
 struct Search<'g> {
     grid: &'g Grid,
-    /// For each cell, the numbers of straight and of diagonal steps to it, and the number of the search that found them.
+    /// For each cell, the numbers of straight and of diagonal steps to it, and the number of the search that found
+    /// these steps.
     best: Vec<(u32, u32, u32)>,
     search_number: u32,
 }

@@ -158,7 +158,8 @@ struct DrawPass<'r, 'i> {
     drawn: Vec<Drawn>,
     /// Drawn values by their paths.
     values: BTreeMap<String, DeValue<'i>>,
-    /// References `same_as`, by the path at which each is written: the path that it names, and its range of bytes in the text.
+    /// References `same_as`, by the paths at which they are written. Each has the path that it names, and its range of
+    /// bytes in the text.
     references: BTreeMap<String, (String, Range<usize>)>,
     paths: BTreeMap<String, Vec<String>>,
 }

@@ -185,7 +185,8 @@ impl Hull {
 
     fn draw_lamps(&self, builder: &mut MeshBuilder) {
         let [front, right, back, left] = [0.0, -0.25 * TAU, 0.5 * TAU, 0.25 * TAU];
-        // Angle of the corner of a long hull, seen from its centre; lamps in front and behind shift towards it.
+        // Angle of the corner of a long hull, seen from its centre. Lamps in front and behind shift towards this
+        // corner.
         let corner = math::atan2(self.half_size.y, self.half_size.x);
         for side in [-1.0, 1.0] {
             self.draw_lamp(builder, front + side * 0.62 * corner, 0.25 * corner, WHITE_LAMP);

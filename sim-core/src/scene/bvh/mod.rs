@@ -46,9 +46,9 @@ pub struct MeshHit {
 /// enters the triangle. A ray that starts on a triangle hits it at distance 0; the tolerance is 4 units in the last
 /// place (2^-52) of the coordinates involved.
 ///
-/// Distances are exact within rounding (some 10^-15 of the mesh's extent, divided by the cosine of the incidence angle). A
-/// ray from outside the mesh's bounds is followed from the point where it enters them, so a distant origin adds only the
-/// rounding of its coordinates.
+/// Distances are exact within rounding (some 10^-15 of the mesh's extent, divided by the cosine of the incidence
+/// angle). A ray from outside the mesh's bounds is followed from the point where it enters the bounds, so a distant
+/// origin adds only the rounding of its coordinates.
 ///
 /// Source: Woop, Benthin and Wald, "Watertight ray/triangle intersection", 2013, in `f64`; Ylitie, Karras and Laine,
 /// "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", 2017, section 3, for the wide tree.
