@@ -379,7 +379,7 @@ fn imperfect_poses_are_bit_identical_for_every_slot_length_and_query() {
         for slot in [100, 1_000, 7_919, 10_000, 200_000, 1_000_000] {
             assert_eq!(script(Time(slot), None, imperfection), reference, "slots of {slot} us");
         }
-        assert_eq!(script(Time::from_millis(20), Some(1_777), imperfection), reference, "often asked");
+        assert_eq!(script(Time::from_millis(20), Some(1_777), imperfection), reference, "often queried");
     }
 }
 

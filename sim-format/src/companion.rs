@@ -65,7 +65,7 @@ impl Reader {
         }
     }
 
-    /// Reports devices with the same name or number, which a program could not tell apart.
+    /// Reports devices with the same name or number, which a program could not distinguish.
     pub(super) fn report_duplicates(&mut self, robi: &RobiSpec) {
         let psds = robi.psds.iter().map(|device| ("PSD", &*device.name, device.id, device.span));
         let ranges =

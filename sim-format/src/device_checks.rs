@@ -14,8 +14,8 @@ const MAX_LISTED: usize = 32;
 
 /// Checks that run after all devices of a robot type are read.
 impl Reader {
-    /// Reports devices that a program could not tell apart, and references to missing links and servos; moves sensors on a missing link to
-    /// the body.
+    /// Reports devices that a program could not distinguish, and references to missing links and servos; moves sensors
+    /// on a missing link to the body.
     pub(super) fn settle_devices(&mut self, robi: &mut RobiSpec) {
         self.report_duplicates(robi);
         self.check_buses(robi);

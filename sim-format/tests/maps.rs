@@ -299,7 +299,7 @@ fn a_scene_becomes_a_map_of_what_its_robots_reach() {
     assert_eq!(text(&image[16..21]), "#..#?");
 }
 
-/// Cells of a grid that is free where the bits say so.
+/// Grid whose cells are free if their bits are true.
 fn grid_of(columns: usize, bits: &[bool], cell: f64) -> Grid {
     let cells = bits.iter().map(|bit| if *bit { Cell::Free } else { Cell::Occupied }).collect();
     Grid { size: [columns, bits.len() / columns], cell, origin: Pose::default(), cells }

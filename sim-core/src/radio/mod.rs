@@ -106,7 +106,7 @@ pub struct OutgoingMessage {
 /// Reason why a message was not received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Loss {
-    /// The channel lost it (probability P_p).
+    /// The channel lost the message (with probability P_p).
     Packet,
     /// The receiver was too far away.
     Range,
@@ -114,7 +114,7 @@ pub enum Loss {
     Sight,
     /// Another message was on the air at the same time, or the receiver was transmitting.
     Collision,
-    /// The receiver uses another speed.
+    /// The receiver uses another baud rate.
     Baud,
     /// No other station with the destination's address was on.
     Nobody,
@@ -172,9 +172,9 @@ pub struct StationInfo {
 pub struct StationChange {
     /// The robot.
     pub robot: RobotId,
-    /// Present state; `None` if it is off.
+    /// Present state; `None` if the station is off.
     pub member: Option<StationInfo>,
-    /// Each switching off since the last report, in the order of time.
+    /// Times at which the station was switched off since the last report, in order.
     pub switched_off: Vec<SwitchedOff>,
 }
 

@@ -66,8 +66,8 @@ impl RangeModel {
     /// Reading of a sensor of the robot `observer` at `world_from_sensor` at the instant `at`, with the `noise` N of France
     /// et al.; N = 0 gives the exact reading.
     ///
-    /// The sensor does not see its own robot. N scales the distance, except for the reflectance sensor, where it scales the
-    /// signal; for PSD and sonar this is our choice.
+    /// The sensor does not detect its own robot. N scales the distance, except for the reflectance sensor, where it
+    /// scales the signal; for PSD and sonar this is our choice.
     pub fn read(&self, world: &World, observer: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
         let hit = |range: f64| {
             let direction = world_from_sensor.forward();

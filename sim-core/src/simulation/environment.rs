@@ -193,8 +193,8 @@ impl Environment {
         });
         self.spare_motions = parallel::reuse(motions);
         let arrivals = self.traffic.deliver(robots);
-        // The posture is recorded before the pose, so that a reader of a pose already knows the height of the body. It
-        // needs the published motion of all robots.
+        // The posture is recorded before the pose, so that a reader has the height of the body before it reads the
+        // pose. It needs the published motion of all robots.
         let has_stances = self.world.has_stances();
         let (next_slot_end, interest) = (at + self.world.slot(), self.recorder.interest());
         self.ended.clear();

@@ -63,7 +63,7 @@ pub enum FaultKind {
     /// The robot's program ends, its motors stop, its radio is silent; the body stays.
     #[default]
     Dies,
-    /// A sensor sees nothing.
+    /// A sensor detects nothing.
     SensorOff {
         /// Name of the sensor.
         sensor: String,

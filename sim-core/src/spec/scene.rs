@@ -99,7 +99,7 @@ pub struct WorldLine {
     pub path: SpannedText,
     /// Cell size of a maze in metres; takes precedence over the maze file.
     pub cell: Option<f64>,
-    /// Looks of the world, from the scene; world files have none.
+    /// Appearance of the world, from the scene; world files do not describe it.
     pub looks: LooksSpec,
 }
 
