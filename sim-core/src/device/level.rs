@@ -32,8 +32,8 @@ impl Default for Levels {
 }
 
 impl Levels {
-    /// Changes the pixels of a colour image: multiplies by brightness / 128, then rotates about the grey axis by (hue -
-    /// 128) / 128 of half a turn, from red towards green, then multiplies the distance from grey by saturation / 128.
+    /// Changes the pixels of a colour image: multiplies by brightness / 128, then rotates by (hue - 128) / 128 of half
+    /// a turn about the grey axis, from red towards green, then multiplies the distance from grey by saturation / 128.
     pub fn colour(&self, pixels: &mut [[u8; 3]]) {
         if self.numbers == [NEUTRAL; 3] {
             return;

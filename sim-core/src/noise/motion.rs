@@ -28,9 +28,9 @@ pub struct MotionNoise {
 /// Gaussian noise of mean 0 on a twist, drawn for each tick of 10 ms and held until the next.
 ///
 /// The standard deviation of each component is sqrt(a^2 + (b x)^2), with the absolute part a, the relative part b, and
-/// the component x of the wheels' twist. Example: a straight drive at v m/s starts on a tick and lasts for N ticks of h
-/// = 10 ms. After this drive, to first order in the noise, the variance is h^2 N speed^2 for the distance, h^2 N turn^2
-/// for the heading, and v^2 h^4 turn^2 (N^3 / 3 - N / 12) for the lateral position.
+/// the component x of the wheels' twist. Example: a straight drive at v m/s starts on a tick and lasts for N ticks of
+/// length h = 10 ms. After this drive, to first order in the noise, the variance is h^2 N speed^2 for the distance, h^2
+/// N turn^2 for the heading, and v^2 h^4 turn^2 (N^3 / 3 - N / 12) for the lateral position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TwistNoise {
     /// Absolute part for the speed, m/s; an omni drive has this noise along both axes.
