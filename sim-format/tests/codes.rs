@@ -157,19 +157,20 @@ impl Page {
         };
         let reported = wrong.diagnostics();
         let mut complaints = Vec::new();
-        if !reported.iter().any(|reported| reported.code == code) {
+        if !reported.iter().any(|diagnostic| diagnostic.code == code) {
             complaints.push(format!("it is not reported for\n{}", wrong.text));
         }
         let along = self.along();
-        let belongs = |reported: &Diagnostic| match reported.code == code {
-            true => self.severities().contains(&reported.severity),
-            false => along.contains(reported.code.name()),
+        let belongs = |diagnostic: &Diagnostic| match diagnostic.code == code {
+            true => self.severities().contains(&diagnostic.severity),
+            false => along.contains(diagnostic.code.name()),
         };
-        let others = reported.iter().filter(|reported| !belongs(reported));
+        let others = reported.iter().filter(|diagnostic| !belongs(diagnostic));
         complaints
-            .extend(others.map(|reported| format!("another mistake or severity in the wrong example: {reported}")));
-        complaints
-            .extend(right.diagnostics().iter().map(|reported| format!("a mistake in the right example: {reported}")));
+            .extend(others.map(|diagnostic| format!("another mistake or severity in the wrong example: {diagnostic}")));
+        complaints.extend(
+            right.diagnostics().iter().map(|diagnostic| format!("a mistake in the right example: {diagnostic}")),
+        );
         complaints
     }
 }

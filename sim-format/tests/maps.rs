@@ -24,7 +24,7 @@ fn load(files: &[(&str, &[u8])]) -> Loaded {
 }
 
 fn codes(loaded: &Loaded) -> Vec<&'static str> {
-    loaded.diagnostics.iter().map(|reported| reported.code.name()).collect()
+    loaded.diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect()
 }
 
 fn of_yaml(yaml: &str, image: &[u8]) -> Loaded {
@@ -133,7 +133,9 @@ fn mistakes_of_a_map_are_told_with_their_place() {
         let reported: Vec<Expected> = loaded
             .diagnostics
             .iter()
-            .map(|reported| (reported.code.name(), reported.span.line, reported.span.column, reported.severity))
+            .map(|diagnostic| {
+                (diagnostic.code.name(), diagnostic.span.line, diagnostic.span.column, diagnostic.severity)
+            })
             .collect();
         let is_empty = yaml.is_empty();
         assert!(reported == expected || is_empty && reported.contains(&expected[0]), "{yaml}\n{reported:?}");
@@ -233,7 +235,7 @@ fn a_map_keeps_its_origin_from_grid_to_grid() {
     assert_eq!(yaml.text(), expected);
     let converted = run(&files, "m.yaml", "b.pbm", ConvertOptions::default());
     assert_eq!(converted.outputs[0].bytes, b"P4\n3 2\n\x20\x80");
-    let lost: Vec<&str> = converted.diagnostics.iter().map(|reported| reported.code.name()).collect();
+    let lost: Vec<&str> = converted.diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect();
     assert_eq!(lost, ["convert-lost"; 2]);
 }
 
@@ -728,8 +730,10 @@ fn lines_that_are_no_scenarios_are_told() {
         (format!("version 1\n{}", line.replace("0\ta", "-1\ta")), (2, 1)),
     ] {
         let (_, reported) = read_scenarios("a.scen", &text);
-        let locations: Vec<_> =
-            reported.iter().map(|reported| (reported.code.name(), reported.span.line, reported.span.column)).collect();
+        let locations: Vec<_> = reported
+            .iter()
+            .map(|diagnostic| (diagnostic.code.name(), diagnostic.span.line, diagnostic.span.column))
+            .collect();
         assert_eq!(locations, [("scen-line", location.0, location.1)], "{text}");
     }
 }
@@ -820,7 +824,7 @@ fn mistakes_of_worlds_are_told_with_their_place() {
     ] {
         let loaded = load(&[("w.world", text.as_bytes())]);
         let reported: Vec<_> =
-            loaded.diagnostics.iter().map(|reported| (reported.code.name(), reported.span.line)).collect();
+            loaded.diagnostics.iter().map(|diagnostic| (diagnostic.code.name(), diagnostic.span.line)).collect();
         assert!(reported.contains(&(code, line)), "{text}\n{reported:?}");
     }
     let deep = "<sdf>".repeat(100_000);

@@ -35,7 +35,7 @@ impl Page {
     /// Keywords, from the reader's message about a misspelt one.
     fn keywords(&self) -> Vec<String> {
         let reported = (self.read)("qwertz\n");
-        let unknown = reported.iter().find(|reported| reported.code == self.unknown).expect("an unknown keyword");
+        let unknown = reported.iter().find(|diagnostic| diagnostic.code == self.unknown).expect("an unknown keyword");
         let (_, list) = unknown.expected.split_once("one of ").expect("a list of keywords");
         let words = list.split(", ").map(str::to_owned);
         words.filter(|word| word.chars().all(|c| c.is_ascii_lowercase() || c == '_')).collect()
@@ -71,9 +71,9 @@ fn lines_shown_as_examples_are_read() {
         for example in examples {
             let reported = (page.read)(&format!("{}{example}\n", page.before));
             // Lines missing in a file of one line are not the example's fault.
-            let wrong = reported.iter().find(|reported| {
-                let name = reported.code.name();
-                reported.code == page.unknown
+            let wrong = reported.iter().find(|diagnostic| {
+                let name = diagnostic.code.name();
+                diagnostic.code == page.unknown
                     || name.contains("-arity")
                     || name.starts_with("number-")
                     || name == "word-extra"

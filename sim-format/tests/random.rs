@@ -30,7 +30,7 @@ fn drawn(text: &str, seed: u64) -> BTreeMap<String, Value> {
 }
 
 fn codes(loaded: &Loaded) -> Vec<Code> {
-    loaded.diagnostics.iter().map(|reported| reported.code).collect()
+    loaded.diagnostics.iter().map(|diagnostic| diagnostic.code).collect()
 }
 
 fn robot(keys: &str) -> String {
@@ -147,8 +147,8 @@ fn ugly_draws_end_in_messages() {
     for (what, text, code) in cases {
         let loaded = load(&text, 0);
         assert!(codes(&loaded).contains(&code), "{what}: {:?}", loaded.diagnostics);
-        for reported in &loaded.diagnostics {
-            assert!(text.get(reported.span.start..reported.span.end).is_some(), "{what}: {:?}", reported.span);
+        for diagnostic in &loaded.diagnostics {
+            assert!(text.get(diagnostic.span.start..diagnostic.span.end).is_some(), "{what}: {:?}", diagnostic.span);
         }
     }
 }
@@ -182,7 +182,7 @@ fn ten_thousand_things_find_their_places() {
     assert_eq!(loaded.diagnostics, []);
     assert_eq!(loaded.scene.objects.len(), 10_000);
     let crowded = load(&text(10_000).replace("100000, 100000", "3000, 3000"), 1);
-    let room: Vec<_> = crowded.diagnostics.iter().filter(|reported| reported.code == Code::SceneRoom).collect();
+    let room: Vec<_> = crowded.diagnostics.iter().filter(|diagnostic| diagnostic.code == Code::SceneRoom).collect();
     assert_eq!(room.len(), 1, "one message for all: {:?}", crowded.diagnostics.len());
     assert!(room[0].message.ends_with("of 10000 objects") && room[0].span.line > 0, "{}", room[0]);
 }
@@ -225,7 +225,7 @@ proptest! {
     #[test]
     fn a_drawn_scene_is_the_same_scene(seed in 0..u64::MAX / 2) {
         let loaded = load(EVERYTHING, seed);
-        prop_assume!(loaded.diagnostics.iter().all(|reported| reported.severity != sim_format::Severity::Error));
+        prop_assume!(loaded.diagnostics.iter().all(|diagnostic| diagnostic.severity != sim_format::Severity::Error));
         let options = ConvertOptions { seed: Some(seed), ..ConvertOptions::default() };
         let converted = convert_with("a.scene.toml", "b.scene.toml", options, &files(EVERYTHING), &|_, _| None);
         let [output] = &converted.outputs[..] else { panic!("one file: {:?}", converted.diagnostics) };

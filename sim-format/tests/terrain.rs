@@ -53,11 +53,11 @@ fn field(loaded: &Loaded) -> &HeightField {
 
 /// Codes of the diagnostics except for the missing robot, errors in capitals.
 fn codes(loaded: &Loaded) -> Vec<String> {
-    let reported = loaded.diagnostics.iter().filter(|reported| reported.code.name() != "sim-robot-missing");
+    let reported = loaded.diagnostics.iter().filter(|diagnostic| diagnostic.code.name() != "sim-robot-missing");
     reported
-        .map(|reported| match reported.severity {
-            Severity::Error => reported.code.name().to_uppercase(),
-            Severity::Warning => reported.code.name().to_owned(),
+        .map(|diagnostic| match diagnostic.severity {
+            Severity::Error => diagnostic.code.name().to_uppercase(),
+            Severity::Warning => diagnostic.code.name().to_owned(),
         })
         .collect()
 }
@@ -157,7 +157,7 @@ fn what_makes_no_terrain_is_said() {
     ];
     for (number, (loaded, code)) in cases.iter().enumerate() {
         assert_eq!(codes(loaded), [*code], "case {number}: {:#?}", loaded.diagnostics);
-        assert!(loaded.diagnostics.iter().any(|reported| reported.span.line == 3), "case {number}");
+        assert!(loaded.diagnostics.iter().any(|diagnostic| diagnostic.span.line == 3), "case {number}");
     }
 }
 

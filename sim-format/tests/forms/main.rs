@@ -102,7 +102,7 @@ fn every_scene_of_the_corpus_goes_to_toml_and_back() {
             let converted = convert(from, to, &files);
             assert!(!sim_format::has_errors(&converted.diagnostics), "{from}: {:?}", converted.diagnostics);
             assert!(
-                converted.diagnostics.iter().all(|reported| reported.code != Code::ConvertLost),
+                converted.diagnostics.iter().all(|diagnostic| diagnostic.code != Code::ConvertLost),
                 "{from}: something is lost"
             );
             files.write(&converted);
@@ -135,7 +135,7 @@ fn worlds_and_types_of_the_corpus_go_to_toml_and_back() {
             assert!(!sim_format::has_errors(&again.diagnostics), "{file}: {:?}\n{text}", again.diagnostics);
             files.write(&again);
             let text = &again.outputs[0].text();
-            let lost = again.diagnostics.iter().any(|reported| reported.code == Code::ConvertLost);
+            let lost = again.diagnostics.iter().any(|diagnostic| diagnostic.code == Code::ConvertLost);
             match extension {
                 "wld" => {
                     let [old, new] = [&file, &back].map(|name| sim_format::load_world(name, &files).scene.world);
@@ -211,7 +211,7 @@ fn keys_of_schema(schema: &serde_json::Value, name: &str) -> BTreeSet<String> {
 /// Keys known to the reader, from its message about the unknown key `zzz` in `text`.
 fn keys_of_reader(text: &str) -> BTreeSet<String> {
     let reported = read_scene("a.scene.toml", text).1;
-    let unknown = reported.iter().find(|reported| reported.code == Code::TomlKey);
+    let unknown = reported.iter().find(|diagnostic| diagnostic.code == Code::TomlKey);
     let unknown = unknown.unwrap_or_else(|| panic!("`zzz` is not reported in\n{text}\n{reported:?}"));
     let listed = unknown.expected.strip_prefix("one of ").expect("a list of keys");
     listed.split(", ").map(str::to_owned).collect()
@@ -438,10 +438,10 @@ fn ugly_scenes_end_in_messages() {
     ];
     for (what, text, code) in cases {
         let loaded = load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", text)]));
-        let codes: Vec<Code> = loaded.diagnostics.iter().map(|reported| reported.code).collect();
+        let codes: Vec<Code> = loaded.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
         assert!(codes.contains(code), "{what}: {codes:?}");
-        for reported in &loaded.diagnostics {
-            assert!(text.get(reported.span.start..reported.span.end).is_some(), "{what}: {:?}", reported.span);
+        for diagnostic in &loaded.diagnostics {
+            assert!(text.get(diagnostic.span.start..diagnostic.span.end).is_some(), "{what}: {:?}", diagnostic.span);
         }
     }
 }
@@ -451,7 +451,7 @@ fn mistakes_in_a_drawn_maze_have_their_own_lines() {
     let text = "[world]\nmaze = '''\n _ _\n|?  |\n|_ _|\n'''\n";
     let reported = read_scene("a.scene.toml", text).1;
     let letter =
-        reported.iter().find(|reported| reported.code == Code::MazLetter).expect("a letter that means nothing");
+        reported.iter().find(|diagnostic| diagnostic.code == Code::MazLetter).expect("a letter that means nothing");
     assert_eq!((letter.span.line, letter.span.column), (4, 2));
     assert_eq!(&text[letter.span.start..letter.span.end], "?");
 }
@@ -494,8 +494,8 @@ fn what_a_sim_cannot_hold_is_named() {
                 count = 2\nlayout = { kind = \"line\", from_mm = [500, 500], to_mm = [900, 500] }\n";
     let files = Overlay::of(&[("a.scene.toml", text)]);
     let converted = convert("a.scene.toml", "b.sim", &files);
-    let is_lost = |reported: &sim_format::Diagnostic| {
-        (reported.code, reported.severity) == (Code::ConvertLost, Severity::Warning)
+    let is_lost = |diagnostic: &sim_format::Diagnostic| {
+        (diagnostic.code, diagnostic.severity) == (Code::ConvertLost, Severity::Warning)
     };
     assert!(converted.diagnostics.iter().all(is_lost), "{:?}", converted.diagnostics);
     for what in [
@@ -507,7 +507,7 @@ fn what_a_sim_cannot_hold_is_named() {
         "r1 is written for RoBIOS 7",
         "2 robots",
     ] {
-        let is_named = converted.diagnostics.iter().any(|reported| reported.message.contains(what));
+        let is_named = converted.diagnostics.iter().any(|diagnostic| diagnostic.message.contains(what));
         assert!(is_named, "{what}: {:?}", converted.diagnostics);
     }
     let paths: Vec<&str> = converted.outputs.iter().map(|output| output.path.as_str()).collect();
@@ -558,10 +558,14 @@ fn cameras_and_looks_that_cannot_be_are_reported_where_they_stand() {
         let reported = read_scene("a.scene.toml", text).1;
         reported
             .iter()
-            .map(|reported| {
+            .map(|diagnostic| {
                 format!(
                     "{}:{} {} {}; {}",
-                    reported.span.line, reported.span.column, reported.code, reported.message, reported.expected
+                    diagnostic.span.line,
+                    diagnostic.span.column,
+                    diagnostic.code,
+                    diagnostic.message,
+                    diagnostic.expected
                 )
             })
             .collect()
@@ -642,10 +646,10 @@ fn radios_that_cannot_be_are_reported_where_they_stand() {
     let reported = |keys: &str| -> Vec<String> {
         let text = format!("[world]\nfile = \"a.wld\"\n[radio]\n{keys}\n");
         let reported = read_scene("a.scene.toml", &text).1;
-        let of = |reported: &sim_format::Diagnostic| {
-            let suggestion = reported.suggestion.as_ref().map_or(String::new(), |text| format!("; {text}"));
-            let location = format!("{}:{}", reported.span.line, reported.span.column);
-            format!("{location} {} {}; {}{suggestion}", reported.code, reported.message, reported.expected)
+        let of = |diagnostic: &sim_format::Diagnostic| {
+            let suggestion = diagnostic.suggestion.as_ref().map_or(String::new(), |text| format!("; {text}"));
+            let location = format!("{}:{}", diagnostic.span.line, diagnostic.span.column);
+            format!("{location} {} {}; {}{suggestion}", diagnostic.code, diagnostic.message, diagnostic.expected)
         };
         reported.iter().map(of).collect()
     };
@@ -721,10 +725,10 @@ fn robots_have_the_numbers_that_the_scene_gives_them() {
 fn numbers_that_robots_cannot_have_are_reported_where_they_stand() {
     let reported = |first: &str, second: &str| -> Vec<String> {
         let reported = numbered(first, second).diagnostics;
-        let of = |reported: &sim_format::Diagnostic| {
+        let of = |diagnostic: &sim_format::Diagnostic| {
             format!(
                 "{}:{} {} {}; {}",
-                reported.span.line, reported.span.column, reported.code, reported.message, reported.expected
+                diagnostic.span.line, diagnostic.span.column, diagnostic.code, diagnostic.message, diagnostic.expected
             )
         };
         reported.iter().map(of).collect()

@@ -147,7 +147,7 @@ proptest! {
         let toml = print_scene(&sim);
         let (read, reported) = read_scene("a.scene.toml", &toml);
         // The missing floor is the only expected diagnostic.
-        let others: Vec<_> = reported.iter().filter(|reported| reported.code != Code::TomlMissing).collect();
+        let others: Vec<_> = reported.iter().filter(|diagnostic| diagnostic.code != Code::TomlMissing).collect();
         prop_assert!(others.is_empty(), "{:?}\n{}", others, toml);
         prop_assert_eq!(content::robi(&read.inline.robot_types[0].0), content::robi(&robi), "{}", toml);
         let printed = print_robi(&robi);
@@ -160,7 +160,7 @@ proptest! {
     fn range_sensors_read_back_as_they_were_printed(text in sensors()) {
         let head = "[[robot_type]]\nname = \"A\"\n";
         let (sim, reported) = read_scene("a.scene.toml", &format!("{head}{text}"));
-        let others: Vec<_> = reported.iter().filter(|reported| reported.code != Code::TomlMissing).collect();
+        let others: Vec<_> = reported.iter().filter(|diagnostic| diagnostic.code != Code::TomlMissing).collect();
         prop_assert!(others.is_empty(), "{:?}\n{}", others, text);
         let robi = &sim.inline.robot_types[0].0;
         prop_assert!(robi.links.len() == 3 && robi.ranges.len() >= 4);
