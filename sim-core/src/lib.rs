@@ -52,7 +52,7 @@ impl RobotId {
 }
 
 impl std::fmt::Display for RobotId {
-    /// Formats the id as `r1`, `r2`, ..., the form in all output.
+    /// Formats the id as `r1`, `r2`, ..., as in all output.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "r{}", self.0)
     }
@@ -78,7 +78,7 @@ impl ObjectId {
 }
 
 impl std::fmt::Display for ObjectId {
-    /// Formats the id as `o1`, `o2`, ..., the form in all output.
+    /// Formats the id as `o1`, `o2`, ..., as in all output.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "o{}", self.0)
     }

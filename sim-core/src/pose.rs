@@ -1,8 +1,8 @@
-//! Poses and twists in the plane, with the closed form of motion at constant twist; poses of sensors and links in
-//! space.
+//! Poses and twists in the plane, with the closed form of motion at constant twist; three-dimensional poses of sensors
+//! and links.
 //!
 //! The world frame has x to the right, y up and angles counter-clockwise from x; a robot's frame has x forward and y
-//! left. In space, z points up in both.
+//! left. In three dimensions, z points up in both frames.
 
 mod link;
 
@@ -147,8 +147,8 @@ impl Pose {
 #[error("a coordinate is not that of a place, accepted: finite values up to 1e9 m")]
 pub struct PlacementError;
 
-/// Pose in space of one frame in another: `world_from_sensor` transforms coordinates in the sensor's frame into
-/// coordinates in the world frame.
+/// Three-dimensional pose of one frame in another: `world_from_sensor` transforms coordinates in the sensor's frame
+/// into coordinates in the world frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose3 {
     /// Origin of the inner frame in the outer frame, m.
@@ -168,7 +168,7 @@ impl Pose3 {
     pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DMat3::IDENTITY };
 
     /// The frame at `position`, turned about x by `roll`, then about y so that x rises by `pitch`, then about z by
-    /// `yaw`, all about the outer frame's axes and in rad: Rz(yaw) Ry(-pitch) Rx(roll).
+    /// `yaw`. All rotations are about the outer frame's axes and in rad: Rz(yaw) Ry(-pitch) Rx(roll).
     ///
     /// A positive `pitch` raises the x axis, a positive `roll` raises the left side, a positive `yaw` turns to the
     /// left. Rotations by 0 are exact: without roll and pitch, the x and y axes are exactly level.

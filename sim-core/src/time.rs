@@ -4,7 +4,7 @@ use std::ops::{Add, AddAssign, Sub};
 
 /// An instant or a span of virtual time, in microseconds.
 ///
-/// Virtual time starts at 0 for every robot. Source: design section 3; microseconds are our choice.
+/// Virtual time starts at 0 for every robot. Microseconds are our choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 pub struct Time(pub i64);
 

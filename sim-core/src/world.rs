@@ -1,4 +1,4 @@
-//! The world with all its robots: queries about published motion, and the end of a slot.
+//! The world with all its robots: queries of published motion, and the end of a slot.
 //!
 //! The world does not change during a slot. The robots query the motion that was published at the start of the slot
 //! ([`World::cast`], [`World::touching`]), each at its own virtual time. At the end of the slot, [`World::advance`]
@@ -82,7 +82,7 @@ pub struct World {
     /// Index of the bodies at rest, by their bounds.
     resting: BoundsIndex<RobotId>,
     /// For each robot, true if its body is in the index `resting` and its [track](Track::is_resting) has not changed
-    /// since it was added.
+    /// since the body was added.
     are_resting: Vec<bool>,
     /// Number of robots that were removed before the published history begins.
     removed_count: usize,
@@ -91,7 +91,7 @@ pub struct World {
     truth: TrueMotions,
     /// The movable objects; `None` in a scene without any.
     objects: Option<Box<Objects>>,
-    /// Geometry that only rays in space and legs can touch.
+    /// Geometry that only three-dimensional rays and legs can touch.
     indexed_space: Arc<IndexedSpace>,
     quiescence: Quiescence,
     radio: Channel,
@@ -165,7 +165,7 @@ impl World {
         self
     }
 
-    /// Sets the geometry that only rays in space and legs can touch: shapes, heights and surfaces.
+    /// Sets the geometry that only three-dimensional rays and legs can touch: shapes, heights and surfaces.
     pub fn with_space(mut self, space: Space) -> Self {
         self.indexed_space = Arc::new(IndexedSpace::new(space, &self.walls));
         self
@@ -347,7 +347,7 @@ impl World {
         self.tracks[robot.index()].pose(at)
     }
 
-    /// Published motion of a robot in the present slot: at least one piece, in the order of time; the first one
+    /// Published motion of a robot in the present slot: at least one piece, in the order of time. The first piece
     /// includes the slot's start.
     pub fn published_pieces(&self, robot: RobotId) -> impl Iterator<Item = PublishedPiece> {
         let passages = self.tracks[robot.index()].passages();
@@ -364,7 +364,7 @@ impl World {
     }
 
     /// The bodies of other robots that touch the body of `motion` at `at`, in the order of their ids, for
-    /// [`Motion::command`]. The poses of the others are the published ones; the pose of `motion` is the exact one.
+    /// [`Motion::command`]. The other robots have their published poses, and `motion` has its exact pose.
     pub fn touching(&self, motion: &mut Motion, at: Time) -> Vec<Body> {
         if self.tracks.len() < 2 {
             return Vec::new();
@@ -408,8 +408,8 @@ impl World {
     }
 
     /// First part of the end of a slot: resolves the contacts between bodies, and releases bodies whose path has become
-    /// free. `active` is as for [`World::advance`], in the order of ids. `observe` is called with each motion when its
-    /// contacts are resolved and the whole slot can still be queried.
+    /// free. `active` contains the motions that [`World::advance`] requires, in the order of ids. `observe` is called
+    /// with each motion when its contacts are resolved and the whole slot can still be queried.
     ///
     /// Returns false if nothing can have changed; the world has then already advanced to the next slot. Otherwise the
     /// caller must publish all [publications](World::publications) and call [`World::conclude`].
@@ -506,8 +506,8 @@ impl World {
         self.stances.insert(motion.id(), PublishedStance { stance, parts });
     }
 
-    /// Pose of a robot's frame in space at `at`. The height is that of the published stance at the start of the present
-    /// slot.
+    /// Three-dimensional pose of a robot's frame at `at`. The height is that of the published stance at the start of
+    /// the present slot.
     pub fn robot_pose_in_space(&self, robot: RobotId, at: Time) -> Pose3 {
         Pose3::from_planar(&self.robot_pose(robot, at), self.stance(robot).map_or(0.0, |stance| stance.lift))
     }
@@ -605,7 +605,7 @@ impl World {
         if !(self.bounds.is_empty() && self.moving.is_empty()) {
             self.moving.rebuild(&self.bounds);
         }
-        // A body that has last_begun to move stays in the index of bodies at rest until that index is rebuilt.
+        // A body that has begun to move stays in the index of bodies at rest until that index is rebuilt.
         let count = self.tracks.len() - self.removed_count - self.bounds.len();
         if has_rest_changed || count != self.resting.len() {
             self.bounds.clear();

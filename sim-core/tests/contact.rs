@@ -28,7 +28,7 @@ fn first_contact_matches_brute_force() {
         let position = random.point_in(bounds);
         let start = Pose { position, ..Pose::new(0.0, 0.0, random.between(-PI, PI)) };
         let radius = random.between(0.01, 0.3);
-        // Only discs that do not touch a wall at the start: for contact at the start other rules apply.
+        // Discs that touch a wall at the start are skipped, because other rules apply to them.
         if oracle::clearance(&walls, position, radius) < 1e-5 {
             continue;
         }
@@ -59,7 +59,7 @@ fn first_contact_matches_brute_force() {
 
 #[test]
 fn arc_meets_the_wall_at_the_closed_form_for_every_turning_speed() {
-    // A wall across the path at 1 m. The arc of the radius v / omega reaches it, or misses it if the radius is too
+    // A wall across the path at 1 m. The arc of radius v / omega reaches the wall, or misses it if the radius is too
     // small.
     let wall = Segment::new(DVec2::new(1.0, -1e3), DVec2::new(1.0, 1e3));
     let (v, radius) = (0.5, 0.1);

@@ -271,7 +271,7 @@ fn command_to_one_motor_keeps_the_other_rates() {
     rig.command(Command::Halt);
     rig.command(Command::Wheel { wheel: 1, rate: 1.0 });
     assert_eq!(rates(&mut rig.motion, rig.at), [0.0, 1.0]);
-    // After a drive, which the command to one motor replaces.
+    // A command to one motor replaces a drive.
     rig.command(Command::Drive { displacement: Twist::new(1.1, 0.0), duration: 4.0 });
     rig.command(Command::Wheel { wheel: 0, rate: 0.0 });
     assert_eq!(rates(&mut rig.motion, rig.at), [0.0, 10.0]);

@@ -151,7 +151,7 @@ fn maximum_noise_does_not_move_robots_through_walls() {
     for (seed, kind) in [DriveKind::Differential, DriveKind::Omni, DriveKind::Ackermann].into_iter().enumerate() {
         let mut motion = robot(Model { kind, ..model() }, room(0.5), seed as u64, imperfection);
         for (n, instant) in (0..3_000).map(|n| (n, Time(n * 3_331))) {
-            // Back and forth, so that no wall holds the robot for long.
+            // The robot drives back and forth, so that no wall holds it for long.
             if n % 60 == 0 {
                 let speed = if n % 120 == 0 { 0.2 } else { -0.2 };
                 motion.command(instant, Command::Twist(Twist::new(speed, 0.3)), &[]).expect("sound");
@@ -261,8 +261,8 @@ fn spread_of_slip_matches_the_formula() {
     let deviation = 0.05;
     let imperfection = Imperfection { slip: 0.1, slip_deviation: deviation, ..Imperfection::default() };
     let truth: Vec<_> = ends(imperfection, 100).into_iter().map(|end| end.0).collect();
-    // The wheels slip independently: half of each error enters the speed, the difference over the track the turning
-    // speed.
+    // The wheels slip independently. Half of each error enters the speed; the difference of both errors, divided by the
+    // track, enters the turning speed.
     let distance = 0.2 * TICK.seconds() * deviation;
     let heading = 2.0 * (distance / 0.1) * (distance / 0.1) * 100.0;
     check_normal("heading", &truth.iter().map(|pose| pose.heading.radians()).collect::<Vec<_>>(), 0.0, heading);
@@ -379,7 +379,7 @@ fn imperfect_poses_are_bit_identical_for_every_slot_length_and_query() {
         for slot in [100, 1_000, 7_919, 10_000, 200_000, 1_000_000] {
             assert_eq!(script(Time(slot), None, imperfection), reference, "slots of {slot} us");
         }
-        assert_eq!(script(Time::from_millis(20), Some(1_777), imperfection), reference, "often asked");
+        assert_eq!(script(Time::from_millis(20), Some(1_777), imperfection), reference, "often queried");
     }
 }
 

@@ -242,7 +242,7 @@ fn million_turns_return_to_the_start() {
     let mut motion = robot(Model { axis_offset: 0.04, ..model() }, vec![], Pose::new(0.0, 0.0, 1.0));
     let mut world = World::new(Arc::new(Walls::new(vec![])), Time::from_millis(1_000), [&mut motion]);
     let mut at = Time::ZERO;
-    // In quarter turns, like a program that drives around a square forever.
+    // The robot turns by quarter turns, like a program that drives around a square forever.
     for _ in 0..4_000_000 {
         let displacement = Twist::new(0.0, PI / 2.0);
         motion.command(at, Command::Drive { displacement, duration: 0.0 }, &[]).expect("sound");
@@ -342,7 +342,7 @@ fn robot_can_back_out_of_a_corner() {
         let turned = motion.drive_end().expect("an end");
         motion.command(turned, Command::Twist(Twist::new(0.1, 0.0)), &[]).expect("sound");
         let end = motion.pose(turned + Time::from_millis(100)).position;
-        // The robot can leave with headings between straight back from either wall.
+        // The robot can leave the corner with headings between the directions straight away from each of the two walls.
         let leaves = (12..=18).contains(&heading);
         assert_eq!((end - motion.pose(turned).position).length() > 1e-3, leaves, "heading {angle}");
     }

@@ -216,7 +216,7 @@ fn placement_touches_nothing_between_the_two_poses() {
     scene.advance();
     assert_eq!(scene.contacts, []);
     assert!((scene.position(0) - DVec2::new(3.5, 1.0)).length() < 1e-15);
-    // Out of the room and back, through walls.
+    // Robot 1 is placed outside the room and then back in it, through walls.
     scene.motions[0].place(Time(60_000), Pose::new(-7.0, 1.0, PI)).expect("sound");
     scene.advance();
     scene.motions[0].place(Time(110_000), Pose::new(0.5, 3.0, PI)).expect("sound");
@@ -246,8 +246,8 @@ fn robot_placed_in_front_of_another_is_touched() {
     assert!((scene.position(0).x - (0.515 + 0.05)).abs() < 1e-5);
 }
 
-/// Distance that a robot covers in 0.4 s at 0.5 m/s with this heading, if it is placed so that it overlaps a resting
-/// robot by `depth` m.
+/// Distance that a robot covers in 0.4 s at 0.5 m/s with this heading, if the robot is placed so that it overlaps a
+/// resting robot by `depth` m.
 fn distance_out_of_a_robot(depth: f64, heading: f64) -> f64 {
     let mut scene = Scene::new(&[Pose::new(1.0, 2.0, 0.0), Pose::new(2.0, 2.0, 0.0)]);
     let deep = Pose::new(2.0 - (2.0 * RADIUS - depth), 2.0, heading);

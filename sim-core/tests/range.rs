@@ -324,7 +324,7 @@ fn a_sensor_on_a_tilting_link_moves_with_it() {
 fn a_level_psd_on_the_body_is_bit_identical_to_a_beam() {
     let mut random = Random::new(33);
     let walls = Walls::new(accuracy::world::room_with_boxes(3, DVec2::ZERO, 8.0, 12));
-    // Walls lower than all sensors: a beam hits them nevertheless.
+    // The walls are lower than all sensors, but a beam hits them.
     let count = walls.len();
     let world = world(walls.with_heights(vec![0.01; count]), Space::default());
     for _ in 0..2000 {

@@ -56,7 +56,7 @@ fn seconds(seconds: f64) -> Time {
     Time::from_seconds_ceil(seconds)
 }
 
-/// Pose below a wall along the x axis: the rim is `gap` m from the wall, the heading is turned by `angle` from x
+/// Pose below a wall along the x axis. The rim is `gap` m from the wall, and the heading is turned by `angle` from x
 /// towards the wall.
 fn below(gap: f64, angle: f64) -> Pose {
     Pose::new(0.0, -RADIUS - SKIN - gap, angle)
@@ -79,7 +79,7 @@ fn sliding_speed_outside_the_friction_cone_matches_the_formula() {
             assert!((found.position - expected).length() < 1e-6, "{degrees} degrees, {friction}: {found:?}");
             assert!((found.heading.radians() - angle).abs() < 1e-15, "nothing turns it");
             assert_eq!(motion.state(at).odometry, Pose::default().moved(Twist::new(0.3 * at.seconds(), 0.0)));
-            // Slip: what the push loses, over the push.
+            // Slip ratio: slip speed divided by the speed of the push.
             let slip = math::hypot(math::sin(angle), math::cos(angle) - along);
             assert!((motion.slip(at) - slip).abs() < 1e-9, "{} for {slip}", motion.slip(at));
             assert_eq!(motion.is_stalled(at), slip > 0.5, "{degrees} degrees");
@@ -166,12 +166,13 @@ fn turning_disc_rolls_along_a_wall_within_the_friction_cone() {
     let expected = 0.2 * (RADIUS + SKIN);
     assert!((motion.pose(at).position.x - expected).abs() < 1e-12, "{:?}", motion.pose(at));
     assert!((motion.pose(at).heading.radians() - FRAC_PI_2 - 0.2).abs() < 1e-15);
-    // Without friction it moves along the wall with that component of the push: v / omega (1 - cos) to the left.
+    // Without friction the robot moves along the wall with the tangential component of the push: v / omega (1 - cos) to
+    // the left.
     let mut motion = robot(&walls, 0.0, below(0.0, FRAC_PI_2));
     twist(&mut motion, Time::ZERO, 0.3, 0.2);
     let expected = -0.3 / 0.2 * (1.0 - math::cos(0.2));
     assert!((motion.pose(at).position.x - expected).abs() < 1e-12, "{:?}", motion.pose(at));
-    // It leaves the wall when its heading is along the wall, and returns on its circle.
+    // The robot leaves the wall when its heading is along the wall, and returns on its circle.
     let leave = FRAC_PI_2 / 0.2;
     let off = motion.pose(seconds(leave + 1.0)).position;
     let circle = DVec2::new(-1.5 - 1.5 * math::sin(0.2), -RADIUS - SKIN - 1.5 * (1.0 - math::cos(0.2)));
@@ -271,7 +272,7 @@ fn random_rooms_match_the_reference() {
         twist(&mut motion, Time::ZERO, case.twist.vx, omega);
         let found = motion.pose(Time(6_000_000)).position;
         pressed += u32::from(motion.contacts(Time(6_000_000)) > 0);
-        // The finer ones for those few cases in which a contact that ends within a step matters.
+        // The finer steps are for the few cases in which a contact ends within a coarse step.
         let agrees = |steps| (case.by_steps(6.0, steps) - found).length() < 1e-6;
         assert!([10_000, 100_000, 1_000_000].into_iter().any(agrees), "case {index}: {found}, {case:?}");
     }
@@ -297,7 +298,7 @@ fn forces_are_within_the_friction_cone_and_contacts_add_no_energy() {
             let rim = normal.perp().dot(velocity) - case.twist.omega * offset.length();
             // The wall pushes the body as the slipping wheels push back.
             let (force, friction) = (-slip.dot(normal), -slip.dot(normal.perp()));
-            // A microsecond of the sharpest turn is 1e-5 m/s.
+            // The sharpest turn changes the velocity by 1e-5 m/s in a microsecond.
             assert!(force > -2e-5, "{name} at {at}: the wall pulls, {force}");
             assert!(friction.abs() <= case.friction * force + 2e-5, "{name} at {at}: {friction} of {force}");
             assert!(friction * rim <= 2e-5, "{name} at {at}: friction drives, {friction} with {rim}");
@@ -312,7 +313,7 @@ fn forces_are_within_the_friction_cone_and_contacts_add_no_energy() {
 fn degenerate_cases_terminate_without_penetration() {
     let gap =
         |walls: &[Segment], motion: &mut Motion, at: Time| oracle::clearance(walls, motion.pose(at).position, RADIUS);
-    // Straight into a corner, to the bit; touching two walls at once; a corridor as wide as the robot.
+    // A drive exactly straight into a corner; contact with two walls at once; a corridor as wide as the robot.
     let corner = [wall(-5.0, 0.0, 1.0, 0.0), wall(1.0, -5.0, 1.0, 0.0)];
     let width = 2.0 * (RADIUS + SKIN);
     let corridor = [wall(-1.0, 0.0, 3.0, 0.0), wall(-1.0, -width, 3.0, -width)];

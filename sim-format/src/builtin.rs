@@ -1,7 +1,8 @@
 //! Built-in types: the robots and objects that EyeSim VR provides without files.
 //!
-//! Each type is a file in one of the usual formats, which is compiled in and read once per process. Sizes and devices are those of the
-//! published robots; values without a source (masses, friction, colours, the sensor at the back) are our choice, documented in docs/formats.
+//! Each type is a file in one of the usual formats, which is compiled in and read once per process. Sizes and devices
+//! are those of the published robots. Values without a source (masses, friction, colours, the sensor at the back) are
+//! our choice, documented in docs/formats.
 
 use std::sync::{Arc, OnceLock};
 

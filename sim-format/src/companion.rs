@@ -65,12 +65,12 @@ impl Reader {
         }
     }
 
-    /// Reports devices with the same name or number, which a program could not tell apart.
+    /// Reports devices with the same name or number, which a program could not distinguish.
     pub(super) fn report_duplicates(&mut self, robi: &RobiSpec) {
         let psds = robi.psds.iter().map(|device| ("PSD", &*device.name, device.id, device.span));
         let ranges =
             robi.ranges.iter().map(|device| (model_name(&device.model), &*device.name, device.id, device.span));
-        // The scanner has no name in files; noise profiles refer to it by this one.
+        // The scanner has no name in files; noise profiles call it by the name `LIDAR`.
         let lidar = robi.lidar.iter().map(|lidar| ("lidar", LIDAR, None, lidar.span));
         self.report_duplicates_in(lidar.chain(psds).chain(ranges));
         let infrareds = robi.infrareds.iter();

@@ -58,9 +58,9 @@ pub fn sim(sim: &SimSpec) -> SimSpec {
     sim.objects.iter_mut().for_each(clear_object_location);
     sim.markers.iter_mut().for_each(|marker| marker.span = Span::default());
     sim.faults.iter_mut().for_each(|fault| fault.span = Span::default());
-    sim.reachable.iter_mut().for_each(|demand| {
-        demand.span = Span::default();
-        for point in [&mut demand.from, &mut demand.to] {
+    sim.reachable.iter_mut().for_each(|requirement| {
+        requirement.span = Span::default();
+        for point in [&mut requirement.from, &mut requirement.to] {
             if let PositionRef::Start(path) = point {
                 clear_span(path);
             }

@@ -191,7 +191,7 @@ pub fn convert(from: &str, to: &str, files: &dyn Files) -> Converted {
 /// Function that returns the generation of the RoBIOS API, 6 or 7, of a robot's program, if the program determines it.
 pub type GenerationOf<'a> = dyn Fn(&SceneSpec, &RobotSpec) -> Option<u32> + 'a;
 
-/// Converts like [`convert`]. A scene in TOML states the generations that `generation_of` returns; for all other
+/// Converts like [`convert`]. A scene in TOML states the generations that `generation_of` returns. For all other
 /// programs it states the dialect of the sim file, which applies only if a program does not determine its generation.
 ///
 /// Random values and positions of a scene are drawn with the seed of the `options`, which the result then contains,
@@ -280,7 +280,7 @@ impl Conversion<'_> {
             self.write_inline(&mut sim);
             print::print_sim(&sim, &loaded.scene)
         } else {
-            let lost = if sim.form == SceneFormat::Sim {
+            let lost = if sim.format == SceneFormat::Sim {
                 set_generations(&mut sim, &loaded.scene, generation_of)
             } else {
                 Vec::new()
@@ -339,7 +339,12 @@ impl Conversion<'_> {
     fn write(&mut self, path: String, printed: Printed) {
         for property in printed.lost {
             let message = format!("`{path}` has no place for {property}");
-            self.sink.warn(Code::ConvertLost, Span::default(), message, "a form that holds it, such as .scene.toml");
+            self.sink.warn(
+                Code::ConvertLost,
+                Span::default(),
+                message,
+                "a format that can represent it, such as .scene.toml",
+            );
         }
         self.outputs.push(Output { path, bytes: printed.text.into_bytes() });
     }
@@ -353,7 +358,7 @@ impl Conversion<'_> {
         if target == FileFormat::Map
             && let Some((grid, loaded)) = self.source_grid()
         {
-            // From grid to grid, the cells are copied without a conversion to walls.
+            // If source and target are grids, the cells are copied without a conversion to walls.
             grid.iter().for_each(|grid| self.write_grid(grid));
             return loaded;
         }
@@ -386,7 +391,7 @@ impl Conversion<'_> {
         self.files.read(self.from).is_ok_and(|bytes| scene::is_scene(self.from, &decode(&bytes).0))
     }
 
-    /// Converts a scene to a map, in which all that its robots can reach is free.
+    /// Converts a scene to a map in which all cells that the robots can reach are free.
     fn convert_scene_to_map(&mut self) -> Loaded {
         let overrides =
             Overrides { seed: self.options.seed, maze_cell: self.options.maze_cell, ..Overrides::default() };
@@ -402,7 +407,7 @@ impl Conversion<'_> {
                     Code::ConvertLost,
                     Span::default(),
                     message,
-                    "a form that holds it, such as .scene.toml",
+                    "a format that can represent it, such as .scene.toml",
                 );
             }
             self.write_map(&world);
@@ -484,7 +489,7 @@ impl Conversion<'_> {
                 }
             },
             _ => {
-                let mut sim = SimSpec { form: SceneFormat::Toml, ..SimSpec::default() };
+                let mut sim = SimSpec { format: SceneFormat::Toml, ..SimSpec::default() };
                 sim.inline.world = Some(world.clone());
                 Printed { text: print::print_scene(&sim), lost: Vec::new() }
             }
@@ -614,8 +619,9 @@ impl Conversion<'_> {
         }
     }
 
-    /// Rewrites a reference for the target's folder in two cases: it is relative to the source's folder and the file
-    /// exists, or no file exists at its paths but one exists near the source. Other references do not change.
+    /// Rewrites a reference for the target's folder in two cases: the reference is relative to the source's folder and
+    /// the file exists, or no file exists at the paths of the reference but one exists near the source. Other
+    /// references do not change.
     fn rewrite_path(&self, reference: &mut SpannedText) {
         let (source_folder, target_folder) = (path::folder_of(self.from), path::folder_of(self.to));
         if source_folder == target_folder {
@@ -691,7 +697,7 @@ fn fix_random_positions(sim: &mut SimSpec, scene: &SceneSpec) {
             (line.pose, line.scatter) = (placed.pose, None);
         }
     }
-    // Demands refer to the paths of lines, so these must stay the same.
+    // Requirements refer to the paths of lines, so the paths must stay the same.
     let robots = sim.robots.iter_mut().map(|line| (&line.path, &mut line.name));
     name_by_path("robot.", robots);
     name_by_path("object.", sim.objects.iter_mut().map(|line| (&line.path, &mut line.name)));

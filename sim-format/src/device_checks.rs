@@ -14,8 +14,8 @@ const MAX_LISTED: usize = 32;
 
 /// Checks that run after all devices of a robot type are read.
 impl Reader {
-    /// Reports devices that a program could not tell apart, and references to missing links and servos; moves sensors on a missing link to
-    /// the body.
+    /// Reports devices that a program could not distinguish, and references to missing links and servos; moves sensors
+    /// on a missing link to the body.
     pub(super) fn settle_devices(&mut self, robi: &mut RobiSpec) {
         self.report_duplicates(robi);
         self.check_buses(robi);
@@ -118,7 +118,7 @@ impl Reader {
             let index = link.mount.link.as_ref().and_then(|link| names.get(&link.text).copied());
             index.filter(|index| *index < count)
         };
-        // For each link, the first start from which it was reached.
+        // For each link, the first `start` whose chain of parents contains the link.
         let mut first_start: Vec<Option<usize>> = vec![None; links.len()];
         for start in 0..links.len() {
             let mut current = Some(start);

@@ -73,10 +73,10 @@ impl Reader {
                 self.object.model = path.map(|path| ModelSpec { path, offset: DVec3::ZERO, rotations: DVec3::ZERO });
             }
             "name" => {
-                let form = "`name NAME`, between double quotes if it has blanks";
-                match self.first_values(first, rest, 1, form) {
+                let syntax = "`name NAME`, between double quotes if it has blanks";
+                match self.first_values(first, rest, 1, syntax) {
                     Some([name]) if name.text.trim().is_empty() => {
-                        self.sink.warn(Code::EsobjArity, name.span, "the name is empty", form);
+                        self.sink.warn(Code::EsobjArity, name.span, "the name is empty", syntax);
                     }
                     Some([name]) => self.object.name = name.text.to_owned(),
                     _ => {}
@@ -92,7 +92,7 @@ impl Reader {
                 Some((shape, values)) => self.read_collider(shape, values),
                 None => {
                     let message = "`collider` names no shape";
-                    self.sink.warn(Code::EsobjArity, first.span, message, COLLIDER_FORM);
+                    self.sink.warn(Code::EsobjArity, first.span, message, COLLIDER_SYNTAX);
                 }
             },
             word if SHAPES.contains(&word) => self.read_collider(first, rest),
@@ -137,22 +137,22 @@ impl Reader {
         keyword: &Word<'_>,
         rest: &'w [Word<'t>],
         count: usize,
-        form: &str,
+        syntax: &str,
     ) -> Option<&'w [Word<'t>]> {
         if rest.len() < count {
             let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
             let message = format!("`{}` has {} of {count} values", keyword.text, rest.len());
-            self.sink.warn(Code::EsobjArity, span, message, form);
+            self.sink.warn(Code::EsobjArity, span, message, syntax);
             return None;
         }
-        self.warn_of_extra_values(keyword, rest, count, form);
+        self.warn_of_extra_values(keyword, rest, count, syntax);
         rest.get(..count)
     }
 
-    fn warn_of_extra_values(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, form: &str) {
+    fn warn_of_extra_values(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, syntax: &str) {
         if let Some(extra) = rest.get(count) {
             let message = format!("`{}` is left over after the values of `{}`", extra.text, keyword.text);
-            self.sink.warn(Code::WordExtra, extra.span, message, form);
+            self.sink.warn(Code::WordExtra, extra.span, message, syntax);
         }
     }
 
@@ -161,21 +161,21 @@ impl Reader {
         keyword: &Word<'_>,
         rest: &[Word<'_>],
         quantities: &[Quantity; N],
-        form: &str,
+        syntax: &str,
     ) -> Option<[f64; N]> {
-        let values = self.first_values(keyword, rest, N, form)?;
+        let values = self.first_values(keyword, rest, N, syntax)?;
         line::numbers(&mut self.sink, Severity::Warning, values, quantities)
     }
 
     fn read_mass(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let form = "`mass KG` or `mass KG X Y Z`, the centre of mass";
+        let syntax = "`mass KG` or `mass KG X Y Z`, the centre of mass";
         self.has_mass = true;
         if rest.len() == 1 {
-            if let Some([mass]) = self.read_numbers(keyword, rest, &[MASS], form) {
+            if let Some([mass]) = self.read_numbers(keyword, rest, &[MASS], syntax) {
                 self.object.mass = mass;
             }
         } else if let Some([mass, x, y, z]) =
-            self.read_numbers(keyword, rest, &[MASS, COORDINATES[0], COORDINATES[1], COORDINATES[2]], form)
+            self.read_numbers(keyword, rest, &[MASS, COORDINATES[0], COORDINATES[1], COORDINATES[2]], syntax)
         {
             self.object.mass = mass;
             self.object.centre_of_mass = from_graphics(x, y, z);
@@ -186,22 +186,22 @@ impl Reader {
     fn read_collider(&mut self, shape: &Word<'_>, values: &[Word<'_>]) {
         let [x, y, z] = COORDINATES;
         let collider = match shape.text {
-            "box" => self.read_numbers(shape, values, &[x, y, z, SIZE[0], SIZE[1], SIZE[2]], BOX_FORM).map(
+            "box" => self.read_numbers(shape, values, &[x, y, z, SIZE[0], SIZE[1], SIZE[2]], BOX_SYNTAX).map(
                 |[x, y, z, right, up, forward]| Collider::Box {
                     centre: from_graphics(x, y, z),
                     size: DVec3::new(forward, right, up),
                 },
             ),
             "sphere" => self
-                .read_numbers(shape, values, &[x, y, z, RADIUS], SPHERE_FORM)
+                .read_numbers(shape, values, &[x, y, z, RADIUS], SPHERE_SYNTAX)
                 .map(|[x, y, z, radius]| Collider::Sphere { centre: from_graphics(x, y, z), radius }),
             "cylinder" => self
-                .read_numbers(shape, values, &[x, y, z, RADIUS, HEIGHT], CYLINDER_FORM)
+                .read_numbers(shape, values, &[x, y, z, RADIUS, HEIGHT], CYLINDER_SYNTAX)
                 .map(|[x, y, z, radius, height]| Collider::Cylinder { centre: from_graphics(x, y, z), radius, height }),
             "capsule" => self.read_capsule(shape, values),
             _ => {
                 let message = format!("unknown shape `{}`", shape.text);
-                let diagnostic = self.sink.warn(Code::EsobjColliderKind, shape.span, message, COLLIDER_FORM);
+                let diagnostic = self.sink.warn(Code::EsobjColliderKind, shape.span, message, COLLIDER_SYNTAX);
                 diagnostic.suggestion = line::nearest(shape.text, SHAPES).map(|shape| format!("write `{shape}`"));
                 return;
             }
@@ -213,7 +213,7 @@ impl Reader {
 
     fn read_capsule(&mut self, shape: &Word<'_>, values: &[Word<'_>]) -> Option<Collider> {
         let [x, y, z] = COORDINATES;
-        let values = self.first_values(shape, values, 6, CAPSULE_FORM)?;
+        let values = self.first_values(shape, values, 6, CAPSULE_SYNTAX)?;
         let (numbers, axis) = values.split_at(5);
         let [x, y, z, radius, height] =
             line::numbers(&mut self.sink, Severity::Warning, numbers, &[x, y, z, RADIUS, HEIGHT])?;
@@ -264,7 +264,7 @@ impl Reader {
         }
         if !has_collider {
             let message = "no collider: an upright cylinder of 100 mm width and height is taken";
-            self.sink.warn(Code::EsobjColliderMissing, Span::default(), message, COLLIDER_FORM);
+            self.sink.warn(Code::EsobjColliderMissing, Span::default(), message, COLLIDER_SYNTAX);
         }
         if !self.has_mass && !self.object.is_fixed {
             let message = format!("no `mass` line: {DEFAULT_OBJECT_MASS} kg is taken");
@@ -313,11 +313,11 @@ fn is_in_range(collider: &Collider) -> bool {
     centre.abs().max_element() <= MAX_LENGTH && smallest >= MIN_SIZE && largest <= MAX_LENGTH
 }
 
-const COLLIDER_FORM: &str = "`collider box|sphere|capsule|cylinder` and its values";
-const BOX_FORM: &str = "`collider box X Y Z SX SY SZ`: centre and sizes";
-const SPHERE_FORM: &str = "`collider sphere X Y Z RADIUS`";
-const CAPSULE_FORM: &str = "`collider capsule X Y Z RADIUS HEIGHT x|y|z`: centre, radius, whole height, axis";
-const CYLINDER_FORM: &str = "`collider cylinder X Y Z RADIUS HEIGHT`: centre, radius, height";
+const COLLIDER_SYNTAX: &str = "`collider box|sphere|capsule|cylinder` and its values";
+const BOX_SYNTAX: &str = "`collider box X Y Z SX SY SZ`: centre and sizes";
+const SPHERE_SYNTAX: &str = "`collider sphere X Y Z RADIUS`";
+const CAPSULE_SYNTAX: &str = "`collider capsule X Y Z RADIUS HEIGHT x|y|z`: centre, radius, whole height, axis";
+const CYLINDER_SYNTAX: &str = "`collider cylinder X Y Z RADIUS HEIGHT`: centre, radius, height";
 
 /// Positive length in units of the file.
 const fn length(name: &'static str) -> Quantity {

@@ -138,9 +138,9 @@ fn severity_of(quantity: &Quantity) -> Severity {
 
 /// Parses `word` as `quantity`, in SI units; reports mistakes.
 ///
-/// A word that is not a number has the given `severity` (EyeSim either skips the line or loses a robot). A number out of
-/// bounds, an infinity and NaN are errors, since EyeSim reads them and the whole file fails; they are warnings if the
-/// quantity is minor.
+/// A word that is not a number has the given `severity` (EyeSim either skips the line or loses a robot). A number out
+/// of bounds, an infinity and NaN are errors, since EyeSim reads them and the whole file fails. If the quantity is
+/// minor, they are warnings.
 pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quantity: &Quantity) -> Option<f64> {
     let name = quantity.name;
     let Ok(value) = word.text.parse::<f64>() else {
@@ -158,7 +158,7 @@ pub(super) fn number(sink: &mut Sink, severity: Severity, word: &Word<'_>, quant
     checked
 }
 
-/// Guess of the number that the user meant: corrects a comma instead of the point or after the number, letters instead
+/// Guess of the number that the user meant. Corrects a comma instead of the point or after the number, letters instead
 /// of digits, or an attached unit.
 pub(super) fn guessed_number(word: &str) -> Option<String> {
     let word = word.trim_end_matches([',', ';']);

@@ -145,7 +145,7 @@ pub struct Overrides<'a> {
     pub settings: &'a [Setting],
 }
 
-/// Maximum number of attempts to draw a scene that meets its demands.
+/// Maximum number of attempts to draw a scene that meets its requirements.
 const MAX_ATTEMPTS: u32 = 100;
 /// Number of attempts without enough room after which no further attempt is made.
 const MAX_FULL_ATTEMPTS: u32 = 5;
@@ -154,8 +154,8 @@ const CHECKED_SEED_COUNT: u64 = 10;
 
 /// Loads a scene like [`load_scene`], with values that override those of the scene.
 ///
-/// Random values are drawn from the seed. If a demand of the scene on its positions is not met, all values are drawn again, up to 100
-/// times.
+/// Random values are drawn from the seed. If a requirement of the scene on its positions is not met, all values are
+/// drawn again, up to 100 times.
 pub fn load_scene_with(path: &str, overrides: Overrides<'_>, files: &dyn Files) -> Loaded {
     load_with_spec(path, overrides, files).0
 }

@@ -29,9 +29,9 @@ pub struct CellRules {
     pub cell: Option<f64>,
 }
 
-/// Form of a maze file.
+/// Format of a maze file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum MazeForm {
+pub(crate) enum MazeFormat {
     /// EyeSim's drawing.
     Drawing,
     /// A drawing with posts.
@@ -42,18 +42,18 @@ pub(crate) enum MazeForm {
     Binary,
 }
 
-/// Form of a maze file with these `bytes`.
-pub(crate) fn form_of(bytes: &[u8]) -> MazeForm {
+/// Format of a maze file with these `bytes`.
+pub(crate) fn format_of(bytes: &[u8]) -> MazeFormat {
     if binary::is_binary(bytes) {
-        return MazeForm::Binary;
+        return MazeFormat::Binary;
     }
     let text = String::from_utf8_lossy(bytes);
     if numbers::is_numbers(&text) {
-        MazeForm::Numbers
+        MazeFormat::Numbers
     } else if posts::is_posts(&text) {
-        MazeForm::Posts
+        MazeFormat::Posts
     } else {
-        MazeForm::Drawing
+        MazeFormat::Drawing
     }
 }
 
@@ -81,11 +81,12 @@ pub(crate) fn read_maze_bytes(
 pub(crate) fn read_maze_text(
     file: &str,
     text: &str,
-    form: MazeForm,
+    format: MazeFormat,
     rules: CellRules,
 ) -> (WorldSpec, Vec<Diagnostic>, Option<String>) {
     let mut sink = Sink::new(file);
-    let maze = if form == MazeForm::Numbers { numbers::read(&mut sink, text) } else { posts::read(&mut sink, text) };
+    let maze =
+        if format == MazeFormat::Numbers { numbers::read(&mut sink, text) } else { posts::read(&mut sink, text) };
     maze.into_world(sink, file, rules)
 }
 
@@ -150,7 +151,7 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
                 other.word.text,
                 in_mm(cell)
             );
-            sink.warn(Code::MazCellFirst, other.word.span, message, CELL_FORM);
+            sink.warn(Code::MazCellFirst, other.word.span, message, CELL_SYNTAX);
         }
         return cell;
     }
@@ -160,7 +161,7 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
             && old != new
         {
             let message = format!("a second cell size `{}`; it replaces {} mm", word.text, in_mm(old));
-            sink.warn(Code::MazCellTwice, word.span, message, CELL_FORM);
+            sink.warn(Code::MazCellTwice, word.span, message, CELL_SYNTAX);
         }
         cell = size.or(cell);
     }
@@ -173,13 +174,13 @@ fn cell_size(sink: &mut Sink, sizes: &[SizeLine<'_>], rules: CellRules) -> f64 {
             first.word.text,
             in_mm(DEFAULT_CELL)
         );
-        let diagnostic = sink.warn(Code::MazCellFirst, first.word.span, message, CELL_FORM);
+        let diagnostic = sink.warn(Code::MazCellFirst, first.word.span, message, CELL_SYNTAX);
         diagnostic.suggestion = Some("`--maze-cell MM` or `cell_mm` of a scene says which one is meant".to_owned());
     }
     cell.unwrap_or(DEFAULT_CELL)
 }
 
-const CELL_FORM: &str = "the cell size in mm, alone on the last line";
+const CELL_SYNTAX: &str = "the cell size in mm, alone on the last line";
 
 /// Drawn lines from top to bottom, the upper border first, and the lines with a cell size.
 fn rows_and_sizes<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, Vec<SizeLine<'a>>) {
@@ -198,7 +199,7 @@ fn rows_and_sizes<'a>(sink: &mut Sink, text: &'a str) -> (Vec<Line<'a>>, Vec<Siz
         if line::looks_numeric(first.text) {
             if let Some(extra) = words.get(1) {
                 let message = format!("`{}` is left over after the cell size", extra.text);
-                sink.warn(Code::WordExtra, extra.span, message, CELL_FORM);
+                sink.warn(Code::WordExtra, extra.span, message, CELL_SYNTAX);
             }
             let size = line::number(sink, Severity::Warning, first, &Quantity::size("cell size"));
             sizes.push(SizeLine { word: *first, size, rows_above: rows.len(), is_last: false });

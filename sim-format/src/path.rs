@@ -20,8 +20,8 @@ const INSTALLATION_FOLDERS: [&str; 3] = ["", "worlds", "robis"];
 ///   `worlds` and `robis`.
 /// - An absolute path is tried unchanged, then below the installation, since old files contain such paths.
 ///
-/// Source: reference section 4.0. Our choice: `folder` precedes the working folder, so that a scene does not depend on the
-/// directory from which it is run; `..` removes the part before it, even if that part is a link.
+/// Source: files of the EyeSim versions. Our choice: `folder` precedes the working folder, so that a scene does not
+/// depend on the directory from which it is run. A `..` removes the part before it, even if that part is a link.
 pub fn candidates(text: &str, folder: &str, home: Option<&str>) -> Vec<String> {
     let text = text.replace('\\', "/");
     let mut paths = Vec::new();
@@ -149,22 +149,27 @@ pub(super) fn reference(
     severity: Severity,
     keyword: &Word<'_>,
     rest: &[Word<'_>],
-    form: &str,
+    syntax: &str,
 ) -> Option<SpannedText> {
     let Some((word, extra)) = rest.split_first() else {
-        sink.report(severity, Code::FileNameMissing, keyword.span, format!("`{}` names no file", keyword.text), form);
+        sink.report(severity, Code::FileNameMissing, keyword.span, format!("`{}` names no file", keyword.text), syntax);
         return None;
     };
     if let Some(extra) = extra.first() {
         let message = format!("`{}` is left over after the file name", extra.text);
-        let diagnostic = sink.warn(Code::WordExtra, extra.span, message, form);
+        let diagnostic = sink.warn(Code::WordExtra, extra.span, message, syntax);
         diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
     }
-    file_reference(sink, severity, word, form)
+    file_reference(sink, severity, word, syntax)
 }
 
 /// Reads `word` as a file reference.
-pub(super) fn file_reference(sink: &mut Sink, severity: Severity, word: &Word<'_>, form: &str) -> Option<SpannedText> {
+pub(super) fn file_reference(
+    sink: &mut Sink,
+    severity: Severity,
+    word: &Word<'_>,
+    syntax: &str,
+) -> Option<SpannedText> {
     if word.is_unclosed {
         sink.warn(
             Code::QuoteUnclosed,
@@ -174,7 +179,7 @@ pub(super) fn file_reference(sink: &mut Sink, severity: Severity, word: &Word<'_
         );
     }
     if word.text.trim().is_empty() {
-        sink.report(severity, Code::FileNameMissing, word.span, "the file name is empty", form);
+        sink.report(severity, Code::FileNameMissing, word.span, "the file name is empty", syntax);
         return None;
     }
     Some(SpannedText { text: word.text.to_owned(), span: word.span })

@@ -32,7 +32,8 @@ pub(super) struct PlacedEntities {
     pub(super) walls: Vec<WallSpec>,
     /// Poses that were drawn.
     pub(super) drawn: Vec<Drawn>,
-    /// True if a random placement or a demand on a route failed, which is reported; another attempt may succeed.
+    /// True if a random placement failed or a required route is missing, which is reported; another attempt may
+    /// succeed.
     pub(super) may_retry: bool,
 }
 
@@ -67,7 +68,7 @@ pub(super) fn place(
     placer.place_objects(&sim.objects, loader);
     placer.place_robots(loader);
     let walls = placer.draw_positions(world);
-    placer.check_demands(world, &walls);
+    placer.check_routes(world, &walls);
     let (drawn, may_retry) = (std::mem::take(&mut placer.drawn), placer.may_retry);
     placer.objects[world_object_count..].sort_by_key(|object| object.span);
     if let Some(depth) = world.and_then(|world| world.water) {
@@ -76,12 +77,12 @@ pub(super) fn place(
     loader.diagnostics.extend(placer.sink.finish());
     if !placer.has_robots && !super::has_errors(&loader.diagnostics) {
         let mut sink = Sink::new(&sim.file);
-        let expected = match sim.form {
+        let expected = match sim.format {
             SceneFormat::Sim => "a line `NAME X Y PHI PROGRAM` or `robi FILE.robi PROGRAM`",
             SceneFormat::Toml => "a section `[[robot]]`",
         };
         let diagnostic = sink.warn(Code::SimRobotMissing, Span::default(), "the scene has no robot", expected);
-        let is_sim = sim.form == SceneFormat::Sim;
+        let is_sim = sim.format == SceneFormat::Sim;
         diagnostic.suggestion = is_sim.then(|| "write a line such as `S4 500 500 0 program.c`".to_owned());
         loader.diagnostics.extend(sink.finish());
     }
@@ -280,7 +281,7 @@ impl Placer<'_> {
         match self.types.find(&mut self.sink, name) {
             Some(LoadedType::Robot(robi)) => Some(Some(robi)),
             Some(LoadedType::Object(object)) => {
-                if self.sim.form == SceneFormat::Toml {
+                if self.sim.format == SceneFormat::Toml {
                     let message = format!("`{}` is an object, not a robot", name.text);
                     self.sink.error(Code::SimTypeUnknown, name.span, message, "the name of a robot type");
                 } else {
@@ -290,7 +291,7 @@ impl Placer<'_> {
             }
             None => {
                 // A line without a program may mean an object, which EyeSim skips, so it gives only a warning.
-                let is_robot = self.sim.form == SceneFormat::Toml
+                let is_robot = self.sim.format == SceneFormat::Toml
                     || line.program.is_some()
                     || !matches!(line.start, StartRef::Pose(_));
                 let severity = if is_robot { Severity::Error } else { Severity::Warning };
@@ -326,7 +327,7 @@ impl Placer<'_> {
         if !path.is_empty() {
             self.paths.insert(entity, path.clone());
         }
-        let dialect = match (self.sim.form, &line.kind) {
+        let dialect = match (self.sim.format, &line.kind) {
             (SceneFormat::Toml, _) => self.sim.run.dialect.map(Dialect::generation),
             (SceneFormat::Sim, TypeRef::File(_)) => Some(6),
             (SceneFormat::Sim, TypeRef::Name(_)) => Some(7),
@@ -345,8 +346,8 @@ impl Placer<'_> {
         });
     }
 
-    /// Draws random positions for walls, then for robots, then for objects. None of them overlaps a body that was placed
-    /// earlier or has a stated position. Returns the walls.
+    /// Draws random positions for walls, then for robots, then for objects. No random body overlaps a body that was
+    /// placed earlier or has a stated position. Returns the walls.
     fn draw_positions(&mut self, world: Option<&WorldSpec>) -> Vec<WallSpec> {
         let Some(world) = world else { return Vec::new() };
         let mut walls = world.walls.clone();
@@ -480,15 +481,17 @@ impl Placer<'_> {
         (of_line().filter(|(other, _)| *other < entity).count(), of_line().count())
     }
 
-    /// Checks the demands on routes between positions.
-    fn check_demands(&mut self, world: Option<&WorldSpec>, walls: &[WallSpec]) {
+    /// Checks that the required routes between positions exist.
+    fn check_routes(&mut self, world: Option<&WorldSpec>, walls: &[WallSpec]) {
         let Some(world) = world.filter(|_| !self.may_retry) else { return };
-        for demand in &self.sim.reachable {
-            let Some((from, to)) = self.route_end(&demand.from).zip(self.route_end(&demand.to)) else { continue };
+        for requirement in &self.sim.reachable {
+            let Some((from, to)) = self.route_end(&requirement.from).zip(self.route_end(&requirement.to)) else {
+                continue;
+            };
             let is_robot = matches!(from.entity, Some(Entity::Robot(_)));
-            let Some(width) = demand.width.or(is_robot.then_some(2.0 * from.radius)) else {
+            let Some(width) = requirement.width.or(is_robot.then_some(2.0 * from.radius)) else {
                 let message = "the width of the way is not known: it does not begin at a robot";
-                self.sink.error(Code::TomlMissing, demand.span, message, "a line `width_mm = ...`");
+                self.sink.error(Code::TomlMissing, requirement.span, message, "a line `width_mm = ...`");
                 continue;
             };
             let ends = [from.entity, to.entity];
@@ -504,17 +507,17 @@ impl Placer<'_> {
                 let message = format!(
                     "no way {} mm wide leads from {} to {}",
                     number::mm(width),
-                    position_text(&demand.from),
-                    position_text(&demand.to)
+                    position_text(&requirement.from),
+                    position_text(&requirement.to)
                 );
                 let expected = "fewer or smaller obstacles, a narrower way, or less clearance";
-                self.sink.error(Code::SceneReach, demand.span, message, expected);
+                self.sink.error(Code::SceneReach, requirement.span, message, expected);
                 self.may_retry = true;
             }
         }
     }
 
-    /// The end of a route that a demand names by a point or an entity.
+    /// The end of a route that a requirement names by a point or an entity.
     fn route_end(&mut self, position: &PositionRef) -> Option<RouteEnd> {
         let path = match position {
             PositionRef::Point(point) => return Some(RouteEnd { position: *point, radius: 0.0, entity: None }),
@@ -534,14 +537,14 @@ impl Placer<'_> {
 
     /// Places an object of a loaded type.
     fn place_named_object(&mut self, line: &RobotLine, kind: Arc<ObjectType>) {
-        let form = "`NAME X Y PHI` in mm and degrees";
+        let syntax = "`NAME X Y PHI` in mm and degrees";
         if let Some(program) = &line.program {
             let message = format!("`{}` is left over: an object has no program", program.text);
-            self.sink.warn(Code::WordExtra, program.span, message, form);
+            self.sink.warn(Code::WordExtra, program.span, message, syntax);
         }
         let StartRef::Pose(pose) = line.start else {
             let message = format!("`{}` is an object; only robots start at a letter", line.kind.written().text);
-            self.sink.error(Code::SimPlaceArity, line.span, message, form);
+            self.sink.error(Code::SimPlaceArity, line.span, message, syntax);
             return;
         };
         let friction = kind.friction;
@@ -570,7 +573,7 @@ impl Placer<'_> {
         // If the world is missing, which is already reported, the missing start is no further mistake.
         if let (None, Some(world)) = (start, self.starts.world) {
             let message = format!("no start is left for this robot: the world has {}", world.starts.len());
-            let expected = match self.sim.form {
+            let expected = match self.sim.format {
                 SceneFormat::Sim => {
                     "`X Y PHI` on this line, `position X Y PHI` in the world or a start letter in the maze"
                 }
@@ -624,8 +627,8 @@ impl<'a> Starts<'a> {
         Some(self.world?.starts[index].pose)
     }
 
-    /// Takes the start of a maze in EyeSim VR of 2018: the cell of the last letter, whichever letter that is; the robot
-    /// faces along x.
+    /// Takes the start of a maze in EyeSim VR of 2018: the cell of the last letter, for any letter. The robot faces
+    /// along x.
     fn take_start_of_2018(&mut self) -> Option<Pose> {
         let starts = &self.world?.starts;
         let index = (0..starts.len()).rfind(|index| starts[*index].letter.is_some())?;

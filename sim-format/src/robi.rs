@@ -25,9 +25,10 @@ const RESERVED: [&str; 2] = ["LabBot", "S4"];
 
 /// Reads a robi file of any dialect, without its companion ([`super::read_companion`]).
 ///
-/// The newest dialect that any line requires applies to the whole file. Missing values get the
-/// defaults of docs/formats/robi.md; a missing `wheel` or `drive` line gives a warning. The wheelbase is the distance between the two
-/// `axel` lines; without them it is estimated from the geometry: 0.6 of the diameter for Ackermann, the track otherwise.
+/// The newest dialect that any line requires applies to the whole file. Missing values get the defaults of
+/// docs/formats/robi.md; a missing `wheel` or `drive` line gives a warning. The wheelbase is the distance between the
+/// two `axel` lines. Without them it is estimated from the geometry: 0.6 of the diameter for Ackermann, the track
+/// otherwise.
 pub fn read_robi(file: &str, text: &str) -> (RobiSpec, Vec<Diagnostic>) {
     let lines: Vec<(Line<'_>, Vec<Word<'_>>)> = line::lines(text).map(|line| (line, line.words())).collect();
     let mut reader = Reader::new(file, Dialect::of(lines.iter().map(|(_, words)| words.as_slice())));
@@ -137,13 +138,13 @@ impl Reader {
         quantity: Quantity,
         field: fn(&mut RobiSpec) -> &mut f64,
     ) -> bool {
-        let form = format!("`{} NUMBER`: {}", keyword.text, quantity.expected());
+        let syntax = format!("`{} NUMBER`: {}", keyword.text, quantity.expected());
         let Some(word) = rest.first() else {
             let message = format!("`{}` gives no number", keyword.text);
-            self.sink.warn(Code::RobiNumberMissing, keyword.span, message, form);
+            self.sink.warn(Code::RobiNumberMissing, keyword.span, message, syntax);
             return false;
         };
-        self.warn_extra(keyword, rest, 1, &form);
+        self.warn_extra(keyword, rest, 1, &syntax);
         let value = line::number(&mut self.sink, Severity::Warning, word, &quantity);
         if let Some(value) = value {
             *field(&mut self.robi) = value;
@@ -152,10 +153,10 @@ impl Reader {
     }
 
     /// Warns about words after the first `count` values of a keyword.
-    fn warn_extra(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, form: &str) {
+    fn warn_extra(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], count: usize, syntax: &str) {
         if let Some(extra) = rest.get(count) {
             let message = format!("`{}` is left over after the {count} values of `{}`", extra.text, keyword.text);
-            self.sink.warn(Code::WordExtra, extra.span, message, form);
+            self.sink.warn(Code::WordExtra, extra.span, message, syntax);
         }
     }
 
@@ -167,21 +168,22 @@ impl Reader {
             return;
         }
         let quantities = [Quantity::coordinate("height of the axis"), forward];
-        let form = "`axis FORWARD` or `axis HEIGHT FORWARD` in mm";
-        if let Some([_, forward]) = values_of(&mut self.sink, "axis", rest, span_of(keyword, rest), &quantities, form) {
+        let syntax = "`axis FORWARD` or `axis HEIGHT FORWARD` in mm";
+        if let Some([_, forward]) = values_of(&mut self.sink, "axis", rest, span_of(keyword, rest), &quantities, syntax)
+        {
             self.robi.axis_offset = forward;
         }
     }
 
     /// Reads `axel drive|turn HEIGHT FORWARD`: an axle of a car.
     fn axel(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let form = "`axel drive HEIGHT FORWARD` and `axel turn HEIGHT FORWARD` in mm";
-        let Some((axle, values)) = self.axle_index(keyword, rest, form) else {
+        let syntax = "`axel drive HEIGHT FORWARD` and `axel turn HEIGHT FORWARD` in mm";
+        let Some((axle, values)) = self.axle_index(keyword, rest, syntax) else {
             return;
         };
         let quantities = [Quantity::coordinate("height of the axle"), Quantity::coordinate("place of the axle")];
         let span = span_of(keyword, rest);
-        if let Some([_, forward]) = values_of(&mut self.sink, "axel", values, span, &quantities, form) {
+        if let Some([_, forward]) = values_of(&mut self.sink, "axel", values, span, &quantities, syntax) {
             self.axles[axle] = Some((forward, span));
         }
     }
@@ -191,7 +193,7 @@ impl Reader {
         &mut self,
         keyword: &Word<'_>,
         rest: &'r [Word<'a>],
-        form: &str,
+        syntax: &str,
     ) -> Option<(usize, &'r [Word<'a>])> {
         match rest.split_first() {
             Some((word, values)) if word.text == "drive" => Some((0, values)),
@@ -199,7 +201,7 @@ impl Reader {
             _ => {
                 let word = rest.first().unwrap_or(keyword);
                 let message = format!("`{}` names neither the axle that drives nor the one that turns", keyword.text);
-                self.sink.warn(Code::RobiAxelKind, word.span, message, form);
+                self.sink.warn(Code::RobiAxelKind, word.span, message, syntax);
                 None
             }
         }
@@ -209,7 +211,7 @@ impl Reader {
         let span = span_of(keyword, rest);
         let names_axle = rest.first().is_some_and(|word| word.text.starts_with(|c: char| c.is_ascii_alphabetic()));
         let (axle, values) = match names_axle {
-            true => match self.axle_index(keyword, rest, VR_WHEEL_FORM) {
+            true => match self.axle_index(keyword, rest, VR_WHEEL_SYNTAX) {
                 Some(found) => found,
                 None => return,
             },
@@ -219,13 +221,13 @@ impl Reader {
         if axle == 0 {
             self.wheel_line = Some(span);
         }
-        let form = if names_axle { VR_WHEEL_FORM } else { WHEEL_FORM };
+        let syntax = if names_axle { VR_WHEEL_SYNTAX } else { WHEEL_SYNTAX };
         if values.len() < 4 {
             let message = format!("`wheel` has {} of 4 numbers; defaults are taken", values.len());
-            self.sink.warn(Code::RobiWheelArity, span, message, form);
+            self.sink.warn(Code::RobiWheelArity, span, message, syntax);
             return;
         }
-        self.warn_extra(keyword, values, 4, form);
+        self.warn_extra(keyword, values, 4, syntax);
         let values = line::numbers(&mut self.sink, Severity::Warning, &values[..4], &WHEEL);
         if let Some([diameter, max_rate, ticks_per_turn, track]) = values.filter(|_| axle == 0) {
             self.robi.wheel = WheelSpec { diameter, max_rate, ticks_per_turn, track };
@@ -240,7 +242,7 @@ impl Reader {
         let name = rest.first().map_or("", |word| word.text);
         let Some((_, kind, default)) = DRIVES.iter().find(|(word, ..)| *word == name) else {
             let message = format!("unknown drive `{name}`; a differential drive is taken");
-            let diagnostic = self.sink.error(Code::RobiDriveKind, word.span, message, DRIVE_FORM);
+            let diagnostic = self.sink.error(Code::RobiDriveKind, word.span, message, DRIVE_SYNTAX);
             let words = DRIVES.iter().map(|(word, ..)| *word);
             diagnostic.suggestion = line::nearest(name, words).map(|kind| format!("write `{kind}`"));
             return;
@@ -248,7 +250,7 @@ impl Reader {
         let names: Vec<&str> = rest[1..].iter().map(|word| word.text).collect();
         if !names.is_empty() && names.len() != default.len() {
             let message = format!("`{}` has {} of {} devices", rest[0].text, names.len(), default.len());
-            self.sink.warn(Code::RobiDriveArity, span, message, DRIVE_FORM);
+            self.sink.warn(Code::RobiDriveArity, span, message, DRIVE_SYNTAX);
         }
         let names = if names.len() == default.len() { &names } else { *default };
         let (motors, steering) = motors_and_steering(*kind, names);
@@ -275,11 +277,11 @@ fn span_of(keyword: &Word<'_>, rest: &[Word<'_>]) -> Span {
     rest.last().map_or(keyword.span, |last| keyword.span.to(last.span))
 }
 
-const WHEEL_FORM: &str = "`wheel DIAMETER MAX_RATE TICKS TRACK` in mm, degrees/s, ticks a turn, mm; in files of EyeSim VR \
+const WHEEL_SYNTAX: &str = "`wheel DIAMETER MAX_RATE TICKS TRACK` in mm, degrees/s, ticks a turn, mm; in files of EyeSim VR \
                           half the track";
-const VR_WHEEL_FORM: &str =
+const VR_WHEEL_SYNTAX: &str =
     "`wheel drive DIAMETER MAX_RATE TICKS HALF_TRACK` and `wheel turn ...` in mm, degrees/s, ticks a turn, mm";
-const DRIVE_FORM: &str = "`drive DIFFERENTIAL_DRIVE MOTOR QUAD MOTOR QUAD`, `drive OMNI_DRIVE` with four pairs (front left, \
+const DRIVE_SYNTAX: &str = "`drive DIFFERENTIAL_DRIVE MOTOR QUAD MOTOR QUAD`, `drive OMNI_DRIVE` with four pairs (front left, \
                           front right, back left, back right), `drive ACKERMANN_DRIVE MOTOR QUAD SERVO`, \
                           `drive THRUSTER_DRIVE` with four motors (left, front, right, back), or `drive LEGGED_DRIVE` \
                           with legs in the companion";

@@ -27,14 +27,18 @@ const MARKER_COLOUR: [u8; 4] = [255, 0, 0, 255];
 /// Reads a sim file, but none of the files that it refers to (see [`super::load_scene`]).
 pub fn read_sim(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
     let sim = SimSpec { file: file.to_owned(), ..SimSpec::default() };
-    let mut reader = Reader { sink: Sink::new(file), sim, has_form_of_2018: false, has_newer_form: false };
+    let mut reader = Reader { sink: Sink::new(file), sim, has_syntax_of_2018: false, has_newer_syntax: false };
     let mut is_first = true;
     for line in line::lines(text) {
         let words = line.words();
         if let Some((first, rest)) = words.split_first() {
             if is_first && first.text.starts_with('[') {
-                let diagnostic =
-                    reader.sink.error(Code::SimKeyword, first.span, "the file is TOML, and no sim file", KEYWORD_FORM);
+                let diagnostic = reader.sink.error(
+                    Code::SimKeyword,
+                    first.span,
+                    "the file is TOML, and no sim file",
+                    KEYWORD_SYNTAX,
+                );
                 diagnostic.suggestion = Some(format!("name it `{}.scene.toml`", path::stem(file)));
                 break;
             }
@@ -42,17 +46,17 @@ pub fn read_sim(file: &str, text: &str) -> (SimSpec, Vec<Diagnostic>) {
             reader.read_line(first, rest);
         }
     }
-    reader.sim.run.dialect = (reader.has_form_of_2018 && !reader.has_newer_form).then_some(Dialect::Vr2018);
+    reader.sim.run.dialect = (reader.has_syntax_of_2018 && !reader.has_newer_syntax).then_some(Dialect::Vr2018);
     (reader.sim, reader.sink.finish())
 }
 
 struct Reader {
     sink: Sink,
     sim: SimSpec,
-    /// True if a line has a form that EyeSim VR of 2018 has and newer versions do not have.
-    has_form_of_2018: bool,
-    /// True if a line has a form that EyeSim VR of 2018 does not have.
-    has_newer_form: bool,
+    /// True if a line has a syntax of EyeSim VR of 2018 that newer versions lack.
+    has_syntax_of_2018: bool,
+    /// True if a line has a syntax that EyeSim VR of 2018 lacks.
+    has_newer_syntax: bool,
 }
 
 impl Reader {
@@ -77,8 +81,8 @@ impl Reader {
     }
 
     fn read_world(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], kind: WorldKind) {
-        let form = "`world FILE.wld` or `maze FILE.maz`";
-        let Some(path) = path::reference(&mut self.sink, Severity::Error, keyword, rest, form) else {
+        let syntax = "`world FILE.wld` or `maze FILE.maz`";
+        let Some(path) = path::reference(&mut self.sink, Severity::Error, keyword, rest, syntax) else {
             return;
         };
         let kind = match path::extension(&path.text).as_str() {
@@ -116,8 +120,8 @@ impl Reader {
 
     /// Reads `obj FILE` or `object FILE`, which loads an object type.
     fn read_object_type(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let form = "`object FILE.esObj`, or the classic `object X Y PHI FRICTION MESH`";
-        let path = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
+        let syntax = "`object FILE.esObj`, or the classic `object X Y PHI FRICTION MESH`";
+        let path = path::reference(&mut self.sink, Severity::Warning, keyword, rest, syntax);
         self.record_version(keyword, "obj");
         self.sim.object_types.extend(path);
     }
@@ -126,8 +130,8 @@ impl Reader {
     /// of 2018.
     fn record_version(&mut self, keyword: &Word<'_>, old: &str) {
         let is_keyword_of_2018 = keyword.text.eq_ignore_ascii_case(old);
-        self.has_form_of_2018 |= is_keyword_of_2018;
-        self.has_newer_form |= !is_keyword_of_2018;
+        self.has_syntax_of_2018 |= is_keyword_of_2018;
+        self.has_newer_syntax |= !is_keyword_of_2018;
     }
 
     /// Reads `robi FILE PROGRAM [X Y PHI]`.
@@ -135,7 +139,7 @@ impl Reader {
         let span = line_span(keyword, rest);
         let [robi, program, pose @ ..] = rest else {
             let message = format!("`{}` names no robot file", keyword.text);
-            self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM);
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX);
             return;
         };
         let name_count = rest.iter().take_while(|word| !is_number(word)).count();
@@ -149,20 +153,20 @@ impl Reader {
             let type_word_count = rest[..name_count - 1].iter().position(ends_type).map_or(1, |index| index + 1);
             let line = [quoted(&rest[..type_word_count]), quoted(&rest[type_word_count..name_count])].join(" ");
             let numbers = rest[name_count..].iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
-            self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM).suggestion =
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX).suggestion =
                 Some(format!("put a file name with blanks between double quotes: `{} {line} {numbers}`", keyword.text));
             return;
         }
         if matches!(pose.len(), 1 | 2) {
             let message = format!("the start pose of `{}` has {} of 3 numbers", program.text, pose.len());
-            self.sink.error(Code::SimRobiArity, span, message, ROBI_FORM);
+            self.sink.error(Code::SimRobiArity, span, message, ROBI_SYNTAX);
             return;
         }
-        self.warn_of_extra_words(pose, 3, ROBI_FORM);
+        self.warn_of_extra_words(pose, 3, ROBI_SYNTAX);
         let pose = &pose[..pose.len().min(3)];
         let start = line::numbers(&mut self.sink, Severity::Error, pose, &POSE).map(|[x, y, phi]| Pose::new(x, y, phi));
-        let robi = path::file_reference(&mut self.sink, Severity::Error, robi, ROBI_FORM);
-        let program = path::file_reference(&mut self.sink, Severity::Error, program, ROBI_FORM);
+        let robi = path::file_reference(&mut self.sink, Severity::Error, robi, ROBI_SYNTAX);
+        let program = path::file_reference(&mut self.sink, Severity::Error, program, ROBI_SYNTAX);
         let start = match start {
             Some(pose) => StartRef::Pose(pose),
             None if pose.is_empty() => StartRef::Next,
@@ -178,16 +182,16 @@ impl Reader {
     fn read_classic_object(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = line_span(keyword, rest);
         let [pose @ .., mesh] = rest else {
-            self.sink.warn(Code::SimObjectArity, span, "`object` has no values", OBJECT_FORM);
+            self.sink.warn(Code::SimObjectArity, span, "`object` has no values", OBJECT_SYNTAX);
             return;
         };
         if pose.len() != 4 {
             let message = format!("`object` has {} of 5 values", rest.len());
-            self.sink.warn(Code::SimObjectArity, span, message, OBJECT_FORM);
+            self.sink.warn(Code::SimObjectArity, span, message, OBJECT_SYNTAX);
             return;
         }
         let values = line::numbers(&mut self.sink, Severity::Warning, pose, &OBJECT);
-        let mesh = path::file_reference(&mut self.sink, Severity::Warning, mesh, OBJECT_FORM);
+        let mesh = path::file_reference(&mut self.sink, Severity::Warning, mesh, OBJECT_SYNTAX);
         if let (Some([x, y, phi, friction]), Some(mesh)) = (values, mesh) {
             self.sim.objects.push(ObjectLine {
                 kind: TypeRef::File(mesh),
@@ -253,17 +257,17 @@ impl Reader {
             return;
         }
         let message = format!("unknown keyword `{}`", first.text);
-        let diagnostic = self.sink.report(severity, Code::SimKeyword, first.span, message, KEYWORD_FORM);
+        let diagnostic = self.sink.report(severity, Code::SimKeyword, first.span, message, KEYWORD_SYNTAX);
         diagnostic.suggestion = nearest.map(|keyword| format!("write `{keyword}`"));
     }
 
     /// Reads `NAME X Y PHI [PROGRAM]` or `NAME LETTER [PHI] [PROGRAM]`.
-    fn read_placement(&mut self, name: &Word<'_>, rest: &[Word<'_>], form: &str) -> Option<RobotLine> {
+    fn read_placement(&mut self, name: &Word<'_>, rest: &[Word<'_>], syntax: &str) -> Option<RobotLine> {
         let span = line_span(name, rest);
         let (start, program) = match rest.first().and_then(letter) {
             Some(letter) => {
                 let has_heading = rest.get(1).is_some_and(is_number);
-                self.has_newer_form |= has_heading;
+                self.has_newer_syntax |= has_heading;
                 let heading = match rest.get(1).filter(|_| has_heading) {
                     Some(word) => Some(line::number(&mut self.sink, Severity::Error, word, &POSE[2])?),
                     None => None,
@@ -272,13 +276,13 @@ impl Reader {
             }
             None if is_short(rest) => {
                 let message = short_pose_message(name, count_numbers(rest));
-                self.sink.error(Code::SimPlaceArity, span, message, form);
+                self.sink.error(Code::SimPlaceArity, span, message, syntax);
                 return None;
             }
             None if !is_number(&rest[0]) && count_numbers(&rest[1..]) >= 3 => {
                 let message = format!("`{}` stands before the start pose", rest[0].text);
                 let pose = rest[1..].iter().map(|word| word.text).collect::<Vec<_>>().join(" ");
-                self.sink.error(Code::SimPlaceArity, span, message, form).suggestion =
+                self.sink.error(Code::SimPlaceArity, span, message, syntax).suggestion =
                     Some(format!("write `{} {pose} {}`", name.text, rest[0].text));
                 return None;
             }
@@ -287,9 +291,9 @@ impl Reader {
                 (pose.map(|[x, y, phi]| StartRef::Pose(Pose::new(x, y, phi))), &rest[3..])
             }
         };
-        self.warn_of_extra_words(program, 1, form);
+        self.warn_of_extra_words(program, 1, syntax);
         let program = match program.first() {
-            Some(word) => Some(path::file_reference(&mut self.sink, Severity::Error, word, form)?),
+            Some(word) => Some(path::file_reference(&mut self.sink, Severity::Error, word, syntax)?),
             None => None,
         };
         let kind = TypeRef::Name(spanned_text(name));
@@ -301,7 +305,7 @@ impl Reader {
         let span = line_span(keyword, rest);
         if !matches!(rest.len(), 2 | 5 | 6) {
             let message = format!("`marker` has {} values", rest.len());
-            self.sink.error(Code::SimMarkerArity, span, message, MARKER_FORM);
+            self.sink.error(Code::SimMarkerArity, span, message, MARKER_SYNTAX);
             return;
         }
         let (coordinates, shades) = rest.split_at(2);
@@ -318,10 +322,10 @@ impl Reader {
     }
 
     /// Warns about the words that follow the first `count` of `words`.
-    fn warn_of_extra_words(&mut self, words: &[Word<'_>], count: usize, form: &str) {
+    fn warn_of_extra_words(&mut self, words: &[Word<'_>], count: usize, syntax: &str) {
         if let Some(extra) = words.get(count) {
             let message = format!("`{}` is left over", extra.text);
-            let diagnostic = self.sink.warn(Code::WordExtra, extra.span, message, form);
+            let diagnostic = self.sink.warn(Code::WordExtra, extra.span, message, syntax);
             if !line::looks_numeric(extra.text) {
                 diagnostic.suggestion = Some("put a file name with blanks between double quotes".to_owned());
             }
@@ -367,14 +371,14 @@ fn letter(word: &Word<'_>) -> Option<char> {
     characters.next().is_none().then(|| letter.to_ascii_uppercase())
 }
 
-const KEYWORD_FORM: &str =
+const KEYWORD_SYNTAX: &str =
     "one of world, maze, settings, robi, robot, obj, object, marker, or the name of a type with `X Y PHI`";
-const ROBI_FORM: &str = "`robi FILE.robi PROGRAM`, then nothing or `X Y PHI` in mm and degrees";
-const OBJECT_FORM: &str = "`object X Y PHI FRICTION MESH` in mm and degrees";
+const ROBI_SYNTAX: &str = "`robi FILE.robi PROGRAM`, then nothing or `X Y PHI` in mm and degrees";
+const OBJECT_SYNTAX: &str = "`object X Y PHI FRICTION MESH` in mm and degrees";
 const PLACE_ROBOT: &str = "`NAME X Y PHI` in mm and degrees or `NAME LETTER [PHI]`, then nothing or a program";
 const PLACE_OBJECT: &str = "`NAME X Y PHI` in mm and degrees";
 const PLACE_NAMED: &str = "the name of a type and `X Y PHI` in mm and degrees; for a robot also a program";
-const MARKER_FORM: &str =
+const MARKER_SYNTAX: &str =
     "`marker X Y`, `marker X Y RED GREEN BLUE` or `marker X Y RED GREEN BLUE OPACITY`, colours 0 to 255";
 const POSE: [Quantity; 3] = [Quantity::coordinate("x"), Quantity::coordinate("y"), Quantity::angle("phi")];
 const OBJECT: [Quantity; 4] = [

@@ -147,7 +147,7 @@ pub struct Values {
     pub span: Span,
 }
 
-/// What an axis of the matrix changes.
+/// Property that an axis of the matrix changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisKind {
     /// The scene.
@@ -169,7 +169,7 @@ pub enum AxisKind {
 /// Axis of the matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// What the axis changes.
+    /// Property that the axis changes.
     pub kind: AxisKind,
     /// Its name: a key of the matrix such as `seed`, the path of a value of the scene, or the name of a parameter.
     pub name: String,

@@ -326,7 +326,8 @@ impl Reader {
         Some(items)
     }
 
-    /// Reports the `keys` that a table has although `other` excludes them; returns true if it has none.
+    /// Reports the `keys` that a table has although `other` excludes them; returns true if the table has none of these
+    /// keys.
     pub(super) fn exclude(&mut self, section: &mut Section<'_, '_>, other: &str, keys: &[&'static str]) -> bool {
         let mut is_clean = true;
         for key in keys {

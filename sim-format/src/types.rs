@@ -39,7 +39,7 @@ pub(super) struct Types {
     by_lower_case: BTreeMap<String, Vec<String>>,
     /// Lines that would load the types in nearby files, by the names of the types; filled at the first unknown type.
     nearby: Option<BTreeMap<String, String>>,
-    form: SceneFormat,
+    format: SceneFormat,
 }
 
 struct KnownType {
@@ -52,7 +52,8 @@ impl Types {
     /// Registers the built-in types and the types that `sim` loads. Built-in names are reserved; of two types with the same name, the
     /// first is registered.
     pub(super) fn load(loader: &mut Loader<'_>, sim: &SimSpec, folder: &str) -> Self {
-        let mut types = Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None, form: sim.form };
+        let mut types =
+            Self { by_name: BTreeMap::new(), by_lower_case: BTreeMap::new(), nearby: None, format: sim.format };
         let robots = builtin::ROBOTS.iter().filter_map(|name| builtin::robot(name)).map(LoadedType::Robot);
         let objects = builtin::OBJECTS.iter().filter_map(|name| builtin::object(name)).map(LoadedType::Object);
         for kind in robots.chain(objects) {
@@ -125,7 +126,7 @@ impl Types {
         }
         let entry = entry?;
         if let Some(loaded) =
-            entry.loaded_at.filter(|loaded| self.form == SceneFormat::Sim && loaded.start > reference.span.start)
+            entry.loaded_at.filter(|loaded| self.format == SceneFormat::Sim && loaded.start > reference.span.start)
         {
             let message = format!("`{}` is loaded only further below, in line {}", reference.text, loaded.line);
             sink.warn(
@@ -148,11 +149,11 @@ impl Types {
         reference: &SpannedText,
     ) {
         // The type may be in the file that is missing, which is already reported.
-        if self.form == SceneFormat::Sim && loader.lacks_robot_type() {
+        if self.format == SceneFormat::Sim && loader.lacks_robot_type() {
             return;
         }
         let message = format!("there is no type `{}`", reference.text);
-        let expected = match self.form {
+        let expected = match self.format {
             SceneFormat::Sim => {
                 "LabBot, S4, Mako, Can, Soccer, Crate, Golf, or the name of a type that a line above loads"
             }
@@ -171,7 +172,7 @@ impl Types {
         }
         let nearby = self.nearby.get_or_insert_with(|| find_nearby(loader, folder));
         if let Some(line) = nearby.get(name) {
-            return Some(match self.form {
+            return Some(match self.format {
                 SceneFormat::Sim => format!("load it above with `{line}`"),
                 SceneFormat::Toml => format!("name its file: `{}`", line.split_once(' ').map_or("", |(_, file)| file)),
             });
@@ -192,7 +193,7 @@ const DEPTH_BELOW: usize = 2;
 const MAX_ENTRIES: usize = 2000;
 const MAX_FILES: usize = 200;
 
-/// For each type in the files near `folder`, by its name, the line that would load it.
+/// Lines that would load the types in the files near `folder`, by the names of the types.
 fn find_nearby(loader: &Loader<'_>, folder: &str) -> BTreeMap<String, String> {
     let mut lines = BTreeMap::new();
     let (mut entries, mut files) = (0, 0);

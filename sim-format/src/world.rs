@@ -68,38 +68,38 @@ impl Reader {
         rest: &[Word<'_>],
         quantities: &[Quantity; N],
         code: Code,
-        form: &str,
+        syntax: &str,
     ) -> Option<[f64; N]> {
         if rest.len() < N {
             let span = rest.last().map_or(keyword.span, |last| keyword.span.to(last.span));
             let message = format!("`{}` has {} of {N} numbers", keyword.text, rest.len());
-            self.sink.warn(code, span, message, form);
+            self.sink.warn(code, span, message, syntax);
             return None;
         }
         if let Some(extra) = rest.get(N) {
             let message = format!("`{}` is left over after the {N} numbers of `{}`", extra.text, keyword.text);
-            self.sink.warn(Code::WordExtra, extra.span, message, form);
+            self.sink.warn(Code::WordExtra, extra.span, message, syntax);
         }
         line::numbers(&mut self.sink, Severity::Warning, &rest[..N], quantities)
     }
 
     fn read_floor(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let quantities = [Quantity::size("floor width"), Quantity::size("floor height")];
-        let form = "`floor WIDTH HEIGHT` in mm";
-        if let Some([width, height]) = self.arguments(keyword, rest, &quantities, Code::WldFloorArity, form) {
+        let syntax = "`floor WIDTH HEIGHT` in mm";
+        if let Some([width, height]) = self.arguments(keyword, rest, &quantities, Code::WldFloorArity, syntax) {
             self.width = Some(width);
             self.height = Some(height);
         }
     }
 
     fn read_side(&mut self, keyword: &Word<'_>, rest: &[Word<'_>], code: Code) -> Option<f64> {
-        let form = format!("`{} SIZE` in mm", keyword.text);
-        self.arguments(keyword, rest, &[Quantity::size("floor size")], code, &form).map(|[size]| size)
+        let syntax = format!("`{} SIZE` in mm", keyword.text);
+        self.arguments(keyword, rest, &[Quantity::size("floor size")], code, &syntax).map(|[size]| size)
     }
 
     fn read_texture(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let form = "`floor_texture IMAGE`: a png, bmp or jpg file";
-        self.world.texture = path::reference(&mut self.sink, Severity::Warning, keyword, rest, form);
+        let syntax = "`floor_texture IMAGE`: a png, bmp or jpg file";
+        self.world.texture = path::reference(&mut self.sink, Severity::Warning, keyword, rest, syntax);
         // The walls of worlds saved by EyeSim VR lie on the lines of the image only if the image is turned.
         self.world.texture_is_turned = self.world.texture.is_some();
     }
@@ -111,16 +111,16 @@ impl Reader {
     }
 
     fn read_position(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let form = "`position X Y PHI` in mm and degrees counter-clockwise";
-        if let Some([x, y, phi]) = self.arguments(keyword, rest, &POSE, Code::WldPositionArity, form) {
+        let syntax = "`position X Y PHI` in mm and degrees counter-clockwise";
+        if let Some([x, y, phi]) = self.arguments(keyword, rest, &POSE, Code::WldPositionArity, syntax) {
             let pose = self.frame().compose(&Pose::new(x, y, phi));
             self.world.starts.push(StartSpec { pose, letter: None, span: keyword.span });
         }
     }
 
     fn read_push(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
-        let form = "`push X Y PHI` in mm and degrees clockwise";
-        let frame = match self.arguments(keyword, rest, &POSE, Code::WldPushArity, form) {
+        let syntax = "`push X Y PHI` in mm and degrees clockwise";
+        let frame = match self.arguments(keyword, rest, &POSE, Code::WldPushArity, syntax) {
             // Clockwise, unlike all other angles: the data files are consistent only with this sign.
             Some([x, y, phi]) => self.frame().compose(&Pose::new(x, y, -phi)),
             // Still opens a frame, so that the matching `pop` does not close another frame.
@@ -153,7 +153,7 @@ impl Reader {
                 Some(word) => format!("a wall of {count} numbers and the word `{}`", word.text),
                 None => format!("a wall of {count} numbers"),
             };
-            let diagnostic = self.sink.warn(Code::WldWallArity, span, message, WALL_FORM);
+            let diagnostic = self.sink.warn(Code::WldWallArity, span, message, WALL_SYNTAX);
             if let ([x, y, phi], 3) = (words, count) {
                 let push = format!("`push {} {} {}`, if a frame is meant", x.text, y.text, phi.text);
                 diagnostic.suggestion = Some(push);
@@ -228,7 +228,7 @@ impl Reader {
     }
 }
 
-const WALL_FORM: &str =
+const WALL_SYNTAX: &str =
     "`X1 Y1 X2 Y2`, `X1 Y1 X2 Y2 THICKNESS HEIGHT` or `X1 Y1 X2 Y2 THICKNESS HEIGHT RED GREEN BLUE`, lengths in mm";
 
 const POSE: [Quantity; 3] = [Quantity::coordinate("x"), Quantity::coordinate("y"), Quantity::angle("phi")];

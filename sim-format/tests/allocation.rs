@@ -1,4 +1,4 @@
-//! The end of a slot takes no memory once its buffers have grown.
+//! The end of a slot allocates no memory once its buffers have grown.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -17,7 +17,7 @@ thread_local! {
 /// The system's allocator, which counts the calling thread's allocations.
 struct Counting;
 
-// SAFETY: both functions forward to the system's allocator; the counter has no destructor and takes no memory.
+// SAFETY: both functions forward to the system's allocator; the counter has no destructor and allocates nothing.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
@@ -44,7 +44,7 @@ fn slots_of_a_robot_alone_take_no_memory_with_noise_either() {
     assert_eq!(allocations(1, "mild"), 0);
 }
 
-/// Memory that 200 slots take, of `side` x `side` robots that drive apart from each other.
+/// Number of allocations in the last 200 of 400 slots, for `side` x `side` robots that drive apart from each other.
 fn allocations(side: usize, noise: &str) -> usize {
     let mut scene = format!("noise = \"{noise}\"\n[world]\nfloor_mm = [{0}, {0}]\n", side * 2000);
     for index in 0..side * side {

@@ -63,7 +63,7 @@ fn an_image_is_exposed_where_the_robot_was_a_sixtieth_of_a_second_ago() {
     take(&mut simulation, &scenery).expect("an image");
     let exposure = simulation.robot(ROBOT).devices.camera.last().expect("the last image");
     assert_eq!((exposure.number, exposure.at), (2, Time(100_000)));
-    // 300 mm farther, and the camera ahead and to the left: facing y, left is -x.
+    // The robot is 300 mm farther. The camera is ahead and to the left; facing y, left is -x.
     let position = exposure.view.world_from_camera().position;
     assert!((position - DVec3::new(0.95, 0.9, 0.2)).length() < 1e-12, "{position}");
 }

@@ -11,8 +11,8 @@ use sim_format::{
     Code, Diagnostic, FileError, Files, MeshReader, Severity, load_object, load_robi, load_scene, load_world,
 };
 
-/// Codes that a text alone cannot cause: they require other bytes than UTF-8, an image, a folder, thousands of lines or
-/// robots, a program, a conversion or the functions of RoBIOS.
+/// Codes that a text alone cannot cause: they require bytes that are not UTF-8, an image, a folder, thousands of lines
+/// or robots, a program, a conversion or the functions of RoBIOS.
 const WITHOUT_EXAMPLE: [Code; 20] = [
     Code::CheckFunction,
     Code::CheckProgram,
@@ -155,19 +155,22 @@ impl Page {
         let (Some(wrong), Some(right)) = (&self.wrong, &self.right) else {
             return vec!["the page has no example fenced as ```KIND wrong, or none as ```KIND right".to_owned()];
         };
-        let said = wrong.diagnostics();
+        let reported = wrong.diagnostics();
         let mut complaints = Vec::new();
-        if !said.iter().any(|said| said.code == code) {
-            complaints.push(format!("it is not said about\n{}", wrong.text));
+        if !reported.iter().any(|diagnostic| diagnostic.code == code) {
+            complaints.push(format!("it is not reported for\n{}", wrong.text));
         }
         let along = self.along();
-        let belongs = |said: &Diagnostic| match said.code == code {
-            true => self.severities().contains(&said.severity),
-            false => along.contains(said.code.name()),
+        let belongs = |diagnostic: &Diagnostic| match diagnostic.code == code {
+            true => self.severities().contains(&diagnostic.severity),
+            false => along.contains(diagnostic.code.name()),
         };
-        let others = said.iter().filter(|said| !belongs(said));
-        complaints.extend(others.map(|said| format!("another mistake or severity in the wrong example: {said}")));
-        complaints.extend(right.diagnostics().iter().map(|said| format!("a mistake in the right example: {said}")));
+        let others = reported.iter().filter(|diagnostic| !belongs(diagnostic));
+        complaints
+            .extend(others.map(|diagnostic| format!("another mistake or severity in the wrong example: {diagnostic}")));
+        complaints.extend(
+            right.diagnostics().iter().map(|diagnostic| format!("a mistake in the right example: {diagnostic}")),
+        );
         complaints
     }
 }

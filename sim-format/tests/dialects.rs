@@ -138,7 +138,8 @@ fn robots_of_every_dialect_are_what_their_files_say() {
     assert_eq!(facts(s4y), ("S4Y".to_owned(), 186.0, 90.0, 0.0, 90.0, vec![]));
     let car = "vr-2018/Test Assets/robots/Ackermann/Ackermann.robi";
     assert_eq!(facts(car), ("Ackermann2".to_owned(), 258.155, 89.0, -94.0, 160.1, vec![]));
-    // Neither body nor drive devices, PSDs numbered as in classic files: the values of its twin odw, as far as given.
+    // The file has no body and no drive devices, and its PSDs are numbered as in classic files. Its other values are
+    // those of `odw`.
     let omni = "vr-2018/Test Assets/robots/Omni/Omni.robi";
     let codes = vec![Code::RobiBodyMissing, Code::RobiPsdOrder];
     assert_eq!(facts(omni), ("Omni1".to_owned(), 388.33, 220.0, 0.0, 220.0, codes));
@@ -273,7 +274,7 @@ fn mazes_have_the_sizes_starts_and_objects_of_their_files() {
     }
 
     let starts: Vec<_> = maze("two-starts/00-field.maz").starts.iter().map(|s| (s.letter, s.pose.position)).collect();
-    // The second stands in a wall column: it belongs to the cell on its left.
+    // The second letter is in a wall column, so it belongs to the cell on its left.
     assert_eq!(starts, [(Some('U'), DVec2::new(3.5, 0.5)), (Some('S'), DVec2::new(5.5, 0.5))]);
 
     let objects: Vec<_> = maze("vr-2018/Test Assets/maze1.maz")

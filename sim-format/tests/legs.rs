@@ -311,8 +311,8 @@ enum LegInput {
     Legs(LegCommand),
 }
 
-fn say(motion: &mut Motion, at: Time, said: LegInput) {
-    match said {
+fn apply_input(motion: &mut Motion, at: Time, input: LegInput) {
+    match input {
         LegInput::Twist(twist) => motion.command(at, Command::Twist(twist), &[]).expect("can be driven"),
         LegInput::Drive(displacement, duration) => {
             motion.command(at, Command::Drive { displacement, duration }, &[]).expect("can be driven");
@@ -324,7 +324,7 @@ fn say(motion: &mut Motion, at: Time, said: LegInput) {
     }
 }
 
-fn saying() -> impl Strategy<Value = LegInput> {
+fn leg_input() -> impl Strategy<Value = LegInput> {
     let twist = (-1.0..1.0, -1.0..1.0, -2.0..2.0).prop_map(|(vx, vy, omega)| Twist { vx, vy, omega });
     let correction = (0..4usize, -0.1..0.1, -0.1..0.1, 0.0..0.1);
     let correction =
@@ -345,14 +345,14 @@ proptest! {
 
     #[test]
     fn feet_stand_whatever_is_commanded(
-        script in prop::collection::vec((1_000..1_500_000i64, saying()), 1..12),
+        script in prop::collection::vec((1_000..1_500_000i64, leg_input()), 1..12),
         is_biped: bool,
     ) {
         let legs = Arc::new(if is_biped { biped() } else { four_legs() });
         let mut motion = walker(&legs);
         let mut now = Time::ZERO;
-        for (wait, said) in script {
-            say(&mut motion, now, said);
+        for (wait, input) in script {
+            apply_input(&mut motion, now, input);
             check(&legs, &mut motion, now, Time(wait).seconds());
             now += Time(wait);
         }
@@ -360,7 +360,7 @@ proptest! {
 
     #[test]
     fn stances_do_not_depend_on_who_asks_when(
-        script in prop::collection::vec((1_000..900_000i64, saying()), 1..8),
+        script in prop::collection::vec((1_000..900_000i64, leg_input()), 1..8),
         asked in prop::collection::vec(0..3_000_000i64, 0..20),
         slots in prop_oneof![Just(1_000i64), Just(50_000), Just(64_003)],
     ) {
@@ -369,12 +369,12 @@ proptest! {
         let mut busy = walker(&legs);
         let mut now = Time::ZERO;
         let mut slot = Time::ZERO;
-        for (wait, said) in script {
+        for (wait, input) in script {
             for ahead in &asked {
                 busy.stance(now + Time(*ahead));
             }
-            say(&mut lazy, now, said);
-            say(&mut busy, now, said);
+            apply_input(&mut lazy, now, input);
+            apply_input(&mut busy, now, input);
             for ahead in &asked {
                 busy.stance(now + Time(*ahead));
             }
@@ -438,8 +438,8 @@ fn person() -> Legs {
     Legs { legs: vec![leg("LEFT", 0.09), leg("RIGHT", -0.09)], step_height: 0.0, ..biped() }
 }
 
-/// A sensor on the shank looks ahead at right angles to it, with a range of 2 m, at full natural walk: its incidence angle on the
-/// floor runs from 33 to 78 degrees in France et al. 1999, section 6.3.
+/// A sensor on the shank looks ahead at right angles to the shank, with a range of 2 m, while the robot walks at its
+/// full natural speed. In France et al. 1999, section 6.3, its incidence angle on the floor runs from 33 to 78 degrees.
 #[test]
 fn a_sensor_on_the_shank_meets_the_floor_as_in_the_paper() {
     let legs = Arc::new(person());
@@ -516,9 +516,9 @@ const TYPES: [(&str, &str, &str); 3] = [
 fn types_with_legs_are_read_printed_and_read_again() {
     for (file, text, companion) in TYPES {
         let read = |text: &str, companion: &str| {
-            let (mut robi, mut said) = read_robi(file, text);
-            said.extend(read_companion(file, companion, &mut robi));
-            assert_eq!(said, [], "{file}");
+            let (mut robi, mut reported) = read_robi(file, text);
+            reported.extend(read_companion(file, companion, &mut robi));
+            assert_eq!(reported, [], "{file}");
             robi
         };
         let robi = read(text, companion);

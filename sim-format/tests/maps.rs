@@ -24,7 +24,7 @@ fn load(files: &[(&str, &[u8])]) -> Loaded {
 }
 
 fn codes(loaded: &Loaded) -> Vec<&'static str> {
-    loaded.diagnostics.iter().map(|said| said.code.name()).collect()
+    loaded.diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect()
 }
 
 fn of_yaml(yaml: &str, image: &[u8]) -> Loaded {
@@ -47,7 +47,7 @@ fn walls_go_around_the_free_cells_and_close_the_border() {
     assert_eq!(codes(&loaded), [""; 0]);
     let world = &loaded.scene.world;
     assert_eq!(world.floor, DVec2::new(3.0 * 0.05, 2.0 * 0.05));
-    // Free cells on the left: upright walls, then level ones.
+    // Free cells are on the left of the walls. Vertical walls come before horizontal ones.
     let expected = [
         [0, 100, 0, 50],
         [50, 50, 50, 0],
@@ -75,7 +75,8 @@ fn a_turned_map_lies_on_its_floor() {
     assert!((world.floor - DVec2::new(0.1, 0.15)).abs().max_element() < 1e-12, "{}", world.floor);
     let (low, high) = world.bounds();
     assert!(low.abs().max_element() < 1e-12 && (high - world.floor).abs().max_element() < 1e-12);
-    // (0, 0) of the map: the corner (2, 3) of the grid is the lower right one of the floor.
+    // The note gives the position of the map's point (0, 0). The corner (2, 3) of the grid is the lower right corner of
+    // the floor.
     assert!(loaded.notes[0].contains("at (-1900, -3000) mm"), "{}", loaded.notes[0]);
 }
 
@@ -129,13 +130,15 @@ fn mistakes_of_a_map_are_told_with_their_place() {
     ];
     for (yaml, expected) in cases {
         let loaded = of_yaml(&yaml, PGM.as_bytes());
-        let said: Vec<Expected> = loaded
+        let reported: Vec<Expected> = loaded
             .diagnostics
             .iter()
-            .map(|said| (said.code.name(), said.span.line, said.span.column, said.severity))
+            .map(|diagnostic| {
+                (diagnostic.code.name(), diagnostic.span.line, diagnostic.span.column, diagnostic.severity)
+            })
             .collect();
         let is_empty = yaml.is_empty();
-        assert!(said == expected || is_empty && said.contains(&expected[0]), "{yaml}\n{said:?}");
+        assert!(reported == expected || is_empty && reported.contains(&expected[0]), "{yaml}\n{reported:?}");
     }
 }
 
@@ -204,12 +207,12 @@ fn broken_images_are_errors_and_take_no_memory() {
         assert_eq!((codes(&loaded), loaded.has_errors()), (vec![code], true), "{text}");
         assert_eq!(loaded.diagnostics[0].file, "a.pgm");
     }
-    let said = &of_yaml(YAML, b"P2\n3 2\n255\n0 0 0\n0 x 0\n").diagnostics[0];
-    assert_eq!((said.span.line, said.span.column), (5, 3), "{said}");
-    let said = &of_yaml(YAML, b"P2\n# \xff\n3 2\n255\n0 0 0\n0 x 0\n").diagnostics[0];
-    assert!(said.span.line == 0 && said.message.ends_with("at byte 23"), "{said}");
-    let said = &of_yaml(YAML, b"P5 3 2 255\n123456789").diagnostics[0];
-    assert_eq!((said.severity, said.message.contains("3 bytes")), (Severity::Warning, true), "{said}");
+    let reported = &of_yaml(YAML, b"P2\n3 2\n255\n0 0 0\n0 x 0\n").diagnostics[0];
+    assert_eq!((reported.span.line, reported.span.column), (5, 3), "{reported}");
+    let reported = &of_yaml(YAML, b"P2\n# \xff\n3 2\n255\n0 0 0\n0 x 0\n").diagnostics[0];
+    assert!(reported.span.line == 0 && reported.message.ends_with("at byte 23"), "{reported}");
+    let reported = &of_yaml(YAML, b"P5 3 2 255\n123456789").diagnostics[0];
+    assert_eq!((reported.severity, reported.message.contains("3 bytes")), (Severity::Warning, true), "{reported}");
 }
 
 #[test]
@@ -232,7 +235,7 @@ fn a_map_keeps_its_origin_from_grid_to_grid() {
     assert_eq!(yaml.text(), expected);
     let converted = run(&files, "m.yaml", "b.pbm", ConvertOptions::default());
     assert_eq!(converted.outputs[0].bytes, b"P4\n3 2\n\x20\x80");
-    let lost: Vec<&str> = converted.diagnostics.iter().map(|said| said.code.name()).collect();
+    let lost: Vec<&str> = converted.diagnostics.iter().map(|diagnostic| diagnostic.code.name()).collect();
     assert_eq!(lost, ["convert-lost"; 2]);
 }
 
@@ -298,7 +301,7 @@ fn a_scene_becomes_a_map_of_what_its_robots_reach() {
     assert_eq!(text(&image[16..21]), "#..#?");
 }
 
-/// Cells of a grid that is free where the bits say so.
+/// Grid whose cells are free if their bits are true.
 fn grid_of(columns: usize, bits: &[bool], cell: f64) -> Grid {
     let cells = bits.iter().map(|bit| if *bit { Cell::Free } else { Cell::Occupied }).collect();
     Grid { size: [columns, bits.len() / columns], cell, origin: Pose::default(), cells }
@@ -344,8 +347,8 @@ proptest! {
         let again = Grid::of_world(&world, cell).expect("a small map");
         prop_assert_eq!(free_cells(&again), if free.is_empty() { free_cells(&again) } else { free.clone() });
         // Through the text of a `.wld`, too.
-        let (read, said) = read_world("a.wld", &print_world(&world).text);
-        prop_assert!(said.is_empty(), "{:?}", said);
+        let (read, reported) = read_world("a.wld", &print_world(&world).text);
+        prop_assert!(reported.is_empty(), "{:?}", reported);
         prop_assert_eq!(Grid::of_world(&read, cell).expect("a small map"), again);
     }
 }
@@ -413,14 +416,15 @@ fn mistakes_of_mazes_are_told_with_their_place() {
     ];
     for (name, text, code, line, column) in cases {
         let loaded = load(&[(name, text.as_bytes())]);
-        let said: Vec<_> = loaded.diagnostics.iter().map(|it| (it.code.name(), it.span.line, it.span.column)).collect();
-        assert!(said.contains(&(code, line, column)), "{text}\n{said:?}");
-        assert!(loaded.diagnostics.iter().all(|it| it.severity == Severity::Warning), "{said:?}");
+        let reported: Vec<_> =
+            loaded.diagnostics.iter().map(|it| (it.code.name(), it.span.line, it.span.column)).collect();
+        assert!(reported.contains(&(code, line, column)), "{text}\n{reported:?}");
+        assert!(loaded.diagnostics.iter().all(|it| it.severity == Severity::Warning), "{reported:?}");
     }
 }
 
-/// Random walls of a maze of `side` times `side` cells, in columns from the south-west corner, whose border is closed and whose start is open to
-/// the north alone: bits for north, east, south and west.
+/// Random walls of a maze of `side` times `side` cells, as bits for north, east, south and west, in columns from the
+/// south-west corner. The border is closed, and the start is open to the north only.
 fn random_maze(side: usize, mut seed: u64, share: u64) -> Vec<u8> {
     let mut draw = || {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -466,7 +470,7 @@ fn drawn(walls: &[u8], side: usize, goals: &[[usize; 2]]) -> String {
     text + &"o---".repeat(side) + "o\n"
 }
 
-/// Steps from the start to the nearest goal of a drawing, by walking over its characters: nothing of the reader is used.
+/// Steps from the start to the nearest goal of a drawing, by walking over its characters, without the reader.
 fn steps_on_characters(text: &str, goals: &[[usize; 2]]) -> Option<u32> {
     let rows: Vec<Vec<char>> = text.lines().map(|line| line.chars().collect()).collect();
     let cell_of = |[x, y]: [usize; 2]| (rows.len() - 2 - 2 * y, 4 * x + 2);
@@ -725,8 +729,11 @@ fn lines_that_are_no_scenarios_are_told() {
         (format!("version 1\n{}", line.replace("3\t2\t5", "4\t2\t5")), (2, 1)),
         (format!("version 1\n{}", line.replace("0\ta", "-1\ta")), (2, 1)),
     ] {
-        let (_, said) = read_scenarios("a.scen", &text);
-        let locations: Vec<_> = said.iter().map(|said| (said.code.name(), said.span.line, said.span.column)).collect();
+        let (_, reported) = read_scenarios("a.scen", &text);
+        let locations: Vec<_> = reported
+            .iter()
+            .map(|diagnostic| (diagnostic.code.name(), diagnostic.span.line, diagnostic.span.column))
+            .collect();
         assert_eq!(locations, [("scen-line", location.0, location.1)], "{text}");
     }
 }
@@ -778,7 +785,8 @@ fn poses_of_models_links_and_collisions_add_up() {
          <normal>0 0 1</normal><size>9 9</size></plane></geometry></collision></link></model>");
     let loaded = load(&[("w.sdf", text.as_bytes())]);
     assert_eq!(codes(&loaded), [""; 0]);
-    // The box at (1, 2) + turned (1, 1) = (0, 3), 0.2 wide and 0.4 high; the world begins at its left and below the sphere.
+    // The box is at (1, 2) + turned (1, 1) = (0, 3), and is 0.2 wide and 0.4 high. The world begins at the left of the
+    // box and below the sphere.
     let world = &loaded.scene.world;
     assert!((world.floor - DVec2::new(0.2, 3.2)).abs().max_element() < 0.002, "{}", world.floor);
     let (low, high) = world.walls[..4]
@@ -815,11 +823,12 @@ fn mistakes_of_worlds_are_told_with_their_place() {
         (sdf(&format!("{good}{}", model("0 0 0 0 0 0", &cylinder.replace("0.1", "-1")))), "sdf-shape", 5),
     ] {
         let loaded = load(&[("w.world", text.as_bytes())]);
-        let said: Vec<_> = loaded.diagnostics.iter().map(|said| (said.code.name(), said.span.line)).collect();
-        assert!(said.contains(&(code, line)), "{text}\n{said:?}");
+        let reported: Vec<_> =
+            loaded.diagnostics.iter().map(|diagnostic| (diagnostic.code.name(), diagnostic.span.line)).collect();
+        assert!(reported.contains(&(code, line)), "{text}\n{reported:?}");
     }
     let deep = "<sdf>".repeat(100_000);
     assert_eq!(codes(&load(&[("w.sdf", deep.as_bytes())])), ["sdf-syntax"]);
-    // A `.world` that is no XML is a world of walls, as before.
+    // A `.world` that is not XML is a world of walls.
     assert_eq!(codes(&load(&[("w.world", b"floor 1000 1000\n0 0 1000 0\n")])), [""; 0]);
 }

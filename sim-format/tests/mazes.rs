@@ -115,8 +115,8 @@ impl Drawing {
     }
 }
 
-/// Rows normalised to walls at even positions, from 0: a drawing with all walls at odd positions is indented, one with walls at
-/// positions 0, 3, 6, ... has cells of two characters.
+/// Rows normalised to walls at even positions, from 0. A drawing with all walls at odd positions is indented; a drawing
+/// with walls at positions 0, 3, 6, ... has cells of two characters.
 fn in_usual_columns(rows: &[Vec<char>]) -> Vec<Vec<char>> {
     let walls = || rows.iter().flat_map(|row| (0..row.len()).filter(|&column| row[column] == '|'));
     if walls().all(|column| column % 2 == 0) {
@@ -329,7 +329,7 @@ fn a_gap_is_found_and_a_wall_is_not_driven_through() {
     assert_eq!(reached, [BTreeSet::from([(1, 0), (1, 1), (2, 0), (2, 1)])]);
     let (_, reached) = compare("open.maz", &closed.replacen("|_|_|", "|_|_", 1));
     assert!(reached[0].contains(&(2, 2)) && reached[0].contains(&(0, -1)), "all around: {reached:?}");
-    // The same with wide cells, and indented.
+    // The same maze with wide cells, and indented.
     let wide = BTreeSet::from([(1, 0), (1, 1), (2, 0), (2, 1)]);
     assert_eq!(compare("wide.maz", " _____\n| s   |\n|__|__|\n").1, std::slice::from_ref(&wide));
     assert_eq!(compare("indented.maz", "  ___\n |s  |\n |_|_|\n").1, [wide]);

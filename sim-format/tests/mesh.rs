@@ -61,9 +61,9 @@ fn object(file: &Path, mesh: &str, scale: f64) -> ObjectType {
 fn the_meshes_of_the_corpus_are_read() {
     let Some(corpus) = corpus() else { return };
     let signs = "vr-2025/Sims/Updated_Objects";
-    // Folder and mesh as named by the .esObj file, scale, triangles (a quad counts twice), materials, height in metres as
-    // the file's largest y times its scale, codes of the diagnostics.
-    // One sign refers to `Grey.png`, but the file is `Grey.JPG`.
+    // Each entry has the folder and the mesh as named by the .esObj file, the scale, the number of triangles (a quad
+    // counts twice), the number of materials, the height in metres (the file's largest y times its scale), and the
+    // codes of the diagnostics. One sign refers to `Grey.png`, but the file is `Grey.JPG`.
     for (folder, mesh, scale, triangles, materials, height, codes) in [
         (
             format!("{signs}/StopSign"),

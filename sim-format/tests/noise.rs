@@ -72,7 +72,7 @@ device = 0
 dropout = 1
 "#;
 
-fn said(text: &str) -> Vec<Diagnostic> {
+fn reported(text: &str) -> Vec<Diagnostic> {
     read_noise("p.toml", text).1
 }
 
@@ -143,7 +143,7 @@ fn presets_have_no_mistakes_and_grow() {
 fn each_mistake_has_its_place_and_what_is_expected() {
     let text = "base = \"reel\"\n[psd]\nsigma_mm = -1\nsigma_percent = nan\nbias_mm = inf\nsgima_mm = 3\noutlier = 1.5\n\
                 dropout = \"often\"\ndrift_s = 0\n[pds]\n[sensor]\nPSD_LEFT = 3\n[sensor.A]\nstep_mm = 1e300\n[laser]\ndevise = 1\n";
-    let diagnostics = said(text);
+    let diagnostics = reported(text);
     let found: Vec<(Severity, Code, u32, u32)> =
         diagnostics.iter().map(|d| (d.severity, d.code, d.span.line, d.span.column)).collect();
     let (error, warning) = (Severity::Error, Severity::Warning);
@@ -167,8 +167,8 @@ fn each_mistake_has_its_place_and_what_is_expected() {
     assert!(diagnostics.iter().all(|d| !d.expected.is_empty()));
     assert_eq!(diagnostics[0].expected, "one of none, mild, real, harsh, course");
     assert_eq!(diagnostics[1].expected, "a number in mm from 0 to 1000000");
-    assert_eq!(said("[psd]\ndevice = 1\n")[0].code, Code::TomlKey, "a PSD has no noise of its own");
-    let codes = |text| said(text).iter().map(|d| (d.code, d.span.line, d.span.column)).collect::<Vec<_>>();
+    assert_eq!(reported("[psd]\ndevice = 1\n")[0].code, Code::TomlKey, "a PSD has no noise of its own");
+    let codes = |text| reported(text).iter().map(|d| (d.code, d.span.line, d.span.column)).collect::<Vec<_>>();
     assert_eq!(codes("[psd\n"), [(Code::TomlSyntax, 1, 5)]);
     assert_eq!(codes(""), [(Code::NoiseEmpty, 1, 1)]);
     assert_eq!(codes("# none\n"), [(Code::NoiseEmpty, 1, 1)]);
@@ -252,8 +252,8 @@ fn a_profile_that_is_missing_or_wrong_is_an_error_of_the_scene() {
         let scene: &'static str =
             format!("{WORLD}[scene]\nnoise = {noise}\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n").leak();
         let files = Written(BTreeMap::from([("a.scene.toml", scene), ("lab.toml", profile)]));
-        let said = load_scene("a.scene.toml", &files).diagnostics;
-        said.into_iter().map(|d| (d.code, d.file, d.span.line)).collect::<Vec<_>>()
+        let reported = load_scene("a.scene.toml", &files).diagnostics;
+        reported.into_iter().map(|d| (d.code, d.file, d.span.line)).collect::<Vec<_>>()
     };
     assert_eq!(of("\"lab.toml\"", "[psd]\nsigma_mm = -1\n"), [(Code::NumberRange, "lab.toml".into(), 2)]);
     assert_eq!(of("\"lob.toml\"", ""), [(Code::FileMissing, "a.scene.toml".into(), 4)]);

@@ -34,8 +34,8 @@ impl Page {
 
     /// Keywords, from the reader's message about a misspelt one.
     fn keywords(&self) -> Vec<String> {
-        let said = (self.read)("qwertz\n");
-        let unknown = said.iter().find(|said| said.code == self.unknown).expect("an unknown keyword");
+        let reported = (self.read)("qwertz\n");
+        let unknown = reported.iter().find(|diagnostic| diagnostic.code == self.unknown).expect("an unknown keyword");
         let (_, list) = unknown.expected.split_once("one of ").expect("a list of keywords");
         let words = list.split(", ").map(str::to_owned);
         words.filter(|word| word.chars().all(|c| c.is_ascii_lowercase() || c == '_')).collect()
@@ -69,11 +69,11 @@ fn lines_shown_as_examples_are_read() {
         let examples = examples(&page.text());
         assert!(examples.len() > 5, "{}.md: {examples:?}", page.name);
         for example in examples {
-            let said = (page.read)(&format!("{}{example}\n", page.before));
+            let reported = (page.read)(&format!("{}{example}\n", page.before));
             // Lines missing in a file of one line are not the example's fault.
-            let wrong = said.iter().find(|said| {
-                let name = said.code.name();
-                said.code == page.unknown
+            let wrong = reported.iter().find(|diagnostic| {
+                let name = diagnostic.code.name();
+                diagnostic.code == page.unknown
                     || name.contains("-arity")
                     || name.starts_with("number-")
                     || name == "word-extra"

@@ -30,7 +30,7 @@ fn drawn(text: &str, seed: u64) -> BTreeMap<String, Value> {
 }
 
 fn codes(loaded: &Loaded) -> Vec<Code> {
-    loaded.diagnostics.iter().map(|said| said.code).collect()
+    loaded.diagnostics.iter().map(|diagnostic| diagnostic.code).collect()
 }
 
 fn robot(keys: &str) -> String {
@@ -54,7 +54,7 @@ fn values_lie_in_their_ranges_and_are_spread_over_them() {
     }
     assert_eq!(wholes.keys().copied().collect::<Vec<_>>(), [500, 501, 502, 503]);
     assert!(wholes.values().all(|count| (60..140).contains(count)), "{wholes:?}");
-    // The mean of 400 numbers of a standard deviation of 26.
+    // The mean of 400 numbers with a standard deviation of 26.
     assert!((sum / 400.0 - 45.0).abs() < 4.0 * 26.0 / 20.0, "{sum}");
 }
 
@@ -86,7 +86,7 @@ fn a_thing_more_leaves_all_others_as_they_were() {
     let after = drawn(&format!("{WORLD}{robots}{cans}{golf}"), 3);
     assert_eq!(after.len(), before.len() + 4, "{after:?}");
     assert!(before.iter().all(|(path, value)| after[path] == *value), "{before:?}\n{after:?}");
-    // A robot with a name before them all changes nothing of those with names.
+    // A named robot before all others does not change the named ones.
     let first = "[[robot]]\nname = \"prey\"\ntype = \"S4\"\nx_mm = { uniform = [500, 3500] }\ny_mm = 2500\n";
     let other = drawn(&format!("{WORLD}{first}{robots}{cans}"), 3);
     assert_eq!(other["robot.hunter.x_mm"], before["robot.hunter.x_mm"]);
@@ -147,8 +147,8 @@ fn ugly_draws_end_in_messages() {
     for (what, text, code) in cases {
         let loaded = load(&text, 0);
         assert!(codes(&loaded).contains(&code), "{what}: {:?}", loaded.diagnostics);
-        for said in &loaded.diagnostics {
-            assert!(text.get(said.span.start..said.span.end).is_some(), "{what}: {:?}", said.span);
+        for diagnostic in &loaded.diagnostics {
+            assert!(text.get(diagnostic.span.start..diagnostic.span.end).is_some(), "{what}: {:?}", diagnostic.span);
         }
     }
 }
@@ -182,7 +182,7 @@ fn ten_thousand_things_find_their_places() {
     assert_eq!(loaded.diagnostics, []);
     assert_eq!(loaded.scene.objects.len(), 10_000);
     let crowded = load(&text(10_000).replace("100000, 100000", "3000, 3000"), 1);
-    let room: Vec<_> = crowded.diagnostics.iter().filter(|said| said.code == Code::SceneRoom).collect();
+    let room: Vec<_> = crowded.diagnostics.iter().filter(|diagnostic| diagnostic.code == Code::SceneRoom).collect();
     assert_eq!(room.len(), 1, "one message for all: {:?}", crowded.diagnostics.len());
     assert!(room[0].message.ends_with("of 10000 objects") && room[0].span.line > 0, "{}", room[0]);
 }
@@ -225,7 +225,7 @@ proptest! {
     #[test]
     fn a_drawn_scene_is_the_same_scene(seed in 0..u64::MAX / 2) {
         let loaded = load(EVERYTHING, seed);
-        prop_assume!(loaded.diagnostics.iter().all(|said| said.severity != sim_format::Severity::Error));
+        prop_assume!(loaded.diagnostics.iter().all(|diagnostic| diagnostic.severity != sim_format::Severity::Error));
         let options = ConvertOptions { seed: Some(seed), ..ConvertOptions::default() };
         let converted = convert_with("a.scene.toml", "b.scene.toml", options, &files(EVERYTHING), &|_, _| None);
         let [output] = &converted.outputs[..] else { panic!("one file: {:?}", converted.diagnostics) };

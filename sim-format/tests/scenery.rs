@@ -227,15 +227,15 @@ fn the_image_of_the_floor_lies_as_the_world_is_drawn() {
     let mut scene = scene;
     scene.world.looks.light = full;
     let scenery = of(&scene, &files);
-    // From above, y upwards in the image; a `.wld` turns it by 180 degrees.
+    // View from above, with y upwards in the picture; a `.wld` turns the floor's image by 180 degrees.
     let picture = seen(&scenery, DVec3::new(0.5, 0.5, 1.2), DVec3::new(0.5, 0.5, 0.0), [40, 40]);
     let corners = [(10, 10), (30, 10), (10, 30), (30, 30)].map(|(column, row)| *picture.pixel(column, row));
     assert_eq!(corners, [YELLOW, BLUE, GREEN, RED]);
-    // From a viewpoint at its lower border.
+    // View from a point at the floor's lower border.
     let picture = seen(&scenery, DVec3::new(0.5, -0.7, 0.6), DVec3::new(0.5, 0.5, 0.0), [40, 40]);
     let corners = [(14, 16), (26, 16), (12, 24), (28, 24)].map(|(column, row)| *picture.pixel(column, row));
     assert_eq!(corners, [YELLOW, BLUE, GREEN, RED]);
-    // Upright where the world does not turn it.
+    // The image is upright if the world does not turn it.
     scene.world.texture_is_turned = false;
     let picture = seen(&of(&scene, &files), DVec3::new(0.5, 0.5, 1.2), DVec3::new(0.5, 0.5, 0.0), [40, 40]);
     let corners = [(10, 10), (30, 10), (10, 30), (30, 30)].map(|(column, row)| *picture.pixel(column, row));

@@ -61,18 +61,18 @@ impl Files for Corpus {
 /// Diagnostic of a line: `E` or `W` for the severity, the code, the line.
 type Reported = (char, &'static str, u32);
 
-/// Diagnostics of the sim file itself, in order; of successive equal ones the first.
-fn said(file: &str, loaded: &Loaded) -> Vec<Reported> {
+/// Diagnostics of the sim file itself, in order; only the first of successive equal ones.
+fn reported(file: &str, loaded: &Loaded) -> Vec<Reported> {
     let of_sim = loaded.diagnostics.iter().filter(|diagnostic| diagnostic.file == file);
-    let mut said: Vec<_> = of_sim
+    let mut reported: Vec<_> = of_sim
         .map(|diagnostic| {
             let severity = if diagnostic.severity == Severity::Error { 'E' } else { 'W' };
             (severity, diagnostic.code.name(), diagnostic.span.line)
         })
         .collect();
-    said.sort_by_key(|(_, _, line)| *line);
-    said.dedup_by_key(|(severity, code, _)| (*severity, *code));
-    said
+    reported.sort_by_key(|(_, _, line)| *line);
+    reported.dedup_by_key(|(severity, code, _)| (*severity, *code));
+    reported
 }
 
 /// Known defects of the corpus; its other scenes have none.
@@ -129,7 +129,7 @@ fn every_scene_has_the_defects_that_it_has() {
     for file in files {
         let loaded = load_scene(&file, &corpus);
         let expected = defects.get(file.as_str()).copied().unwrap_or_default();
-        assert_eq!(said(&file, &loaded), expected, "{file}");
+        assert_eq!(reported(&file, &loaded), expected, "{file}");
         let missing = |code| loaded.diagnostics.iter().any(|diagnostic| diagnostic.code == code);
         assert!(!missing(Code::SimKeyword) && !missing(Code::WordExtra), "{file}: every line is understood");
     }

@@ -227,7 +227,7 @@ fn a_restart_is_a_new_simulation() {
     assert_ne!(digest(old.restarted(&scene, &options)), digest(old.restarted(&CROWD, &options)));
 }
 
-/// As [`act`], for a robot whose camera is off.
+/// Like [`act`], for a robot whose camera is off.
 fn act_unseen(robot: &mut Robot, world: &World, step: u64) {
     assert!(robot.camera_setting().is_err());
     act(robot, world, step);

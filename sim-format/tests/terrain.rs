@@ -53,12 +53,13 @@ fn field(loaded: &Loaded) -> &HeightField {
 
 /// Codes of the diagnostics except for the missing robot, errors in capitals.
 fn codes(loaded: &Loaded) -> Vec<String> {
-    let said = loaded.diagnostics.iter().filter(|said| said.code.name() != "sim-robot-missing");
-    said.map(|said| match said.severity {
-        Severity::Error => said.code.name().to_uppercase(),
-        Severity::Warning => said.code.name().to_owned(),
-    })
-    .collect()
+    let reported = loaded.diagnostics.iter().filter(|diagnostic| diagnostic.code.name() != "sim-robot-missing");
+    reported
+        .map(|diagnostic| match diagnostic.severity {
+            Severity::Error => diagnostic.code.name().to_uppercase(),
+            Severity::Warning => diagnostic.code.name().to_owned(),
+        })
+        .collect()
 }
 
 #[test]
@@ -156,7 +157,7 @@ fn what_makes_no_terrain_is_said() {
     ];
     for (number, (loaded, code)) in cases.iter().enumerate() {
         assert_eq!(codes(loaded), [*code], "case {number}: {:#?}", loaded.diagnostics);
-        assert!(loaded.diagnostics.iter().any(|said| said.span.line == 3), "case {number}");
+        assert!(loaded.diagnostics.iter().any(|diagnostic| diagnostic.span.line == 3), "case {number}");
     }
 }
 

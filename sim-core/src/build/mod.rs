@@ -55,8 +55,8 @@ pub fn obstacles(scene: &SceneSpec) -> Arc<Walls> {
     Arc::new(Walls::new(segments).with_heights(heights))
 }
 
-/// Height field of a world's terrain, built from an image, random relief or steps; `None` for the plane z = 0, and for
-/// a terrain that is a mesh file.
+/// Height field of a world's terrain, built from an image, random relief or steps. `None` for the plane z = 0 and for a
+/// terrain from a mesh file.
 ///
 /// It depends only on the text of the scene and its images. [`HeightField::height`] is the ground truth of the terrain.
 pub fn height_field(world: &WorldSpec) -> Option<&Arc<HeightField>> {
@@ -68,10 +68,11 @@ pub fn ground(world: &WorldSpec) -> Arc<Ground> {
     Arc::new(height_field(world).map_or(Ground::Flat, |field| Ground::Field(Arc::clone(field))))
 }
 
-/// Shapes of bodies and upper faces of walls in space. Only rays in space use them, in addition to the scene's
-/// [`obstacles`] and [`movable_objects`].
+/// Three-dimensional shapes of bodies, and upper faces of walls. Only three-dimensional rays use them, in addition to
+/// the scene's [`obstacles`] and [`movable_objects`].
 ///
-/// A robot is an upright cylinder of its diameter, as high as its highest collider; infinitely high without colliders.
+/// A robot is an upright cylinder of the robot's diameter, as high as its highest collider. Without colliders, the
+/// cylinder is infinitely high.
 pub fn space(scene: &SceneSpec) -> Space {
     let world = &scene.world;
     let mut surfaces = Vec::new();
@@ -115,8 +116,8 @@ pub fn space(scene: &SceneSpec) -> Space {
     }
 }
 
-/// Default surface of the ground. Floors, stairs and meshes are smooth, because echoes of a rough floor would mask all
-/// other echoes for a low sonar. Hills are rough, because a smooth hill may have no facet that faces the sensor and
+/// Default surface of the ground. Floors, stairs and meshes are smooth, because a sonar near a rough floor would
+/// receive only echoes of the floor. Hills are rough, because a smooth hill may have no facet that faces the sensor and
 /// would return hardly any echo. Our choice.
 fn default_ground_surface(world: &WorldSpec) -> Surface {
     match world.terrain.as_ref().map(|terrain| &terrain.shape) {
@@ -125,14 +126,14 @@ fn default_ground_surface(world: &WorldSpec) -> Surface {
     }
 }
 
-/// Shape in space of a robot type: see [`space`].
+/// Three-dimensional shape of a robot type: see [`space`].
 pub fn robot_figure(robi: &RobiSpec) -> Figure {
     let top = robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(f64::INFINITY);
     Figure::cylinder(0.5 * robi.diameter, top, robi.surface)
 }
 
-/// Shape in space of an object type: its mesh if sensors detect the mesh, otherwise its colliders, or its footprint if
-/// it has neither.
+/// Three-dimensional shape of an object type: its mesh if sensors detect the mesh, otherwise its colliders, or its
+/// footprint if it has neither.
 pub fn figure(kind: &ObjectType) -> Figure {
     let solids = match &kind.sensor_shape {
         spec::SensorShape::Mesh(Some(mesh)) => vec![Solid::Mesh(index(&raised(mesh, kind.lift)))],
@@ -189,8 +190,8 @@ pub fn movable_objects(scene: &SceneSpec) -> impl Iterator<Item = &ObjectSpec> {
 
 /// The mass, the footprint and the friction of an object.
 ///
-/// Footprints: spheres and upright capsules or cylinders are discs, a lying capsule is its silhouette. An object
-/// without colliders is a disc of 1 mm.
+/// The footprint of a sphere, an upright capsule or an upright cylinder is a disc. The footprint of a lying capsule is
+/// its silhouette. An object without colliders is a disc of 1 mm.
 pub fn properties(object: &ObjectSpec) -> Arc<Properties> {
     let kind = &object.kind;
     let mut parts: Vec<Part> = kind.colliders.iter().map(footprint).collect();
@@ -288,7 +289,7 @@ fn parent_link(on: Option<&SpannedText>, indices: &BTreeMap<String, usize>) -> O
     on.and_then(|on| indices.get(on.text.as_str()).copied())
 }
 
-/// Indices of the links in [`links`] by name; for several links with the same name, that of the first one.
+/// Indices in [`links`] by the links' names. If several links share a name, the first one counts.
 fn link_indices(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
     let mut indices = BTreeMap::new();
     let mut first = 0;
@@ -302,7 +303,7 @@ fn link_indices(robi: &RobiSpec, order: &[usize]) -> BTreeMap<String, usize> {
     indices
 }
 
-/// Indices in the file of a robot type's links, sorted so that parents come before children.
+/// File indices of a robot type's links, sorted so that parents come before children.
 fn link_order(robi: &RobiSpec) -> Vec<usize> {
     let mut names: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, link) in robi.links.iter().enumerate() {
@@ -392,9 +393,9 @@ pub fn model(robi: &RobiSpec) -> Model {
     model
 }
 
-/// The hull of a robot type in water of this depth in metres; `None` for a robot without one.
+/// The hull of a robot type in water of this depth in metres; `None` for a robot without a hull.
 ///
-/// The hull is as high as the highest collider, or as its diameter without colliders.
+/// The height is that of the robot's highest collider, or the robot's diameter if it has no colliders.
 pub fn hull(robi: &RobiSpec, water: f64) -> Option<Hull> {
     let HullSpec { thrust, drag } = robi.hull;
     (robi.drive.kind == DriveKind::Thrusters).then(|| Hull { thrust, drag, ceiling: water - hull_height(robi) })
@@ -405,8 +406,8 @@ pub fn hull_height(robi: &RobiSpec) -> f64 {
     robi.colliders.iter().map(Collider::top).reduce(f64::max).unwrap_or(robi.diameter)
 }
 
-/// Contact rule of a robot at walls. The coefficient of friction is the smaller one of the robot's and the walls' coefficients, as between
-/// objects. A hull always slides, since it may rise or sink while it touches a wall.
+/// Contact rule of a robot at walls. The coefficient of friction is the minimum of the robot's and the walls'
+/// coefficients, as it is between objects. A hull always slides, since it may rise or sink while it touches a wall.
 pub fn contact_rule(kind: ContactKind, wall_friction: f64, robi: &RobiSpec) -> ContactRule {
     match kind {
         ContactKind::Stall if robi.drive.kind != DriveKind::Thrusters => ContactRule::Stall,

@@ -5,8 +5,8 @@ use glam::{DMat3, DVec3};
 /// A face in lens space (see [`optics`](super::optics)), prepared for ray tests.
 #[derive(Clone, Debug)]
 pub struct Face {
-    /// Cross product of the corners of each edge, with the sign for which all three dot products with a ray are positive if
-    /// the ray hits the face. The cross products of an edge shared by two faces differ only in sign.
+    /// Cross product of the corners of each edge. Its sign is such that the dot products of a ray with all three are
+    /// positive if the ray hits the face. The cross products of an edge shared by two faces differ only in sign.
     pub edges: [DVec3; 3],
     /// Plane of the face: its dot product with a ray is the reciprocal of the ray's parameter at the plane.
     pub plane: DVec3,

@@ -1,8 +1,8 @@
 //! Projection of a view for faces and tiles.
 //!
-//! Faces are transformed to *lens space*, a linear image of the camera's frame in which the ray of a pixel is simple:
-//! for a pinhole, the ray through the point (x, y) of the image is (x, y, 1) (homogeneous coordinates of the image:
-//! Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates, 1997); for a fisheye, lens space is the
+//! Faces are transformed to *lens space*, a linear image of the camera's frame in which the ray of a pixel is simple.
+//! For a pinhole, the ray through the point (x, y) of the image is (x, y, 1), in homogeneous coordinates of the image
+//! (Olano and Greer, Triangle scan conversion using 2D homogeneous coordinates, 1997). For a fisheye, lens space is the
 //! camera's frame, and rays come from a table.
 
 use std::f64::consts::FRAC_PI_3;
@@ -158,8 +158,8 @@ impl Optics {
         Some(PixelRect { first: [left, top], last: [right, bottom] })
     }
 
-    /// Pixels that may show part of a face through a fisheye: the bounding rectangle of a circle about the face's middle,
-    /// whose radius is computed with the lens's maximum magnification in the circle.
+    /// Pixels that may show part of a face through a fisheye: the bounding rectangle of a circle about the face's
+    /// middle. The radius of the circle is computed with the lens's maximum magnification in the circle.
     fn curved_area(&self, corners: [DVec3; 3]) -> Option<PixelRect> {
         let middle = (corners[0] + corners[1] + corners[2]).normalize_or_zero();
         let chord = corners.iter().map(|corner| middle.distance(*corner)).fold(0.0, f64::max);

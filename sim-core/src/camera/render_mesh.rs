@@ -36,8 +36,8 @@ pub struct Cluster {
     pub bounds: Sphere,
     pub corners: Range<usize>,
     pub faces: Range<usize>,
-    /// Bounding box of the surface to which the faces belong, if it is closed: from outside the box, the back sides of the
-    /// faces are never visible.
+    /// Bounding box of the surface to which the faces belong, if the surface is closed. From outside the box, the back
+    /// sides of the faces are never visible.
     pub closed_bounds: Option<(DVec3, DVec3)>,
 }
 

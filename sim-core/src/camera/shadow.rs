@@ -1,15 +1,15 @@
 //! Shadows: the shadow-casting faces, binned in a grid perpendicular to the sun's direction.
 //!
-//! The shadows are hard and exact, without a shadow map. A point is in shadow if a face hides the sun from it, other than
-//! the face on which the point lies, and farther from the point than [`SHADOW_BIAS`]. Everything visible except the ground
-//! casts shadows, including the robot that carries the camera. Source: our choice; the papers do not mention shadows.
+//! The shadows are hard and exact, without a shadow map. A point is in shadow if another face, farther from the point
+//! than [`SHADOW_BIAS`], hides the sun from it. Everything visible except the ground casts shadows, including the robot
+//! that carries the camera. Source: our choice; the papers do not mention shadows.
 
 use glam::{DVec2, DVec3};
 
 use super::{Attachment, Part, PosedScenery, Scenery};
 
-/// Shadow bias: faces nearer than this, in metres, cast no shadow, because rounding would make touching faces shadow
-/// each other.
+/// Shadow bias in metres. A face nearer to a point than this casts no shadow on it; otherwise rounding would make
+/// touching faces shadow each other.
 pub const SHADOW_BIAS: f64 = 1e-6;
 
 /// Enlargement of a face on all sides, in metres, so that no light passes between two faces.

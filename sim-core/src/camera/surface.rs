@@ -21,7 +21,7 @@ pub struct ShadedSurface<'a> {
     pub plane: DVec3,
     /// Red, green, blue, 0 to 255, without an image.
     pub colour: [f32; 3],
-    /// Factors on the image's colours: red, green, blue.
+    /// Factors that multiply the image's red, green and blue.
     pub tint: [f32; 3],
     pub image: Option<Image<'a>>,
     pub light: Lighting,

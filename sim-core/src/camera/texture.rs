@@ -21,12 +21,13 @@ pub enum Wrap {
 /// that level has only one row or column. If a number of rows or columns is odd, the last one is omitted.
 ///
 /// # Filter
-/// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels, from
-/// the derivatives of u and v at the pixel's middle (for a fisheye, half the difference between the rays of the
-/// neighbouring pixels). Let L be the longer axis and S the shorter one; the footprint is treated as |L| long and |S| wide.
-/// It is sampled with n = |L| / max(3 |S|, 1) probes, limited to 1 to 2, each |L| / n long. So a footprint up to three
-/// times as long as wide needs one probe, and no probe is shorter than a texel. Two probes are centred (1 - 1/n) / 2 of L
-/// before and after the middle. The colour is the mean of the probes, and changes continuously with the footprint.
+/// A pixel's footprint in the image has the axes a (a step to the next column) and b (to the next row), in texels. They
+/// come from the derivatives of u and v at the pixel's middle; for a fisheye, from half the difference between the rays
+/// of the neighbouring pixels. Let L be the longer axis and S the shorter one; the footprint is treated as |L| long and
+/// |S| wide. It is sampled with n = |L| / max(3 |S|, 1) probes, limited to 1 to 2, each |L| / n long. So a footprint up
+/// to three times as long as wide needs one probe, and no probe is shorter than a texel. Two probes are centred (1 -
+/// 1/n) / 2 of L before and after the middle. The colour is the mean of the probes, and changes continuously with the
+/// footprint.
 ///
 /// A probe has the level log2(|L| / n). It samples the nearest integer level and blends the four nearest texels linearly.
 /// Within an eighth of a level of the middle between two levels, it blends both levels, linearly in the level. Level 0 is
@@ -290,7 +291,7 @@ fn log2<S: Simd>(simd: S, x: S::f32s) -> S::f32s {
     let mantissa = (bits & S::u32s::splat(simd, 0x007f_ffff)) | S::u32s::splat(simd, 0x3f80_0000);
     let mantissa: S::f32s = mantissa.bitcast();
     let t = mantissa - 1.0;
-    // Interpolates the values at 0, 1 and four points between them, so it is continuous.
+    // The polynomial interpolates the values at 0, 1 and four points in between, so the result is continuous.
     let curve = ((t * -0.044_873_955 + 0.150_533_2) * t - 0.269_578) * t + 0.442_418_58;
     exponent + t + t * (S::f32s::splat(simd, 1.0) - t) * curve
 }

@@ -32,8 +32,8 @@ impl Tile {
 /// two faces intersect by less than 1e-5 pixels.
 const COPLANAR: f64 = 5e-7;
 
-/// Finds the face shown by each pixel of a tile: one of `faces` (all faces, and the numbers of those in the tile), or the
-/// ground, whose plane is `ground`.
+/// Finds the face shown by each pixel of a tile. The candidates are the faces of the tile, given by all `faces` and the
+/// numbers of those in the tile, and the ground, whose plane is `ground`.
 pub fn find_visible(
     level: Level,
     is_flat: bool,

@@ -113,15 +113,16 @@ impl View {
         Self::new(self.world_from_camera, self.lens, self.size.map(|side| side.saturating_mul(factor)))
     }
 
-    /// The ray through an image position (columns to the right, rows downwards), in the camera's frame: (1, y, z) for a
-    /// pinhole, of length 1 for a fisheye; `None` more than pi off the axis, beyond the end of a fisheye's image.
+    /// The ray through an image position (columns to the right, rows downwards), in the camera's frame. It is (1, y, z)
+    /// for a pinhole and has length 1 for a fisheye. `None` beyond the end of a fisheye's image, more than pi off the
+    /// axis.
     pub fn ray(&self, position: DVec2) -> Option<DVec3> {
         let (angle, ray) = self.continued_ray(position);
         (angle <= PI).then_some(ray)
     }
 
-    /// Angle off the axis (0 for a pinhole) and ray through an image position, also beyond the end of a fisheye's image,
-    /// where the angle exceeds pi.
+    /// Angle off the axis (0 for a pinhole), and ray through an image position. The position may be beyond the end of a
+    /// fisheye's image, where the angle exceeds pi.
     pub(super) fn continued_ray(&self, position: DVec2) -> (f64, DVec3) {
         let [width, height] = self.size.map(f64::from);
         let (y, z) = ((0.5 * width - position.x) / self.focal, (0.5 * height - position.y) / self.focal);

@@ -14,7 +14,7 @@ use crate::scene::{Bounds, Segment, Walls};
 use crate::spec::{BodyRef, CheckKind, Neighbours, Region, SceneSpec, SwarmMetric};
 use crate::time::Time;
 
-/// Tolerance of minima and maxima of squared distances that do not decide a verdict, m^2.
+/// Tolerance, in m^2, of minimum and maximum squared distances that are reported but do not decide a verdict.
 const REPORTED_TOLERANCE: f64 = 1e-9;
 
 /// Motion of all bodies in a cell, in the order of their ids; `None` for bodies that were not observed.
@@ -53,7 +53,7 @@ pub(super) enum Condition {
 }
 
 impl Condition {
-    /// Condition of a check of this kind before the run; `None` if the check does not concern motion.
+    /// The condition of a check of this kind, in its state before the run; `None` if the check does not concern motion.
     pub fn new(kind: &CheckKind, scene: &SceneSpec) -> Option<Self> {
         let seconds = |deadline: Option<Time>| deadline.map_or(f64::INFINITY, Time::seconds);
         Some(match kind {
@@ -189,7 +189,8 @@ fn area_corners(area: Option<&[DVec2]>, scene: &SceneSpec) -> Vec<DVec2> {
 }
 
 impl Finding {
-    /// Finding of a condition that is met unless it was violated at this instant and position.
+    /// Finding of a condition that must never be violated; `violation` is the instant and position of the first
+    /// violation.
     fn violated(violation: Option<(f64, DVec2)>, value: Option<f64>) -> Self {
         let (at, position) = violation.unzip();
         Self { is_met: violation.is_none(), at, position, value }
@@ -338,7 +339,8 @@ impl StaysIn {
     }
 }
 
-/// Condition: a body passes a gate a minimum number of times. A passage from left to right cancels one from right to left.
+/// Condition: a body passes a gate a minimum number of times from right to left. A passage from left to right cancels
+/// one of these.
 #[derive(Clone, Debug)]
 pub(super) struct Laps {
     pub body: BodyRef,
@@ -448,8 +450,8 @@ impl Clearance {
         }
     }
 
-    /// Evaluates the distance to one other body or wall in a section. `radius` is the distance of the robot's centre from it at contact, and
-    /// `distance_minus(d)` the squared distance minus `d`.
+    /// Evaluates the distance to one other body or wall in a section. `radius` is the distance of the robot's centre
+    /// from that body or wall at contact. `distance_minus(d)` is the squared distance minus `d`.
     fn update_gap<F: Smooth>(
         &mut self,
         distance_minus: impl Fn(f64) -> F,
@@ -653,7 +655,7 @@ fn cell_centre(index: usize, columns: usize) -> DVec2 {
     DVec2::new((index % columns) as f64 + 0.5, (index / columns) as f64 + 0.5)
 }
 
-/// Condition: the distance between odometry's position and the true position has a maximum.
+/// Condition: the distance between odometry's position and the true position never exceeds a maximum.
 #[derive(Clone, Debug)]
 pub(super) struct OdometryError {
     robot: RobotId,

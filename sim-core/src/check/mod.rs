@@ -38,8 +38,8 @@ pub struct Finding {
     pub at: Option<f64>,
     /// Position of the body at that instant, world frame, m.
     pub position: Option<DVec2>,
-    /// The measured quantity, which depends on the variant of [`CheckKind`]: distance to the place, number of places or passages, minimum
-    /// gap, fraction, maximum error; in m, or a pure number.
+    /// The measured quantity, in m or as a pure number. It depends on the variant of [`CheckKind`]: distance to the
+    /// place, number of places or passages, minimum gap, fraction, or maximum error.
     pub value: Option<f64>,
 }
 
@@ -109,7 +109,7 @@ impl Monitor {
         pending.append_robot(motion, (from, to));
     }
 
-    /// Ends the slot at `to`: bodies not observed in it were at rest. Evaluates the complete cells.
+    /// Ends the slot at `to` and evaluates all complete cells. Bodies that were not observed in the slot were at rest.
     pub(crate) fn end_slot(&mut self, world: &mut World, to: Time) {
         let to = to.min(self.until);
         self.extend_rest(world, to);

@@ -6,7 +6,7 @@ use super::section::{MotionSection, Smooth, find_zeros};
 use crate::scene::Segment;
 use crate::spec::Region;
 
-/// Tolerance in metres for the rounding of poses: borders move by 1 nm in favour of the checked body.
+/// Tolerance in metres for the rounding of poses: checks shift borders by 1 nm in favour of the checked body.
 pub(super) const ROUNDING: f64 = 1e-9;
 
 /// Squared distance between a moving point and a fixed segment, minus a squared reference distance.

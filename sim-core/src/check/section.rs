@@ -139,8 +139,8 @@ impl MotionSection {
     }
 }
 
-/// Appends `section`, or extends the last section if `section` continues it: sections then do not depend on the slots in which they were
-/// observed.
+/// Appends `section`, or extends the last section if `section` continues it. Sections therefore do not depend on the
+/// slots in which they were observed.
 pub(super) fn push(sections: &mut Vec<MotionSection>, section: MotionSection) {
     match sections.last_mut() {
         Some(last) if last.to == section.from && last.continues_in(&section) => last.to = section.to,
@@ -174,8 +174,9 @@ const MIN_HALF_INTERVAL: f64 = 5e-7;
 
 /// Appends the zeros of `function` between `from` and `to` to `zeros`, in ascending order.
 ///
-/// The value, the slope in the middle and the bound of the second derivative show for some intervals that they contain no zero, and for
-/// others that the function is monotonic in them. All other intervals are halved. No zero is missed, except pairs closer than a microsecond.
+/// The value and slope in the middle of an interval and the bound of the second derivative may prove that the interval
+/// contains no zero, or that the function is monotonic in the interval. All other intervals are halved. The search
+/// misses no zero, except pairs of zeros closer than a microsecond.
 pub(super) fn find_zeros(function: &impl Smooth, from: f64, to: f64, zeros: &mut Vec<f64>) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
     if half <= 0.0 {
@@ -211,8 +212,8 @@ fn bisect(function: &impl Smooth, mut from: f64, mut to: f64, is_rising: bool) -
     }
 }
 
-/// Finds the minimum of `function` between `from` and `to`, up to `tolerance`. If it is below `best`, a pair (value, instant), replaces
-/// `best`.
+/// Finds the minimum of `function` between `from` and `to`, up to `tolerance`. Replaces `best`, a pair (value,
+/// instant), if the minimum is lower.
 pub(super) fn find_minimum(function: &impl Smooth, (from, to): (f64, f64), best: &mut (f64, f64), tolerance: f64) {
     let (half, middle) = (0.5 * (to - from), 0.5 * (from + to));
     let (value, slope) = function.at(middle);

@@ -36,8 +36,8 @@ pub enum Thing {
     Wall(WallId),
     /// The floor; for legs the ground. Only rays and legs can touch it.
     Floor,
-    /// A fixed body, given by its index in [`Space::fixed`](crate::world::Space::fixed). Only rays and legs can touch
-    /// it; for motion in the plane, walls along its outline replace it.
+    /// A fixed body, given by its index in [`Space::fixed`](crate::world::Space::fixed). Only rays and legs can touch a
+    /// fixed body; for motion in the plane, walls along its outline replace it.
     Fixed(u32),
     /// The body of a robot.
     Robot(RobotId),

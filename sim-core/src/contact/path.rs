@@ -10,8 +10,8 @@ use crate::{
     scene::Bounds,
 };
 
-/// The path of a point that moves at constant twist (on a straight line, on a circle, or not at all), or that slides
-/// along a track, which is a straight line or a circle. Times are seconds since the start of the path.
+/// The path of a point. The point either moves at constant twist (on a straight line, on a circle, or not at all), or
+/// it slides along a track, which is a straight line or a circle. Times are seconds since the start of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
     /// Position at the start, in the world frame, m.
@@ -42,8 +42,8 @@ pub enum Pace {
 /// The length that a sliding point has covered as a function of time, in closed form. The length increases as long as
 /// the path is valid.
 ///
-/// Beta is the angle of docs/motion.md, section Sliding: the angle from the normal of the contact to the push, plus the
-/// angle of friction if the rim slides to the left of the normal, minus the angle of friction if it slides to the
+/// Beta is defined in docs/motion.md, section Sliding. It is the angle from the normal of the contact to the push, plus
+/// the angle of friction if the rim slides to the left of the normal, or minus that angle if the rim slides to the
 /// right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LengthLaw {
@@ -141,8 +141,8 @@ impl LengthLaw {
 }
 
 /// Even and odd solution of the linear equation y'' = s y at the time t = `seconds`, with s = (`sliding_rate`^2 -
-/// `rate`^2) / 4. With q = sqrt |s| they are cosh(q t) and sinh(q t) / q for s > 0, both divided by cosh(q t), and
-/// cos(q t) and sin(q t) / q for s < 0.
+/// `rate`^2) / 4. Let q = sqrt |s|. For s > 0 the solutions are cosh(q t) and sinh(q t) / q, both divided by cosh(q t).
+/// For s < 0 they are cos(q t) and sin(q t) / q.
 fn linear_solutions(sliding_rate: f64, rate: f64, seconds: f64) -> (f64, f64) {
     let s = 0.25 * (sliding_rate - rate) * (sliding_rate + rate);
     let q = s.abs().sqrt();

@@ -35,7 +35,7 @@ pub struct Push {
 pub struct Slide {
     /// Path of the centre.
     pub path: Path,
-    /// Duration in seconds. Infinite for motion without contact, because the next wall is searched elsewhere.
+    /// Duration in seconds. Infinite for motion without contact, because the caller searches for the next wall.
     pub duration: f64,
     /// Wall against which the disc is pressed, and the touched point; `None` for motion without contact.
     pub pressed_wall: Option<(WallId, DVec2)>,
@@ -116,7 +116,7 @@ impl Push {
     }
 
     /// Motion that this contact allows if it is the only one: the slip speed of the wheels over the floor, m/s, and the
-    /// track of the centre. `is_grazed` states that the disc approaches the wall only by a rounding error, so that it
+    /// track of the centre. `is_grazed` is true if the disc approaches the wall only by a rounding error, so that it
     /// touches the wall without pressure.
     fn track_along(&self, contact: &Contact, is_grazed: bool) -> Option<(f64, Track)> {
         let is_end = |fraction: f64| fraction <= 0.0 || fraction >= 1.0;
@@ -176,8 +176,8 @@ impl Push {
         Some(SlideMotion { regime, sense, seconds })
     }
 
-    /// Components of the push in m/s, into the wall and along the tangent of the contact, for the angle `alpha` from
-    /// the normal of the contact to the push.
+    /// Components of the push, m/s: into the wall, and along the tangent of the contact. `alpha` is the angle from the
+    /// normal of the contact to the push.
     fn components(&self, alpha: f64) -> (f64, f64) {
         let (sin, cos) = math::sin_cos(alpha);
         (-self.speed() * cos, self.speed() * sin)
@@ -365,16 +365,16 @@ impl Contact {
         }
     }
 
-    /// Length in metres from the touched point to the end of the face, in the direction of the contact's tangent
-    /// (`sense` 1: to the left of the normal) or in the opposite direction (-1).
+    /// Length in metres from the touched point to the end of the face. The direction is that of the contact's tangent,
+    /// to the left of the normal (`sense` 1), or the opposite one (-1).
     fn length_to_face_end(&self, sense: f64) -> f64 {
         let tangent = self.normal.perp() * sense;
         let length_to = |end: DVec2| (end - self.point).dot(tangent);
         length_to(self.segment.a).max(length_to(self.segment.b)).max(0.0)
     }
 
-    /// Angle in rad by which the normal must turn around the wall's end, to the left (`sense` 1) or to the right (-1),
-    /// until it is perpendicular to the wall; infinite for a wall of length 0.
+    /// Angle in rad by which the normal must turn around the wall's end until it is perpendicular to the wall. The
+    /// normal turns to the left (`sense` 1) or to the right (-1). Infinite for a wall of length 0.
     fn angle_to_face(&self, sense: f64) -> f64 {
         let Segment { a, b } = self.segment;
         // Because of rounding, the point may differ from the wall's end.

@@ -1,9 +1,9 @@
 //! First contact of a moving disc with a wall: closed forms bracket the instant, and an iteration refines it.
 //!
-//! On a path of constant twist, the distance from the centre to a wall has two kinds of critical points: points at
-//! which the path is parallel to the wall, and points at which the centre is nearest to or farthest from one of the
-//! wall's ends. Their times have closed forms. Between two neighbouring critical points the distance is monotone, so
-//! every contact is bracketed and none is missed.
+//! On a path of constant twist, the distance from the centre to a wall has two kinds of critical points. At one kind
+//! the path is parallel to the wall; at the other kind the centre is nearest to or farthest from one of the wall's
+//! ends. Their times have closed forms. Between two neighbouring critical points the distance is monotone, so every
+//! contact is bracketed and none is missed.
 
 use std::f64::consts::PI;
 
@@ -67,12 +67,12 @@ pub fn first_contact(path: &Path, radius: f64, wall: &Segment, duration: f64) ->
 struct IntervalEnd {
     time: f64,
     gap: f64,
-    /// The sign gives the side of the wall's line on which the centre is.
+    /// Number whose sign gives the side of the wall's line on which the centre is.
     side: f64,
 }
 
-/// Root of `f` between two instants, each given with its value. At the returned instant `f` has already changed its
-/// sign; at most a rounding error earlier it has not.
+/// Root of `f` between two instants, each given with its value. At the returned instant `f` has changed its sign, at
+/// most a rounding error ago.
 fn root(f: impl Fn(f64) -> f64, from: (f64, f64), to: (f64, f64)) -> f64 {
     let (mut low, mut low_value) = from;
     let (mut high, mut high_value) = to;

@@ -1,7 +1,7 @@
 //! The compass: the direction clockwise from north, measured in cycles of 100 ms.
 //!
-//! Source: RoBIOS 6 library, compass. The length of a cycle is our choice, and so is the default direction of north:
-//! the world's y axis, if the robi's companion file does not state it.
+//! Source: RoBIOS 6 library, compass. The length of a cycle is our choice. If the robi's companion file does not state
+//! the direction of north, it is the world's y axis, our choice.
 
 use super::cycle::Cycle;
 use crate::drive::Motion;

@@ -1,20 +1,21 @@
-//! Encoders, which count the ticks of the wheels since a reset.
+//! Encoders, which count the rotation of the wheels since a reset.
 
 use std::f64::consts::TAU;
 
 use crate::drive::Motion;
 use crate::time::Time;
 
-/// Fraction of a tick that may be missing when the tick is counted: far above rounding errors, far below any commanded
+/// Fraction of a count that may be missing when the encoder counts: far above rounding errors, far below any commanded
 /// motion.
 const TOLERANCE: f64 = 1e-9;
 
-/// Encoders of a robot, by wheel. Each has two counters, one for ticks and one for distance.
+/// Encoders of a robot, by wheel. Each encoder has two counters, which are reset separately: the count and the
+/// distance.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Encoders {
-    /// Wheel angles at the last reset of the tick counters, rad.
+    /// Wheel angles at the last reset of the counts, rad.
     count_start: [f64; 4],
-    /// Wheel angles at the last reset of the distance counters, rad.
+    /// Wheel angles at the last reset of the distances, rad.
     distance_start: [f64; 4],
     /// Measured angles at which switched-off encoders are frozen, rad.
     frozen: [Option<f64>; 4],
@@ -33,14 +34,14 @@ impl Encoders {
         self.distance_start[index] = self.angle(index, motion, at);
     }
 
-    /// Ticks of encoder `index` since its count was set to 0.
+    /// Counts of encoder `index` since the last reset of its count.
     pub fn count(&self, index: usize, motion: &mut Motion, at: Time) -> i64 {
-        self.ticks_since(self.count_start[index], index, motion, at)
+        self.counts_since(self.count_start[index], index, motion, at)
     }
 
-    /// Ticks of encoder `index` since its distance was set to 0.
+    /// Counts of encoder `index` since the last reset of its distance.
     pub fn distance(&self, index: usize, motion: &mut Motion, at: Time) -> i64 {
-        self.ticks_since(self.distance_start[index], index, motion, at)
+        self.counts_since(self.distance_start[index], index, motion, at)
     }
 
     /// Switches encoder `index` on or off at `at`; the encoder does not count while it is off.
@@ -60,10 +61,10 @@ impl Encoders {
         self.frozen[index].unwrap_or_else(|| motion.wheel_angles(at)[index] - self.missed[index])
     }
 
-    /// Whole ticks of a wheel's encoder since the angle `start`, rounded towards 0.
-    fn ticks_since(&self, start: f64, index: usize, motion: &mut Motion, at: Time) -> i64 {
+    /// Whole counts of a wheel's encoder since the angle `start`, rounded towards 0.
+    fn counts_since(&self, start: f64, index: usize, motion: &mut Motion, at: Time) -> i64 {
         let turned = self.angle(index, motion, at) - start;
-        let ticks = turned / TAU * motion.model().ticks_per_turn;
-        (ticks + TOLERANCE.copysign(ticks)).trunc() as i64
+        let counts = turned / TAU * motion.model().ticks_per_turn;
+        (counts + TOLERANCE.copysign(counts)).trunc() as i64
     }
 }

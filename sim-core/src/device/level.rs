@@ -1,7 +1,8 @@
 //! Camera settings that change the levels of images.
 //!
-//! Three numbers from 0 to 255, where 128 is neutral: brightness, offset and contrast for grey images; brightness, hue and
-//! saturation for colour images. Source: the camera of the EyeBot; the effect of the numbers is our choice.
+//! The settings are three numbers from 0 to 255, where 128 is neutral. They are brightness, offset and contrast for
+//! grey images, and brightness, hue and saturation for colour images. Source: the camera of the EyeBot; the effect of
+//! the numbers is our choice.
 
 use std::f64::consts::PI;
 
@@ -18,7 +19,7 @@ const MIDDLE_LEVEL: f64 = 128.0;
 /// Level settings of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Levels {
-    /// Brightness; offset or hue; contrast or saturation.
+    /// Brightness, then offset or hue, then contrast or saturation.
     pub numbers: [u8; 3],
     /// True if the brightness adapts to the scene.
     pub is_automatic: bool,
@@ -31,8 +32,8 @@ impl Default for Levels {
 }
 
 impl Levels {
-    /// Changes the pixels of a colour image: multiplies by brightness / 128; rotates about the grey axis by (hue - 128) / 128
-    /// of half a turn, from red towards green; multiplies the distance from grey by saturation / 128.
+    /// Changes the pixels of a colour image: multiplies by brightness / 128, then rotates by (hue - 128) / 128 of half
+    /// a turn about the grey axis, from red towards green, then multiplies the distance from grey by saturation / 128.
     pub fn colour(&self, pixels: &mut [[u8; 3]]) {
         if self.numbers == [NEUTRAL; 3] {
             return;
@@ -46,8 +47,8 @@ impl Levels {
         }
     }
 
-    /// Changes the pixels of a grey image: multiplies by brightness / 128; adds offset - 128; multiplies the distance from 128 by
-    /// contrast / 128.
+    /// Changes the pixels of a grey image: multiplies by brightness / 128, then adds offset - 128, then multiplies the
+    /// distance from 128 by contrast / 128.
     pub fn grey(&self, pixels: &mut [[u8; 1]]) {
         if self.numbers == [NEUTRAL; 3] {
             return;
@@ -69,7 +70,7 @@ impl Levels {
         }
     }
 
-    /// Settings as multiples of the neutral one.
+    /// Settings as multiples of the neutral setting.
     fn fractions(&self) -> [f64; 3] {
         self.numbers.map(|number| f64::from(number) / f64::from(NEUTRAL))
     }

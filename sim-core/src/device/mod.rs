@@ -2,8 +2,8 @@
 //!
 //! A device is copyable state and changes only itself. It reads the published world, queries its robot's motion and
 //! servos at an instant, and adds the errors of its noise model. (Queries take `&mut` because they may compute more of
-//! the motion.) A device records nothing; [`Robot`](crate::simulation::Robot) does. It does not know how a program
-//! addresses it (handles, numbers, units).
+//! the motion.) A device does not record events; [`Robot`](crate::simulation::Robot) does. A device does not know how a
+//! program addresses it (handles, numbers, units).
 
 pub mod camera;
 pub mod compass;

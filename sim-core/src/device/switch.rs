@@ -1,4 +1,5 @@
-//! Switches of the sensors: a switched-off sensor sees nothing until it is switched on again, and a stuck sensor repeats a reading.
+//! Switches of the sensors: a switched-off sensor detects nothing until it is switched on again, and a stuck sensor
+//! repeats a reading.
 //!
 //! `docs/window.md` lists the value that each switched-off sensor returns to its program; these values are our choice.
 

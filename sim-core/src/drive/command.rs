@@ -46,12 +46,12 @@ pub enum Command {
 }
 
 /// Displacement (arc length and angle) of a drive along the arc that starts in the direction of the robot's heading and
-/// ends at `point`, given in the robot's frame (x ahead, y left, m).
+/// ends at `point`. `point` is in the robot's frame (x ahead, y left, m).
 ///
 /// The arc lies on the circle that is tangent to the robot's heading and passes through `point`; its curvature is 2 y /
 /// (x² + y²). The robot drives forwards to a point ahead of it and backwards (negative length) to a point behind it, on
-/// at most half of the circle. A point exactly at the side takes half a circle forwards (our choice), a point on the x
-/// axis a straight line. The displacement to the robot's own position is zero.
+/// at most half of the circle. To a point exactly at its side, the robot drives half a circle forwards (our choice); to
+/// a point on the x axis, a straight line. The displacement to the robot's own position is zero.
 ///
 /// Source: `VWDrive` of RoBIOS-7, which requires x > |y|; the result for other points is our choice.
 pub fn arc_to(point: DVec2) -> Twist {
@@ -62,7 +62,7 @@ pub fn arc_to(point: DVec2) -> Twist {
     Twist::new(direction * chord / math::sinc(half_angle), direction * 2.0 * half_angle)
 }
 
-/// Reason why a command was refused; the motion of the robot does not change then.
+/// Reason why a command was rejected; the robot's motion is then unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CommandError {
     /// A number is NaN, infinite, of a magnitude greater than 10^12, or negative where it must not be.

@@ -94,7 +94,7 @@ impl Hull {
     }
 
     /// Terminal velocity along each axis at full thrust without motion along the other axes. Since no thruster pushes
-    /// sideways, the value of the sideways axis is the one ahead.
+    /// sideways, the sideways axis has the value of the forward axis.
     fn terminal_velocities(&self, model: &Model) -> [f64; 4] {
         let forces = [[1.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 1.0]];
         let [ahead, turn, up] = forces.map(|fractions| self.forces(model, fractions));
@@ -102,9 +102,9 @@ impl Hull {
         [reached(0, ahead[0]), reached(0, ahead[0]), reached(2, turn[2]), reached(3, up[3])]
     }
 
-    /// Computes one tick for thrusters with these `rates`, rad/s. Returns the state at the end of the tick, and the
-    /// constant velocities in the robot's frame with which the robot moves along an arc from the pose at the start to
-    /// the pose at the end.
+    /// Computes one tick for thrusters with these `rates`, rad/s. Returns the state at the end of the tick, and
+    /// constant velocities in the robot's frame. With these velocities, the robot moves along an arc from the pose at
+    /// the start to the pose at the end.
     pub(super) fn step(&self, model: &Model, rates: &Wheels, before: &HullState) -> (Wheels, HullState) {
         let seconds = TICK.seconds();
         let forces = self.forces(model, rates.map(|rate| rate / model.max_wheel_rate));
@@ -305,7 +305,8 @@ mod tests {
     }
 
     /// Solution of the equations of motion of the whole hull, dv/dt = (forces - drag) / mass - omega x v, by the
-    /// classic Runge-Kutta method: position, heading, velocity ahead and to the left, turning speed.
+    /// classic Runge-Kutta method. The elements are position, heading, velocity ahead and to the left, and turning
+    /// speed.
     fn reference(rates: Wheels, seconds: f64, steps: usize) -> [f64; 6] {
         let (hull, model) = (hull(), model());
         let forces = hull.forces(&model, rates.map(|rate| rate / model.max_wheel_rate));

@@ -2,7 +2,7 @@
 //! robot's commands.
 //!
 //! Everything is a function of virtual time in whole microseconds; there are no integration steps, and the slot length
-//! has no influence. Contacts with static walls are found here, contacts with other robots in [`crate::world`].
+//! has no influence. This module finds contacts with static walls; [`crate::world`] finds contacts with other robots.
 
 mod command;
 mod control;

@@ -33,7 +33,7 @@ pub struct Model {
     pub wheel_diameter: f64,
     /// Maximum rate of a wheel, rad/s.
     pub max_wheel_rate: f64,
-    /// Encoder ticks in one turn of a wheel.
+    /// Encoder counts per turn of a wheel.
     pub ticks_per_turn: f64,
     /// Distance between the left and right wheels, m.
     pub track: f64,
@@ -207,8 +207,9 @@ impl Model {
     }
 
     /// Projection coefficient of `twist` onto the twist `onto`, both in one frame, in the inner product of kinetic
-    /// energy; 0 if `onto` is zero. If the wheels of a robot that moves with `twist` suddenly allow only motion along
-    /// `onto`, and its momentum along `onto` is kept, it continues with this multiple of `onto`.
+    /// energy; 0 if `onto` is zero. Suppose that the wheels of a robot that moves with `twist` suddenly allow only
+    /// motion along `onto`. If the robot's momentum along `onto` is kept, the robot continues with this multiple of
+    /// `onto`.
     pub fn projection(&self, twist: Twist, onto: Twist) -> f64 {
         let product = |a: Twist, b: Twist| self.mass * (a.vx * b.vx + a.vy * b.vy) + self.inertia() * a.omega * b.omega;
         let square = product(onto, onto);

@@ -38,8 +38,8 @@ const MAX_TICKS_AHEAD: usize = 100_000;
 pub struct Impact {
     /// Instant of the contact, rounded up to a microsecond.
     pub time: Time,
-    /// Instant from which the robot's program can detect the impact: `time` for a wall; for a robot or an object the
-    /// end of the slot, at which such impacts are computed.
+    /// Instant from which the robot's program can detect the impact. For a wall this is `time`. For a robot or an
+    /// object it is the end of the slot, at which such impacts are computed.
     pub known_at: Time,
     /// The touched obstacle.
     pub thing: Thing,
@@ -47,8 +47,8 @@ pub struct Impact {
     pub point: DVec2,
     /// Direction from the robot's centre to the touched point, in the robot's frame, rad counter-clockwise from ahead.
     pub bearing: f64,
-    /// False if an earlier contact continues: the body already touched the wall when it began to move, or the same
-    /// robot stopped it within the last 100 ms.
+    /// False if an earlier contact continues: the body already touched the wall when the body began to move, or the
+    /// same robot stopped the body within the last 100 ms.
     pub fresh: bool,
 }
 
@@ -214,14 +214,16 @@ impl Motion {
         }
     }
 
-    /// This motion, not yet commanded, for a robot that enters the world at `start` instead of at the start of the run.
+    /// Returns this motion, which must have no command yet, for a robot that enters the world at `start` instead of at
+    /// the start of the run.
     pub fn starting_at(mut self, start: Time) -> Self {
         self.stages.iter_mut().for_each(|stage| stage.piece.start = start);
         self.committed = start;
         self
     }
 
-    /// This motion, not yet commanded, with an imperfection. The random numbers are those of a run with `seed`.
+    /// Adds an imperfection to this motion, which must have no command yet. The random numbers are those of a run with
+    /// `seed`.
     ///
     /// # Errors
     /// [`ModelError`] with the first number of the imperfection that is out of range.
@@ -231,7 +233,7 @@ impl Motion {
         Ok(self)
     }
 
-    /// This motion, not yet commanded, with the contact rule `rule`; for a robot with legs the rule is always
+    /// Sets the contact rule of this motion, which must have no command yet. For a robot with legs the rule is always
     /// [`ContactRule::Stall`].
     ///
     /// # Errors
@@ -247,8 +249,9 @@ impl Motion {
         Ok(self)
     }
 
-    /// This motion, not yet commanded, for a robot with [`DriveKind::Thrusters`] in the water: at rest, with its frame
-    /// `height` metres above the floor. Its contact rule must be [`ContactRule::Slide`].
+    /// Adds a hull to this motion, which must have no command yet, of a robot with [`DriveKind::Thrusters`] in the
+    /// water. The robot is at rest, with its frame `height` metres above the floor. Its contact rule must be
+    /// [`ContactRule::Slide`].
     ///
     /// # Errors
     /// [`ModelError`] with the first number of the hull that is out of range.
@@ -324,12 +327,12 @@ impl Motion {
         self.revision
     }
 
-    /// Obeys a command at `at`, which must not precede the last command. `touching` are the bodies of other robots that
-    /// may be in contact, from [`World::touching`](crate::world::World::touching). If the command would approach one of
-    /// these bodies, the robot is blocked at once.
+    /// Applies a command at `at`, which must not precede the last command. `touching` are the bodies of other robots
+    /// that may be in contact, from [`World::touching`](crate::world::World::touching). If the command would approach
+    /// one of these bodies, the robot is blocked at once.
     ///
     /// # Errors
-    /// A [`CommandError`] for a command that this drive cannot obey; nothing changes then.
+    /// A [`CommandError`] for a command that this drive cannot carry out; nothing changes then.
     pub fn command(&mut self, at: Time, command: Command, touching: &[Body]) -> Result<(), CommandError> {
         self.input(at, Input::Command(command), touching)
     }
@@ -461,8 +464,8 @@ impl Motion {
         self.stage_at(at).commands.steering
     }
 
-    /// Remaining part of the drive in progress at `at`: arc length, m, or for a turn on the spot the angle, rad; 0
-    /// without a drive.
+    /// Remaining part of the drive in progress at `at`: the arc length, m, or the angle of a turn on the spot, rad. It
+    /// is 0 without a drive.
     pub fn drive_remaining(&mut self, at: Time) -> f64 {
         match self.stage_at(at).commands_at(at).active {
             ActiveCommand::Drive { total, remaining, .. } => ActiveCommand::progress(total, remaining).max(0.0),
@@ -487,8 +490,8 @@ impl Motion {
     /// Instant at which the last drive ends or has ended, rounded up to a microsecond. `None` if there is no drive, or
     /// if an obstacle stops the body before the target on the present plan.
     ///
-    /// If ticks change a drive for more than 1,000 s (random errors, a controller that oscillates), the result is an
-    /// instant before the end; the caller has to call again at that instant.
+    /// If ticks change a drive for more than 1,000 s (because of random errors or a controller that oscillates), the
+    /// result is an instant before the end. The caller must call again at that instant.
     pub fn drive_end(&mut self) -> Option<Time> {
         if let Some((revision, end)) = self.drive_end
             && revision == self.revision
@@ -535,7 +538,7 @@ impl Motion {
     }
 
     /// Slip ratio of the wheels at `at` because of a wall: slip speed over the floor, divided by the speed that the
-    /// wheels command; 0 without contact, 1 for a body at rest.
+    /// wheels command. It is 0 without contact and 1 for a body at rest.
     pub fn slip(&mut self, at: Time) -> f64 {
         let index = self.index_at(at);
         self.stages[index].slip(&self.vehicle.model, at).map_or(0.0, |(_, ratio)| ratio)
@@ -568,8 +571,8 @@ impl Motion {
         })
     }
 
-    /// Returns true if [`World::advance`](crate::world::World::advance) must process this motion: it has an input in
-    /// the present slot, the robot moves, or it is blocked by a robot or an object that may move away.
+    /// Returns true if [`World::advance`](crate::world::World::advance) must process this motion: the motion has an
+    /// input in the present slot, the robot moves, or the robot is blocked by a robot or an object that may move away.
     pub fn is_active(&self) -> bool {
         let piece = &self.last().piece;
         let rests = piece.rates.truth.is_zero() && piece.rates.wheels == [0.0; 4] || piece.has_ended(self.committed);

@@ -84,13 +84,14 @@ impl Piece {
         }
     }
 
-    /// True pose of the axle at `at`, the same as in [`Piece::state`].
+    /// True pose of the axle at `at`, equal to the pose in [`Piece::state`].
     pub fn world_from_axle(&self, at: Time) -> Pose {
         let seconds = (at - self.start).seconds().clamp(0.0, self.duration.max(0.0));
         self.world_from_axle_after(seconds, self.state.world_from_axle.heading.direction())
     }
 
-    /// True pose of the axle `seconds` after the start, at most at the end; `forward` as in [`Piece::state_after`].
+    /// True pose of the axle `seconds` after the start, but not after the end; `forward` is the unit vector of the
+    /// axle's heading at the start.
     pub(super) fn world_from_axle_after(&self, seconds: f64, forward: DVec2) -> Pose {
         self.state.world_from_axle.moved_along(forward, self.covered(self.rates.truth, seconds))
     }

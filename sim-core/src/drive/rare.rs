@@ -8,8 +8,8 @@ pub(super) trait ConstDefault: Clone + PartialEq + 'static {
     const DEFAULT: &'static Self;
 }
 
-/// A `T` that is allocated only when it is written; until then it is [`ConstDefault::DEFAULT`]. This keeps stages
-/// small: a drive with errors makes and copies one at each tick.
+/// A `T` that is allocated when it is first written; until then the value is [`ConstDefault::DEFAULT`]. This keeps
+/// stages small; a drive with errors makes and copies a stage at each tick.
 #[derive(Clone, Debug)]
 pub(super) struct Rare<T>(Option<Box<T>>);
 

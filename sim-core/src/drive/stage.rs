@@ -43,7 +43,7 @@ pub(super) struct Stage {
     pub is_placed: bool,
     /// True if the motion has random errors, which are valid for this tick only.
     has_random_errors: bool,
-    /// Instant until which the robot moves without errors, because its errors would press it against a contact.
+    /// Instant until which the robot moves without errors, because the errors would press the robot against a contact.
     error_free_until: Option<Time>,
     /// True if no later tick changes the motion.
     is_steady: bool,
@@ -488,8 +488,8 @@ impl Stage {
         self.is_steady || vehicle.model.wheel_lag == 0.0 && vehicle.errors.is_none() && vehicle.hull.is_none()
     }
 
-    /// Lower bound of the end of this stage: no wall, target or tick ends the stage before this instant. The start of
-    /// the stage if no better bound is known.
+    /// Lower bound of the end of this stage: no wall, target or tick ends the stage before this instant. It is the
+    /// start of the stage if no better bound is known.
     pub fn unchanged_until(&self, vehicle: &Vehicle) -> Time {
         // Each interval along a wall is reported separately, so its end may come at any time: no bound is known.
         if !self.has_no_ticks(vehicle) || !self.intervals.is_empty() {

@@ -5,14 +5,15 @@ const MIN_SIGMA: f64 = 1e-3;
 
 /// Filter weights from the central pixel to one side. The weights of the whole filter, both sides and the centre, sum to 1.
 ///
-/// The weight at a distance of n pixels is exp(-t) I_n(t) with t = `sigma`^2 and the modified Bessel function I_n: the discrete analogue
-/// of the Gaussian. Its variance is exactly `sigma`^2 for any `sigma`, and blurring twice adds variances; a sampled Gaussian has neither
-/// property for a `sigma` below one pixel. The filter ends four standard deviations and one pixel from its centre. I_n is computed by
-/// Miller's backward recurrence. Source: Lindeberg 1990, "Scale-space for discrete signals".
+/// The weight at a distance of n pixels is exp(-t) I_n(t), where t = `sigma`^2 and I_n is the modified Bessel function.
+/// This is the discrete analogue of the Gaussian. Its variance is exactly `sigma`^2 for any `sigma`, and blurring twice
+/// adds variances; a sampled Gaussian has neither property for a `sigma` below one pixel. The filter ends four standard
+/// deviations and one pixel from its centre. I_n is computed by Miller's backward recurrence. Source: Lindeberg 1990,
+/// "Scale-space for discrete signals".
 fn weights(sigma: f64) -> Vec<f32> {
     let t = sigma * sigma;
     let radius = (4.0 * sigma).ceil() as usize + 1;
-    // So large that the arbitrary start values of the recurrence have no influence.
+    // `start` is so large that the arbitrary start values of the recurrence have no influence.
     let start = 2 * radius + 10;
     let mut bessel = vec![0.0; start + 2];
     bessel[start] = 1.0;

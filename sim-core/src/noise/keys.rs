@@ -79,7 +79,7 @@ pub const RANGE: Keys<RangeNoise> = &[
         |range| &mut range.outlier,
     ),
     key("dropout", "Probability of no return.", probability("probability of a drop-out"), |range| &mut range.dropout),
-    key("drift_mm", "Error at the start of the run in mm, which decays.", signed_length("drift"), |range| {
+    key("drift_mm", "Error at the start of the run in mm; it decays exponentially.", signed_length("drift"), |range| {
         &mut range.drift
     }),
     key(
@@ -126,7 +126,7 @@ pub const CAMERA: Keys<ImageNoise> = &[
     ),
     key(
         "sigma",
-        "Standard deviation of each channel of each pixel, of 255 levels.",
+        "Standard deviation of each channel of each pixel, in levels of 0 to 255.",
         Quantity::number("standard deviation", 0.0, 255.0),
         |image| &mut image.sigma,
     ),
@@ -136,9 +136,12 @@ pub const CAMERA: Keys<ImageNoise> = &[
         probability("probability of salt and pepper"),
         |image| &mut image.salt_and_pepper,
     ),
-    key("salt", "Fraction of white pixels among these; default: 0.5.", probability("share of salt"), |image| {
-        &mut image.salt
-    }),
+    key(
+        "salt",
+        "Fraction of white pixels among the white and black pixels; default: 0.5.",
+        probability("share of salt"),
+        |image| &mut image.salt,
+    ),
     key(
         "hundreds_and_thousands",
         "Probability of a pixel of random colour.",
@@ -151,13 +154,13 @@ pub const CAMERA: Keys<ImageNoise> = &[
 pub const DRIVE: Keys<MotionNoise> = &[
     key(
         "left_percent",
-        "Excess of the left wheels over their nominal diameter in percent.",
+        "Excess of the diameter of the left wheels over the nominal diameter, in percent.",
         Quantity::percent("error of the left wheels", -50.0, 100.0),
         |motion| &mut motion.left,
     ),
     key(
         "right_percent",
-        "Excess of the right wheels over their nominal diameter in percent.",
+        "Excess of the diameter of the right wheels over the nominal diameter, in percent.",
         Quantity::percent("error of the right wheels", -50.0, 100.0),
         |motion| &mut motion.right,
     ),
@@ -184,7 +187,7 @@ pub const DRIVE: Keys<MotionNoise> = &[
     }),
     key(
         "v_sigma_percent",
-        "Standard deviation of the speed in percent of it, drawn every 10 ms.",
+        "Standard deviation of the speed, in percent of the speed, drawn every 10 ms.",
         relative("standard deviation of the speed"),
         |motion| &mut motion.command.speed_share,
     ),
@@ -196,7 +199,7 @@ pub const DRIVE: Keys<MotionNoise> = &[
     ),
     key(
         "omega_sigma_percent",
-        "Standard deviation of the turning speed in percent of it, drawn every 10 ms.",
+        "Standard deviation of the turning speed, in percent of the turning speed, drawn every 10 ms.",
         relative("standard deviation of the turning speed"),
         |motion| &mut motion.command.turn_share,
     ),
@@ -221,7 +224,7 @@ pub const ODOMETRY: Keys<MotionNoise> = &[
     }),
     key(
         "v_sigma_percent",
-        "Standard deviation of the speed in percent of it, drawn every 10 ms.",
+        "Standard deviation of the speed, in percent of the speed, drawn every 10 ms.",
         relative("standard deviation of the speed"),
         |motion| &mut motion.odometry.speed_share,
     ),
@@ -233,7 +236,7 @@ pub const ODOMETRY: Keys<MotionNoise> = &[
     ),
     key(
         "omega_sigma_percent",
-        "Standard deviation of the turning speed in percent of it, drawn every 10 ms.",
+        "Standard deviation of the turning speed, in percent of the turning speed, drawn every 10 ms.",
         relative("standard deviation of the turning speed"),
         |motion| &mut motion.odometry.turn_share,
     ),
@@ -245,13 +248,13 @@ pub const ODOMETRY: Keys<MotionNoise> = &[
 pub const RADIO: Keys<RadioNoise> = &[
     key(
         "bit_error_rate",
-        "Probability of a bit of the payload that arrives inverted.",
+        "Probability that a bit of the payload arrives inverted.",
         probability("bit error rate"),
         |radio| &mut radio.bit_error_rate,
     ),
     key(
         "packet_loss",
-        "Probability of a message that does not arrive.",
+        "Probability that a message does not arrive.",
         probability("probability of a lost message"),
         |radio| &mut radio.packet_loss,
     ),

@@ -27,10 +27,10 @@ pub struct MotionNoise {
 
 /// Gaussian noise of mean 0 on a twist, drawn for each tick of 10 ms and held until the next.
 ///
-/// The standard deviation of each component is sqrt(a^2 + (b x)^2), with the absolute part a, the relative part b, and the component x of
-/// the wheels' twist. Example, to first order in the noise: after a straight drive at v m/s that starts on a tick and lasts for N ticks of
-/// h = 10 ms, the variance is h^2 N speed^2 for the distance, h^2 N turn^2 for the heading, and v^2 h^4 turn^2 (N^3 / 3 - N / 12) for the
-/// lateral position.
+/// The standard deviation of each component is sqrt(a^2 + (b x)^2), with the absolute part a, the relative part b, and
+/// the component x of the wheels' twist. Example: a straight drive at v m/s starts on a tick and lasts for N ticks of
+/// length h = 10 ms. After this drive, to first order in the noise, the variance is h^2 N speed^2 for the distance, h^2
+/// N turn^2 for the heading, and v^2 h^4 turn^2 (N^3 / 3 - N / 12) for the lateral position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TwistNoise {
     /// Absolute part for the speed, m/s; an omni drive has this noise along both axes.
@@ -45,9 +45,10 @@ pub struct TwistNoise {
 
 /// Maximum errors at the target of a drive; with 0 a drive ends exactly at its target.
 ///
-/// The error of each drive is drawn anew, uniform between the negative bound and the bound, and never larger than the drive itself: a drive
-/// of 1 mm with a bound of 4 mm ends between 0 and 2 mm. The wheels stop at this end, so encoders and odometry include the error. Source:
-/// tolerances that robotics courses require of real robots; the uniform distribution is our choice.
+/// The error of each drive is drawn anew, uniform between the negative bound and the bound. It is never larger than the
+/// drive itself: a drive of 1 mm with a bound of 4 mm ends between 0 and 2 mm. The wheels stop at this end, so encoders
+/// and odometry include the error. Source: tolerances that robotics courses require of real robots; the uniform
+/// distribution is our choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveBound {
     /// Maximum error of the arc length, m.

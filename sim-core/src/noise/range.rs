@@ -12,9 +12,9 @@ use crate::time::Time;
 /// 1. with probability `dropout` the reading is no return;
 /// 2. otherwise, with probability `outlier`, the reading is uniform over the sensor's range, even if there was no
 ///    return;
-/// 3. otherwise no return stays no return, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s G, with s the
-///    [standard deviation](Self::sigma_at) at d, G standard normal for each reading, and B normal with the standard deviation `bias_sigma`,
-///    drawn once for each sensor;
+/// 3. otherwise no return stays no return, and a distance becomes d + `bias` + B + `drift` exp(-t / `drift_time`) + s
+///    G. Here s is the [standard deviation](Self::sigma_at) at d, G is standard normal for each reading, and B is
+///    normal with the standard deviation `bias_sigma`, drawn once for each sensor;
 /// 4. a distance is rounded to a multiple of `step`, then clamped to the sensor's range.
 ///
 /// Source: additive Gaussian noise from Koestler & Bräunl, section 5; the rest is our choice.
@@ -24,8 +24,8 @@ pub struct RangeNoise {
     pub sigma: f64,
     /// Standard deviation of each reading as a fraction of the distance.
     pub sigma_share: f64,
-    /// Coefficient k of a standard deviation k d^2 of each reading, 1/m, as of a sensor with a signal proportional to 1/d and constant
-    /// noise.
+    /// Coefficient k of a standard deviation k d^2 of each reading, 1/m. It models a sensor with constant noise on a
+    /// signal proportional to 1/d.
     pub sigma_square: f64,
     /// Error of all readings of all sensors, m.
     pub bias: f64,

@@ -56,8 +56,9 @@ fn key(seed: u64, robot: RobotId, purpose: Purpose, number: u32, sub_number: u64
 
 /// Random bits that depend only on the key of the stream.
 ///
-/// The generator is ChaCha with 8 rounds. The key is (seed, robot, purpose, number, sub-number) in 32 bytes, so different streams have
-/// different keys. Source: design section 6; the generator is our choice, for its speed and the independence between its keys.
+/// The generator is ChaCha with 8 rounds. The key is (seed, robot, purpose, number, sub-number) in 32 bytes, so
+/// different streams have different keys. The generator is our choice, for its speed and because streams with different
+/// keys are independent.
 #[derive(Clone, Debug)]
 pub struct Stream {
     generator: ChaCha8Rng,

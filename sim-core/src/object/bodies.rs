@@ -413,8 +413,8 @@ impl Bodies {
     /// Estimate of the impulse that the neighbours of an object at rest exert on it in the next step, N s, without
     /// friction.
     ///
-    /// If this impulse is smaller than the impulse of friction in a step, the object stays at rest: for example a crate
-    /// that a robot with too little traction pushes.
+    /// If this impulse is smaller than the impulse of friction in a step, the object stays at rest. An example is a
+    /// crate that a robot with too little traction pushes.
     fn possible_push(&self, index: usize) -> DVec2 {
         let object_body = &self.objects[index];
         let mut push = DVec2::ZERO;
@@ -426,8 +426,8 @@ impl Bodies {
         push
     }
 
-    /// Estimate of the impulse in the next step, N s, of the other body of a contact pair on the body of `collider`,
-    /// which is at rest.
+    /// Estimate of the impulse, N s, that the body of `collider`, which is at rest, receives in the next step from the
+    /// other body of a contact pair.
     fn possible_impulse(&self, pair: &ContactPair, collider: ColliderHandle, restitution: f64) -> DVec2 {
         let is_first = pair.collider1 == collider;
         let other = if is_first { pair.collider2 } else { pair.collider1 };

@@ -14,7 +14,7 @@ pub struct Bodies(Infallible);
 
 #[expect(missing_docs, reason = "documented in the module with the solver")]
 impl Bodies {
-    /// True if this build has rigid bodies: the feature `objects` is off.
+    /// False, because this build has no rigid bodies: the feature `objects` is off.
     pub const ARE_BUILT: bool = false;
 
     /// # Panics

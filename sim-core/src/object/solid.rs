@@ -319,8 +319,8 @@ fn interval_of_disc(origin: DVec2, direction: DVec2, centre: DVec2, radius: f64)
     })
 }
 
-/// Distance along a line to the point nearest to a sphere's centre, and half of the length of the line's chord in the
-/// sphere; `offset` is the vector from the line's origin to the centre. `None` if the line misses the sphere.
+/// Distance along a line to the point nearest to a sphere's centre, and half the length of the line's chord in the
+/// sphere. `offset` is the vector from the line's origin to the centre. `None` if the line misses the sphere.
 fn chord(offset: DVec3, direction: DVec3, radius: f64) -> Option<(f64, f64)> {
     let along = offset.dot(direction);
     // Computed from the line's nearest point to the centre, which preserves precision for a distant sphere.

@@ -14,9 +14,10 @@ use super::{
 
 /// The channel between all robots of a run.
 ///
-/// At the end of a slot the caller reports the stations that were switched on or off ([`Channel::report_change`]), then the messages
-/// that were queued ([`Channel::exchange`]). `exchange` must be called at the end of each slot in which a station was switched or a
-/// message was queued, and of the slot that contains [`Channel::due`]; other slots may be skipped.
+/// At the end of a slot the caller reports the stations that were switched on or off ([`Channel::report_change`]), then
+/// the messages that were queued ([`Channel::exchange`]). `exchange` must be called at the end of each slot in which a
+/// station was switched or a message was queued, and at the end of the slot that contains [`Channel::due`]. Other slots
+/// may be skipped.
 #[derive(Clone, Debug)]
 pub struct Channel {
     model: RadioModel,

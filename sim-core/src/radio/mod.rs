@@ -4,7 +4,7 @@
 //! the sent messages. It decides for each message and station whether and when the message is received, and with which
 //! bit errors; the result is a [`Delivery`].
 //!
-//! Source: Koestler & Bräunl, sections 5.1 and 6.2; for the timing rules, design section 7.
+//! Source: Koestler & Bräunl, sections 5.1 and 6.2. The timing rules are our choice: see docs/radio.md.
 
 mod air;
 mod channel;
@@ -106,15 +106,15 @@ pub struct OutgoingMessage {
 /// Reason why a message was not received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Loss {
-    /// The channel lost it (probability P_p).
+    /// The channel lost the message (with probability P_p).
     Packet,
     /// The receiver was too far away.
     Range,
     /// A wall blocked the line of sight.
     Sight,
-    /// Another message was on the air at the same time, or the receiver was message.
+    /// Another message was on the air at the same time, or the receiver was transmitting.
     Collision,
-    /// The receiver uses another speed.
+    /// The receiver uses another baud rate.
     Baud,
     /// No other station with the destination's address was on.
     Nobody,
@@ -172,9 +172,9 @@ pub struct StationInfo {
 pub struct StationChange {
     /// The robot.
     pub robot: RobotId,
-    /// Present state; `None` if it is off.
+    /// Present state; `None` if the station is off.
     pub member: Option<StationInfo>,
-    /// Each switching off since the last report, in the order of time.
+    /// Times at which the station was switched off since the last report, in order.
     pub switched_off: Vec<SwitchedOff>,
 }
 

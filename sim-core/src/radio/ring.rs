@@ -5,14 +5,14 @@
 //! Stations join and leave at the end of a simulation slot.
 //!
 //! A token that the next holder does not receive is lost, and a silence follows that all stations hear. The time-out of
-//! a station grows with the number of stations between the last sender and it, so the station that missed its turn acts
-//! first. After [`SILENCE_FRAMES`] frames that station polls with a wild card (a frame to all stations), and all other
-//! stations answer in turn. The polling station then continues with a new token. So a station that missed the token
-//! sends next, and no station starves.
+//! a station grows with the number of stations between the last sender and that station, so the station that missed its
+//! turn acts first. After [`SILENCE_FRAMES`] frames that station polls with a wild card (a frame to all stations), and
+//! all other stations answer in turn. The polling station then continues with a new token. A station that missed the
+//! token therefore sends next, and no station starves.
 //!
 //! Source: the network of the EyeBot has token, time-out and wild card. The choice of the polling station and the
-//! durations are our choice, and so are these simplifications: polls are never lost, and all stations receive tokens
-//! and polls at any speed, from any distance and through walls.
+//! durations are ours. These simplifications are ours too: polls are never lost, and all stations receive tokens and
+//! polls at any speed, from any distance and through walls.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -23,7 +23,7 @@ use crate::time::Time;
 
 use super::{HEADER_BYTES, OutgoingMessage, StationInfo, SwitchedOff, air_time};
 
-/// Duration of the silence after which the stations take the token for lost, in token frames.
+/// Duration of the silence after which the stations regard the token as lost, in token frames.
 pub const SILENCE_FRAMES: i64 = 2;
 
 /// State of the token ring.

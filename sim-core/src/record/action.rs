@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 /// An intervention: one user action, which takes effect at the start of a slot.
 ///
-/// The JSON form is the canonical text in digest and trace, with which a run can be repeated: the names and the order of variants and
-/// fields are frozen. Other notations, such as that of the window's page, are translated by other modules.
+/// The JSON form is the canonical text in digest and trace, with which a run can be repeated. The names and the order
+/// of variants and fields are therefore frozen. Other modules translate other notations, such as that of the window's
+/// page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Action {

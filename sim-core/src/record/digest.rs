@@ -6,7 +6,7 @@
 //! later events. The digest of a run is the digest after its last slot, so it equals the last slot line of the trace.
 //!
 //! Canonical bytes: postcard of (virtual time in us, event), with floating-point numbers as their bits. Notes, wall
-//! time and the order of threads are excluded. Source: design section 10; the construction is our choice.
+//! time and the order of threads are excluded. The construction is our choice.
 
 use std::fmt;
 

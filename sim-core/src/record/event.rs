@@ -106,9 +106,9 @@ events! {
         at_s: f64,
         /// The obstacle.
         with: Obstacle,
-        /// Point of contact, m.
+        /// World x of the point of contact, m.
         x_m: f64,
-        /// Point of contact, m.
+        /// World y of the point of contact, m.
         y_m: f64,
     }
     /// Command: drive at these speeds until the next command.
@@ -143,11 +143,11 @@ events! {
     }
     /// Command: set the odometry to this pose.
     SetOdometry = "set_odometry" {
-        /// World x, m.
+        /// x in the odometry frame, m.
         x_m: f64,
-        /// World y, m.
+        /// y in the odometry frame, m.
         y_m: f64,
-        /// rad
+        /// Heading in the odometry frame, rad.
         phi_rad: f64,
     }
     /// The speed controller is started with these gains.
@@ -167,14 +167,14 @@ events! {
     Motor = "motor" {
         /// Name of the motor.
         device: &'a str,
-        /// -100 to 100.
+        /// Percentage of the maximum rate, -100 to 100.
         percent: i32,
     }
     /// A servo is set.
     Servo = "servo" {
         /// Name of the servo.
         device: &'a str,
-        /// 0 to 255.
+        /// Position, 0 to 255.
         position: i32,
     }
     /// A latch, port or other output is set.
@@ -204,16 +204,16 @@ events! {
     Reading = "reading" {
         /// Name of the sensor.
         device: &'a str,
-        /// Value in the sensor's unit: ticks, counts, 0 or 1.
+        /// Value in the sensor's unit: counts, 0 or 1.
         value: i64,
     }
     /// The odometry's pose is read.
     Odometry = "odometry" {
-        /// World x, m.
+        /// x in the odometry frame, m.
         x_m: f64,
-        /// World y, m.
+        /// y in the odometry frame, m.
         y_m: f64,
-        /// rad
+        /// Heading in the odometry frame, rad.
         phi_rad: f64,
     }
     /// The odometry's velocity is read.
@@ -225,9 +225,9 @@ events! {
     }
     /// Text is written on the display.
     LcdText = "lcd_text" {
-        /// 0 to 6.
+        /// Row, 0 to 6.
         row: u8,
-        /// 0 to 15.
+        /// Column, 0 to 15.
         column: u8,
         /// The text.
         text: &'a str,
@@ -243,16 +243,16 @@ events! {
     }
     /// A text of the menu line is set.
     LcdMenu = "lcd_menu" {
-        /// 1 to 4, from the left.
+        /// Position in the menu line, 1 to 4, from the left.
         position: u8,
         /// The text.
         text: &'a str,
     }
     /// The loudspeaker plays a tone.
     Tone = "tone" {
-        /// Hz
+        /// Frequency, Hz.
         frequency_hz: f64,
-        /// s
+        /// Duration, s.
         duration_s: f64,
     }
     /// The loudspeaker beeps.
@@ -264,19 +264,19 @@ events! {
     }
     /// The program takes a key press.
     Key = "key" {
-        /// `KEY1` to `KEY4`.
+        /// Name of the key, `KEY1` to `KEY4`.
         key: &'a str,
     }
     /// Bytes are sent through a serial interface.
     SerialSent = "serial_sent" {
-        /// `SERIAL1` to `SERIAL16`.
+        /// Name of the interface, `SERIAL1` to `SERIAL16`.
         port: &'a str,
         /// The bytes.
         data: &'a [u8],
     }
     /// The program takes bytes from a serial interface.
     SerialReceived = "serial_received" {
-        /// `SERIAL1` to `SERIAL16`.
+        /// Name of the interface, `SERIAL1` to `SERIAL16`.
         port: &'a str,
         /// The bytes.
         data: &'a [u8],
@@ -285,7 +285,7 @@ events! {
     TimerAttached = "timer_attached" {
         /// Handle of the timer.
         timer: u32,
-        /// s
+        /// Period, s.
         period_s: f64,
     }
     /// A timer is stopped.
@@ -330,7 +330,7 @@ events! {
         x_m: f64,
         /// World y, m.
         y_m: f64,
-        /// rad
+        /// Heading, rad.
         phi_rad: f64,
     }
     /// A movable object is moved to another pose; an event of the world.
@@ -343,7 +343,7 @@ events! {
         x_m: f64,
         /// World y, m.
         y_m: f64,
-        /// rad
+        /// Heading, rad.
         phi_rad: f64,
     }
     /// The signal of a range sensor is read.
@@ -359,11 +359,11 @@ events! {
     Image = "frame" {
         /// Number of the image; each camera counts its images from 1.
         frame: u64,
-        /// `colour`, `grey` or `bayer`; `depth` or `labels` of the image.
+        /// Kind of data: `colour`, `grey` or `bayer` for an image; `depth` or `labels` of the last image.
         form: &'a str,
-        /// Pixels of a row.
+        /// Width of the image in pixels.
         width_px: u32,
-        /// Rows.
+        /// Height of the image in pixels.
         height_px: u32,
         /// Time of the exposure, s.
         exposed_s: f64,
@@ -400,7 +400,7 @@ events! {
         message: u64,
         /// Time at which the message would have arrived, s.
         arrived_s: f64,
-        /// `packet`, `range`, `sight`, `collision`, `baud`, `nobody`, `off`, `overflow`, `unsent` or `end`.
+        /// Cause: `packet`, `range`, `sight`, `collision`, `baud`, `nobody`, `off`, `overflow`, `unsent` or `end`.
         cause: &'a str,
     }
     /// The program reads a message from its radio.
@@ -436,7 +436,7 @@ events! {
     }
     /// Command: set the height to which the feet are lifted.
     StepHeight = "step_height" {
-        /// m
+        /// Height, m.
         height_m: f64,
     }
     /// Command: shift the footholds of a leg.
@@ -454,29 +454,29 @@ events! {
     Joint = "joint" {
         /// Name of the leg and joint.
         joint: &'a str,
-        /// rad
+        /// Angle of the joint, rad.
         angle_rad: f64,
     }
     /// The pose of a link in the body's frame is read.
     Link = "link" {
         /// Name of the leg and link.
         link: &'a str,
-        /// World x, m.
+        /// Position forwards, m.
         x_m: f64,
-        /// World y, m.
+        /// Position to the left, m.
         y_m: f64,
-        /// m
+        /// Position upwards, m.
         z_m: f64,
-        /// rad
+        /// Roll, rad.
         roll_rad: f64,
-        /// rad
+        /// Pitch, rad.
         pitch_rad: f64,
-        /// rad
+        /// Yaw, rad.
         yaw_rad: f64,
     }
     /// The height of the body is read.
     BodyHeight = "body_height" {
-        /// m
+        /// Height, m.
         height_m: f64,
     }
     /// Posture of a legged robot at the end of a slot in which it changed.
@@ -491,11 +491,11 @@ events! {
     Footfall = "footfall" {
         /// Name of the leg.
         leg: &'a str,
-        /// Position of the foothold, m.
+        /// World x of the foothold, m.
         x_m: f64,
         /// World y, m.
         y_m: f64,
-        /// m
+        /// World z, m.
         z_m: f64,
     }
     /// Start of an unintended contact of a legged robot's part with an obstacle.
@@ -504,11 +504,11 @@ events! {
         part: &'a str,
         /// The obstacle.
         with: Obstacle,
-        /// Point of contact, m.
+        /// World x of the point of contact, m.
         x_m: f64,
         /// World y, m.
         y_m: f64,
-        /// m
+        /// World z, m.
         z_m: f64,
     }
     /// The program writes a line to its standard error. A note: not part of the digest.

@@ -17,9 +17,9 @@ const CHAIN_LEN: usize = 32;
 /// The list of one robot's events in the slot in progress. Recording an event takes a few stores and no allocation
 /// once the buffers have grown.
 ///
-/// Events are stored in their canonical form (postcard of time and event), which is hashed for the digest and decoded for the sinks.
-/// During a slot only the robot's thread records events. At the slot's end poses and contacts are added, and
-/// [`super::Recorder::collect`] takes the events.
+/// Events are stored in their canonical form (postcard of time and event), which is hashed for the digest and decoded
+/// for the observer. During a slot only the robot's thread records events. At the slot's end poses and contacts are
+/// added, and [`super::Recorder::collect`] takes the events.
 #[derive(Clone, Debug)]
 pub struct Journal {
     robot: RobotId,

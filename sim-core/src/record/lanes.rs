@@ -170,8 +170,8 @@ fn mix<S: Simd>(
 
 /// Rotates the words right by `count` bits.
 #[inline(always)]
-fn rotate_right<S: Simd>(words: u32x8<S>, max_blocks: u32) -> u32x8<S> {
-    words >> max_blocks | words << (32 - max_blocks)
+fn rotate_right<S: Simd>(words: u32x8<S>, count: u32) -> u32x8<S> {
+    words >> count | words << (32 - count)
 }
 
 #[cfg(test)]

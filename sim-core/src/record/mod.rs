@@ -1,8 +1,8 @@
 //! Recording of a simulation: events, the robots' journals, the digest, and interventions.
 //!
 //! Each robot appends its events to its own [`Journal`] while a slot runs. At the slot's end the [`Recorder`] seals the
-//! journals (digest) and merges them in the order (virtual time, robot, sequence) for the observers. Recording never influences
-//! the simulation, and the digest does not depend on the observers.
+//! journals (digest) and merges them in the order (virtual time, robot, sequence) for the observer. Recording never
+//! influences the simulation, and the digest does not depend on the observer.
 
 mod action;
 pub mod digest;

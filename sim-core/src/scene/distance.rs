@@ -1,4 +1,4 @@
-//! Distances between segments and triangles in space.
+//! Distances between segments and triangles in three dimensions.
 
 use glam::DVec3;
 

@@ -171,8 +171,8 @@ pub(super) struct CellVisit<'a> {
     pub cell: usize,
     /// Distance at which the ray leaves the cell.
     pub exit: f64,
-    /// Axis along which the ray has entered the cell, the cell's index on that axis, and true if the ray runs in the positive
-    /// direction of the axis; `None` for the ray's first cell.
+    /// Axis along which the ray has entered the cell, the cell's index on that axis, and true if the ray runs in the
+    /// positive direction of the axis. `None` for the ray's first cell.
     entered: Option<(usize, f64, bool)>,
 }
 

@@ -17,8 +17,8 @@ pub enum Ground {
 }
 
 impl Ground {
-    /// Distance of a segment from the ground, m: see [`HeightField::clearance`]. On the flat floor, also distances beyond
-    /// `max_distance` are exact.
+    /// Distance of a segment from the ground, m: see [`HeightField::clearance`]. On the flat floor, distances beyond
+    /// `max_distance` are exact too.
     pub fn clearance(&self, ends: [DVec3; 2], max_distance: f64) -> f64 {
         match self {
             Self::Flat => self.min_height_above(ends).0,

@@ -22,11 +22,11 @@ const TINTS: [[f32; 3]; 5] =
 /// Height as a function of the position in a rectangle of the plane, world frame, in metres.
 ///
 /// The heights are given at the corners of a rectilinear grid. Each cell is divided into two triangles by the diagonal
-/// from its minimum x and y to its maximum x and y, so the surface is continuous and rays find no gap. (One exception: if
-/// steps along x and along y meet in one vertical line with more than two heights, a ray aimed exactly at that line may
-/// pass within rounding.) A grid coordinate may occur twice: the cell between the two lines has no width and is an exact
-/// vertical step. Outside the rectangle the ground continues level from its border, see [`height`](Self::height), but
-/// rays hit nothing.
+/// from its minimum x and y to its maximum x and y, so the surface is continuous and rays find no gap. (There is one
+/// exception: if steps along x and along y meet in one vertical line with more than two heights, a ray aimed exactly at
+/// that line may pass within rounding.) A grid coordinate may occur twice. The cell between the two lines then has no
+/// width and is an exact vertical step. Outside the rectangle the ground continues level from its border, see
+/// [`height`](Self::height), but rays hit nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     xs: Vec<f64>,
@@ -113,8 +113,8 @@ impl HeightField {
         DVec3::new(self.xs[column], self.ys[row], self.corner_height(column, row))
     }
 
-    /// Height of the ground at a point in the world frame, in metres: at a step, the height of its upper side; outside
-    /// the rectangle, the height of the nearest point of its border. NaN if a coordinate is NaN.
+    /// Height of the ground at a point in the world frame, in metres. At a step, it is the height of the upper side;
+    /// outside the rectangle, it is the height of the nearest point of the border. NaN if a coordinate is NaN.
     pub fn height(&self, x: f64, y: f64) -> f64 {
         if x.is_nan() || y.is_nan() {
             return f64::NAN;
@@ -136,9 +136,10 @@ impl HeightField {
         highest
     }
 
-    /// Upward unit normal of the ground at a point: the normal of the triangle that contains the point. A point on an edge
-    /// belongs to the triangle at larger x, then to the one at larger y; a point on a step belongs to the upper side.
-    /// Outside the rectangle, the ground does not rise or fall with the distance from the border.
+    /// Upward unit normal of the ground at a point: the normal of the triangle that contains the point. A point on an
+    /// edge belongs to the triangle at larger x, and if both have the same x, to the triangle at larger y. A point on a
+    /// step belongs to the upper side. Outside the rectangle, the ground does not rise or fall with the distance from
+    /// the border.
     ///
     /// The normal is straight up if a coordinate is NaN.
     pub fn normal(&self, x: f64, y: f64) -> DVec3 {
@@ -252,8 +253,8 @@ impl HeightField {
         if right >= up { a + right * (b - a) + up * (c - b) } else { a + up * (d - a) + right * (c - d) }
     }
 
-    /// Slopes along x and along y (as x and y of the result) of the triangle at a position; for a cell without width, the
-    /// slopes of the previous cell.
+    /// Slopes along x and along y (as x and y of the result) of the triangle at a position. In a cell without width,
+    /// they are the slopes of the previous cell.
     fn slope(&self, (column, right): (usize, f64), (row, up): (usize, f64)) -> DVec3 {
         // The last corner, and the first of the two corners at a step, belong to the previous cell.
         let in_wide_cell = |lines: &[f64], cell: usize, fraction: f64| {

@@ -57,8 +57,8 @@ impl Texture {
         self.pixels[row as usize * self.width as usize + column as usize]
     }
 
-    /// The pixel at texture coordinates: `u` to the right and `v` upwards from the lower left corner, 1 for the full width
-    /// or height; outside 0 to 1 the image repeats. Coordinates that are not finite give the lower left pixel.
+    /// The pixel at texture coordinates: `u` to the right and `v` upwards from the lower left corner, 1 for the full
+    /// width or height. Outside 0 to 1 the image repeats. Coordinates that are not finite give the lower left pixel.
     pub fn sample(&self, u: f64, v: f64) -> [u8; 4] {
         let texel = |coordinate: f64, size: u32| {
             let fraction = coordinate - coordinate.floor();

@@ -279,7 +279,7 @@ fn for_each_cell(grid: &Grid, margin: f64, segment: &Segment, mut visit: impl Fn
 }
 
 /// Minimum and maximum y, for x between `left` and `right`, of the segment from `a` to `b`, whose slope is between -1
-/// and 1; where x is beyond an end, y is the y of that end.
+/// and 1. If x is beyond an end, y is the y of that end.
 fn y_between(a: DVec2, b: DVec2, left: f64, right: f64) -> (f64, f64) {
     let (a, b) = if a.x <= b.x { (a, b) } else { (b, a) };
     let y = |x: f64| {

@@ -51,8 +51,9 @@ impl Echo {
         }
     }
 
-    /// Reading of a reflectance sensor for a hit at (distance in m, incidence in rad), with the paper's `noise` N: the signal of
-    /// [`reflected_signal`] and the distance of [`recovered_distance`]; without an echo, signal 0 and the maximum distance.
+    /// Reading of a reflectance sensor for a hit at (distance in m, incidence in rad), with the paper's `noise` N. It
+    /// has the signal of [`reflected_signal`] and the distance of [`recovered_distance`]. Without an echo, the signal
+    /// is 0 and the distance the maximum.
     ///
     /// Source: France et al., Eq. 1 and section 5.
     pub fn reflectance(&self, hit: Option<(f64, f64)>, noise: f64) -> Reading {
@@ -74,7 +75,7 @@ pub fn incidence(direction: DVec3, normal: DVec3) -> f64 {
     math::atan2(direction.cross(normal).length(), direction.dot(normal).abs())
 }
 
-/// Signal of a reflectance sensor, 1/m: s = (max - d) / d^2 cos^2(alpha) (1 + N), at least 0; infinite at d = 0.
+/// Signal of a reflectance sensor, 1/m: s = (max - d) / d^2 cos^2(alpha) (1 + N), at least 0. It is infinite at d = 0.
 ///
 /// `distance` d and `max` in m, `incidence` alpha in rad up to pi/2, `noise` N.
 ///

@@ -57,8 +57,8 @@ pub struct Reading {
     /// Distance, m; `None` if out of range. Laser, ultrasonic and reflectance sensors give their maximum distance instead of
     /// `None`.
     pub distance: Option<f64>,
-    /// Signal from which the distance was derived: for a reflectance sensor in 1/m; for a sonar the energy of the echo,
-    /// relative to a perfect reflector 1 m ahead; for other sensors 1 with an echo and 0 without.
+    /// Signal from which the distance was derived. For a reflectance sensor it is in 1/m. For a sonar it is the energy
+    /// of the echo, relative to a perfect reflector 1 m ahead. For other sensors it is 1 with an echo and 0 without.
     pub signal: f64,
 }
 
@@ -66,8 +66,8 @@ impl RangeModel {
     /// Reading of a sensor of the robot `observer` at `world_from_sensor` at the instant `at`, with the `noise` N of France
     /// et al.; N = 0 gives the exact reading.
     ///
-    /// The sensor does not see its own robot. N scales the distance, except for the reflectance sensor, where it scales the
-    /// signal; for PSD and sonar this is our choice.
+    /// The sensor does not detect its own robot. N scales the distance, except for the reflectance sensor, where it
+    /// scales the signal; for PSD and sonar this is our choice.
     pub fn read(&self, world: &World, observer: RobotId, world_from_sensor: &Pose3, at: Time, noise: f64) -> Reading {
         let hit = |range: f64| {
             let direction = world_from_sensor.forward();
@@ -148,8 +148,8 @@ impl RangeSensor {
     /// Reading of the sensor of the robot `observer` in this posture at the instant `at`, with the `noise` N: see
     /// [`RangeModel::read`].
     ///
-    /// A level PSD on the body measures in the plane, as a [`Beam`](super::Beam) does: walls and bodies are infinitely high
-    /// for it; meshes and floating objects are hit at their true heights.
+    /// A level PSD on the body measures in the plane, like a [`Beam`](super::Beam). Walls and bodies are infinitely
+    /// high for this sensor, but meshes and floating objects have their true heights.
     ///
     /// # Panics
     /// Like [`link_pose`].

@@ -40,8 +40,8 @@ pub struct Beam {
 impl Beam {
     /// First hit of the sensor of the robot `observer`, whose centre is at `world_from_robot` at the instant `at`.
     ///
-    /// The sensor sees walls and the bodies of other robots, but not its own robot. The result is `None` if nothing lies
-    /// within `range`, and has distance 0 if the sensor's origin lies inside another body. The caller adds noise.
+    /// The sensor detects walls and the bodies of other robots, but not its own robot. The result is `None` if nothing
+    /// lies within `range`, and has distance 0 if the sensor's origin lies inside another body. The caller adds noise.
     ///
     /// Source: Koestler & Bräunl, section 4.1; `None` if nothing is within range: our choice.
     pub fn cast(&self, world: &World, observer: RobotId, world_from_robot: &Pose, at: Time) -> Option<RayHit> {

@@ -13,9 +13,9 @@ use crate::{
 /// A laser scanner: a fan of rays in the robot's frame, from left to right.
 ///
 /// In a fan of n rays, ray i is (n/2 - i) spacings to the left of the line of sight, with n/2 rounded down, so ray n/2
-/// points exactly ahead. The fan turns with the robot. A full turn has n spacings and begins straight behind (for an even
-/// n). A smaller sweep begins half of the sweep to the left; for an odd n it ends half of the sweep to the right, for an
-/// even n one spacing earlier. So the spacing is 1 degree for 180 degrees and 180 or 181 points.
+/// points exactly ahead. The fan turns with the robot. A full turn has n spacings and begins straight behind (for an
+/// even n). A smaller sweep begins half of the sweep to the left. For an odd n it ends half of the sweep to the right;
+/// for an even n it ends one spacing earlier. So the spacing is 1 degree for 180 degrees and 180 or 181 points.
 ///
 /// A tilted fan is a cone: all of its rays rise or fall at the same angle. Distances are measured along the rays.
 ///
@@ -107,9 +107,9 @@ impl Scan {
         self.tilt.direction(self.rays[ray as usize])
     }
 
-    /// Distances measured by the scanner of the robot `observer`, whose centre is at `world_from_robot` at the instant `at`:
-    /// for each ray the metres along the ray to the first hit, or `None` if nothing is within range. All rays are cast at
-    /// the same instant.
+    /// Distances measured by the scanner of the robot `observer`, whose centre is at `world_from_robot` at the instant
+    /// `at`. For each ray, this is the distance along the ray to the first hit, m, or `None` if nothing is within
+    /// range. All rays are cast at the same instant.
     ///
     /// [`Ray::tilted`] constructs the rays (our choice). They do not hit the robot itself. The caller adds noise.
     pub fn distances(&self, world: &World, observer: RobotId, world_from_robot: &Pose, at: Time) -> Vec<Option<f64>> {

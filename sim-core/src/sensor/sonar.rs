@@ -28,8 +28,8 @@ pub struct Sonar {
     pub min: f64,
     /// Maximum measurable distance, m.
     pub max: f64,
-    /// Half of the beam angle, rad: the angle at which the main lobe has fallen by 6 dB, to half of the pressure and a
-    /// quarter of the energy, as in data sheets of transducers.
+    /// Half of the beam angle, rad. At this angle, as in data sheets of transducers, the main lobe has fallen by 6 dB:
+    /// to half of the pressure and a quarter of the energy.
     pub half_angle: f64,
     /// Side lobes.
     pub side_lobes: Option<SideLobes>,
@@ -57,8 +57,8 @@ impl Sonar {
     ///
     /// Published: 3 cm to 6 m, and a beam of about 55 degrees, the angle between the -6 dB points of its 40 kHz
     /// transducers. According to Gois & Hiller, section 6, its range is "actually much larger" than 6 m. The threshold
-    /// of 0.00186 is our estimate, for which the sensor just detects a rod of 3 cm at 2 m, as reported for its family;
-    /// a wall would then be detected up to 23 m. No side lobes are published. The number of 64 rays is our choice.
+    /// of 0.00186 is our estimate. With this threshold the sensor just detects a rod of 3 cm at 2 m, as reported for
+    /// its family, and a wall up to 23 m. No side lobes are published. The number of 64 rays is our choice.
     pub fn srf08() -> Self {
         Self {
             min: 0.03,
@@ -70,8 +70,8 @@ impl Sonar {
         }
     }
 
-    /// Gain at `angle` rad from the line of sight: a Gaussian over the angle, or the Gaussian of the side lobes where
-    /// it is larger; 0 behind the sensor.
+    /// Gain at `angle` rad from the line of sight: the maximum of the Gaussian of the main lobe and the Gaussian of the
+    /// side lobes. It is 0 behind the sensor.
     ///
     /// Source: Gois & Hiller, section 2.1 (a Gaussian approximates the gain with very good precision).
     pub fn gain(&self, angle: f64) -> f64 {
@@ -85,9 +85,8 @@ impl Sonar {
         main.max(side)
     }
 
-    /// Energy of the echo of a surface that a ray hits at `angle` rad from the line of sight:
-    /// G^2 / d^2 times the reflectivity times (the diffuse fraction times cos(alpha) plus, at normal incidence, the specular
-    /// fraction).
+    /// Energy of the echo of a surface that a ray hits at `angle` rad from the line of sight. It is G^2 / d^2 times the
+    /// reflectivity times (the diffuse fraction times cos(alpha) plus, at normal incidence, the specular fraction).
     ///
     /// G is the one-way gain, d the distance and alpha the incidence angle. A convex mirror spreads the energy over an area
     /// that is larger by a factor (1 + d / r) for each of its principal radii r.
@@ -108,9 +107,9 @@ impl Sonar {
     /// et al. The robot itself returns no echo.
     ///
     /// The reading is the nearest echo above the threshold. Echoes are searched along the line of sight, along a fan of
-    /// rays, and towards the nearest point of every body in reach; the nearest points find mirrors, and are exact for
-    /// surfaces that face the sensor. If the fan hits triangles of a mesh, their perpendiculars are tried too. Second
-    /// reflections are ignored.
+    /// rays, and towards the nearest point of every body in reach. The search towards the nearest points finds mirrors,
+    /// and is exact for surfaces that face the sensor. If the fan hits triangles of a mesh, their perpendiculars are
+    /// tried too. Second reflections are ignored.
     ///
     /// The fan is a spiral over the part of the half space from which an echo may be detected. If the sensor is level, all
     /// bodies are upright and reach up to it, and the floor is a perfect mirror, the fan lies in the sensor's horizontal
@@ -214,7 +213,8 @@ impl EchoSearch<'_> {
             };
             let (sin, cos) = math::sin_cos(angle);
             let hit = self.try_direction(forward * cos + offset * sin, angle);
-            // The plane of a mesh's triangle is known once a ray has hit it, so its perpendicular can be tried.
+            // Once a ray has hit a mesh's triangle, the plane of the triangle is known, and the perpendicular to this
+            // plane can be tried.
             if let Some(hit) = hit.filter(|_| self.world.has_meshes()) {
                 self.try_direction(-hit.normal, angle_between(-hit.normal, forward));
             }

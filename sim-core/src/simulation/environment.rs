@@ -172,8 +172,8 @@ impl Environment {
         &self.affected
     }
 
-    /// Ends the present slot with the [affected robots](Environment::affected_robots), in the order of their ids:
-    /// applies requested placements, moves the bodies to the end of the slot, resolves their contacts, delivers
+    /// Ends the present slot with the [affected robots](Environment::affected_robots), in the order of their ids.
+    /// Applies requested placements, moves the bodies to the end of the slot, resolves their contacts, delivers
     /// messages, and collects the journals. Work for a single robot runs on `pool`.
     pub fn end_slot(&mut self, robots: &mut [&mut Robot], pool: &impl Pool) -> SlotEnd {
         let at = self.world.slot_end();
@@ -193,8 +193,8 @@ impl Environment {
         });
         self.spare_motions = parallel::reuse(motions);
         let arrivals = self.traffic.deliver(robots);
-        // The posture is recorded before the pose, so that a reader of a pose already knows the height of the body. It
-        // needs the published motion of all robots.
+        // The posture is recorded before the pose, so that a reader has the height of the body before it reads the
+        // pose. It needs the published motion of all robots.
         let has_stances = self.world.has_stances();
         let (next_slot_end, interest) = (at + self.world.slot(), self.recorder.interest());
         self.ended.clear();

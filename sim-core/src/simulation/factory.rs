@@ -112,7 +112,7 @@ impl RobotFactory {
     }
 
     /// Creates the world of `scene`, which must be the scene of this factory, at time 0 with the given robots, in the
-    /// order of their ids; `reception_noise` are the noise models of their radios.
+    /// order of their ids. `reception_noise` are the noise models of their radios.
     ///
     /// # Errors
     /// [`FactoryError::Objects`] in a build without the feature `objects`.

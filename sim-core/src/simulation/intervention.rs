@@ -50,7 +50,7 @@ pub enum Refusal {
     /// The type does not exist.
     #[error("there is no type of {what} `{name}`, accepted: {known}")]
     NoType {
-        /// Kind of the type: robots or movable objects.
+        /// Word for the entities of this type: robots or movable objects.
         what: &'static str,
         /// The requested name.
         name: String,
@@ -62,11 +62,11 @@ pub enum Refusal {
         "x {x_m} m, y {y_m} m, phi {phi_rad} rad is no place: expected up to 1e6 m from the origin, and a heading up to 1e6 rad"
     )]
     Place {
-        /// m
+        /// World x, m.
         x_m: f64,
-        /// m
+        /// World y, m.
         y_m: f64,
-        /// rad
+        /// Heading, rad.
         phi_rad: f64,
     },
     /// An obstacle overlaps the body of a new robot at its position.
@@ -143,7 +143,7 @@ pub struct Effect {
     /// Robots whose wait may have ended, or whose motion has changed.
     pub robots: Vec<RobotId>,
     /// The movable object that was added.
-    pub came: Option<ObjectId>,
+    pub added_object: Option<ObjectId>,
 }
 
 /// Access to robots, one at a time.
@@ -160,8 +160,8 @@ impl Robots for [Robot] {
 
 impl Intervention {
     /// Validates `action` for `world`, at the start of its present slot or of a later slot until which nothing happens.
-    /// The actions to type a line to a program, to add a robot and to end the run must be handled by the caller; this
-    /// function rejects them with [`Refusal::Other`].
+    /// The caller must handle the actions that type a line to a program, add a robot or end the run; this function
+    /// rejects them with [`Refusal::Other`].
     ///
     /// # Errors
     /// [`Refusal`] for unknown robots, objects, types or sensors, and for invalid values.
@@ -277,7 +277,7 @@ impl Environment {
                         world.republish(&mut robot.motion);
                     });
                 }
-                return Effect { robots: profiles.iter().map(|(id, _)| *id).collect(), came: None };
+                return Effect { robots: profiles.iter().map(|(id, _)| *id).collect(), added_object: None };
             }
             Intervention::SwitchSensor(id, sensor, is_on) => {
                 robots.with(*id, |robot| robot.switch_sensor(at, sensor, *is_on));
@@ -293,7 +293,7 @@ impl Environment {
                     unreachable!("the pose was validated")
                 };
                 self.record_object(at, object);
-                return Effect { came: Some(object), ..Effect::default() };
+                return Effect { added_object: Some(object), ..Effect::default() };
             }
             Intervention::RemoveObject(object) => world.remove_object(*object),
             Intervention::HaltRobot(id) => {
@@ -321,7 +321,7 @@ impl Environment {
 
 impl Effect {
     fn of_robot(id: RobotId) -> Self {
-        Self { robots: vec![id], came: None }
+        Self { robots: vec![id], added_object: None }
     }
 }
 

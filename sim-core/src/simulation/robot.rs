@@ -215,8 +215,8 @@ impl Robot {
         is_found
     }
 
-    /// Makes the range sensors with this name repeat their reading at `at`, the start of a slot, from then on; or makes
-    /// them measure again.
+    /// If `is_stuck`, makes the range sensors with this name repeat their reading at `at`, the start of a slot, from
+    /// then on; otherwise makes them measure again.
     pub(super) fn stick_sensor(&mut self, world: &World, at: Time, name: &str, is_stuck: bool) {
         let spec = Arc::clone(&self.spec);
         for (_, sensor) in switch::sensors(&spec).filter(|(known, _)| *known == name) {
@@ -236,7 +236,7 @@ impl Robot {
     /// Commands the drive at the robot's present virtual time.
     ///
     /// # Errors
-    /// [`CommandError`] for a command that the drive cannot obey; nothing changes then.
+    /// [`CommandError`] for a command that the drive cannot carry out; nothing changes then.
     pub fn command(&mut self, world: &World, command: Command) -> Result<(), CommandError> {
         let touching = world.touching(&mut self.motion, self.now);
         self.motion.command(self.now, command, &touching)

@@ -20,7 +20,7 @@ pub const MAX_ROBOTS: usize = 1_000;
 pub const MAX_OBJECTS: usize = 10_000;
 
 /// All robots and movable objects of a simulation, including removed ones, in the order of their ids, with their
-/// initial poses; and the named types of robots and objects that can be added.
+/// initial poses. Also contains the named types of robots and objects that can be added.
 #[derive(Clone, Debug)]
 pub struct Roster {
     /// Types of robots.

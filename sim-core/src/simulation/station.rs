@@ -36,7 +36,7 @@ impl Robot {
         self.switch_radio_off_after(|_, now| now)
     }
 
-    /// Switches the radio off after it has transmitted its messages, see [`Station::switch_off_after`]; returns the
+    /// Switches the radio off after it has transmitted its messages, see [`Station::switch_off_after`]. Returns the
     /// number of messages that will never be transmitted, because they wait for a token.
     pub fn retire_radio(&mut self) -> usize {
         self.switch_radio_off_after(|station, now| station.last_start(now))

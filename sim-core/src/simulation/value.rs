@@ -157,7 +157,7 @@ impl Simulation {
     /// Commands the drive of robot `id` at the present time.
     ///
     /// # Errors
-    /// [`CommandError`] for a command that the drive cannot obey; nothing changes then.
+    /// [`CommandError`] for a command that the drive cannot carry out; nothing changes then.
     ///
     /// # Panics
     /// If the robot does not exist.
@@ -203,7 +203,7 @@ impl Simulation {
         }
         let effect = self.environment.intervene(&intervention, &mut self.robots[..]);
         self.acted.extend(effect.robots);
-        if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.came) {
+        if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.added_object) {
             self.add_visuals(SpawnedEntity::Object(id, Arc::clone(&spec.kind)));
             Arc::make_mut(&mut self.roster).keep_object(*spec);
         }
@@ -218,8 +218,8 @@ impl Simulation {
         }
     }
 
-    /// Findings of the scene's checks on motion, each with the index of its check in the scene, up to the last whole
-    /// tenth of a second before the end of the last completed slot.
+    /// Findings of the scene's checks on motion, each with the index of its check in the scene. They include the motion
+    /// up to the last whole tenth of a second before the end of the last completed slot.
     pub fn findings(&self) -> impl Iterator<Item = (usize, Finding)> {
         self.environment.monitor().into_iter().flat_map(Monitor::findings)
     }
@@ -250,7 +250,7 @@ impl Simulation {
         self.robots[id.index()].motion.pose(self.now)
     }
 
-    /// Odometry pose of robot `id`, now, in the frame in which it started.
+    /// Odometry pose of robot `id` now, in the odometry frame.
     ///
     /// # Panics
     /// If the robot does not exist.
@@ -286,8 +286,8 @@ impl Simulation {
         })
     }
 
-    /// Depth of each pixel of the last image of robot `id`, without errors: m along the line of sight through the
-    /// centre of the pixel; infinite for the sky.
+    /// Depth of each pixel of the last image of robot `id`, without errors: the distance along the line of sight
+    /// through the centre of the pixel, m. It is infinite for the sky.
     ///
     /// # Errors
     /// [`CameraError`], [`NotTaken`](CameraError::NotTaken) before the first image.

@@ -28,7 +28,7 @@ impl CheckSpec {
         Self { name: String::new(), points: 1.0, is_required: false, kind, span: Span::default() }
     }
 
-    /// Its name, or the word of its kind.
+    /// Its name, or the word for its kind.
     pub fn title(&self) -> &str {
         if self.name.is_empty() { self.kind.word() } else { &self.name }
     }
@@ -113,7 +113,7 @@ pub enum CheckKind {
         width: f64,
         /// Corners of the area; `None` for the floor.
         area: Option<Vec<DVec2>>,
-        /// Side of the squares into which the area is divided; a square is covered if its middle is.
+        /// Side of the squares into which the area is divided; a square is covered if its middle is covered.
         cell: f64,
         /// Smallest fraction of the squares, 0 to 1.
         share: f64,
@@ -175,7 +175,7 @@ pub enum CheckKind {
         /// The expected text or numbers.
         expected: ExpectedOutput,
     },
-    /// Programs end in a certain way.
+    /// Programs end with a given outcome.
     Outcome {
         /// The robot; `None` for each robot that has a program.
         robot: Option<RobotId>,
@@ -402,7 +402,7 @@ pub enum SwarmMetric {
         width: f64,
         /// Corners of the area; `None` for the floor.
         area: Option<Vec<DVec2>>,
-        /// Side of the squares into which the area is divided, m; a square is covered if its middle is.
+        /// Side of the squares into which the area is divided, m; a square is covered if its middle is covered.
         cell: f64,
     },
 }

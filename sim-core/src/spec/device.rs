@@ -31,7 +31,7 @@ pub const DEFAULT_LIDAR_RANGE: f64 = 9.999;
 /// A PSD distance sensor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PsdSpec {
-    /// Name, `PSD_FRONT`.
+    /// Name, such as `PSD_FRONT`.
     pub name: String,
     /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
@@ -55,7 +55,7 @@ pub const MAX_SONARS_ON_BUS: usize = 16;
 /// A range sensor other than a PSD.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RangeSpec {
-    /// Name, `US_FRONT`.
+    /// Name, such as `US_FRONT`.
     pub name: String,
     /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
@@ -168,7 +168,7 @@ impl Default for LidarSpec {
 /// An infrared proximity switch: detects bodies nearer than its range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InfraredSpec {
-    /// Name, `IR_LF`.
+    /// Name, such as `IR_LF`.
     pub name: String,
     /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
@@ -185,7 +185,7 @@ pub struct InfraredSpec {
 /// A bumper: an arc of the robot's circumference that detects contacts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BumperSpec {
-    /// Name, `BUMP_FRONT`.
+    /// Name, such as `BUMP_FRONT`.
     pub name: String,
     /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
@@ -200,7 +200,7 @@ pub struct BumperSpec {
 /// A servo.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ServoSpec {
-    /// Name, `SERVO1`.
+    /// Name, such as `SERVO1`.
     pub name: String,
     /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,
@@ -231,7 +231,7 @@ impl Default for LcdSpec {
 /// The compass.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CompassSpec {
-    /// Name, `COMPASS`.
+    /// Name, such as `COMPASS`.
     pub name: String,
     /// Number by which programs address it; `None` for the number of this name in `hdt_sem.h`.
     pub id: Option<i32>,

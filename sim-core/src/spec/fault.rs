@@ -28,7 +28,7 @@ impl Default for FaultSpec {
 }
 
 impl FaultSpec {
-    /// Its name, or the word of its kind.
+    /// Its name, or the word for its kind.
     pub fn title(&self) -> &str {
         if self.name.is_empty() { self.kind.word() } else { &self.name }
     }
@@ -63,7 +63,7 @@ pub enum FaultKind {
     /// The robot's program ends, its motors stop, its radio is silent; the body stays.
     #[default]
     Dies,
-    /// A sensor sees nothing.
+    /// A sensor detects nothing.
     SensorOff {
         /// Name of the sensor.
         sensor: String,

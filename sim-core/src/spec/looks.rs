@@ -1,11 +1,11 @@
-//! Looks of a world, for cameras only: its light, its sky, the colour of its floor.
+//! Appearance of a world, for cameras only: light, sky, and colour of the floor.
 
 use crate::unit::radians_from_degrees;
 
 /// Default colour of the floor: light grey, distinct from the colour of the walls. Source: our choice.
 pub const DEFAULT_FLOOR_COLOUR: [u8; 3] = [196, 192, 184];
 
-/// Looks of a world, for cameras only.
+/// Appearance of a world, for cameras only.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LooksSpec {
     /// Red, green, blue of a floor without an image; `None`: [`DEFAULT_FLOOR_COLOUR`].

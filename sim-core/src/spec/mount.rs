@@ -12,7 +12,7 @@ pub enum JointSpec {
     Fixed(f64),
     /// Driven by a servo.
     Servo {
-        /// Name of the servo, `SERVO1`.
+        /// Name of the servo, such as `SERVO1`.
         name: String,
         /// Angle at position 0, in radians.
         from: f64,

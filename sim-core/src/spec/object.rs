@@ -102,8 +102,8 @@ impl ObjectType {
         Self { file: file.to_owned(), name: stem(file).to_owned(), ..Self::default() }
     }
 
-    /// This type floating in still water of depth `depth` (m); `None` if it does not float, because it is fixed, because it
-    /// is not lighter than the water that it displaces, or because the water is too shallow.
+    /// This type floating in still water of depth `depth` (m). `None` if the object does not float: it is fixed, it is
+    /// not lighter than the water that it displaces, or the water is too shallow.
     ///
     /// The submerged fraction of the colliders' height is the object's mass divided by the mass of the displaced volume of
     /// water: exact for upright prisms, our choice for other shapes.

@@ -52,9 +52,9 @@ impl Default for HullSpec {
 /// A motor of the drive and its encoder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MotorSpec {
-    /// Name of the motor, `MOTOR_LEFT`.
+    /// Name of the motor, such as `MOTOR_LEFT`.
     pub motor: String,
-    /// Name of its encoder, `QUAD_LEFT`; `None` if the file does not name it.
+    /// Name of its encoder, such as `QUAD_LEFT`; `None` if the file does not name it.
     pub encoder: Option<String>,
 }
 
@@ -91,7 +91,7 @@ pub struct WheelSpec {
     pub diameter: f64,
     /// Maximum rate of rotation in rad/s.
     pub max_rate: f64,
-    /// Encoder ticks per turn of the wheel.
+    /// Encoder counts per turn of the wheel.
     pub ticks_per_turn: f64,
     /// Distance between left and right wheels in metres.
     pub track: f64,

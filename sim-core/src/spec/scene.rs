@@ -99,7 +99,7 @@ pub struct WorldLine {
     pub path: SpannedText,
     /// Cell size of a maze in metres; takes precedence over the maze file.
     pub cell: Option<f64>,
-    /// Looks of the world, from the scene; world files have none.
+    /// Appearance of the world, from the scene; world files do not describe it.
     pub looks: LooksSpec,
 }
 
@@ -349,7 +349,7 @@ pub struct CostTable {
 /// One entry of a cost table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostEntry {
-    /// Generation of the API: the name of its section, `robios6`.
+    /// Generation of the API: the name of its section, such as `robios6`.
     pub generation: String,
     /// Name of a function, or a prefix followed by `*`.
     pub function: String,
@@ -421,7 +421,7 @@ pub struct SimSpec {
     /// Name of the file.
     pub file: String,
     /// File format.
-    pub form: SceneFormat,
+    pub format: SceneFormat,
     /// The world; `None` if no usable line names one.
     pub world: Option<WorldLine>,
     /// Display options of the window.
@@ -475,8 +475,8 @@ pub struct RobotSpec {
     /// Noise profile of devices and drive: that of the robot's line, otherwise that of the scene. A profile in a file has been
     /// read.
     pub noise: Option<NoiseRef>,
-    /// Generation of the RoBIOS API that corresponds to the dialect of the robot's line: 6 for `robi` lines, 7 for lines of
-    /// EyeSim VR; in our own format, the generation of the scene's dialect.
+    /// Generation of the RoBIOS API that corresponds to the dialect of the robot's line: 6 for `robi` lines, 7 for
+    /// lines of EyeSim VR. In our own format, it is the generation of the scene's dialect.
     pub dialect: Option<u32>,
     /// Path of its line in a scene in TOML, such as `robot.2`; otherwise empty.
     pub line: String,

@@ -1,4 +1,4 @@
-//! Shapes and looks of robots and objects.
+//! Shapes and appearance of robots and objects.
 
 use glam::{DVec2, DVec3};
 

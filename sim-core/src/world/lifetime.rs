@@ -44,7 +44,7 @@ impl Lifetime {
 /// return the world as it was at that instant. Ids are never reused.
 impl World {
     /// Adds a robot from the start of the present slot on; its motion must [start](Motion::starting_at) at that time.
-    /// `figure` is its shape for rays in space (default: an upright cylinder of unlimited height).
+    /// `figure` is its shape for three-dimensional rays (default: an upright cylinder of unlimited height).
     ///
     /// # Panics
     /// If the robot's id is not the next one.
@@ -80,8 +80,8 @@ impl World {
     }
 
     /// Adds a movable object at `world_from_object` from the start of the present slot on, at rest and awake. `figure`
-    /// is its shape for rays in space (default: its footprint, unlimited in height). Any pose is allowed: an object
-    /// inside a wall or a body is pushed out.
+    /// is its shape for three-dimensional rays (default: its footprint, unlimited in height). Any pose is allowed: an
+    /// object inside a wall or a body is pushed out.
     ///
     /// # Errors
     /// [`PlacementError`] for a position that is not finite or beyond 10^9 m.
@@ -150,9 +150,9 @@ impl World {
         object.index() < self.object_count() && self.object_lifetime(object).contains(at)
     }
 
-    /// An obstacle that a disc of `radius` metres around `centre` would overlap at the start of the present slot; if
-    /// there are several, in this order: a wall or fixed body (also if the disc is completely inside it), a robot, a
-    /// movable object. A touching obstacle does not overlap the disc.
+    /// An obstacle that a disc of `radius` metres around `centre` would overlap at the start of the present slot. If
+    /// there are several, the result is the first one in this order: a wall or fixed body (also if the disc is
+    /// completely inside it), a robot, a movable object. A touching obstacle does not overlap the disc.
     pub fn overlapped_by_disc(&self, centre: DVec2, radius: f64) -> Option<Thing> {
         let overlap_radius = (radius - TOUCH).max(0.0);
         let mut wall = self.surrounding_wall(centre);

@@ -65,9 +65,9 @@ impl World {
         self.indexed_space.space.floor
     }
 
-    /// Calls `visit`, in a fixed order, with the point nearest to `point` of the floor, of each wall and of each convex
-    /// part of a body that may be within `max_distance` metres at the instant `at`. Skips meshes and the robot
-    /// `excluded`.
+    /// Calls `visit`, in a fixed order, for the floor and for each wall and each convex part of a body that may be
+    /// within `max_distance` metres of `point` at the instant `at`. The argument is the nearest point of the floor,
+    /// wall or part. Skips meshes and the robot `excluded`.
     pub(crate) fn for_each_nearest(
         &self,
         excluded: RobotId,

@@ -68,7 +68,7 @@ enum UnlimitedHeight {
     Nothing,
 }
 
-/// A ray in space. Its trace is its projection onto the floor.
+/// A three-dimensional ray. Its trace is its projection onto the floor.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     origin: DVec3,
@@ -272,7 +272,7 @@ impl RayCast<'_> {
         }
     }
 
-    /// Returns true if the ray hits bodies as shapes in space, not only as footprints.
+    /// Returns true if the ray hits bodies as three-dimensional shapes, not only as footprints.
     fn hits_figures(&self) -> bool {
         self.ray.unlimited == UnlimitedHeight::Nothing
             || self.world.indexed_space.has_meshes && !self.ray.origin.z.is_nan()

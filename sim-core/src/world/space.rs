@@ -1,4 +1,4 @@
-//! Geometry that only rays in space and legs can touch: shapes of bodies, upper faces of walls, and surfaces.
+//! Geometry that only three-dimensional rays and legs can touch: shapes of bodies, upper faces of walls, and surfaces.
 
 use std::sync::Arc;
 
@@ -11,7 +11,8 @@ use crate::{
     scene::{Bounds, BoundsIndex, Segment, Surface, WallId, Walls},
 };
 
-/// Geometry for rays in space and legs, in addition to the planar walls and bodies; by default only a smooth floor.
+/// Geometry for three-dimensional rays and legs, in addition to the planar walls and bodies; by default only a smooth
+/// floor.
 ///
 /// If the list `walls` is shorter than the number of walls, the other walls have the default surface. If a list of
 /// bodies is shorter than their number, the other bodies have the default surface and unlimited height.
@@ -21,8 +22,8 @@ pub struct Space {
     pub floor: Option<Surface>,
     /// Surfaces of the walls, in the order of their ids.
     pub walls: Vec<Surface>,
-    /// First wall that is an outline of a fixed body; all later walls are too. Robots touch these walls; rays in space
-    /// hit the bodies instead.
+    /// First wall that is an outline of a fixed body; so are all later walls. Robots touch these walls;
+    /// three-dimensional rays hit the bodies instead.
     pub outlines: Option<WallId>,
     /// Walls with a thickness. Their sides are walls in the plane; this list adds their upper faces.
     pub thick_walls: Vec<ThickWall>,
@@ -138,8 +139,8 @@ impl IndexedSpace {
         self.space.walls.get(wall.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Returns true if rays in space hit this wall; false if the wall is the outline of a body, because they hit that
-    /// body instead.
+    /// Returns true if three-dimensional rays hit this wall; false if the wall is the outline of a body, because the
+    /// rays hit that body instead.
     pub fn is_hit_by_rays(&self, wall: WallId) -> bool {
         self.space.outlines.is_none_or(|first| wall < first)
     }

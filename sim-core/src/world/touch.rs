@@ -39,17 +39,17 @@ pub struct LegClearance {
 
 impl World {
     /// Contacts of thighs, shanks and body of a legged robot at `at`, and their clearance from the ground, at most
-    /// `max_clearance` metres; `None` for a robot without legs. If `max_clearance` is 0, the function searches only for
+    /// `max_clearance` metres. `None` for a robot without legs. If `max_clearance` is 0, the function searches only for
     /// contacts, which is fastest.
     ///
-    /// Contacts with the ground are those of the body, of thighs, and of shanks without their lowest part of three
-    /// radii, so that a leg can lean by up to 70 degrees while its foot is on the ground. Feet are not tested. Contacts
-    /// with other obstacles are those of thighs and shanks on their whole length; the body's contacts with other
-    /// obstacles are reported as for any robot. Our choice.
+    /// The body, the thighs and the shanks are tested for contacts with the ground. The lowest part of a shank, three
+    /// radii long, is not tested, so that a leg can lean by up to 70 degrees while its foot is on the ground. Feet are
+    /// not tested. Thighs and shanks are tested for contacts with other obstacles on their whole length. The body's
+    /// contacts with other obstacles are reported as they are for any robot. Our choice.
     ///
-    /// For the ground, the body is a disc at the height of its underside; a cell of the ground that the edge of the
-    /// disc crosses is tested as a whole. The clearance of a limb is exact, except beyond a terrain's border, see
-    /// [`HeightField::clearance`](crate::scene::HeightField::clearance).
+    /// For contacts with the ground, the body is a disc at the height of its underside. A cell of the ground that the
+    /// edge of the disc crosses is tested as a whole. The clearance of a limb is exact, except beyond a terrain's
+    /// border, see [`HeightField::clearance`](crate::scene::HeightField::clearance).
     pub fn leg_clearance(&self, motion: &mut Motion, at: Time, max_clearance: f64) -> Option<LegClearance> {
         motion.legs()?;
         let robot = motion.id();

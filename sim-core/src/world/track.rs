@@ -163,7 +163,7 @@ impl Track {
             && let ([next], [present]) = (&passages[..], last.passages())
             && next.begin_time() == present.begin_time()
         {
-            // The plan is the same, only its published end is later; so it replaces the last publication.
+            // The plan is unchanged and only its published end is later, so the new publication replaces the last one.
             let replaced = std::mem::replace(&mut last.passages, OnceLock::from(passages));
             self.reuse(replaced);
         } else {

@@ -133,7 +133,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
             robot_key(keys, robot);
             keys.key("max_mm", "Maximum distance between the position by odometry and the true one, in mm.")
                 .required(DISTANCE, max);
-            keys.key("at_end", "Only the end of the run counts; default: false.").flag(at_end);
+            keys.key("at_end", "Limits apply only at the end of the run; default: false.").flag(at_end);
         }
         CheckKind::Contacts { robot, with, max } => {
             any_robot_key(keys, "robot", "Number of the robot; default: all robots together.", robot);
@@ -143,7 +143,7 @@ fn kind_keys(kind: &mut CheckKind, keys: &mut Keys<'_>) {
         CheckKind::Metric { path, min, max, full, zero } => metric_keys(keys, path, [min, max, full, zero]),
         CheckKind::Prints { robot, output, expected } => {
             robot_key(keys, robot);
-            keys.key("on", "Where the program prints; default: `stdout`.").optional(Word, output);
+            keys.key("on", "Output to which the program prints; default: `stdout`.").optional(Word, output);
             expected_output_keys(keys, expected);
         }
         CheckKind::Outcome { robot, outcome } => {
@@ -193,7 +193,7 @@ enum SwarmMetricWord {
 
 impl Words for SwarmMetricWord {
     const NAME: &'static str = "SwarmForm";
-    const ABOUT: &'static str = "A number that describes robots together.";
+    const ABOUT: &'static str = "A metric of a swarm of robots.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
         (SwarmMetricWord::Spread, "spread", "Mean distance of the robots from their centroid, in mm."),
         (
@@ -228,30 +228,30 @@ fn swarm_keys(
     keys.key("of", "The number, sampled every 100 ms.").required(Word, &mut word);
     let declares_all = keys.reading().is_none();
     if declares_all || word == SwarmMetricWord::Groups {
-        keys.key("within_mm", "Of `groups`: maximum distance between the centres of neighbours, in mm.")
+        keys.key("within_mm", "For `groups`: maximum distance between the centres of neighbours, in mm.")
             .nullable(Bounded(Quantity::size("distance")), &mut reach);
         refuse_missing(keys, "within_mm");
     }
     if declares_all || word == SwarmMetricWord::Coverage {
-        keys.key("width_mm", "Of `coverage`: width of the tool, a disc around each robot's centre, in mm.")
+        keys.key("width_mm", "For `coverage`: width of the tool, a disc around each robot's centre, in mm.")
             .nullable(Bounded(Quantity::size("width")), &mut tool_width);
-        keys.key("area_mm", "Of `coverage`: the area, by its corners in mm; default: the floor.")
+        keys.key("area_mm", "For `coverage`: corners of the area in mm; default: the floor.")
             .nullable(AREA, &mut covered_area);
         keys.key(
             "cell_mm",
-            "Of `coverage`: side of the squares by whose centres the area is measured, in mm; default: 50.",
+            "For `coverage`: side of the squares by whose centres the area is measured, in mm; default: 50.",
         )
         .optional(Bounded(Quantity::size("side").within(1.0, 1e6)), &mut cell_size);
         refuse_missing(keys, "width_mm");
     }
     let is_length = word == SwarmMetricWord::Spread;
     let mut limits = [*min, *max].map(|limit| limit.map(|limit| if is_length { number::mm(limit) } else { limit }));
-    keys.key("min", "Minimum value, of `spread` in mm.").nullable(ANY_NUMBER, &mut limits[0]);
-    keys.key("max", "Maximum value, of `spread` in mm.").nullable(ANY_NUMBER, &mut limits[1]);
+    keys.key("min", "Minimum value; in mm for `spread`.").nullable(ANY_NUMBER, &mut limits[0]);
+    keys.key("max", "Maximum value; in mm for `spread`.").nullable(ANY_NUMBER, &mut limits[1]);
     let mut start = since.seconds();
-    keys.key("from_s", "Simulated seconds before which the limits do not count; default: 0.")
+    keys.key("from_s", "Simulated seconds from which the limits apply; default: 0.")
         .optional(Bounded(DURATION), &mut start);
-    keys.key("at_end", "Only the end of the run counts; default: false.").flag(at_end);
+    keys.key("at_end", "Limits apply only at the end of the run; default: false.").flag(at_end);
     if declares_all {
         return;
     }
@@ -381,7 +381,7 @@ fn count_keys(keys: &mut Keys<'_>, count: &mut CountLimits) {
 }
 
 fn metric_keys(keys: &mut Keys<'_>, path: &mut String, [min, max, full, zero]: [&mut Option<f64>; 4]) {
-    keys.key("path", "Path into the report, as `robots[0].path_m`.").required(TEXT, path);
+    keys.key("path", "Path into the report, such as `robots[0].path_m`.").required(TEXT, path);
     keys.key("min", "Minimum value.").nullable(ANY_NUMBER, min);
     keys.key("max", "Maximum value.").nullable(ANY_NUMBER, max);
     keys.key("full", "Value for all points.").nullable(ANY_NUMBER, full);
@@ -418,7 +418,7 @@ fn expected_output_keys(keys: &mut Keys<'_>, expected: &mut ExpectedOutput) {
     }
     keys.key("text", "Text within a line.").nullable(TEXT, &mut text);
     keys.key("pattern", "A whole line, in which `*` stands for any text.").nullable(TEXT, &mut pattern);
-    keys.key("numbers", "Numbers row by row, as [1, 2, 3] or [[1, 2], [3, 4]]; other words may be between them.")
+    keys.key("numbers", "Numbers row by row, such as [1, 2, 3] or [[1, 2], [3, 4]]; other words may be between them.")
         .nullable(ROWS, &mut rows);
     keys.key("tolerance", "Maximum deviation of a number; default: 0.")
         .optional(Bounded(Quantity::number("tolerance", 0.0, 1e300)), &mut tolerance);
@@ -680,11 +680,11 @@ impl Variants for CheckSpec {
         ("follows_wall", "A robot drives along walls.", || {
             Self::new(CheckKind::FollowsWall { robot: RobotId(1), gap: [0.0; 2], share: 1.0 })
         }),
-        ("coverage", "Robots pass over a fraction of an area.", || {
+        ("coverage", "Robots cover a fraction of an area.", || {
             let robots = Vec::new();
             Self::new(CheckKind::Coverage { robots, width: 0.0, area: None, cell: DEFAULT_CELL, share: 1.0, by: None })
         }),
-        ("swarm", "A number that describes robots together stays within limits.", || {
+        ("swarm", "A metric of a swarm of robots stays within limits.", || {
             let (robots, metric, since) = (Vec::new(), SwarmMetric::Spread, Time::ZERO);
             Self::new(CheckKind::Swarm { robots, metric, min: None, max: None, since, at_end: false })
         }),
@@ -700,7 +700,7 @@ impl Variants for CheckSpec {
             let expected = ExpectedOutput::Text(String::new());
             Self::new(CheckKind::Prints { robot: RobotId(1), output: ProgramOutput::Stdout, expected })
         }),
-        ("outcome", "Programs end in a certain way.", || {
+        ("outcome", "Programs end with a given outcome.", || {
             Self::new(CheckKind::Outcome { robot: None, outcome: Outcome::Finished })
         }),
         ("event", "Events of a kind occur between `min` and `max` times.", || {

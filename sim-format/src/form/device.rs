@@ -294,9 +294,10 @@ impl Form for CameraSpec {
         joint_keys(keys, ["pan_deg", "pan_servo"], about, &mut self.pan);
         let about = ["Turn upwards in degrees; default: 0.", "The servo that tilts, instead of `tilt_deg`."];
         joint_keys(keys, ["tilt_deg", "tilt_servo"], about, &mut self.tilt);
-        keys.key("image_px", "Maximum image: width and height in pixels.").nullable(PIXELS, &mut self.image);
+        keys.key("image_px", "Size of the largest image: width and height in pixels.")
+            .nullable(PIXELS, &mut self.image);
         lens_keys(keys, &mut self.lens);
-        keys.key("samples", "Points per side of a pixel whose colours are averaged; default: 2.")
+        keys.key("samples", "Samples per side of a pixel, whose colours are averaged; default: 2.")
             .optional(1..=i64::from(MAX_SAMPLES), &mut self.samples);
     }
 }

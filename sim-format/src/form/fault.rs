@@ -15,7 +15,7 @@ impl Form for FaultSpec {
     }
 
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("FaultForm", "A fault on purpose; docs/faults.md has an example of each kind.");
+        keys.form("FaultForm", "An injected fault; docs/faults.md has an example of each kind.");
         if !keys.variant(self) {
             return;
         }
@@ -36,8 +36,11 @@ impl Form for FaultSpec {
             }
             FaultKind::Slip { wheels, share } => {
                 keys.key("wheels", "Wheels that slip; default: all.").optional(Word, wheels);
-                keys.key("slip_percent", "Fraction of a wheel's way that is lost, in percent; of one side at most 50.")
-                    .required(Bounded(Quantity::percent("slip", 0.0, 100.0)), share);
+                keys.key(
+                    "slip_percent",
+                    "Fraction of a wheel's distance that is lost, in percent; at most 50 for one side.",
+                )
+                .required(Bounded(Quantity::percent("slip", 0.0, 100.0)), share);
                 if let Some((reader, section)) = keys.reading()
                     && *wheels != SlippingWheels::All
                     && *share > 0.5
@@ -48,9 +51,9 @@ impl Form for FaultSpec {
                 }
             }
             FaultKind::Noise { parameter, value } => {
-                keys.key("parameter", "Table and key of the noise profile, as `psd.sigma_mm`.")
+                keys.key("parameter", "Table and key of the noise profile, such as `psd.sigma_mm`.")
                     .required(TEXT, parameter);
-                keys.key("value", "Its value meanwhile, in the unit of the key.")
+                keys.key("value", "Value during the fault, in the unit of the key.")
                     .required(Quantity::number("value", -1e9, 1e9), value);
             }
         }
@@ -75,7 +78,7 @@ fn time_keys(keys: &mut Keys<'_>, time: &mut FaultTime) {
     keys.key("at_s", "Simulated seconds at which it begins.").nullable(DURATION, &mut at);
     keys.key("probability", "Probability that the fault occurs at all; default: 1.")
         .optional(Bounded(Quantity::number("probability", 0.0, 1.0)), &mut probability);
-    keys.key("per_minute", "Mean rate of random beginnings per minute, instead of `at_s`.")
+    keys.key("per_minute", "Mean number of random beginnings per minute, instead of `at_s`.")
         .nullable(Bounded(Quantity::number("rate", 1e-6, 1e3)), &mut rate);
     let Some((reader, section)) = keys.reading() else { return };
     if section.has("per_minute") {
@@ -107,7 +110,7 @@ impl Variants for FaultSpec {
             fault(FaultKind::SensorStuck { sensor: String::new() })
         }),
         ("slip", "Wheels slip.", || fault(FaultKind::Slip { wheels: SlippingWheels::All, share: 0.0 })),
-        ("radio_off", "The radio neither is heard nor hears.", || fault(FaultKind::RadioOff)),
+        ("radio_off", "The radio neither sends nor receives.", || fault(FaultKind::RadioOff)),
         ("noise", "A number of the noise models has another value.", || {
             fault(FaultKind::Noise { parameter: String::new(), value: 0.0 })
         }),

@@ -72,7 +72,7 @@ impl Form for GaitSpec {
     }
 }
 
-/// How the joints move in a gait.
+/// Motion of the joints in a gait.
 #[derive(Clone, Copy, PartialEq)]
 enum Curve {
     Plain,
@@ -106,8 +106,11 @@ impl Form for LegSpec {
         );
         let coordinate = Quantity::coordinate("coordinate of the hip");
         keys.span(&mut self.span);
-        keys.key("name", "Its name; sensors sit on the links `NAME.thigh`, `NAME.shank` and with a foot `NAME.foot`.")
-            .required(TEXT, &mut self.name);
+        keys.key(
+            "name",
+            "Its name; sensors can be mounted on the links `NAME.thigh`, `NAME.shank` and, with a foot, `NAME.foot`.",
+        )
+        .required(TEXT, &mut self.name);
         keys.key("x_mm", "Position of the hip forward of the robot's centre in mm; default: 0.")
             .optional(coordinate, &mut self.hip.x);
         keys.key("y_mm", "Position of the hip to the left in mm; default: 0.").optional(coordinate, &mut self.hip.y);

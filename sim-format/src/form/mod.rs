@@ -120,7 +120,7 @@ pub(crate) struct Key<'w, 'k> {
     about: &'static str,
 }
 
-/// Whether a key may be omitted.
+/// Rule by which a key may be omitted.
 #[derive(Clone, Copy, PartialEq)]
 enum Need {
     Required,

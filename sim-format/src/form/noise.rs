@@ -125,11 +125,9 @@ impl SectionParameters {
     /// Name and description of the section's definition in the schema.
     fn definition(&self) -> (&'static str, &'static str) {
         match &self.0 {
-            NoiseSection::Range(kind) if !kind.has_device_noise() => {
-                ("RangeNoiseForm", "Errors of sensors of distance.")
-            }
+            NoiseSection::Range(kind) if !kind.has_device_noise() => ("RangeNoiseForm", "Errors of distance sensors."),
             NoiseSection::Range(_) | NoiseSection::Sensor(_) => {
-                ("EchoNoiseForm", "Errors of sensors of distance whose type has noise of its own.")
+                ("EchoNoiseForm", "Errors of distance sensors whose model contains noise.")
             }
             NoiseSection::Compass => ("CompassNoiseForm", "Errors of a compass."),
             NoiseSection::Camera => ("CameraNoiseForm", "Errors of the images of a camera."),

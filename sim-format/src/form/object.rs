@@ -11,11 +11,11 @@ pub(crate) const MESH_UNIT: Quantity = Quantity::coordinate("length of the mesh'
 
 impl Form for ObjectType {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("ObjectTypeForm", "An object type: a file alone, or all that an `.esObj` can say.");
-        keys.key("file", "An `.esObj`; no other key then.").nullable(TEXT, &mut None::<SpannedText>);
-        keys.key("name", "Name under which objects have it; required without a `file`.")
+        keys.form("ObjectTypeForm", "An object type: only a file, or the properties of an `.esObj`.");
+        keys.key("file", "An `.esObj`; excludes all other keys.").nullable(TEXT, &mut None::<SpannedText>);
+        keys.key("name", "Name by which objects refer to the type; required without a `file`.")
             .required_or_replaced(TEXT, &mut self.name);
-        keys.key("model", "Its looks.").nullable(TABLE, &mut self.model);
+        keys.key("model", "Its appearance.").nullable(TABLE, &mut self.model);
         keys.key("scale_mm", "Length of the mesh's unit in mm; default: 1000.").optional(MESH_UNIT, &mut self.scale);
         keys.key("collider", "Its shape; default: an upright cylinder, 100 mm wide and 100 mm high.")
             .non_empty_list(TABLES, &mut self.colliders);
@@ -33,7 +33,7 @@ impl Form for ObjectType {
         keys.key("restitution", "Coefficient of restitution; default: 0.3.")
             .always_printed(Bounded(Quantity::number("restitution", 0.0, 1.0)), &mut self.restitution);
         keys.key("colour", "Red, green and blue, 0 to 255.").nullable(Channels, &mut self.colour);
-        keys.key("surface", "How it reflects.").optional(TABLE, &mut self.surface);
+        keys.key("surface", "Reflection properties.").optional(TABLE, &mut self.surface);
         let mut sensor_shape = if matches!(self.sensor_shape, SensorShape::Mesh(_)) {
             SensorShapeWord::Mesh
         } else {
@@ -66,6 +66,6 @@ impl Words for SensorShapeWord {
     const ABOUT: &'static str = "Shape of an object for range sensors.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
         (SensorShapeWord::Colliders, "colliders", "Its colliders."),
-        (SensorShapeWord::Mesh, "mesh", "Its mesh; contacts stay those of the colliders."),
+        (SensorShapeWord::Mesh, "mesh", "Its mesh; contacts still use the colliders."),
     ];
 }

@@ -80,7 +80,7 @@ const ARGUMENTS: Custom<Vec<String>> = Custom {
 
 impl Form for RobotLine {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("RobotForm", "A robot, or several that differ only in where they start.");
+        keys.form("RobotForm", "A robot, or several robots that differ only in their start.");
         keys.span(&mut self.span);
         keys.key("name", "Its name in the paths of drawn values; default: its number in the file.")
             .nullable(TEXT, &mut self.name);
@@ -255,18 +255,18 @@ impl Form for Layout {
             Self::Line { from, to, heading } => {
                 keys.key("from_mm", "Position of the first, x and y in mm.").required(POINT, from);
                 keys.key("to_mm", "Position of the last, x and y in mm.").required(POINT, to);
-                keys.key("heading_deg", "Heading of all in degrees; default: 0.").optional(HEADING, heading);
+                keys.key("heading_deg", "Heading of all robots in degrees; default: 0.").optional(HEADING, heading);
             }
             Self::Grid { from, spacing, columns, heading } => {
                 let distances = [Quantity::size("distance of columns"), Quantity::size("distance of rows")];
                 keys.key("from_mm", "Position of the first, x and y in mm.").required(POINT, from);
-                keys.key("spacing_mm", "Distance of columns and of rows in mm.").required(distances, spacing);
+                keys.key("spacing_mm", "Distance between columns and between rows in mm.").required(distances, spacing);
                 keys.key("columns", "Number of robots in a row; default: equal to the number of rows.")
                     .nullable(1..=i64::from(MAX_ROBOTS), columns);
-                keys.key("heading_deg", "Heading of all in degrees; default: 0.").optional(HEADING, heading);
+                keys.key("heading_deg", "Heading of all robots in degrees; default: 0.").optional(HEADING, heading);
             }
             Self::Circle { centre, radius, first, facing } => {
-                keys.key("centre_mm", "Its middle, x and y in mm.").required(POINT, centre);
+                keys.key("centre_mm", "Its centre, x and y in mm.").required(POINT, centre);
                 keys.key("radius_mm", "Its radius in mm.").required(Bounded(Quantity::size("radius")), radius);
                 keys.key("first_deg", "Direction of the first robot from the centre, in degrees; default: 0.")
                     .optional(Quantity::angle("direction of the first"), first);
@@ -282,7 +282,8 @@ impl Form for Layout {
                 }
                 keys.key("clearance_mm", "Minimum distance from walls and other bodies in mm; default: 0.")
                     .optional(Bounded(Quantity::length("clearance")), clearance);
-                keys.key("heading_deg", "Heading of all in degrees; default: random.").nullable(HEADING, heading);
+                keys.key("heading_deg", "Heading of all bodies in degrees; default: random.")
+                    .nullable(HEADING, heading);
             }
         }
     }
@@ -328,7 +329,7 @@ impl Variants for Layout {
             first: 0.0,
             facing: 0.0,
         }),
-        ("random", "At random places where there is room, drawn from the seed.", || {
+        ("random", "At random free positions, drawn from the seed.", || {
             Self::Random(Scatter { area: None, clearance: 0.0, heading: None })
         }),
     ];
@@ -353,8 +354,8 @@ impl Form for ObjectLine {
         }
         if !scatter_keys(keys, &mut self.scatter, &["x_mm", "y_mm", "heading_deg"]) {
             let position = &mut self.pose.position;
-            keys.key("x_mm", "Place along x in mm.").required_or_replaced(POINT[0], &mut position.x);
-            keys.key("y_mm", "Place along y in mm.").required_or_replaced(POINT[1], &mut position.y);
+            keys.key("x_mm", "Position along x in mm.").required_or_replaced(POINT[0], &mut position.x);
+            keys.key("y_mm", "Position along y in mm.").required_or_replaced(POINT[1], &mut position.y);
             keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; default: 0.")
                 .strict(HEADING_WITH_TURNS, &mut self.pose.heading);
         }
@@ -365,8 +366,8 @@ impl Form for ObjectLine {
 
 /// Declares a position on the floor.
 fn place_keys(keys: &mut Keys<'_>, point: &mut DVec2) {
-    keys.key("x_mm", "Place along x in mm.").required(POINT[0], &mut point.x);
-    keys.key("y_mm", "Place along y in mm.").required(POINT[1], &mut point.y);
+    keys.key("x_mm", "Position along x in mm.").required(POINT[0], &mut point.x);
+    keys.key("y_mm", "Position along y in mm.").required(POINT[1], &mut point.y);
 }
 
 /// Maximum number of repetitions of an entry.
@@ -392,14 +393,14 @@ impl Form for ReachableSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form(
             "ReachableForm",
-            "A demand that a way leads from one place to another, on which random places are drawn again.",
+            "A requirement that a route leads from one place to another; if it is not met, random places are drawn again.",
         );
         keys.span(&mut self.span);
-        keys.key("from", "Start of the way: a robot or object by its path, as `robot.1`, or [x, y] in mm.")
+        keys.key("from", "Start of the route: the path of a robot or object, such as `robot.1`, or [x, y] in mm.")
             .required(POSITION_REF, &mut self.from);
-        keys.key("to", "End of the way: a robot or object by its path, as `object.1`, or [x, y] in mm.")
+        keys.key("to", "End of the route: the path of a robot or object, such as `object.1`, or [x, y] in mm.")
             .required(POSITION_REF, &mut self.to);
-        keys.key("width_mm", "Width of the path in mm; default: the diameter of the robot `from`.")
+        keys.key("width_mm", "Width of the route in mm; default: the diameter of the robot `from`.")
             .nullable(Bounded(Quantity::size("width")), &mut self.width);
     }
 }
@@ -429,7 +430,7 @@ impl Form for StartSpec {
         place_keys(keys, &mut self.pose.position);
         keys.key("heading_deg", "Heading in degrees, counter-clockwise from x; default: 0.")
             .optional(HEADING_WITH_TURNS, &mut self.pose.heading);
-        keys.key("letter", "Letter by which robots choose it.").nullable(Word, &mut self.letter);
+        keys.key("letter", "Letter by which robots refer to the start.").nullable(Word, &mut self.letter);
     }
 }
 

@@ -21,10 +21,10 @@ const MAX_LINKS: usize = 256;
 
 impl Form for RobiSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("RobotTypeForm", "A robot type: a file alone, or all that a `.robi` and its companion can say.");
-        keys.key("file", "A `.robi`, with the companion beside it; no other key then.")
+        keys.form("RobotTypeForm", "A robot type: only a file, or the properties of a `.robi` and its companion.");
+        keys.key("file", "A `.robi`, with the companion beside it; excludes all other keys.")
             .nullable(TEXT, &mut None::<SpannedText>);
-        keys.key("name", "Name under which robots have it; required without a `file`.")
+        keys.key("name", "Name by which robots refer to the type; required without a `file`.")
             .required_or_replaced(TEXT, &mut self.name);
         keys.key("diameter_mm", "Diameter of the body in mm; default: 180.")
             .always_printed(Quantity::size("diameter"), &mut self.diameter);
@@ -36,12 +36,12 @@ impl Form for RobiSpec {
         .optional(Quantity::coordinate("axis offset"), &mut self.axis_offset);
         keys.key("centre_of_mass_mm", "Centre of mass, x forward, y left, z up, in mm; default: 0.")
             .optional(POINT_3D, &mut self.centre_of_mass);
-        keys.key("model", "The body's looks.").nullable(TABLE, &mut self.model);
-        keys.key("collider", "The body's shape in space; contacts are those of the disc.")
+        keys.key("model", "Appearance of the body.").nullable(TABLE, &mut self.model);
+        keys.key("collider", "Three-dimensional shape of the body; contacts use the disc.")
             .list(TABLES, &mut self.colliders);
         keys.mention_first(&["wheel", "drive", "psd"]);
         keys.key("body", "Mass, traction and friction.").always_printed(PartialTable(body_keys), self);
-        keys.key("wheel", "The wheels, all alike.").always_printed(TABLE, &mut self.wheel);
+        keys.key("wheel", "The wheels, which are all equal.").always_printed(TABLE, &mut self.wheel);
         if keys.reading().is_some() {
             self.drive.wheelbase = default_wheelbase_of(self);
         }
@@ -67,7 +67,7 @@ pub(crate) fn read_robot_type(file: &str, text: &str) -> (RobiSpec, Vec<Diagnost
 pub(crate) fn companion(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     limit_keys(keys, robi);
     keys.key("body", "Mass, traction and friction.").always_printed(PartialTable(body_keys), robi);
-    keys.key("wheel", "The wheels, all alike.").always_printed(TABLE, &mut robi.wheel);
+    keys.key("wheel", "The wheels, which are all equal.").always_printed(TABLE, &mut robi.wheel);
     keys.key("drive", "The drive.").always_printed(PartialTable(drive_keys), robi);
     structure_keys(keys, robi);
     device_list_keys(keys, robi);
@@ -83,8 +83,8 @@ fn limit_keys(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
 
 /// Declares the surface of the body, the links, the legs and the hull.
 fn structure_keys(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
-    keys.key("surface", "How the body reflects.").optional(TABLE, &mut robi.surface);
-    keys.key("link", "Links: parts that sensors sit on.").list(LINKS, &mut robi.links);
+    keys.key("surface", "Reflection properties of the body.").optional(TABLE, &mut robi.surface);
+    keys.key("link", "Links: parts on which sensors are mounted.").list(LINKS, &mut robi.links);
     leg_keys(keys, robi);
     keys.key("hull", "The hull under water; for `kind = \"thrusters\"`.").optional(TABLE, &mut robi.hull);
 }
@@ -101,7 +101,7 @@ fn device_list_keys(keys: &mut Keys<'_>, robi: &mut RobiSpec) {
     keys.key("lcd", "The colour display of RoBIOS-7.").optional(TABLE, &mut robi.lcd);
     keys.key("input", "Readings of inputs that no simulated device drives.").optional(TABLE, &mut robi.inputs);
     keys.key("serial", "Devices at the serial interfaces 1 to 16.").list(SERIALS, &mut robi.serials);
-    keys.key("hdt", "Numbers under which programs ask for devices.").list(HDT, &mut robi.hdt);
+    keys.key("hdt", "Numbers by which programs address devices.").list(HDT, &mut robi.hdt);
 }
 
 fn body_keys(robi: &mut RobiSpec, keys: &mut Keys<'_>) {
@@ -120,7 +120,7 @@ impl Form for WheelSpec {
             .always_printed(Quantity::size("wheel diameter"), &mut self.diameter);
         keys.key("max_rate_deg_per_s", "Maximum turning rate in degrees/s; default: 3600.")
             .always_printed(Quantity::rate("largest rate"), &mut self.max_rate);
-        keys.key("ticks_per_turn", "Encoder ticks per turn; default: 1000.")
+        keys.key("ticks_per_turn", "Encoder counts per turn; default: 1000.")
             .always_printed(Quantity::number("encoder ticks", 1e-3, 1e9), &mut self.ticks_per_turn);
         keys.key("track_mm", "Distance between left and right wheels in mm; default: 90.")
             .always_printed(Quantity::size("track"), &mut self.track);
@@ -187,7 +187,7 @@ const DRAG: [Quantity; 2] = [Quantity::number("linear drag", 1e-6, 1e6), Quantit
 impl Form for HullSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("HullForm", "A hull under water. Drags are linear and quadratic, in N per m/s and per (m/s)^2.");
-        keys.key("thrust_n", "Force of a thruster at its greatest rate in N; default: 20.")
+        keys.key("thrust_n", "Force of a thruster at its maximum rate in N; default: 20.")
             .optional(Bounded(Quantity::number("thrust", 1e-6, 1e6)), &mut self.thrust);
         let [ahead, sideways, turn, up] = &mut self.drag;
         keys.key("drag_ahead", "Drag ahead and backwards; default: [10, 40].").optional(DRAG, ahead);

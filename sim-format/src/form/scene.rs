@@ -42,7 +42,7 @@ impl Form for SimSpec {
         );
         keys.key("scene", "Settings of the run; the command line overrides them.").optional(TABLE, &mut self.run);
         let mut world = WorldTable::from_sim(self);
-        keys.key("world", "The world: a file, or described in place by its walls or by the drawing of a maze.")
+        keys.key("world", "The world: a file, or an inline description by walls or by the drawing of a maze.")
             .required(TABLE, &mut world);
         if keys.reading().is_some() {
             world.store_in(self);
@@ -53,8 +53,9 @@ impl Form for SimSpec {
         type_and_robot_keys(keys, self);
         keys.key("object", "Passive objects.").list(TABLES, &mut self.objects);
         keys.key("marker", "Flat spots of colour on the floor.").list(TABLES, &mut self.markers);
-        keys.key("fault", "Faults on purpose.").list(TABLES, &mut self.faults);
-        keys.key("reachable", "Demands that ways lead from one place to another.").list(TABLES, &mut self.reachable);
+        keys.key("fault", "Injected faults.").list(TABLES, &mut self.faults);
+        keys.key("reachable", "Requirements that routes lead from one place to another.")
+            .list(TABLES, &mut self.reachable);
         keys.key("check", "Conditions that a run must meet.").list(TABLES, &mut self.checks);
     }
 }
@@ -91,7 +92,7 @@ impl Form for RunSpec {
         .nullable(NOISE, &mut self.noise);
         keys.key("contact", "Motion of a robot that is pushed against a wall; default: `slide`.")
             .nullable(Word, &mut self.contact);
-        keys.key("wall_friction", "Coefficient of friction of the walls; a robot slides with the lower of this value and its own; default: the robot's value.")
+        keys.key("wall_friction", "Coefficient of friction of the walls; between a robot and a wall, the lower coefficient applies; default: the robot's value.")
             .nullable(Bounded(Quantity::number("friction of the walls", 0.0, 100.0)), &mut self.wall_friction);
     }
 }
@@ -166,15 +167,23 @@ const COSTS: Custom<CostsRef> = Custom {
 
 impl Words for Dialect {
     const NAME: &'static str = "DialectForm";
-    const ABOUT: &'static str = "EyeSim whose conventions a scene and its programs follow.";
+    const ABOUT: &'static str = "Version of EyeSim whose conventions a scene and its programs follow.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
-        (Dialect::Classic, "classic", "EyeSim 5 and 6: programs are of RoBIOS 6 where their calls do not tell."),
+        (
+            Dialect::Classic,
+            "classic",
+            "EyeSim 5 and 6: programs use RoBIOS 6 if their calls do not determine the generation.",
+        ),
         (
             Dialect::Vr2018,
             "vr2018",
-            "EyeSim VR of 2017 and 2018: headings of the SIM functions from y, the size of a maze's cells on the last line.",
+            "EyeSim VR of 2017 and 2018: headings of the SIM functions count from y; the size of a maze's cells is on the last line.",
         ),
-        (Dialect::Vr2023, "vr2023", "Later EyeSim VR: programs are of RoBIOS-7 where their calls do not tell."),
+        (
+            Dialect::Vr2023,
+            "vr2023",
+            "Later EyeSim VR: programs use RoBIOS-7 if their calls do not determine the generation.",
+        ),
     ];
 }
 
@@ -183,13 +192,13 @@ impl Words for ContactKind {
     const ABOUT: &'static str = "Motion of a robot that is pushed against a wall.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
         (ContactKind::Slide, "slide", "It slides outside the friction cone, and its wheels slip over the floor."),
-        (ContactKind::Stall, "stall", "It rests, its wheels stall, and the command stays pending."),
+        (ContactKind::Stall, "stall", "It rests, its wheels stall, and the command stays in force."),
     ];
 }
 
 impl Form for CostTable {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("GenerationsForm", "An inline cost table: microseconds of a call by the name of the function, or by the beginning of names and `*`.");
+        keys.form("GenerationsForm", "An inline cost table: microseconds per call, by the name of a function or by a prefix of names followed by `*`.");
         keys.key("robios6", "RoBIOS 6.").list(GenerationCosts("robios6"), &mut self.entries);
         keys.key("robios7", "RoBIOS 7.").list(GenerationCosts("robios7"), &mut self.entries);
         self.entries.sort_by_key(|entry| entry.span);
@@ -243,7 +252,7 @@ impl Form for RadioModel {
         .optional(WholeMicros(Quantity::milliseconds("latency")), &mut self.latency);
         keys.key("range_mm", "Maximum distance at which a message is received, in mm; default: unlimited.")
             .nullable(Bounded(Quantity::size("range")), &mut self.range);
-        keys.key("line_of_sight", "Walls stop messages; default: false.").flag(&mut self.line_of_sight);
+        keys.key("line_of_sight", "Walls block messages; default: false.").flag(&mut self.line_of_sight);
     }
 }
 
@@ -252,7 +261,7 @@ impl Words for Medium {
     const ABOUT: &'static str = "Access of the robots to the radio medium.";
     const WORDS: &'static [(Self, &'static str, &'static str)] = &[
         (Medium::Free, "free", "Nobody disturbs anybody."),
-        (Medium::Aloha, "aloha", "Of messages that overlap at a receiver none is heard."),
+        (Medium::Aloha, "aloha", "Messages that overlap at a receiver are lost."),
         (Medium::TokenRing, "token_ring", "Who has the token sends."),
     ];
 }

@@ -60,8 +60,9 @@ fn mount_keys(keys: &mut Keys<'_>, mount: &mut MountSpec) {
         "Rotation about x, left side upwards, in degrees; the first of the three rotations; default: 0.",
     )
     .optional(Quantity::angle("roll"), roll);
-    keys.key("pitch_deg", "Rotation upwards in degrees, the second; default: 0.").optional(PITCH, pitch);
-    keys.key("yaw_deg", "Rotation to the left in degrees, the third; default: 0.")
+    keys.key("pitch_deg", "Rotation upwards in degrees; the second of the three rotations; default: 0.")
+        .optional(PITCH, pitch);
+    keys.key("yaw_deg", "Rotation to the left in degrees; the third of the three rotations; default: 0.")
         .optional(Quantity::angle("yaw"), yaw);
 }
 
@@ -95,7 +96,7 @@ impl Form for LinkSpec {
         let mut axis = self.joint.as_ref().map_or(Axis::Z, |joint| joint.axis);
         let mut servo = self.joint.take().map(|joint| joint.servo);
         keys.span(&mut self.span);
-        keys.key("name", "Its name, by which sensors and links sit on it.").required(TEXT, &mut self.name);
+        keys.key("name", "Its name, by which sensors and links refer to it.").required(TEXT, &mut self.name);
         mount_keys(keys, &mut self.mount);
         keys.mention_first(&["servo"]);
         keys.key("axis", "Axis about which the servo turns the link: x rolls, y pitches (upwards), z (default) yaws.")
@@ -314,7 +315,7 @@ enum SonarPreset {
 
 impl Words for SonarPreset {
     const NAME: &'static str = "SonarPresetForm";
-    const ABOUT: &'static str = "Sonars whose values are known.";
+    const ABOUT: &'static str = "Sonars with built-in parameters.";
     const WORDS: &'static [(Self, &'static str, &'static str)] =
         &[(SonarPreset::Srf08, "SRF08", "The SRF08 by Devantech.")];
 }
@@ -327,9 +328,12 @@ impl Form for SideLobes {
         let gain = Quantity::number("gain of the side lobes", 0.0, 1.0);
         keys.key("angle_deg", "Angle between the line of sight and the middle of the ring in degrees.")
             .required(Bounded(angle), &mut self.angle);
-        keys.key("half_width_deg", "Half of the ring's width in degrees, where it has fallen by 6 dB from its middle.")
-            .required(Bounded(half_width), &mut self.half_width);
-        keys.key("gain", "Gain in the middle of the ring, against 1 for the main lobe.")
+        keys.key(
+            "half_width_deg",
+            "Half width of the ring in degrees, where the gain has fallen by 6 dB from the middle.",
+        )
+        .required(Bounded(half_width), &mut self.half_width);
+        keys.key("gain", "Gain in the middle of the ring, relative to the main lobe.")
             .required(Bounded(gain), &mut self.gain);
     }
 }

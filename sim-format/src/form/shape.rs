@@ -13,7 +13,7 @@ const ROTATIONS: [Quantity; 3] = [Quantity::angle("turn"); 3];
 
 impl Form for ModelSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("ModelForm", "A mesh file and how it is put into the body's frame.");
+        keys.form("ModelForm", "A mesh file and its pose in the body's frame.");
         keys.key("file", "The mesh file.").required(TEXT, &mut self.path);
         keys.key("offset_mm", "Position of the mesh's origin, x forward, y left, z up, in mm; default: 0.")
             .optional(POINT_3D, &mut self.offset);
@@ -23,7 +23,7 @@ impl Form for ModelSpec {
 
 /// Declares the rotations of a mesh.
 pub(crate) fn rotation_key(keys: &mut Keys<'_>, rotations: &mut DVec3) {
-    keys.key("turns_deg", "Turns about the axes of the mesh file, in degrees; default: 0.")
+    keys.key("turns_deg", "Rotations about the axes of the mesh file, in degrees; default: 0.")
         .optional(ROTATIONS, rotations);
 }
 

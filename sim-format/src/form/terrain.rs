@@ -26,7 +26,7 @@ const SOURCE_KEYS: [&str; 5] = ["file", "image", "function", "stairs", "block"];
 const BOULDER_KEYS: [&str; 3] = ["boulders", "radius_mm", "height_mm"];
 /// Directions in which stairs rise, in degrees, in the order of [`StairsDirection::ALL`].
 const DIRECTIONS_DEG: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
-/// For each kind of terrain, a key that selects it, and its description.
+/// Kinds of terrain: a key that selects the kind, and a description of the kind.
 const SOURCES: [(&str, &str); 4] = [
     ("file", "A mesh file with its place in the world."),
     ("image", "A grey image."),
@@ -155,7 +155,7 @@ fn extent_keys(keys: &mut Keys<'_>, about: &'static str, (origin, base): (&mut D
 }
 
 fn image_keys(keys: &mut Keys<'_>, image: &mut TerrainImage) {
-    keys.form("ImageTerrainForm", "Ground as high as a grey image is bright.");
+    keys.form("ImageTerrainForm", "Ground whose height is the brightness of a grey image.");
     let TerrainImage { path, origin, size, base, height } = image;
     keys.key(
         "image",
@@ -164,12 +164,14 @@ fn image_keys(keys: &mut Keys<'_>, image: &mut TerrainImage) {
     .required(IMAGE, path);
     let about = "Position of the lower left corner in mm, and height of black; default: 0.";
     extent_keys(keys, about, (origin, base), size);
-    keys.key("height_mm", "As much higher than black is white, in mm.")
-        .required(Quantity::coordinate("height"), height);
+    keys.key("height_mm", "Height of white above black, in mm.").required(Quantity::coordinate("height"), height);
 }
 
 fn random_keys(keys: &mut Keys<'_>, terrain: &mut RandomTerrain) {
-    keys.form("FunctionTerrainForm", "Ground that is drawn from a seed: a smooth relief, with or without boulders.");
+    keys.form(
+        "FunctionTerrainForm",
+        "Ground that is generated from a seed: a smooth relief, with or without boulders.",
+    );
     let RandomTerrain { seed, origin, size, base, cell, relief_height, hill_length, boulders, clear } = terrain;
     let mut function = if boulders.is_some() { Function::Boulders } else { Function::Hills };
     keys.key("function", "Function that generates the terrain.").required(Word, &mut function);
@@ -207,7 +209,7 @@ enum Function {
 
 impl Words for Function {
     const NAME: &'static str = "FunctionForm";
-    const ABOUT: &'static str = "A function of places and a seed.";
+    const ABOUT: &'static str = "A function that generates heights from a seed.";
     const WORDS: &'static [(Self, &'static str, &'static str)] =
         &[(Function::Hills, "hills", "A smooth relief."), (Function::Boulders, "boulders", "The same with boulders.")];
 }
@@ -241,8 +243,8 @@ impl Kind<[f64; 2]> for MinMax {
 impl Form for Disc {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("DiscForm", "A disc of level ground.");
-        keys.key("x_mm", "Its middle along x in mm.").required(POINT[0], &mut self.centre.x);
-        keys.key("y_mm", "Its middle along y in mm.").required(POINT[1], &mut self.centre.y);
+        keys.key("x_mm", "Its centre along x in mm.").required(POINT[0], &mut self.centre.x);
+        keys.key("y_mm", "Its centre along y in mm.").required(POINT[1], &mut self.centre.y);
         keys.key("radius_mm", "Its radius in mm.").required(Quantity::size("radius"), &mut self.radius);
     }
 }
@@ -263,15 +265,17 @@ impl Form for Stairs {
     fn keys(&mut self, keys: &mut Keys<'_>) {
         keys.form("StairsForm", "A flight of stairs.");
         keys.key("from_mm", "Middle of the foot of the first step, x and y in mm.").required(POINT, &mut self.from);
-        keys.key("direction_deg", "Direction upstairs: 0, 90, 180 or 270 degrees; default: 0.")
+        keys.key("direction_deg", "Direction in which the stairs go up: 0, 90, 180 or 270 degrees; default: 0.")
             .strict(STAIRS_DIRECTION, &mut self.uphill);
         keys.key("count", "Number of steps.").required(1..=i64::from(MAX_STEPS), &mut self.count);
-        keys.key("step_height_mm", "Height of each in mm.")
+        keys.key("step_height_mm", "Height of each step in mm.")
             .required(Quantity::size("height of a step"), &mut self.rise);
-        keys.key("step_depth_mm", "Depth of each in mm.").required(Quantity::size("depth of a step"), &mut self.depth);
-        keys.key("width_mm", "Width across the way in mm.").required(Quantity::size("width"), &mut self.width);
+        keys.key("step_depth_mm", "Depth of each step in mm.")
+            .required(Quantity::size("depth of a step"), &mut self.depth);
+        keys.key("width_mm", "Width perpendicular to the direction in mm.")
+            .required(Quantity::size("width"), &mut self.width);
         let mut landing = Some(self.landing).filter(|landing| *landing != self.depth && keys.reading().is_none());
-        keys.key("landing_mm", "Depth of the last step in mm; default: as the other steps.")
+        keys.key("landing_mm", "Depth of the last step in mm; default: that of the other steps.")
             .nullable(Quantity::size("depth of the landing"), &mut landing);
         self.landing = landing.unwrap_or(self.depth);
         keys.key("down", "Stairs go down again with the same number of steps; default: false.")

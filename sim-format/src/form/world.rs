@@ -91,7 +91,7 @@ impl Form for WorldTable {
         if has_file {
             keys.mention_first(&["kind"]);
         }
-        keys.key("file", "A `.wld`, a `.maz` or a map of another program; no other key but `kind`, `cell_mm`, `colour`, `light` and `sky` then.")
+        keys.key("file", "A `.wld`, a `.maz` or a map of another program; excludes all other keys except `kind`, `cell_mm`, `colour`, `light` and `sky`.")
             .nullable(TEXT, &mut self.file);
         if has_file || !is_reading {
             keys.key("kind", "Kind of a file whose extension does not determine it; default: `world`.")
@@ -154,7 +154,7 @@ impl WorldTable {
         keys.key("texture", "Image stretched over the whole floor.").nullable(IMAGE, &mut world.texture);
         keys.key("texture_turned", "The image is turned by 180 degrees, as in a `.wld`.")
             .flag(&mut world.texture_is_turned);
-        keys.key("surface", "How the floor reflects, and walls that do not say.")
+        keys.key("surface", "Reflection properties of the floor, and of walls without their own.")
             .nullable(TableWithExample("reflectivity = 1, specular = 0.5"), &mut world.surface);
         keys.key(
             "terrain",
@@ -172,7 +172,7 @@ impl WorldTable {
             cell_key(keys, &mut world.cell);
             keys.key("wall", "Walls.").list(TABLES, &mut world.walls);
         }
-        keys.key("start", "Places where robots without a pose start.").list(TABLES, &mut world.starts);
+        keys.key("start", "Start poses of robots without a pose.").list(TABLES, &mut world.starts);
         keys.key("object", "Objects of the world; they come before those of the scene.")
             .list(TABLES, &mut world.objects);
     }
@@ -206,7 +206,7 @@ fn looks_keys(keys: &mut Keys<'_>, looks: &mut LooksSpec) {
 
 impl Form for LightSpec {
     fn keys(&mut self, keys: &mut Keys<'_>) {
-        keys.form("LightForm", "The light: a sun, and an even light from everywhere.");
+        keys.form("LightForm", "The light: a sun, and uniform ambient light.");
         let azimuth = Quantity::angle("azimuth of the sun").within(-360.0, 360.0);
         let elevation = Quantity::angle("elevation of the sun").within(1.0, 90.0);
         let ambient = Quantity::number("share of ambient light", 0.0, 1.0);

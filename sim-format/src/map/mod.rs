@@ -37,8 +37,8 @@ pub const WORLD_EXTENSIONS: [&str; 11] =
 pub(crate) enum WorldFormat {
     /// Lines that describe walls, `.wld`.
     Walls,
-    /// A maze, in one of the forms of maze files.
-    Maze(maze::MazeForm),
+    /// A maze, in one of the formats of maze files.
+    Maze(maze::MazeFormat),
     /// A `map.yaml` with its image.
     RosMap,
     /// The image of a map without a `map.yaml`.
@@ -61,12 +61,12 @@ impl WorldFormat {
             "world" if is_xml() => Self::Sdf,
             "wld" => Self::Walls,
             "map" if movingai::is_map(&text()) => Self::MovingAi,
-            "maz" | "maze" | "num" | "map" | "txt" => Self::Maze(maze::form_of(bytes)),
+            "maz" | "maze" | "num" | "map" | "txt" => Self::Maze(maze::format_of(bytes)),
             _ if is_netpbm(bytes) => Self::Image,
             _ if is_xml() => Self::Sdf,
             _ => match stated {
                 WorldKind::World => Self::Walls,
-                WorldKind::Maze => Self::Maze(maze::form_of(bytes)),
+                WorldKind::Maze => Self::Maze(maze::format_of(bytes)),
             },
         }
     }
@@ -93,19 +93,19 @@ pub(crate) fn read_world_file(
             loader.diagnostics.extend(diagnostics);
             (world, None)
         }
-        WorldFormat::Maze(maze::MazeForm::Drawing) => {
+        WorldFormat::Maze(maze::MazeFormat::Drawing) => {
             let text = loader.decode_input(path, bytes);
             let (world, diagnostics) = read_maze_with(path, &text, rules);
             loader.diagnostics.extend(diagnostics);
             (world, None)
         }
-        WorldFormat::Maze(form) => {
-            let (world, diagnostics, note) = if form == maze::MazeForm::Binary {
+        WorldFormat::Maze(maze_format) => {
+            let (world, diagnostics, note) = if maze_format == maze::MazeFormat::Binary {
                 loader.inputs.push(InputFile { path: path.to_owned(), bytes: bytes.clone() });
                 maze::read_maze_bytes(path, &bytes, rules)
             } else {
                 let text = loader.decode_input(path, bytes);
-                maze::read_maze_text(path, &text, form, rules)
+                maze::read_maze_text(path, &text, maze_format, rules)
             };
             loader.diagnostics.extend(diagnostics);
             (world, note)

@@ -13,8 +13,8 @@ use crate::line::{self, Line, Word};
 use crate::{Severity, Span};
 use sim_core::pose::Pose;
 
-const HEADER_FORM: &str = "`type octile`, `height ROWS`, `width COLUMNS`, `map`, then the rows";
-const ROW_FORM: &str = "one of `.` `G` `S` (free), `@` `O` `T` `W` (not free) for each cell";
+const HEADER_SYNTAX: &str = "`type octile`, `height ROWS`, `width COLUMNS`, `map`, then the rows";
+const ROW_SYNTAX: &str = "one of `.` `G` `S` (free), `@` `O` `T` `W` (not free) for each cell";
 
 /// Returns true if the text begins like a map.
 pub(crate) fn is_map(text: &str) -> bool {
@@ -33,7 +33,7 @@ pub(crate) fn read_map(sink: &mut Sink, text: &str, cell: f64) -> Option<Grid> {
     }
     if rows.is_empty() {
         let message = if has_map { "the map has no rows" } else { "the map has no line `map`" };
-        sink.error(Code::MapSize, Span::default(), message, HEADER_FORM);
+        sink.error(Code::MapSize, Span::default(), message, HEADER_SYNTAX);
         return None;
     }
     let max_width = rows.iter().map(|row| row.text.trim_end().chars().count()).max().unwrap_or_default();
@@ -77,7 +77,7 @@ pub(crate) fn read_map(sink: &mut Sink, text: &str, cell: f64) -> Option<Grid> {
                     if unknown == 1 {
                         let span = line.character_span(byte, column as u32 + 1);
                         let message = format!("`{}` means nothing in a map; it is not free", character.escape_debug());
-                        sink.warn(Code::MapCell, span, message, ROW_FORM);
+                        sink.warn(Code::MapCell, span, message, ROW_SYNTAX);
                     }
                     false
                 }
@@ -87,7 +87,7 @@ pub(crate) fn read_map(sink: &mut Sink, text: &str, cell: f64) -> Option<Grid> {
     }
     if unknown > 1 {
         let message = format!("{unknown} characters mean nothing in a map");
-        sink.warn(Code::MapCell, Span::default(), message, ROW_FORM);
+        sink.warn(Code::MapCell, Span::default(), message, ROW_SYNTAX);
     }
     Some(Grid { size: [columns, count], cell, origin: Pose::default(), cells })
 }
@@ -106,7 +106,7 @@ fn read_header<'t>(
                 for (name, side) in ["height", "width"].iter().zip(sides.iter()) {
                     if side.is_none() {
                         let message = format!("the map does not state its {name}; it is taken from the rows");
-                        sink.warn(Code::MapKey, word.span, message, HEADER_FORM);
+                        sink.warn(Code::MapKey, word.span, message, HEADER_SYNTAX);
                     }
                 }
                 return true;
@@ -121,12 +121,12 @@ fn read_header<'t>(
                 Ok(number) => sides[usize::from(key.text == "width")] = Some((number, side.span)),
                 Err(_) => {
                     let message = format!("`{}` is no number of cells", side.text);
-                    sink.error(Code::MapKey, side.span, message, HEADER_FORM);
+                    sink.error(Code::MapKey, side.span, message, HEADER_SYNTAX);
                 }
             },
             [first, ..] => {
                 let message = format!("`{}` means nothing before the rows of a map", first.text);
-                sink.warn(Code::MapKey, first.span, message, HEADER_FORM);
+                sink.warn(Code::MapKey, first.span, message, HEADER_SYNTAX);
             }
         }
     }
@@ -152,7 +152,7 @@ pub struct Scenario {
     pub span: Span,
 }
 
-const SCENARIO_FORM: &str =
+const SCENARIO_SYNTAX: &str =
     "`BUCKET MAP WIDTH HEIGHT START_X START_Y GOAL_X GOAL_Y LENGTH`, separated by tabs or blanks";
 
 /// Reads the scenarios of a `.scen`.
@@ -173,7 +173,7 @@ pub fn read_scenarios(file: &str, text: &str) -> (Vec<Scenario>, Vec<Diagnostic>
             sink.warn(Code::ScenLine, line.span(), "the scenarios do not begin with their version", "`version 1`");
         }
         None => {
-            sink.error(Code::ScenLine, Span::default(), "the file has no scenarios", SCENARIO_FORM);
+            sink.error(Code::ScenLine, Span::default(), "the file has no scenarios", SCENARIO_SYNTAX);
         }
     }
     for line in lines {
@@ -185,19 +185,19 @@ pub fn read_scenarios(file: &str, text: &str) -> (Vec<Scenario>, Vec<Diagnostic>
 fn read_scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
     let words = fields(line);
     let [bucket, map, numbers @ .., length] = words.as_slice() else {
-        sink.error(Code::ScenLine, line.span(), "a scenario has 9 values", SCENARIO_FORM);
+        sink.error(Code::ScenLine, line.span(), "a scenario has 9 values", SCENARIO_SYNTAX);
         return None;
     };
     if numbers.len() != 6 {
         let message = format!("a scenario of {} of 9 values", words.len());
-        sink.error(Code::ScenLine, line.span(), message, SCENARIO_FORM);
+        sink.error(Code::ScenLine, line.span(), message, SCENARIO_SYNTAX);
         return None;
     }
     let mut whole_number = |word: &Word<'_>| match word.text.parse::<u64>().ok().filter(|number| *number <= MAX_CELLS) {
         Some(number) => Some(number as usize),
         None => {
             let message = format!("`{}` is no whole number", word.text);
-            sink.error(Code::ScenLine, word.span, message, SCENARIO_FORM);
+            sink.error(Code::ScenLine, word.span, message, SCENARIO_SYNTAX);
             None
         }
     };
@@ -206,7 +206,7 @@ fn read_scenario(sink: &mut Sink, line: &Line<'_>) -> Option<Scenario> {
     let value = length.text.parse::<f64>().ok().filter(|value| (0.0..=1e9).contains(value));
     let Some(value) = value else {
         let message = format!("`{}` is no length", length.text);
-        sink.error(Code::ScenLine, length.span, message, SCENARIO_FORM);
+        sink.error(Code::ScenLine, length.span, message, SCENARIO_SYNTAX);
         return None;
     };
     let &[width, height, from_x, from_y, to_x, to_y] = numbers.as_slice() else { return None };
@@ -282,7 +282,8 @@ pub(crate) fn check_lengths(sink: &mut Sink, grid: &Grid, scenarios: &[Scenario]
 /// accumulate.
 struct Search<'g> {
     grid: &'g Grid,
-    /// For each cell, the numbers of straight and of diagonal steps to it, and the number of the search that found them.
+    /// For each cell, the numbers of straight and of diagonal steps to it, and the number of the search that found
+    /// these steps.
     best: Vec<(u32, u32, u32)>,
     search_number: u32,
 }

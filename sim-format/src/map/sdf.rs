@@ -29,7 +29,7 @@ const SIDE_COUNT_LIMITS: [f64; 2] = [8.0, 256.0];
 const MAX_DEPTH: usize = 64;
 
 const FORM: &str = "an SDF world: `<sdf><world>` with a `<model>` for each obstacle";
-const SHAPE_FORM: &str = "a `<cylinder>`, `<box>` or `<sphere>` within a `<collision>`";
+const SHAPE_SYNTAX: &str = "a `<cylinder>`, `<box>` or `<sphere>` within a `<collision>`";
 
 /// Reads an SDF world. The floor is the rectangle around all obstacles. Also returns a
 /// note on the interpretation.
@@ -74,7 +74,7 @@ pub(crate) fn read_sdf(sink: &mut Sink, file: &str, text: &str) -> (WorldSpec, S
     }
     walls.retain(|wall| wall.from != wall.to);
     if walls.is_empty() && is_read {
-        sink.error(Code::SdfShape, Span::default(), "the world has no obstacles", SHAPE_FORM);
+        sink.error(Code::SdfShape, Span::default(), "the world has no obstacles", SHAPE_SYNTAX);
     }
     let [cylinders, boxes, spheres] = counts;
     let mut note = format!("{cylinders} cylinders, {boxes} boxes, {spheres} spheres; {} walls", walls.len());
@@ -272,10 +272,10 @@ impl SdfParser<'_, '_> {
                 if is_within("collision", &self.open) =>
             {
                 let message = format!("a `<{}>` is left out", element.tag);
-                self.sink.warn(Code::SdfShape, element.span, message, SHAPE_FORM);
+                self.sink.warn(Code::SdfShape, element.span, message, SHAPE_SYNTAX);
             }
             "include" => {
-                self.sink.warn(Code::SdfShape, element.span, "an `<include>` is left out", SHAPE_FORM);
+                self.sink.warn(Code::SdfShape, element.span, "an `<include>` is left out", SHAPE_SYNTAX);
             }
             "collision" => self.add_obstacle(&element),
             "model" if self.open.last().is_some_and(|parent| parent.tag == "state") => {

@@ -7,7 +7,7 @@
 //! # Frames
 //! Coordinates in an OBJ file are right-handed: x left, y up, z forward. EyeSim VR inverts x on reading, which gives
 //! the left-handed frame of its graphics library (X right, Y up, Z forward). Offset and rotations of a `model` line are
-//! in that left-handed frame; the rotations are about Z, then X, then Y, each clockwise as seen from the tip of the
+//! in that left-handed frame. The rotations are about Z, then X, then Y, each clockwise as seen from the tip of the
 //! axis. Our body frames have x forward, y left and z up. If the line has no rotation, a mesh's point (x, y, z) is
 //! therefore at (z, x, y) in the body frame.
 

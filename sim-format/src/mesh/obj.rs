@@ -1,8 +1,9 @@
 //! Wavefront OBJ: lines `v`, `vt`, `vn`, `f`, `usemtl`, `mtllib`. Other lines do not describe triangles and are ignored.
 //!
-//! The tests compare this reader with the crate `tobj` 4 on valid files. `tobj` is not used itself: `Kd` with one number makes
-//! it panic, out-of-range indices of `vt` overflow, mixing corners with and without `vt` in one object shifts the texture coordinates of
-//! all later corners, reading stops at the first mistake, and errors carry no line number.
+//! The tests compare this reader with the crate `tobj` 4 on valid files. This crate does not use `tobj`, for these
+//! reasons: `Kd` with one number makes it panic; out-of-range indices of `vt` overflow; an object with some corners
+//! without `vt` shifts the texture coordinates of all later corners; reading stops at the first mistake; and errors
+//! carry no line number.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +18,7 @@ use sim_core::scene::Triangle;
 /// Maximum number of triangles, and of entries in each list: a hundred times the number in typical robot models.
 const MAX_COUNT: usize = 2_000_000;
 
-const FACE_FORM: &str = "`f` and three or more corners of the form V, V/T, V//N or V/T/N";
+const FACE_SYNTAX: &str = "`f` and three or more corners of the form V, V/T, V//N or V/T/N";
 
 /// Content of a file, with its corners transformed into the body frame.
 #[derive(Default)]
@@ -149,7 +150,7 @@ impl Reader {
         }
         if count < 3 {
             let message = || format!("`{}` has fewer than three corners", shortened(line.text));
-            self.mistakes.warn(Code::MeshLine, line, FACE_FORM, message);
+            self.mistakes.warn(Code::MeshLine, line, FACE_SYNTAX, message);
         }
     }
 
@@ -157,7 +158,7 @@ impl Reader {
     fn read_corner(&mut self, line: &Line<'_>, word: &str) -> Option<Corner> {
         let Some([Some(position), uv, normal]) = corner_numbers(word) else {
             let message = || format!("`{}` is no corner of a face", shortened(word));
-            self.mistakes.warn(Code::MeshLine, line, FACE_FORM, message);
+            self.mistakes.warn(Code::MeshLine, line, FACE_SYNTAX, message);
             return None;
         };
         let Some(index) = index_in_list(position, self.positions.len()) else {

@@ -31,7 +31,7 @@ pub(super) enum TextureError {
 pub(super) struct Pixels {
     /// Width and height.
     pub(super) size: [u32; 2],
-    /// Channels of each pixel: grey; grey and opacity; red, green and blue; or these and opacity.
+    /// Channels of each pixel: either grey, or red, green and blue; with or without opacity.
     samples: Samples,
 }
 
@@ -123,8 +123,9 @@ impl Pixels {
         (samples.len() / (width * height).max(1)).clamp(1, 4)
     }
 
-    /// Sum of the channels of each pixel, including opacity if `with_opacity`; the sum of a white pixel; the value of white in one channel;
-    /// and which pixels are not opaque, empty if all are opaque.
+    /// Returns the sum of the channels of each pixel, including opacity if `with_opacity`, the sum of a white pixel,
+    /// the value of white in one channel, and flags that are true for pixels that are not opaque (empty if all are
+    /// opaque).
     pub(super) fn sums(&self, with_opacity: bool) -> (Vec<u32>, u32, u32, Vec<bool>) {
         match &self.samples {
             Samples::Bits8(samples) => sums(samples, self.channels(samples), u8::MAX, with_opacity),

@@ -93,7 +93,7 @@ pub fn unknown_sensors(robots: &[RobotSpec]) -> Vec<Diagnostic> {
                 continue;
             }
             last_reported = Some(name);
-            let message = format!("no robot with this profile has a sensor of distance `{name}`");
+            let message = format!("no robot with this profile has a distance sensor `{name}`");
             let listed_names: Vec<&str> = names.iter().copied().take(MAX_LISTED).collect();
             let expected = if listed_names.is_empty() {
                 "a robot with sensors".into()

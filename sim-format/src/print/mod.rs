@@ -1,7 +1,7 @@
 //! Printers: convert specs to texts of each file format. Reading the text gives the same spec.
 //!
-//! Properties that a format cannot represent are listed. Numbers are printed as the shortest decimal that reads back to the same `f64`; if
-//! none exists (for coordinates computed in a local frame), as the nearest one.
+//! Properties that a format cannot represent are listed. Numbers are printed as the shortest decimal that reads back to
+//! the same `f64`. If none exists (for coordinates computed in a local frame), the nearest decimal is printed.
 
 mod maze;
 mod noise;

@@ -22,13 +22,13 @@ impl Reader {
         let span = span_of(keyword, rest);
         let sink = &mut self.sink;
         let collider = match kind {
-            "box" => values_of(sink, "collider box", values, span, &BOX, BOX_FORM).map(|[x, y, z, cx, cy, cz]| {
+            "box" => values_of(sink, "collider box", values, span, &BOX, BOX_SYNTAX).map(|[x, y, z, cx, cy, cz]| {
                 // Sizes have no sign, so the conversion must only permute the axes.
                 Collider::Box { centre: from_unity([cx, cy, cz]), size: from_unity([x, y, z]).abs() }
             }),
-            "sphere" => values_of(sink, "collider sphere", values, span, &SPHERE, SPHERE_FORM)
+            "sphere" => values_of(sink, "collider sphere", values, span, &SPHERE, SPHERE_SYNTAX)
                 .map(|[radius, cx, cy, cz]| Collider::Sphere { centre: from_unity([cx, cy, cz]), radius }),
-            "capsule" => values_of(sink, "collider capsule", values, span, &CAPSULE, CAPSULE_FORM).map(
+            "capsule" => values_of(sink, "collider capsule", values, span, &CAPSULE, CAPSULE_SYNTAX).map(
                 |[radius, height, cx, cy, cz]| Collider::Capsule {
                     centre: from_unity([cx, cy, cz]),
                     radius,
@@ -43,7 +43,7 @@ impl Reader {
                     "" => "`collider` names no shape".to_owned(),
                     other => format!("unknown shape `{other}` of a collider"),
                 };
-                let diagnostic = sink.warn(Code::RobiColliderKind, word.span, message, COLLIDER_FORM);
+                let diagnostic = sink.warn(Code::RobiColliderKind, word.span, message, COLLIDER_SYNTAX);
                 diagnostic.suggestion =
                     line::nearest(other, ["box", "sphere", "capsule"]).map(|kind| format!("write `{kind}`"));
                 None
@@ -54,7 +54,7 @@ impl Reader {
 
     pub(super) fn mass(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let span = span_of(keyword, rest);
-        if let Some([mass, x, y, z]) = values_of(&mut self.sink, "mass", rest, span, &MASS, MASS_FORM) {
+        if let Some([mass, x, y, z]) = values_of(&mut self.sink, "mass", rest, span, &MASS, MASS_SYNTAX) {
             self.robi.mass = mass;
             self.robi.centre_of_mass = from_unity([x, y, z]);
         }
@@ -63,7 +63,7 @@ impl Reader {
     pub(super) fn model(&mut self, keyword: &Word<'_>, rest: &[Word<'_>]) {
         let (name, values) = if rest.len() == 7 { rest.split_at(1) } else { (rest, &rest[rest.len()..]) };
         let values = line::numbers(&mut self.sink, Severity::Warning, values, &MODEL_POSE).unwrap_or_default();
-        let path = path::reference(&mut self.sink, Severity::Warning, keyword, name, MODEL_FORM);
+        let path = path::reference(&mut self.sink, Severity::Warning, keyword, name, MODEL_SYNTAX);
         let [x, y, z, turns @ ..] = values;
         self.robi.model =
             path.map(|path| ModelSpec { path, offset: from_unity([x, y, z]), rotations: DVec3::from_array(turns) });
@@ -77,27 +77,27 @@ pub(super) fn values_of<const N: usize>(
     words: &[Word<'_>],
     span: Span,
     quantities: &[Quantity; N],
-    form: &str,
+    syntax: &str,
 ) -> Option<[f64; N]> {
     if words.len() < N {
         let message = format!("`{keyword}` has {} of {N} numbers", words.len());
-        sink.warn(Code::RobiNumberMissing, span, message, form);
+        sink.warn(Code::RobiNumberMissing, span, message, syntax);
         return None;
     }
     if let Some(extra) = words.get(N) {
         let message = format!("`{}` is left over after the {N} numbers of `{keyword}`", extra.text);
-        sink.warn(Code::WordExtra, extra.span, message, form);
+        sink.warn(Code::WordExtra, extra.span, message, syntax);
     }
     line::numbers(sink, Severity::Warning, &words[..N], quantities)
 }
 
-const BOX_FORM: &str = "`collider box WIDTH HEIGHT LENGTH RIGHT UP FORWARD` in mm: sizes, then the centre";
-const SPHERE_FORM: &str = "`collider sphere RADIUS RIGHT UP FORWARD` in mm: the radius, then the centre";
-const CAPSULE_FORM: &str =
+const BOX_SYNTAX: &str = "`collider box WIDTH HEIGHT LENGTH RIGHT UP FORWARD` in mm: sizes, then the centre";
+const SPHERE_SYNTAX: &str = "`collider sphere RADIUS RIGHT UP FORWARD` in mm: the radius, then the centre";
+const CAPSULE_SYNTAX: &str =
     "`collider capsule RADIUS HEIGHT RIGHT UP FORWARD` in mm: radius and whole height, then the centre";
-const COLLIDER_FORM: &str = "`collider box ...`, `collider sphere ...` or `collider capsule ...`";
-const MASS_FORM: &str = "`mass KG RIGHT UP FORWARD` in kg and mm: the mass and where its centre is";
-const MODEL_FORM: &str =
+const COLLIDER_SYNTAX: &str = "`collider box ...`, `collider sphere ...` or `collider capsule ...`";
+const MASS_SYNTAX: &str = "`mass KG RIGHT UP FORWARD` in kg and mm: the mass and where its centre is";
+const MODEL_SYNTAX: &str =
     "`model FILE` or `model FILE RIGHT UP FORWARD RX RY RZ`: a mesh file, its place in mm, its turns";
 
 const BOX: [Quantity; 6] = [

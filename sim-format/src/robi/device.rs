@@ -26,17 +26,17 @@ impl Reader {
         let span = span_of(keyword, rest);
         let is_number = |index: usize| rest.get(index).is_some_and(|word| line::looks_numeric(word.text));
         let has_id_first = is_number(0) && rest.len() > 1 && !is_number(1);
-        let (expected_count, form) = if has_id_first { (8, VR2022_PSD_FORM) } else { (6, PSD_FORM) };
+        let (expected_count, syntax) = if has_id_first { (8, VR2022_PSD_SYNTAX) } else { (6, PSD_SYNTAX) };
         if rest.len() < 5 || has_id_first && rest.len() < 8 {
             let message = format!("`psd` has {} of {expected_count} values", rest.len());
-            self.sink.warn(Code::RobiPsdArity, span, message, form);
+            self.sink.warn(Code::RobiPsdArity, span, message, syntax);
             return;
         }
-        self.warn_extra(keyword, rest, expected_count, form);
+        self.warn_extra(keyword, rest, expected_count, syntax);
         let (name, id, pose): (_, _, Vec<Word<'_>>) = match rest {
             // The rotations RX and RZ would turn the beam out of the floor plane.
             [id, name, x, y, z, rx, pan, rz, ..] if has_id_first => {
-                self.warn_turns(&[*rx, *rz], form);
+                self.warn_turns(&[*rx, *rz], syntax);
                 (name, Some(id), vec![*x, *y, *z, *pan])
             }
             // Files older than hdt_sem.h have no id.
@@ -46,7 +46,7 @@ impl Reader {
         };
         if line::looks_numeric(name.text) {
             let message = format!("`{}` is not the name of a sensor", name.text);
-            self.sink.warn(Code::RobiPsdName, name.span, message, form);
+            self.sink.warn(Code::RobiPsdName, name.span, message, syntax);
             return;
         }
         let id = match id.map(|word| (word, word.text.parse::<i32>())) {
@@ -54,7 +54,7 @@ impl Reader {
             Some((_, Ok(id))) => Some(id),
             Some((word, Err(_))) => {
                 let message = format!("`{}` is not a device number", word.text);
-                self.sink.warn(Code::RobiPsdId, word.span, message, form);
+                self.sink.warn(Code::RobiPsdId, word.span, message, syntax);
                 return;
             }
         };
@@ -73,7 +73,7 @@ impl Reader {
     }
 
     /// Warns about rotations that would turn a beam out of the floor plane.
-    fn warn_turns(&mut self, turns: &[Word<'_>], form: &str) {
+    fn warn_turns(&mut self, turns: &[Word<'_>], syntax: &str) {
         for word in turns {
             if let Some(angle) =
                 line::number(&mut self.sink, Severity::Warning, word, &Quantity::angle("turn of the PSD"))
@@ -81,7 +81,7 @@ impl Reader {
             {
                 let message =
                     format!("the turn `{}` would lift the beam out of the floor plane; it is left out", word.text);
-                self.sink.warn(Code::RobiPsdTurn, word.span, message, form);
+                self.sink.warn(Code::RobiPsdTurn, word.span, message, syntax);
             }
         }
     }
@@ -103,10 +103,10 @@ impl Reader {
         let span = span_of(keyword, rest);
         if rest.len() < 3 || rest.len() == 4 || rest.len() == 6 {
             let message = format!("`camera` has {} of 7 values", rest.len());
-            self.sink.warn(Code::RobiCameraArity, span, message, CAMERA_FORM);
+            self.sink.warn(Code::RobiCameraArity, span, message, CAMERA_SYNTAX);
             return;
         }
-        self.warn_extra(keyword, rest, 7, CAMERA_FORM);
+        self.warn_extra(keyword, rest, 7, CAMERA_SYNTAX);
         let position = line::numbers(&mut self.sink, Severity::Warning, &rest[..3], &CAMERA_POSITION);
         let joints = [3, 4].map(|i| rest.get(i).map_or(Some(JointSpec::Fixed(0.0)), |word| self.joint(word)));
         let tail: Option<[Word<'_>; 2]> = rest.get(5..7).and_then(|words| words.try_into().ok());
@@ -174,7 +174,7 @@ impl Reader {
         match (&mut self.robi.camera, self.fisheye) {
             (Some(camera), Some((fov, _))) => camera.lens = Lens::Fisheye { fov },
             (None, Some((_, span))) => {
-                self.sink.warn(Code::RobiCameraMissing, span, "`fisheye` without a camera", CAMERA_FORM);
+                self.sink.warn(Code::RobiCameraMissing, span, "`fisheye` without a camera", CAMERA_SYNTAX);
             }
             (_, None) => {}
         }
@@ -186,9 +186,9 @@ impl Reader {
             Some(LidarSpec { points: points as u32, tilt, sweep, span, ..LidarSpec::default() })
         };
         let read = match rest.len() {
-            3 => values_of(&mut self.sink, "lidar", rest, span, &SWEPT_LIDAR, LIDAR_FORM)
+            3 => values_of(&mut self.sink, "lidar", rest, span, &SWEPT_LIDAR, LIDAR_SYNTAX)
                 .and_then(|[sweep, points, tilt]| lidar(points, tilt, sweep)),
-            _ => values_of(&mut self.sink, "lidar", rest, span, &LIDAR, LIDAR_FORM)
+            _ => values_of(&mut self.sink, "lidar", rest, span, &LIDAR, LIDAR_SYNTAX)
                 .and_then(|[points, tilt]| lidar(points, tilt, TAU)),
         };
         self.robi.lidar = read.or(self.robi.lidar.take());
@@ -230,11 +230,11 @@ fn degrees(text: &str) -> Option<f64> {
     (degrees.abs() <= 360.0).then(|| unit::radians_from_degrees(degrees))
 }
 
-const PSD_FORM: &str = "`psd NAME ID X Y Z ANGLE` in mm and degrees, or without ID";
-const VR2022_PSD_FORM: &str = "`psd ID NAME X Y Z RX PAN RZ` in mm and degrees";
-const CAMERA_FORM: &str = "`camera X Y Z PAN TILT WIDTH HEIGHT` in mm, degrees and pixels; in files of EyeSim VR also \
+const PSD_SYNTAX: &str = "`psd NAME ID X Y Z ANGLE` in mm and degrees, or without ID";
+const VR2022_PSD_SYNTAX: &str = "`psd ID NAME X Y Z RX PAN RZ` in mm and degrees";
+const CAMERA_SYNTAX: &str = "`camera X Y Z PAN TILT WIDTH HEIGHT` in mm, degrees and pixels; in files of EyeSim VR also \
                            `camera X Y Z PAN TILT MAX_PAN MAX_TILT`";
-const LIDAR_FORM: &str = "`lidar POINTS TILT` or `lidar SWEEP POINTS TILT`, angles in degrees";
+const LIDAR_SYNTAX: &str = "`lidar POINTS TILT` or `lidar SWEEP POINTS TILT`, angles in degrees";
 
 const PSD_POSE: [Quantity; 4] = [
     Quantity::coordinate("x of the PSD"),

@@ -16,8 +16,8 @@ pub(super) enum Dialect {
 impl Dialect {
     /// Dialect of a whole file: the newest one that any of its lines requires.
     ///
-    /// Source: reference section 4.3, "telling apart". Chosen by us, after reading files of EyeSim VR: `wheel drive|turn` and `model` with
-    /// an offset require `Vr2017`, `fisheye` requires `Vr2022`.
+    /// Source: files of the EyeSim versions. Our choice, after reading files of EyeSim VR: `wheel drive|turn` and
+    /// `model` with an offset require `Vr2017`, `fisheye` requires `Vr2022`.
     pub(super) fn of<'a>(lines: impl IntoIterator<Item = &'a [Word<'a>]>) -> Self {
         lines.into_iter().map(Self::of_line).max().unwrap_or(Dialect::Classic)
     }

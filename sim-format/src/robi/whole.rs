@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use super::dialect::Dialect;
-use super::{DRIVE_FORM, Reader, WHEEL_FORM};
+use super::{DRIVE_SYNTAX, Reader, WHEEL_SYNTAX};
 use crate::Span;
 use crate::code::Code;
 use crate::spec::{Collider, DriveKind, MAX_LENGTH, RobiSpec, VR_PSD_RANGE};
@@ -32,11 +32,11 @@ impl Reader {
                 wheel.ticks_per_turn,
                 unit::mm_from_metres(wheel.track)
             );
-            self.sink.warn(Code::RobiWheelMissing, Span::default(), message, WHEEL_FORM);
+            self.sink.warn(Code::RobiWheelMissing, Span::default(), message, WHEEL_SYNTAX);
         }
         if self.drive_line.is_none() {
             let message = "no `drive` line: a differential drive is taken";
-            self.sink.warn(Code::RobiDriveMissing, Span::default(), message, DRIVE_FORM);
+            self.sink.warn(Code::RobiDriveMissing, Span::default(), message, DRIVE_SYNTAX);
         }
         if self.dialect < Dialect::Vr2017 {
             return;
@@ -74,8 +74,9 @@ impl Reader {
         }
     }
 
-    /// Diameter of the body, if the file determines it: `diameter`, otherwise that of the smallest disc around the robot's centre that
-    /// contains all colliders; in a classic file without either, the default.
+    /// Diameter of the body, if the file determines it: `diameter`, otherwise that of the smallest disc around the
+    /// robot's centre that contains all colliders. In a classic file without `diameter` and colliders, it is the
+    /// default.
     fn body_diameter(&self) -> Option<f64> {
         if self.has_diameter {
             return Some(self.robi.diameter);

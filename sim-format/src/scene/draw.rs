@@ -41,8 +41,8 @@ const ANY_NUMBER: Quantity = Quantity::number("number", -1e300, 1e300);
 pub(crate) enum Draw {
     /// Random values from this seed, or from the seed of the scene if it is `None`, and from the number of the attempt.
     Seed(Option<u64>, u32),
-    /// Extreme values, to find mistakes, for the case with this number: the minimum of all ranges if the number is even, the maximum if
-    /// it is odd, and the choice with this index.
+    /// Extreme values, to find mistakes, for the case with this number. All ranges have their minimum if the number is
+    /// even and their maximum if it is odd; of all choices, the one with this index is taken.
     Extreme(usize),
 }
 
@@ -158,7 +158,8 @@ struct DrawPass<'r, 'i> {
     drawn: Vec<Drawn>,
     /// Drawn values by their paths.
     values: BTreeMap<String, DeValue<'i>>,
-    /// References `same_as`, by the path at which each is written: the path that it names, and its range of bytes in the text.
+    /// References `same_as`, by the paths at which they are written. Each has the path that it names, and its range of
+    /// bytes in the text.
     references: BTreeMap<String, (String, Range<usize>)>,
     paths: BTreeMap<String, Vec<String>>,
 }

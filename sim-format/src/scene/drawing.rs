@@ -30,7 +30,7 @@ impl Reader {
         world
     }
 
-    /// Where the characters of a string are in the file.
+    /// Locations in the file of the characters of a string.
     fn text_place(&self, value: &Spanned<DeValue<'_>>, text: &str) -> TextPlace {
         let value_span = self.span(value.span());
         let source = self.text.get(value.span()).unwrap_or_default();

@@ -132,7 +132,7 @@ fn round_to_micrometres(point: DVec2) -> DVec2 {
     DVec2::new(rounded(point.x), rounded(point.y))
 }
 
-/// Returns true if the centre line of a wall has at least the distance `gap` from the surfaces of the others.
+/// Returns true if the centre line of a wall has at least the distance `gap` from the surfaces of the walls `others`.
 fn is_apart(wall: &Segment, gap: f64, others: &[WallSpec]) -> bool {
     let is_apart_from =
         |other: &WallSpec| distance(wall, &Segment::new(other.from, other.to)) >= gap + 0.5 * other.thickness;

@@ -60,7 +60,7 @@ pub(super) fn read_scene_with(file: &str, text: &str, settings: &[Setting], draw
     let texts = draw::Texts::default();
     let document = reader.draw(root, draw, &texts);
     let drawn = document.drawn;
-    let mut sim = SimSpec { file: file.to_owned(), form: SceneFormat::Toml, drawn, ..SimSpec::default() };
+    let mut sim = SimSpec { file: file.to_owned(), format: SceneFormat::Toml, drawn, ..SimSpec::default() };
     reader.table(Section::root(&document.root), |keys| sim.keys(keys));
     let paths = |list: &str| document.paths.get(list).cloned().unwrap_or_default();
     sim.robots.iter_mut().zip(paths("robot")).for_each(|(line, path)| line.path = path);

@@ -15,13 +15,15 @@ const MAX_STEPS: f64 = 2000.0;
 /// Returns true if a disc of this radius can move from `from` to `to`, on a floor of this size, without touching walls or discs of
 /// `space`. `from` and `to` are each a point with the distance from it at which the path may begin or end.
 ///
-/// The path is searched on a grid with steps of an eighth of the disc's diameter, but at most 2000 steps along each side of the floor. A path
-/// that is found is free of contacts along its whole length; a path through gaps that are hardly wider than the disc may be missed.
+/// The path is searched on a grid with steps of an eighth of the disc's diameter, but at most 2000 steps along each
+/// side of the floor. A path that is found is free of contacts along its whole length. The search may miss a path
+/// through gaps that are hardly wider than the disc.
 pub(crate) fn is_reachable(space: &FreeSpace, floor: DVec2, radius: f64, from: (DVec2, f64), to: (DVec2, f64)) -> bool {
     let step = (2.0 * radius * STEP).max(floor.max_element() / MAX_STEPS).max(1e-3);
     let [columns, rows] = (floor / step).floor().to_array().map(|count| count as usize + 1);
-    // If a disc of this radius is free at both ends of a step, a disc of the given radius is free along the whole step: the point of a
-    // convex obstacle nearest to the step is at most half a step from one of the ends, measured along the step.
+    // If a disc of this radius is free at both ends of a step, a disc of the given radius is free along the whole step.
+    // The reason is that the point of a convex obstacle nearest to the step is at most half a step from one of the
+    // ends, measured along the step.
     let inflated_radius = (radius * radius + 0.25 * step * step).sqrt();
     let diagonal = std::f64::consts::SQRT_2 * step;
     let point = |node: usize| DVec2::new((node % columns) as f64, (node / columns) as f64) * step;

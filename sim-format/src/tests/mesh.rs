@@ -112,7 +112,7 @@ fn faces_of_all_forms_are_read() {
     let (mesh, mistakes) = read(text);
     assert_eq!(mistakes, []);
     let mesh = mesh.expect("a mesh");
-    // Three of the pentagon, four triangles; the one without area is dropped.
+    // The pentagon gives three triangles. Four triangles follow; the triangle without area is dropped.
     let corners: Vec<_> = mesh.triangles.iter().map(|triangle| triangle.corners).collect();
     assert_eq!(corners, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 1, 2], [0, 1, 2], [0, 1, 2], [0, 1, 2]]);
     let normal = Some([Vec3::X; 3]);

@@ -112,7 +112,7 @@ fn maze_letters_give_headings_and_objects() {
     let maze = maze("720\n _________\n|u|r|d|lXo|\n|_________|\n");
     let headings: Vec<f64> = maze.starts.iter().map(|start| start.pose.heading.remainder()).collect();
     assert_eq!(headings, [FRAC_PI_2, 0.0, -FRAC_PI_2, -PI]);
-    // X is in a wall column: it belongs to the cell on its left, the fourth.
+    // The letter X is in a wall column, so it belongs to the fourth cell, on its left.
     let objects: Vec<_> =
         maze.objects.iter().map(|object| (object.kind.written().text.as_str(), object.pose.position)).collect();
     let y = 1.5 * 0.72;

@@ -102,7 +102,7 @@ fn every_scene_of_the_corpus_goes_to_toml_and_back() {
             let converted = convert(from, to, &files);
             assert!(!sim_format::has_errors(&converted.diagnostics), "{from}: {:?}", converted.diagnostics);
             assert!(
-                converted.diagnostics.iter().all(|said| said.code != Code::ConvertLost),
+                converted.diagnostics.iter().all(|diagnostic| diagnostic.code != Code::ConvertLost),
                 "{from}: something is lost"
             );
             files.write(&converted);
@@ -135,7 +135,7 @@ fn worlds_and_types_of_the_corpus_go_to_toml_and_back() {
             assert!(!sim_format::has_errors(&again.diagnostics), "{file}: {:?}\n{text}", again.diagnostics);
             files.write(&again);
             let text = &again.outputs[0].text();
-            let lost = again.diagnostics.iter().any(|said| said.code == Code::ConvertLost);
+            let lost = again.diagnostics.iter().any(|diagnostic| diagnostic.code == Code::ConvertLost);
             match extension {
                 "wld" => {
                     let [old, new] = [&file, &back].map(|name| sim_format::load_world(name, &files).scene.world);
@@ -194,7 +194,7 @@ fn the_schema_of_suites_is_that_of_the_code_and_suites_print_as_they_were_read()
     assert_eq!(diagnostics, [], "{printed}");
     assert_eq!(again.matrix.cases(), suite.matrix.cases());
     assert_eq!(print_suite(&again), printed);
-    // Only places in the text differ.
+    // Only locations in the text differ.
     again.checks.clone_from(&suite.checks);
     assert_eq!((again.keys, again.arguments, again.limits), (suite.keys, suite.arguments, suite.limits));
 }
@@ -210,9 +210,9 @@ fn keys_of_schema(schema: &serde_json::Value, name: &str) -> BTreeSet<String> {
 
 /// Keys known to the reader, from its message about the unknown key `zzz` in `text`.
 fn keys_of_reader(text: &str) -> BTreeSet<String> {
-    let said = read_scene("a.scene.toml", text).1;
-    let unknown = said.iter().find(|said| said.code == Code::TomlKey);
-    let unknown = unknown.unwrap_or_else(|| panic!("`zzz` is not reported in\n{text}\n{said:?}"));
+    let reported = read_scene("a.scene.toml", text).1;
+    let unknown = reported.iter().find(|diagnostic| diagnostic.code == Code::TomlKey);
+    let unknown = unknown.unwrap_or_else(|| panic!("`zzz` is not reported in\n{text}\n{reported:?}"));
     let listed = unknown.expected.strip_prefix("one of ").expect("a list of keys");
     listed.split(", ").map(str::to_owned).collect()
 }
@@ -438,10 +438,10 @@ fn ugly_scenes_end_in_messages() {
     ];
     for (what, text, code) in cases {
         let loaded = load_scene("a.scene.toml", &Overlay::of(&[("a.scene.toml", text)]));
-        let codes: Vec<Code> = loaded.diagnostics.iter().map(|said| said.code).collect();
+        let codes: Vec<Code> = loaded.diagnostics.iter().map(|diagnostic| diagnostic.code).collect();
         assert!(codes.contains(code), "{what}: {codes:?}");
-        for said in &loaded.diagnostics {
-            assert!(text.get(said.span.start..said.span.end).is_some(), "{what}: {:?}", said.span);
+        for diagnostic in &loaded.diagnostics {
+            assert!(text.get(diagnostic.span.start..diagnostic.span.end).is_some(), "{what}: {:?}", diagnostic.span);
         }
     }
 }
@@ -449,8 +449,9 @@ fn ugly_scenes_end_in_messages() {
 #[test]
 fn mistakes_in_a_drawn_maze_have_their_own_lines() {
     let text = "[world]\nmaze = '''\n _ _\n|?  |\n|_ _|\n'''\n";
-    let said = read_scene("a.scene.toml", text).1;
-    let letter = said.iter().find(|said| said.code == Code::MazLetter).expect("a letter that means nothing");
+    let reported = read_scene("a.scene.toml", text).1;
+    let letter =
+        reported.iter().find(|diagnostic| diagnostic.code == Code::MazLetter).expect("a letter that means nothing");
     assert_eq!((letter.span.line, letter.span.column), (4, 2));
     assert_eq!(&text[letter.span.start..letter.span.end], "?");
 }
@@ -493,7 +494,9 @@ fn what_a_sim_cannot_hold_is_named() {
                 count = 2\nlayout = { kind = \"line\", from_mm = [500, 500], to_mm = [900, 500] }\n";
     let files = Overlay::of(&[("a.scene.toml", text)]);
     let converted = convert("a.scene.toml", "b.sim", &files);
-    let is_lost = |said: &sim_format::Diagnostic| (said.code, said.severity) == (Code::ConvertLost, Severity::Warning);
+    let is_lost = |diagnostic: &sim_format::Diagnostic| {
+        (diagnostic.code, diagnostic.severity) == (Code::ConvertLost, Severity::Warning)
+    };
     assert!(converted.diagnostics.iter().all(is_lost), "{:?}", converted.diagnostics);
     for what in [
         "the seed",
@@ -504,7 +507,7 @@ fn what_a_sim_cannot_hold_is_named() {
         "r1 is written for RoBIOS 7",
         "2 robots",
     ] {
-        let is_named = converted.diagnostics.iter().any(|said| said.message.contains(what));
+        let is_named = converted.diagnostics.iter().any(|diagnostic| diagnostic.message.contains(what));
         assert!(is_named, "{what}: {:?}", converted.diagnostics);
     }
     let paths: Vec<&str> = converted.outputs.iter().map(|output| output.path.as_str()).collect();
@@ -536,14 +539,14 @@ fn a_companion_changes_the_camera_of_a_robi() {
     let robi = "drive DIFFERENTIAL_DRIVE\ncamera 0 60 100 0 -10 160 120\nfisheye 150\n";
     let read = |companion: &str| {
         let mut robi = read_robi("a.robi", robi).0;
-        let said = read_companion("a.toml", companion, &mut robi);
-        (robi.camera.expect("a camera"), said)
+        let reported = read_companion("a.toml", companion, &mut robi);
+        (robi.camera.expect("a camera"), reported)
     };
-    let (camera, said) = read("[camera]\nfov_deg = 90\nsamples = 1\nz_mm = 70\nimage_px = [320, 240]\n");
-    assert_eq!(said, []);
+    let (camera, reported) = read("[camera]\nfov_deg = 90\nsamples = 1\nz_mm = 70\nimage_px = [320, 240]\n");
+    assert_eq!(reported, []);
     assert_eq!(camera.lens, Lens::Pinhole { fov: 90.0_f64.to_radians() });
     assert_eq!((camera.samples, camera.image, camera.position.to_array()), (1, Some([320, 240]), [0.06, 0.0, 0.07]));
-    assert_eq!(read("[camera]\n").0, read("").0, "nothing said, nothing changed");
+    assert_eq!(read("[camera]\n").0, read("").0, "nothing stated, nothing changed");
     let mut bare = read_robi("a.robi", "drive DIFFERENTIAL_DRIVE\n").0;
     assert_eq!(read_companion("a.toml", "[camera]\nz_mm = 100\n", &mut bare), []);
     assert_eq!(bare.camera.map(|camera| camera.lens), Some(sim_core::spec::DEFAULT_LENS), "a camera of its own");
@@ -551,16 +554,25 @@ fn a_companion_changes_the_camera_of_a_robi() {
 
 #[test]
 fn cameras_and_looks_that_cannot_be_are_reported_where_they_stand() {
-    let said = |text: &str| -> Vec<String> {
-        let said = read_scene("a.scene.toml", text).1;
-        said.iter()
-            .map(|said| {
-                format!("{}:{} {} {}; {}", said.span.line, said.span.column, said.code, said.message, said.expected)
+    let reported = |text: &str| -> Vec<String> {
+        let reported = read_scene("a.scene.toml", text).1;
+        reported
+            .iter()
+            .map(|diagnostic| {
+                format!(
+                    "{}:{} {} {}; {}",
+                    diagnostic.span.line,
+                    diagnostic.span.column,
+                    diagnostic.code,
+                    diagnostic.message,
+                    diagnostic.expected
+                )
             })
             .collect()
     };
-    let camera =
-        |keys: &str| said(&format!("[world]\nfile = \"a.wld\"\n[[robot_type]]\nname = \"A\"\ncamera = {{ {keys} }}\n"));
+    let camera = |keys: &str| {
+        reported(&format!("[world]\nfile = \"a.wld\"\n[[robot_type]]\nname = \"A\"\ncamera = {{ {keys} }}\n"))
+    };
     assert_eq!(
         camera("fov_deg = 180"),
         ["5:22 number-range field of view `180` is out of range; a number in degrees from 1 to 170"]
@@ -574,7 +586,7 @@ fn cameras_and_looks_that_cannot_be_are_reported_where_they_stand() {
         camera("fov_deg = 50, fisheye_deg = 150"),
         ["5:12 toml-conflict `fov_deg` and `fisheye_deg` exclude each other; either `fov_deg` or `fisheye_deg`"]
     );
-    let world = |keys: &str| said(&format!("[world]\nfile = \"a.wld\"\n{keys}\n"));
+    let world = |keys: &str| reported(&format!("[world]\nfile = \"a.wld\"\n{keys}\n"));
     assert_eq!(
         world("light = { elevation_deg = 0 }"),
         ["3:27 number-range elevation of the sun `0` is out of range; a number in degrees from 1 to 90"]
@@ -606,7 +618,7 @@ fn cameras_and_looks_that_cannot_be_are_reported_where_they_stand() {
         ]
     );
     assert_eq!(
-        said("[world]\nfloor_mm = [9, 9]\ntexture = { file = \"a.png\" }\n"),
+        reported("[world]\nfloor_mm = [9, 9]\ntexture = { file = \"a.png\" }\n"),
         ["3:11 toml-type `texture` is of type table; the name of an image file, between double quotes"]
     );
 }
@@ -616,59 +628,59 @@ fn the_radio_is_what_the_scene_says() {
     let radio = |keys: &str| scene(&format!("[radio]\n{keys}\n[[robot]]\ntype = \"S4\"\nx_mm = 500\ny_mm = 500\n"));
     let all = radio("medium = \"token_ring\"\nbaud = 9600\nlatency_ms = 1.5\nrange_mm = 2500\nline_of_sight = true");
     assert_eq!(all.diagnostics, []);
-    let said = RadioModel {
+    let stated = RadioModel {
         medium: Medium::TokenRing,
         baud: 9600,
         latency: Time(1_500),
         range: Some(2.5),
         line_of_sight: true,
     };
-    assert_eq!(all.scene.radio, said);
+    assert_eq!(all.scene.radio, stated);
     assert_eq!(radio("medium = \"aloha\"").scene.radio, RadioModel { medium: Medium::Aloha, ..RadioModel::default() });
     assert_eq!(radio("medium = \"free\"").scene.radio, RadioModel::default());
-    assert_eq!(scene("").scene.radio, RadioModel::default(), "nothing said");
+    assert_eq!(scene("").scene.radio, RadioModel::default(), "nothing stated");
 }
 
 #[test]
 fn radios_that_cannot_be_are_reported_where_they_stand() {
-    let said = |keys: &str| -> Vec<String> {
+    let reported = |keys: &str| -> Vec<String> {
         let text = format!("[world]\nfile = \"a.wld\"\n[radio]\n{keys}\n");
-        let said = read_scene("a.scene.toml", &text).1;
-        let of = |said: &sim_format::Diagnostic| {
-            let suggestion = said.suggestion.as_ref().map_or(String::new(), |text| format!("; {text}"));
-            let location = format!("{}:{}", said.span.line, said.span.column);
-            format!("{location} {} {}; {}{suggestion}", said.code, said.message, said.expected)
+        let reported = read_scene("a.scene.toml", &text).1;
+        let of = |diagnostic: &sim_format::Diagnostic| {
+            let suggestion = diagnostic.suggestion.as_ref().map_or(String::new(), |text| format!("; {text}"));
+            let location = format!("{}:{}", diagnostic.span.line, diagnostic.span.column);
+            format!("{location} {} {}; {}{suggestion}", diagnostic.code, diagnostic.message, diagnostic.expected)
         };
-        said.iter().map(of).collect()
+        reported.iter().map(of).collect()
     };
     assert_eq!(
-        said("medium = \"alhoa\""),
+        reported("medium = \"alhoa\""),
         ["4:10 toml-choice `alhoa` is no medium; one of free, aloha, token_ring; write `aloha`"]
     );
-    assert_eq!(said("medium = 1"), ["4:10 toml-type `medium` is of type integer; one of free, aloha, token_ring"]);
+    assert_eq!(reported("medium = 1"), ["4:10 toml-type `medium` is of type integer; one of free, aloha, token_ring"]);
     let bauds = "an integer from 1 to 1000000000";
-    assert_eq!(said("baud = 0"), [format!("4:8 number-range baud `0` is out of range; {bauds}")]);
-    assert_eq!(said("baud = 1000000001"), [format!("4:8 number-range baud `1000000001` is out of range; {bauds}")]);
-    assert_eq!(said("baud = 9600.5"), [format!("4:8 toml-type `baud` is of type float; {bauds}")]);
+    assert_eq!(reported("baud = 0"), [format!("4:8 number-range baud `0` is out of range; {bauds}")]);
+    assert_eq!(reported("baud = 1000000001"), [format!("4:8 number-range baud `1000000001` is out of range; {bauds}")]);
+    assert_eq!(reported("baud = 9600.5"), [format!("4:8 toml-type `baud` is of type float; {bauds}")]);
     let times = "a number in ms from 0 to 3600000";
     for number in ["-1", "nan", "inf", "3600001"] {
         let written = if number == "nan" { "NaN" } else { number };
         let expected = format!("4:14 number-range latency `{written}` is out of range; {times}");
-        assert_eq!(said(&format!("latency_ms = {number}")), [expected]);
+        assert_eq!(reported(&format!("latency_ms = {number}")), [expected]);
     }
     assert_eq!(
-        said("latency_ms = 0.0005"),
+        reported("latency_ms = 0.0005"),
         ["4:1 number-range latency `0.0005` ms is no whole number of microseconds; a multiple of 0.001"]
     );
     let lengths = "a number in mm from 0.001 to 1000000000";
     for number in ["0", "-5", "nan", "inf"] {
         let written = if number == "nan" { "NaN" } else { number };
         let expected = format!("4:12 number-range range `{written}` is out of range; {lengths}");
-        assert_eq!(said(&format!("range_mm = {number}")), [expected]);
+        assert_eq!(reported(&format!("range_mm = {number}")), [expected]);
     }
-    assert_eq!(said("line_of_sight = 1"), ["4:17 toml-type `line_of_sight` is of type integer; true or false"]);
+    assert_eq!(reported("line_of_sight = 1"), ["4:17 toml-type `line_of_sight` is of type integer; true or false"]);
     assert_eq!(
-        said("range = 1"),
+        reported("range = 1"),
         ["4:1 toml-key unknown key `range` in `radio`; one of medium, baud, latency_ms, range_mm, line_of_sight; \
           write `range_mm`"]
     );
@@ -711,26 +723,32 @@ fn robots_have_the_numbers_that_the_scene_gives_them() {
 
 #[test]
 fn numbers_that_robots_cannot_have_are_reported_where_they_stand() {
-    let said = |first: &str, second: &str| -> Vec<String> {
-        let said = numbered(first, second).diagnostics;
-        let of = |said: &sim_format::Diagnostic| {
-            format!("{}:{} {} {}; {}", said.span.line, said.span.column, said.code, said.message, said.expected)
+    let reported = |first: &str, second: &str| -> Vec<String> {
+        let reported = numbered(first, second).diagnostics;
+        let of = |diagnostic: &sim_format::Diagnostic| {
+            format!(
+                "{}:{} {} {}; {}",
+                diagnostic.span.line, diagnostic.span.column, diagnostic.code, diagnostic.message, diagnostic.expected
+            )
         };
-        said.iter().map(of).collect()
+        reported.iter().map(of).collect()
     };
     let range = "an integer from 1 to 100000";
     for id in ["0", "-1", "100001", "99999999999999999999"] {
-        assert_eq!(said(&format!("id = {id}"), ""), [format!("6:6 number-range id `{id}` is out of range; {range}")]);
+        assert_eq!(
+            reported(&format!("id = {id}"), ""),
+            [format!("6:6 number-range id `{id}` is out of range; {range}")]
+        );
     }
-    assert_eq!(said("id = 1.0", ""), [format!("6:6 toml-type `id` is of type float; {range}")]);
+    assert_eq!(reported("id = 1.0", ""), [format!("6:6 toml-type `id` is of type float; {range}")]);
     let each = "robot numbers go from 1 to the number of robots, 2, each once";
     assert_eq!(
-        said("id = 2", "id = 2"),
+        reported("id = 2", "id = 2"),
         [format!("9:1 robot-id-twice the number 2 is that of the robot of line 6; {each}")]
     );
-    assert_eq!(said("id = 1", "id = 3"), [format!("9:1 robot-id-gap the number 3 leaves a gap; {each}")]);
+    assert_eq!(reported("id = 1", "id = 3"), [format!("9:1 robot-id-gap the number 3 leaves a gap; {each}")]);
     assert_eq!(
-        said("id = 1\ncount = 2", ""),
+        reported("id = 1\ncount = 2", ""),
         [
             "6:1 toml-conflict `id` and `count` exclude each other; either `id` or `count`",
             "8:1 sim-start-missing no start is left for this robot: the world has 2; `x_mm` and `y_mm`, a `layout`, or a \

@@ -10,8 +10,8 @@ use super::Overlay;
 /// Checks that the printed scene reads back unchanged and without diagnostics.
 fn reads_back(sim: &SimSpec) -> Result<(), TestCaseError> {
     let printed = print_scene(sim);
-    let (read, said) = read_scene("a.scene.toml", &printed);
-    prop_assert_eq!(said, vec![], "{}", printed);
+    let (read, reported) = read_scene("a.scene.toml", &printed);
+    prop_assert_eq!(reported, vec![], "{}", printed);
     prop_assert_eq!(content::sim(&read), content::sim(sim), "{}", printed);
     Ok(())
 }
@@ -145,9 +145,9 @@ proptest! {
         let mut sim = SimSpec::default();
         sim.inline.robot_types.push((robi.clone(), sim_core::spec::Span::default()));
         let toml = print_scene(&sim);
-        let (read, said) = read_scene("a.scene.toml", &toml);
+        let (read, reported) = read_scene("a.scene.toml", &toml);
         // The missing floor is the only expected diagnostic.
-        let others: Vec<_> = said.iter().filter(|said| said.code != Code::TomlMissing).collect();
+        let others: Vec<_> = reported.iter().filter(|diagnostic| diagnostic.code != Code::TomlMissing).collect();
         prop_assert!(others.is_empty(), "{:?}\n{}", others, toml);
         prop_assert_eq!(content::robi(&read.inline.robot_types[0].0), content::robi(&robi), "{}", toml);
         let printed = print_robi(&robi);
@@ -159,8 +159,8 @@ proptest! {
     #[test]
     fn range_sensors_read_back_as_they_were_printed(text in sensors()) {
         let head = "[[robot_type]]\nname = \"A\"\n";
-        let (sim, said) = read_scene("a.scene.toml", &format!("{head}{text}"));
-        let others: Vec<_> = said.iter().filter(|said| said.code != Code::TomlMissing).collect();
+        let (sim, reported) = read_scene("a.scene.toml", &format!("{head}{text}"));
+        let others: Vec<_> = reported.iter().filter(|diagnostic| diagnostic.code != Code::TomlMissing).collect();
         prop_assert!(others.is_empty(), "{:?}\n{}", others, text);
         let robi = &sim.inline.robot_types[0].0;
         prop_assert!(robi.links.len() == 3 && robi.ranges.len() >= 4);
@@ -171,8 +171,8 @@ proptest! {
         let printed = print_robi(robi);
         let companion = print_companion(robi);
         let mut read = read_robi("a.robi", &printed.text).0;
-        let said = read_companion("a.toml", &companion, &mut read);
-        prop_assert_eq!(said, vec![], "{}", companion);
+        let reported = read_companion("a.toml", &companion, &mut read);
+        prop_assert_eq!(reported, vec![], "{}", companion);
         prop_assert_eq!(&read.links.len(), &robi.links.len());
         let (read, robi) = (content::robi(&read), content::robi(robi));
         prop_assert_eq!((read.links, read.ranges, read.lidar, read.surface, read.psds),
@@ -199,8 +199,8 @@ proptest! {
         let keys: Vec<String> = position.into_iter().chain(others).chain(image).collect();
         let head = "[world]\nfile = \"a.wld\"\n[[robot_type]]\nname = \"A\"\n";
         let text = format!("{head}camera = {{ {} }}\n", keys.join(", "));
-        let (sim, said) = read_scene("a.scene.toml", &text);
-        prop_assert_eq!(said, vec![], "{}", text);
+        let (sim, reported) = read_scene("a.scene.toml", &text);
+        prop_assert_eq!(reported, vec![], "{}", text);
         let printed = print_scene(&sim);
         prop_assert_eq!(content::sim(&read_scene("a.scene.toml", &printed).0), content::sim(&sim), "{}", printed);
         let robi = &sim.inline.robot_types[0].0;
@@ -217,22 +217,23 @@ proptest! {
     #[test]
     fn looks_read_back_as_they_were_printed(
         azimuth in -360.0..360.0_f64, elevation in 1.0..90.0_f64, ambient in 0.0..=1.0_f64, shadows in any::<bool>(),
-        colours in prop::collection::vec(any::<[u8; 3]>(), 4), says in any::<[bool; 3]>(), is_file in any::<bool>(),
+        colours in prop::collection::vec(any::<[u8; 3]>(), 4), is_stated in any::<[bool; 3]>(), is_file in any::<bool>(),
     ) {
         let light = format!("light = {{ azimuth_deg = {azimuth}, elevation_deg = {elevation}, ambient = {ambient}, shadows = {shadows} }}\n");
         let sky = format!("sky = {{ horizon = {:?}, zenith = {:?}, ground = {:?} }}\n", colours[0], colours[1], colours[2]);
         let colour = format!("colour = {:?}\n", colours[3]);
         let lines = [light, sky, colour];
-        let said: String = lines.iter().zip(says).filter(|(_, says)| *says).map(|(line, _)| line.as_str()).collect();
+        let stated = lines.iter().zip(is_stated).filter(|(_, is_stated)| *is_stated);
+        let stated: String = stated.map(|(line, _)| line.as_str()).collect();
         let world = if is_file { "file = \"a.wld\"" } else { "floor_mm = [900, 900]" };
-        let text = format!("[world]\n{world}\n{said}");
-        let (sim, said) = read_scene("a.scene.toml", &text);
-        prop_assert_eq!(said, vec![], "{}", text);
+        let text = format!("[world]\n{world}\n{stated}");
+        let (sim, reported) = read_scene("a.scene.toml", &text);
+        prop_assert_eq!(reported, vec![], "{}", text);
         reads_back(&sim)?;
         let files = Overlay::of(&[("a.scene.toml", &text), ("a.wld", "floor 900 900\n0 0 9 0\n")]);
         let looks = load_scene("a.scene.toml", &files).scene.world.looks;
-        prop_assert_eq!(looks.light.shadows, says[0] && shadows);
-        prop_assert_eq!(looks.colour, says[2].then_some(colours[3]));
+        prop_assert_eq!(looks.light.shadows, is_stated[0] && shadows);
+        prop_assert_eq!(looks.colour, is_stated[2].then_some(colours[3]));
     }
 
     #[test]
@@ -255,8 +256,8 @@ proptest! {
              [[object_type]]\nname = \"A\"\nscale_mm = {scale}\n{}\n{solid}",
             surface(0), surface(2), surface(4),
         );
-        let (sim, said) = read_scene("a.scene.toml", &text);
-        prop_assert_eq!(said, vec![], "{}", text);
+        let (sim, reported) = read_scene("a.scene.toml", &text);
+        prop_assert_eq!(reported, vec![], "{}", text);
         reads_back(&sim)?;
     }
 
@@ -264,10 +265,10 @@ proptest! {
     fn terrains_read_back_as_they_were_printed(
         kind in 0..4_usize, position in prop::collection::vec(number(), 3), sizes in prop::collection::vec(size(), 8),
         seed in prop::option::of(0..=i64::MAX), count in prop::option::of(0..=1000_u32), turn in 0..4_u32,
-        says in any::<[bool; 8]>(),
+        is_stated in any::<[bool; 8]>(),
     ) {
         let [a, b, c, d, e, f, g, h] = <[String; 8]>::try_from(sizes).expect("eight");
-        let key = |index: usize, text: String| if says[index] { text } else { String::new() };
+        let key = |index: usize, text: String| if is_stated[index] { text } else { String::new() };
         let extent = key(0, format!("offset_mm = [{}], ", position.join(", "))) + &key(1, format!("size_mm = [{a}, {b}], "));
         let function = |name: &str| {
             let seed = seed.map_or(String::new(), |seed| format!("seed = {seed}, "));
@@ -291,13 +292,13 @@ proptest! {
                     90 * turn, count.unwrap_or(0) + 1 - count.unwrap_or(0) / 1000,
                 );
                 let block = key(7, format!("block = [{{ from_mm = [-1, -2], to_mm = [{c}, {d}], height_mm = {e} }}], "));
-                format!("{extent}{}{block}", if says[2] || !says[7] { stairs } else { String::new() })
+                format!("{extent}{}{block}", if is_stated[2] || !is_stated[7] { stairs } else { String::new() })
             }
         };
         let terrain = terrain.trim_end_matches(", ");
         let text = format!("[world]\nfloor_mm = [900, 900]\nterrain = {{ {terrain} }}\n");
-        let (sim, said) = read_scene("a.scene.toml", &text);
-        prop_assert_eq!(said, vec![], "{}", text);
+        let (sim, reported) = read_scene("a.scene.toml", &text);
+        prop_assert_eq!(reported, vec![], "{}", text);
         reads_back(&sim)?;
     }
 
@@ -321,8 +322,8 @@ proptest! {
             format!("[scene.noise.radio]\nbit_error_rate = {bits}\npacket_loss = {packets}\n")
         });
         let text = format!("[world]\nfile = \"a.wld\"\n{noise}[radio]\n{}\n", keys.join("\n"));
-        let (sim, said) = read_scene("a.scene.toml", &text);
-        prop_assert_eq!(said, vec![], "{}", text);
+        let (sim, reported) = read_scene("a.scene.toml", &text);
+        prop_assert_eq!(reported, vec![], "{}", text);
         prop_assert_eq!(sim.radio.baud, baud.unwrap_or(115_200));
         let radio_noise = sim.run.noise.as_ref().and_then(|noise| noise.profile()).map(|profile| profile.radio);
         prop_assert_eq!(radio_noise.map(|radio| (radio.bit_error_rate, radio.packet_loss)), errors);
@@ -346,7 +347,7 @@ proptest! {
     fn robots_with_numbers_may_be_listed_in_any_order(
         kinds in prop::collection::vec((0..4_usize, any::<u32>(), any::<u32>()), 1..9), seed in 0..1_000_u32,
     ) {
-        // The second random number is a robot's place in the file, the first its number.
+        // The first random number orders the robots by their numbers, the second by their positions in the file.
         let rank = |by: fn(&(usize, u32, u32)) -> u32| -> Vec<usize> {
             let mut order: Vec<usize> = (0..kinds.len()).collect();
             order.sort_by_key(|index| (by(&kinds[*index]), *index));

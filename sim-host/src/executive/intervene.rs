@@ -127,7 +127,7 @@ fn intervene(intervention: Intervention, at: Time, run: &Run, environment: &mut 
         _ => {}
     }
     let effect = environment.intervene(&intervention, &mut Members(run));
-    if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.came) {
+    if let (Intervention::AddObject(spec), Some(id)) = (intervention, effect.added_object) {
         run.spawner().register_object(id, *spec);
     }
     RunEffect { robots: effect.robots, removed, ..RunEffect::default() }

@@ -1,10 +1,10 @@
 //! Default appearance of robots without a mesh.
 //!
-//! The hull has the robot's colour. It consists of the robi's colliders; without colliders it is a cylinder of the
-//! robot's diameter, or for cars and Mecanum drives a box whose diagonal is that diameter. These marks show the heading from
-//! every side: a bright wedge that points forwards; white lamps in front and red lamps behind; a green lamp at the right
-//! and a red lamp at the left, as on ships; a sloping display towards the rear; the camera; dark wheels that match the
-//! drive. Source: our choice.
+//! The hull has the robot's colour. It consists of the robi's colliders. Without colliders it is a cylinder of the
+//! robot's diameter; for cars and Mecanum drives, it is a box whose diagonal is that diameter. The heading is visible
+//! from every side: a bright wedge points forwards, lamps are white in front, red behind, green at the right and red at
+//! the left (as on ships), and a sloping display is towards the rear. The camera and dark wheels, which match the
+//! drive, show the heading too. Source: our choice.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -51,8 +51,8 @@ const MIN_HEIGHT_RATIO: f64 = 0.15;
 /// Scale of the drawn hull relative to its outline; lamps on the outline then protrude.
 const INSET: f64 = 0.98;
 
-/// Centres of the wheels in the robot's frame, in metres: left before right; for a car, the driven wheels first; for a
-/// Mecanum drive, the front wheels first.
+/// Centres of the wheels in the robot's frame, in metres, left before right. The driven wheels of a car come first, and
+/// so do the front wheels of a Mecanum drive.
 pub fn wheel_centres(robi: &RobiSpec) -> Vec<DVec2> {
     let (half_track, half_base) = (0.5 * robi.wheel.track, 0.5 * robi.drive.wheelbase);
     let pair = |x: f64| [DVec2::new(x, half_track), DVec2::new(x, -half_track)];
@@ -185,7 +185,8 @@ impl Hull {
 
     fn draw_lamps(&self, builder: &mut MeshBuilder) {
         let [front, right, back, left] = [0.0, -0.25 * TAU, 0.5 * TAU, 0.25 * TAU];
-        // Angle of the corner of a long hull, seen from its centre; lamps in front and behind shift towards it.
+        // Angle of the corner of a long hull, seen from its centre. Lamps in front and behind shift towards this
+        // corner.
         let corner = math::atan2(self.half_size.y, self.half_size.x);
         for side in [-1.0, 1.0] {
             self.draw_lamp(builder, front + side * 0.62 * corner, 0.25 * corner, WHITE_LAMP);

@@ -13,7 +13,7 @@ use crate::pose::Pose3;
 use crate::scene::Mesh;
 use crate::spec::{Axis, Collider, RobiSpec};
 
-/// Red, green, blue of thighs, shanks and feet. Source: our choice.
+/// Colours (red, green, blue) of thighs, shanks and feet. Source: our choice.
 const COLOURS: [[u8; 3]; 3] = [[96, 100, 108], [150, 154, 160], [52, 54, 58]];
 
 /// Meshes of all leg parts, in the order and frames of [`Legs::parts`](crate::drive::legged::Legs::parts).

@@ -10,8 +10,9 @@ use crate::pose::Pose3;
 use crate::scene::{Material, Mesh, Texture, Triangle};
 use crate::spec::{Axis, Collider};
 
-/// Number of sides of a round solid. The outline of a circle of radius r deviates from the circle by 0.43 % of r at most,
-/// equally outwards and inwards (see [`circumradius`]): a quarter of a pixel for a circle 116 pixels wide. Source: our choice.
+/// Number of sides of a round solid. The outline of a circle of radius r deviates from the circle by at most 0.43 % of
+/// r, equally outwards and inwards (see [`circumradius`]). This is a quarter of a pixel for a circle 116 pixels wide.
+/// Source: our choice.
 pub const SIDES: u32 = 24;
 
 /// Mesh builder.

@@ -25,7 +25,7 @@ pub use body::{ROBOT_COLOURS, wheel_centres};
 use mesh_builder::MeshBuilder;
 pub use visuals::{NoMeshes, SpawnedEntity, Visuals};
 
-/// Default colour of walls, red, green, blue: nearly white, distinct from floor and sky. Source: our choice.
+/// Default colour of walls (red, green, blue): nearly white, distinct from floor and sky. Source: our choice.
 pub const WALL_COLOUR: [u8; 3] = [228, 228, 224];
 
 /// Radius of a marker's spot in metres. Source: our choice, since the file formats do not define it.
@@ -99,7 +99,7 @@ impl MeshCache {
 
 /// The scenery of a scene: ground, walls, objects and robots.
 ///
-/// Meshes and textures come from `reader`. An object without a mesh is shown as its colliders; a robot without a mesh
+/// Meshes and textures come from `reader`. An object without a mesh is shown as its colliders. A robot without a mesh
 /// gets a body with wheels, lamps and a nose, in a colour chosen by its id.
 pub fn scenery(scene: &SceneSpec, reader: &mut dyn MeshSource) -> Scenery {
     scenery_with(scene, &mut MeshCache::default(), reader)

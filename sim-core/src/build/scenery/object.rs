@@ -9,7 +9,7 @@ use crate::pose::Pose3;
 use crate::scene::{Mesh, Texture};
 use crate::spec::{BUILT_IN_OBJECTS, Collider, ObjectType};
 
-/// Default colour of objects, red, green, blue: yellow. Source: our choice.
+/// Default colour of objects (red, green, blue): yellow. Source: our choice.
 const COLOUR: [u8; 3] = [240, 228, 66];
 
 /// Colour of the rims of the built-in can.

@@ -25,8 +25,9 @@ const HIP_SINKS_FROM: f64 = 0.4;
 /// Number of intervals in the table of the swing path.
 const SWING_INTERVALS: usize = 40;
 
-/// Angles in degrees every 2 % of the gait cycle since heel strike: thigh from the vertical, forwards positive; knee
-/// flexion; ankle dorsiflexion (toes up) from the right angle to the shank. Children at free walking speed.
+/// Angles in degrees every 2 % of the gait cycle since heel strike, of children at free walking speed. They are the
+/// angle of the thigh from the vertical (forwards positive), knee flexion, and ankle dorsiflexion (toes up) from the
+/// right angle to the shank.
 ///
 /// Source: Schwartz, Rozumalski and Trost 2008, "The effect of walking speed on the gait of typically developing
 /// children", J. Biomechanics 41, 1639-1650, electronic addendum, free speed, means: hip flexion less pelvic tilt, knee
@@ -135,8 +136,8 @@ impl NaturalGait {
     }
 }
 
-/// Position, relative to the hip, of the point on the sole that is `from_ankle` m in front of the ankle, at `phase`;
-/// components forwards and up in the plane of the leg, m.
+/// Position, relative to the hip, at `phase`, of the point on the sole that is `from_ankle` m in front of the ankle.
+/// The components are forwards and up in the plane of the leg, m.
 fn sole_point(leg: &Leg, foot: Foot, phase: f64, from_ankle: f64) -> DVec2 {
     let [thigh, knee, _] = natural_angles(phase);
     let ((sin_thigh, cos_thigh), (sin_shank, cos_shank)) = (math::sin_cos(thigh), math::sin_cos(thigh - knee));

@@ -21,9 +21,9 @@ const MAX_KNEE: f64 = 150.0 / 180.0 * PI;
 
 /// One leg: a thigh that hangs from the hip, a shank that hangs from the knee, and optionally a foot.
 ///
-/// The joints are, in this order: in the hip `yaw` about z, `roll` about x (both right-handed) and `pitch` of the thigh
-/// (positive forwards), then `knee` (flexion positive) and, if the leg has a foot, `ankle` (toes up positive). At
-/// angles of 0 the leg hangs straight down and the foot is level. A leg without a foot stands on the tip of its shank.
+/// The hip has the joints `yaw` about z, `roll` about x (both right-handed) and `pitch` of the thigh (positive
+/// forwards). Then follow `knee` (flexion positive) and, if the leg has a foot, `ankle` (toes up positive). At angles
+/// of 0 the leg hangs straight down and the foot is level. A leg without a foot stands on the tip of its shank.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Leg {
     /// Name of the leg, such as `LEFT`: its links are then `LEFT.thigh`, `LEFT.shank` and `LEFT.foot`.
@@ -159,8 +159,8 @@ impl Leg {
     /// robot. `hip_to_point` is the vector from the hip to that point in the robot's axes, m. If the point is out of
     /// reach, the angles are those for the nearest reachable point.
     ///
-    /// Closed form: yaw is given, roll turns the plane of the leg into the point, and in that plane the two links thigh
-    /// and shank reach the ankle.
+    /// The solution has a closed form. Yaw is given, and roll turns the plane of the leg until it contains the point.
+    /// In that plane, thigh and shank are two links that reach the ankle.
     pub fn joints(&self, hip_to_point: DVec3, yaw: f64, sole: Sole) -> Joints {
         let (sin, cos) = math::sin_cos(yaw);
         let forwards = cos * hip_to_point.x + sin * hip_to_point.y;
@@ -265,7 +265,7 @@ mod tests {
         let (offset, sole) = (DVec2::new(0.3, -0.2), Sole { from_ankle: 0.15, pitch: -0.5 });
         let height = leg.max_hip_height(offset, sole).expect("within reach");
         let knee = leg.joints(offset.extend(-height), 0.0, sole).knee;
-        // Hip to ankle is 0.998 * 0.9 m: the law of cosines.
+        // The law of cosines, with a distance of 0.998 * 0.9 m from hip to ankle.
         let cosine = ((0.998f64 * 0.9).powi(2) - 0.16 - 0.25) / 0.4;
         assert!((math::cos(knee) - cosine).abs() < 1e-12, "{knee}");
         assert_eq!(leg.max_hip_height(DVec2::new(1.2, 0.0), sole), None);

@@ -2,8 +2,8 @@
 
 use crate::time::Time;
 
-/// Quintic smoothstep: rises from 0 at `fraction` 0 to 1 at `fraction` 1, with slope and curvature 0 at both ends;
-/// constant outside this interval.
+/// Quintic smoothstep: rises from 0 at `fraction` 0 to 1 at `fraction` 1, with slope and curvature 0 at both ends. It
+/// is constant outside this interval.
 pub(super) fn smooth(fraction: f64) -> f64 {
     let s = fraction.clamp(0.0, 1.0);
     s * s * s * (10.0 + s * (6.0 * s - 15.0))

@@ -41,9 +41,9 @@ const MAX_GOAL_SHIFT: f64 = 1.6;
 const MAX_SCALE: f64 = 1.2;
 /// Minimum change of the scale of the body's bob; smaller changes are ignored. Our choice.
 const MIN_SCALE_CHANGE: f64 = 0.02;
-/// Number of positions between its goal and the body that are tried for a foot.
+/// Number of positions that are tried for a foot, from its goal towards the body.
 const TRIED_POSITIONS: i32 = 16;
-/// Number of intervals between two footholds at whose ends the height of the ground is sampled.
+/// Number of intervals between two footholds; the height of the ground is sampled at the ends of each interval.
 const GROUND_INTERVALS: i32 = 8;
 /// Maximum step up or down, as a fraction of the hip's height. Our choice.
 const MAX_STEP: f64 = 0.4;
@@ -113,7 +113,7 @@ pub(in crate::drive) struct Walk {
     reported_until: Time,
 }
 
-/// Position of a standing foot: the point under the ankle of a scale foot, or the tip of the leg.
+/// Position of a standing foot: the point under the ankle of a flat foot, or the tip of the leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Foothold {
     point: DVec3,
@@ -782,7 +782,7 @@ impl Step {
 }
 
 impl Foothold {
-    /// The point under a scale sole that is `from_ankle` m in front of the ankle.
+    /// The point under a flat sole that is `from_ankle` m in front of the ankle.
     fn sole_point(&self, from_ankle: f64) -> DVec3 {
         let (sin, cos) = math::sin_cos(self.heading);
         self.point + DVec3::new(cos, sin, 0.0) * from_ankle
@@ -827,8 +827,8 @@ fn foot_yaw(foothold: &Foothold, pose: &Pose) -> f64 {
     Heading::default().turned(foothold.heading - pose.heading.remainder()).remainder()
 }
 
-/// Vector from the hip of a body at height `lift` to the contact point of a foot, in the robot's axes, m; and the yaw
-/// of the foot relative to the body, rad.
+/// Vector from the hip of a body at height `lift` to the contact point of a foot, in the robot's axes, m. The second
+/// value is the yaw of the foot relative to the body, rad.
 fn hip_to_point(leg: &Leg, foot: &FootState, pose: &Pose, lift: f64) -> (DVec3, f64) {
     let point = pose.inverse_transform_point(foot.point.truncate()).extend(foot.point.z - lift);
     let yaw = Heading::default().turned(foot.heading - pose.heading.remainder()).remainder();

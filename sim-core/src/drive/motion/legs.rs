@@ -15,7 +15,7 @@ impl Motion {
         self.walk.is_some() || self.vehicle.hull.is_some()
     }
 
-    /// This motion, not yet commanded, for a robot that walks on `ground` with `legs`.
+    /// Adds `legs` that walk on `ground` to this motion, which must have no command yet.
     pub fn with_legs(mut self, legs: Arc<Legs>, ground: Arc<Ground>) -> Self {
         self.walk = Some(Box::new(Walk::new(legs, ground)));
         self
@@ -36,10 +36,10 @@ impl Motion {
         self.walk.as_ref().map_or(0, |walk| walk.settings_at(at).gait)
     }
 
-    /// Obeys a leg command at `at`, which must not precede the last leg command.
+    /// Applies a leg command at `at`, which must not precede the last leg command.
     ///
     /// # Errors
-    /// A [`LegCommandError`] for a command that these legs cannot obey; nothing changes then.
+    /// A [`LegCommandError`] for a command that these legs cannot carry out; nothing changes then.
     pub fn command_legs(&mut self, at: Time, command: LegCommand) -> Result<(), LegCommandError> {
         let walk = self.walk.as_mut().ok_or(LegCommandError::NoLegs)?;
         walk.command(at, command)
@@ -64,15 +64,14 @@ impl Motion {
         if self.has_variable_height() { self.stance(at).lift } else { 0.0 }
     }
 
-    /// Depth of the top of a hull under the surface of the water at `at`, m: 0 for a hull at the surface; `None` for
-    /// robots that are not in the water.
+    /// Depth of the top of a hull under the surface of the water at `at`, m. It is 0 for a hull at the surface, and
+    /// `None` for robots that are not in the water.
     pub fn depth(&mut self, at: Time) -> Option<f64> {
         let ceiling = self.hull()?.ceiling;
         Some(ceiling - self.lift(at))
     }
 
-    /// The footfalls before `until` that no earlier call has returned, in the order of time, footfalls at the same time
-    /// in the order of the legs.
+    /// The footfalls before `until` that no earlier call has returned, in the order of time, then of the legs.
     pub fn take_footfalls(&mut self, until: Time) -> Vec<Footfall> {
         let Some(mut walk) = self.walk.take() else { return Vec::new() };
         let footfalls = walk.take_footfalls(self, until);

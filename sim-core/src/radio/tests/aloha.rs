@@ -78,7 +78,7 @@ fn hidden_terminal_interferes_only_within_its_reach() {
         out_of_reach,
         ..message_from(from, 1, Address::One(to), b"hello".to_vec(), Time(at))
     };
-    // 1 to 2 and 3 to 4 overlap: both reach 2, which receives neither; 1 does not reach 4.
+    // The messages from 1 to 2 and from 3 to 4 overlap. Both reach 2, which receives neither. 1 does not reach 4.
     let messages = vec![message(1, 2, 0, vec![far(3), far(4)]), message(3, 4, 500, vec![far(1)])];
     let deliveries = channel.exchange(Time::from_millis(50), messages);
     let is_received = |robot: u32| {
@@ -93,7 +93,8 @@ fn station_receives_nothing_while_it_transmits() {
     let outcome = |start_in_air_times: i64| {
         let mut channel = channel(ALOHA, Vec::new(), 3);
         let air = air_time(5, BAUD);
-        // 2 sends to 3 and reaches no other robot: the message from 1 to 2 is lost only because 2 itself is transmitting.
+        // Robot 2 sends to 3 and reaches no other robot. The message from 1 to 2 is lost only because 2 itself is
+        // transmitting.
         let from_2 = OutgoingMessage {
             out_of_reach: vec![(RobotId(1), Loss::Sight)],
             ..message_from(2, 1, Address::One(3), b"12345".to_vec(), Time(10_000))

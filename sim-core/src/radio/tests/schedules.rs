@@ -5,7 +5,7 @@ use accuracy::world::Random;
 use super::oracle::{Operation, Outcome, Schedule, simulate};
 use super::*;
 
-/// Which slots are run, and in which order messages are passed to the channel.
+/// Selection of the slots to run, and the order in which messages are passed to the channel.
 #[derive(Clone, Copy, Debug)]
 struct RunOrder {
     /// True to run every slot, not only due slots.
@@ -59,8 +59,8 @@ fn run(schedule: &Schedule, order: RunOrder) -> Outcome {
         }
         channel.take_transmitted().into_iter().for_each(|(robot, sequence)| stations[robot.index()].release(sequence));
         let next_visible = stations.iter().map(Station::next_visible).min().unwrap_or(Time::NEVER);
-        let next_deed = operations.peek().map_or(Time::NEVER, |(at, ..)| *at);
-        let due = next_visible.min(next_deed).min(channel.due());
+        let next_operation = operations.peek().map_or(Time::NEVER, |(at, ..)| *at);
+        let due = next_visible.min(next_operation).min(channel.due());
         start = if order.is_every_slot_run { slot_end } else { due.min(schedule.end).floor_to(slot).max(slot_end) };
     }
     outcome.deliveries.sort_by_key(|it| (it.visible, it.to, it.arrives, it.from, it.sequence));
@@ -155,7 +155,8 @@ fn ten_thousand_schedules_match_the_oracle() {
     assert!(read > 10_000, "{read}");
 }
 
-/// Checks the timing rules: no arrival before the time of queuing plus the delay, and visibility as in design section 7.
+/// Checks the timing rules of docs/radio.md: no message arrives before the time of queuing plus the delay, and each
+/// becomes visible at the right time.
 fn check_times(schedule: &Schedule, outcome: &Outcome) {
     let Schedule { model, slot, .. } = *schedule;
     let boundary = |time: Time| (time + slot - Time(1)).floor_to(slot);

@@ -40,14 +40,15 @@ pub struct MeshHit {
 ///
 /// # Definition of a hit
 /// Both sides of a triangle can be hit, edges and corners included. Where triangles share bit-identical corners, no ray
-/// slips through between them. The reason: projected along the ray, the offset of a shared edge from the ray is the
-/// same number for both triangles, and rounding never gives the offset a wrong sign; it can only make it 0, which hits
-/// both. A ray in a triangle's plane hits the triangle where it enters it. A ray that starts on a triangle hits it at
-/// distance 0; the tolerance is 4 units in the last place (2^-52) of the coordinates involved.
+/// slips through between them. The reason is that the offset of a shared edge from the ray, projected along the ray, is
+/// the same number for both triangles. Rounding never gives this offset a wrong sign. It can only make the offset 0,
+/// and then the ray hits both triangles. A ray in a triangle's plane hits the triangle at the point where the ray
+/// enters the triangle. A ray that starts on a triangle hits it at distance 0; the tolerance is 4 units in the last
+/// place (2^-52) of the coordinates involved.
 ///
-/// Distances are exact within rounding (some 10^-15 of the mesh's extent, divided by the cosine of the incidence angle). A
-/// ray from outside the mesh's bounds is followed from the point where it enters them, so a distant origin adds only the
-/// rounding of its coordinates.
+/// Distances are exact within rounding (some 10^-15 of the mesh's extent, divided by the cosine of the incidence
+/// angle). A ray from outside the mesh's bounds is followed from the point where it enters the bounds, so a distant
+/// origin adds only the rounding of its coordinates.
 ///
 /// Source: Woop, Benthin and Wald, "Watertight ray/triangle intersection", 2013, in `f64`; Ylitie, Karras and Laine,
 /// "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", 2017, section 3, for the wide tree.

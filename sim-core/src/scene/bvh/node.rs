@@ -9,8 +9,8 @@ pub(super) const WIDTH: usize = 8;
 /// rounding error of an `f32` near 1.
 ///
 /// A ray enters a box at (bound - origin) / direction on each axis. Rounding shifts the entry along that axis by at
-/// most 8.3 u: 1 u for the bound, 1 u for the origin, 2.1 u for the reciprocal, and 4.2 u for the difference (at most
-/// 2.1) and its products (two, or one if multiplication and subtraction are fused). The position of a hit has an error of
+/// most 8.3 u. The bound contributes 1 u, the origin 1 u, the reciprocal 2.1 u, and the difference (at most 2.1) with
+/// its products (two, or one if multiplication and subtraction are fused) 4.2 u. The position of a hit has an error of
 /// at most 4 u (see `ray`), and so does an origin on a surface. The rest of the margin covers reciprocals clamped to
 /// [`MAX_RECIPROCAL`](super::walk::MAX_RECIPROCAL), and the rounding of `f64`.
 pub(super) const PADDING: f32 = 24.0 / (1 << 24) as f32;

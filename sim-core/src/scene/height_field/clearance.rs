@@ -120,8 +120,8 @@ mod tests {
     use crate::RobotId;
     use crate::noise::{Purpose, Stream};
 
-    /// Reference by brute force, from many points of the segment and all triangles: the minimum height of the points above
-    /// the ground, and their minimum distance from the ground.
+    /// Reference by brute force, from many points of the segment and all triangles. Returns the minimum height of the
+    /// points above the ground, and their minimum distance from the ground.
     fn brute_force(field: &HeightField, [a, b]: [DVec3; 2]) -> (f64, f64) {
         let points: Vec<DVec3> = (0..=4000).map(|step| a + f64::from(step) / 4000.0 * (b - a)).collect();
         let gap = |point: &DVec3| point.z - field.height(point.x, point.y);

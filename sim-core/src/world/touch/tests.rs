@@ -195,6 +195,6 @@ fn leg_parts_touch_ground_and_obstacles() {
     assert_eq!(parts([8.0, -8.0], under), [(BodyPart::Body, Thing::Floor)]);
     let low = leg_clearance([8.0, -8.0], block([7.95, -8.05], [8.05, -7.95], 0.66));
     assert!(low.contacts.is_empty() && (low.clearance - 0.04).abs() < 1e-9, "{low:?}");
-    // The left leg stands in a wall that is 0.3 m high.
+    // The left leg is inside a wall that is 0.3 m high.
     assert_eq!(parts([1.0, 0.8], Ground::Flat), [(BodyPart::Shank(0), Thing::Wall(WallId(0)))]);
 }
