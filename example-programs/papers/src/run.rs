@@ -73,7 +73,7 @@ impl Job {
     }
 
     /// Prints a progress message on standard error.
-    pub fn tell(&self, what: &str) {
+    pub fn log(&self, what: &str) {
         eprintln!("{}: {what}", self.paper);
     }
 
@@ -100,7 +100,7 @@ impl Job {
                     self.run_one(run, &folder).and_then(|trace| read(run, trace)).with_context(|| run.name.clone());
                 has_failed.fetch_or(result.is_err(), Ordering::Relaxed);
                 let seconds = begin.elapsed().as_secs_f64();
-                self.tell(&format!("{} ({} of {}): {seconds:.1} s", run.name, index + 1, runs.len()));
+                self.log(&format!("{} ({} of {}): {seconds:.1} s", run.name, index + 1, runs.len()));
                 *done[index].lock() = Some(result);
             }
         };

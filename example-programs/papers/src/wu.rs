@@ -321,7 +321,7 @@ fn told_noise(noisy: &Mapped) -> Claim {
 fn map_figure(run: &Mapped) -> anyhow::Result<Figure> {
     const PIXELS: u32 = 3;
     const GAP: u32 = 6;
-    let maps = [MapMethod::Wu, MapMethod::Plain, MapMethod::LogOdds].map(|kind| shown(run.said(kind), &run.truth));
+    let maps = [MapMethod::Wu, MapMethod::Plain, MapMethod::LogOdds].map(|kind| shown(run.cells(kind), &run.truth));
     let panels: Vec<_> = std::iter::once(truth_shown(run)).chain(maps).map(|map| map.picture(PIXELS, |c| *c)).collect();
     let (width, height) = panels[0].dimensions();
     let count = panels.len() as u32;
@@ -347,8 +347,8 @@ const BLACK: [u8; 3] = [0; 3];
 const GREY: [u8; 3] = [185; 3];
 
 /// The colours of a map.
-fn shown(said: &Grid<Occupancy>, truth: &Grid<Truth>) -> Grid<[u8; 3]> {
-    Grid::from_fn(*said.frame(), |cell| match (said[cell], truth[cell]) {
+fn shown(cells: &Grid<Occupancy>, truth: &Grid<Truth>) -> Grid<[u8; 3]> {
+    Grid::from_fn(*cells.frame(), |cell| match (cells[cell], truth[cell]) {
         (Occupancy::Free, Truth::Free) => WHITE,
         (Occupancy::Free, _) => [255, 150, 0],
         (Occupancy::Occupied, Truth::Free) => [225, 0, 0],
@@ -417,9 +417,9 @@ fn equation_4() -> anyhow::Result<Figure> {
     let mut by_equation_4 = UNKNOWN;
     let mut curves = [vec![(0.0, UNKNOWN)], vec![(0.0, UNKNOWN)]];
     for time in 1..=TIMES {
-        let said = if time == 1 { WRONG } else { RIGHT };
-        by_equation_4 = updated(by_equation_4, said);
-        by_log_odds.add(cell, log_odds(said));
+        let evidence = if time == 1 { WRONG } else { RIGHT };
+        by_equation_4 = updated(by_equation_4, evidence);
+        by_log_odds.add(cell, log_odds(evidence));
         curves[0].push((time as f64, by_equation_4));
         curves[1].push((time as f64, by_log_odds.probabilities()[cell]));
     }

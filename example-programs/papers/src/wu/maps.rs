@@ -80,7 +80,7 @@ pub struct Mapped {
     printed: Vec<String>,
     readings: Vec<Vec<Reading>>,
     neighbours: Vec<(f64, f64)>,
-    said: [Grid<Occupancy>; 6],
+    maps: [Grid<Occupancy>; 6],
 }
 
 impl Mapped {
@@ -108,27 +108,27 @@ impl Mapped {
             printed: Vec::new(),
             readings: Vec::new(),
             neighbours: Vec::new(),
-            said: std::array::from_fn(|_| Grid::new(frame, Occupancy::Unknown)),
+            maps: std::array::from_fn(|_| Grid::new(frame, Occupancy::Unknown)),
         };
-        run.hear(trace)?;
-        run.watch(trace, &start);
-        run.said = MapMethod::ALL.map(|kind| run.map(kind, &frame));
+        run.read_output(trace)?;
+        run.read_motion(trace, &start);
+        run.maps = MapMethod::ALL.map(|kind| run.map(kind, &frame));
         Ok(run)
     }
 
     /// Classification of all cells by a map.
-    pub fn said(&self, kind: MapMethod) -> &Grid<Occupancy> {
-        &self.said[kind as usize]
+    pub fn cells(&self, kind: MapMethod) -> &Grid<Occupancy> {
+        &self.maps[kind as usize]
     }
 
     /// Score of a map against the ground truth.
     pub fn score(&self, kind: MapMethod) -> Score {
-        Score::of(self.said(kind), &self.truth)
+        Score::of(self.cells(kind), &self.truth)
     }
 
     /// Number of cells in which two maps differ.
     pub fn differing(&self, a: MapMethod, b: MapMethod) -> usize {
-        self.said(a).values().iter().zip(self.said(b).values()).filter(|(a, b)| a != b).count()
+        self.cells(a).values().iter().zip(self.cells(b).values()).filter(|(a, b)| a != b).count()
     }
 
     /// Number of cells in which the robot's own map differs from ours by the same algorithm.
@@ -138,15 +138,15 @@ impl Mapped {
             let row = self.printed.get(frame.rows() - 1 - cell.row)?;
             row.chars().nth(cell.column)
         };
-        let is_other = |(cell, said): &(mapping::grid::Cell, &Occupancy)| {
+        let is_other = |(cell, class): &(mapping::grid::Cell, &Occupancy)| {
             own(*cell)
-                != Some(match said {
+                != Some(match class {
                     Occupancy::Free => '.',
                     Occupancy::Occupied => '#',
                     Occupancy::Unknown => '?',
                 })
         };
-        self.said(MapMethod::Wu).iter().filter(is_other).count()
+        self.cells(MapMethod::Wu).iter().filter(is_other).count()
     }
 
     /// Among the pairs of neighbours that both hear something: the number of continuous ones, of continuous ones as printed, and of all.
@@ -176,18 +176,18 @@ impl Mapped {
             }
         }
         let wrong = |kind| {
-            let said = self.said(kind);
-            frame.cells().filter(move |cell| said[*cell] == Occupancy::Occupied && self.truth[*cell] == Truth::Free)
+            let cells = self.cells(kind);
+            frame.cells().filter(move |cell| cells[*cell] == Occupancy::Occupied && self.truth[*cell] == Truth::Free)
         };
         let is_stuck = |cell: &mapping::grid::Cell| votes[*cell].1 > votes[*cell].0;
-        let log_odds = self.said(MapMethod::WuLogOdds);
+        let log_odds = self.cells(MapMethod::WuLogOdds);
         let stuck: Vec<_> = wrong(MapMethod::Wu).filter(is_stuck).collect();
         let corrected = stuck.iter().filter(|cell| log_odds[**cell] != Occupancy::Occupied).count();
         (stuck.len(), wrong(MapMethod::Wu).count(), corrected)
     }
 
     /// Reads the output of the robot's program.
-    fn hear(&mut self, trace: &Trace) -> anyhow::Result<()> {
+    fn read_output(&mut self, trace: &Trace) -> anyhow::Result<()> {
         let mut readings = Vec::new();
         for (_, line) in trace.printed(1) {
             for line in line.lines() {
@@ -215,7 +215,7 @@ impl Mapped {
     }
 
     /// Reads the true motion of the robot.
-    fn watch(&mut self, trace: &Trace, start: &Pose) {
+    fn read_motion(&mut self, trace: &Trace, start: &Pose) {
         let mut at = *start;
         let mut odometry = None;
         for entry in trace.of_robot(1) {

@@ -80,7 +80,7 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     let tuned = tune(&PARAMETERS, SEARCH, error)?;
     let raw: Vec<f64> = training.iter().map(|drive| drive.raw().error).collect();
     let errors = [&raw, &tuned.errors].map(|errors| Interval::of(errors).mean);
-    job.tell(&format!("{:?}, raw and corrected {errors:.4?}, {} evaluations", tuned.setting, tuned.evaluations));
+    job.log(&format!("{:?}, raw and corrected {errors:.4?}, {} evaluations", tuned.setting, tuned.evaluations));
     let correction = correction(&tuned.setting)?;
     // Nothing is chosen from here on.
     let rooms = rooms::held_out()?;
@@ -91,7 +91,7 @@ pub fn run(job: &Job) -> anyhow::Result<Page> {
     let begin = Instant::now();
     let results = judge(NOISE)?;
     let others = OTHERS.iter().map(|noise| judge(noise)).collect::<anyhow::Result<Vec<_>>>()?;
-    job.tell(&format!("all drives and corrections: {:.0} s", begin.elapsed().as_secs_f64()));
+    job.log(&format!("all drives and corrections: {:.0} s", begin.elapsed().as_secs_f64()));
 
     let source =
         "J. Wu, T. Qin, H. Si, J. Chen, K. Lin, C. Zhang: Environmental Modeling Based on Ultrasonic Ranging, 2013";
