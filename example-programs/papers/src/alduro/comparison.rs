@@ -67,7 +67,7 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
             .iter()
             .map(|method| {
                 let tuned = tuned(method, &training, *readings, &mut known)?;
-                job.log(&format!(
+                job.tell(&format!(
                     "{}, {readings} readings: {}, {:.1} cm, {} evaluations",
                     method.name,
                     method.words(&tuned.setting),
@@ -87,7 +87,7 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
         .collect::<anyhow::Result<_>>()?;
     let mut results = Vec::new();
     for (readings, tuned) in READINGS.into_iter().zip(all_tuned) {
-        job.log(&format!("held-out terrains, {readings} readings"));
+        job.tell(&format!("held-out terrains, {readings} readings"));
         let pairs: Vec<(&Method, &Tuned)> = METHODS.iter().zip(&tuned).collect();
         let of = |surveys: &Vec<Survey>| {
             in_pairs(&pairs, |(method, tuned)| errors(method, &tuned.setting, surveys, readings))
