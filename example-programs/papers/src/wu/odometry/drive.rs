@@ -33,7 +33,7 @@ pub struct Track {
     pub map: Grid<Occupancy>,
     /// Score of the map.
     pub score: Score,
-    /// Root mean square error of the position (m) and of the heading (rad).
+    /// Root mean square over the looks of the pose error: the norm of its position part (m) and heading part (rad).
     pub error: f64,
     /// Error of position (m) and heading (rad) at the last look.
     pub end: (f64, f64),
