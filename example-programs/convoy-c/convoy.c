@@ -66,7 +66,7 @@ static int listen(int leader)
   return heard;
 }
 
-/* Steers along the trail; the more of it lies ahead, the faster. */
+/* Steers along the trail: faster if more of the trail lies ahead. */
 static void steer(void)
 {
   PositionType at;
