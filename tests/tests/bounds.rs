@@ -1,4 +1,4 @@
-//! Limits on the resources of a program: they are reported, and the run continues or ends in time.
+//! Resource limits of programs: an exceeded limit is reported, and the run continues or ends in time.
 
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -101,7 +101,7 @@ fn what_a_program_says_of_its_failure_steers_no_terminal() {
     }
 }
 
-/// Runs a program beside one that drives, on threads: outcomes of both, and messages.
+/// Runs a program beside a good one, on threads; returns both outcomes and the messages.
 fn beside_a_good_one(program: &str, args: &[&str]) -> (Value, String) {
     let scratch = Scratch::new();
     scratch.write("bad.c", program);
@@ -153,7 +153,8 @@ fn a_programs_floats_are_not_the_hosts() {
 const SYSTEM: &str = "#define _GNU_SOURCE\n#include <fcntl.h>\n#include <fenv.h>\n#include <setjmp.h>\n#include <signal.h>\n#include <stdio.h>\n\
                       #include <stdlib.h>\n#include <string.h>\n#include <sys/syscall.h>\n#include <unistd.h>\n#include \"eyebot.h\"\n";
 
-/// Runs a program beside a good one on this kind of flow: exit code, its messages, and the outcome of the good one.
+/// Runs a program beside a good one, with this executor; returns the exit code, the messages, and the outcome of the
+/// good program.
 fn told(program: &str, exec: &str) -> (Option<i32>, String, Value) {
     let scratch = Scratch::new();
     scratch.write("bad.c", &format!("{SYSTEM}{program}\n"));
@@ -168,7 +169,8 @@ fn told(program: &str, exec: &str) -> (Option<i32>, String, Value) {
     (ran.code, format!("{reason}\n{}{}", ran.stdout, ran.stderr), report["robots"][0]["outcome"].clone())
 }
 
-/// Programs whose ends used to be reported wrongly, late or never: `main` after a wait of 0.2 s, then words for either kind of flow.
+/// Programs that end in ways that are hard to report: the program, and a text that its message must contain with every
+/// executor.
 const ENDS: &[(&str, &str)] = &[
     (
         "static void h(int s) { (void)s; }\nint main(void) { OSWait(20); signal(SIGSEGV, h);\n*(volatile int *)0 = 1; return 0; }",
@@ -270,10 +272,11 @@ fn processes_of_programs_do_not_outlive_the_run() {
     }
 }
 
-/// Two seconds on an idle machine; tests share theirs.
+/// Time limit for the end of an interrupted run. An idle machine needs two seconds; the tests run beside others.
 const INTERRUPT_LIMIT: Duration = Duration::from_secs(30);
 
-/// Starts `command`, sends `signal` half a second after it `begins`, and returns the exit code and the time that the end took.
+/// Starts `command`, sends `signal` half a second after `begins` returns true, and returns the exit code and the time
+/// until the end.
 fn interrupted(command: &mut Command, signal: &str, begins: impl Fn() -> bool) -> (Option<i32>, Duration) {
     let mut host = command.stdout(Stdio::null()).spawn().expect("eyesim starts");
     let start = Instant::now();
@@ -367,7 +370,7 @@ fn an_interrupt_ends_builds_and_loads_and_leaves_no_process() {
     }
 }
 
-/// Returns true if a process has `words` in its command line.
+/// Returns true if any process has `words` in its command line.
 fn runs(words: &str) -> bool {
     let processes = std::fs::read_dir("/proc").expect("processes").flatten();
     let own = std::process::id().to_string();
@@ -407,7 +410,8 @@ fn an_interrupt_ends_any_run_within_two_seconds_with_a_whole_record() {
             ];
             let begins = || scratch.path().join("t.jsonl").exists();
             let (code, elapsed) = interrupted(&mut scratch.command(&args), signal, begins);
-            // A handler of faults is taken back at once on a thread, and the fault ends the run before the interrupt.
+            // On a thread the simulator replaces the program's SIGSEGV handler at once, so the crash may end the run
+            // before the interrupt.
             let is_told_before = exec == "thread" && program.contains("SIGSEGV") && code == Some(1);
             assert!(code == Some(130) || is_told_before, "{exec} {program}: {code:?}");
             assert!(elapsed < INTERRUPT_LIMIT, "{exec} {program}: {elapsed:?}");

@@ -1,4 +1,4 @@
-//! The radio: results of calls, waits between robots, and the end of runs.
+//! The radio: results of calls, waits between robots, and the ends of runs.
 
 use std::process::Command;
 
@@ -188,7 +188,7 @@ fn robios_7_answers_as_documented() {
 
 #[test]
 fn what_robots_do_with_a_wait_in_a_timer_or_beside_a_drive() {
-    // A timer continues while its program waits for a message, and the message is taken at its time.
+    // A timer runs on while its program waits for a message, and the program receives the message at its time.
     let scratch = row(&["sender.c", "receiver.c"], "[radio]\nbaud = 1200\n");
     scratch.write("sender.c", SENDER);
     let with_timer = RECEIVER
@@ -202,7 +202,7 @@ fn what_robots_do_with_a_wait_in_a_timer_or_beside_a_drive() {
     let received = trace.iter().find(|event| event["event"] == "radio_received").expect("a message");
     assert_eq!(micros(&received["t_s"]), sent.at + 350_000);
 
-    // Its callback may take a message, but not wait for one.
+    // The timer's callback may receive a message, but must not wait for one.
     let in_callback = "
         #include \"eyebot.h\"
         static void tick(void) { BYTE b[MAXMSGLEN]; RADIORecv(0, 0, b); }
@@ -242,7 +242,7 @@ fn buffers_have_room_for_1024_bytes() {
             printf("%d bytes\n", got);
             return 0;
         }"#;
-    // At 9600 baud a message takes 40.6 ms, a call 0.5 ms: 100 calls end before two are sent.
+    // At 9600 baud a message takes 40.6 ms and a call 0.5 ms, so 100 calls end before two messages are transmitted.
     let scratch = row(&["sender.c", "receiver.c"], "[radio]\nbaud = 9600\n");
     scratch.write("sender.c", sender);
     scratch.write("receiver.c", receiver);
@@ -290,7 +290,8 @@ fn who_waits_for_whom_is_told() {
 
 #[test]
 fn the_radio_ends_with_its_program() {
-    // The first ends while one of its messages is on the air and others wait; the second never hears the third message of the other.
+    // The first program ends while one of its messages is being transmitted and others wait. The second robot never
+    // receives the third message.
     let hasty = "
         #include \"eyebot.h\"
         int main(void)
@@ -333,7 +334,7 @@ fn what_is_on_its_way_when_the_run_ends_is_in_the_trace() {
     let (time, arrived, loss) = &messages(&trace)[&(1, 1)].fates[&2];
     assert_eq!((*time, loss.as_deref()), (200_000, Some("end")));
     assert!(*arrived > 350_000, "{arrived}");
-    // The program of the receiver ends first: the message has no live receiver.
+    // The receiver's program ends first, so the message has no receiver whose radio is on.
     scratch.write("receiver.c", "#include \"eyebot.h\"\nint main(void) { RADIOInit(); OSWait(20); return 0; }");
     let (_, trace) = traced(&scratch, &[], 0);
     let (_, _, loss) = &messages(&trace)[&(1, 1)].fates[&2];
@@ -342,7 +343,7 @@ fn what_is_on_its_way_when_the_run_ends_is_in_the_trace() {
 
 #[test]
 fn a_flood_of_messages_stays_in_bounds() {
-    // Empty ones take no room but that of their headers.
+    // Empty messages take only the space of their headers.
     let flood = r#"
         #include "eyebot.h"
         #include <stdio.h>
@@ -360,8 +361,8 @@ fn a_flood_of_messages_stays_in_bounds() {
     scratch.write("flood.c", flood);
     scratch.write("deaf.c", deaf);
     let (_, trace) = traced(&scratch, &[], 0);
-    // 70 bits at 115200 baud take 608 us, 100000 calls of 500 us and the start 50.05 s: 82,320 are sent in that time, and 1024
-    // wait. So many wait at the receiver, too.
+    // A message of 70 bits takes 608 us at 115200 baud. The start and 100000 calls of 500 us take 50.05 s. In this time
+    // 82,320 messages are transmitted, and 1024 wait. The receiver also holds 1024 waiting messages.
     let sent = messages(&trace).len();
     assert!((83_200..83_500).contains(&sent), "{sent}");
     assert_eq!(said(&trace, 1), [format!("{sent} sent")]);
@@ -373,7 +374,7 @@ fn a_flood_of_messages_stays_in_bounds() {
 
 #[test]
 fn each_task_of_a_robot_can_wait_for_messages() {
-    // 22 bytes at 1200 baud take 183334 us.
+    // A message of 22 bytes takes 183334 us at 1200 baud.
     let sender = "
         #include \"eyebot.h\"
         int main(void) { RADIOInit(); OSWait(100); RADIOSend(2, \"fifteen letters\"); OSWait(1000); return 0; }";
