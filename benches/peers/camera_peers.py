@@ -143,7 +143,7 @@ def pybullet_frames(scene, size, shadows):
 
     width, height = size
     pybullet.connect(pybullet.DIRECT)
-    # Its map of shadows is around the origin.
+    # MuJoCo's shadow map is around the origin.
     middle = 0.5 * (scene.corners.min(axis=0) + scene.corners.max(axis=0)) * [1, 1, 0]
     for number, material in enumerate(scene.meshes):
         name = str(scene.folder / f"mesh{number}.obj")
@@ -187,7 +187,7 @@ def main():
             frame(view)
         best = min(best, time.perf_counter() - start)
     print(best)
-    # Mesa's and MuJoCo's own clean-up may fail at the interpreter's end.
+    # The clean-up of Mesa and MuJoCo may fail when the interpreter ends.
     sys.stdout.flush()
     os._exit(0)
 

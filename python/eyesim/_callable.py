@@ -93,7 +93,7 @@ class _Robot:
         self.eye._channel = self
         self.eye._own_files = _OWN_FILES
         self.eye._refuse = self._refuse
-        # Other threads of this process are not the program's.
+        # Other threads of this process do not belong to the program.
         self.eye._has_threads = lambda: False
         self.stdin = io.TextIOWrapper(io.BufferedReader(self.eye._Input()), encoding="utf-8", errors="replace")
         self._calls = calls
@@ -119,7 +119,8 @@ class _Robot:
     def _refuse(self) -> None:
         self._refusals += 1
         if self._refusals > _MAX_REFUSALS:
-            # The program catches what should end it: it is abandoned, and need not compute.
+            # The program catches the exception that should end it. It is abandoned, and its thread waits without
+            # computing.
             threading.Event().wait()
         raise _Overdue if self.is_overdue else self.eye._Stop
 

@@ -59,7 +59,7 @@ class VecEnv(_VecEnv):  # type: ignore[misc]
                 infos[index] = {
                     "terminal_observation": observations[index].copy(),
                     "TimeLimit.truncated": not bool(terminated[index]),
-                    # What `VecMonitor` would say, from which the printed mean return is made.
+                    # The record that `VecMonitor` would add; the printed mean return is computed from it.
                     "episode": {"r": float(self._returns[index]), "l": int(readings.steps[index])},
                 }
             self._returns[done] = 0.0
