@@ -1,4 +1,4 @@
-/* Finds a shortest way by A* and drives it: complete it. Arguments: eight places, then the pillars, X Y each, in mm. */
+/* Finds a shortest path by A* and drives along it: complete it. Arguments: eight places, then the pillars, X Y each, in mm. */
 #include <stdio.h>
 #include <stdlib.h>
 #include "eyebot.h"

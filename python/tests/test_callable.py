@@ -1,4 +1,4 @@
-"""Functions as robot programs: the same runs as from files, errors with robot and line, and what surrounds a program."""
+"""Functions as robot programs: the same runs as from files, errors with robot and line, and the environment of a program."""
 
 import json
 import os
@@ -34,7 +34,7 @@ EXAMPLES = {
 
 
 def as_function(path):
-    """A function that runs the program in a file as it is."""
+    """A function that runs the program in a file unchanged."""
 
     def program():
         exec(compile(path.read_bytes(), str(path), "exec"), {"__name__": "__main__"})

@@ -5,7 +5,7 @@ from eye import *
 
 EDGE = 300   # distance of the outermost lanes from the fence, mm
 LANE = 200   # distance between lanes: less than the mower's 250 mm, so that lanes overlap
-PIECES = 3   # of a lane
+PIECES = 3   # number of parts of a lane
 SPEED = 300  # mm/s
 
 

@@ -1,4 +1,4 @@
-/* Mows the lawn in lanes from side to side. Each lane is driven in pieces: before each piece odometry gives the end of the previous one. */
+/* Mows the lawn in lanes from side to side. Each lane is driven in parts. Before each part, odometry gives the end of the previous one. */
 #include <math.h>
 #include "eyebot.h"
 

@@ -1,11 +1,11 @@
-"""Mows the lawn in lanes from side to side. Each lane is driven in pieces: before each piece odometry gives the end of the previous one."""
+"""Mows the lawn in lanes from side to side. Each lane is driven in parts. Before each part, odometry gives the end of the previous one."""
 from math import atan2, degrees, hypot, remainder
 
 from eye import *
 
 EDGE = 300   # distance of the outermost lanes from the fence, mm
 LANE = 200   # distance between lanes: less than the mower's 250 mm, so that lanes overlap
-PIECES = 2   # of a lane
+PIECES = 2   # number of parts of a lane
 SPEED = 300  # mm/s
 
 

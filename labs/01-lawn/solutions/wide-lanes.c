@@ -1,4 +1,4 @@
-/* A mistake: the lanes are farther apart than the mower is wide, and strips of grass remain. */
+/* A mistake: the distance between lanes is larger than the mower's width, so strips of grass remain. */
 #include <math.h>
 #include "eyebot.h"
 

@@ -1,5 +1,5 @@
-/* Drives along a spline through waypoints: an arc leads to the point of the spline that lies a little ahead (pure pursuit). Arguments: the
- * waypoints, X Y each, in mm. */
+/* Drives along a spline through waypoints: the robot drives arcs to the point of the spline at the look-ahead distance (pure pursuit).
+ * Arguments: the waypoints, X Y each, in mm. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"

@@ -1,5 +1,5 @@
-/* DistBug (Kamon and Rivlin, 1997): drives towards a goal; at an obstacle, follows its boundary until the free way towards the goal brings
- * the robot nearer to it than it has ever been. Arguments: the goal, X Y in mm. */
+/* DistBug (Kamon and Rivlin, 1997): drives towards a goal; at an obstacle, follows its boundary until the free path towards the goal brings
+ * the robot nearer to the goal than ever before. Arguments: the goal, X Y in mm. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"
@@ -19,7 +19,7 @@ static int distance_at(int direction)
   return scan[((POINTS / 2 - direction) % POINTS + POINTS) % POINTS];
 }
 
-/* How far the robot can drive in a direction, mm. */
+/* Distance that the robot can drive in a direction, mm. */
 static int free_distance(int direction)
 {
   int at, room = 9999;

@@ -1,4 +1,4 @@
-/* A mistake: the robot never leaves a boundary, and goes round the first obstacle for ever. */
+/* A mistake: the robot never leaves a boundary, and goes around the first obstacle forever. */
 #include <math.h>
 #include <stdlib.h>
 #include "eyebot.h"
@@ -17,7 +17,7 @@ static int distance_at(int direction)
   return scan[((POINTS / 2 - direction) % POINTS + POINTS) % POINTS];
 }
 
-/* How far the robot can drive in a direction, mm. */
+/* Distance that the robot can drive in a direction, mm. */
 static int free_distance(int direction)
 {
   int at, room = 9999;

@@ -1,6 +1,6 @@
 /* Passes five words from robot 1 to robot 4 over a radio that reaches the next robot only and loses messages: stop-and-wait.
  *
- * A word is sent with its number until the next robot acknowledges this number; by the number the receiver knows a word that comes twice.
+ * A word is sent with its number until the next robot acknowledges this number. The receiver recognises a repeated word by its number.
  * Messages: `3 word` is word 3, `ack 3` acknowledges it. Each robot takes all words before it passes them on. */
 #include <stdio.h>
 #include <string.h>
