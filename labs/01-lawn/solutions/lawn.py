@@ -23,6 +23,6 @@ VWSetPosition(x, y, phi)
 drive_to(EDGE, EDGE)
 start, end = EDGE, 3000 - EDGE
 for y in range(EDGE, 2000 - EDGE + 1, LANE):
-    for piece in range(PIECES + 1):  # piece 0 leads from lane to lane
+    for piece in range(PIECES + 1):  # part 0 leads from lane to lane
         drive_to(start + (end - start) * piece / PIECES, y)
     start, end = end, start

@@ -4,8 +4,8 @@
 #include "eyebot.h"
 
 #define POINTS     360
-#define NEAR       260 /* an obstacle ahead at which it begins to follow, mm */
-#define KEEP       220 /* distance kept from the boundary, mm */
+#define NEAR       260 /* distance of an obstacle ahead at which the robot starts to follow, mm */
+#define KEEP       220 /* distance that the robot keeps from the boundary, mm */
 #define HALF_WIDTH 120 /* half of the width that the robot needs, mm */
 #define SPEED      200 /* mm/s */
 

@@ -8,7 +8,7 @@
 #define SIDE  16   /* cells in a row */
 #define CELL  250  /* mm */
 #define MAX_SQUARES  (SIDE * SIDE)
-#define PIECE 500  /* longest drive without a look at odometry, mm */
+#define PIECE 500  /* maximum drive between two readings of odometry, mm */
 
 typedef struct { int row, column, size; } Square; /* in cells */
 typedef struct { double x, y; } Point;            /* mm */

@@ -57,7 +57,7 @@ static int find_route(Cell start, Cell goal, int min_number, Cell *route)
   int is_found[SIDE][SIDE] = { { 0 } }, first = 0, last = 0, count = 0, i;
   Cell cell;
 
-  queue[last++] = goal; /* from the goal, so that the way leads from cell to cell towards it */
+  queue[last++] = goal; /* starts at the goal, so the path leads from cell to cell towards it */
   is_found[goal.row][goal.column] = 1;
   while (first < last) {
     cell = queue[first++];

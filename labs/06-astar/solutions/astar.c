@@ -9,13 +9,13 @@
 #define GOAL   (PLACES - 1)
 #define MAX_PILLARS   20   /* pillars */
 #define HALF   250  /* half the side of the square around a pillar, mm */
-#define PIECE  500  /* longest drive without a look at odometry, mm */
+#define PIECE  500  /* maximum drive between two readings of odometry, mm */
 
 typedef struct { double x, y; } Point; /* mm */
 
 static Point places[PLACES], pillars[MAX_PILLARS];
 static int pillar_count;
-static double matrix[PLACES][PLACES]; /* mm; -1 where there is no straight way */
+static double matrix[PLACES][PLACES]; /* mm; -1 if there is no straight path */
 
 /* Shortens the part from `first` to `last` (0 to 1) of a line to the part within HALF of a pillar, on one axis. */
 static void cut(double from, double to, double pillar, double *first, double *last)

@@ -3,12 +3,12 @@ from math import cos, degrees, pi, radians, sin, tan
 
 from eye import *
 
-LANE = 370     # width, mm
-TILT = -10     # of the camera, degrees
-CAMERA_X = 62  # of the S4, mm
+LANE = 370     # width of the lane, mm
+TILT = -10     # tilt of the camera, degrees
+CAMERA_X = 62  # position of the S4's camera, mm
 CAMERA_Z = 60
-WIDTH, HEIGHT = 160, 120  # of the image, pixels
-ROW = 52       # of the image, about 0.55 m ahead
+WIDTH, HEIGHT = 160, 120  # size of the image, pixels
+ROW = 52       # row of the image that shows the floor about 0.55 m ahead
 CONTRAST = 40  # minimum difference of brightness between road and line
 WIDEST = 60    # maximum width of the line, mm
 SPEED = 140    # mm/s

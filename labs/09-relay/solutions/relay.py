@@ -10,7 +10,7 @@ from eye import *
 ROBOTS = 4
 WORDS = 5
 TIMEOUT = 100  # ms without an acknowledgement until a word is sent again
-LINGER = 3000  # ms of silence at the end, since the last acknowledgement may be lost
+LINGER = 3000  # ms without a message at the end until the program ends, since the last acknowledgement may be lost
 
 words = []
 acknowledged = 0  # number of the last word that the next robot has acknowledged
@@ -47,7 +47,7 @@ def pass_on(number):
 
 RADIOInit()
 me = RADIOGetID()
-OSWait(100)  # until all radios are on
+OSWait(100)  # wait until all radios are on
 if me == 1:
     words = sys.argv[1:]
 while len(words) < WORDS:

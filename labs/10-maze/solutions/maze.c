@@ -9,7 +9,7 @@
 
 #define SIZE 6       /* cells in a row */
 #define CELL 360     /* mm */
-#define NEAR 250     /* a wall of the robot's own cell is nearer, mm */
+#define NEAR 250     /* distance below which a wall belongs to the robot's own cell, mm */
 #define FAR  9999    /* more steps than there are cells */
 
 typedef enum { UNKNOWN, WALL, OPEN } Side;
@@ -97,7 +97,7 @@ static void turn_to(int heading)
   }
 }
 
-/* Goes to the neighbour in a direction. The target is the middle of its cell by odometry, so errors do not add up. */
+/* Drives to the neighbour in a direction. The target is the middle of its cell by odometry, so errors do not add up. */
 static void go(int d, int speed)
 {
   int x, y, phi, to_x, to_y;

@@ -55,7 +55,7 @@ def downhill(steps, hopeful):
 
 
 def go(d, speed):
-    """Goes to the neighbour in a direction. The target is the middle of its cell by odometry, so errors do not add up."""
+    """Drives to the neighbour in a direction. The target is the middle of its cell by odometry, so errors do not add up."""
     global cell, direction
     cell, direction = neighbour(cell, d), d
     to_x, to_y = (number * CELL + CELL // 2 for number in cell)
