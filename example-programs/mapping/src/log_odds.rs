@@ -1,7 +1,7 @@
 //! Bayesian occupancy grid: each cell stores the log-odds l = ln(p / (1 - p)) of its probability p of being occupied.
 //!
-//! The initial odds are even. An independent reading z with the inverse sensor model p(occupied | z) adds ln(p(occupied
-//! | z) / (1 - p(occupied | z))) to l. So as much evidence as made a cell wrong, at most [`LIMIT`], corrects it.
+//! The initial odds are even. An independent reading z with the inverse sensor model p(occupied | z) adds
+//! ln(p(occupied | z) / (1 - p(occupied | z))) to l. So as much evidence as made a cell wrong, at most [`LIMIT`], corrects it.
 //!
 //! Source: Elfes 1989; Thrun, Burgard & Fox 2005, sections 4.2 and 9.2. The numbers of [`SonarModel`] are our choice.
 

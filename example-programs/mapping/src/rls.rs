@@ -49,8 +49,8 @@ impl Rls {
     /// Parameters with the prior `mean` and `variance`, independent of each other.
     ///
     /// `forgetting` is in (0, 1]; 1 means no forgetting. Below 1, the variance of the measured combination of
-    /// parameters is at least (1 - forgetting) times the variance of the equation, so the memory is about 1 / (1 -
-    /// forgetting) equations long.
+    /// parameters is at least (1 - forgetting) times the variance of the equation, so the memory is about
+    /// 1 / (1 - forgetting) equations long.
     ///
     /// # Panics
     /// If the lists differ in length, a variance is not above 0 and finite, or `forgetting` is outside (0, 1].

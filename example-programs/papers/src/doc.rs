@@ -1,5 +1,5 @@
-//! A page of the docs with places for tables: `<!-- papers: PAPER -->` begins the place of a paper's claims, `<!--
-//! papers: PAPER/TABLE -->` that of one of its tables. The next `<!-- end -->` ends a place.
+//! A page of the docs with places for tables: `<!-- papers: PAPER -->` begins the place of a paper's claims,
+//! `<!-- papers: PAPER/TABLE -->` the place of one of its tables. The next `<!-- end -->` ends a place.
 
 use std::fs;
 use std::ops::Range;

@@ -52,7 +52,7 @@ impl Results {
 /// Makes the page with `terrains` training terrains and as many held-out ones.
 ///
 /// # Errors
-/// If a scene does not run to its end, or a search does not enclose the optimum. 82~ All choices are made above.
+/// If a scene does not run to its end, or a search does not enclose the optimum.
 pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     let seeds = |first: u64| {
         let first = first + (job.seed().wrapping_sub(1)).wrapping_mul(APART);
@@ -80,7 +80,7 @@ pub fn page(job: &Job, terrains: usize) -> anyhow::Result<Page> {
     })?;
     let all_tuned: Vec<Vec<Tuned>> = of_groups.chunks(GROUPS.len()).map(|groups| groups.concat()).collect();
     let chart = work_chart(&training, &all_tuned[0])?;
-    // Nothing is chosen from here on.
+    // All choices are made above.
     let held_out: Vec<Vec<Survey>> = Condition::ALL
         .iter()
         .map(|condition| measure(job, seeds(HELD_OUT), *condition))
