@@ -39,7 +39,7 @@ pub fn traced(scratch: &Scratch, args: &[&str], code: i32) -> (Value, Vec<Value>
 ///
 /// # Panics
 /// If the trace is malformed.
-pub fn said(trace: &[Value], id: u64) -> Vec<&str> {
+pub fn printed(trace: &[Value], id: u64) -> Vec<&str> {
     let is_said = |event: &&Value| event["event"] == "stdout" && event["robot"] == id;
     trace.iter().filter(is_said).map(|event| event["text"].as_str().expect("text")).collect()
 }

@@ -155,7 +155,7 @@ const SYSTEM: &str = "#define _GNU_SOURCE\n#include <fcntl.h>\n#include <fenv.h>
 
 /// Runs a program beside a good one, with this executor; returns the exit code, the messages, and the outcome of the
 /// good program.
-fn told(program: &str, exec: &str) -> (Option<i32>, String, Value) {
+fn run_beside_good(program: &str, exec: &str) -> (Option<i32>, String, Value) {
     let scratch = Scratch::new();
     scratch.write("bad.c", &format!("{SYSTEM}{program}\n"));
     let good = "int main(void) { VWHandle vw = VWInit(VW_DRIVE, 1); VWDriveStraight(vw, 0.1, 0.5); VWDriveWait(vw); return 0; }\n";
@@ -198,11 +198,11 @@ const ENDS: &[(&str, &str)] = &[
 ];
 
 #[test]
-fn ends_behind_the_back_of_eyesim_are_told_on_every_kind_of_flow() {
+fn ends_that_bypass_the_c_library_are_reported_by_every_executor() {
     for (program, words) in ENDS {
         let is_ifunc = program.contains("ifunc");
         for exec in ["auto", "process", "thread"] {
-            let (code, said, good) = told(program, exec);
+            let (code, said, good) = run_beside_good(program, exec);
             assert_eq!(code, Some(1), "{exec} {program}: {said}");
             assert!(said.contains(words), "{exec} {program}: {said}");
             assert!(exec != "process" || is_ifunc || good == "finished", "{exec} {program}: {said}");
@@ -217,7 +217,8 @@ fn what_would_end_or_replace_eyesim_on_a_thread_is_told() {
         ("{ char *a[] = {\"true\", 0}; execve(\"/bin/true\", a, 0); }", "execve"),
         ("__asm__ volatile(\"syscall\" : : \"a\"(231), \"D\"(7)); raise(0);", "exit_group"),
     ] {
-        let (code, said, _) = told(&format!("int main(void) {{ OSWait(20); {program} return 0; }}"), "thread");
+        let (code, said, _) =
+            run_beside_good(&format!("int main(void) {{ OSWait(20); {program} return 0; }}"), "thread");
         assert_eq!(code, Some(1), "{program}: {said}");
         assert!(said.contains(words) && said.contains("bad.c:12"), "{program}: {said}");
     }
@@ -246,7 +247,8 @@ fn a_record_that_is_not_whole_is_no_success() {
         "{ int n = open(\"/dev/null\", O_RDWR); for (int i = 3; i < 64; i++) if (i != n) dup2(n, i); }",
     ] {
         for exec in ["auto", "thread"] {
-            let (code, said, _) = told(&format!("int main(void) {{ OSWait(20); {harm} OSWait(50); return 0; }}"), exec);
+            let (code, said, _) =
+                run_beside_good(&format!("int main(void) {{ OSWait(20); {harm} OSWait(50); return 0; }}"), exec);
             let is_apart = exec == "auto" && harm.contains("dup2");
             assert!(if is_apart { code == Some(0) } else { code == Some(2) }, "{exec} {harm} {code:?}: {said}");
             assert!(is_apart || said.contains("it is not complete"), "{exec} {harm}: {said}");
@@ -262,7 +264,7 @@ fn processes_of_programs_do_not_outlive_the_run() {
             "int main(void) {{ OSWait(20); if (syscall(SYS_fork) == 0) {{ setsid(); execl(\"/bin/sleep\", \"sleep\", \"9{tag}\", (char *)0); }}\n\
              usleep(1000); OSWait(50); return 0; }}"
         );
-        let (_, said, _) = told(&sleeper, exec);
+        let (_, said, _) = run_beside_good(&sleeper, exec);
         let list =
             Command::new("sh").args(["-c", &format!("grep -l 9{tag} /proc/[0-9]*/cmdline 2>/dev/null")]).output();
         let remaining = String::from_utf8_lossy(&list.expect("a shell").stdout).into_owned();

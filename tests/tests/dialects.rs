@@ -287,7 +287,7 @@ int main(void) {
 "#;
 
 #[test]
-fn the_track_of_eyesim_vr_is_half_of_what_the_wheels_stand_apart() {
+fn the_track_of_eyesim_vr_is_half_the_wheel_distance() {
     // Wheels of 54 mm diameter, 90 mm apart. For one second: 2 % of 3600 degrees/s; in EyeSim VR 2 % of 0.4 m/s at the
     // rim.
     let classic = 72_f64.to_radians();
@@ -525,7 +525,7 @@ const STEP: &str =
     "#include \"eyebot.h\"\nint main() { VWStraight(360, 200); VWWait(); LCDPrintf(\"%d\", PSDGet(1)); return 0; }\n";
 
 #[test]
-fn the_cells_of_a_maze_are_as_large_as_somebody_says() {
+fn file_options_and_dialect_set_the_cell_size_of_a_maze() {
     let scratch = Scratch::new();
     scratch.write("step.c", STEP);
     scratch.write("m.maz", "720\n _____\n|   S |\n| |_| |\n|U____|\n");

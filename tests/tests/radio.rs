@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use tests::radio::{ECHO_7, IS, RECEIVER, SENDER, causes, messages, micros, reasons, row, said, traced};
+use tests::radio::{ECHO_7, IS, RECEIVER, SENDER, causes, messages, micros, printed, reasons, row, traced};
 
 const CODES_6: &str = r#"
 static RadioIOParameters with(int interface, int speed, int id, int remote, int images, int debug)
@@ -108,7 +108,7 @@ fn robios_6_answers_as_documented() {
     scratch.write("echo.c", &format!("{IS}{ECHO_6}"));
     for exec in ["thread", "process"] {
         let (_, trace) = traced(&scratch, &["--exec", exec], 0);
-        assert_eq!([said(&trace, 1), said(&trace, 2)], [["done"], ["done"]]);
+        assert_eq!([printed(&trace, 1), printed(&trace, 2)], [["done"], ["done"]]);
         let hints: Vec<_> =
             trace.iter().filter(|event| event["event"] == "hint").map(|it| it["text"].as_str()).collect();
         let tells = |words: &str| hints.iter().flatten().any(|hint| hint.contains(words));
@@ -180,7 +180,7 @@ fn robios_7_answers_as_documented() {
     scratch.write("echo.c", &format!("{IS}{ECHO_7}"));
     for exec in ["thread", "process"] {
         let (_, trace) = traced(&scratch, &["--exec", exec, "--api", "7"], 1);
-        assert_eq!([said(&trace, 1), said(&trace, 2), said(&trace, 3)], [vec!["done"], vec![], vec![]]);
+        assert_eq!([printed(&trace, 1), printed(&trace, 2), printed(&trace, 3)], [vec!["done"], vec![], vec![]]);
         let reason = &reasons(&scratch)[1];
         assert!(reason.contains("(all programs that have not ended wait for messages from each other)"), "{reason}");
     }
@@ -197,7 +197,7 @@ fn what_robots_do_with_a_wait_in_a_timer_or_beside_a_drive() {
         .replace("printf(", "printf(\"%d ticks, \", ticks); printf(");
     scratch.write("receiver.c", &with_timer);
     let (_, trace) = traced(&scratch, &[], 0);
-    assert_eq!(said(&trace, 2), ["36 ticks, 35 bytes from 1: from the sender"]);
+    assert_eq!(printed(&trace, 2), ["36 ticks, 35 bytes from 1: from the sender"]);
     let sent = &messages(&trace)[&(1, 1)];
     let received = trace.iter().find(|event| event["event"] == "radio_received").expect("a message");
     assert_eq!(micros(&received["t_s"]), sent.at + 350_000);
@@ -248,11 +248,11 @@ fn buffers_have_room_for_1024_bytes() {
     scratch.write("receiver.c", receiver);
     let (_, trace) = traced(&scratch, &[], 0);
     let all = messages(&trace);
-    assert_eq!(said(&trace, 1), [format!("{} sent, {} refused", all.len(), 100 - all.len())]);
+    assert_eq!(printed(&trace, 1), [format!("{} sent, {} refused", all.len(), 100 - all.len())]);
     assert!((32..36).contains(&all.len()), "{}", all.len());
     let overflows = all.len() - 32;
     assert_eq!(causes(&trace), vec!["overflow"; overflows]);
-    assert_eq!(said(&trace, 2), ["32 wait", "1024 bytes"]);
+    assert_eq!(printed(&trace, 2), ["32 wait", "1024 bytes"]);
 }
 
 #[test]
@@ -365,7 +365,7 @@ fn a_flood_of_messages_stays_in_bounds() {
     // 82,320 messages are transmitted, and 1024 wait. The receiver also holds 1024 waiting messages.
     let sent = messages(&trace).len();
     assert!((83_200..83_500).contains(&sent), "{sent}");
-    assert_eq!(said(&trace, 1), [format!("{sent} sent")]);
+    assert_eq!(printed(&trace, 1), [format!("{sent} sent")]);
     let arrived = trace.iter().filter(|event| event["event"] == "radio_arrived").count();
     let causes = causes(&trace);
     let lost = |cause: &str| causes.iter().filter(|it| *it == cause).count();
@@ -407,7 +407,7 @@ fn each_task_of_a_robot_can_wait_for_messages() {
         let sent = &messages(&trace)[&(1, 1)];
         let received = trace.iter().find(|event| event["event"] == "radio_received").expect("a message");
         assert_eq!(micros(&received["t_s"]), sent.at + 183_334);
-        assert_eq!(said(&trace, 2), [format!("fifteen letters at {}", (sent.at + 183_334) / 1000)]);
+        assert_eq!(printed(&trace, 2), [format!("fifteen letters at {}", (sent.at + 183_334) / 1000)]);
     }
 }
 
@@ -432,10 +432,10 @@ print(RADIORelease(), RADIORelease())
     scratch.write("echo.c", &format!("{IS}{ECHO_7}"));
     let (_, trace) = traced(&scratch, &[], 1);
     assert_eq!(
-        said(&trace, 1),
+        printed(&trace, 1),
         ["1 (0, '') 0 []", "0 1 1", "[1, 2] 0 0 1", "2 (2, 'hello') (2, 'by')", "0 1"],
         "{:?}",
-        said(&trace, 1)
+        printed(&trace, 1)
     );
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 use tests::Scratch;
-use tests::radio::{RECEIVER, SENDER, causes, integer, messages, micros, row, said, scene, traced};
+use tests::radio::{RECEIVER, SENDER, causes, integer, messages, micros, printed, row, scene, traced};
 
 /// Sends and receives at random; robots 1 and 2 also wait for messages.
 const RANDOM_6: &str = r#"
@@ -176,7 +176,7 @@ fn a_robot_that_waits_is_woken_within_a_slot_when_its_message_is_visible() {
     scratch.write("receiver.c", RECEIVER);
     for slot in ["50", "80", "300"] {
         let (_, trace) = traced(&scratch, &["--slot", slot], 0);
-        assert_eq!(said(&trace, 2), ["35 bytes from 1: from the sender"]);
+        assert_eq!(printed(&trace, 2), ["35 bytes from 1: from the sender"]);
         let sent = &messages(&trace)[&(1, 1)];
         let received = trace.iter().find(|event| event["event"] == "radio_received").expect("a message");
         assert_eq!(sent.begins, Some(sent.at));
@@ -245,7 +245,7 @@ fn garbled_messages_arrive_garbled_and_lost_ones_do_not() {
     let (_, trace) = traced(&scratch, &[], 0);
     let arrived: Vec<&Value> = trace.iter().filter(|event| event["event"] == "radio_arrived").collect();
     let wrong: i64 = arrived.iter().map(|event| integer(event, "bit_errors")).sum();
-    assert_eq!(said(&trace, 2), [format!("{} {wrong}", arrived.len())]);
+    assert_eq!(printed(&trace, 2), [format!("{} {wrong}", arrived.len())]);
     assert_eq!(causes(&trace).len() + arrived.len(), 500);
     // The expected means are 400 and 1024, with standard deviations of 9 and 32.
     assert!((350..450).contains(&arrived.len()) && (850..1200).contains(&wrong), "{} {wrong}", arrived.len());

@@ -323,7 +323,7 @@ fn robots_and_objects_are_put_elsewhere() {
 }
 
 #[test]
-fn whoever_asks_last_is_obeyed_whatever_the_threads() {
+fn of_simultaneous_placements_that_of_the_higher_robot_number_takes_effect() {
     let program = |y: i32| {
         format!(
             "int main(void)\n{{\n    for (int i = 0; i < 40; i++) {{ SIMSetRobot(3, 1000 + 20 * i, {y}, 0, i); SIMSetObject(5, 2000, {y}, 0, 0); }}\n    rest(); return 0;\n}}\n"

@@ -70,7 +70,7 @@ fn a_report_that_cannot_be_written_keeps_no_plot_from_being_written() {
 }
 
 #[test]
-fn a_reader_who_has_seen_enough_is_no_error() {
+fn a_closed_output_pipe_is_not_an_error() {
     let scratch = scene("int i; for (i = 0; i < 100000; i++) puts(\"line\"); return 0;");
     let mut child =
         scratch.command(&["run", "scene.sim", "--report", "r.json"]).stdout(Stdio::piped()).spawn().expect("starts");
