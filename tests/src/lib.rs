@@ -35,8 +35,8 @@ pub fn eyesim_path() -> &'static Path {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     PATH.get_or_init(|| {
         let mut build = Command::new(env!("CARGO"));
-        // Builds the whole workspace and a test, so that dependencies have the same features as in the build by `cargo
-        // test --workspace`.
+        // Builds the whole workspace and a test, so that dependencies have the same features as in the build by
+        // `cargo test --workspace`.
         build.args(["build", "--quiet", "--workspace", "--bin", "eyesim", "--test", "docs"]).current_dir(root());
         if !cfg!(debug_assertions) {
             build.arg("--release");

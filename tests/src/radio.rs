@@ -6,8 +6,8 @@ use serde_json::Value;
 
 use crate::Scratch;
 
-/// Writes `scene.scene.toml`: a room of 4 m by 4 m with a wall across the middle half of its width, and robots with
-/// these programs at these positions in mm.
+/// Writes `scene.scene.toml`: a room of 4 m by 4 m with a wall of 2 m in its middle, and robots with these programs
+/// at these positions in mm.
 pub fn scene(robots: &[(&str, i32, i32)], tables: &str) -> Scratch {
     let scratch = Scratch::new();
     scratch.write(

@@ -198,7 +198,7 @@ const ENDS: &[(&str, &str)] = &[
 ];
 
 #[test]
-fn ends_that_bypass_the_c_library_are_reported_by_every_executor() {
+fn ends_that_are_hard_to_detect_are_reported_by_every_executor() {
     for (program, words) in ENDS {
         let is_ifunc = program.contains("ifunc");
         for exec in ["auto", "process", "thread"] {

@@ -140,7 +140,7 @@ fn a_python_program_is_restricted_as_well() {
     assert_eq!(said.matches("closed").count(), 6, "{ran:#?}");
 }
 
-/// Programs that crash or flood: class, program, and a text in the reason of robot 2, which is empty if the program
+/// Programs that crash or flood: name, statements, and a text in the reason of robot 2, which is empty if the program
 /// ends well.
 const HOSTILE: &[(&str, &str, &str)] = &[
     ("null write", "*(volatile int *)0 = 1;", "segmentation fault"),
