@@ -1,5 +1,5 @@
-//! Movable objects in whole runs: a ball is kicked into a goal, and crates are pushed or stall the wheels. The record
-//! contains it.
+//! Movable objects in whole runs: a ball is kicked into a goal, and crates are pushed or stall the wheels. The trace
+//! records these events.
 
 #![allow(clippy::disallowed_methods, reason = "distances by hand, compared within a tolerance")]
 

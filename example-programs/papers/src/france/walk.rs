@@ -121,7 +121,7 @@ pub enum Thing {
     Obstacle,
     /// Walls and furniture.
     Other,
-    /// Nothing within [`FAR`].
+    /// Nothing within 20 m.
     Nothing,
 }
 
